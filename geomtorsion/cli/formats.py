@@ -297,14 +297,14 @@ def _arguments(
     symbols: Sequence[sympy.Symbol], values: Iterable[sympy.Expr]
 ) -> dict[sympy.Basic, str]:
     """Arguments of a function: symbols, then the unknown functions and derivatives that occur."""
-    found: set[sympy.Basic] = set()
+    terms: set[sympy.Basic] = set()
     for value in values:
         # The slope of f at 2*r is one argument; nothing inside it is another argument.
         elsewhere = value.atoms(sympy.Subs)
         rest = value.xreplace(dict.fromkeys(elsewhere, sympy.S.One))
-        found |= elsewhere | rest.atoms(AppliedUndef, sympy.Derivative)
+        terms |= elsewhere | rest.atoms(AppliedUndef, sympy.Derivative)
     # A function that occurs only inside a derivative is not an argument by itself.
-    functions = sorted(found, key=lambda part: (not part.is_Function, str(part)))
+    functions = sorted(terms, key=lambda part: (not part.is_Function, str(part)))
     arguments: dict[sympy.Basic, str] = {}
     for part in (*symbols, *functions):
         name = _identifier(part)

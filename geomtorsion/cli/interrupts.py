@@ -25,8 +25,8 @@ def begin_command() -> None:
     The handler stays unchanged in a program that imports the package, and in a process that
     ignores Ctrl-C.
     """
-    given = sys.orig_argv
-    by_module = any(given[k : k + 2] == ["-m", "geomtorsion"] for k in range(len(given)))
+    arguments = sys.orig_argv
+    by_module = any(arguments[k : k + 2] == ["-m", "geomtorsion"] for k in range(len(arguments)))
     name = os.path.basename(sys.argv[0]) if sys.argv else ""
     by_script = name in ("geomtorsion", "geomtorsion.exe")
     if by_module or by_script:

@@ -55,10 +55,10 @@ class LazyGroup(TyperGroup):
             if near := near_names(cmd_name, self.summaries):
                 ctx.fail(f"No such command {cmd_name!r}. Did you mean {near!r}?")
             return None
-        found = getattr(import_module(self.module.format(cmd_name)), cmd_name)
-        if isinstance(found, typer.Typer):
-            return get_command(found)
-        command = _command(found, self.settings.get(cmd_name))
+        target = getattr(import_module(self.module.format(cmd_name)), cmd_name)
+        if isinstance(target, typer.Typer):
+            return get_command(target)
+        command = _command(target, self.settings.get(cmd_name))
         return _limited(command) if cmd_name in self.limited else command
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
@@ -74,8 +74,8 @@ class LazyGroup(TyperGroup):
         """The arguments of the group; a wrong option of the group ends like any other error."""
         # Without arguments typer shows help and raises it as an error.
         with clean_exits() if args else nullcontext():
-            found: list[str] = super().parse_args(ctx, args)
-        return found
+            arguments: list[str] = super().parse_args(ctx, args)
+        return arguments
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was named."""

@@ -59,11 +59,11 @@ def open_scene(
         changes["accuracy"] = accuracy
     if t is not None:
         changes["t"] = quantity(t, "s")
-    given = [_setting(text) for text in settings or ()]
-    for place, (path, _) in enumerate(given):
-        if path in (other for other, _ in given[:place]):
+    pairs = [_setting(text) for text in settings or ()]
+    for place, (path, _) in enumerate(pairs):
+        if path in (other for other, _ in pairs[:place]):
             raise StartError(f"--set: expected {cut(path)} once, got it twice. Give one value.")
-    changes |= dict(given)
+    changes |= dict(pairs)
     return scene.with_values(changes) if changes else scene
 
 

@@ -33,12 +33,12 @@ def some_names(text: str, option: str) -> list[str]:
     >>> some_names("torsion, ricci,", "--only")
     ['torsion', 'ricci']
     """
-    found = list(parts(text))
-    if not found:
+    names = list(parts(text))
+    if not names:
         raise UnknownNameError(
             f"{option}: expected at least one name, got {shown(text)}. Name one, or omit {option}."
         )
-    return found
+    return names
 
 
 def number(text: str, what: str) -> float:
@@ -91,7 +91,7 @@ def named_numbers(texts: Iterable[str]) -> dict[str, float]:
     >>> named_numbers(["M=1, a=1/2"])
     {'M': 1.0, 'a': 0.5}
     """
-    found: dict[str, float] = {}
+    values: dict[str, float] = {}
     for part in parts(",".join(texts)):
         name, sign, value = part.partition("=")
         name = name.strip()
@@ -99,12 +99,12 @@ def named_numbers(texts: Iterable[str]) -> dict[str, float]:
             raise StartError(
                 f"parameters: expected NAME=NUMBER, got {shown(part)}. Write M=1,a=0.5."
             )
-        if name in found:
+        if name in values:
             raise StartError(
                 f"parameters: expected {cut(name)} once, got it twice. Give one value."
             )
-        found[name] = number(value, f"parameter {name}")
-    return found
+        values[name] = number(value, f"parameter {name}")
+    return values
 
 
 def engine_of(name: str) -> Engine | None:

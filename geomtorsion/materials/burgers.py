@@ -171,8 +171,8 @@ class Burgers(Signed):
         errors = ", ".join(f"{name} {size:.2g}" for name, size in parts.items() if size)
         shown = ", ".join(f"{x:.6g}" for x in self.vector.tolist())
         counted = f" = {self.whole.tolist()} in lattice vectors" if self.whole.size else ""
-        said = f", error={self.error:.2g}: {errors}" if errors else ""
-        return f"{type(self).__name__}([{shown}]{unit}{counted}{said})"
+        error_text = f", error={self.error:.2g}: {errors}" if errors else ""
+        return f"{type(self).__name__}([{shown}]{unit}{counted}{error_text})"
 
 
 def numbered(rows: int) -> tuple[str, ...]:

@@ -211,15 +211,15 @@ def open_source(
         "sigma": sigma, "threshold": threshold, "order": order, "laue": laue or None, "slip": slip,
         "pixel": pixel, "spots": spots, "resolution": resolution,
     }  # fmt: skip
-    given = {name: value for name, value in options.items() if value is not None}
-    for name in given:
+    arguments = {name: value for name, value in options.items() if value is not None}
+    for name in arguments:
         if name not in kind.options:
             owner = next(one for one in (GRID, MAP, IMAGE) if name in one.options)
             raise kind.error(
                 f"{name}: expected a file of {owner.plural}, got {kind.name} in {path.name}. Omit "
                 "the option."
             )
-    return kind.read(path, **given)
+    return kind.read(path, **arguments)
 
 
 def open_in_blocks(

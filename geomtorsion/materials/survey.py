@@ -108,8 +108,8 @@ class Survey:
     @cached_property
     def arrows(self) -> np.ndarray | None:
         """b along both axes of the plane, (2, places...); None if b has no such components."""
-        found = self.vectors if self.directed is None else self.directed()
-        return found[list(self.plane)] if len(found) > max(self.plane) else None
+        parts = self.vectors if self.directed is None else self.directed()
+        return parts[list(self.plane)] if len(parts) > max(self.plane) else None
 
     @property
     def density_unit(self) -> str:
@@ -130,12 +130,12 @@ class Survey:
     @cached_property
     def sigmas(self) -> np.ndarray:
         """Standard deviation of each component from noise, shape of the vectors."""
-        found = np.zeros(self.vectors.shape)
-        for i, row in enumerate(found):
+        sigmas = np.zeros(self.vectors.shape)
+        for i, row in enumerate(sigmas):
             # Rounding may make a variance negative where noise cancels.
             row += np.sqrt(np.maximum(self.estimated.covariance.get((i, i), 0.0), 0.0))
-        found[:, ~self.known] = np.nan
-        return found
+        sigmas[:, ~self.known] = np.nan
+        return sigmas
 
     @property
     def noise(self) -> np.ndarray:
@@ -161,12 +161,12 @@ class Survey:
     def significance(self) -> np.ndarray:
         """|b| in units of its errors, as in `Burgers.significance`; NaN where b is not known."""
         if self.estimated.chance is not None:
-            found = counted_significances(self.whole, self.estimated.chance, len(self.vectors))
+            values = counted_significances(self.whole, self.estimated.chance, len(self.vectors))
         else:
-            found = significances(
+            values = significances(
                 self.vectors, self.estimated.covariance, self.estimated.systematic
             )
-        return np.where(self.known, found, np.nan)
+        return np.where(self.known, values, np.nan)
 
     @property
     def level(self) -> float:
@@ -247,13 +247,13 @@ class Survey:
         median of its noise floor. level: the significance that pure noise exceeds in one circuit
         of a thousand. place: coordinates of the largest |b| per area.
         """
-        known, area = self.known, np.broadcast_to(self.area, self.known.shape)
-        found: Json = {
+        mask, area = self.known, np.broadcast_to(self.area, self.known.shape)
+        summary: Json = {
             "size": list(self.size),
             "area": float(area.mean()),
-            "circuits": known.size,
-            "known": int(known.sum()),
-            "significant": int((self.significant & known).sum()),
+            "circuits": mask.size,
+            "known": int(mask.sum()),
+            "significant": int((self.significant & mask).sum()),
             "level": self.level,
             "unit": self.unit,
             "vector_unit": self.vector_unit,
@@ -263,19 +263,19 @@ class Survey:
             "floor": None,
             "place": None,
         }
-        if known.any():
+        if mask.any():
             density = self.per_area
-            laid = self.laid(np.where(known, density, -1.0))
+            laid = self.laid(np.where(mask, density, -1.0))
             p, q, layer = np.unravel_index(np.argmax(laid), laid.shape)
             one, two = self.lines
-            found |= {
-                "median": float(np.median(density[known])),
+            summary |= {
+                "median": float(np.median(density[mask])),
                 "largest": float(laid[p, q, layer]),
-                "floor": float(np.median(self.floor[known])),
+                "floor": float(np.median(self.floor[mask])),
                 "place": [float(one[p]), float(two[q if self.on_grid else p])],
                 "layer": self.layers[layer],
             }
-        return found
+        return summary
 
     def write_table(self, path: Path) -> None:
         """Write a CSV line for each circuit with a b; numbers read back as the same doubles."""

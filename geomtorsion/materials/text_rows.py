@@ -41,9 +41,9 @@ def number_rows(
     if not rows:
         return np.zeros((0, width))
     try:
-        found = np.loadtxt(io.StringIO("\n".join(rows)), delimiter=split, ndmin=2, comments=None)
-        if found.shape == (len(rows), width):
-            return found
+        entries = np.loadtxt(io.StringIO("\n".join(rows)), delimiter=split, ndmin=2, comments=None)
+        if entries.shape == (len(rows), width):
+            return entries
     except ValueError:
         pass
     values = []
@@ -54,12 +54,12 @@ def number_rows(
                 f"{name}: line {number + 1}: expected {width} fields, one for each column of the "
                 f"header, got {len(words)}. Is the file complete?"
             )
-        found = [finite_number(word) for word in words]
-        wrong = [w for w, x in zip(words, found, strict=True) if x is None]
+        entries = [finite_number(word) for word in words]
+        wrong = [w for w, x in zip(words, entries, strict=True) if x is None]
         if not has_words and any(word.lower() not in MISSING for word in wrong):
             raise FileFormatError(
                 f"{name}: line {number + 1}: expected numbers, got {shown(cut(row.strip(), 80))}. "
                 "Correct the row, or leave the field empty."
             )
-        values.append([np.nan if x is None else x for x in found])
+        values.append([np.nan if x is None else x for x in entries])
     return np.array(values)

@@ -127,7 +127,7 @@ def metadata(pair: Pair) -> Data:
         "accuracy": pair.straight.accuracy,
         "largest_distance": float(pair.distance.max()),
         "coincide": pair.coincide,
-        "curves": {name: _facts(pair, name, found) for name, found in pair.curves.items()},
+        "curves": {name: _facts(pair, name, curve) for name, curve in pair.curves.items()},
     }
 
 

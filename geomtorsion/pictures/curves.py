@@ -56,8 +56,8 @@ def error_over_time(solution: Solution) -> np.ndarray | None:
     """
     if solution.reference is None:
         return None
-    found = difference_over_samples(solution.problem, solution.trajectory, solution.reference)
-    return SAFETY * found[len(found) - len(solution.times) :]
+    differences = difference_over_samples(solution.problem, solution.trajectory, solution.reference)
+    return SAFETY * differences[len(differences) - len(solution.times) :]
 
 
 # Position of a panel (rows, columns, number), and curves by name.
@@ -170,8 +170,8 @@ def continued(pair: Pair) -> dict[str, np.ndarray]:
 def carried_on(atlas: Atlas, chart: str, points: np.ndarray) -> np.ndarray:
     """Points of a curve, shape (m, n), whose angles do not jump back after a turn."""
     angles: set[int] = set()
-    for other in atlas.makers:
-        route = atlas.route(other, chart) if other != chart else []
+    for name in atlas.makers:
+        route = atlas.route(name, chart) if name != chart else []
         if route:
             angles |= set(route[-1].angles)
     smooth = np.array(points, dtype=float)

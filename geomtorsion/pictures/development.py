@@ -143,15 +143,15 @@ def _draw_frame(
 def _state_gap(axes: Axes, turn: Development) -> None:
     """Gap and turn in numbers, and the content of the loop."""
     size = float(np.linalg.norm(turn.burgers))
-    said = f"|b| = {size:.4g}" if size > turn.error else "b = 0"
+    title = f"|b| = {size:.4g}" if size > turn.error else "b = 0"
     rotated = float(np.abs(turn.motion.turn).max())
     if rotated > max(turn.turn_error, 1e-13):
         if turn.connection.metric_compatible and len(turn.burgers) in (2, 3):
-            said += f",  turn = {np.degrees(turn.angle):.4g}°"
+            title += f",  turn = {np.degrees(turn.angle):.4g}°"
         else:
-            said += f",  |R - 1| = {rotated:.4g}"
+            title += f",  |R - 1| = {rotated:.4g}"
     else:
-        said += ",  no turn"
+        title += ",  no turn"
     if turn.enclosed:
-        said += f";  encloses {len(turn.enclosed)} defect{'s' * (len(turn.enclosed) > 1)}"
-    axes.set_title(said, fontsize=11)
+        title += f";  encloses {len(turn.enclosed)} defect{'s' * (len(turn.enclosed) > 1)}"
+    axes.set_title(title, fontsize=11)

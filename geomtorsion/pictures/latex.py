@@ -203,8 +203,8 @@ def text_label(symbol: str, marks: Sequence[str], slots: str) -> str:
     """
     parts = [symbol]
     for up, run in _runs(marks, slots):
-        joined = ("" if all(len(mark) == 1 for mark in run) else " ").join(run)
-        parts.append(f"{'^' if up else '_'}{joined if len(joined) == 1 else f'{{{joined}}}'}")
+        text = ("" if all(len(mark) == 1 for mark in run) else " ").join(run)
+        parts.append(f"{'^' if up else '_'}{text if len(text) == 1 else f'{{{text}}}'}")
     return "".join(parts)
 
 

@@ -44,14 +44,14 @@ def draw_lattice(
 
     def show(axes: Axes, values: np.ndarray, title: str, colours: str, bar: str = "", **look):
         shown = np.ma.masked_invalid(values.T)
-        found = axes.imshow(
+        artist = axes.imshow(
             shown, origin="lower", extent=box, cmap=colours, interpolation="nearest", **look
         )
         axes.set_facecolor("#9aa0a6")
         axes.set_title(title, size=10.5)
         axes.tick_params(labelsize=8)
         if bar:
-            figure.colorbar(found, ax=axes, shrink=0.82, label=bar).ax.tick_params(labelsize=8)
+            figure.colorbar(artist, ax=axes, shrink=0.82, label=bar).ax.tick_params(labelsize=8)
         if b is not None:
             axes.plot(*(step * b.pixels.T), color=CIRCUIT, linewidth=1.6)
 

@@ -124,8 +124,8 @@ def draw_circuits(
         one, two = section.plane
         names = (source.names[one], source.names[two])
         _place(axes, names, source.unit, edges[k], down=backdrops[k].down)
-    said = "Arrows show the part of b in the plane of the map, all at one scale"
-    lines = [f"{said}; grey arrows may be noise."] if vectors else []
+    note = "Arrows show the part of b in the plane of the map, all at one scale"
+    lines = [f"{note}; grey arrows may be noise."] if vectors else []
     if refused:
         lines.append("Dashed: circuits without a Burgers vector; the text gives the reason.")
     captioned(figure, lines)
@@ -143,19 +143,20 @@ def _draw_group(
     """The circuits of one section; longest: |b| of all."""
     # The longest arrow is half as long as the widest circuit, and can be seen.
     widest = max(
-        float(np.ptp(one.path[:, np.isfinite(one.path[0])], axis=1).max()) for one in vectors
+        float(np.ptp(vector.path[:, np.isfinite(vector.path[0])], axis=1).max())
+        for vector in vectors
     )
     extent = max(abs(float(line[-1] - line[0])) for line in corners)
     reach = max(widest, extent / STYLE.arrows * 4) / 2
-    for one in vectors:
+    for vector in vectors:
         # A bright line below a dark one is visible on any background.
         for colour, width in (("white", 3.4), (START, 1.6)):
-            axes.plot(*one.path, color=colour, linewidth=width, solid_capstyle="round", zorder=4)
-        low, high = np.nanmin(one.path, axis=1), np.nanmax(one.path, axis=1)
+            axes.plot(*vector.path, color=colour, linewidth=width, solid_capstyle="round", zorder=4)
+        low, high = np.nanmin(vector.path, axis=1), np.nanmax(vector.path, axis=1)
         middle = (low + high) / 2
-        if one.arrow is not None and longest > 0:
-            step = one.arrow / longest * reach
-            colour = GAP if one.is_significant else SOFT
+        if vector.arrow is not None and longest > 0:
+            step = vector.arrow / longest * reach
+            colour = GAP if vector.is_significant else SOFT
             # Heads shrink with short arrows, so that these show their sense as well.
             axes.quiver(
                 *middle,
@@ -168,10 +169,10 @@ def _draw_group(
                 minlength=0,
                 zorder=5,
             )
-        noise = f" ± {one.noise:.2g}" if one.noise else ""
-        text = f"|b| = {one.magnitude:.3g}{noise} {one.unit}".rstrip()
-        if one.whole.size:
-            text = f"b = ({', '.join(map(str, one.whole.tolist()))}) lattice vectors"
+        noise = f" ± {vector.noise:.2g}" if vector.noise else ""
+        text = f"|b| = {vector.magnitude:.3g}{noise} {vector.unit}".rstrip()
+        if vector.whole.size:
+            text = f"b = ({', '.join(map(str, vector.whole.tolist()))}) lattice vectors"
         axes.annotate(
             text,
             (middle[0], low[1] if down else high[1]),
@@ -225,10 +226,10 @@ def _draw_boundaries(axes: Axes, labels: np.ndarray, corners: tuple[np.ndarray, 
     from matplotlib.collections import LineCollection
 
     x, y = corners
-    known = np.nan_to_num(labels, nan=-1.0)
-    p, q = np.nonzero(known[1:] != known[:-1])
+    grains = np.nan_to_num(labels, nan=-1.0)
+    p, q = np.nonzero(grains[1:] != grains[:-1])
     upright = [np.stack([x[p + 1], y[q]], -1), np.stack([x[p + 1], y[q + 1]], -1)]
-    p, q = np.nonzero(known[:, 1:] != known[:, :-1])
+    p, q = np.nonzero(grains[:, 1:] != grains[:, :-1])
     level = [np.stack([x[p], y[q + 1]], -1), np.stack([x[p + 1], y[q + 1]], -1)]
     segments = np.concatenate([np.stack(upright, 1), np.stack(level, 1)])
     axes.add_collection(LineCollection(list(segments), colors=SOFT, linewidths=0.6, zorder=2))
@@ -236,10 +237,10 @@ def _draw_boundaries(axes: Axes, labels: np.ndarray, corners: tuple[np.ndarray, 
 
 def _shades(survey: Survey, density: np.ndarray) -> dict[str, Any]:
     """Limits of the colours: logarithmic from the noise floor where the largest is far above it."""
-    known = survey.known
-    if not known.any():
+    mask = survey.known
+    if not mask.any():
         return {}
-    floor, largest = float(np.median(survey.floor[known])), float(np.nanmax(density, initial=0.0))
+    floor, largest = float(np.median(survey.floor[mask])), float(np.nanmax(density, initial=0.0))
     if floor > 0 and largest > STYLE.wide * floor:
         # An extra, as above.
         from matplotlib.colors import LogNorm
@@ -252,21 +253,21 @@ def _arrows(axes: Axes, survey: Survey, layer: int) -> None:
     """The part of b in the plane, at some positions where it is significant."""
     if survey.arrows is None or not survey.on_grid:
         return
-    known = survey.laid(survey.significant & survey.known)[..., layer]
-    apart = -(-max(known.shape) // STYLE.arrows)
-    first = apart // 2
-    part = (slice(first, None, apart), slice(first, None, apart))
-    vectors, shown = survey.laid(survey.arrows)[:, *part, layer], known[part]
+    mask = survey.laid(survey.significant & survey.known)[..., layer]
+    spacing = -(-max(mask.shape) // STYLE.arrows)
+    first = spacing // 2
+    part = (slice(first, None, spacing), slice(first, None, spacing))
+    vectors, shown = survey.laid(survey.arrows)[:, *part, layer], mask[part]
     if not shown.any():
         return
     lengths = np.where(shown, np.hypot(*vectors), 0.0)
     if lengths.max() == 0:
         return
-    places = np.meshgrid(*(line[first::apart] for line in survey.lines), indexing="ij")
+    places = np.meshgrid(*(line[first::spacing] for line in survey.lines), indexing="ij")
     steps = [abs(float(line[1] - line[0])) if len(line) > 1 else 1.0 for line in survey.lines]
     # All are as long, and hardly reach to the next: colours show the size.
     far = lengths[shown] > 0
-    scale = apart * min(steps) / np.where(far, lengths[shown], 1.0)
+    scale = spacing * min(steps) / np.where(far, lengths[shown], 1.0)
     axes.quiver(
         *(place[shown] for place in places),
         *(vector[shown] * scale for vector in vectors),
@@ -318,21 +319,21 @@ def _place(
 
 def _said(survey: Survey, layer: int) -> list[str]:
     """Caption of the figure, with numbers."""
-    known = survey.laid(survey.known)[..., layer]
-    count = int(known.sum())
-    found = int((survey.laid(survey.significant)[..., layer] & known).sum())
+    mask = survey.laid(survey.known)[..., layer]
+    count = int(mask.sum())
+    significant = int((survey.laid(survey.significant)[..., layer] & mask).sum())
     where = f" at {survey.layers[layer]}" if survey.layers[layer] else ""
     lines = [
         (
-            f"Circuits of {survey.extent}{where}: {found:,} of {count:,} are more than noise "
+            f"Circuits of {survey.extent}{where}: {significant:,} of {count:,} are more than noise "
             f"explains (white: above {number(round(survey.level, 2))}, "
             "which noise exceeds in 0.1 %)."
         )
     ]
-    if count < known.size:
-        lines.append(f"Grey: {known.size - count:,} circuits {survey.missing}.")
+    if count < mask.size:
+        lines.append(f"Grey: {mask.size - count:,} circuits {survey.missing}.")
     if count:
-        floor = float(np.median(survey.laid(survey.floor)[..., layer][known]))
+        floor = float(np.median(survey.laid(survey.floor)[..., layer][mask]))
         unit = f" {survey.density_unit}" if survey.density_unit else ""
         lines.append(
             f"Noise only: {floor:.2g}{unit}; arrows: the direction of b in the plane of the map."

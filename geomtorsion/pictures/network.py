@@ -63,8 +63,8 @@ def draw_network(net: Network, basis: str = "minimum", plane: tuple[int, int] = 
             f"expected at most {STYLE.edges} edges for a picture, got {len(net.edges.pairs)}. Draw "
             "a part of the network."
         )
-    found = net.basis_burgers(basis)
-    sizes = [float(np.linalg.norm(one.vector)) for one in found]
+    gaps = net.basis_burgers(basis)
+    sizes = [float(np.linalg.norm(gap.vector)) for gap in gaps]
     largest = max(sizes, default=0.0)
     figure = new_figure(7.6, 6.2)
     axes = figure.subplots()
@@ -73,9 +73,9 @@ def draw_network(net: Network, basis: str = "minimum", plane: tuple[int, int] = 
     axes.plot(edges[..., 0].T, edges[..., 1].T, color=SOFT, lw=1, zorder=1)
     axes.plot(*places.T, "o", color=START, ms=4, zorder=3)
     shades = _shades(figure, axes, largest)
-    for one, length in zip(found, sizes, strict=True):
-        if length > max(FLAT * largest, one.error):
-            corners = np.array([places[net.edges.numbers[node]] for node in one.cycle])
+    for gap, length in zip(gaps, sizes, strict=True):
+        if length > max(FLAT * largest, gap.error):
+            corners = np.array([places[net.edges.numbers[node]] for node in gap.cycle])
             axes.fill(*corners.T, color=shades(length), alpha=0.85, zorder=2, lw=0)
             axes.annotate(
                 f"{length:.3g}",
@@ -86,14 +86,14 @@ def draw_network(net: Network, basis: str = "minimum", plane: tuple[int, int] = 
                 zorder=4,
             )
     missed = sum(
-        length > max(FLAT * largest, one.error) for one, length in zip(found, sizes, strict=True)
+        length > max(FLAT * largest, gap.error) for gap, length in zip(gaps, sizes, strict=True)
     )
     frame = net.frame
     exact = isinstance(frame, Frame)
     names = [symbol.name for symbol in frame.coordinates] if exact else list(frame.names)
     axes.set_xlabel(names[plane[0]])
     axes.set_ylabel(names[plane[1]])
-    axes.set_title(f"{len(found)} cycles of a {basis} basis, {missed} do not close", fontsize=11)
+    axes.set_title(f"{len(gaps)} cycles of a {basis} basis, {missed} do not close", fontsize=11)
     axes.set_aspect("equal")
     quiet(axes)
     return figure
@@ -162,9 +162,9 @@ def draw_dislocations(
             axes.plot(x, y, "o", mfc="white", mec=START, ms=8, zorder=4)
         else:
             axes.plot(x, y, "o", color=GOOD, ms=9, zorder=4)
-    kept = "b is conserved at every inner node"
+    rule = "b is conserved at every inner node"
     broken = f"b is not conserved at {len(violations)} node{'s' * (len(violations) > 1)}"
-    axes.set_title(broken if violations else kept, fontsize=11)
+    axes.set_title(broken if violations else rule, fontsize=11)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.15)
     axes.axis("off")
@@ -181,30 +181,30 @@ def _places(
 
     # A layout is invented only if no node has a position: a mixture would mislead.
     placed: dict[Hashable, Any] = {n: net.graph.nodes[n].get("position") for n in net.graph}
-    given = positions or placed
-    if all(place is None for place in given.values()):
+    places = positions or placed
+    if all(place is None for place in places.values()):
         layout = nx.kamada_kawai_layout(nx.Graph(net.graph))
         return {node: (float(x), float(y)) for node, (x, y) in layout.items()}
-    missing = [node for node in net.graph if given.get(node) is None]
+    missing = [node for node in net.graph if places.get(node) is None]
     if missing:
         raise NetworkError(
             f"node {missing[0]!r}: expected a position, got none. Give all nodes positions, or "
             "none."
         )
-    one, two = _checked_plane(plane, min(len(place) for place in given.values()))
-    return {node: (float(place[one]), float(place[two])) for node, place in given.items()}
+    one, two = _checked_plane(plane, min(len(place) for place in places.values()))
+    return {node: (float(place[one]), float(place[two])) for node, place in places.items()}
 
 
 def _checked_plane(plane: Sequence[int], dimension: int) -> tuple[int, int]:
     """Two different coordinates, by number."""
     chosen = checks.entries(plane, "plane")
-    known = [checks.count(k, "plane", ArgumentError, 0, dimension - 1) for k in chosen]
-    if len(set(known)) != 2 or len(known) != 2:
+    axes = [checks.count(k, "plane", ArgumentError, 0, dimension - 1) for k in chosen]
+    if len(set(axes)) != 2 or len(axes) != 2:
         raise ArgumentError(
             f"plane: expected two coordinates, got {checks.shown(plane)}. Give two numbers "
             f"from 0 to {dimension - 1}, such as (0, 1)."
         )
-    return known[0], known[1]
+    return axes[0], axes[1]
 
 
 def _draw_line(
@@ -279,10 +279,10 @@ def draw_lines(
     if wrong:
         space.scatter(*lines.positions[wrong].T, color=CIRCUIT, s=26, depthshade=False, zorder=6)
     _draw_shares(figure.add_subplot(grid[1]), families)
-    kept = "b is conserved at every inner node"
+    rule = "b is conserved at every inner node"
     count = f"b is not conserved at {len(broken)} node{'s' * (len(broken) > 1)}"
     figure.suptitle(
-        f"{len(net.graph):,} nodes, {len(net.lines):,} lines; {count if broken else kept}",
+        f"{len(net.graph):,} nodes, {len(net.lines):,} lines; {count if broken else rule}",
         fontsize=11,
     )
     return figure
@@ -327,12 +327,14 @@ def _draw_space(axes: Axes3D, lines: LineArrays, family: np.ndarray, loops: Sequ
 def _draw_shares(axes: Axes, families: Sequence[LineFamily]) -> None:
     """Length of the longest families, screw and edge."""
     shown = families[: len(SERIES)]
-    whole = sum(one.length for one in families) or 1.0
-    for k, one in enumerate(shown):
-        share, color = 100 * one.length / whole, SERIES[k].color
-        axes.barh(k, share * one.screw, color=color, height=0.62)
-        axes.barh(k, share * one.edge, left=share * one.screw, color=color, alpha=0.35, height=0.62)
-        text = f"b = {one.name}: {number(round(share, 2))} %, screw {100 * one.screw:.0f} %"
+    whole = sum(kind.length for kind in families) or 1.0
+    for k, kind in enumerate(shown):
+        share, color = 100 * kind.length / whole, SERIES[k].color
+        axes.barh(k, share * kind.screw, color=color, height=0.62)
+        axes.barh(
+            k, share * kind.edge, left=share * kind.screw, color=color, alpha=0.35, height=0.62
+        )
+        text = f"b = {kind.name}: {number(round(share, 2))} %, screw {100 * kind.screw:.0f} %"
         axes.annotate(text, (0, k - 0.44), fontsize=9, va="bottom", color="#222222")
     left = len(families) - len(shown)
     axes.set_title("length by family" + (f", {left} more not shown" if left else ""), fontsize=10)

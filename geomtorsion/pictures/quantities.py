@@ -175,10 +175,10 @@ def entry(name: str) -> Entry:
     Traceback (most recent call last):
     geomtorsion.errors.UnknownNameError: expected the name of a quantity, got 'rici'. Did ...
     """
-    for known in CATALOGUE:
-        if known.name == name:
-            return known
-    names = [known.name for known in CATALOGUE]
+    for item in CATALOGUE:
+        if item.name == name:
+            return item
+    names = [item.name for item in CATALOGUE]
     near = close_names(name.lower().replace("-", "_"), names, 3, 0.5)
     hint = f"Did you mean {' or '.join(near)}? " if near else ""
     raise UnknownNameError(
@@ -197,7 +197,7 @@ def entries(names: Iterable[str] = ()) -> tuple[Entry, ...]:
     True
     """
     chosen = tuple(entry(name) for name in names)
-    return chosen or tuple(known for known in CATALOGUE if known.section)
+    return chosen or tuple(item for item in CATALOGUE if item.section)
 
 
 # Data written as JSON.
@@ -273,7 +273,7 @@ def chosen_quantities(
     if basis not in BASES:
         raise UnknownNameError(f"basis: expected one of {', '.join(BASES)}, got {basis!r}.")
     names = tuple(names)
-    found = []
+    quantities = []
     for entry in entries(names):
         own = entry.section == CONNECTION
         if own and space.connection is None:
@@ -292,8 +292,8 @@ def chosen_quantities(
         quantity = Quantity(entry, _in_basis(tensor, basis))
         # Computed now, so that progress hears of each quantity before the time that it takes.
         _ = quantity.independent
-        found.append(quantity)
-    return found
+        quantities.append(quantity)
+    return quantities
 
 
 def _in_basis(tensor: Tensor, basis: str) -> Tensor:

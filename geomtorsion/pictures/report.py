@@ -70,8 +70,8 @@ def page(
     seen: Mapping[str, str] | None = None,
 ) -> str:
     """The whole report as HTML text; `seen` are further sections, title -> HTML."""
-    found = {title: [q for q in quantities if q.entry.section == title] for title in SECTIONS}
-    shown = {title: "".join(map(section, those)) for title, those in found.items() if those}
+    groups = {title: [q for q in quantities if q.entry.section == title] for title in SECTIONS}
+    shown = {title: "".join(map(section, those)) for title, those in groups.items() if those}
     shown |= seen or {}
     body = [_header(space, list(shown)), "<main>"]
     body += [f'<h2 id="{_anchor(title)}">{title}</h2>{html}' for title, html in shown.items()]
@@ -127,7 +127,7 @@ def _domain(relations: Sequence[Relational]) -> str:
     for relation in relations:
         symbol = relation.lhs if relation.lhs.is_Symbol else relation.rhs
         bounds.setdefault(symbol, []).append(relation)
-    return ", ".join(mathml(_bounded(symbol, found)) for symbol, found in bounds.items())
+    return ", ".join(mathml(_bounded(symbol, group)) for symbol, group in bounds.items())
 
 
 def _bounded(symbol: sp.Expr, relations: Sequence[Relational]) -> str:
@@ -157,8 +157,8 @@ def _frame_metric(space: Space) -> str:
 
 def _checks(verdicts: Mapping[str, Sequence[Verdict]]) -> str:
     tables = []
-    for title, found in verdicts.items():
-        rows = "".join(_check(verdict) for verdict in found)
+    for title, group in verdicts.items():
+        rows = "".join(_check(verdict) for verdict in group)
         table = f"<table><caption>{html_text(title)}</caption>{rows}</table>"
         tables.append(f'<section class="card scroll">{table}</section>')
     return f'<h2 id="about-checks">Checks</h2>{"".join(tables)}'
@@ -249,12 +249,12 @@ def _chosen(pair: Pair) -> list[tuple[Draw, str]]:
 def _sentences(pair: Pair) -> list[str]:
     """Captions of the figures."""
     largest = float(pair.distance.max())
-    found = (
+    sentence = (
         f"From this start straightest and shortest path are one, to {size_text(largest, 0)}."
         if pair.coincide
         else f"From one start the straightest and the shortest path part: by {largest:.3g} at most."
     )
-    return [found, *pair.stops.values()]
+    return [sentence, *pair.stops.values()]
 
 
 def loop_card(space: Space, progress: Callable[[str], object] = lambda _: None) -> str:
@@ -294,8 +294,8 @@ def widest_gap(space: Space) -> BurgersVector:
         )
         for i, k in combinations(range(len(names)), 2)
     ]
-    found = [burgers_vector(space.frame, c, parameters=dict(first.parameters)) for c in circles]
-    return max(found, key=lambda b: b.magnitude)
+    vectors = [burgers_vector(space.frame, c, parameters=dict(first.parameters)) for c in circles]
+    return max(vectors, key=lambda b: b.magnitude)
 
 
 def _img(figure: Figure, says: str) -> str:
@@ -348,8 +348,8 @@ def write_report(
     html = page(space, quantities, checked, seen)
     data = geometry_data(space, quantities)
     data["checks"] = {
-        title: [{"name": v.name, "holds": v.holds, "detail": v.detail} for v in found]
-        for title, found in checked.items()
+        title: [{"name": v.name, "holds": v.holds, "detail": v.detail} for v in group]
+        for title, group in checked.items()
     }
     if equations is not None:
         data["field_equations"] = field_equations_data(equations)

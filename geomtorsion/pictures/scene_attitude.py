@@ -263,9 +263,9 @@ def _levels(inertia: np.ndarray) -> list[float]:
     low, middle, high = sorted(1 / inertia)
     if high - low <= 1e-9 * high:
         return []
-    found = [low + share * (middle - low) for share in FAMILY if middle - low > 1e-9 * high]
-    found += [middle + share * (high - middle) for share in FAMILY if high - middle > 1e-9 * high]
-    return [*found, float(np.float64(middle))]
+    levels = [low + share * (middle - low) for share in FAMILY if middle - low > 1e-9 * high]
+    levels += [middle + share * (high - middle) for share in FAMILY if high - middle > 1e-9 * high]
+    return [*levels, float(np.float64(middle))]
 
 
 def polhodes(inertia: ArrayLike, value: float) -> list[tuple[np.ndarray, bool]]:
@@ -294,13 +294,13 @@ def polhodes(inertia: ArrayLike, value: float) -> list[tuple[np.ndarray, bool]]:
     with np.errstate(divide="ignore", invalid="ignore"):
         sine = np.where(gap != 0, (weights[pole] - value) / gap, 1.0)
     sine = np.sqrt(np.clip(sine, 0.0, 1.0))
-    found = []
+    curves = []
     for sign in (1.0, -1.0):
         ring = np.empty((len(turn), 3))
         ring[:, first], ring[:, second] = sine * np.cos(turn), sine * np.sin(turn)
         ring[:, pole] = sign * np.sqrt(1 - sine**2)
-        found.append((ring, special))
-    return found
+        curves.append((ring, special))
+    return curves
 
 
 def _in_space(axes: Axes3D, turn: np.ndarray, omega: np.ndarray, momentum: np.ndarray) -> None:
@@ -397,8 +397,8 @@ def _stations(points: np.ndarray) -> np.ndarray:
     if way[-1] == 0:
         return np.array([0])
     # Equal steps of the path, not of time: slow bodies would cover each other.
-    wanted = np.linspace(0, way[-1], min(STYLE.stations, len(points)))
-    return np.unique(np.searchsorted(way, wanted).clip(0, len(points) - 1))
+    lengths = np.linspace(0, way[-1], min(STYLE.stations, len(points)))
+    return np.unique(np.searchsorted(way, lengths).clip(0, len(points) - 1))
 
 
 def _path_in_space(

@@ -285,13 +285,13 @@ def sweep_picture(
         axes.grid(axis="both", which="major")
         quiet(axes)
     else:
-        (name, first), (other, second) = varied
+        (name, first), (second_name, second) = varied
         # cividis reads the same with every colour vision and in grey.
         mesh = axes.pcolormesh(first, second, values.T, cmap="cividis", shading="nearest")
         figure.colorbar(mesh, ax=axes, label=measured[0])
         _scaled(axes.set_xscale, np.asarray(first, dtype=float))
         _scaled(axes.set_yscale, np.asarray(second, dtype=float))
-        axes.set_ylabel(other)
+        axes.set_ylabel(second_name)
     axes.set_xlabel(name)
     if title:
         axes.set_title(title, fontsize=12)

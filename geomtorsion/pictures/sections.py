@@ -66,10 +66,10 @@ def _fits(quantity: Quantity) -> bool:
 
 def _matrix(quantity: Quantity) -> str:
     n = range(quantity.tensor.frame.dimension)
-    known = {
+    texts = {
         index: latex_text(quantity.written(value)) for index, value in quantity.nonzero.items()
     }
-    return latex_matrix([[known.get((i, j), "0") for j in n] for i in n])
+    return latex_matrix([[texts.get((i, j), "0") for j in n] for i in n])
 
 
 def _listed(quantity: Quantity) -> str:

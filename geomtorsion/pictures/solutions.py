@@ -142,10 +142,10 @@ def _path(found: Solution | Ensemble, lines: Lines) -> Lines | None:
 def _draw_path(axes: Axes, path: Lines) -> None:
     """Paths in the chart, each from its dot on."""
     names, points = list(path), np.stack(list(path.values()), axis=-1)
-    for one in points[: STYLE.members]:
-        axes.plot(*one.T, **_stroke(len(points)).line)
+    for member in points[: STYLE.members]:
+        axes.plot(*member.T, **_stroke(len(points)).line)
         if len(points) == 1:
-            ends(axes, one, SERIES[0])
+            ends(axes, member, SERIES[0])
     axes.set_xlabel(mathematics(names[0]))
     axes.set_ylabel(mathematics(names[1]), rotation=0, labelpad=12)
     quiet(axes)

@@ -83,17 +83,17 @@ class CurveCourse:
     def shown(self, label: str, box: Sequence[arb]) -> list[arb]:
         """Velocities in units of the time of users."""
         equations, unit = self.problem.equations(label), arb(self.problem.time_unit)
-        found = list(box)
+        numbers = list(box)
         first = equations.width
         if equations.moves:
             n = len(equations.velocities)
-            found[first : first + n] = [x * unit for x in found[first : first + n]]
+            numbers[first : first + n] = [x * unit for x in numbers[first : first + n]]
             first += n
         carried = self.problem.carried
         for k, power in enumerate(carried.speed_powers if carried else ()):
             if power:
-                found[first + k] = found[first + k] * unit
-        return found
+                numbers[first + k] = numbers[first + k] * unit
+        return numbers
 
     def _values(self) -> dict[str, Any]:
         return {**self.problem.parameters, **self.parameters}
@@ -133,8 +133,8 @@ class CurveCourse:
         fall = None
         if self.problem.stops:
             (term,) = self.problem.stop_terms(stretch.label)
-            made = graph((*equations.states, *equations.parameters, ""), [term], factor=False)
-            fall = Fall(system, made, equations.states, parameters, None)
+            stop_graph = graph((*equations.states, *equations.parameters, ""), [term], factor=False)
+            fall = Fall(system, stop_graph, equations.states, parameters, None)
         return Leg(system, stretch.begin, stretch.end, stretch.samples, fall, inside, words)
 
     def _start(self) -> LohnerSet:
@@ -152,8 +152,8 @@ class CurveCourse:
     def _velocities(self, coordinates: Sequence[arb]) -> list[arb]:
         """u^i, from q'^mu where that was given."""
         problem = self.problem
-        given = problem.coordinate_velocity
-        if given is None or problem.start is None:
+        velocity = problem.coordinate_velocity
+        if velocity is None or problem.start is None:
             return [exact_ball(x) for x in problem.frame_velocity]
         chart = problem.atlas.chart(problem.atlas.home)
         rates = [f"rate {name}" for name in chart.names]
@@ -161,8 +161,8 @@ class CurveCourse:
         for (i, mu), element in chart.coframe.entries.items():
             rows[i].append((element, (rates[mu],)))
         parameters, values = self._frame_parameters()
-        made = graph([*chart.names, *rates, *parameters], [tuple(x) for x in rows], factor=False)
-        return BallCode(made).real([*coordinates, *(exact_ball(x) for x in given), *values])
+        form = graph([*chart.names, *rates, *parameters], [tuple(x) for x in rows], factor=False)
+        return BallCode(form).real([*coordinates, *(exact_ball(x) for x in velocity), *values])
 
     def _frame_parameters(self) -> tuple[list[str], list[arb]]:
         """Names and values of the quantities in charts other than coordinates."""
@@ -191,21 +191,21 @@ class CurveCourse:
         """One map of an atlas."""
         names, values = self._frame_parameters()
         rest = len(point.middle) - len(change.coordinates) - len(carried)
-        made = _change_map(change, rest, carried, names, turning=turning)
-        found = made(point, values)
+        change_map = _change_map(change, rest, carried, names, turning=turning)
+        image = change_map(point, values)
         if change.written is None:
-            return found
+            return image
         # Where a map is written with cases, its expressions are one of these: of the two points of
         # a quaternion that are one rotation, the other one may be meant.
         place = [float(x) for x in point.middle[: len(change.coordinates)]]
         there = change(place, {name: float(x.mid()) for name, x in zip(names, values, strict=True)})
-        if _are_near(found, there):
-            return found
+        if _are_near(image, there):
+            return image
         if self.problem.atlas.chart(change.source).kept is not None:
             opposite = _negated(point, len(change.coordinates))
-            found = made(opposite, values)
-            if _are_near(found, there):
-                return found
+            image = change_map(opposite, values)
+            if _are_near(image, there):
+                return image
         raise ProofError(
             f"the change from chart {change.source!r} to {change.target!r} is defined by cases, "
             "and none of them is proved here. Follow the motion in other charts, "
@@ -300,9 +300,9 @@ def extended(point: LohnerSet, place: int, balls: Sequence[arb]) -> LohnerSet:
 
 def without(point: LohnerSet, places: Sequence[int]) -> LohnerSet:
     """The set without some of its states."""
-    kept = [k for k in range(len(point.middle)) if k not in places]
-    axes = arb_mat([[point.axes[i, j] for j in range(point.axes.ncols())] for i in kept])
-    return LohnerSet(tuple(point.middle[k] for k in kept), axes, point.spread)
+    indices = [k for k in range(len(point.middle)) if k not in places]
+    axes = arb_mat([[point.axes[i, j] for j in range(point.axes.ncols())] for i in indices])
+    return LohnerSet(tuple(point.middle[k] for k in indices), axes, point.spread)
 
 
 def widened(point: LohnerSet, radii: Sequence[arb]) -> LohnerSet:

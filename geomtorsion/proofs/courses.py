@@ -94,17 +94,19 @@ class OdeCourse:
         end = times[-1]
         changes = [] if self.backwards else [exact_time(x.time) for x in self.problem.events]
         begins = [fmpq(0), *(x for x in changes if 0 < x <= end)]
-        found = []
+        stretches = []
         for begin, last in zip(begins, [*begins[1:], None], strict=True):
             inside = (x for x in times if begin <= x and (last is None or x < last))
-            found.append(Stretch(begin, end if last is None else last, "", tuple(inside)))
-        return found
+            stretches.append(Stretch(begin, end if last is None else last, "", tuple(inside)))
+        return stretches
 
     def enter(self, stretch: Stretch, before: Position | None) -> tuple[Position, Leg]:
         """Changes at the beginning of a stretch, lengths of one, and the clock."""
         rates, size = self.problem.rates, self.problem.size
-        given = self.start or self.problem.start
-        boxes = [exact_ball(x) for x in given] if before is None else before.whole.hull[:size]
+        start_values = self.start or self.problem.start
+        boxes = (
+            [exact_ball(x) for x in start_values] if before is None else before.whole.hull[:size]
+        )
         changed: set[str] = set()
         for event in self.problem.events:
             if exact_time(event.time) == stretch.begin:
@@ -128,13 +130,13 @@ class OdeCourse:
 
     def _leg(self, stretch: Stretch) -> Leg:
         rates, values = self.problem.rates, self._values(stretch.begin)
-        made = BallCode(rates.numbers)
+        code = BallCode(rates.numbers)
 
         def given() -> list[arb]:
             return [exact_ball(values[name]) for name in rates.parameters]
 
         def numbers() -> list[arb]:
-            return made.real(given())
+            return code.real(given())
 
         system = BallSystem.of(self.problem.system, numbers, backwards=self.backwards)
         term, fall = rates.stop_graph, None

@@ -78,17 +78,17 @@ def proved_development(
     while True:
         with ball_precision(bits):
             try:
-                found = _developed(connection, loop, parameters)
-                missing = _missing_bits(found, wanted)
+                development = _developed(connection, loop, parameters)
+                missing = _missing_bits(development, wanted)
             except RefusalError as error:
-                found, missing = None, bits
+                development, missing = None, bits
                 if error.width is None or bits >= MOST_BITS:
                     raise ProofError(
                         f"the development is not proved: {error.reason} along an arc. Move the "
                         "loop further away from poles and edges."
                     ) from None
-        if found is not None and (not missing or bits >= MOST_BITS or not is_exact):
-            return found
+        if development is not None and (not missing or bits >= MOST_BITS or not is_exact):
+            return development
         bits = min(MOST_BITS, bits + min(max(missing, 8), bits))
 
 
@@ -154,17 +154,17 @@ def _along(
     n = connection.frame.dimension
     form = _rates(connection.frame, connection)
     system = _system(form, arc, n)
-    given = [exact_ball(parameters[name]) for name in form.arguments[3 * n :]]
-    values = [*arc.values, *given]
+    constants = [exact_ball(parameters[name]) for name in form.arguments[3 * n :]]
+    values = [*arc.values, *constants]
     balls = BallSystem.of(system, lambda: values)
     leg = Leg(balls, fmpq(0), fmpq(1), ())
     rows, steps = [], 0
     for j in range(n):
         start = [*(arb(int(k == j)) for k in range(n)), arb(0), arb(0)]
-        found = follow(leg, LohnerSet.of(start), Method.of(ctx.prec))
-        assert found.whole is not None
-        rows.append(found.whole.hull[: n + 1])
-        steps += found.steps
+        path = follow(leg, LohnerSet.of(start), Method.of(ctx.prec))
+        assert path.whole is not None
+        rows.append(path.whole.hull[: n + 1])
+        steps += path.steps
     return arb_mat([*rows, [arb(0)] * n + [arb(1)]]), steps
 
 
@@ -215,6 +215,6 @@ def _system(form: Graph, arc: BallArc, n: int) -> System:
             places = tuple(outer[place] for place in step.operands)
             outer.append(builder.add(step.kind, places, step.detail, signs=step.signs))
     outputs = [(sign, outer[place]) for sign, place in form.outputs]
-    made = Graph(names, *builder.needed([*outputs, (1, builder.number(Fraction(1)))]))
+    rates = Graph(names, *builder.needed([*outputs, (1, builder.number(Fraction(1)))]))
     groups = tuple((k,) for k in range(len(states)))
-    return System(states, parameters, made, groups)
+    return System(states, parameters, rates, groups)

@@ -92,10 +92,10 @@ class Fall:
         while True:
             middle = time.mid()
             value = self.value(step.hull(middle))
-            found = middle - value / self.rate(step.hull(time))
-            if not (found.is_finite() and found.overlaps(time)):
+            image = middle - value / self.rate(step.hull(time))
+            if not (image.is_finite() and image.overlaps(time)):
                 return time
-            both = found.intersection(time)
+            both = image.intersection(time)
             # Convergence is quadratic until rounding: it ends where an interval is not halved.
             if not 2 * both.rad() < time.rad():
                 return both

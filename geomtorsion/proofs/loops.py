@@ -164,10 +164,10 @@ def proved_integrals(
     bits = wanted.bits + SPARE + math.ceil(-math.log2(size))
     while True:
         with ball_precision(bits):
-            found = _integrals(coframe, loop, frame.dimension, parameters, bits)
-            lost = missing_bits(found.balls, wanted)
+            integrals = _integrals(coframe, loop, frame.dimension, parameters, bits)
+            lost = missing_bits(integrals.balls, wanted)
         if not lost or bits >= MOST_BITS or not is_exact:
-            return found
+            return integrals
         bits = min(MOST_BITS, bits + min(max(lost, 8), bits))
 
 
@@ -200,15 +200,15 @@ def _integrals(
             arcs += 1
             check_path(coframe, arc, values, bits)
             for i, row in coframe.rows.items():
-                found = integral(_integrand(row, arc, values), tolerance, MOST_EVALUATIONS)
-                if not found.is_finite():
+                value = integral(_integrand(row, arc, values), tolerance, MOST_EVALUATIONS)
+                if not value.is_finite():
                     point = shown(float(x.mid()) for x in arc.places(arb(0.5)))
                     raise ProofError(
                         f"b[{i}] has no enclosure on the arc through {point}: it is too close to a "
                         f"pole or to the edge of a function for {MOST_EVALUATIONS:,} evaluations. "
                         "Move the loop further away from that point."
                     )
-                total[i] += part.times * found.real
+                total[i] += part.times * value.real
     return Integrals(tuple(total), bits, arcs)
 
 

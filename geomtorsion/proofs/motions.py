@@ -91,11 +91,11 @@ def follow(
         the motion ends, reaches the edge of its chart or touches a stop; or the set of motions
         grew too wide for a step.
     """
-    found: list[list[arb]] = []
+    boxes: list[list[arb]] = []
     waiting = list(leg.samples)
     time, radius, steps = leg.begin, None, 0
     while waiting and waiting[0] == time:
-        found.append(whole.hull)
+        boxes.append(whole.hull)
         waiting.pop(0)
     while time < leg.end:
         if steps >= steps_left:
@@ -120,10 +120,10 @@ def follow(
             here = arb(waiting[0] - time)
             if stop is not None and not here < last:
                 break
-            found.append(step.hull(here))
+            boxes.append(step.hull(here))
             waiting.pop(0)
         if stop is not None:
-            return Followed(found, None, (arb(time) + stop, step.hull(stop)), steps)
+            return Followed(boxes, None, (arb(time) + stop, step.hull(stop)), steps)
         try:
             whole = step.end()
         except ProofError as error:
@@ -134,7 +134,7 @@ def follow(
     if waiting:
         # Otherwise boxes would be assigned to the wrong samples.
         raise RefusalError("a sample is outside its part of the motion", time)
-    return Followed(found, whole, None, steps)
+    return Followed(boxes, whole, None, steps)
 
 
 def _step(leg: Leg, whole: LohnerSet, method: Method, radius: float | None, time: fmpq) -> Step:

@@ -42,8 +42,8 @@ class BallArc:
         """From expressions over s and symbols, each with a ball."""
         slopes = [x.diff(S) for x in coordinates]
         names = [S.name, *(symbol.name for symbol in values)]
-        made = graph(names, [*coordinates, *slopes], factor=False)
-        return cls(len(coordinates), made, tuple(values.values()))
+        arc_graph = graph(names, [*coordinates, *slopes], factor=False)
+        return cls(len(coordinates), arc_graph, tuple(values.values()))
 
     @cached_property
     def moving(self) -> tuple[bool, ...]:
@@ -87,9 +87,9 @@ def _arc(arc: Arc, centre: Balls, size: arb) -> BallArc:
         first, second = ([size * exact_ball(x) for x in vector] for vector in pair)
         return _ellipse(centre, first, second)
     if isinstance(arc, Segment):
-        known = arc.held or arc.given
-        if known is not None:
-            start, end = ([exact_ball(x) for x in point] for point in known)
+        points = arc.held or arc.given
+        if points is not None:
+            start, end = ([exact_ball(x) for x in point] for point in points)
         else:
             start, end = (
                 [c + size * exact_ball(x) for c, x in zip(centre, point, strict=True)]

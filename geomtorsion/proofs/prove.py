@@ -215,12 +215,12 @@ def prove(
     began = time.perf_counter()
     checks.count(digits, "digits", ArgumentError, 1, 1000)
     changed = checked_balls(parameters, "parameters")
-    given = _checked_start(start)
+    start_balls = _checked_start(start)
     # The precision of FLINT belongs to the process: no other thread may set it meanwhile.
     with ball_precision(EXACT_BITS), series_length(flint.ctx.cap):
         if isinstance(result, Solution):
-            proof = _solution(result, digits, given, changed)
-        elif given is not None:
+            proof = _solution(result, digits, start_balls, changed)
+        elif start_balls is not None:
             raise ArgumentError("start: expected nothing for a loop, which has none. Drop it.")
         elif isinstance(result, BurgersVector):
             proof = _burgers(result, digits, changed)
@@ -302,24 +302,24 @@ def _burgers(result: BurgersVector, digits: int, changed: Mapping[str, Any]) -> 
         value = [arb(x) * unit for x in result.reduced.tolist()]
         error = arb(result.reduced_error) * unit
         size = max((abs(x) for x in value), key=float)
-    wanted = Wanted.of(digits, error, size)
-    found = proved_integrals(frame, result.loop, parameters, wanted, is_exact=not changed)
+    accuracy = Wanted.of(digits, error, size)
+    totals = proved_integrals(frame, result.loop, parameters, accuracy, is_exact=not changed)
     with ball_precision(EXACT_BITS):
-        gap = _largest(found.balls, value)
+        gap = _largest(totals.balls, value)
         bound, holds = upper_float(gap), _verdict(gap, error)
     names = tuple(f"b{k + 1}" for k in range(len(value)))
     return lambda seconds, assumes: Proof(
-        result, found.balls, names, (), digits, bound, holds, found.bits, found.arcs, seconds,
+        result, totals.balls, names, (), digits, bound, holds, totals.bits, totals.arcs, seconds,
         assumes,
     )  # fmt: skip
 
 
 def _largest(balls: Sequence[arb], values: Sequence[arb]) -> arb:
     """The largest difference."""
-    found = arb(0)
+    largest = arb(0)
     for ball, value in zip(balls, values, strict=True):
-        found = found.max(abs(ball - value))
-    return found
+        largest = largest.max(abs(ball - value))
+    return largest
 
 
 def _development(result: Development, digits: int, changed: Mapping[str, Any]) -> Made:
@@ -335,15 +335,15 @@ def _development(result: Development, digits: int, changed: Mapping[str, Any]) -
         burgers = [arb(x) for x in result.burgers.tolist()]
         turn = [arb(x) for x in result.motion.turn.ravel().tolist()]
         errors = arb(result.error), arb(result.turn_error)
-        wanted = [
+        goals = [
             Wanted.of(digits, error, max((abs(x) for x in row), key=float))
             for row, error in zip((burgers, turn), errors, strict=True)
         ]
-    found = proved_development(connection, result.loop, parameters, wanted, is_exact=not changed)
-    rows = found.rotation
+    path = proved_development(connection, result.loop, parameters, goals, is_exact=not changed)
+    rows = path.rotation
     with ball_precision(EXACT_BITS):
         turned = [x - int(i == j) for i, row in enumerate(rows) for j, x in enumerate(row)]
-        gaps = _largest(found.burgers, burgers), _largest(turned, turn)
+        gaps = _largest(path.burgers, burgers), _largest(turned, turn)
         bound = upper_float(gaps[0])
         verdicts = [_verdict(gap, error) for gap, error in zip(gaps, errors, strict=True)]
     holds = False if False in verdicts else None if None in verdicts else True
@@ -352,9 +352,9 @@ def _development(result: Development, digits: int, changed: Mapping[str, Any]) -
         *(f"b{k + 1}" for k in range(n)),
         *(f"R{i + 1}{j + 1}" for i in range(n) for j in range(n)),
     )
-    balls = (*found.burgers, *(x for row in rows for x in row))
+    balls = (*path.burgers, *(x for row in rows for x in row))
     return lambda seconds, assumes: Proof(
-        result, balls, names, (), digits, bound, holds, found.bits, found.steps, seconds, assumes
+        result, balls, names, (), digits, bound, holds, path.bits, path.steps, seconds, assumes
     )
 
 
@@ -363,8 +363,8 @@ def _solution(result: Solution, digits: int, start: Any, changed: Mapping[str, A
     task = SolutionTask.of(result, start, changed)
     with ball_precision(EXACT_BITS):
         error = arb(result.error) if math.isfinite(result.error) else arb.pos_inf()
-        wanted = Wanted.of(digits, error if error.is_finite() else arb(0), arb(1))
-    motion = task.proved(wanted)
+        accuracy = Wanted.of(digits, error if error.is_finite() else arb(0), arb(1))
+    motion = task.proved(accuracy)
     with ball_precision(motion.bits):
         gap = task.gap(motion)
         bound, holds = upper_float(gap), _verdict(gap, error)

@@ -125,14 +125,14 @@ class BallSystem:
     def slopes_at(self, states: Sequence[Ball]) -> list[Ball]:
         """The entries of J that do not vanish, at real balls or at series."""
         parameters, _, numbers = self._values()
-        found = self._slopes([*states, *parameters], numbers)
-        return [found[k] for k in self._entries]
+        values = self._slopes([*states, *parameters], numbers)
+        return [values[k] for k in self._entries]
 
     def slopes_on(self, states: Sequence[acb]) -> list[acb]:
         """The same at complex balls; not finite where they are not analytic."""
         parameters, _, numbers = self._values()
-        found = self._complex_slopes([*states, *parameters], numbers, True)
-        return [found[k] for k in self._entries]
+        values = self._complex_slopes([*states, *parameters], numbers, True)
+        return [values[k] for k in self._entries]
 
 
 def taylor(system: BallSystem, start: Sequence[arb], order: int, block: int) -> tuple[Rows, Slopes]:
@@ -155,23 +155,23 @@ def taylor(system: BallSystem, start: Sequence[arb], order: int, block: int) -> 
     by_row: list[list[tuple[int, tuple[arb, ...]]]] = [[] for _ in range(n)]
     for (i, j), entry in zip(slopes.places, series, strict=True):
         by_row[i].append((j, entry))
-    known = first
-    while known < order:
-        count = min(block, order - known)
-        rates = _along(system.rates_at, rows, known + count)
-        for k in range(known, known + count):
+    length = first
+    while length < order:
+        count = min(block, order - length)
+        rates = _along(system.rates_at, rows, length + count)
+        for k in range(length, length + count):
             # The polynomial ends at `known`; what the coefficients after it add to f is J times
             # them, as long as their squares are beyond this block.
             new = []
             for i in range(n):
                 value = coefficient(rates[i], k)
                 for j, entry in by_row[i]:
-                    for order_of_state in range(known + 1, k + 1):
+                    for order_of_state in range(length + 1, k + 1):
                         value += entry[k - order_of_state] * rows[j][order_of_state]
                 new.append(value / (k + 1))
             for i in range(n):
                 rows[i].append(new[i])
-        known += count
+        length += count
     return rows, slopes
 
 
@@ -184,13 +184,13 @@ def _along(function: Callable[[list[arb_series]], list[Ball]], rows: Rows, lengt
 def variation(slopes: Slopes, size: int, order: int) -> list[arb_mat]:
     """Coefficients V_0 .. V_order of V' = J V, V(0) = 1."""
     jacobians = [slopes.matrix(k, size) for k in range(order)]
-    found = [arb_mat([[int(i == j) for j in range(size)] for i in range(size)])]
+    coefficients = [arb_mat([[int(i == j) for j in range(size)] for i in range(size)])]
     for k in range(order):
-        total = jacobians[0] * found[k]
+        total = jacobians[0] * coefficients[k]
         for m in range(1, k + 1):
-            total = total + jacobians[m] * found[k - m]
-        found.append(total * (1 / arb(k + 1)))
-    return found
+            total = total + jacobians[m] * coefficients[k - m]
+        coefficients.append(total * (1 / arb(k + 1)))
+    return coefficients
 
 
 def polynomial(row: Sequence[arb], time: arb) -> arb:

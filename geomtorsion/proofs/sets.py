@@ -81,17 +81,17 @@ class LohnerSet:
         rest = [upper(x - m) for x, m in zip(values, middle, strict=True)]
         with ball_precision(LOW_BITS):
             turned = slopes * self.axes
-            known = [log2(x) for x in values] if sizes is None else sizes
-            axes = _orthogonal(turned, self.spread, known)
+            logarithms = [log2(x) for x in values] if sizes is None else sizes
+            axes = _orthogonal(turned, self.spread, logarithms)
             try:
                 inverse = axes.inv()
             except ZeroDivisionError:
                 raise ProofError("the directions of the set collapse") from None
             column = arb_mat([[around_zero(x)] for x in self.spread])
-            found = (inverse * turned) * column + inverse * arb_mat(
+            product = (inverse * turned) * column + inverse * arb_mat(
                 [[around_zero(x)] for x in rest]
             )
-            spread = tuple(upper(found[i, 0]) for i in range(len(middle)))
+            spread = tuple(upper(product[i, 0]) for i in range(len(middle)))
         return LohnerSet(middle, axes, spread)
 
 

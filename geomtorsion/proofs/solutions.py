@@ -148,8 +148,8 @@ class SolutionTask:
         while True:
             try:
                 with ball_precision(bits):
-                    found = self._followed()
-                    missing = wanted.bits - self._known_bits(found)
+                    motion = self._followed()
+                    missing = wanted.bits - self._known_bits(motion)
             except RefusalError as error:
                 more = self._more(error, bits, refused, wanted)
                 if more is None:
@@ -157,7 +157,7 @@ class SolutionTask:
                 bits, refused = more, error.when
                 continue
             if missing <= 0 or not self.is_exact:
-                return found
+                return motion
             if bits >= MOST_BITS or missing >= before:
                 raise ProofError(
                     f"expected more digits with {bits} bits, got no more than with fewer. Request "
@@ -203,15 +203,15 @@ class SolutionTask:
         for stretch in self.stretches:
             position, leg = self.course.enter(stretch, position)
             left, may_widen = MOST_STEPS - steps, not self.is_exact
-            found = follow(leg, position.whole, method, left, may_widen=may_widen)
-            boxes += found.samples
-            steps += found.steps
-            if not all(x.is_finite() for box in found.samples for x in box):
+            path = follow(leg, position.whole, method, left, may_widen=may_widen)
+            boxes += path.samples
+            steps += path.steps
+            if not all(x.is_finite() for box in path.samples for x in box):
                 raise RefusalError("states have no finite bounds", stretch.end)
-            if found.stop is not None:
-                return MotionBalls(tuple(boxes), found.stop, bits, steps)
-            assert found.whole is not None
-            position = Position(found.whole, position.label, position.constant)
+            if path.stop is not None:
+                return MotionBalls(tuple(boxes), path.stop, bits, steps)
+            assert path.whole is not None
+            position = Position(path.whole, position.label, position.constant)
         return MotionBalls(tuple(boxes), None, bits, steps)
 
     # -- comparison --------------------------------------------------------------------------------
@@ -223,7 +223,7 @@ class SolutionTask:
 
     def _extents(self) -> dict[tuple[str, tuple[int, ...]], arb]:
         """The largest size of each group of states, in each set of coordinates."""
-        found: dict[tuple[str, tuple[int, ...]], arb] = {}
+        extents: dict[tuple[str, tuple[int, ...]], arb] = {}
         firsts = [
             (segment.label, tuple(segment.stage.first.tolist()), segment.stage.groups)
             for segment in self.solution.trajectory.segments
@@ -235,9 +235,9 @@ class SolutionTask:
                     if k < len(row):
                         size = abs(number_ball(row[k]))
                         key = label, group
-                        known = found.get(key, arb(0))
-                        found[key] = known.max(size) if size.is_finite() else known
-        return found
+                        extent = extents.get(key, arb(0))
+                        extents[key] = extent.max(size) if size.is_finite() else extent
+        return extents
 
     def _known_bits(self, motion: MotionBalls) -> float:
         """How many bits of each group of states are known, at the worst sample."""
@@ -248,8 +248,8 @@ class SolutionTask:
         for sample, box in self.pairs(motion):
             for group in sample.groups:
                 inside = [k for k in group if k < len(sample.row)]
-                known = extents[sample.label, group]
-                extent = log2(known) if known > 0 else top
+                largest = extents[sample.label, group]
+                extent = log2(largest) if largest > 0 else top
                 size = max((log2(box[k].mid()) for k in inside), default=extent)
                 size = max(min(size, extent), extent - SMALLER)
                 radius = max((log2(box[k].rad()) for k in inside), default=-math.inf)
@@ -306,12 +306,12 @@ def course_of(
 ) -> Course:
     """The course of a problem."""
     if isinstance(problem, ODE):
-        given = _start(problem.states, problem.start, start)
-        return OdeCourse(problem, backwards, given, dict(parameters or {}))
+        start_balls = _start(problem.states, problem.start, start)
+        return OdeCourse(problem, backwards, start_balls, dict(parameters or {}))
     if isinstance(problem, CurveProblem):
         _check_stops(problem, start, parameters)
-        given = _start(problem.coordinates, problem.start or (), start)
-        return CurveCourse(problem, backwards, given, dict(parameters or {}))
+        start_balls = _start(problem.coordinates, problem.start or (), start)
+        return CurveCourse(problem, backwards, start_balls, dict(parameters or {}))
     raise ArgumentError(
         f"expected a solution of an ODE or of a curve, got one of {type(problem).__name__}. "
         "Write the motion as one of these."

@@ -158,14 +158,14 @@ class Stepper:
             state = max(log2(x) for x in whole.middle)
             speed = max(log2(row[1]) for row in sizes)
             # Accuracy for each state: a rounding of its size, or of its change nearby.
-            known = state > FAR_BELOW and speed > FAR_BELOW
-            time = state - speed if known else 0.0
+            is_moving = state > FAR_BELOW and speed > FAR_BELOW
+            time = state - speed if is_moving else 0.0
             rows = zip(whole.middle, sizes, strict=True)
-            found = [max(log2(x), log2(row[1]) + time) for x, row in rows]
-            top = max(found)
+            levels = [max(log2(x), log2(row[1]) + time) for x, row in rows]
+            top = max(levels)
             if top <= FAR_BELOW:
                 top = 0.0
-            self.sizes = [max(x, top - SMALLER) for x in found]
+            self.sizes = [max(x, top - SMALLER) for x in levels]
             # The time in which the motion changes by its own size.
             self.time = 2.0 ** min(max(time, -FURTHEST), FURTHEST)
             self._tolerance = [x - bits - 2 for x in self.sizes]
@@ -176,9 +176,9 @@ class Stepper:
         powers = [r]
         for _ in range(order - 1):
             powers.append(powers[-1] * r)
-        found = self._table * arb_mat([[x, (k + 1) * x] for k, x in enumerate(powers)])
+        bounds = self._table * arb_mat([[x, (k + 1) * x] for k, x in enumerate(powers)])
         rows = range(self.system.size)
-        return [found[i, 0].upper() for i in rows], [(found[i, 1] / r).upper() for i in rows]
+        return [bounds[i, 0].upper() for i in rows], [(bounds[i, 1] / r).upper() for i in rows]
 
     def box(self, reach: Sequence[arb], wider: Sequence[arb] | None = None) -> list[acb]:
         """A complex box around m, of such half sides."""
@@ -212,10 +212,10 @@ class Stepper:
         for factor in (SHRINK,) if shrunk else (1 / SHRINK, SHRINK):
             # Larger disks than 8 steps to the end gain nothing.
             while factor < 1 or radius <= 8 * last:
-                other = self.disk(radius * factor)
-                if other is None or other.longest <= best.longest + 1e-3:
+                disk = self.disk(radius * factor)
+                if disk is None or disk.longest <= best.longest + 1e-3:
                     break
-                radius, best = radius * factor, other
+                radius, best = radius * factor, disk
         return best
 
     def step(self, radius: float | None, most: fmpq) -> Step:
@@ -230,12 +230,12 @@ class Stepper:
                 # Two even steps instead of one and a bit.
                 length = last / 2 * (1 + 1e-7)
             for _ in range(MOST_TRIES):
-                found = None
+                step = None
                 if self._terms_are_small(length):
                     exact = most if length >= last else dyadic_below(length)
-                    found = self.proved(disk, exact)
-                if found is not None:
-                    return found
+                    step = self.proved(disk, exact)
+                if step is not None:
+                    return step
                 length *= SHRINK**3
             raise ProofError("no step is proved, however short")
 

@@ -73,5 +73,5 @@ def upper_float(x: arb) -> float:
     bound = x.upper()
     if not bound.is_finite():
         return math.inf
-    found = float(bound)
-    return found if arb(found) >= bound else math.nextafter(found, math.inf)
+    value = float(bound)
+    return value if arb(value) >= bound else math.nextafter(value, math.inf)

@@ -351,8 +351,8 @@ def euler_from_quaternion(
     first, third = (np.pi - np.mod(np.pi - angle, 2 * np.pi) for angle in (first, third))
     if continuous and q.ndim > 1:
         first, third = np.unwrap(first, axis=0), np.unwrap(third, axis=0)
-    found = (first, middle, third) if name.islower() else (third, middle, first)
-    return np.stack(found, -1) + 0.0
+    angles = (first, middle, third) if name.islower() else (third, middle, first)
+    return np.stack(angles, -1) + 0.0
 
 
 def checked_quaternion(quaternion: object) -> Array:
@@ -394,17 +394,17 @@ def _kept(angles: Array, lost: NDArray[np.bool_]) -> Array:
     angles = np.where(lost, np.nan, angles)
     if angles.ndim != 1 or not lost.any() or lost.all():
         return angles
-    known = np.flatnonzero(~lost)
-    before = np.searchsorted(known, np.arange(len(angles)), "right") - 1
-    return angles[known[np.maximum(before, 0)]]
+    indices = np.flatnonzero(~lost)
+    before = np.searchsorted(indices, np.arange(len(angles)), "right") - 1
+    return angles[indices[np.maximum(before, 0)]]
 
 
 def _array(values: ArrayLike, shape: tuple[int, ...], name: str) -> Array:
     """An array of floats that ends in this shape."""
     array = np.asarray(values, dtype=float)
     if array.shape[-len(shape) :] != shape:
-        wanted = ", ".join(["...", *map(str, shape)])
-        raise ShapeError(f"{name}: expected shape ({wanted}), got {array.shape}.")
+        shape_text = ", ".join(["...", *map(str, shape)])
+        raise ShapeError(f"{name}: expected shape ({shape_text}), got {array.shape}.")
     return array
 
 

@@ -91,11 +91,11 @@ def adjoint(pose: ArrayLike) -> Array:
     [0.0, 0.0, 1.0, 0.0, -2.0, 0.0]
     """
     rotation, x = _parts(pose)
-    found = np.zeros((*rotation.shape[:-2], 6, 6))
-    found[..., :3, :3] = found[..., 3:, 3:] = rotation
+    matrix = np.zeros((*rotation.shape[:-2], 6, 6))
+    matrix[..., :3, :3] = matrix[..., 3:, 3:] = rotation
     # Column by column x cross R_j.
-    found[..., 3:, :3] = np.cross(x[..., :, None], rotation, axis=-2)
-    return found
+    matrix[..., 3:, :3] = np.cross(x[..., :, None], rotation, axis=-2)
+    return matrix
 
 
 def pose(rotation: ArrayLike, position: ArrayLike) -> Array:
@@ -113,9 +113,9 @@ def pose(rotation: ArrayLike, position: ArrayLike) -> Array:
     """
     r, x = checked_rotations(rotation), _finite(position, (3,), "position")
     shape = np.broadcast_shapes(r.shape[:-2], x.shape[:-1])
-    found = np.zeros((*shape, 4, 4))
-    found[..., :3, :3], found[..., :3, 3], found[..., 3, 3] = r, x, 1.0
-    return found
+    matrix = np.zeros((*shape, 4, 4))
+    matrix[..., :3, :3], matrix[..., :3, 3], matrix[..., 3, 3] = r, x, 1.0
+    return matrix
 
 
 def _angle_and_axis(omega: Array) -> tuple[Array, Array]:
@@ -147,8 +147,8 @@ def _finite(values: ArrayLike, shape: tuple[int, ...], name: str) -> Array:
     """Finite numbers in an array that ends in this shape."""
     array = np.asarray(values, dtype=float)
     if array.shape[-len(shape) :] != shape:
-        wanted = ", ".join(["...", *map(str, shape)])
-        raise ShapeError(f"{name}: expected shape ({wanted}), got {array.shape}.")
+        shape_text = ", ".join(["...", *map(str, shape)])
+        raise ShapeError(f"{name}: expected shape ({shape_text}), got {array.shape}.")
     if not np.isfinite(array).all():
         raise StartError(f"{name}: expected finite numbers, got {checks.shown(values)}.")
     return array

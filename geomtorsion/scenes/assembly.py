@@ -105,8 +105,8 @@ def _solved(assembly: Assembly, matrix: sp.Matrix, right: Sequence[sp.Expr]) -> 
 def _terms(value: sp.Expr, parameters: frozenset[sp.Symbol]) -> Sum:
     """The terms of a sum: gathered, but for long ones, which stay as they are."""
     long = [term for term in sp.Add.make_args(value) if term.count_ops() > SHORT]
-    found = gathered(value - sp.Add(*long), parameters)
-    return found | dict.fromkeys(long, sp.S.One)
+    terms = gathered(value - sp.Add(*long), parameters)
+    return terms | dict.fromkeys(long, sp.S.One)
 
 
 def _products(factors: Iterable[sp.Expr], rows: Sequence[Sum]) -> Iterable[tuple[sp.Expr, sp.Expr]]:
@@ -145,10 +145,10 @@ def gathered(expression: sp.Expr, parameters: frozenset[sp.Symbol]) -> Sum:
 
 
 def _merged(parts: Iterable[tuple[sp.Expr, sp.Expr]]) -> Sum:
-    found: Sum = {}
+    sums: Sum = {}
     for rest, number in parts:
-        found[rest] = found.get(rest, sp.S.Zero) + number
-    return {rest: number for rest, number in found.items() if number != 0}
+        sums[rest] = sums.get(rest, sp.S.Zero) + number
+    return {rest: number for rest, number in sums.items() if number != 0}
 
 
 def _total(table: Sum) -> sp.Expr:
@@ -199,8 +199,8 @@ class Assembly:
     def constrained(self, expression: Any) -> Any:
         """An expression, or a matrix of them, with what the constraint fixes put in."""
         whole = isinstance(expression, sp.MatrixBase)
-        given = expression if whole else expression_of(expression)
-        return given.xreplace(dict(self.substitutions))
+        value = expression if whole else expression_of(expression)
+        return value.xreplace(dict(self.substitutions))
 
     @cached_property
     def inertia(self) -> sp.Matrix:

@@ -54,9 +54,9 @@ class Body:
         """Check, and keep tuples."""
         positive(self.mass, "mass", "kg")
         if (self.moments is None) == (self.inertia is None):
-            given = "neither" if self.moments is None else "both"
+            phrase = "neither" if self.moments is None else "both"
             raise BodyError(
-                f"body: expected either moments=(I1, I2, I3) or inertia=3 x 3, got {given}."
+                f"body: expected either moments=(I1, I2, I3) or inertia=3 x 3, got {phrase}."
             )
         if self.moments is not None:
             object.__setattr__(self, "moments", checked_moments(self.moments))
@@ -263,9 +263,9 @@ def point_masses(
     if not listed or any(len(place) != 3 for _, place in listed):
         raise BodyError("points: expected at least one (mass, (x, y, z)), each with 3 numbers.")
     weights = [_exact(positive(m, f"mass {k}", "kg")) for k, (m, _) in enumerate(listed)]
-    wanted = "points: expected finite numbers ({subject} = {value})."
+    message = "points: expected finite numbers ({subject} = {value})."
     places = [
-        [_exact(checks.exact_number(x, f"place {k}", BodyError, message=wanted, infinite=wanted))
+        [_exact(checks.exact_number(x, f"place {k}", BodyError, message=message, infinite=message))
          for x in place]
         for k, (_, place) in enumerate(listed)
     ]  # fmt: skip
@@ -304,12 +304,12 @@ def _positives(values: object, name: str, three: str, unit: str) -> tuple[Number
     """Three positive numbers, unchanged."""
     needed = f"{{subject}} = {{value}}: expected {three} ({unit})."
     none = f"{{subject}} = {{value}} is not a number; give it in {unit}."
-    found = checks.numbers(
+    numbers = checks.numbers(
         values, 3, name, BodyError, listed=needed, counted=needed, message=none, infinite=none
     )
-    for k, value in enumerate(found):
+    for k, value in enumerate(numbers):
         positive(value, f"{name}[{k}]", unit)
-    return found
+    return numbers
 
 
 def _exact(value: Number) -> Fraction:

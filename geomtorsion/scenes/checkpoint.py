@@ -54,7 +54,7 @@ def partial_result(scene: Scene, path: str | Path, engine: Engine | None = None)
         raise CheckpointError(f"{path}: there is no such checkpoint. Run the scene with it first.")
     saved = Checkpoint(path, fingerprint(ode, times, scene.accuracy, engine))
     own = None if engine is None else engine.name
-    found: dict[tuple[str, float, float], int] = {}
+    counts: dict[tuple[str, float, float], int] = {}
     for part in saved.parts:
         try:
             name, tolerance, perturbation, number = part.rsplit(" ", 3)
@@ -68,13 +68,13 @@ def partial_result(scene: Scene, path: str | Path, engine: Engine | None = None)
             ) from None
         # Parts of runs that were cut at more times go by other numbers.
         if "/" not in number:
-            found[key] = found.get(key, 0) + 1
-    if not found:
+            counts[key] = counts.get(key, 0) + 1
+    if not counts:
         raise CheckpointError(
             f"{path}: expected computed samples, got none yet. Run the scene again."
         )
     # Runs from a perturbed start only show how rounding grows.
-    name, tolerance, perturbation = max(found, key=lambda key: (key[2] == 0, found[key]))
+    name, tolerance, perturbation = max(counts, key=lambda key: (key[2] == 0, counts[key]))
     solver = engine if engine is not None and own == name else engine_named(name)
 
     def from_file(k: int, stage: Stage, at: np.ndarray) -> Run:
@@ -88,8 +88,8 @@ def partial_result(scene: Scene, path: str | Path, engine: Engine | None = None)
     end = float(grid[-1])
     cuts = [end * k / PARTS for k in range(1, PARTS)]
     stage = ode.first_stage(solver.precision, perturbation)
-    kept = integrate(stage, grid, tolerance, solver, cuts=cuts, runner=from_file)
-    rows = [ode.rows(segment, segment.states, "") for segment in kept.segments]
+    trajectory = integrate(stage, grid, tolerance, solver, cuts=cuts, runner=from_file)
+    rows = [ode.rows(segment, segment.states, "") for segment in trajectory.segments]
     states = np.concatenate(rows).astype(float)
     # The grid contains the start even if it was not requested.
     states = states[len(grid) - len(times) :]
@@ -100,7 +100,7 @@ def partial_result(scene: Scene, path: str | Path, engine: Engine | None = None)
         values=observed(ode, scene.selection, reached, states),
         error=math.inf,
         drift={},
-        cost=Cost(kept.steps, kept.evaluations, 0.0, kept.run_seconds, 0.0),
+        cost=Cost(trajectory.steps, trajectory.evaluations, 0.0, trajectory.run_seconds, 0.0),
         engine=name,
         reason="kept from a run that was stopped",
         outcome="interrupted",

@@ -150,14 +150,14 @@ class Context:
         tensor = self.body.exact_tensor
         diagonal = all(tensor[i][j] == 0 for i in range(3) for j in range(3) if i != j)
         rows = sp.zeros(3, 3)
-        known: dict[sp.Expr, sp.Expr] = {}
+        symbol_of: dict[sp.Expr, sp.Expr] = {}
         for i in range(3):
             value = tensor[i][i]
             name = f"I{i + 1}" if diagonal else f"I{i + 1}{i + 1}"
             # One symbol for equal moments: Euler's equations then show the symmetry by themselves.
-            if not (diagonal and value in known):
-                known[value] = self.parameter(name, value)
-            rows[i, i] = known[value]
+            if not (diagonal and value in symbol_of):
+                symbol_of[value] = self.parameter(name, value)
+            rows[i, i] = symbol_of[value]
             for j in range(i):
                 rows[i, j] = rows[j, i] = self.parameter(f"I{j + 1}{i + 1}", tensor[i][j])
         return rows

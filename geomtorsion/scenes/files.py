@@ -74,14 +74,14 @@ def placed(file: TomlFile, key: Key, what: str, known: Iterable[str] = ()) -> It
 
 def _of_effect(data: Mapping[str, object], text: str) -> list[Key]:
     """The field of an effect that a message begins with; a second spring is spring2."""
-    said, tables = _FIELD.match(text), data.get("effects")
+    match, tables = _FIELD.match(text), data.get("effects")
     count: dict[object, int] = {}
-    for number, table in enumerate(tables if isinstance(tables, list) and said else ()):
+    for number, table in enumerate(tables if isinstance(tables, list) and match else ()):
         kind = table.get("kind") if isinstance(table, dict) else None
         count[kind] = count.get(kind, 0) + 1
-        if said and said[1] == f"{kind}{count[kind] if count[kind] > 1 else ''}":
-            field: Key = ("effects", number, said[2] or "kind")
-            return [(*field, int(said[3])) if said[3] else field]
+        if match and match[1] == f"{kind}{count[kind] if count[kind] > 1 else ''}":
+            field: Key = ("effects", number, match[2] or "kind")
+            return [(*field, int(match[3])) if match[3] else field]
     return []
 
 
@@ -187,21 +187,21 @@ def scene_from(file: TomlFile, name: str = "") -> Scene:
             file.unknown((key,), KEYS, f"unknown key {key!r}")
     if "body" not in data:
         file.fail((), "a scene has a body: [body] and below it moments = [1, 2, 3].")
-    given: dict[str, Any] = {
+    arguments: dict[str, Any] = {
         "name": _text(file, "name") or name,
         "title": _text(file, "title"),
         "effects": tuple(_effects(file)),
     }
     if "watch" in data:
-        given["watch"] = _watch(file)
+        arguments["watch"] = _watch(file)
     for key, unit in (("t", "s"), ("accuracy", ""), ("samples", "")):
         if key in data:
-            given[key] = _numbers(file, (key,), data[key], unit)
+            arguments[key] = _numbers(file, (key,), data[key], unit)
     body = _body(file)
-    given["start"] = _start(file)
+    arguments["start"] = _start(file)
     # What does not fit together is seen by the scene; the file adds the line.
     with placed(file, (), "", KEYS):
-        scene = Scene(body, **given)
+        scene = Scene(body, **arguments)
     # A start that contradicts a constraint shows only when its numbers are worked out.
     if "start" in data:
         with placed(file, ("start",), "", START_UNITS):
@@ -229,8 +229,8 @@ def _body(file: TomlFile) -> Body:
     table = _table(file, "body", file.data["body"])
     shape = table.get("shape", "")
     if not isinstance(shape, str) or shape not in SHAPES:
-        known = [name for name in SHAPES if name]
-        file.fail(("body", "shape"), f"body: {shape!r} is not a shape. Known: {', '.join(known)}.")
+        shapes = [name for name in SHAPES if name]
+        file.fail(("body", "shape"), f"body: {shape!r} is not a shape. Known: {', '.join(shapes)}.")
     maker, units = SHAPES[shape]
     for key in table:
         if key not in units and key != "shape":
@@ -256,13 +256,13 @@ def _points(file: TomlFile, value: Any) -> list[tuple[Any, Any]]:
     key: Key = ("body", "points")
     if not isinstance(value, list) or not value:
         file.fail(key, "body: expected points = [{mass = 1, place = [1, 0, 0]}, ...].")
-    found = []
+    points = []
     for number, point in enumerate(value):
         if not isinstance(point, dict) or set(point) != {"mass", "place"}:
             file.fail((*key, number), f"body: point {number}: expected mass and place.")
         mass = _numbers(file, (*key, number), point["mass"], "kg")
-        found.append((mass, _numbers(file, (*key, number), point["place"], "m")))
-    return found
+        points.append((mass, _numbers(file, (*key, number), point["place"], "m")))
+    return points
 
 
 def _effects(file: TomlFile) -> Iterator[Effect]:
@@ -284,24 +284,24 @@ def _effects(file: TomlFile) -> Iterator[Effect]:
 
 
 def _effect(file: TomlFile, key: Key, maker: type[Effect], table: Mapping[str, Any]) -> Effect:
-    known = {item.name: item for item in fields(maker) if item.init}
+    field_of = {item.name: item for item in fields(maker) if item.init}
     units = maker.units()
     values: dict[str, Any] = {}
     for name, value in table.items():
         if name == "kind":
             continue
-        if name not in known:
-            file.unknown((*key, name), ["kind", *known], f"{maker.key}: unknown key {name!r}")
+        if name not in field_of:
+            file.unknown((*key, name), ["kind", *field_of], f"{maker.key}: unknown key {name!r}")
         values[name] = (
             _numbers(file, (*key, name), value, units[name], texts=True)
             if name in units
             else _plain(value)
         )
-    for name, item in known.items():
+    for name, item in field_of.items():
         if name not in values and item.default is MISSING and item.default_factory is MISSING:
             unit = f" ({units[name]})" if units.get(name) else ""
             file.fail(key, f"{maker.key}: {name}{unit} is missing.")
-    with placed(file, key, f"{maker.key}: ", known):
+    with placed(file, key, f"{maker.key}: ", field_of):
         return maker(**values)
 
 
@@ -333,11 +333,11 @@ def _numbers(file: TomlFile, key: Key, value: Any, unit: str, *, texts: bool = F
     name = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in key)
     with placed(file, key, f"{name.removeprefix('.')}: "):
         if texts and isinstance(value, str):
-            expression, given = with_unit(value)
+            expression, own_unit = with_unit(value)
             names = set(_WORD.findall(expression)) - set(FUNCTIONS) - set(CONSTANTS)
             # With names in it, it is an expression of time and state, left to the effect to read.
             if names:
-                scale = 1.0 if given is None else scale_of(given, unit)
+                scale = 1.0 if own_unit is None else scale_of(own_unit, unit)
                 return expression if scale == 1 else f"({scale!r})*({expression})"
         return quantity(value, unit)
 

@@ -71,11 +71,11 @@ class SweepRun:
         # Samples that are exactly zero have no sign: their neighbours decide.
         signed = np.flatnonzero(values)
         change = np.flatnonzero(np.diff(np.sign(values[signed])))
-        found = [
+        crossings = [
             self._crossing(values, int(k)) if after == k + 1 else float(self.times[k + 1])
             for k, after in zip(signed[change], signed[change + 1], strict=True)
         ]
-        return np.array(found, float)
+        return np.array(crossings, float)
 
     def largest(self, name: str, part: int | None = None, sign: int = 1) -> float:
         """The largest value (sign 1) or the smallest (-1), between the samples too.
@@ -95,11 +95,11 @@ class SweepRun:
         for first in (k - 1, k):
             if 0 <= first < len(values) - 1:
                 between = self._between(values, first)
-                found: Any = scipy.optimize.minimize_scalar(
+                minimum: Any = scipy.optimize.minimize_scalar(
                     lambda x, f=between: -f(x), bounds=(0.0, 1.0), method="bounded",
                     options={"xatol": 1e-9},
                 )  # fmt: skip
-                best = max(best, -float(found.fun))
+                best = max(best, -float(minimum.fun))
         return sign * best
 
     def _crossing(self, values: np.ndarray, k: int) -> float:
@@ -224,5 +224,5 @@ def quantities(asked: Measure | Mapping[str, Measure] | Sequence[str]) -> tuple[
     """
     items = [asked] if isinstance(asked, str) or callable(asked) else asked
     texts = items.values() if isinstance(items, Mapping) else items
-    found = [_NAMED.fullmatch(text) for text in texts if isinstance(text, str)]
-    return tuple(dict.fromkeys(match["name"] for match in found if match))
+    matches = [_NAMED.fullmatch(text) for text in texts if isinstance(text, str)]
+    return tuple(dict.fromkeys(match["name"] for match in matches if match))

@@ -203,27 +203,27 @@ def observable(name: str, assembly: Assembly) -> Observable:
         return euler(name, attitude.checked_convention(convention))
     for key, part in assembly.parts.items():
         if name in part.outputs:
-            given = part.outputs[name]
-            many = isinstance(given, list | tuple | sp.MatrixBase)
-            parts = tuple(assembly.constrained(x) for x in (given if many else (given,)))
+            output = part.outputs[name]
+            many = isinstance(output, list | tuple | sp.MatrixBase)
+            parts = tuple(assembly.constrained(x) for x in (output if many else (output,)))
             labels = tuple(str(k) for k in range(1, len(parts) + 1)) if many else ()
             return Observable(name, f"of {key}", "", labels, lambda _, parts=parts: parts)
     # Names of single states come last, so that none hides a quantity.
     bare = {s.name: s for s in (*assembly.rates, *VERTICAL, *QUATERNION, *assembly.substitutions)}
     if name in bare:
-        found = (assembly.constrained(bare[name]),)
-        return Observable(name, "state", "", (), lambda _: found)
+        values = (assembly.constrained(bare[name]),)
+        return Observable(name, "state", "", (), lambda _: values)
     own = [key for part in assembly.parts.values() for key in part.outputs]
     raise UnknownNameError(unknown(name, own))
 
 
 def unknown(name: str, own: Iterable[str] = ()) -> str:
     """The message that nothing of this name can be watched."""
-    known = (*OBSERVABLES, *own)
-    hint = did_you_mean(str(name), known)
+    names = (*OBSERVABLES, *own)
+    hint = did_you_mean(str(name), names)
     return (
         f"nothing called {name!r} can be watched: no effect of the scene provides it. {hint}"
-        f"There are {', '.join(known)}, euler:CONVENTION (as euler:ZXZ) and single states."
+        f"There are {', '.join(names)}, euler:CONVENTION (as euler:ZXZ) and single states."
     )
 
 

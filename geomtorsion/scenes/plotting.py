@@ -89,8 +89,8 @@ def finely(result: SceneResult, *names: str) -> list[Any]:
     if result.scene is None or len(result.times) >= FINE or len(result.times) < 2:
         return [result.times, *(result.values.get(name) for name in names)]
     times = np.linspace(float(result.times[0]), float(result.times[-1]), FINE)
-    found = result.at(times)
-    return [times, *(found.get(name) for name in names)]
+    values = result.at(times)
+    return [times, *(values.get(name) for name in names)]
 
 
 def notes_of(result: SceneResult) -> list[str]:
@@ -152,8 +152,8 @@ def laws(result: SceneResult) -> Figure:
     scene = result.scene
     assert scene is not None
     (key,) = LAWS & set(scene.keyed)
-    kept = tuple(effect for effect in scene.effects if effect.key not in LAWS)
-    other = replace(scene, effects=kept).run()
+    effects = tuple(effect for effect in scene.effects if effect.key not in LAWS)
+    other = replace(scene, effects=effects).run()
     if "position" in result.values:
         _, places = finely(result, "position")
         _, others = finely(other, "position")

@@ -175,8 +175,8 @@ class SceneResult:
             states = self.form.states(flat)
         else:
             states = np.asarray(self.solution.at(flat).states, dtype=float)
-        found = observed(self.scene.ode, self.scene.selection, flat, states)
-        return {k: v.reshape((*asked.shape, *v.shape[1:])) for k, v in found.items()}
+        quantities = observed(self.scene.ode, self.scene.selection, flat, states)
+        return {k: v.reshape((*asked.shape, *v.shape[1:])) for k, v in quantities.items()}
 
     def changes(self) -> dict[str, np.ndarray]:
         """Change of each invariant at the times since the start (since the last switch), relative.
@@ -280,7 +280,7 @@ class SceneResult:
 
     def save(self, path: str | Path) -> None:
         """Write an NPZ file with arrays and metadata; `SceneResult.load` reads it."""
-        about = {
+        metadata = {
             "format": FORMAT,
             "labels": {k: list(v) for k, v in self.labels.items()},
             "units": dict(self.units),
@@ -298,7 +298,7 @@ class SceneResult:
         }
         arrays: dict[str, Any] = {f"value {name}": value for name, value in self.values.items()}
         with written(path) as target:
-            write_npz(target, {"times": self.times, "about": json.dumps(about), **arrays})
+            write_npz(target, {"times": self.times, "about": json.dumps(metadata), **arrays})
 
     @classmethod
     def load(cls, path: str | Path) -> SceneResult:
@@ -311,29 +311,29 @@ class SceneResult:
         """
         message = "{path}: this is not a saved result of a scene ({reason}). " + ADVICE
         arrays = read_npz(path, ARRAYS, message=message)
-        about = json_in(arrays, "about", ABOUT, path=path, message=message)
+        metadata = json_in(arrays, "about", ABOUT, path=path, message=message)
         times = arrays["times"]
-        named = {name: f"value {name}" for name in about["watch"]}
+        named = {name: f"value {name}" for name in metadata["watch"]}
         values = {name: arrays[key] for name, key in named.items() if key in arrays}
-        reason = _misfit(about, times, values)
+        reason = _misfit(metadata, times, values)
         if reason:
             raise FileFormatError(message.format(path=path, reason=reason))
-        error = about["error"]
+        error = metadata["error"]
         return cls(
             None,
             times,
             values,
-            {name: tuple(labels) for name, labels in about["labels"].items()},
-            about["units"],
-            about["accuracy"],
+            {name: tuple(labels) for name, labels in metadata["labels"].items()},
+            metadata["units"],
+            metadata["accuracy"],
             math.inf if error is None else error,
-            about["drift"],
-            Cost(**{item.name: about["cost"][item.name] for item in fields(Cost)}),
-            about["engine"],
-            about["reason"],
-            about["outcome"],
-            about["selection"],
-            about["closed_form"],
+            metadata["drift"],
+            Cost(**{item.name: metadata["cost"][item.name] for item in fields(Cost)}),
+            metadata["engine"],
+            metadata["reason"],
+            metadata["outcome"],
+            metadata["selection"],
+            metadata["closed_form"],
         )
 
 

@@ -127,15 +127,15 @@ def write_scene_film(result: SceneResult, path: Path) -> Path:
         result = scene.with_values(watch=names).run()
     # An animation needs equidistant times, whatever times were requested.
     times = np.linspace(float(result.times[0]), float(result.times[-1]), FINE)
-    found = result.at(times)
+    values = result.at(times)
     body = scene.body
     moments = np.linalg.eigvalsh(body.tensor) if body.moments is None else body.moments
     path.parent.mkdir(parents=True, exist_ok=True)
     write_film(
         path,
         times,
-        found["matrix"].reshape(-1, 3, 3),
-        found.get("position"),
+        values["matrix"].reshape(-1, 3, 3),
+        values.get("position"),
         block_sides([float(x) for x in moments]),
         title=scene.title or scene.name,
     )

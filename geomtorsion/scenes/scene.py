@@ -67,22 +67,22 @@ def with_values(scene: Scene, changes: Mapping[str, Any]) -> Scene:
             now = table.get(name, getattr(scene, name))
             table[name] = _set_here(now, places, rest, value, path)
         else:
-            known = (*(item.name for item in fields(scene) if item.name != "effects"), *keyed)
-            raise UnknownNameError(f"{path!r} does not exist. {_near(name, known)}")
+            names = (*(item.name for item in fields(scene) if item.name != "effects"), *keyed)
+            raise UnknownNameError(f"{path!r} does not exist. {_near(name, names)}")
     return replace(scene, effects=tuple(keyed.values()), **table)
 
 
 def _steps(path: str) -> list[tuple[str, tuple[int, ...]]]:
     """Names and indices of a path."""
-    found = []
+    pairs = []
     for part in str(path).split("."):
         match = _STEP.fullmatch(part)
         if match is None:
             raise UnknownNameError(
                 f"expected a path with dots and indices, such as body.moments[2], got {path!r}."
             )
-        found.append((match[1], tuple(int(k) for k in re.findall(r"\d+", match[2]))))
-    return found
+        pairs.append((match[1], tuple(int(k) for k in re.findall(r"\d+", match[2]))))
+    return pairs
 
 
 def _set(thing: Any, steps: list[tuple[str, tuple[int, ...]]], value: Any, path: str) -> Any:
@@ -90,12 +90,12 @@ def _set(thing: Any, steps: list[tuple[str, tuple[int, ...]]], value: Any, path:
     (name, places), *rest = steps
     if isinstance(thing, Mapping) and name in thing:
         return {**thing, name: _set_here(thing[name], places, rest, value, path)}
-    known = {item.name for item in fields(thing)} if is_dataclass(thing) else set()
-    if name not in known:
+    field_names = {item.name for item in fields(thing)} if is_dataclass(thing) else set()
+    if name not in field_names:
         raise UnknownNameError(f"{path!r} does not exist. {_inside(thing, name)}")
     new = _set_here(getattr(thing, name), places, rest, value, path)
     instead = next((set(names) - {name} for names in ONE_OF if name in names), ())
-    others = {other: None for other in instead if new is not None and other in known}
+    others = {other: None for other in instead if new is not None and other in field_names}
     # That it is a dataclass is known from its fields, which types do not see.
     return replace(thing, **{name: new}, **others)  # type: ignore[type-var]
 
@@ -119,12 +119,12 @@ def _set_here(now: Any, places: tuple[int, ...], rest: Any, value: Any, path: st
 def _inside(thing: Any, name: str = "") -> str:
     """What there is to be set inside a thing."""
     if isinstance(thing, Mapping):
-        known = tuple(thing)
+        names = tuple(thing)
     elif is_dataclass(thing):
-        known = tuple(item.name for item in fields(thing))
+        names = tuple(item.name for item in fields(thing))
     else:
         return f"{thing!r} has no parts."
-    return _near(name, known) if known else "It has nothing to be set."
+    return _near(name, names) if names else "It has nothing to be set."
 
 
 def _near(name: str, known: tuple[str, ...]) -> str:
@@ -214,14 +214,14 @@ class Scene:
     @cached_property
     def keyed(self) -> Mapping[str, Effect]:
         """Effects by key; a second one of a kind is `spring2`."""
-        found: dict[str, Effect] = {}
+        table: dict[str, Effect] = {}
         for effect in self.effects:
             key, count = effect.key, 1
-            while key in found:
+            while key in table:
                 count += 1
                 key = f"{effect.key}{count}"
-            found[key] = effect
-        return found
+            table[key] = effect
+        return table
 
     @cached_property
     def assembly(self) -> Assembly:
@@ -380,19 +380,19 @@ def _effect_list(effects: Any) -> tuple[Effect, ...]:
         if not isinstance(effect, Effect):
             name = getattr(effect, "__name__", repr(effect))
             hint = f" Write {name}(...)." if isinstance(effect, type) else ""
-            known = ", ".join(kind.__name__ for kind in EFFECTS)
-            raise SceneError(f"effects: expected an effect, got {name}.{hint} There are {known}.")
+            names = ", ".join(kind.__name__ for kind in EFFECTS)
+            raise SceneError(f"effects: expected an effect, got {name}.{hint} There are {names}.")
     keys = [effect.key for effect in listed]
     for effect in listed:
         if keys.count(effect.key) > 1 and not effect.several:
             raise SceneError(
                 f"effects: expected each effect once, got {effect.key} twice. Keep one of them."
             )
-        for other in listed:
-            if other.key in effect.excludes:
+        for rival in listed:
+            if rival.key in effect.excludes:
                 raise SceneError(
                     f"expected effects that agree, got {effect.key} ({effect.title}) and "
-                    f"{other.key} ({other.title}), which contradict each other. Keep one of them."
+                    f"{rival.key} ({rival.title}), which contradict each other. Keep one of them."
                 )
     return listed
 

@@ -127,18 +127,18 @@ class StateSelection:
         if key == "drift":
             return {symbol.name for symbol in (*POSITION, *VELOCITY)} if free else set()
         part = self.assembly.parts[key]
-        found = {*part.states, *part.replaces}
+        names = {*part.states, *part.replaces}
         speeds = {symbol.name for symbol in self.assembly.speeds}
         # A force acts on the rotation too, where a constraint couples the two.
         turning = (part.moment, part.momentum, part.inertia, part.constraint)
         if part.naive or any(v is not None for v in turning):
-            found |= speeds
+            names |= speeds
         if part.force is not None:
             pairs = zip(VELOCITY, part.force, strict=True)
-            found |= {v.name for v, f in pairs if f != 0} if free else speeds
+            names |= {v.name for v, f in pairs if f != 0} if free else speeds
         if power_of(part) != 0:
-            found.add(WORK.name)
-        return found
+            names.add(WORK.name)
+        return names
 
     @cached_property
     def _needed(self) -> frozenset[str]:
@@ -150,11 +150,11 @@ class StateSelection:
             filter_node=lambda n: self.graph.nodes[n].get("kind") != "effect",
             filter_edge=lambda a, b: self.graph.edges[a, b].get("kind") != "gives",
         )
-        found: set[str] = set()
+        nodes: set[str] = set()
         for name, kind in self.graph.nodes(data="kind"):
             if kind == "watch":
-                found |= nx.ancestors(graph, name)
-        return frozenset(found)
+                nodes |= nx.ancestors(graph, name)
+        return frozenset(nodes)
 
     # -- results ---------------------------------------------------------------------------------
 
@@ -163,23 +163,23 @@ class StateSelection:
         """States in the order in which they are solved for."""
         needed = self._needed
         rates = self.assembly.rates
-        found = [s for s in self.assembly.speeds if s.name in needed]
+        symbols = [s for s in self.assembly.speeds if s.name in needed]
         if "attitude" in needed:
-            found += QUATERNION
+            symbols += QUATERNION
         elif "vertical" in needed:
-            found += VERTICAL
-        found += [s for s in (*POSITION, *VELOCITY) if s.name in needed and s in rates]
-        found += [s for s in rates if s.name in needed and s not in found]
+            symbols += VERTICAL
+        symbols += [s for s in (*POSITION, *VELOCITY) if s.name in needed and s in rates]
+        symbols += [s for s in rates if s.name in needed and s not in symbols]
         # A velocity that nothing changes is a number, not a state.
-        moving = [s for s in found if not (s in VELOCITY and rates[s] == 0)]
+        moving = [s for s in symbols if not (s in VELOCITY and rates[s] == 0)]
         # A flow has states; where nothing that is watched moves, the rotation is followed.
-        return tuple(moving or found or self.assembly.speeds)
+        return tuple(moving or symbols or self.assembly.speeds)
 
     @cached_property
     def constants(self) -> Symbols:
         """Components of the velocity that are needed, but do not change."""
-        known = {*self.assembly.rates} - {*self.symbols}
-        return tuple(s for s in VELOCITY if s.name in self._needed and s in known)
+        changing = {*self.assembly.rates} - {*self.symbols}
+        return tuple(s for s in VELOCITY if s.name in self._needed and s in changing)
 
     @property
     def states(self) -> tuple[str, ...]:
@@ -196,14 +196,14 @@ class StateSelection:
         """Keys of the effects that take part."""
         solved = {*self.states, *(s.name for s in self.constants)}
         provided = {item.name for item in self.watch}
-        found = []
+        keys = []
         for key in self.titles:
             part = self.assembly.parts.get(key)
             stops = part is not None and part.stop is not None
             outputs = set(part.outputs) if part else set()
             if self._touched(key) & solved or outputs & provided or stops:
-                found.append(key)
-        return tuple(found)
+                keys.append(key)
+        return tuple(keys)
 
     @cached_property
     def rows(self) -> tuple[SelectionRow, ...]:
@@ -245,7 +245,7 @@ class StateSelection:
 
 def _rows(selection: StateSelection) -> tuple[SelectionRow, ...]:
     """All rows: effects in the order of the scene, then groups of states."""
-    found = []
+    rows = []
     solved = set(selection.states) | {s.name for s in selection.constants}
     for key, title in selection.titles.items():
         inside = key in selection.effects
@@ -257,8 +257,8 @@ def _rows(selection: StateSelection) -> tuple[SelectionRow, ...]:
             why = f"acts on {acts} only, which nothing that is watched needs"
             if not acts:
                 why = "acts on nothing here"
-        found.append(SelectionRow("effect", key, inside, why))
-    return (*found, *_state_rows(selection))
+        rows.append(SelectionRow("effect", key, inside, why))
+    return (*rows, *_state_rows(selection))
 
 
 def _state_rows(selection: StateSelection) -> Iterable[SelectionRow]:
@@ -273,17 +273,17 @@ def _state_rows(selection: StateSelection) -> Iterable[SelectionRow]:
         names = _listed(s.name for s in selection.constants)
         yield SelectionRow("states", "velocity", False, f"{names} constant: no force acts along it")
     substitutions = selection.assembly.substitutions
-    known = {*groups, *(["velocity"] if selection.constants else [])}
+    listed_groups = {*groups, *(["velocity"] if selection.constants else [])}
     for group, symbols in (
         ("rotation", OMEGA), ("attitude", QUATERNION), ("vertical", VERTICAL),
         ("position", POSITION), ("velocity", VELOCITY),
     ):  # fmt: skip
-        if group in known:
+        if group in listed_groups:
             continue
         why = "nothing that is watched or acts needs it"
-        if group == "attitude" and "vertical" in known:
+        if group == "attitude" and "vertical" in listed_groups:
             why = "the vertical is enough: nothing needs the turn about it"
-        elif group == "vertical" and "attitude" in known:
+        elif group == "vertical" and "attitude" in listed_groups:
             why = "part of the attitude"
         elif symbols[0] in substitutions:
             why = "given by the constraint"
@@ -365,7 +365,7 @@ def selection_figure(selection: StateSelection) -> Figure:
 
 def _edges(selection: StateSelection, boxes: dict[str, str]) -> list[tuple[str, str]]:
     """Pairs (dependent, requirement), each once."""
-    found: dict[tuple[str, str], None] = {}
+    edges: dict[tuple[str, str], None] = {}
     for needed, user, kind in selection.graph.edges(data="kind"):
         if kind == "gives" or user.startswith("stop "):
             continue
@@ -375,12 +375,12 @@ def _edges(selection: StateSelection, boxes: dict[str, str]) -> list[tuple[str, 
             start = user.removeprefix("watch ")
         if kind == "effect":
             if start and name in selection.effects:
-                found[start, _effect(selection, name)] = None
+                edges[start, _effect(selection, name)] = None
             continue
         end = boxes.get(group_of(needed))
         if start and end and start != end:
-            found[start, end] = None
-    return list(found)
+            edges[start, end] = None
+    return list(edges)
 
 
 def _effect(selection: StateSelection, key: str) -> str:

@@ -182,11 +182,11 @@ def solve_scene(
         )
     form = closed_form(scene) if engine is None else None
     if form is not None:
-        found = _in_closed_form(scene, form)
-        if found is not None:
+        result = _in_closed_form(scene, form)
+        if result is not None:
             if progress is not None:
                 progress(1.0)
-            return found
+            return result
     try:
         solved = solve(ode, scene.times, scene.accuracy, engine, checkpoint, progress)
     except StuckError as stuck:
@@ -218,17 +218,17 @@ def of_solution(scene: Scene, solved: Solution) -> SceneResult:
 def _in_closed_form(scene: Scene, form: ClosedForm) -> SceneResult | None:
     """The result by the closed form; None where it does not reach or fails its check."""
     times = scene.times
-    found = checked_states(form, times)
-    if found is None:
+    motion = checked_states(form, times)
+    if motion is None:
         return None
-    changes = scene.ode.changes(times, found.states)
+    changes = scene.ode.changes(times, motion.states)
     return result_of(
         scene,
         times=times,
-        values=observed(scene.ode, scene.selection, times, found.states),
-        error=found.error,
+        values=observed(scene.ode, scene.selection, times, motion.states),
+        error=motion.error,
         drift={name: float(change.max()) for name, change in changes.items()},
-        cost=Cost(0, 0, found.compile_seconds, found.run_seconds, found.check_seconds),
+        cost=Cost(0, 0, motion.compile_seconds, motion.run_seconds, motion.check_seconds),
         engine="closed form",
         reason="a free body; checked against the integrator",
         outcome="done",

@@ -60,10 +60,10 @@ class State:
         ):  # fmt: skip
             if getattr(self, key) is not None:
                 object.__setattr__(self, key, _three(getattr(self, key), key, unit))
-        given = [k for k in ("euler", "quaternion", "matrix") if getattr(self, k) is not None]
-        if len(given) > 1:
+        keys = [k for k in ("euler", "quaternion", "matrix") if getattr(self, k) is not None]
+        if len(keys) > 1:
             raise StartError(
-                f"attitude: expected it once, got {' and '.join(given)}. Give one of them."
+                f"attitude: expected it once, got {' and '.join(keys)}. Give one of them."
             )
         if self.quaternion is not None:
             attitude.checked_quaternion(self.quaternion)

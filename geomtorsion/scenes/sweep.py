@@ -236,16 +236,16 @@ def sweep(
     if not combinations:
         raise SceneError("varied: expected at least one value, got none.")
     changes = [dict(zip(values, map(_plain, chosen), strict=True)) for chosen in combinations]
-    found = _Measured(readers, len(changes), progress)
+    tally = _Measured(readers, len(changes), progress)
     try:
         for members in _groups(scene, changes).values():
-            _solve_group(scene, members, engine, found)
+            _solve_group(scene, members, engine, tally)
     except KeyboardInterrupt:
         # Where nothing is finished there is nothing to keep.
-        if not found.measured:
+        if not tally.measured:
             raise
-        found.stop()
-    unfinished = [(changes[place], reason) for place, reason in sorted(found.unfinished.items())]
+        tally.stop()
+    unfinished = [(changes[place], reason) for place, reason in sorted(tally.unfinished.items())]
     if len(unfinished) == len(changes):
         raise StuckError(
             f"expected a motion that reaches its end, got none; with {unfinished[0][0]}: "
@@ -255,21 +255,21 @@ def sweep(
     return SceneSweep(
         scene.title or scene.name,
         values,
-        {name: column.reshape(grid) for name, column in found.columns.items()},
+        {name: column.reshape(grid) for name, column in tally.columns.items()},
         scene.accuracy,
-        found.errors.reshape(grid),
-        ", ".join(sorted(found.engines)),
+        tally.errors.reshape(grid),
+        ", ".join(sorted(tally.engines)),
         time.perf_counter() - began,
         tuple(unfinished),
-        found.interrupted,
+        tally.interrupted,
     )
 
 
 def _column(path: str, column: Iterable[Number | Sequence[Number]]) -> np.ndarray:
     """Values of a path: numbers, or vectors of equal length."""
-    wanted = "{subject}: expected a list of numbers, or of vectors of equal length, got {value}."
-    given = list(column) if isinstance(column, Iterable) and not isinstance(column, str) else "none"
-    return checks.array(given, path, SceneError, message=wanted, infinite=None)
+    message = "{subject}: expected a list of numbers, or of vectors of equal length, got {value}."
+    items = list(column) if isinstance(column, Iterable) and not isinstance(column, str) else "none"
+    return checks.array(items, path, SceneError, message=message, infinite=None)
 
 
 def _plain(value: np.ndarray) -> Values:
@@ -349,13 +349,13 @@ def _groups(scene: Scene, changes: Sequence[Mapping[str, Values]]) -> dict[Hasha
             member = _Member(place, varied, *numbers, None)
             key: Hashable = ("start", own)
         else:
-            other = scene.with_values(varied)
-            member = _Member(place, varied, *other.numbers, other)
-            assembly = other.assembly
+            variant = scene.with_values(varied)
+            member = _Member(place, varied, *variant.numbers, variant)
+            assembly = variant.assembly
             switches = str([part.switches for part in assembly.parts.values()])
             # An axis of symmetry, for one, may be another while the equations are the same.
-            read = tuple(x for item in other.selection.watch for x in item.made_of(assembly))
-            times = other.t, other.samples, other.accuracy
+            read = tuple(x for item in variant.selection.watch for x in item.made_of(assembly))
+            times = variant.t, variant.samples, variant.accuracy
             key = (tuple(member.parameters), tuple(assembly.rates.items()), switches, read, times)
         groups.setdefault(key, []).append(member)
     return groups

@@ -151,8 +151,8 @@ def _check_constrained(
     """Refuse a start that a constraint does not allow."""
     assembly = selection.assembly
     for name, symbols in (("omega", OMEGA), ("velocity", VELOCITY), ("position", POSITION)):
-        given = getattr(start, name)
-        if given is None or not any(s in assembly.substitutions for s in symbols):
+        vector = getattr(start, name)
+        if vector is None or not any(s in assembly.substitutions for s in symbols):
             continue
         values = dict(assembly.values) | {s.name: v for s, v in table.items()}
         allowed = []
@@ -161,12 +161,12 @@ def _check_constrained(
             if any(s.name not in values for s in tie.free_symbols):
                 return
             allowed.append(float(tie.subs({s: values[s.name] for s in tie.free_symbols})))
-        size = max(1e-300, *(abs(float(x)) for x in (*given, *allowed)))
-        if any(abs(a - float(b)) > PRINTED * size for a, b in zip(allowed, given, strict=True)):
+        size = max(1e-300, *(abs(float(x)) for x in (*vector, *allowed)))
+        if any(abs(a - float(b)) > PRINTED * size for a, b in zip(allowed, vector, strict=True)):
             shown = ", ".join(f"{x:.6g}" for x in allowed)
             raise SceneError(
                 f"start: expected {name} = ({shown}) as the constraint requires, got "
-                f"{tuple(given)}. Omit {name}, or give it this value."
+                f"{tuple(vector)}. Omit {name}, or give it this value."
             )
 
 
@@ -183,10 +183,10 @@ def observed(
     SceneError
         a value is not finite, such as an energy beyond all doubles.
     """
-    found = ode.read_outputs(times, states)
+    outputs = ode.read_outputs(times, states)
     values = {}
     for item in selection.watch:
-        value = found[f"watch {item.name}"]
+        value = outputs[f"watch {item.name}"]
         if item.finish is not None:
             value = item.finish(value)
         finite = np.isfinite(value).all(axis=tuple(range(1, value.ndim)))
@@ -223,19 +223,19 @@ def invariants(
     switched = {
         name for part in assembly.parts.values() for _, values in part.switches for name in values
     }
-    found: dict[str, sp.Expr | list[sp.Expr]] = {}
+    constants: dict[str, sp.Expr | list[sp.Expr]] = {}
     for name, parts in _candidates(assembly).items():
         # If the energy is conserved, the balance adds nothing.
-        if name == "energy_balance" and "energy" in found:
+        if name == "energy_balance" and "energy" in constants:
             continue
         free = {symbol for part in parts for symbol in part.free_symbols} - parameters
         # It may contain only solved states, and nothing that a switch changes.
         if not free or not free <= here or {s.name for s in free} & switched:
             continue
         if all(is_constant(correct, part) for part in parts):
-            given = [part.xreplace(dict(chosen)) for part in parts]
-            found[name] = given if len(given) > 1 else given[0]
-    return found
+            expressions = [part.xreplace(dict(chosen)) for part in parts]
+            constants[name] = expressions if len(expressions) > 1 else expressions[0]
+    return constants
 
 
 def _candidates(assembly: Assembly) -> dict[str, tuple[sp.Expr, ...]]:

@@ -63,17 +63,17 @@ def disagreements(space: Space, answer: KnownAnswer) -> tuple[Disagreement, ...]
     [(), ()]
     """
     tensor = computed(space, answer)
-    given = answer.components
-    wanted: dict[Index, Closed] = dict(given) if isinstance(given, Mapping) else {(): given}
+    entries = answer.components
+    values: dict[Index, Closed] = dict(entries) if isinstance(entries, Mapping) else {(): entries}
     if answer.complete:
         for index in tensor.components.nonzero:
-            wanted.setdefault(index, 0)
+            values.setdefault(index, 0)
     named = [
         (f"{answer.quantity}{list(index)}", _expression(space.frame, value))
-        for index, value in wanted.items()
+        for index, value in values.items()
     ]
     found = []
-    for index, expected in zip(wanted, space.frame.field.read_all(named), strict=True):
+    for index, expected in zip(values, space.frame.field.read_all(named), strict=True):
         if (tensor.element(*index) - expected).is_zero is not True:
             found.append(Disagreement(answer.quantity, index, expected.sympy, tensor[index]))
     return tuple(found)

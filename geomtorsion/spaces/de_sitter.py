@@ -69,8 +69,8 @@ def _atlas(frame: Frame) -> Atlas:
     def flowing() -> Chart:
         rows = [[sp.S.One, 0, 0, 0]]
         rows += [[-x / scale, *(sp.Integer(x == y) for y in place)] for x in place]
-        other = Frame(inner, rows, signature=(-1, 1, 1, 1), parameters=(scale,), name="painleve")
-        return Chart.of(other, keeps_frame=False)
+        painleve = Frame(inner, rows, signature=(-1, 1, 1, 1), parameters=(scale,), name="painleve")
+        return Chart.of(painleve, keeps_frame=False)
 
     advance = scale / 2 * sp.log(1 - r**2 / scale**2)
     there = (t + advance, *spherical(r, theta, phi))

@@ -33,12 +33,12 @@ def attach_charts(words: Vocabulary, data: Mapping[str, Any], frame: Frame) -> N
         A key is unknown or missing, or a value of the wrong kind; or a map is wrong: it does not
         pull the metric back, or does not lead back.
     """
-    given = data.get("charts", [])
-    if not isinstance(given, list) or not all(isinstance(one, dict) for one in given):
+    tables = data.get("charts", [])
+    if not isinstance(tables, list) or not all(isinstance(one, dict) for one in tables):
         raise FileFormatError(
-            f"{words.file}: charts: expected tables, got {shown(given)}. Write [[charts]]."
+            f"{words.file}: charts: expected tables, got {shown(tables)}. Write [[charts]]."
         )
-    make = partial(_atlas, words, {key: data[key] for key in EDGE_KEYS if key in data}, given)
+    make = partial(_atlas, words, {key: data[key] for key in EDGE_KEYS if key in data}, tables)
     atlas = make(frame)
     try:
         check_atlas(frame, atlas)
@@ -110,8 +110,8 @@ def _chart(
     keeps = table.get("keeps_frame", False)
     flag(keeps, f"{words.file}: {place}.keeps_frame", FileFormatError, message=FLAG)
     eta = [[frame.eta[i, j] for j in each] for i in each]
-    other = Frame(words.coordinates, rows, eta, parameters=words.parameters, name=name)
-    return Chart.of(other, name, keeps_frame=keeps, **_edge(words, table, f"{place}."))
+    chart_frame = Frame(words.coordinates, rows, eta, parameters=words.parameters, name=name)
+    return Chart.of(chart_frame, name, keeps_frame=keeps, **_edge(words, table, f"{place}."))
 
 
 def _edge(words: Vocabulary, table: Mapping[str, Any], place: str) -> dict[str, Any]:

@@ -174,24 +174,24 @@ def _frame(words: Vocabulary, data: Mapping[str, object], shape: str, name: str)
         constants = antisymmetric_array(words, shape, data[shape], n)
         return Frame.from_structure_constants(constants, words.coordinates, signature, name)
     entries = array(words, shape, data[shape], 2, n)
-    known: dict[str, Any] = {"parameters": words.parameters, "domain": domain, "name": name}
+    options: dict[str, Any] = {"parameters": words.parameters, "domain": domain, "name": name}
     if shape == "metric":
         _without(file, data, shape, "complex")
-        return Frame.from_metric(words.coordinates, entries, signature, **known)
+        return Frame.from_metric(words.coordinates, entries, signature, **options)
     maker = Frame if shape == "coframe" else Frame.from_frame
-    return maker(words.coordinates, entries, signature, complex=is_complex, **known)
+    return maker(words.coordinates, entries, signature, complex=is_complex, **options)
 
 
 def _named(words: Vocabulary, data: Mapping[str, object], frame: Frame) -> Frame:
     """The frame, printed by the names that the file gives."""
-    given = data.get("names", {})
-    if not isinstance(given, dict):
+    table = data.get("names", {})
+    if not isinstance(table, dict):
         raise FileFormatError(
-            f"{words.file}: names: expected a table, got {shown(given)}. Write "
+            f"{words.file}: names: expected a table, got {shown(table)}. Write "
             '[names] and below it Sigma = "r**2 + a**2*cos(theta)**2".'
         )
     try:
-        for name, value in given.items():
+        for name, value in table.items():
             # A quantity may contain the names above it.
             wider = replace(words, parameters=(*words.parameters, *frame.names))
             frame = frame.named(**{name: wider.expression(value, f"names: {name}")})

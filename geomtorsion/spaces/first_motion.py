@@ -37,22 +37,22 @@ def first_motion(
     >>> [first_motion(load("schwarzschild").frame, {"M": m}).start[1] for m in (1, 6)]
     [10.0, 14.91]
     """
-    found = _first_motion(frame)
+    motion = _first_motion(frame)
     if not parameters:
-        return found
-    numbers = dict(found.parameters) | dict(parameters)
+        return motion
+    numbers = dict(motion.parameters) | dict(parameters)
     symbols = {symbol.name: symbol for symbol in (*frame.coordinates, *frame.parameters)}
-    begin = zip([symbol.name for symbol in frame.coordinates], found.start, strict=True)
+    begin = zip([symbol.name for symbol in frame.coordinates], motion.start, strict=True)
     values = {symbols[name]: x for name, x in (*begin, *numbers.items()) if name in symbols}
     if not broken_relations(frame.domain, values):
-        return replace(found, parameters=numbers)
+        return replace(motion, parameters=numbers)
     exact = {symbol: checks.fraction(numbers[symbol.name]) for symbol in frame.parameters}
     try:
         inside = _first_motion(frame.subs(exact))
     except GeomtorsionError:
         # An impossible value: the caller gets the error.
-        return replace(found, parameters=numbers)
-    return replace(found, start=inside.start, parameters=numbers)
+        return replace(motion, parameters=numbers)
+    return replace(motion, start=inside.start, parameters=numbers)
 
 
 def _first_motion(frame: Frame) -> FirstMotion:

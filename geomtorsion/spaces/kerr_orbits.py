@@ -259,14 +259,14 @@ def kerr_orbit(a: float, p: float, e: float = 0.0, x: float = 1.0) -> KerrOrbit:
             more = " For motion against the spin give x < 0." if name == "a" else ""
             raise StartError(f"expected {ranges[name]}, got {name} = {numbers[name]:.6g}.{more}")
     with working_precision(CONSTANT_BITS):
-        found = _constants(*(mpmath.mpf(numbers[name]) for name in "apex"))
-    if found is None:
+        constants = _constants(*(mpmath.mpf(numbers[name]) for name in "apex"))
+    if constants is None:
         raise StartError(
             f"expected a stable bound orbit, got p = {numbers['p']:.6g} inside the separatrix of "
             f"a = {numbers['a']:.6g}, e = {numbers['e']:.6g}, x = {numbers['x']:.6g}. Give a "
             "larger p."
         )
-    energy, turn, carter, reduced, *radii = (float(value) for value in found)
+    energy, turn, carter, reduced, *radii = (float(value) for value in constants)
     r1, r2, r3, r4 = radii
     return KerrOrbit(**numbers, energy=energy, angular_momentum=turn, carter=carter,
                      radii=(r1, r2, r3, r4), reduced=reduced)  # fmt: skip
@@ -337,10 +337,10 @@ def mean(function: Callable[[np.ndarray], np.ndarray]) -> float:
     """
     places, before = FIRST_PLACES, math.nan
     while places <= MOST_PLACES:
-        found = float(np.mean(function(2 * np.pi * np.arange(places) / places)))
-        if abs(found - before) <= CALCULATED * abs(found) / 100:
-            return found
-        places, before = 2 * places, found
+        average = float(np.mean(function(2 * np.pi * np.arange(places) / places)))
+        if abs(average - before) <= CALCULATED * abs(average) / 100:
+            return average
+        places, before = 2 * places, average
     raise AccuracyError(
         f"expected a mean over the orbit that settles within {MOST_PLACES:,} steps, got none: the "
         "orbit hovers beside the separatrix. Give a larger p."

@@ -63,8 +63,8 @@ class Pair:
     def chart(self) -> str:
         """The first chart, the home chart if possible, that contains both motions."""
         atlas = self.problem.atlas
-        others = [name for name in atlas.makers if name != atlas.home]
-        for name in (atlas.home, *others):
+        charts = [name for name in atlas.makers if name != atlas.home]
+        for name in (atlas.home, *charts):
             try:
                 for solution in self.curves.values():
                     solution.in_chart(name)
@@ -190,13 +190,13 @@ def solve_pair(
     )
     times = _times(last, samples)
     stops: dict[str, str] = {}
-    found = {}
+    solutions = {}
     for number, (name, problem) in enumerate(problems.items(), 1):
         report = None
         if progress is not None:
             report = _share(progress, number - 1, len(problems), name)
-        found[name] = _solved(name, problem, times, accuracy, engine, stops, report)
-    return Pair(space, found["autoparallel"], found["geodesic"], chosen, stops)
+        solutions[name] = _solved(name, problem, times, accuracy, engine, stops, report)
+    return Pair(space, solutions["autoparallel"], solutions["geodesic"], chosen, stops)
 
 
 def pair_problems(
@@ -226,8 +226,8 @@ def pair_problems(
     first = first_motion(space.frame, values if start is None else {})
     # Arrays are neither true nor false.
     moving = frame_velocity if velocity is None else velocity
-    given = {"start": start, "velocity": moving, "t": t}
-    chosen = [name for name, value in given.items() if value is None]
+    arguments = {"start": start, "velocity": moving, "t": t}
+    chosen = [name for name, value in arguments.items() if value is None]
     numbers = dict(first.parameters) | values
     if {symbol.name for symbol in space.frame.parameters} - set(values):
         chosen.append("parameters")

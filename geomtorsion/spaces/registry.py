@@ -139,8 +139,8 @@ def load(name: str | PathLike[str]) -> Space:
     """
     if isinstance(name, PathLike) or (isinstance(name, str) and name.endswith(".toml")):
         return read_file(name)
-    for known, module, title in SPACES:
-        if isinstance(name, str) and known == name:
+    for key, module, title in SPACES:
+        if isinstance(name, str) and key == name:
             return _with_charts(import_module(f"geomtorsion.spaces.{module}").space(name, title))
     text = name.lower().replace("-", "_") if isinstance(name, str) else ""
     near = close_names(text, names(), most=5, cutoff=0.4)

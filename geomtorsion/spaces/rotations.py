@@ -85,14 +85,14 @@ def quaternion_chart(
         column = hamilton_product(*factors)
         rows.append([x * share for x in column])
     legs = [[rows[k][mu] for k in range(3)] for mu in range(4)]
-    kept = sum(x**2 for x in QUATERNION)
+    square = sum(x**2 for x in QUATERNION)
     if places:
         turn = rotation(QUATERNION)
         legs = [[*row, 0, 0, 0] for row in legs]
         legs += [[0, 0, 0, *turn.row(k)] for k in range(3)]
     # A quaternion and its negative are the same rotation, but not the same point of a sphere.
     antipodal = (0, 1, 2, 3) if share == sp.S.Half else ()
-    return Chart.redundant("quaternion", (*QUATERNION, *places), legs, kept, antipodal=antipodal)
+    return Chart.redundant("quaternion", (*QUATERNION, *places), legs, square, antipodal=antipodal)
 
 
 def angle_atlas(angles: Angles, frame: Frame, *, space_fixed: bool = False) -> Atlas:

@@ -33,7 +33,7 @@ def space(name: str, title: str) -> Space:
     connection = {(0, 1, 0): c2 / s2, (1, 2, 2): c2 / s2, (0, 2, 1): s2}
     connection |= {(0, 1, 2): -1 / s2, (1, 2, 0): -1 / s2}
     halved = {index: value / 2 for index, value in connection.items()}
-    known = (
+    answers = (
         KnownAnswer("metric", matrix([[1, 0, c2], [0, 1, 0], [c2, 0, 1]]), source="eq. (9), left"),
         KnownAnswer(
             "inverse_metric",
@@ -66,7 +66,7 @@ def space(name: str, title: str) -> Space:
         ),
         source="P. Fiziev, H. Kleinert, FUB-HEP/94-5 (1994), section 2, eqs. (6) to (12)",
         frame=frame,
-        known=known,
+        known=answers,
         atlas=partial(angle_atlas, ZYZ),
         embedding=partial(angle_embedding, ZYZ),
         motion=FirstMotion((0.3, 1.0, 0.2), (0.4, 0.3, 1.0), 5.0),

@@ -63,7 +63,7 @@ class Vocabulary:
 
     def relations(self, value: object, place: str) -> list[sympy.Rel]:
         """Inequalities such as "0 < theta < pi" as sympy relations."""
-        found: list[sympy.Rel] = []
+        relations: list[sympy.Rel] = []
         for number, text in enumerate(texts(self.file, value, place)):
             first, *rest = _COMPARISON.split(text)
             if not rest:
@@ -74,9 +74,9 @@ class Vocabulary:
             left = self.expression(first, f"{place}[{number}]")
             for sign, text_right in zip(rest[::2], rest[1::2], strict=True):
                 right = self.expression(text_right, f"{place}[{number}]")
-                found.append(_RELATIONS[sign](left, right))
+                relations.append(_RELATIONS[sign](left, right))
                 left = right
-        return found
+        return relations
 
 
 def vocabulary(file: str, data: Mapping[str, object], dimension: int) -> Vocabulary:
@@ -98,13 +98,13 @@ def vocabulary(file: str, data: Mapping[str, object], dimension: int) -> Vocabul
     coordinates = tuple(sympy.Symbol(_name(file, name, "coordinates"), real=True) for name in names)
     table = _table(file, data, "parameters")
     parameters = tuple(
-        sympy.Symbol(_name(file, name, "parameters"), **_assumptions(file, name, given))
-        for name, given in table.items()
+        sympy.Symbol(_name(file, name, "parameters"), **_assumptions(file, name, entry))
+        for name, entry in table.items()
     )
     symbols = {symbol.name: symbol for symbol in (*coordinates, *parameters)}
     functions: dict[str, sympy.Expr] = {}
-    for name, given in _table(file, data, "functions").items():
-        arguments = texts(file, given, f"functions.{name}")
+    for name, entry in _table(file, data, "functions").items():
+        arguments = texts(file, entry, f"functions.{name}")
         for argument in arguments:
             if argument not in symbols:
                 near = did_you_mean(argument, symbols)

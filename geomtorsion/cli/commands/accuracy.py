@@ -92,8 +92,8 @@ def accuracy(
     names = [] if engines is None else engines.split(",")
     solvers = [solver for name in names if (solver := engine_of(name.strip())) is not None]
     if is_scene(source):
-        given = {"--start": start, "--velocity": velocity, "--frame-velocity": frame_velocity}
-        _refuse(given | {"--moments": moments, "--curve": curve})
+        switches = {"--start": start, "--velocity": velocity, "--frame-velocity": frame_velocity}
+        _refuse(switches | {"--moments": moments, "--curve": curve})
         table = _of_scene(source, t, parameters, solvers, asked, proved=proved)
         typer.echo(str(table))
     else:

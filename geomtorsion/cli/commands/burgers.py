@@ -149,7 +149,7 @@ def burgers(
         refuse_options(reading.given, measured)
         space = open_space(source)
         frame, name = space.frame, space.name
-    given = {
+    shapes = {
         "circle": circle, "ellipse": ellipse, "polygon": polygon,
         "plaquette": plaquette, "curve": curve, "spline": spline,
     }  # fmt: skip
@@ -159,7 +159,7 @@ def burgers(
         if measured:
             named = {f"--loops {path}: {key}": getattr(read, key) for key in ONLY_FORMULAS}
             refuse_options(named, measured)
-    wanted = [loop for _, read in files for loop in read.loops]
+    all_loops = [loop for _, read in files for loop in read.loops]
     accuracy, parameters = _shared(files, accuracy, exact_assignments(values))
     if exact and accuracy is not None:
         raise LoopError(
@@ -170,28 +170,28 @@ def burgers(
         raise LoopError(
             "--proved: expected numbers, got --exact, a closed form. Omit one of the two."
         )
-    wanted += _described(frame, given, interval)
-    wanted += (_named_kind(frame, text, interval) for text in any_kind)
-    if not wanted:
+    all_loops += _described(frame, shapes, interval)
+    all_loops += (_named_kind(frame, text, interval) for text in any_kind)
+    if not all_loops:
         raise typer.BadParameter(
             "expected a loop, got none. Use --circle, --polygon, ... or --loops FILE."
         )
     if field is not None:
-        show_burgers(field, wanted, output, plain=form is Form.json)
+        show_burgers(field, all_loops, output, plain=form is Form.json)
         return
     results: list[dict[str, Any]] = []
     vectors: list[BurgersVector | None] = []
     complete = True
-    with working(f"{name}: {len(wanted)} loops") as progress:
+    with working(f"{name}: {len(all_loops)} loops") as progress:
         try:
-            for k, loop in enumerate(wanted, 1):
+            for k, loop in enumerate(all_loops, 1):
                 progress(f"loop {k}")
                 try:
                     result, vector = _solved(frame, loop, accuracy, parameters, exact)
                     if vector is not None and proved:
                         result |= {"proof": prove(vector).to_json()}
                 except GeomtorsionError as error:
-                    if len(wanted) == 1 or isinstance(error, MissingValueError):
+                    if len(all_loops) == 1 or isinstance(error, MissingValueError):
                         raise
                     kind = type(error).__name__
                     result, vector = {"loop": loop.name, "failed": str(error), "kind": kind}, None
@@ -243,20 +243,20 @@ def _shared(
     asked: dict[str, Any] = {f"--set {name}": value for name, value in values.items()}
     if accuracy is not None:
         asked["--accuracy"] = accuracy
-    found: dict[str, tuple[Path, Any]] = {}
+    settings: dict[str, tuple[Path, Any]] = {}
     for path, read in files:
-        said: dict[str, Any] = {f"--set {name}": x for name, x in read.parameters.items()}
+        file_settings: dict[str, Any] = {f"--set {name}": x for name, x in read.parameters.items()}
         if read.accuracy is not None:
-            said["--accuracy"] = read.accuracy
-        for switch, value in said.items():
-            first, known = found.setdefault(switch, (path, value))
-            if known != value and switch not in asked:
+            file_settings["--accuracy"] = read.accuracy
+        for switch, value in file_settings.items():
+            first, rival = settings.setdefault(switch, (path, value))
+            if rival != value and switch not in asked:
                 name = switch.removeprefix("--accuracy").removeprefix("--set ") or "accuracy"
                 raise LoopError(
-                    f"--loops {path}: expected {name} = {known} as in {first}, got {value}. Choose "
+                    f"--loops {path}: expected {name} = {rival} as in {first}, got {value}. Choose "
                     f"one by {switch}, or compute the files separately."
                 )
-    shared = {switch: value for switch, (_, value) in found.items()} | asked
+    shared = {switch: value for switch, (_, value) in settings.items()} | asked
     accuracy = shared.pop("--accuracy", None)
     return accuracy, {switch.removeprefix("--set "): value for switch, value in shared.items()}
 
@@ -285,8 +285,8 @@ def refuse_options(given: Mapping[str, object], measured: bool) -> None:
     for name, value in given.items():
         if value is not None and value is not False and value not in ([], {}):
             kinds = ["a measured field", "a space given by formulas"]
-            this, other = kinds if not measured else kinds[::-1]
-            raise LoopError(f"{name}: expected {this}, got {other}. Omit it.")
+            this, owner = kinds if not measured else kinds[::-1]
+            raise LoopError(f"{name}: expected {this}, got {owner}. Omit it.")
 
 
 def refuse_interval(interval: str | None, curves: Texts, others: Texts) -> None:
@@ -307,10 +307,10 @@ def loop_data(kind: str, text: str, interval: str | None, option: str = "") -> d
     if kind in FIELDS:
         keys, fields = FIELDS[kind], _split(text, ":")
         if not 2 <= len(fields) <= 3:
-            wanted = f"{keys[0].upper()}:{keys[1].upper()}[:PLANE]"
+            pattern = f"{keys[0].upper()}:{keys[1].upper()}[:PLANE]"
             typed = option or f"--{kind} {cut(text)}"
             came = "1 part" if len(fields) == 1 else f"{len(fields)} parts"
-            raise LoopError(f"{typed}: expected {wanted}, got {came}. Separate parts with colons.")
+            raise LoopError(f"{typed}: expected {pattern}, got {came}. Separate parts with colons.")
         inner = {key: _split(field, ",") for key, field in zip(keys, fields, strict=False)}
         if kind == "circle":
             inner["radius"] = fields[1]

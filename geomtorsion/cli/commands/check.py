@@ -33,16 +33,16 @@ def check(source: SpaceOrFile) -> None:
     with working(source) as progress:
         space = open_space(source)
         groups = verdicts(space, progress)
-    for title, found in groups.items():
+    for title, group in groups.items():
         typer.secho(title, bold=True)
-        width = max(len(verdict.name) for verdict in found)
-        for verdict in found:
+        width = max(len(verdict.name) for verdict in group)
+        for verdict in group:
             detail = verdict.detail
             if verdict.equation:
                 detail = f"{verdict.equation}   ({detail})"
             typer.echo(f"  {_mark(verdict)} {verdict.name.ljust(width)}  {detail}")
         typer.echo()
-    every = [verdict for found in groups.values() for verdict in found if verdict.required]
+    every = [verdict for group in groups.values() for verdict in group if verdict.required]
     failed = sum(verdict.failed for verdict in every)
     undecided = sum(verdict.holds is None for verdict in every)
     parts = [f"{len(every) - failed - undecided} of {len(every)} checks hold"]

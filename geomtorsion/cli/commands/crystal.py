@@ -118,12 +118,12 @@ def crystal(
                 "Omit the option."
             )
     names = None if species is None else tuple(x.strip() for x in species.split(","))
-    wanted = Wanted(
+    settings = Wanted(
         lattice, _axes(orient), constant, read_as, partials, convention, edges, axes, names
     )
     folder = _folder(output, resume=resume, overwrite=overwrite)
-    found: list[Json] = []
-    made: list[Callable[[], DislocationNetwork]] = []
+    documents: list[Json] = []
+    line_makers: list[Callable[[], DislocationNetwork]] = []
     try:
         with bar(file.name) as progress:
 
@@ -134,17 +134,17 @@ def crystal(
                         done / max(total, 1), f"{file.name}: frame {number} of {total}, {what}"
                     )
 
-            for report, lines in reports(file, wanted, folder, seen):
-                found.append(report)
+            for report, lines in reports(file, settings, folder, seen):
+                documents.append(report)
                 # Only the last frame is written as lines.
-                made = [lines]
-        document = _shown(file, found, form)
+                line_makers = [lines]
+        document = _shown(file, documents, form)
         if output is not None:
-            _save(document, made[0](), output)
+            _save(document, line_makers[0](), output)
             if folder is not None:
                 forget(folder)
     except KeyboardInterrupt:
-        more = f"; {len(found)} frames are in {folder}; resume with --resume" if folder else ""
+        more = f"; {len(documents)} frames are in {folder}; resume with --resume" if folder else ""
         stopped(more)
         raise typer.Exit(ExitCode.interrupted) from None
 

@@ -128,13 +128,13 @@ def check(
             f'answer in quotes after the number: geomtorsion exercises check {number} "..."'
         )
     if file is not None:
-        given: object
-        given, own = _from_file(number, file)
+        submission: object
+        submission, own = _from_file(number, file)
         seed = own if seed is None else seed
     else:
-        given = _from_words([q.name for q in load(number, seed or 0).questions], answers or [])
+        submission = _from_words([q.name for q in load(number, seed or 0).questions], answers or [])
     with Examiner(seconds) as examiner:
-        verdict = examiner.check(number, given, seed or 0)
+        verdict = examiner.check(number, submission, seed or 0)
     _say(verdict)
     if not verdict.right:
         raise typer.Exit(ExitCode.failed)
@@ -145,33 +145,33 @@ def _from_file(number: str, file: Path) -> tuple[object, int]:
     data = loaded(file)
     read = read_submission(file)
     if number in read.answers:
-        found = read.answers[number]
+        answers = read.answers[number]
     elif "answers" not in data:
-        found = {key: x for key, x in data.items() if key not in ABOUT}
+        answers = {key: x for key, x in data.items() if key not in ABOUT}
     else:
         raise FileFormatError(
             f"{file.name}: expected answers to exercise {number}, got none. Write them below "
             f'[answers."{number}"].'
         )
-    return found, read.seed or 0
+    return answers, read.seed or 0
 
 
 def _from_words(names: list[str], words: list[str]) -> Answers:
     """Answers by question, from words name=answer or a single answer."""
-    found: Answers = {}
+    answers: Answers = {}
     for place, word in enumerate(words):
         name, sign, answer = word.partition("=")
         if sign and name.strip() in names:
             question, answer = name.strip(), answer.strip()
         else:
             question, answer = names[min(place, len(names) - 1)], word
-        if question in found:
+        if question in answers:
             raise FileFormatError(
-                f"{question}: expected one answer, got {shown(found[question])} and "
+                f"{question}: expected one answer, got {shown(answers[question])} and "
                 f"{shown(answer)}. Write one answer for each of {', '.join(names)}."
             )
-        found[question] = answer
-    return found
+        answers[question] = answer
+    return answers
 
 
 SIGNS = {"right": ("✓", typer.colors.GREEN), "wrong": ("✗", typer.colors.RED)}
@@ -184,8 +184,8 @@ def _say(verdict: Verdict) -> None:
         if not shows_greek():
             sign = question.state
         kind = f" [{TITLES[question.diagnosis]}]" if question.diagnosis else ""
-        said = question.message.removeprefix(f"{question.name}: ")
-        message = said if "\n" in said else text_of(said)
+        text = question.message.removeprefix(f"{question.name}: ")
+        message = text if "\n" in text else text_of(text)
         lead = f"{sign} {question.name}{kind}: "
         typer.echo(typer.style(sign, fg=colour) + lead[len(sign) :] + wrapped(message, len(lead)))
         if question.read_as and not question.right:
@@ -309,8 +309,8 @@ def grade(
     """
     numbers = None if only is None else list(parts(only))
     if not folder.is_dir():
-        found = "a file" if folder.exists() else "no such folder"
-        raise FileFormatError(f"{folder}: expected a folder of TOML files, got {found}.")
+        kind = "a file" if folder.exists() else "no such folder"
+        raise FileFormatError(f"{folder}: expected a folder of TOML files, got {kind}.")
     with bar("grading") as show:
 
         def progress(done: int, total: int, name: str) -> None:
@@ -331,7 +331,7 @@ def grade(
             "choose others with --only"
         )
     fine = len(marks.rows) - len(marks.troubled)
-    kept = f", {marks.kept} of them in an earlier run" if marks.kept else ""
-    typer.echo(f"graded {fine} of {len(marks.rows)} students{kept}: {output}")
+    note = f", {marks.kept} of them in an earlier run" if marks.kept else ""
+    typer.echo(f"graded {fine} of {len(marks.rows)} students{note}: {output}")
     if marks.troubled:
         raise typer.Exit(ExitCode.failed)

@@ -120,8 +120,8 @@ def map(
     reading = Reading(sigma, threshold, order, tuple(laue or ()), slip, pixel, spots, resolution)
     path = Path(source)
     if blocks is not None or resume or is_array(path):
-        wanted = Blocks(blocks, steps, unit, 1 if workers is None else workers, resume, overwrite)
-        _in_blocks(path, reading, wanted, size, plane, output, form, as_json=as_json, circle=circle)
+        layout = Blocks(blocks, steps, unit, 1 if workers is None else workers, resume, overwrite)
+        _in_blocks(path, reading, layout, size, plane, output, form, as_json=as_json, circle=circle)
         return
     refuse = {"--steps": steps, "--unit": unit or None, "--workers": workers}
     refuse |= {"--overwrite": overwrite or None}
@@ -138,28 +138,28 @@ def map(
             survey = field.burgers_map(size, _plane(plane, tuple(field.names)))
         except (GridError, OrientationError, ImageError) as error:
             raise dashed(error) from None
-        about = field.description
+        description = field.description
     frame = identity_frame(field.names)
     loops = [
         loop_from_data(frame, loop_data("circle", text, ""), f"--circle {cut(text)}")
         for text in circle or []
     ]
-    results, found, _ = burgers_of(field, loops, raises=False)
-    document = {"about": list(about), **survey.summary(), "circles": results}
+    results, vectors, _ = burgers_of(field, loops, raises=False)
+    document = {"about": list(description), **survey.summary(), "circles": results}
     if as_json:
         typer.echo(json.dumps(document, indent=2))
     else:
-        typer.echo("\n".join(wrapped(line) for line in (*about, *survey_lines(survey))))
+        typer.echo("\n".join(wrapped(line) for line in (*description, *survey_lines(survey))))
         for result in results:
             explain(result)
     if output is not None:
         written = write_survey(survey, document, output, form.value)
         if loops and can_draw():
             written.append(output / f"circuits.{form.value}")
-            drawn = draw_circuits(field, found, refused_of(loops, results))
+            drawn = draw_circuits(field, vectors, refused_of(loops, results))
             save(drawn, written[-1])
         say_on_error(written)
-    if len(found) < len(loops):
+    if len(vectors) < len(loops):
         raise typer.Exit(ExitCode.failed)
 
 
@@ -207,13 +207,13 @@ def _in_blocks(
         number = count(wanted.workers, "workers", GridError, 1)
         kind = "threads" if number > 1 else "synchronous"
         with module("dask", path).config.set(scheduler=kind, num_workers=number):
-            found = map_in_blocks(
+            survey = map_in_blocks(
                 field, place, wanted.block, size, _plane(plane, field.names),
                 resume=wanted.resume, overwrite=wanted.overwrite,
             )  # fmt: skip
         with working("writing") as progress:
             progress("summary and picture")
-            numbers, lines, written = _report(found, form.value)
+            numbers, lines, written = _report(survey, form.value)
     except (GridError, OrientationError, ImageError) as error:
         raise dashed(error) from None
     except KeyboardInterrupt:
@@ -230,15 +230,15 @@ def _in_blocks(
 def _report(found: BlockedSurvey, form: str) -> tuple[dict[str, Any], list[str], list[Path]]:
     """Write map.json and a picture beside the map; return numbers, their words, and the files."""
     survey, numbers = found.survey()
-    about = found.field.description
-    document = {"about": list(about), **numbers, "circles": []}
+    description = found.field.description
+    document = {"about": list(description), **numbers, "circles": []}
     place = Path(found.result.path)
     written = [place, place.with_suffix(".json")]
     write_text(written[1], json.dumps(document, indent=2) + "\n")
     if can_draw():
         written.append(place.with_suffix(f".{form}"))
         save(draw_survey(survey), written[-1])
-    return document, [*about, *survey_lines(survey, numbers)], written
+    return document, [*description, *survey_lines(survey, numbers)], written
 
 
 def _numbers(text: str) -> list[float]:
@@ -253,10 +253,10 @@ def _plane(text: str | None, names: tuple[str, ...]) -> tuple[int, int]:
     """Numbers of the two axes that were named."""
     if text is None:
         return 0, 1
-    found = [part.strip() for part in text.split(",")]
-    if len(found) != 2 or found[0] == found[1] or not set(found) <= set(names):
+    axes = [part.strip() for part in text.split(",")]
+    if len(axes) != 2 or axes[0] == axes[1] or not set(axes) <= set(names):
         raise GridError(
             f"plane: expected two of the axes {', '.join(names)}, got {shown(text)}. "
             f"Write --plane {names[0]},{names[1]}."
         )
-    return names.index(found[0]), names.index(found[1])
+    return names.index(axes[0]), names.index(axes[1])

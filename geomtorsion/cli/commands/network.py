@@ -157,14 +157,14 @@ def _family(one: LineFamily, square: float | None) -> dict[str, Any]:
 def _circuit(net: DislocationNetwork, loop: Loop, lattice: str | None) -> dict[str, Any]:
     """The Burgers vector of one circuit as plain data, or why there is none."""
     try:
-        found = net.burgers(loop, lattice)
+        burgers = net.burgers(loop, lattice)
     except GeomtorsionError as error:
         return {"circuit": loop.name, "failed": str(error), "kind": type(error).__name__}
     return {
         "circuit": loop.name,
-        "vector": found.vector.tolist(),
-        "lattice": found.whole.tolist() or None,
-        "crossings": len(found.crossings),
+        "vector": burgers.vector.tolist(),
+        "lattice": burgers.whole.tolist() or None,
+        "crossings": len(burgers.crossings),
     }
 
 
@@ -182,23 +182,23 @@ def _explain(document: dict[str, Any]) -> None:
         say(f"  b is conserved at every node: largest sum {document['largest_sum_at_a_node']:.2g}")
     else:
         typer.secho(f"  b is not conserved at {len(broken)} nodes", fg=typer.colors.RED)
-        for one in broken[:ROWS]:
-            say(f"    {one['text']}; missing: {_vector(one['missing'])}")
+        for row in broken[:ROWS]:
+            say(f"    {row['text']}; missing: {_vector(row['missing'])}")
         if len(broken) > ROWS:
             say(f"    and {len(broken) - ROWS} more; -o DIR writes all to network.json")
     say(f"\n  {'b':<22}{'lines':>9}{'length':>13}{'density':>25}{'screw':>8}{'edge':>7}")
-    for one in document["families"]:
+    for row in document["families"]:
         say(
-            f"  {one['burgers']:<22}{one['lines']:>9,}{one['length']:>13.6g}{_density(one):>25}"
-            f"{one['screw']:>8.0%}{one['edge']:>7.0%}"
+            f"  {row['burgers']:<22}{row['lines']:>9,}{row['length']:>13.6g}{_density(row):>25}"
+            f"{row['screw']:>8.0%}{row['edge']:>7.0%}"
         )
-    for one in document["circuits"]:
-        typer.secho(f"\n{one['circuit']}", bold=True)
-        if "failed" in one:
-            typer.secho(f"  failed: {one['failed']}", fg=typer.colors.RED)
+    for row in document["circuits"]:
+        typer.secho(f"\n{row['circuit']}", bold=True)
+        if "failed" in row:
+            typer.secho(f"  failed: {row['failed']}", fg=typer.colors.RED)
             continue
-        whole = "" if one["lattice"] is None else f" = {one['lattice']} in lattice vectors"
-        say(f"  b = {_vector(one['vector'])}{whole}, from {one['crossings']} crossings")
+        whole = "" if row["lattice"] is None else f" = {row['lattice']} in lattice vectors"
+        say(f"  b = {_vector(row['vector'])}{whole}, from {row['crossings']} crossings")
 
 
 def _density(one: dict[str, Any]) -> str:

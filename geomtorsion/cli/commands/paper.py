@@ -36,17 +36,17 @@ def paper(
     """
     if format not in ("text", "json"):
         raise UnknownNameError(f"--format: expected text or json, got {shown(format)}.")
-    found = statements()
+    claims = statements()
     if format == "json":
-        typer.echo(json.dumps([asdict(statement) for statement in found], indent=2))
+        typer.echo(json.dumps([asdict(statement) for statement in claims], indent=2))
         return
     typer.echo(f"{TITLE}\n")
-    for statement in found:
+    for statement in claims:
         note = f" ({statement.note})" if statement.note else ""
         right = statement.right if statement.agrees else f"right: {statement.right}"
         typer.echo(f"{statement.equation:<12}{statement.says}")
         typer.echo(f"{'':12}{statement.verdict}{note}")
         typer.echo(f"{'':12}{right}")
-    agree = sum(statement.agrees for statement in found)
-    misprints = len(found) - agree
-    typer.echo(f"\n{len(found)} claims recomputed: {agree} agree, {misprints} misprints.")
+    agree = sum(statement.agrees for statement in claims)
+    misprints = len(claims) - agree
+    typer.echo(f"\n{len(claims)} claims recomputed: {agree} agree, {misprints} misprints.")

@@ -62,15 +62,15 @@ def plan(
                 f"{name}: expected a scene, got the space {source}. Omit the option."
             )
     with working(source):
-        wanted = space_or_hint(source).frame.plan(quantity)
-        written = wanted.to_dot() if dot else str(wanted)
+        quantity_plan = space_or_hint(source).frame.plan(quantity)
+        written = quantity_plan.to_dot() if dot else str(quantity_plan)
     typer.echo(written)
 
 
 def _dot(plan: StateSelection) -> str:
     """The graph of a scene in Graphviz's format; effects are boxes, watched quantities are bold."""
     lines = ["digraph plan {", "  rankdir=LR;"]
-    for name, about in plan.graph.nodes(data=True):
-        lines.append(f'  "{name}" [{LOOKS.get(about.get("kind", "state"), "")}];')
+    for name, data in plan.graph.nodes(data=True):
+        lines.append(f'  "{name}" [{LOOKS.get(data.get("kind", "state"), "")}];')
     lines += [f'  "{one}" -> "{other}";' for one, other in plan.graph.edges]
     return "\n".join([*lines, "}"])

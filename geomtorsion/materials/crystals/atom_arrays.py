@@ -57,6 +57,6 @@ def read_atom_array(
             f"{path.name}: expected the edges of the cell, got an array of positions without them. "
             "Give --cell, or --periodic none for an open crystal."
         )
-    given = Given.of(edges, axes, None, None, None)
-    x, y, z = given.periodic.tolist()
-    return AtomData(arrays[POSITIONS], given.cell, (x, y, z), None, path.name)
+    inputs = Given.of(edges, axes, None, None, None)
+    x, y, z = inputs.periodic.tolist()
+    return AtomData(arrays[POSITIONS], inputs.cell, (x, y, z), None, path.name)

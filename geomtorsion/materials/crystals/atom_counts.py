@@ -59,8 +59,8 @@ def _counts(kind: str, rows: list[str]) -> Iterator[tuple[int, str, list[str], i
         words = sum(len(row.split()) for row in rows)
         atoms = 1
         for number, row in enumerate(rows):
-            key, equals, said = row.partition("=")
-            key, count = key.strip(), said.split()[:1]
+            key, equals, value = row.partition("=")
+            key, count = key.strip(), value.split()[:1]
             if equals and key == "Number of particles":
                 yield number, "atoms", count, most
                 atoms = max(1, int(count[0])) if count and count[0].isdecimal() else atoms
@@ -70,10 +70,10 @@ def _counts(kind: str, rows: list[str]) -> Iterator[tuple[int, str, list[str], i
 
 def check_count_of_gro(name: str, rows: list[str]) -> None:
     """Refuse a GRO file with a wrong number of rows, since ase takes the last row for the cell."""
-    said = rows[1].strip() if len(rows) > 1 else ""
-    if not said.isdecimal() or len(said) > 18 or len(rows) != int(said) + 3:
+    count = rows[1].strip() if len(rows) > 1 else ""
+    if not count.isdecimal() or len(count) > 18 or len(rows) != int(count) + 3:
         raise FileFormatError(
             f"{name}: line 2: expected the number of atoms, and below it as many rows and one "
-            f"with the cell, got {shown(said)} and {max(len(rows) - 2, 0):,} rows. Is the file "
+            f"with the cell, got {shown(count)} and {max(len(rows) - 2, 0):,} rows. Is the file "
             "complete, and does it hold only one frame?"
         )

@@ -91,8 +91,8 @@ def atom_frames(path: str | PathLike[str], form: str | None = None) -> Iterator[
     file = file_name(path)
     kind = _form_of(file, form)
     count = 0
-    for found in _frames(file, kind):
-        yield found
+    for data in _frames(file, kind):
+        yield data
         count += 1
     if not count:
         raise FileFormatError(f"{file.name}: expected atoms, got none. Is the file complete?")
@@ -119,7 +119,7 @@ def _form_of(file: Path, form: str | None) -> str:
         return "lammps-dump-text"
     if seems_data(start):
         return "lammps-data"
-    known = ", ".join(FORMATS)
+    choices = ", ".join(FORMATS)
     if "nodalData" in start or "dataFileVersion" in start:
         raise FileFormatError(
             f"{file.name}: expected atoms, got a network of dislocation lines (ParaDiS). Read it "
@@ -131,20 +131,20 @@ def _form_of(file: Path, form: str | None) -> str:
         return "extxyz"
     formats = _ase("ase.io.formats")
     try:
-        found = formats.filetype(str(file), read=True, guess=False)
+        kind = formats.filetype(str(file), read=True, guess=False)
     except Exception:  # noqa: BLE001
         # A damaged beginning makes ase raise more than its own class of errors.
         raise FileFormatError(
             f"{file.name}: expected a name or beginning that shows the format, got a file of "
-            f"unknown format. Name its format by form=... (--read-as), one of {known}."
+            f"unknown format. Name its format by form=... (--read-as), one of {choices}."
         ) from None
-    if found not in FORMATS:
+    if kind not in FORMATS:
         raise FileFormatError(
-            f"{file.name}: expected one of the formats {known}, got a file that looks like "
-            f"{found!r}, which may hold more than numbers and is not read. Name the format by "
+            f"{file.name}: expected one of the formats {choices}, got a file that looks like "
+            f"{kind!r}, which may hold more than numbers and is not read. Name the format by "
             "form=... (--read-as) if it is one of these, or export the file as extended XYZ."
         )
-    return found
+    return kind
 
 
 def _seems_xyz(start: str) -> bool:
@@ -213,19 +213,19 @@ def _by_ase(file: Path, kind: str) -> Iterator[Atoms]:
 def _length_of_cfg(name: str, text: str) -> float:
     """The unit of length of the cell in a CFG file, which ase takes for 1."""
     for number, row in enumerate(text.split("\n"), 1):
-        key, equals, said = row.partition("=")
+        key, equals, value = row.partition("=")
         if not equals and row.strip() and not row.lstrip().startswith(("#", ".")):
             # The atoms begin here.
             break
         if key.strip() == "A":
-            words = said.split()
-            found = finite_number(words[0]) if words else None
-            if found is None or found <= 0:
+            words = value.split()
+            length = finite_number(words[0]) if words else None
+            if length is None or length <= 0:
                 raise FileFormatError(
                     f"{name}: line {number}: A: expected a length above 0, got "
-                    f"{shown(said.strip())}. Correct it."
+                    f"{shown(value.strip())}. Correct it."
                 )
-            return found
+            return length
     return 1.0
 
 

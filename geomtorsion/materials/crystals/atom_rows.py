@@ -41,28 +41,28 @@ class AtomData:
         present = sorted(set(self.species or ()))
         for name in species:
             if name not in present:
-                known = cut(", ".join(present)) or "it has none"
+                choices = cut(", ".join(present)) or "it has none"
                 raise FileFormatError(
-                    f"{self.where}: species: expected species of the file ({known}), got "
+                    f"{self.where}: species: expected species of the file ({choices}), got "
                     f"{shown(name)}. Name one of these, or omit species for all atoms."
                 )
         names = self.species or ()
-        kept = np.flatnonzero(np.isin(np.array(names), list(species)))
+        rows = np.flatnonzero(np.isin(np.array(names), list(species)))
         return replace(
-            self, positions=self.positions[kept], species=tuple(names[k] for k in kept.tolist())
+            self, positions=self.positions[rows], species=tuple(names[k] for k in rows.tolist())
         )
 
 
 def words_of(name: str, lines: Sequence[int], rows: Sequence[str], width: int) -> list[list[str]]:
     """The words of rows of one width; lines: the number of each row in the file."""
-    found = [row.split() for row in rows]
-    odd = next((k for k, words in enumerate(found) if len(words) != width), None)
+    table = [row.split() for row in rows]
+    odd = next((k for k, words in enumerate(table) if len(words) != width), None)
     if odd is not None:
         raise FileFormatError(
             f"{name}: line {lines[odd]}: expected {width} columns as in the other rows, got "
             f"{shown(rows[odd].strip())}. Is the file complete?"
         )
-    return found
+    return table
 
 
 def numbers_of(
@@ -70,8 +70,8 @@ def numbers_of(
 ) -> np.ndarray:
     """The numbers in some columns of rows, shape (rows, columns)."""
     texts = [row[k] for row in words for k in columns]
-    joined = "".join(texts)
-    if joined.isascii() and "_" not in joined:
+    text = "".join(texts)
+    if text.isascii() and "_" not in text:
         try:
             return np.fromiter(map(float, texts), float, len(texts)).reshape(-1, len(columns))
         except ValueError:
@@ -116,6 +116,6 @@ def completed(edges: np.ndarray) -> np.ndarray | None:
     there = edges.any(axis=1)
     if not there.any():
         return None
-    found = edges.copy()
-    found[~there] = np.linalg.svd(edges[there])[2][int(there.sum()) :]
-    return found
+    vectors = edges.copy()
+    vectors[~there] = np.linalg.svd(edges[there])[2][int(there.sum()) :]
+    return vectors

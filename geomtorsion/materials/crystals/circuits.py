@@ -145,8 +145,8 @@ class AtomCircuits:
             Values that are not numbers, a zero normal or radius, or no atoms or a core on the way.
         """
         rim = self.rim(point, normal, radius)
-        found = [self.nearest(place) for place in rim]
-        sites = [one for k, one in enumerate(found) if one != found[k - 1]]
+        nearest = [self.nearest(place) for place in rim]
+        sites = [one for k, one in enumerate(nearest) if one != nearest[k - 1]]
         if len(sites) < 3:
             raise CrystalError(
                 f"radius: expected a circle with three or more atoms next to it, got "
@@ -211,8 +211,8 @@ class AtomCircuits:
         """The atom nearest to a position."""
         inside, moved = self.cell.wrapped(place[None])
         _, numbers, offsets, tree = self._images
-        apart, k = tree.query(inside[0])
-        if apart > self._reach:
+        distance, k = tree.query(inside[0])
+        if distance > self._reach:
             raise CrystalError(
                 f"expected a circle among atoms, got no atom within {self._reach:.4g} of "
                 f"{checks.shown(place.round(6).tolist())}. Is the centre in the crystal, and the "
@@ -224,8 +224,8 @@ class AtomCircuits:
     def _through(self, sites: Sequence[Site]) -> AtomCircuit:
         """The circuit along bonds from site to site."""
         path, steps = [sites[0]], []
-        for one, two in pairwise(sites):
-            on, labels = self._way(one, two)
+        for start, end in pairwise(sites):
+            on, labels = self._way(start, end)
             path += on
             steps += labels
         return AtomCircuit.of(
@@ -271,9 +271,9 @@ class AtomCircuits:
                 )
             back.append(previous)
         way = back[::-1]
-        known = {(a, b): v for a, b, v in zip(first.tolist(), second.tolist(), labels, strict=True)}
-        found = [known[a, b] if (a, b) in known else -known[b, a] for a, b in pairwise(way)]
-        return [sites[k] for k in way[1:]], found
+        bonds = {(a, b): v for a, b, v in zip(first.tolist(), second.tolist(), labels, strict=True)}
+        path_labels = [bonds[a, b] if (a, b) in bonds else -bonds[b, a] for a, b in pairwise(way)]
+        return [sites[k] for k in way[1:]], path_labels
 
     def _near(self, start: np.ndarray, end: np.ndarray) -> list[Site]:
         """Atoms, with their images, next to a straight line."""
@@ -281,9 +281,9 @@ class AtomCircuits:
         count = max(int(np.linalg.norm(end - start) / self._reach * 2), 1)
         line = start + np.linspace(0, 1, count + 1)[:, None] * (end - start)
         inside, moved = self.cell.wrapped(line)
-        found = {
+        sites = {
             (int(numbers[k]), *(offsets[k] - shift).tolist())
             for near, shift in zip(tree.query_ball_point(inside, self._reach), moved, strict=True)
             for k in near
         }
-        return sorted(found)
+        return sorted(sites)

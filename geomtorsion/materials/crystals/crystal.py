@@ -102,10 +102,10 @@ class Crystal(InFrame):
             object.__setattr__(self, name, value)
 
         put("positions", positions_of(positions))
-        given = Given.of(cell, periodic, lattice, orient, constant)
-        put("cell", given.cell)
-        put("periodic", given.box.periodic)
-        put("_given", given)
+        inputs = Given.of(cell, periodic, lattice, orient, constant)
+        put("cell", inputs.cell)
+        put("periodic", inputs.box.periodic)
+        put("_given", inputs)
         put("_own", None)
         put("_before", None)
         put("species", None)
@@ -128,12 +128,12 @@ class Crystal(InFrame):
     @cached_property
     def frame(self) -> Frame:
         """Lattice, orientation and lattice constant together; in a polycrystal those in grain 0."""
-        found, fit = self._found
+        frame, fit = self._found
         if self._own is not None:
-            return found
+            return frame
         atoms = sampled(len(self.positions))
         many = seems_many(self._specimen, atoms, fit.whole)
-        return self.grains.grains[0].frame if many else found
+        return self.grains.grains[0].frame if many else frame
 
     @cached_property
     def overlapping(self) -> np.ndarray:
@@ -156,13 +156,13 @@ class Crystal(InFrame):
     @property
     def share(self) -> float:
         """Share of the atoms whose neighbours all fit the lattice of their grain."""
-        found = self.grains.fitting if self.frame is not self._found[0] else None
-        return float(self._found[1].whole.mean()) if found is None else found
+        share = self.grains.fitting if self.frame is not self._found[0] else None
+        return float(self._found[1].whole.mean()) if share is None else share
 
     @cached_property
     def _found(self) -> tuple[Frame, Fit]:
         """The frame, and how well a sample of the atoms fits into it."""
-        given = self._given
+        inputs = self._given
         if self._own is not None:
             own = self._own.frame
             vectors = self._neighbours(own.lattice.shells, sampled(len(self.positions)))
@@ -178,15 +178,15 @@ class Crystal(InFrame):
         def shares(lattice: Lattice) -> dict[str, float]:
             return share_of_lattices(lattice, self._near, numbers)
 
-        found = frame_of(vectors, given.lattice, given.orient, given.constant, shares)
-        if given.orient is not None and self._before is None:
-            check_turn(found[0], vectors)
-        elif given.orient is not None and share_within(found[0], vectors) < METHOD.share:
+        frame_and_fit = frame_of(vectors, inputs.lattice, inputs.orient, inputs.constant, shares)
+        if inputs.orient is not None and self._before is None:
+            check_turn(frame_and_fit[0], vectors)
+        elif inputs.orient is not None and share_within(frame_and_fit[0], vectors) < METHOD.share:
             # The crystal has rotated in time: find it again, in the axes nearest to those before.
-            new, _ = frame_of(vectors, given.lattice, None, given.constant, shares)
-            turned = in_variant(new, found[0])
+            new, _ = frame_of(vectors, inputs.lattice, None, inputs.constant, shares)
+            turned = in_variant(new, frame_and_fit[0])
             return turned, fitted(turned, vectors[:, : turned.lattice.shells])
-        return found
+        return frame_and_fit
 
     def _neighbours(self, count: int, atoms: np.ndarray) -> np.ndarray:
         """Vectors to the nearest neighbours of some atoms, shape (atoms, count, 3)."""
@@ -236,14 +236,14 @@ class Crystal(InFrame):
         >>> Crystal(both).grains.walls
         (Wall(grains 0 and 1, misoriented by 36.87 degrees about [0 0 1]),)
         """
-        found = None
+        grains = None
         if self._own is None:
             near = None if self._is_narrow else self._shells.near
             if not is_single(self._specimen, near):
-                found = segmented(self._specimen)
-        if found is None:
-            found = single_grain(self._found[0], self._wrapped[0])
-        return found if self._before is None else self._before.followed(found)
+                grains = segmented(self._specimen)
+        if grains is None:
+            grains = single_grain(self._found[0], self._wrapped[0])
+        return grains if self._before is None else self._before.followed(grains)
 
     def following(self, before: Crystal | KnownGrains) -> Crystal:
         """The same atoms as the next frame of a trajectory.
@@ -264,24 +264,24 @@ class Crystal(InFrame):
         >>> later.constant == crystal.constant, later.grains.vanished
         (True, ())
         """
-        known = KnownGrains.of(before.grains) if isinstance(before, Crystal) else before
-        checks.instance(known, KnownGrains, "before", CrystalError)
-        frame, periodic = known.largest, self.periodic.tolist()
-        made = Crystal(
+        grains = KnownGrains.of(before.grains) if isinstance(before, Crystal) else before
+        checks.instance(grains, KnownGrains, "before", CrystalError)
+        frame, periodic = grains.largest, self.periodic.tolist()
+        crystal = Crystal(
             self.positions, self.cell, periodic, frame.lattice.name, frame.orient, frame.constant,
             self.species,
         )  # fmt: skip
-        object.__setattr__(made, "_before", known)
-        return made
+        object.__setattr__(crystal, "_before", grains)
+        return crystal
 
     def grain(self, number: int) -> Crystal:
         """The crystal of a single grain, in its own frame; atoms are numbered as in `grains`."""
         grain = self.grains[number]
         species = None if self.species is None else [self.species[k] for k in grain.atoms]
         periodic = self.periodic.tolist()
-        made = Crystal(self.positions[grain.atoms], self.cell, periodic, species=species)
-        object.__setattr__(made, "_own", grain)
-        return made
+        crystal = Crystal(self.positions[grain.atoms], self.cell, periodic, species=species)
+        object.__setattr__(crystal, "_own", grain)
+        return crystal
 
     @property
     def _numbers(self) -> np.ndarray:
@@ -291,8 +291,8 @@ class Crystal(InFrame):
     @cached_property
     def _specimen(self) -> Specimen:
         """The atoms and the frame into which most of them fit."""
-        given = self._given.orient is not None, self._given.constant is not None
-        return Specimen(self._places, self._found[0], *given)
+        flags = self._given.orient is not None, self._given.constant is not None
+        return Specimen(self._places, self._found[0], *flags)
 
     @property
     def _is_narrow(self) -> bool:
@@ -337,13 +337,13 @@ class Crystal(InFrame):
         """
         if pairs is None:
             return self.bonds.values
-        made = Complex.of_edges(
+        edges = Complex.of_edges(
             np.asarray(pairs), len(self.positions), None if images is None else np.asarray(images)
         )
-        first, second = made.pairs.T
+        first, second = edges.pairs.T
         steps = self.positions[second] - self.positions[first]
-        if made.images.shape[1] == 3:
-            steps = steps + made.images @ self._box.vectors
+        if edges.images.shape[1] == 3:
+            steps = steps + edges.images @ self._box.vectors
         return self._decoded(steps, first, second)
 
     def _decoded(self, steps: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
@@ -358,8 +358,8 @@ class Crystal(InFrame):
         moved = self._wrapped[1]
         first, second = pairs.T
         offsets = images + moved[second] - moved[first]
-        made = Complex.of_edges(pairs, len(self.positions), offsets)
-        return Cochain(made, self.torsion.labels)
+        edges = Complex.of_edges(pairs, len(self.positions), offsets)
+        return Cochain(edges, self.torsion.labels)
 
     @cached_property
     def torsion(self) -> Torsion:
@@ -417,10 +417,10 @@ class Crystal(InFrame):
             crystals = [self.grain(grain.number) for grain in self.grains]
             networks = [one.dislocations(partials) for one in crystals]
             return network_of_grains(networks, self.grains, self._box, self._wrapped[0])
-        found, vacancies = self._near_torsion(partials)
+        torsion, vacancies = self._near_torsion(partials)
         # A grain does not fill its cell.
         occupied = None if self._own is not None else len(self.positions) + vacancies
-        faces = TornFaces.of(found.relaxed(), self._numbers)
+        faces = TornFaces.of(torsion.relaxed(), self._numbers)
         return lines_of(faces, self._wrapped[0], self._box, self.frame, partials, occupied)
 
     def _near_torsion(self, partials: bool) -> tuple[Torsion, int]:
@@ -429,10 +429,10 @@ class Crystal(InFrame):
         if self._is_narrow:
             return torsion_on(frame, self.mesh, self.kinds, partials), 0
         shells = self._shells
-        wanted = dilated(~shells.closed, shells.near)
+        open_atoms = dilated(~shells.closed, shells.near)
         atoms = Atoms(self._numbers, places, shells.kind)
-        found = torsion_near(frame, self._box, wanted, atoms, partials)
-        return found, len(shells.vacancies)
+        torsion = torsion_near(frame, self._box, open_atoms, atoms, partials)
+        return torsion, len(shells.vacancies)
 
     def __repr__(self) -> str:
         count = len(self.positions)

@@ -62,7 +62,7 @@ class Around:
 
         every: if False, places are unwrapped, and their own image is omitted.
         """
-        steps, found = places - self.middle, [np.zeros((0, 3))]
+        steps, vectors = places - self.middle, [np.zeros((0, 3))]
         if every:
             steps -= (np.rint(steps @ cell.inverse) * cell.periodic) @ cell.vectors
         # Its extent along the edges, in periods.
@@ -72,8 +72,8 @@ class Around:
             if every or any(image):
                 moved = cell.moved(steps, image)
                 near = moved[(np.abs(moved @ self.axes.T) < self.half + margin).all(axis=1)]
-                found.append(near[self.depth(near) < margin])
-        return np.concatenate(found)
+                vectors.append(near[self.depth(near) < margin])
+        return np.concatenate(vectors)
 
     def depth(self, steps: np.ndarray) -> np.ndarray:
         """Distance of the ends of steps from the prism, shape (k,); negative inside."""
@@ -112,9 +112,9 @@ def inserted_about(
         if len(around.inside(others, cell, outer)) or len(around.inside(path, cell, outer, False)):
             return None
         steps = around.inside(places, cell, outer + reach)
-        found = _counted(steps, around, margin, outer, frame)
-        if found is not None:
-            return found
+        excess = _counted(steps, around, margin, outer, frame)
+        if excess is not None:
+            return excess
     return None
 
 

@@ -67,10 +67,10 @@ def fault_labels(
         layers, split = _shifted(off, above, pairs, shifts / 3, known)
         moved += scale * np.multiply.outer(layers, shifts[0])
         torn |= split
-    found, some = 3 * labels, np.flatnonzero(moved.any(axis=1))
+    sixths, some = 3 * labels, np.flatnonzero(moved.any(axis=1))
     at = values[some] - moved[some] / 3
-    found[some] = 3 * lattice.decode(at, change[some]) + moved[some]
-    return found, torn
+    sixths[some] = 3 * lattice.decode(at, change[some]) + moved[some]
+    return sixths, torn
 
 
 def _shifted(

@@ -113,8 +113,8 @@ class Frame:
     def of(self, deformation: np.ndarray, error: float) -> Frame:
         """The same frame with a deformation, or without one if it may be only error."""
         off = np.abs(deformation - np.eye(3))
-        found = deformation if off.max() > METHOD.sigma * error else np.eye(3)
-        return replace(self, deformation=found, error=error)
+        matrix = deformation if off.max() > METHOD.sigma * error else np.eye(3)
+        return replace(self, deformation=matrix, error=error)
 
 
 class InFrame:
@@ -175,15 +175,15 @@ def fitted(frame: Frame, vectors: np.ndarray) -> Fit:
         closeness = 2 * at @ ideal.T - (ideal**2).sum(axis=1)
         which = closeness.argmax(axis=1)
         places.append((which.reshape(count, k), squared(at - ideal[which]).reshape(count, k)))
-    rows, kind, (which, apart) = np.arange(count), np.zeros(count, dtype=np.int64), places[0]
+    rows, kind, (which, errors) = np.arange(count), np.zeros(count, dtype=np.int64), places[0]
     if len(places) > 1:
-        kind = np.argmin([np.minimum(apart, missing).sum(axis=1) for _, apart in places], axis=0)
-        which, apart = (np.stack(one)[kind, rows] for one in zip(*places, strict=True))
+        kind = np.argmin([np.minimum(errors, missing).sum(axis=1) for _, errors in places], axis=0)
+        which, errors = (np.stack(one)[kind, rows] for one in zip(*places, strict=True))
     filled = np.zeros((count, k), dtype=bool)
     filled[rows[:, None], which] = True
-    whole = filled.all(axis=1) & (apart.max(axis=1) < missing)
+    whole = filled.all(axis=1) & (errors.max(axis=1) < missing)
     labels = np.stack(lattice.neighbours)[kind[:, None], which]
-    return Fit(kind, labels, whole, np.sqrt(apart.mean(axis=1)) / lattice.nearest)
+    return Fit(kind, labels, whole, np.sqrt(errors.mean(axis=1)) / lattice.nearest)
 
 
 def occupied(frame: Frame, vectors: np.ndarray) -> np.ndarray:
@@ -194,14 +194,14 @@ def occupied(frame: Frame, vectors: np.ndarray) -> np.ndarray:
     """
     lattice = frame.lattice
     at = vectors @ frame.inverse
-    found = np.zeros(len(vectors), dtype=bool)
+    mask = np.zeros(len(vectors), dtype=bool)
     for ideal in lattice.ideal:
         there = np.ones(len(vectors), dtype=bool)
         for place in ideal:
-            apart = squared(at - place).min(axis=1)
-            there &= apart < (lattice.nearest / 2) ** 2
-        found |= there
-    return found
+            squares = squared(at - place).min(axis=1)
+            there &= squares < (lattice.nearest / 2) ** 2
+        mask |= there
+    return mask
 
 
 def is_ordered(frame: Frame, vectors: np.ndarray) -> bool:
@@ -274,9 +274,9 @@ def check_turn(frame: Frame, vectors: np.ndarray) -> None:
 def _turns(frame: Frame, vectors: np.ndarray) -> np.ndarray:
     """Misorientations from a frame of single atoms that fit in a frame of their own, rad."""
     local = local_frames(frame.lattice, vectors)
-    found = local.quaternions[local.good]
-    own = np.tile(quaternion_from_matrix(frame.orient.T), (len(found), 1))
-    return symmetry_of(frame.lattice.name).nearest(own, found)[1]
+    quaternions = local.quaternions[local.good]
+    own = np.tile(quaternion_from_matrix(frame.orient.T), (len(quaternions), 1))
+    return symmetry_of(frame.lattice.name).nearest(own, quaternions)[1]
 
 
 def _seeded(lattice: Lattice, vectors: np.ndarray) -> Frame:
@@ -285,9 +285,9 @@ def _seeded(lattice: Lattice, vectors: np.ndarray) -> Frame:
     scale = np.linalg.norm(vectors, axis=1).mean() / np.linalg.norm(ideal, axis=1).mean()
     r = vectors / scale
     unit = r / np.maximum(np.linalg.norm(r, axis=1), 1e-300)[:, None]
-    other = int(np.abs(unit @ unit[0]).argmin())
+    partner = int(np.abs(unit @ unit[0]).argmin())
     directions = ideal / np.linalg.norm(ideal, axis=1)[:, None]
-    angle = unit[0] @ unit[other]
+    angle = unit[0] @ unit[partner]
     # Any pair of neighbour vectors with about this angle is a candidate for these two.
     cosines = directions @ directions.T
     first, second = np.nonzero((np.abs(cosines - angle) < 0.5) & (np.abs(cosines) < 0.9))
@@ -295,11 +295,11 @@ def _seeded(lattice: Lattice, vectors: np.ndarray) -> Frame:
         # All neighbours are on a line, or seem so from very far, or one overlaps with the atom: any
         # rotation fits equally.
         return Frame(lattice, np.eye(3), float(scale))
-    here = triads(unit[:1], unit[other : other + 1])[0]
+    here = triads(unit[:1], unit[partner : partner + 1])[0]
     turns = np.swapaxes(triads(directions[first], directions[second]), 1, 2) @ here
     at = np.einsum("nij,kj->nki", turns, r)
-    apart = squared(at[:, :, None] - ideal).min(axis=2).sum(axis=1)
-    return Frame(lattice, turns[apart.argmin()], float(scale))
+    misfits = squared(at[:, :, None] - ideal).min(axis=2).sum(axis=1)
+    return Frame(lattice, turns[misfits.argmin()], float(scale))
 
 
 def refined(
@@ -341,8 +341,8 @@ def refined(
 
 def best_frame(frame: Frame, vectors: np.ndarray) -> Frame:
     """The frame with its deformation that fits neighbour vectors best."""
-    made = refined(replace(frame, deformation=np.eye(3)), vectors)
-    return made.deformed(vectors, fitted(made, vectors))[0]
+    refined_frame = refined(replace(frame, deformation=np.eye(3)), vectors)
+    return refined_frame.deformed(vectors, fitted(refined_frame, vectors))[0]
 
 
 def upright(frame: Frame) -> Frame:
@@ -406,17 +406,17 @@ def likely_lattice(
     """
     # A few atoms decide the lattice, or all if few of these fit; all give orientation and constant.
     for some in (vectors[:: max(len(vectors) // (10 * METHOD.seeds), 1)], vectors):
-        found = [single_frame(lattice, some, orient) for lattice in LATTICES.values()]
-        shares = [share_of(frame, fit, some) for frame, fit in found]
+        fits = [single_frame(lattice, some, orient) for lattice in LATTICES.values()]
+        shares = [share_of(frame, fit, some) for frame, fit in fits]
         # Under strain atoms may fit into two lattices: each counts for the better fit.
         off = [
             np.where(fit.whole & (share > 0), fit.misfit, np.inf)
-            for (_, fit), share in zip(found, shares, strict=True)
+            for (_, fit), share in zip(fits, shares, strict=True)
         ]
         mine = np.where(np.isfinite(off).any(axis=0), np.argmin(off, axis=0), -1)
-        count = [int((mine == k).sum()) for k in range(len(found))]
-        best = max(range(len(found)), key=lambda k: (count[k], -found[k][1].misfit.mean()))
-        frame = found[best][0]
+        count = [int((mine == k).sum()) for k in range(len(fits))]
+        best = max(range(len(fits)), key=lambda k: (count[k], -fits[k][1].misfit.mean()))
+        frame = fits[best][0]
         if shares[best] >= METHOD.share:
             break
     return single_frame(frame.lattice, vectors, orient, constant)
@@ -440,31 +440,31 @@ def frame_of(
         The atoms are not a crystal, or are a crystal of another lattice.
     """
     if name is None:
-        found = likely_lattice(vectors, orient, constant)
+        match = likely_lattice(vectors, orient, constant)
     else:
-        found = single_frame(lattice_named(name), vectors, orient, constant)
-    share = share_of(*found, vectors)
+        match = single_frame(lattice_named(name), vectors, orient, constant)
+    share = share_of(*match, vectors)
     alike = True
     if share < 0.5 and shares is not None:
         # In many grains, single atoms decide the lattice.
-        parts = shares(found[0].lattice)
+        parts = shares(match[0].lattice)
         most = max(parts, key=lambda key: parts[key])
-        if name is None and parts[most] > max(share, parts[found[0].lattice.name]):
-            found = single_frame(lattice_named(most), vectors, orient, constant)
+        if name is None and parts[most] > max(share, parts[match[0].lattice.name]):
+            match = single_frame(lattice_named(most), vectors, orient, constant)
         # Atoms around those with frames of their own must be oriented alike, as in grains.
-        alike = parts[found[0].lattice.name] > 0
-        share = max(share_of(*found, vectors), parts[found[0].lattice.name])
+        alike = parts[match[0].lattice.name] > 0
+        share = max(share_of(*match, vectors), parts[match[0].lattice.name])
     if name is not None and share < 0.5:
-        other = likely_lattice(vectors)
-        rival = share_of(*other, vectors)
+        best_fit = likely_lattice(vectors)
+        rival = share_of(*best_fit, vectors)
         # Clearly another lattice.
-        if other[0].lattice.name != name and rival > 2 * share:
+        if best_fit[0].lattice.name != name and rival > 2 * share:
             raise CrystalError(
-                f"lattice: expected {other[0].lattice.name}, which {rival:.1%} of the atoms fit "
+                f"lattice: expected {best_fit[0].lattice.name}, which {rival:.1%} of the atoms fit "
                 f"with their neighbours, got {name}, which {share:.1%} fit. Name "
-                f"{other[0].lattice.name}, or omit lattice to have it found."
+                f"{best_fit[0].lattice.name}, or omit lattice to have it found."
             )
-    if not (alike if share >= METHOD.share else _is_noisy(found[0], vectors)):
+    if not (alike if share >= METHOD.share else _is_noisy(match[0], vectors)):
         kinds = name or f"one of {', '.join(LATTICES)}"
         beside = ", and adjacent ones are not oriented alike" if share >= METHOD.share else ""
         raise CrystalError(
@@ -472,7 +472,7 @@ def frame_of(
             f"another kind: the neighbours of only {share:.1%} of the atoms fit{beside}. Cut out "
             "the crystalline part, or one sublattice of a compound."
         )
-    return found[0].deformed(vectors[:, : found[0].lattice.shells], found[1])
+    return match[0].deformed(vectors[:, : match[0].lattice.shells], match[1])
 
 
 def _is_noisy(frame: Frame, vectors: np.ndarray) -> bool:

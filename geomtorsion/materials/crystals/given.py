@@ -62,53 +62,53 @@ class Given:
 
 def positions_of(given: object) -> np.ndarray:
     """Positions of atoms, shape (atoms, 3), checked to span a finite volume."""
-    found = checks.array(given, POSITIONS, CrystalError, shape=(None, 3))
-    largest = float(max(found.max(initial=0), -found.min(initial=0)))
+    positions = checks.array(given, POSITIONS, CrystalError, shape=(None, 3))
+    largest = float(max(positions.max(initial=0), -positions.min(initial=0)))
     limit = float(np.finfo(float).max ** (1 / 3)) / 2
     if largest > limit:
         raise CrystalError(
             f"{POSITIONS}: expected numbers up to {limit:.1e}, since their cubes are volumes, got "
             f"{largest:.3g}. Give them in another unit of length."
         )
-    return found
+    return positions
 
 
 def _cell(given: ArrayLike) -> np.ndarray:
     """Edges of the cell as rows."""
-    found = checks.array(given, "cell", CrystalError)
-    if found.shape == (3,):
-        found = np.diag(found)
-    if found.shape != (3, 3):
+    edges = checks.array(given, "cell", CrystalError)
+    if edges.shape == (3,):
+        edges = np.diag(edges)
+    if edges.shape != (3, 3):
         raise CrystalError(
-            f"cell: expected three edges as rows, shape (3, 3), got shape {found.shape}. Give "
+            f"cell: expected three edges as rows, shape (3, 3), got shape {edges.shape}. Give "
             "them, or three lengths of perpendicular edges."
         )
     with np.errstate(all="ignore"):
-        volume = abs(np.linalg.det(found))
-        sizes = np.prod(np.linalg.norm(found, axis=1))
+        volume = abs(np.linalg.det(edges))
+        sizes = np.prod(np.linalg.norm(edges, axis=1))
     if not (np.isfinite(sizes) and volume > 8 * np.finfo(float).eps * sizes):
         raise CrystalError(
-            f"cell: expected three edges that span a volume, got {checks.shown(found.tolist())}. "
+            f"cell: expected three edges that span a volume, got {checks.shown(edges.tolist())}. "
             "Give an edge also where nothing repeats, or omit the cell of an open crystal."
         )
-    return found
+    return edges
 
 
 def _rotation(given: ArrayLike | None) -> np.ndarray | None:
     """A rotation, corrected to the last digit."""
     if given is None:
         return None
-    found = checks.array(given, "orient", CrystalError, shape=(3, 3))
-    u, sizes, v = np.linalg.svd(found)
-    if np.abs(sizes - 1).max() > 1e-3 or np.linalg.det(found) < 0:
+    matrix = checks.array(given, "orient", CrystalError, shape=(3, 3))
+    u, sizes, v = np.linalg.svd(matrix)
+    if np.abs(sizes - 1).max() > 1e-3 or np.linalg.det(matrix) < 0:
         raise CrystalError(
-            f"orient: expected a rotation, got {checks.shown(found.tolist())}. Give the crystal "
+            f"orient: expected a rotation, got {checks.shown(matrix.tolist())}. Give the crystal "
             "axes in the specimen as rows: of length one, perpendicular and right-handed."
         )
     nearest = u @ v
     # A rotation up to rounding stays unchanged, frame by frame of a trajectory.
-    if np.abs(nearest - found).max() < 16 * np.finfo(float).eps:
-        return found
+    if np.abs(nearest - matrix).max() < 16 * np.finfo(float).eps:
+        return matrix
     return nearest
 
 

@@ -58,23 +58,23 @@ class GrainCircuits:
 
     def _one_grain(self, atoms: Sequence[int]) -> int:
         """The common grain of all these atoms."""
-        found = {int(self.grains.number[k]): k for k in reversed(atoms)}
-        inside = sorted(number for number in found if number >= 0)
+        atom = {int(self.grains.number[k]): k for k in reversed(atoms)}
+        inside = sorted(number for number in atom if number >= 0)
         if len(inside) > 1:
             one, other = inside[:2]
             how = self.grains.wall(one, other).description
             raise CrystalError(
-                f"expected a circuit within one grain, got atom {found[one]} in grain {one} and "
-                f"atom {found[other]} in grain {other}, {how}. Lead the circuit through one of "
+                f"expected a circuit within one grain, got atom {atom[one]} in grain {one} and "
+                f"atom {atom[other]} in grain {other}, {how}. Lead the circuit through one of "
                 "them: it cannot cross the wall between them."
             )
-        if len(inside) < len(found):
-            code = max(number for number in found if number < 0)
+        if len(inside) < len(atom):
+            code = max(number for number in atom if number < 0)
             where = "a region without a lattice"
             if code == Nowhere.wall:
-                where = self._where(found[code])
+                where = self._where(atom[code])
             raise CrystalError(
-                f"expected a circuit within one grain, got atom {found[code]} in {where}. Lead "
+                f"expected a circuit within one grain, got atom {atom[code]} in {where}. Lead "
                 "the circuit through a grain."
             )
         if not inside:

@@ -32,7 +32,7 @@ def network_of_grains(
     """
     import networkx as nx  # 0.15 s, and only networks need it
 
-    found = nx.MultiDiGraph()
+    union = nx.MultiDiGraph()
     for grain, network in zip(grains, networks, strict=True):
         if not network.lines:
             continue
@@ -47,11 +47,11 @@ def network_of_grains(
                 graph.remove_nodes_from(part)
         for *_, data in graph.edges(data=True):
             data["grain"] = grain.number
-        names = {node: len(found) + k for k, node in enumerate(graph)}
-        found.update(nx.relabel_nodes(graph, names))
+        names = {node: len(union) + k for k, node in enumerate(graph)}
+        union.update(nx.relabel_nodes(graph, names))
     clusters = {grain.number: cluster_of(grain.frame, len(grain.atoms)) for grain in grains}
-    found.graph.update(clusters=clusters, walls=[wall.grains for wall in grains.walls])
-    return DislocationNetwork(found, box=Box(cell.vectors, periodic=cell.periodic))
+    union.graph.update(clusters=clusters, walls=[wall.grains for wall in grains.walls])
+    return DislocationNetwork(union, box=Box(cell.vectors, periodic=cell.periodic))
 
 
 class _Outside:

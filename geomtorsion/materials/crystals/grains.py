@@ -102,14 +102,14 @@ class Grains:
     @property
     def shares(self) -> dict[str, float]:
         """Share of the atoms in each lattice, in walls ("wall") and in regions without ("none")."""
-        found: dict[str, float] = {}
+        shares: dict[str, float] = {}
         for grain in self.grains:
             part = len(grain.atoms) / len(self.number)
-            found[grain.lattice] = found.get(grain.lattice, 0.0) + part
+            shares[grain.lattice] = shares.get(grain.lattice, 0.0) + part
         for code in Nowhere:
             if (self.number == code).any():
-                found[code.name] = float((self.number == code).mean())
-        return found
+                shares[code.name] = float((self.number == code).mean())
+        return shares
 
     def wall(self, one: int, other: int) -> Wall:
         """The wall between two grains, or its misorientation where they do not touch.
@@ -138,13 +138,13 @@ class Grains:
 
     def __getitem__(self, number: int) -> Grain:
         """The grain with a number."""
-        wanted = checks.count(number, "number", CrystalError)
+        index = checks.count(number, "number", CrystalError)
         for grain in self.grains:
-            if grain.number == wanted:
+            if grain.number == index:
                 return grain
-        known = ", ".join(str(grain.number) for grain in self.grains)
+        numbers = ", ".join(str(grain.number) for grain in self.grains)
         raise CrystalError(
-            f"number: expected the number of a grain ({checks.cut(known)}), got {wanted}. Give "
+            f"number: expected the number of a grain ({checks.cut(numbers)}), got {index}. Give "
             "one of these."
         )
 

@@ -59,27 +59,27 @@ class KnownGrains:
                 if _is_same(grain.frame, self.frames[number]):
                     both = (after == grain.number) & (before == number)
                     common[row, column] = both.sum()
-        kept = {
+        old_numbers = {
             row: old[column]
             for row, column in zip(*scipy.optimize.linear_sum_assignment(-common), strict=True)
             if common[row, column]
         }
-        used, made, names = self.used, [], {}
+        used, successors, names = self.used, [], {}
         for row, grain in enumerate(new):
-            number = kept.get(row, used)
-            used += row not in kept
+            number = old_numbers.get(row, used)
+            used += row not in old_numbers
             frame = grain.frame
-            if row in kept and not grains.is_single:
+            if row in old_numbers and not grains.is_single:
                 frame = in_variant(frame, self.frames[number]).along(self.frames[number])
-            made.append(replace(grain, number=number, frame=frame))
-            names[grain.number] = made[-1]
+            successors.append(replace(grain, number=number, frame=frame))
+            names[grain.number] = successors[-1]
         owner = grains.number.copy()
         for code, grain in names.items():
             owner[grains.number == code] = grain.number
-        vanished = tuple(number for number in old if number not in kept.values())
+        vanished = tuple(number for number in old if number not in old_numbers.values())
         return replace(
             grains,
-            grains=tuple(sorted(made, key=lambda grain: grain.number)),
+            grains=tuple(sorted(successors, key=lambda grain: grain.number)),
             number=owner,
             walls=tuple(
                 wall_between(*_in_order(*(names[k] for k in wall.grains)), wall.atoms)

@@ -102,24 +102,24 @@ def _whole_dump(name: str, first: int, rows: list[str]) -> list[str]:
                 f"{', '.join(marks)}. Is the file complete, and a dump of atoms (dump custom)?"
             )
     count = marks["NUMBER"] + 1
-    said = rows[count].strip() if count < len(rows) else ""
-    if not said.isdecimal() or len(said) > 18:
+    number = rows[count].strip() if count < len(rows) else ""
+    if not number.isdecimal() or len(number) > 18:
         raise FileFormatError(
-            f"{name}: line {first + count}: expected the number of atoms, got {shown(said)}. Is "
+            f"{name}: line {first + count}: expected the number of atoms, got {shown(number)}. Is "
             "the file complete?"
         )
     while not rows[-1].strip():
         rows.pop()
     body = len(rows) - 1 - marks["ATOMS"]
-    if body > int(said):
+    if body > int(number):
         raise FileFormatError(
-            f"{name}: line {first + count}: expected {said} atoms, as this line declares, got "
+            f"{name}: line {first + count}: expected {number} atoms, as this line declares, got "
             f"{body:,} rows. Correct the number, or export the file again."
         )
-    if body < int(said):
+    if body < int(number):
         raise FileFormatError(
             f"{name}: line {first + len(rows) - 1}: the frame ends after {body:,} of "
-            f"{int(said):,} atoms. Is the file complete?"
+            f"{int(number):,} atoms. Is the file complete?"
         )
     return rows
 
@@ -146,11 +146,11 @@ def dump_frame(name: str, line: int, rows: list[str], where: str) -> AtomData:
     axes, scaled = choices[0]
     kind = next((columns.index(x) for x in _KINDS if x in columns), None)
     numeric = [*axes.split(), *(["id"] if "id" in columns else [])]
-    wanted = [columns.index(x) for x in numeric]
+    indices = [columns.index(x) for x in numeric]
     if kind is not None and words and is_number(words[0][kind]):
         # Where types are numbers, a word among them is a damaged row.
-        wanted.append(kind)
-    table = numbers_of(name, lines, words, wanted)
+        indices.append(kind)
+    table = numbers_of(name, lines, words, indices)
     values = table[:, :3]
     positions = origin + values @ edges if scaled else values
     order = np.argsort(table[:, 3], kind="stable") if "id" in columns else np.arange(len(words))
@@ -206,13 +206,13 @@ def data_frame(name: str, text: str) -> AtomData:
     heads = [k for k, words in enumerate(plain) if k and words and words[0][0].isalpha()]
     sections = {" ".join(plain[k]): k for k in reversed(heads)}
     top = heads[0] if heads else len(rows)
-    said: Said = {}
+    header: Said = {}
     for k, words in enumerate(plain[1:top], 1):
         for key in _KEYS:
             ends = key.split()
             if words[-len(ends) :] == ends:
-                said[key] = k, words[: -len(ends)]
-    if "Atoms" not in sections or "atoms" not in said:
+                header[key] = k, words[: -len(ends)]
+    if "Atoms" not in sections or "atoms" not in header:
         missing = (
             "section Atoms" if "Atoms" not in sections else "number of atoms (such as 5 atoms)"
         )
@@ -222,23 +222,23 @@ def data_frame(name: str, text: str) -> AtomData:
         )
     start = sections["Atoms"]
     end = next((k for k in heads if k > start), len(rows))
-    kept = [k for k in range(start + 1, end) if plain[k]]
-    line, count = said["atoms"][0] + 1, " ".join(said["atoms"][1])
-    if not count.isdecimal() or len(count) > 18 or int(count) != len(kept):
+    body = [k for k in range(start + 1, end) if plain[k]]
+    line, count = header["atoms"][0] + 1, " ".join(header["atoms"][1])
+    if not count.isdecimal() or len(count) > 18 or int(count) != len(body):
         raise FileFormatError(
             f"{name}: line {line}: expected {cut(count)} atoms, as this line declares, got "
-            f"{len(kept):,} rows. Correct the number, or export the file again."
+            f"{len(body):,} rows. Correct the number, or export the file again."
         )
-    lines = [k + 1 for k in kept]
-    width = len(plain[kept[0]]) if kept else 0
-    words = words_of(name, lines, [" ".join(plain[k]) for k in kept], width)
-    kind, x = _style(name, start + 1, rows[start].partition("#")[2].strip(), words, said)
+    lines = [k + 1 for k in body]
+    width = len(plain[body[0]]) if body else 0
+    words = words_of(name, lines, [" ".join(plain[k]) for k in body], width)
+    kind, x = _style(name, start + 1, rows[start].partition("#")[2].strip(), words, header)
     values = numbers_of(name, lines, words, (0, x, x + 1, x + 2))
     order = np.argsort(values[:, 0], kind="stable")
     labels = _labels(rows, plain, sections, heads)
     types: list[str] = [words[k][kind] for k in order.tolist()]
     species: tuple[str, ...] = tuple(labels.get(one, one) for one in types)
-    return AtomData(values[order, 1:], _cell(name, said), (True, True, True), species, name)
+    return AtomData(values[order, 1:], _cell(name, header), (True, True, True), species, name)
 
 
 def _style(
@@ -290,7 +290,7 @@ def _labels(
     heads: Sequence[int],
 ) -> dict[str, str]:
     """Number of a type -> its label: from Atom Type Labels, or the comment after its mass."""
-    found: dict[str, str] = {}
+    labels: dict[str, str] = {}
     for title in ("Masses", "Atom Type Labels"):
         start = sections.get(title)
         if start is None:
@@ -300,8 +300,8 @@ def _labels(
             comment = rows[k].partition("#")[2].split()
             label = plain[k][1:2] if title == "Atom Type Labels" else comment[:1]
             if plain[k] and label:
-                found[plain[k][0]] = label[0]
-    return found
+                labels[plain[k][0]] = label[0]
+    return labels
 
 
 def _cell(name: str, said: Said) -> np.ndarray | None:
@@ -314,13 +314,13 @@ def _cell(name: str, said: Said) -> np.ndarray | None:
                 f"{cut(', '.join(said))}. Is the file complete?"
             )
         k, words = said[key]
-        found = [finite_number(word) for word in words]
-        if len(found) != count or None in found:
+        values = [finite_number(word) for word in words]
+        if len(values) != count or None in values:
             raise FileFormatError(
                 f"{name}: line {k + 1}: {key}: expected {count} numbers, got "
                 f"{shown(' '.join(words))}. Correct it."
             )
-        return [x for x in found if x is not None]
+        return [x for x in values if x is not None]
 
     if "avec" in said:
         return completed(np.array([numbers(key, 3) for key in ("avec", "bvec", "cvec")]))

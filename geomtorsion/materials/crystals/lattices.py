@@ -62,10 +62,10 @@ class Lattice:
     @cached_property
     def offsets(self) -> np.ndarray:
         """Position of an atom of each kind in a primitive cell, whole numbers, shape (kinds, 3)."""
-        found = [np.zeros(3, dtype=np.int64)]
+        offsets = [np.zeros(3, dtype=np.int64)]
         for step in (self.basis, self.screw):
-            found += [place + step for place in found] if step else []
-        return np.array(found)
+            offsets += [place + step for place in offsets] if step else []
+        return np.array(offsets)
 
     def shift(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
         """Value of `shift` in `decode` for the kinds of two atoms.
@@ -95,33 +95,33 @@ class Lattice:
         if self.basis and shift is not None:
             move = side[:, None] * self._moves[shift]
             y = y - move
-        period, best, found = np.array(self.period, dtype=float), None, y
+        period, best, nearest = np.array(self.period, dtype=float), None, y
         scale = np.array(self.units)
         for point in np.array(self.points, dtype=float):
             near = np.rint((y - point) / period) * period + point
-            apart = (((near - y) * scale) ** 2).sum(axis=1)
+            distances = (((near - y) * scale) ** 2).sum(axis=1)
             if best is None:
-                best, found = apart, near
+                best, nearest = distances, near
             else:
-                closer = apart < best
-                best = np.where(closer, apart, best)
-                found = np.where(closer[:, None], near, found)
+                closer = distances < best
+                best = np.where(closer, distances, best)
+                nearest = np.where(closer[:, None], near, nearest)
         if move is not None:
-            found = found + move
-        return (found * side[:, None]).astype(np.int64)
+            nearest = nearest + move
+        return (nearest * side[:, None]).astype(np.int64)
 
     @cached_property
     def _moves(self) -> np.ndarray:
         """Offset for each shift; negative shifts count from the end and have minus the offset."""
-        found = np.zeros((9, 3))
+        moves = np.zeros((9, 3))
         for kind, place in enumerate(self.offsets):
             code = int(self.shift(np.array(0), np.array(kind)))
-            found[code], found[-code] = place, -place
+            moves[code], moves[-code] = place, -place
         if self.screw:
             # From the second sublattice to the first, one screw further.
-            found[2] = self.offsets[2] - self.offsets[1]
-            found[-2] = -found[2]
-        return found
+            moves[2] = self.offsets[2] - self.offsets[1]
+            moves[-2] = -moves[2]
+        return moves
 
     @cached_property
     def neighbours(self) -> tuple[np.ndarray, ...]:
@@ -166,10 +166,10 @@ class Lattice:
         """
         some = values[values.any(axis=1)]
         side = np.where(some @ _SIDE < 0, -1, 1)[:, None]
-        found, counts = np.unique(side * some, axis=0, return_counts=True)
-        sizes = np.linalg.norm(found * self.units, axis=1).round(9)
-        order = np.lexsort((*found.T, sizes, -counts))
-        every = [*found[order].tolist(), *self.translations.tolist()]
+        vectors, counts = np.unique(side * some, axis=0, return_counts=True)
+        sizes = np.linalg.norm(vectors * self.units, axis=1).round(9)
+        order = np.lexsort((*vectors.T, sizes, -counts))
+        every = [*vectors[order].tolist(), *self.translations.tolist()]
         return np.array(next(x for x in combinations(every, 3) if self._spans(*x)))
 
     def _spans(self, a: list[int], b: list[int], c: list[int]) -> bool:

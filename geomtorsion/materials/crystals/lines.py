@@ -66,9 +66,9 @@ def smoothed(path: np.ndarray, closed: bool, width: float) -> np.ndarray:
     waves = 2 * np.pi * np.fft.rfftfreq(len(rest), length / len(rest))
     # Half of a wave that is cut to a tenth is then about twice as long as a core is wide.
     gauss = np.exp(-0.5 * (1.5 * waves * width) ** 2)
-    kept = np.fft.irfft(np.fft.rfft(rest, axis=0) * (1 - (1 - gauss) ** 2)[:, None], len(rest), 0)
-    kept = np.concatenate([kept[:count], kept[:1]]) if closed else kept[: count + 1]
-    return line + kept
+    bend = np.fft.irfft(np.fft.rfft(rest, axis=0) * (1 - (1 - gauss) ** 2)[:, None], len(rest), 0)
+    bend = np.concatenate([bend[:count], bend[:1]]) if closed else bend[: count + 1]
+    return line + bend
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +128,7 @@ def strands(graph: DualGraph, vectors: np.ndarray) -> list[Strand]:
         for x, s in zip(around, graph.surface.tolist(), strict=True)
     ]
     done = np.zeros(len(graph.pairs), dtype=bool)
-    found = []
+    chains = []
 
     def follow(first: int, sense: int) -> Strand:
         """Follow a line to a node where it ends, or back to its beginning."""
@@ -151,10 +151,10 @@ def strands(graph: DualGraph, vectors: np.ndarray) -> list[Strand]:
         if not passed[node]:
             for edge, sense in around[node]:
                 if not done[edge]:
-                    found.append(follow(edge, sense))
+                    chains.append(follow(edge, sense))
     # The remaining edges are closed; each call follows a whole ring.
     rings = (follow(edge, 1) for edge in range(len(done)) if not done[edge])
-    return [*found, *rings]
+    return [*chains, *rings]
 
 
 def simplified(
@@ -175,13 +175,13 @@ def simplified(
         line = lines[k]
         if line.start == line.end or surface[[line.start, line.end]].any():
             continue
-        gone, kept = line.end, line.start
+        gone, junction = line.end, line.start
         del lines[k]
         # The removed node moves to the beginning of the line, so many periods back.
         place, offset = line.path[0] - line.image @ vectors, line.image
-        for m, other in list(lines.items()):
-            if gone in (other.start, other.end):
-                lines[m] = _moved(other, gone, kept, place, offset, vectors)
+        for m, neighbour in list(lines.items()):
+            if gone in (neighbour.start, neighbour.end):
+                lines[m] = _moved(neighbour, gone, junction, place, offset, vectors)
     rings = [k for k, one in lines.items() if one.start == one.end and not one.image.any()]
     for k in rings:
         if length_of(smoothed(lines[k].path, True, width)) < np.pi * width:
@@ -194,20 +194,20 @@ def _without_eyes(
 ) -> list[Strand]:
     """Merge lines that part and meet again within a core into one with the sum of their b."""
     lines: dict[int, Strand] = {}
-    known: dict[tuple[int, ...], int] = {}
-    for k, one in enumerate(found):
-        line = one if one.start <= one.end else one.reversed(vectors)
+    line_at: dict[tuple[int, ...], int] = {}
+    for k, strand in enumerate(found):
+        line = strand if strand.start <= strand.end else strand.reversed(vectors)
         ends = (line.start, line.end, *line.image.tolist())
-        other = lines.get(known.setdefault(ends, k))
-        if other is None or one.start == one.end:
+        twin = lines.get(line_at.setdefault(ends, k))
+        if twin is None or strand.start == strand.end:
             lines[k] = line
-        elif line.length + other.length < np.pi * width:
-            first = min(line, other, key=lambda x: x.length)
-            lines[known[ends]] = replace(first, burgers=line.burgers + other.burgers)
+        elif line.length + twin.length < np.pi * width:
+            first = min(line, twin, key=lambda x: x.length)
+            lines[line_at[ends]] = replace(first, burgers=line.burgers + twin.burgers)
         else:
             lines[k] = line
-    kept = {k: line for k, line in lines.items() if line.burgers.any()}
-    return found if len(kept) == len(found) else _joined(kept, surface, vectors)
+    nonzero_lines = {k: line for k, line in lines.items() if line.burgers.any()}
+    return found if len(nonzero_lines) == len(found) else _joined(nonzero_lines, surface, vectors)
 
 
 def _moved(
@@ -241,8 +241,8 @@ def _joined(lines: dict[int, Strand], surface: np.ndarray, vectors: np.ndarray) 
             second = second.reversed(vectors)
         path = np.concatenate([first.path, second.path[1:] + first.image @ vectors])
         image = first.image + second.image
-        made = Strand(first.start, second.end, first.burgers, path, image)
-        lines[ends[0]] = made
+        strand = Strand(first.start, second.end, first.burgers, path, image)
+        lines[ends[0]] = strand
         del lines[ends[1]], at[node]
         at[second.end] = [ends[0] if k == ends[1] else k for k in at[second.end]]
     return list(lines.values())

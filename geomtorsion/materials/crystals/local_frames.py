@@ -60,16 +60,16 @@ def local_frames(lattice: Lattice, vectors: np.ndarray) -> LocalFrames:
 @cache
 def clear_misfit(name: str) -> float:
     """The least misfit in a lattice of an atom that is in another lattice without any noise."""
-    found = [np.inf]
-    for other in LATTICES.values():
-        if other.name != name:
-            ideal = replace(other, shells=50).ideal[0]
+    misfits = [np.inf]
+    for lattice in LATTICES.values():
+        if lattice.name != name:
+            ideal = replace(lattice, shells=50).ideal[0]
             # Any of several neighbours at the same distance may be counted.
             moved = ideal + 1e-6 * np.random.default_rng(0).normal(size=(200, *ideal.shape))
             order = np.linalg.norm(moved, axis=2).argsort(axis=1)[:, :, None]
             fit = local_frames(LATTICES[name], np.take_along_axis(moved, order, axis=1))
-            found += fit.misfit[fit.good].tolist()
-    return min(found)
+            misfits += fit.misfit[fit.good].tolist()
+    return min(misfits)
 
 
 def _some(lattice: Lattice, vectors: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -81,8 +81,8 @@ def _some(lattice: Lattice, vectors: np.ndarray) -> tuple[np.ndarray, ...]:
     r = vectors / scale[:, None, None]
     unit = vectors / np.maximum(sizes, 1e-300)[:, :, None]
     cosines = np.abs(np.einsum("ni,nki->nk", unit[:, 0], unit))
-    other = cosines.argmin(axis=1)
-    here = triads(unit[:, 0], unit[np.arange(count), other])
+    partner = cosines.argmin(axis=1)
+    here = triads(unit[:, 0], unit[np.arange(count), partner])
     best, turns = np.full(count, -np.inf), np.tile(np.eye(3), (count, 1, 1))
     squares = (ideal**2).sum(axis=1)
     at = (r @ np.swapaxes(here, 1, 2)).reshape(-1, 3)
@@ -99,11 +99,11 @@ def _some(lattice: Lattice, vectors: np.ndarray) -> tuple[np.ndarray, ...]:
         u, _, v = np.linalg.svd(np.swapaxes(ideal[which], 1, 2) @ r)
         u[:, :, 2] *= np.linalg.det(u @ v)[:, None]
         turns = u @ v
-    which, apart = _nearest(r @ np.swapaxes(turns, 1, 2), ideal)
+    which, residuals = _nearest(r @ np.swapaxes(turns, 1, 2), ideal)
     filled = np.zeros((count, k), dtype=bool)
     filled[np.arange(count)[:, None], which] = True
-    good = filled.all(axis=1) & (apart.max(axis=1) < (lattice.nearest / 2) ** 2)
-    misfit = np.sqrt(apart.mean(axis=1)) / lattice.nearest
+    good = filled.all(axis=1) & (residuals.max(axis=1) < (lattice.nearest / 2) ** 2)
+    misfit = np.sqrt(residuals.mean(axis=1)) / lattice.nearest
     return quaternion_from_matrix(np.swapaxes(turns, 1, 2)), scale, good, misfit
 
 
@@ -123,10 +123,10 @@ def squared(vectors: np.ndarray) -> np.ndarray:
 
 def largest(table: np.ndarray) -> np.ndarray:
     """The largest entry of each row, found by columns, since numpy is slow at short rows."""
-    found = table[:, 0].copy()
+    maxima = table[:, 0].copy()
     for column in table.T[1:]:
-        np.maximum(found, column, out=found)
-    return found
+        np.maximum(maxima, column, out=maxima)
+    return maxima
 
 
 def triads(first: np.ndarray, second: np.ndarray) -> np.ndarray:
@@ -143,17 +143,17 @@ def _seeds(lattice: Lattice) -> np.ndarray:
     unit = ideal / np.linalg.norm(ideal, axis=1)[:, None]
     rotations = matrix_from_quaternion(symmetry_of(lattice.name).quaternions)
     turned = np.einsum("nij,kj->nki", rotations, ideal)
-    apart = np.linalg.norm(turned[:, :, None] - ideal, axis=3)
+    distances = np.linalg.norm(turned[:, :, None] - ideal, axis=3)
     # Symmetries that map neighbours of one sublattice to neighbours of the same sublattice.
-    images = apart.argmin(axis=2)[apart.min(axis=2).max(axis=1) < lattice.nearest / 2]
+    images = distances.argmin(axis=2)[distances.min(axis=2).max(axis=1) < lattice.nearest / 2]
     seen: set[tuple[int, int]] = set()
-    found = []
+    pairs = []
     for a in range(len(ideal)):
         for b in range(len(ideal)):
             # Two neighbours that determine an orientation are not on a line.
             if (a, b) in seen or abs(unit[a] @ unit[b]) > 0.9:
                 continue
             seen |= {(int(image[a]), int(image[b])) for image in images}
-            found.append((a, b))
-    first, second = np.array(found).T
+            pairs.append((a, b))
+    first, second = np.array(pairs).T
     return triads(unit[first], unit[second])

@@ -75,14 +75,14 @@ def torsion_near(
 
     wanted: which atoms, shape (atoms,).
     """
-    reach, known = METHOD.reach * frame.lattice.nearest * frame.constant, wanted
+    reach, region = METHOD.reach * frame.lattice.nearest * frame.constant, wanted
     while True:
-        mesh = triangulated(atoms.places, cell, reach, known, atoms.numbers)
-        found = torsion_on(frame, mesh, atoms.kinds, partials)
-        more = found.leading_on
+        mesh = triangulated(atoms.places, cell, reach, region, atoms.numbers)
+        torsion = torsion_on(frame, mesh, atoms.kinds, partials)
+        more = torsion.leading_on
         if not more.any():
-            return found
-        known = known | more
+            return torsion
+        region = region | more
 
 
 def sites_in(frame: Frame, cell: Cell) -> int | None:

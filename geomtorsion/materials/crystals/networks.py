@@ -37,7 +37,7 @@ def network_of(
     import networkx as nx  # 0.15 s, and only networks need it
 
     graph = DualGraph.of(faces)
-    found = nx.MultiDiGraph(clusters={None: cluster})
+    multigraph = nx.MultiDiGraph(clusters={None: cluster})
     lines = simplified(strands(graph, cell.vectors), graph.surface, cell.vectors, width)
     ends = Counter(node for line in lines for node in (line.start, line.end))
     alone = [line.start == line.end and ends[line.start] == 2 for line in lines]
@@ -55,8 +55,8 @@ def network_of(
                 # The beginning of a line without junctions is known only from the line itself.
                 place = path[0] if one else graph.places[node]
                 outside = bool(graph.surface[node])
-                found.add_node(numbers[node], position=tuple(place.tolist()), surface=outside)
-        found.add_edge(
+                multigraph.add_node(numbers[node], position=tuple(place.tolist()), surface=outside)
+        multigraph.add_edge(
             numbers[line.start],
             numbers[line.end],
             burgers=tuple(frame.vectors(line.burgers[None])[0].tolist()),
@@ -65,7 +65,7 @@ def network_of(
             path=path,
             image=tuple(line.image.tolist()),
         )
-    return DislocationNetwork(found, box=Box(cell.vectors, periodic=cell.periodic))
+    return DislocationNetwork(multigraph, box=Box(cell.vectors, periodic=cell.periodic))
 
 
 def cluster_of(frame: Frame, atoms: int = 0) -> Cluster:
@@ -81,11 +81,11 @@ def _with_area(path: np.ndarray, burgers: np.ndarray, volume: float) -> np.ndarr
     """A closed path scaled about its centre so that b . A is a volume, if it nearly is already."""
     middle = path[:-1].mean(axis=0)
     spokes = path - middle
-    found = np.cross(spokes[:-1], spokes[1:]).sum(axis=0) @ burgers / 2
+    path_volume = np.cross(spokes[:-1], spokes[1:]).sum(axis=0) @ burgers / 2
     # A core cannot hide twice as much area: other defects have been counted as well.
-    if not 0.5 < volume / (found or np.inf) < 2:
+    if not 0.5 < volume / (path_volume or np.inf) < 2:
         return path
-    return middle + np.sqrt(volume / found) * spokes
+    return middle + np.sqrt(volume / path_volume) * spokes
 
 
 def family(lattice: Lattice, values: np.ndarray) -> str:

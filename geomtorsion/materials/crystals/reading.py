@@ -83,9 +83,9 @@ def read(
     """
     number = checks.count(frame, "frame", FileFormatError)
     last = 0
-    for last, found in enumerate(atom_frames(path, form)):
+    for last, data in enumerate(atom_frames(path, form)):
         if last == number:
-            return crystal_of(found.chosen(species_of(species)), lattice, orient, constant)
+            return crystal_of(data.chosen(species_of(species)), lattice, orient, constant)
     raise FileFormatError(f"{path}: frame: expected a number from 0 to {last}, got {number}.")
 
 
@@ -105,10 +105,10 @@ def read_all(
     this holds for each grain, which keeps its number (`Crystal.following`). Parameters and errors
     as for `read`.
     """
-    known, names = None, species_of(species)
+    grains, names = None, species_of(species)
     for data in atom_frames(path, form):
-        crystal = crystal_of(data.chosen(names), lattice, orient, constant, known)
-        known = KnownGrains.of(crystal.grains)
+        crystal = crystal_of(data.chosen(names), lattice, orient, constant, grains)
+        grains = KnownGrains.of(crystal.grains)
         yield crystal
 
 
@@ -121,12 +121,12 @@ def crystal_of(
 ) -> Crystal:
     """The crystal of a frame, after one with known grains; errors name the file of the frame."""
     try:
-        made = Crystal(
+        crystal = Crystal(
             data.positions, data.cell, data.periodic, lattice, orient, constant, data.species
         )
-        made = made if known is None else made.following(known)
+        crystal = crystal if known is None else crystal.following(known)
         # Found now, so that a file without a crystal is reported with its name.
-        _ = made.frame
+        _ = crystal.frame
     except CrystalError as error:
         raise CrystalError(f"{data.where}: {error}") from None
-    return made
+    return crystal

@@ -142,7 +142,7 @@ def _line(crystal: Crystal, line: DislocationLine, convention: str) -> Json:
     grain = line.grain
     if grain is None and not _is_single(crystal) and crystal.grains.used > 1:
         grain = crystal.grains.grains[0].number
-    found: Json = {
+    data: Json = {
         **({} if grain is None else {"grain": grain}),
         "burgers": _signed(line.burgers, convention).tolist(),
         "burgers_lattice": [str(x) for x in exact],
@@ -152,9 +152,9 @@ def _line(crystal: Crystal, line: DislocationLine, convention: str) -> Json:
         "path": line.path.tolist(),
     }
     if line.is_closed:
-        found["inserted"] = inserted_atoms(line, crystal)
-        found["inserted_error"] = inserted_error(line, crystal)
-    return found
+        data["inserted"] = inserted_atoms(line, crystal)
+        data["inserted_error"] = inserted_error(line, crystal)
+    return data
 
 
 def inserted_atoms(line: DislocationLine, crystal: Crystal) -> float:
@@ -180,9 +180,9 @@ def inserted_error(line: DislocationLine, crystal: Crystal) -> float:
     is drawn where bonds turn from one label to the next, within half a neighbour distance d:
     |b| (length of the line) d / 2 over the volume of an atom.
     """
-    found, frame = inserted_atoms(line, crystal), _frame_of(line, crystal)
+    excess, frame = inserted_atoms(line, crystal), _frame_of(line, crystal)
     # A line drawn from a count encloses a whole number of atoms, but for rounding.
-    if abs(found - round(found)) < 1e-9 * max(abs(found), 1.0):
+    if abs(excess - round(excess)) < 1e-9 * max(abs(excess), 1.0):
         return 0.0
     b = np.linalg.norm([float(x) for x in line.burgers])
     nearest = frame.lattice.nearest * frame.constant
@@ -208,7 +208,7 @@ def tracks(frames: Sequence[Json]) -> list[list[int]]:
     frames
         Reports of a trajectory, in order.
     """
-    found: list[list[int]] = []
+    numbers: list[list[int]] = []
     count = 0
     for number, frame in enumerate(frames):
         lines = frame["lines"]
@@ -222,13 +222,13 @@ def tracks(frames: Sequence[Json]) -> list[list[int]]:
                     [[_apart(lines[a], before[b], frame) for b in there] for a in here]
                 ).reshape(len(here), len(there))
                 for a, b in zip(*scipy.optimize.linear_sum_assignment(costs), strict=True):
-                    mine[here[a]] = found[-1][there[b]]
-        for k, known in enumerate(mine):
-            if known < 0:
+                    mine[here[a]] = numbers[-1][there[b]]
+        for k, track in enumerate(mine):
+            if track < 0:
                 mine[k] = count
                 count += 1
-        found.append(mine)
-    return found
+        numbers.append(mine)
+    return numbers
 
 
 def followed(frames: Sequence[Json]) -> list[Json]:
@@ -238,15 +238,15 @@ def followed(frames: Sequence[Json]) -> list[Json]:
     one vector.
     """
     senses: dict[int, list[str]] = {}
-    found = []
+    reports = []
     for frame, numbers in zip(frames, tracks(frames), strict=True):
         lines = []
         for line, number in zip(frame["lines"], numbers, strict=True):
-            known = senses.setdefault(number, line["burgers_lattice"])
-            same = line if known == line["burgers_lattice"] else _turned(line)
+            sense = senses.setdefault(number, line["burgers_lattice"])
+            same = line if sense == line["burgers_lattice"] else _turned(line)
             lines.append({"track": number, **same})
-        found.append({**frame, "lines": lines})
-    return found
+        reports.append({**frame, "lines": lines})
+    return reports
 
 
 def _turned(line: Json) -> Json:

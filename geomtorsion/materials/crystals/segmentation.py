@@ -61,10 +61,10 @@ def segmented(specimen: Specimen) -> Grains:
     while True:
         owner = _owners(groups, count)
         filled, touching = _filled(specimen, owner, numbers, vectors)
-        joined = _joined(groups, touching, vectors)
-        if joined is None:
+        merged_groups = _joined(groups, touching, vectors)
+        if merged_groups is None:
             break
-        groups = _in_order(specimen, joined, vectors)
+        groups = _in_order(specimen, merged_groups, vectors)
     if len(groups) == 1 and (filled == 0).all():
         return single_grain(specimen.frame, specimen.places)
     frames = _in_variants([frame for frame, _ in groups])
@@ -94,14 +94,14 @@ def _groups(
     pairs = pairs[mine[pairs[:, 1]]]
     _, angles = group.nearest(q[pairs[:, 0]], q[pairs[:, 1]])
     pairs = pairs[angles < METHOD.wall]
-    queue, found = _parts(mine, pairs, lattice.shells), []
+    queue, clusters = _parts(mine, pairs, lattice.shells), []
     while queue:
         part = queue.pop()
         frame = mean_frame(lattice, local, part, vectors)
         own = np.tile(quaternion_of(frame), (len(part), 1))
         near = group.nearest(own, q[part])[1] < METHOD.wall
         if near.all():
-            found.append((frame, part))
+            clusters.append((frame, part))
             continue
         if not near.any():
             continue
@@ -109,7 +109,7 @@ def _groups(
             inside = np.zeros(len(mine), dtype=bool)
             inside[chosen] = True
             queue += _parts(inside, pairs, lattice.shells)
-    return found
+    return clusters
 
 
 def _parts(inside: np.ndarray, pairs: np.ndarray, least: int) -> list[np.ndarray]:
@@ -138,13 +138,13 @@ def _inner(
     for k, (frame, part) in enumerate(groups):
         around = owner[numbers[part, : frame.lattice.shells]]
         clear[part] = ((around == k) | (around < 0)).all(axis=1)
-    kept = []
+    inner_groups = []
     for k, (frame, part) in enumerate(groups):
         near = numbers[part, : frame.lattice.shells]
         most = 2 * (owner[near] == k).sum(axis=1) > frame.lattice.shells
         if (most & clear[part] & clear[near].all(axis=1)).any():
-            kept.append((frame, part))
-    return kept
+            inner_groups.append((frame, part))
+    return inner_groups
 
 
 def _owners(groups: list[tuple[Frame, np.ndarray]], count: int) -> np.ndarray:
@@ -171,7 +171,7 @@ def _in_order(
     near = [k for k, (frame, _) in enumerate(rest) if off(frame) < METHOD.wall]
     if near:
         rest.insert(0, rest.pop(near[0]))
-    found = []
+    ordered = []
     for k, (frame, part) in enumerate(rest):
         if frame.lattice.name == main.lattice.name and specimen.keep_constant:
             frame = frame.along(replace(frame, constant=main.constant))
@@ -181,18 +181,18 @@ def _in_order(
             frame = in_variant(frame, main)
         else:
             frame = upright(frame)
-        found.append((frame, part))
-    return found
+        ordered.append((frame, part))
+    return ordered
 
 
 def _in_variants(frames: list[Frame]) -> list[Frame]:
     """Each group in the variant nearest to the first group of its lattice."""
     first: dict[str, Frame] = {}
-    found = []
+    variants = []
     for frame in frames:
         like = first.setdefault(frame.lattice.name, frame)
-        found.append(frame if like is frame else in_variant(frame, like))
-    return found
+        variants.append(frame if like is frame else in_variant(frame, like))
+    return variants
 
 
 # -- all other atoms ------------------------------------------------------------------------------
@@ -219,26 +219,26 @@ def _filled(
     if len(lost):
         deep = np.zeros(len(owner), dtype=bool)
         deep[lost] = True
-        _, apart = nearest_held(specimen, odd, deep, far)
-        filled[odd[(apart <= far) & ~wall]] = Nowhere.none
+        _, distances = nearest_held(specimen, odd, deep, far)
+        filled[odd[(distances <= far) & ~wall]] = Nowhere.none
     rest = odd[~wall & (filled[odd] != Nowhere.none)]
     if len(rest):
         reach = float(np.linalg.norm(np.ptp(specimen.places, axis=0))) + far
         reach = far if (first[~wall] >= 0).all() else reach
         which, _ = nearest_held(specimen, rest, held, reach)
         filled[rest] = owner[which]
-    found: dict[tuple[int, int], list[np.ndarray]] = {}
+    contacts: dict[tuple[int, int], list[np.ndarray]] = {}
     # Grains touch in a wall, or where atoms that fit into one neighbour atoms of the other.
     steps = numbers[:, : specimen.frame.lattice.shells]
     a, b = np.repeat(owner, steps.shape[1]), owner[steps].ravel()
     met = (a != b) & (a >= 0) & (b >= 0)
     for x, y in {(min(p), max(p)) for p in zip(a[met].tolist(), b[met].tolist(), strict=True)}:
-        found[x, y] = []
+        contacts[x, y] = []
     pairs = np.sort(np.stack([first[wall], second[wall]], axis=1), axis=1)
     for x, y in np.unique(pairs, axis=0).tolist():
-        found.setdefault((x, y), []).append(odd[wall][(pairs == (x, y)).all(axis=1)])
+        contacts.setdefault((x, y), []).append(odd[wall][(pairs == (x, y)).all(axis=1)])
     none = np.zeros(0, dtype=np.int64)
-    return filled, {pair: np.concatenate([none, *atoms]) for pair, atoms in found.items()}
+    return filled, {pair: np.concatenate([none, *atoms]) for pair, atoms in contacts.items()}
 
 
 def _two_nearest(
@@ -258,12 +258,12 @@ def _two_nearest(
         _, k = tree.query(
             specimen.places[atoms[part]], k=range(1, most + 1), distance_upper_bound=reach
         )
-        found = codes[k]
-        first[part] = found[:, 0]
-        other = (found != found[:, :1]) & (found >= 0)
+        near_codes = codes[k]
+        first[part] = near_codes[:, 0]
+        other = (near_codes != near_codes[:, :1]) & (near_codes >= 0)
         column = other.argmax(axis=1)
-        rows = np.arange(len(found))
-        second[part] = np.where(other.any(axis=1), found[rows, column], Nowhere.wall)
+        rows = np.arange(len(near_codes))
+        second[part] = np.where(other.any(axis=1), near_codes[rows, column], Nowhere.wall)
     return first, second
 
 
@@ -282,9 +282,9 @@ def _joined(
         if symmetry_of(name).nearest(q, r)[1][0] < METHOD.wall:
             both = np.sort(np.concatenate([part, more]))
             some = both[np.linspace(0, len(both) - 1, min(METHOD.sample, len(both))).astype(int)]
-            made = best_frame(frame, vectors[some][:, : frame.lattice.shells])
+            shared_frame = best_frame(frame, vectors[some][:, : frame.lattice.shells])
             rest = [x for k, x in enumerate(groups) if k not in (one, other)]
-            return [(made, both), *rest]
+            return [(shared_frame, both), *rest]
     return None
 
 

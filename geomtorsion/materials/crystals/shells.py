@@ -41,11 +41,11 @@ class Shells:
 
 def dilated(atoms: np.ndarray, near: np.ndarray) -> np.ndarray:
     """Atoms and their neighbours, shape (atoms,) of truth values."""
-    found = atoms.copy()
+    region = atoms.copy()
     behind = near[atoms].ravel()
     # Other numbers are vacancies or missing neighbours.
-    found[behind[(behind >= 0) & (behind < len(atoms))]] = True
-    return found
+    region[behind[(behind >= 0) & (behind < len(atoms))]] = True
+    return region
 
 
 def reach_of_shells(frame: Frame) -> float:
@@ -71,9 +71,9 @@ def shells_of(atoms: Places, frame: Frame, together: int = METHOD.together) -> S
     single = np.empty(count, dtype=bool)
     for start in range(0, count, together):
         part = slice(start, min(start + together, count))
-        _, found = tree.query(places[part], k=lattice.shells + 1, distance_upper_bound=reach)
+        _, indices = tree.query(places[part], k=lattice.shells + 1, distance_upper_bound=reach)
         near[part], kind[part], single[part] = _slots(
-            places[part], points, numbers, found[:, 1:], frame
+            places[part], points, numbers, indices[:, 1:], frame
         )
     near, kind, held = _with_vacancies(near, kind, places, cell, frame)
     closed = _closing(near, kind, lattice)
@@ -104,21 +104,21 @@ def _slots(
     for number, ideal in enumerate(lattice.ideal):
         closeness = at @ (2 * ideal.T) - (ideal**2).sum(axis=1)
         which = closeness.argmax(axis=2)
-        apart = squared(at - ideal[which])
-        sure = there & (apart < sure_below)
+        squares = squared(at - ideal[which])
+        sure = there & (squares < sure_below)
         near = np.full(found.shape, -1, dtype=np.int64)
         near[np.broadcast_to(rows, found.shape)[sure], which[sure]] = numbers[safe[sure]]
         # A neighbour that lost its place to a vacancy counts as missing, wherever it is.
-        misfit = np.where(there, np.minimum(apart, sure_below), sure_below).sum(axis=1)
+        misfit = np.where(there, np.minimum(squares, sure_below), sure_below).sum(axis=1)
         single = (near >= 0).sum(axis=1) == sure.sum(axis=1)
         if best is None:
             best = (near, np.zeros(len(places), dtype=np.int64), single, misfit)
             continue
-        other = misfit < best[3]
+        closer = misfit < best[3]
         best = (
-            np.where(other[:, None], near, best[0]),
-            np.where(other, number, best[1]),
-            np.where(other, single, best[2]),
+            np.where(closer[:, None], near, best[0]),
+            np.where(closer, number, best[1]),
+            np.where(closer, single, best[2]),
             np.minimum(misfit, best[3]),
         )
     assert best is not None
@@ -137,9 +137,9 @@ def _tables(lattice: Lattice) -> tuple[np.ndarray, np.ndarray, list[tuple[int, i
     cell = np.array(lattice.period)
     points = {tuple(p) for p in (np.array(lattice.points) % cell).tolist()}
     for kind, vectors in enumerate(kinds):
-        for other, place in enumerate(lattice.offsets):
+        for end_kind, place in enumerate(lattice.offsets):
             ends = (vectors + lattice.offsets[kind] - place) % cell
-            behind[kind, [tuple(v) in points for v in ends.tolist()]] = other
+            behind[kind, [tuple(v) in points for v in ends.tolist()]] = end_kind
     back = np.array(
         [
             [slot[behind[kind][k]][tuple((-v).tolist())] for k, v in enumerate(vectors)]
@@ -172,13 +172,13 @@ def _closing(near: np.ndarray, kind: np.ndarray, lattice: Lattice) -> np.ndarray
     for number in range(len(lattice.neighbours)):
         mine = np.flatnonzero(kind == number)
         for s in range(near.shape[1]):
-            other = near[mine, s]
-            wrong = near[other, back[number, s]] != mine
-            wrong |= kind[other] != behind[number, s]
-            wrong &= other >= 0
+            neighbour = near[mine, s]
+            wrong = near[neighbour, back[number, s]] != mine
+            wrong |= kind[neighbour] != behind[number, s]
+            wrong &= neighbour >= 0
             torn[mine[wrong]] = True
             # A neighbour that does not have this atom as a neighbour is out of place as well.
-            torn[other[wrong]] = True
+            torn[neighbour[wrong]] = True
         for one, s, t, u in triangles:
             if one != number:
                 continue
@@ -200,17 +200,17 @@ def _at_surface(
     missing = near[atoms] < 0
     steps = ideal[kind[atoms]] @ frame.matrix
     radius = METHOD.reach * lattice.nearest * frame.constant
-    found = np.zeros(len(atoms), dtype=bool)
+    mask = np.zeros(len(atoms), dtype=bool)
     ways = [(steps * missing[:, :, None]).sum(axis=1), *np.swapaxes(steps, 0, 1)]
     for number, way in enumerate(ways):
-        left = np.flatnonzero(~found & (missing[:, number - 1] if number else True))
+        left = np.flatnonzero(~mask & (missing[:, number - 1] if number else True))
         out = way[left] / np.maximum(np.linalg.norm(way[left], axis=1), 1e-300)[:, None]
         # In the cell, since outside of it images extend only as far as neighbours do.
         centres, _ = cell.wrapped(places[atoms[left]] + radius * out)
-        apart, _ = tree.query(centres)
+        distances, _ = tree.query(centres)
         # The atom itself touches the sphere; others may be slightly inside at an uneven surface.
-        found[left[apart > METHOD.uneven * radius]] = True
-    return found
+        mask[left[distances > METHOD.uneven * radius]] = True
+    return mask
 
 
 def _with_vacancies(
@@ -259,8 +259,8 @@ def _with_vacancies(
     tree = scipy.spatial.cKDTree(points)
     empty, slots = np.nonzero(around < 0)
     target = inside[empty] + ideal[site_kind[empty], slots] @ frame.matrix
-    apart, which = tree.query(target, distance_upper_bound=near_by)
-    held = np.isfinite(apart)
+    distances, which = tree.query(target, distance_upper_bound=near_by)
+    held = np.isfinite(distances)
     around[empty[held], slots[held]] = count + numbers[which[held]]
     good = (around >= 0).all(axis=1) & (claims <= 1).all(axis=1)
     good &= np.bincount(site, site_kind[site] != behind[kind[atom], slot], many) == 0

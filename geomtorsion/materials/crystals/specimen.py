@@ -76,11 +76,11 @@ class Specimen:
 
     def occupied(self, atoms: np.ndarray) -> np.ndarray:
         """Which of some atoms have another atom at every neighbour vector of the frame."""
-        found = np.zeros(len(atoms), dtype=bool)
+        mask = np.zeros(len(atoms), dtype=bool)
         for start in range(0, len(atoms), METHOD.together):
             part = slice(start, start + METHOD.together)
-            found[part] = occupied(self.frame, self.neighbours(atoms[part], NEIGHBOURS)[1])
-        return found
+            mask[part] = occupied(self.frame, self.neighbours(atoms[part], NEIGHBOURS)[1])
+        return mask
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,14 +100,14 @@ def local_of(lattices: list[Lattice], vectors: np.ndarray) -> Local:
     quaternions, constants = np.zeros((count, 4)), np.ones(count)
     left = np.arange(count)
     for number, lattice in enumerate(lattices):
-        found = local_frames(lattice, vectors[left])
-        better = found.good & (found.misfit < best[left])
+        local = local_frames(lattice, vectors[left])
+        better = local.good & (local.misfit < best[left])
         mine = left[better]
-        phase[mine], best[mine] = number, found.misfit[better]
-        quaternions[mine] = found.quaternions[better]
-        constants[mine] = found.constants[better]
+        phase[mine], best[mine] = number, local.misfit[better]
+        quaternions[mine] = local.quaternions[better]
+        constants[mine] = local.constants[better]
         # An atom with so small a misfit fits into no other lattice: two misfits add up to more.
-        left = left[~(found.good & (found.misfit < clear_misfit(lattice.name) / 2))]
+        left = left[~(local.good & (local.misfit < clear_misfit(lattice.name) / 2))]
     return Local(phase, quaternions, constants)
 
 
@@ -143,20 +143,20 @@ def _shares(
     beside = [numbers[x, : y.shells].ravel() for x, y in zip(some, lattices, strict=True)]
     # An atom may be a neighbour of several others.
     around = np.unique(np.concatenate(beside))
-    other = local_of(lattices, neighbours(around)[1]) if len(around) else local
-    found = {}
+    local_around = local_of(lattices, neighbours(around)[1]) if len(around) else local
+    shares = {}
     for k, lattice in enumerate(lattices):
-        found[lattice.name] = len(every[k]) / len(atoms)
+        shares[lattice.name] = len(every[k]) / len(atoms)
         if not len(some[k]):
             continue
         rows = np.searchsorted(around, beside[k])
         mean = np.repeat(local.quaternions[some[k]], lattice.shells, axis=0)
-        _, angles = symmetry_of(lattice.name).nearest(mean, other.quaternions[rows])
-        alike = ((other.phase[rows] == k) & (angles < METHOD.wall)).mean()
+        _, angles = symmetry_of(lattice.name).nearest(mean, local_around.quaternions[rows])
+        alike = ((local_around.phase[rows] == k) & (angles < METHOD.wall)).mean()
         # In noise, as many atoms fit next to a fitting atom as anywhere else.
-        if alike < found[lattice.name] / 2 or not _are_ordered(lattice, local, every[k], vectors):
-            found[lattice.name] = 0.0
-    return found
+        if alike < shares[lattice.name] / 2 or not _are_ordered(lattice, local, every[k], vectors):
+            shares[lattice.name] = 0.0
+    return shares
 
 
 def _are_ordered(lattice: Lattice, local: Local, mine: np.ndarray, vectors: np.ndarray) -> bool:
@@ -235,11 +235,11 @@ def turned_together(specimen: Specimen, some: np.ndarray) -> bool:
 
 def fitting(frame: Frame, vectors: np.ndarray) -> np.ndarray:
     """`Fit.whole` of any number of atoms."""
-    shells, found = frame.lattice.shells, np.zeros(len(vectors), dtype=bool)
+    shells, mask = frame.lattice.shells, np.zeros(len(vectors), dtype=bool)
     for start in range(0, len(vectors), METHOD.together // shells):
         part = slice(start, start + METHOD.together // shells)
-        found[part] = fitted(frame, vectors[part, :shells]).whole
-    return found
+        mask[part] = fitted(frame, vectors[part, :shells]).whole
+    return mask
 
 
 def is_single(specimen: Specimen, near: np.ndarray | None) -> bool:
@@ -285,23 +285,23 @@ def is_lost(
     """
     frame, cell, places = specimen.frame, specimen.cell, specimen.places
     longest = np.linalg.norm(vectors[:, frame.lattice.shells - 1], axis=1)
-    found = longest < reach_of_shells(frame)
+    mask = longest < reach_of_shells(frame)
     far = 2 * METHOD.width * specimen.nearest
 
     def around(chosen: np.ndarray) -> np.ndarray:
         points, _, _ = cell.with_ghosts(places[chosen], far)
         tree = scipy.spatial.cKDTree(points)
-        return tree.query_ball_point(places[atoms[found]], far, return_length=True)
+        return tree.query_ball_point(places[atoms[mask]], far, return_length=True)
 
     every = np.ones(len(places), dtype=bool)
-    found[found] = around(held) < METHOD.share * around(every)
-    if found.any():
+    mask[mask] = around(held) < METHOD.share * around(every)
+    if mask.any():
         # Noise adds other atoms to the nearest ones; in a crystal the places are still occupied.
         odd = np.flatnonzero(~held)
         some = held.copy()
         some[odd] = specimen.occupied(odd)
-        found[found] = around(some) < METHOD.share * around(every)
-    return found
+        mask[mask] = around(some) < METHOD.share * around(every)
+    return mask
 
 
 def nearest_held(
@@ -316,5 +316,5 @@ def nearest_held(
     if not len(points):
         return np.full(len(atoms), len(held)), np.full(len(atoms), np.inf)
     tree = scipy.spatial.cKDTree(points)
-    apart, k = tree.query(specimen.places[atoms], distance_upper_bound=reach)
-    return np.append(chosen[numbers], len(held))[k], apart
+    distances, k = tree.query(specimen.places[atoms], distance_upper_bound=reach)
+    return np.append(chosen[numbers], len(held))[k], distances

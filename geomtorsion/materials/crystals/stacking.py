@@ -46,7 +46,7 @@ def stacked_labels(
     first, second = pairs.T
     low = np.floor(values[:, 2]).astype(np.int64)
     best = np.full(len(values), np.inf)
-    found = np.zeros(values.shape, dtype=np.int64)
+    labels = np.zeros(values.shape, dtype=np.int64)
     torn = np.zeros(len(values), dtype=bool)
     for height in (low, low + 1):
         side = (height > 0).astype(np.int64)
@@ -54,12 +54,12 @@ def stacked_labels(
         for layer in (one, other):
             # The next layer but one is where the shifts of both lead.
             way = np.select([height == 0, np.abs(height) == 1], [0, layer], one + other)
-            near, apart = _nearest(lattice, values, height, way)
-            closer = apart < best
-            best = np.where(closer, apart, best)
-            found[closer] = near[closer]
+            near, distances = _nearest(lattice, values, height, way)
+            closer = distances < best
+            best = np.where(closer, distances, best)
+            labels[closer] = near[closer]
             torn[closer] = ((np.abs(height) == 1) & (one != other))[closer]
-    return found, torn
+    return labels, torn
 
 
 def _ways(

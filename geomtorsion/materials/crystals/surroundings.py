@@ -99,7 +99,7 @@ class Places:
             Most atoms overlap, or have fewer neighbours.
         """
         reach, centres = self.reach, self.places[atoms]
-        found = np.empty((len(centres), count), dtype=np.int64)
+        nearest = np.empty((len(centres), count), dtype=np.int64)
         vectors = np.empty((len(centres), count, 3))
         left = np.arange(len(centres))
         while len(left):
@@ -111,12 +111,12 @@ class Places:
                     "Give more of the crystal."
                 )
             if len(points) > count:
-                apart, near = around.apart.tree.query(centres[left], k=count + 1)
-                order = np.lexsort((numbers[near], apart), axis=1)[:, 1:]
+                distances, near = around.apart.tree.query(centres[left], k=count + 1)
+                order = np.lexsort((numbers[near], distances), axis=1)[:, 1:]
                 near = np.take_along_axis(near, order, axis=1)
-                found[left] = numbers[near]
+                nearest[left] = numbers[near]
                 vectors[left] = points[near] - centres[left][:, None]
-                left = left[(apart[:, -1] > around.distance) & (not around.whole)]
+                left = left[(distances[:, -1] > around.distance) & (not around.whole)]
             # At corners, and in a gas around the crystal, neighbours are far away.
             reach = 2 * around.distance
-        return found, vectors
+        return nearest, vectors

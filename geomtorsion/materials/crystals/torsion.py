@@ -63,13 +63,13 @@ class Torsion:
     @property
     def beyond(self) -> np.ndarray:
         """Atoms with torsion where not all tetrahedra are known, shape (atoms,)."""
-        known, (pairs, _, _) = self.mesh.known, self.mesh.edges
+        complete, (pairs, _, _) = self.mesh.known, self.mesh.edges
         rows = self.mesh.faces[0]
         corners = pairs[rows].reshape(len(rows), 6)
-        chosen = self.values.any(axis=1) & ~known[corners].any(axis=1)
-        found = np.zeros(len(known), dtype=bool)
-        found[corners[chosen].ravel()] = True
-        return found
+        chosen = self.values.any(axis=1) & ~complete[corners].any(axis=1)
+        mask = np.zeros(len(complete), dtype=bool)
+        mask[corners[chosen].ravel()] = True
+        return mask
 
     @property
     def leading_on(self) -> np.ndarray:
@@ -78,19 +78,19 @@ class Torsion:
         Cores reach as far as the neighbours of torn tetrahedra where not all are known.
         """
         beyond, corners = self.beyond, self.mesh.corners
-        found = np.zeros(len(beyond), dtype=bool)
+        mask = np.zeros(len(beyond), dtype=bool)
         if beyond.any():
-            found[corners[beyond[corners].any(axis=1)].ravel()] = True
-        return found & ~self.mesh.known
+            mask[corners[beyond[corners].any(axis=1)].ravel()] = True
+        return mask & ~self.mesh.known
 
     @property
     def torn(self) -> np.ndarray:
         """Tetrahedra with torsion in a face, shape (cells,) of truth values."""
         _, sides, _ = self.mesh.faces
-        found = np.zeros(len(self.mesh.corners), dtype=bool)
+        mask = np.zeros(len(self.mesh.corners), dtype=bool)
         touched = sides[self.values.any(axis=1)].ravel()
-        found[touched[touched >= 0]] = True
-        return found
+        mask[touched[touched >= 0]] = True
+        return mask
 
     def relaxed(self) -> Torsion:
         """The same torsion on the shortest lines, up to parts that close on the surfaces of cores.
@@ -103,8 +103,8 @@ class Torsion:
             return self
         lengths = self.lengths
         core = self.cores(self.bad)
-        found = self.descended(core).shortest(core, lengths)
-        return found.shortest(found.cores(found.touched), lengths)
+        torsion = self.descended(core).shortest(core, lengths)
+        return torsion.shortest(torsion.cores(torsion.touched), lengths)
 
     @property
     def bad(self) -> np.ndarray:
@@ -119,9 +119,9 @@ class Torsion:
     @property
     def torn_atoms(self) -> np.ndarray:
         """Corners of tetrahedra with torsion, shape (atoms,)."""
-        found = np.zeros(len(self.mesh.places), dtype=bool)
-        found[self.mesh.corners[self.torn].ravel()] = True
-        return found
+        mask = np.zeros(len(self.mesh.places), dtype=bool)
+        mask[self.mesh.corners[self.torn].ravel()] = True
+        return mask
 
     @property
     def lengths(self) -> Lengths:
@@ -139,8 +139,8 @@ class Torsion:
         A core consists of bad tetrahedra that are connected by faces, with torsion in them.
         """
         _, sides, _ = self.mesh.faces
-        joined = (sides >= 0).all(axis=1) & bad[sides].all(axis=1)
-        number = components(len(bad), sides[joined])
+        inner_faces = (sides >= 0).all(axis=1) & bad[sides].all(axis=1)
+        number = components(len(bad), sides[inner_faces])
         real = np.zeros(number.max(initial=-1) + 1, dtype=bool)
         real[number[self.torn]] = True
         return np.where(bad & real[number], number, -1)
@@ -150,11 +150,11 @@ class Torsion:
         of_cell = self.mesh.edges[2]
         owner = np.full(len(self.labels), -1)
         owner[of_cell] = core[:, None]
-        found = owner >= 0
+        mask = owner >= 0
         # One tetrahedron suffices to exclude an edge in two cores, or in the surface of one.
-        found[of_cell[owner[of_cell] != core[:, None]]] = False
+        mask[of_cell[owner[of_cell] != core[:, None]]] = False
         # Other edges do not have all their tetrahedra here.
-        return found & self.mesh.known[self.mesh.edges[0]].any(axis=1)
+        return mask & self.mesh.known[self.mesh.edges[0]].any(axis=1)
 
     def descended(self, core: np.ndarray) -> Torsion:
         """The torsion reduced in cores: most effects of noise are undone, one bond at a time."""
@@ -177,8 +177,8 @@ class Torsion:
         labels = self.labels.copy()
         inside = free[rows].any(axis=1)
         of_face = np.where(sides[:, 0] >= 0, core[sides[:, 0]], core[sides[:, 1]])
-        other = np.where(sides[:, 1] >= 0, core[sides[:, 1]], of_face)
-        of_face = np.maximum(of_face, other)
+        behind = np.where(sides[:, 1] >= 0, core[sides[:, 1]], of_face)
+        of_face = np.maximum(of_face, behind)
         order = np.flatnonzero(inside & np.isin(of_face, touched))
         order = order[np.argsort(of_face[order], kind="stable")]
         breaks = np.flatnonzero(np.diff(of_face[order])) + 1
@@ -207,19 +207,19 @@ def _program(
     matrix = scipy.sparse.coo_array(
         (BOUNDARY[side].astype(float), (face, number[local[face, side]])), shape=(many, count)
     )
-    one = scipy.sparse.eye_array(many)
-    table = scipy.sparse.hstack([matrix, one, -one]).tocsc()
+    identity = scipy.sparse.eye_array(many)
+    table = scipy.sparse.hstack([matrix, identity, -identity]).tocsc()
     cost = np.concatenate([np.zeros(count), weights, weights])
     bounds = np.array([(-np.inf, np.inf)] * count + [(0, np.inf)] * (2 * many))
-    found = np.zeros((count, 3))
+    solution = np.zeros((count, 3))
     for k in range(3):
         if not parts[:, k].any():
             continue
         done = scipy.optimize.linprog(cost, A_eq=table, b_eq=parts[:, k], bounds=bounds)
         if done.status != 0:
             return None
-        found[:, k] = done.x[:count]
-    whole = np.rint(found)
+        solution[:, k] = done.x[:count]
+    whole = np.rint(solution)
     after = parts - matrix @ whole
     if (weights @ np.abs(after)).sum() >= (weights @ np.abs(parts)).sum() - 1e-9:
         return None

@@ -69,30 +69,30 @@ def reports(
     """
     is_array = is_atom_array(path)
     total = 1 if is_array else frame_count(path, wanted.form)
-    said = "" if folder is None else _settings(path, wanted, folder)
-    known = None
+    settings = "" if folder is None else _settings(path, wanted, folder)
+    grains = None
     frames = iter([_atoms(path, wanted)]) if is_array else atom_frames(path, wanted.form)
     for number, data in enumerate(frames):
-        frame = _Frame(data.chosen(wanted.species), wanted, known)
-        kept = None if folder is None else folder / f"{number:06}.json"
-        if kept is not None and kept.exists():
-            report = read_json_text(read_text(kept, LARGEST_ARRAYS), kept.name)
-            known = known_of(report, _owner(kept, report))
+        frame = _Frame(data.chosen(wanted.species), wanted, grains)
+        file = None if folder is None else folder / f"{number:06}.json"
+        if file is not None and file.exists():
+            report = read_json_text(read_text(file, LARGEST_ARRAYS), file.name)
+            grains = known_of(report, _owner(file, report))
         else:
             seen(number, total, "lattice")
             _ = frame.crystal
             seen(number + 0.5, total, "lines")
             report = {"frame": number, **frame.report()}
-            known = KnownGrains.of(frame.crystal.grains)
-            if kept is not None:
+            grains = KnownGrains.of(frame.crystal.grains)
+            if file is not None:
                 # A run that fails in its first frame leaves no files, so that it can be corrected.
-                kept.parent.mkdir(parents=True, exist_ok=True)
-                write_text(kept.with_name(SETTINGS), said)
+                file.parent.mkdir(parents=True, exist_ok=True)
+                write_text(file.with_name(SETTINGS), settings)
                 if "grains" in report:
-                    with written(kept.with_suffix(".npy")) as part, part.open("wb") as stream:
-                        np.save(stream, known.owner)
+                    with written(file.with_suffix(".npy")) as part, part.open("wb") as stream:
+                        np.save(stream, grains.owner)
                 # The report is written last: where it exists, all files of its frame do.
-                write_text(kept, json.dumps(report))
+                write_text(file, json.dumps(report))
         seen(number + 1, total, "lines")
         yield report, frame.lines
 
@@ -112,8 +112,8 @@ class _Frame:
     @cached_property
     def crystal(self) -> Crystal:
         """The crystal in the axes of the frames before."""
-        wanted = self.wanted
-        return crystal_of(self.data, wanted.lattice, wanted.orient, wanted.constant, self.known)
+        options = self.wanted
+        return crystal_of(self.data, options.lattice, options.orient, options.constant, self.known)
 
     @cached_property
     def network(self) -> DislocationNetwork:
@@ -136,21 +136,21 @@ def _owner(kept: Path, report: Json) -> np.ndarray:
         return np.zeros(count, dtype=np.int64)
     file = kept.with_suffix(".npy")
     try:
-        found = np.load(file, mmap_mode="r", allow_pickle=False)
+        owner = np.load(file, mmap_mode="r", allow_pickle=False)
     except (OSError, ValueError, EOFError):
-        found = np.zeros(0)
-    if found.shape != (count,) or found.dtype != np.int64:
+        owner = np.zeros(0)
+    if owner.shape != (count,) or owner.dtype != np.int64:
         raise CheckpointError(
             f"{file}: expected the grain of each of {count:,} atoms, got a file that is missing or "
             "damaged. Restart with --overwrite."
         )
-    return found
+    return owner
 
 
 def _settings(path: Path, wanted: Wanted, folder: Path) -> str:
     """File and settings of the reports in a folder, checked against its note."""
-    said = {"file": path.name, "digest": digest_of(path), **asdict(wanted)}
-    text, note = json.dumps(said, indent=1), folder / SETTINGS
+    settings = {"file": path.name, "digest": digest_of(path), **asdict(wanted)}
+    text, note = json.dumps(settings, indent=1), folder / SETTINGS
     if note.exists() and read_text(note) != text:
         raise CheckpointError(
             f"{folder}: expected frames of this file with these settings, got frames of another "
@@ -166,8 +166,8 @@ def is_begun(folder: Path) -> bool:
 
 def forget(folder: Path) -> None:
     """Remove the reports of a run, and nothing else."""
-    kept = [*folder.glob("[0-9]" * 6 + ".json"), *folder.glob("[0-9]" * 6 + ".npy")]
-    for file in (*sorted(kept), folder / SETTINGS):
+    files = [*folder.glob("[0-9]" * 6 + ".json"), *folder.glob("[0-9]" * 6 + ".npy")]
+    for file in (*sorted(files), folder / SETTINGS):
         file.unlink(missing_ok=True)
     try:
         folder.rmdir()

@@ -192,14 +192,14 @@ def jitter(numbers: np.ndarray) -> np.ndarray:
 
     They are rows of an endless table, which is made only as far as needed.
     """
-    found = np.empty((len(numbers), 3))
+    noise = np.empty((len(numbers), 3))
     size = METHOD.together
     for start in np.unique(numbers // size).tolist():
         mine = np.flatnonzero(numbers // size == start)
         source = np.random.PCG64(0).advance(3 * size * start)
         rows = np.random.Generator(source).uniform(-1, 1, (size, 3))
-        found[mine] = rows[numbers[mine] - size * start]
-    return found
+        noise[mine] = rows[numbers[mine] - size * start]
+    return noise
 
 
 def triangulated(
@@ -264,8 +264,8 @@ def triangulated(
     for start in range(0, len(simplices), METHOD.together):
         part = slice(start, start + METHOD.together)
         small[part], senses[part] = _spheres(points[simplices[part]], reach)
-    kept = simplices[small]
-    corners, offsets = numbers[kept], images[kept]
+    tetrahedra = simplices[small]
+    corners, offsets = numbers[tetrahedra], images[tetrahedra]
     # A tetrahedron found in several images is kept once, with the first of its corners in the cell.
     # The order is the one of the atoms, independent of other tetrahedra.
     offsets = offsets - offsets[:, :1]

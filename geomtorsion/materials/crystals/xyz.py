@@ -61,23 +61,23 @@ def xyz_frame(name: str, line: int, rows: list[str], where: str) -> AtomData:
     Without `Properties` columns are species, x, y, z and any others. Without `Lattice` nothing
     repeats; with one all edges do, unless `pbc` differs.
     """
-    fields = {found[1].lower(): found for found in _FIELD.finditer(rows[1])}
-    said = {key: next(x for x in f.groups()[1:] if x is not None) for key, f in fields.items()}
+    fields = {field[1].lower(): field for field in _FIELD.finditer(rows[1])}
+    values = {key: next(x for x in f.groups()[1:] if x is not None) for key, f in fields.items()}
     width = len(rows[2].split()) if len(rows) > 2 else 0
-    place, kind, wide = _columns(f"{name}: line {line + 1}", said.get("properties"), rows, width)
+    place, kind, wide = _columns(f"{name}: line {line + 1}", values.get("properties"), rows, width)
     lines = range(line + 2, line + len(rows))
     words = words_of(name, lines, rows[2:], wide)
     positions = numbers_of(name, lines, words, range(place, place + 3))
     edges = np.zeros((3, 3))
-    if "lattice" in said:
-        texts = re.split(r"[\s,\[\]]+", said["lattice"].strip(" []"))
+    if "lattice" in values:
+        texts = re.split(r"[\s,\[\]]+", values["lattice"].strip(" []"))
         if len(texts) != 9:
             raise FileFormatError(
                 f"{name}: line {line + 1}: Lattice: expected nine numbers, three edges of the "
-                f"cell one after another, got {shown(said['lattice'])}. Correct it."
+                f"cell one after another, got {shown(values['lattice'])}. Correct it."
             )
         edges = numbers_of(name, [line + 1], [texts], range(9)).reshape(3, 3)
-    periodic = _periodic(f"{name}: line {line + 1}", said.get("pbc"), "lattice" in said)
+    periodic = _periodic(f"{name}: line {line + 1}", values.get("pbc"), "lattice" in values)
     for k, repeats in enumerate(periodic):
         if repeats and not edges[k].any():
             raise FileFormatError(

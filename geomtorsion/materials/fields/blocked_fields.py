@@ -101,8 +101,8 @@ def frame_in_blocks(frame: SampledFrame, name: str) -> BlockedField:
     noise = np.zeros((frame.rows, frame.dimension))
     if frame.sigma is not None:
         wide = np.broadcast_to(frame.sigma, frame.coframe[:, : frame.dimension].shape)
-        known = wide[:, :, ~np.asarray(frame.mask)]
-        low, noise = known.min(axis=-1), known.max(axis=-1)
+        sigmas = wide[:, :, ~np.asarray(frame.mask)]
+        low, noise = sigmas.min(axis=-1), sigmas.max(axis=-1)
         if (low < noise).any():
             raise GridError(
                 "sigma: expected the same noise at all nodes for a map in blocks, got "
@@ -151,9 +151,9 @@ def map_in_blocks(
         done = sum(1 for file in path.joinpath("c").rglob("*") if file.is_file())
         begun = 0 < done < opened(str(path), again=True).nchunks
     check_resumption(path, "map", begun=begun, resume=resume, overwrite=overwrite)
-    kept = there.get("block", field.block) if resume and there else field.block
+    old_block = there.get("block", field.block) if resume and there else field.block
     result = blocked_map(
-        field.given, path, field.steps, kept if block is None else block, size, plane,
+        field.given, path, field.steps, old_block if block is None else block, size, plane,
         field.order, periodic=field.periodic, sigma=field.sigma, overwrite=not resume,
     )  # fmt: skip
     return BlockedSurvey(field, result)
@@ -187,9 +187,9 @@ class BlockedSurvey:
         for number, parts in self.result:
             span = self.result.span(number)
             whole = self._survey(parts, [np.arange(*ends) for ends in span])
-            known = whole.known
-            counts += (int(known.sum()), int((whole.significant & known).sum()))
-            if known.any():
+            mask = whole.known
+            counts += (int(mask.sum()), int((whole.significant & mask).sum()))
+            if mask.any():
                 sizes = whole.magnitude
                 place = np.unravel_index(int(np.nanargmax(sizes)), sizes.shape)
                 there = [-int(k + n) for (k, _), n in zip(span, place, strict=True)]
@@ -203,7 +203,7 @@ class BlockedSurvey:
             for line in chosen
         )
         survey = self._survey(Parts.of(self.result.part((slice(None), *cut))), chosen)
-        found = survey.summary() | {
+        summary = survey.summary() | {
             "circuits": int(np.prod(places)),
             "known": int(counts[0]),
             "significant": int(counts[1]),
@@ -211,8 +211,8 @@ class BlockedSurvey:
         if counts[0]:
             place = [field.starts[k] + field.steps[k] * (at[k] + side / 2) for k in plane]
             layer = survey.layers[0]
-            found |= {"largest": best[0] / self.area, "place": place, "layer": layer}
-        return survey, found
+            summary |= {"largest": best[0] / self.area, "place": place, "layer": layer}
+        return survey, summary
 
     def _survey(self, parts: Parts, places: Sequence[np.ndarray]) -> Survey:
         """The survey of selected places, given by their numbers along each axis."""

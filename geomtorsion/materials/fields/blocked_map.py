@@ -157,7 +157,7 @@ class BlockMap:
         if np.isnan(values).any():
             low, values = self._read(number, beside_holes=True)
         check_finite(values, low)
-        found = self._of(self._field(values))
+        parts = self._of(self._field(values))
         inner = [
             slice(first * stride - begin, (last - 1) * stride + 1 - begin, stride)
             for (first, last), stride, begin in zip(
@@ -166,7 +166,7 @@ class BlockMap:
         ]
         with _writing(Path(self.path)):
             array = module("zarr", Path(self.path)).open_array(self.path, mode="r+")
-            array[self._region(number)] = found[(slice(None), *inner)]
+            array[self._region(number)] = parts[(slice(None), *inner)]
 
     def _region(self, number: Sequence[int]) -> tuple[slice, ...]:
         """Slices of a block in the array."""
@@ -352,8 +352,8 @@ def blocked_map(
     """
     check_order(order)
     place = checks.file_name(path)
-    found = LargeArray.of(source)
-    grid = found.shape[2:]
+    array = LargeArray.of(source)
+    grid = array.shape[2:]
     d = len(grid)
     spacing = checks.numbers(steps, d, "steps", GridError)
     for k, step in enumerate(spacing):
@@ -370,12 +370,12 @@ def blocked_map(
         checks.count(side, "size", GridError, 0, grid[k] - 1)
     blocks = _several(block, d, "block", 1)
     check_length(names, grid, order)
-    components = (found.shape[0], d)
+    components = (array.shape[0], d)
     blocks_needed = prod(-(-n // b) for n, b in zip(grid, blocks, strict=True))
     if blocks_needed > MOST_BLOCKS:
         raise LimitError(
             f"block: expected at most {MOST_BLOCKS:,} blocks, got {blocks_needed:,} for the shape "
-            f"{found.shape}. Give larger blocks, or a part of the field."
+            f"{array.shape}. Give larger blocks, or a part of the field."
         )
     noise = checks.array(sigma, "sigma", GridError)
     if noise.shape not in ((), components) or (noise < 0).any():
@@ -384,18 +384,18 @@ def blocked_map(
             f"{checks.shown(sigma)}."
         )
     # One reference for all blocks: the integral of a constant part is exactly zero, unrounded.
-    reference = np.nan_to_num(found.read((0,) * d, (1,) * d).reshape(*found.shape[:2]))[:, :d]
-    made = BlockMap(
-        found, str(place), tuple(map(float, spacing)), blocks, (sides[0], sides[1]),
+    reference = np.nan_to_num(array.read((0,) * d, (1,) * d).reshape(*array.shape[:2]))[:, :d]
+    block_map = BlockMap(
+        array, str(place), tuple(map(float, spacing)), blocks, (sides[0], sides[1]),
         pair, order, wraps, np.broadcast_to(noise, components), reference,
         _several(stride, d, "stride", 1),
     )  # fmt: skip
-    _open(made, overwrite)
-    left = [number for number in made.numbers if not made.is_done(number)]
+    _open(block_map, overwrite)
+    left = [number for number in block_map.numbers if not block_map.is_done(number)]
     for number in left:
-        made.file(number).unlink(missing_ok=True)
-    _run(made, left)
-    return made
+        block_map.file(number).unlink(missing_ok=True)
+    _run(block_map, left)
+    return block_map
 
 
 def run_in(path: Path) -> dict[str, Any] | None:
@@ -468,7 +468,7 @@ def _run(made: BlockMap, left: Sequence[tuple[int, ...]]) -> None:
     """Compute blocks as dask tasks."""
     dask = module("dask", Path(made.path))
     task = dask.delayed(BlockMap.compute, pure=False)
-    given = dask.delayed(made, pure=False, traverse=False)
+    delayed_map = dask.delayed(made, pure=False, traverse=False)
     with bar(f"{len(left)} blocks", len(left), patience=PATIENCE) as show:
         finished = count(1)
 
@@ -478,7 +478,7 @@ def _run(made: BlockMap, left: Sequence[tuple[int, ...]]) -> None:
 
         try:
             with module("dask.callbacks", Path(made.path)).Callback(posttask=seen):
-                dask.compute(*[task(given, number) for number in left])
+                dask.compute(*[task(delayed_map, number) for number in left])
         except BrokenProcessPool:
             raise LimitError(
                 "a worker process ended before its work was done, probably because memory ran out. "

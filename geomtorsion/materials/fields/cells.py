@@ -95,12 +95,12 @@ def _spread(
 ) -> dict[tuple[int, int], np.ndarray]:
     """Covariances of circuits from noise, computed from the covariances of their sides."""
     grid, plane, size = lines.grid, lines.plane, lines.size
-    found = {}
+    table = {}
     for pair in {**one.covariance, **two.covariance}:
         none = np.zeros((1,) * grid.dimension)
-        found[pair] = lines.sums(one.covariance.get(pair, none), two.covariance.get(pair, none))
+        table[pair] = lines.sums(one.covariance.get(pair, none), two.covariance.get(pair, none))
     if not noise.joins_columns:
-        return found
+        return table
     # Two adjacent sides share the noise of one node.
     starts, ends = lines.four(one.starts, two.starts), lines.four(one.ends, two.ends)
     for (i, j), c in _both_ways(noise, plane).items():
@@ -112,16 +112,16 @@ def _spread(
             -starts[0] * starts[2] * at[0] + starts[1] * ends[2] * at[1]
             + ends[0] * starts[3] * at[2] - ends[1] * ends[3] * at[3]
         )  # fmt: skip
-        found[i, j] = found.get((i, j), 0.0) + here
-    return found
+        table[i, j] = table.get((i, j), 0.0) + here
+    return table
 
 
 def _both_ways(noise: Noise, plane: tuple[int, int]) -> dict[tuple[int, int], np.ndarray]:
     """Covariances between the two columns of a plane at a node, summed over both orders."""
-    found = noise.between(plane)
+    covariances = noise.between(plane)
     for pair, c in noise.between((plane[1], plane[0])).items():
-        found[pair] = found[pair] + c if pair in found else c
-    return found
+        covariances[pair] = covariances[pair] + c if pair in covariances else c
+    return covariances
 
 
 def _corner(values: np.ndarray, grid: Grid, shifts: dict[int, tuple[int, int]]) -> np.ndarray:
@@ -179,10 +179,10 @@ def _curl(sampled: Field, plane: tuple[int, int], rules: tuple[Rule, Rule]) -> n
 def torsion(sampled: Field, plane: tuple[int, int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """`curl`, its difference from the curl of another order, and its sigma."""
     grid, noise, rules = sampled.grid, sampled.noise, _slopes(sampled, plane)
-    found = _curl(sampled, plane, rules)
+    curls = _curl(sampled, plane, rules)
     one, two = rules
-    difference = np.abs(found - _curl(sampled, plane, (one.other, two.other)))
-    sigmas = np.zeros_like(found)
+    difference = np.abs(curls - _curl(sampled, plane, (one.other, two.other)))
+    sigmas = np.zeros_like(curls)
     if noise is not None:
         steps = [grid.steps[k] for k in plane]
         tables = [r.matrix / step for r, step in zip(rules, steps, strict=True)]
@@ -190,7 +190,7 @@ def torsion(sampled: Field, plane: tuple[int, int]) -> tuple[np.ndarray, np.ndar
         for i in range(sampled.rows):
             sigmas[i] = np.sqrt(_variance(noise, i, grid, plane, tables))
             difference[i] = unexplained(difference[i], _variance(noise, i, grid, plane, less))
-    return found, difference, np.where(np.isnan(found), np.nan, sigmas)
+    return curls, difference, np.where(np.isnan(curls), np.nan, sigmas)
 
 
 def _variance(

@@ -70,8 +70,8 @@ class _Weights:
         """The weight of each node, shape (d, grid...)."""
         keys, parts = np.concatenate(self.keys), np.concatenate(self.parts, axis=1)
         count = self.grid.holes.size
-        found = np.array([np.bincount(keys, row, count) for row in parts])
-        return found.reshape(-1, *self.grid.shape)
+        totals = np.array([np.bincount(keys, row, count) for row in parts])
+        return totals.reshape(-1, *self.grid.shape)
 
 
 # A Burgers vector, its covariance from noise, and its systematic errors by name.
@@ -81,7 +81,7 @@ Measured = tuple[np.ndarray, np.ndarray, dict[str, float]]
 def sampled_burgers(field: Field, loop: Loop) -> Measured:
     """The integral of the interpolated coframe along a loop; see SampledFrame.burgers."""
     grid = field.grid
-    found = np.zeros((3, field.rows))
+    integrals = np.zeros((3, field.rows))
     weights, differences = _Weights(grid), _Weights(grid)
     gap = np.zeros(grid.dimension)
     for part in loop.parts:
@@ -90,10 +90,10 @@ def sampled_burgers(field: Field, loop: Loop) -> Measured:
             # The fine points give the result, the coarse points the error of the quadrature.
             fine, other = _both(field, part, arc, 2 * count, (weights, differences))
             coarse, _ = _both(field, part, arc, count)
-            found += part.times * np.array([fine, other, coarse])
+            integrals += part.times * np.array([fine, other, coarse])
             ends = part.points(arc, np.array([0.0, 1.0]))[0]
             gap += part.times * (ends[:, 1] - ends[:, 0])
-    fine, other, coarse = found
+    fine, other, coarse = integrals
     if np.abs(gap).max() > CALCULATED * loop.size:
         grid.check_periods(gap)
         # The integral of the constant part around a period is not zero.
@@ -143,16 +143,16 @@ def _both(
     s = ((np.arange(count)[:, None] + (x + 1) / 2) / count).ravel()
     weights = np.tile(w / 2, count) / count
     points, slopes = part.points(arc, s)
-    known = field.grid.known
+    known_nodes = field.grid.known
     places = field.grid.places(points, "loop")
-    blocks = known.blocks(places, field.order)
+    blocks = known_nodes.blocks(places, field.order)
     field.grid.refuse_holes(blocks.used, places, "loop")
     if collected is None:
         return _sum(field, places, blocks, slopes, weights), np.zeros(field.rows)
-    other = known.other(blocks, places, field.other_order)
+    other = known_nodes.other(blocks, places, field.other_order)
     if field.noise is not None:
         for sign, chosen in ((1, blocks), (-1, other)):
-            for rows, nodes, weight in known.terms(chosen, places):
+            for rows, nodes, weight in known_nodes.terms(chosen, places):
                 each = part.times * slopes[:, rows] * weights[rows] * weight
                 collected[1].add(nodes, sign * each)
                 if sign == 1:
@@ -174,18 +174,18 @@ def _sum(
 def edge_cochain(field: Field) -> Cochain:
     """The integral along each edge of the grid; see SampledFrame.cochain."""
     grid = field.grid
-    found, errors = [], []
+    integrals, errors = [], []
     for k, step in enumerate(grid.steps):
         rule = grid.rule(field.order, k)
         fine, other = (step * one(field.values[:, k], 1 + k) for one in (rule, rule.other))
         constant = step * field.mean[:, k].reshape(-1, *(1,) * grid.dimension)
-        found.append((fine + constant).reshape(field.rows, -1).T)
+        integrals.append((fine + constant).reshape(field.rows, -1).T)
         difference = np.abs(fine - other).max(axis=0)
         errors.append(np.hypot(difference, _sigma(field, k, step * rule.matrix)).ravel())
-    values = np.concatenate(found)
+    values = np.concatenate(integrals)
     rounding = ROUNDING * np.abs(values).max(axis=1)
-    made = Complex.grid(grid.shape, periodic=grid.periodic)
-    return Cochain(made, values, np.concatenate(errors) + rounding)
+    edges = Complex.grid(grid.shape, periodic=grid.periodic)
+    return Cochain(edges, values, np.concatenate(errors) + rounding)
 
 
 def _sigma(field: Field, axis: int, matrix: csr_array) -> np.ndarray:
@@ -240,13 +240,13 @@ def sampled_edges(field: Field, starts: np.ndarray, ends: np.ndarray) -> EdgeInt
             weighted(blocks, places, edge, weight)
         if both:
             chosen.append(grid.known.other(blocks, places, field.other_order))
-        found = []
+        parts = []
         for one in chosen:
             values = grid.known.interpolated(flat, one, places)
             values = values.reshape(field.rows, grid.dimension, -1) + field.mean[:, :, None]
             each = np.einsum("imk,km,k->ik", values, steps[edge], weight)
-            found.append(np.stack([np.bincount(edge, row, len(starts)) for row in each], axis=1))
-        return found
+            parts.append(np.stack([np.bincount(edge, row, len(starts)) for row in each], axis=1))
+        return parts
 
     (fine, other), (coarse,) = summed(2, True), summed(1, False)
     errors = np.abs(fine - other).max(axis=1) + np.abs(fine - coarse).max(axis=1)

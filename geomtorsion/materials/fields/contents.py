@@ -42,14 +42,14 @@ class Contents:
 
 def key_of(path: Path, arrays: Iterable[str]) -> str:
     """Name of the array that holds the values."""
-    found = [key for key in ("coframe", "distortion") if key in arrays]
-    if len(found) != 1:
+    keys = [key for key in ("coframe", "distortion") if key in arrays]
+    if len(keys) != 1:
         present = cut(", ".join(sorted(map(str, arrays)))) or "nothing"
         raise FileFormatError(
             f"{path}: expected exactly one of coframe and distortion, got {present}. Save the "
             "file again with one of them."
         )
-    return found[0]
+    return keys[0]
 
 
 def guarded(path: Path, load: Callable[[], Any]) -> Any:

@@ -47,7 +47,7 @@ def displaced_burgers(grid: Grid, displacement: Displacement, loop: Loop) -> Mea
 
 def _followed(grid: Grid, part: Part) -> tuple[np.ndarray, np.ndarray]:
     """Places along a path that skip no cell, (d, k), and the gap between its ends, (d,)."""
-    found, gap = [], np.zeros(grid.dimension)
+    pieces, gap = [], np.zeros(grid.dimension)
     for arc in part.arcs:
         count = 64
         while True:
@@ -56,9 +56,9 @@ def _followed(grid: Grid, part: Part) -> tuple[np.ndarray, np.ndarray]:
             if np.abs(np.diff(places)).max() <= LONGEST:
                 break
             count *= 2
-        found.append(places)
+        pieces.append(places)
         gap += points[:, -1] - points[:, 0]
-    return np.concatenate(found, axis=1), gap
+    return np.concatenate(pieces, axis=1), gap
 
 
 def _nodes(grid: Grid, places: np.ndarray, what: str) -> np.ndarray:
@@ -83,17 +83,17 @@ def _along(
     backward steps to the new cell.
     """
     here = nodes.copy()
-    found = np.zeros((len(tables[0]), here.shape[1]))
+    sums = np.zeros((len(tables[0]), here.shape[1]))
     for sign in (1, -1):
         for axis, table in enumerate(tables):
             chosen = np.flatnonzero(moves[axis] == sign)
             if sign < 0:
                 here[axis, chosen] -= 1
             edges = here[:, chosen] % np.array(grid.shape)[:, None]
-            found[:, chosen] += (sign if signed else 1) * table[(slice(None), *edges)]
+            sums[:, chosen] += (sign if signed else 1) * table[(slice(None), *edges)]
             if sign > 0:
                 here[axis, chosen] += 1
-    return found
+    return sums
 
 
 def displaced_circuits(
@@ -103,8 +103,8 @@ def displaced_circuits(
     lines = Rectangles(grid, plane, size)
     times = lines.rounds(*_along_sides(lines, displacement.times))
     touched = tuple(_touched(grid, k)[None] for k in range(grid.dimension))
-    known = lines.sums(*_along_sides(lines, touched))[0] == 0
-    vectors = np.where(known, 0.0 - displacement.jumps.sums(times), np.nan)
+    mask = lines.sums(*_along_sides(lines, touched))[0] == 0
+    vectors = np.where(mask, 0.0 - displacement.jumps.sums(times), np.nan)
     return vectors, partial(_errors, lines, displacement, times, vectors)
 
 
@@ -139,10 +139,10 @@ def displaced_torsion(
 
     Torsion is zero, because second derivatives commute, or NaN without enough known nodes in a row.
     """
-    found = np.zeros((rows, *grid.shape))
+    torsion = np.zeros((rows, *grid.shape))
     for axis in plane:
-        found[:, ~on_grid(grid.rule(order, axis, slopes=True).known, grid.shape, axis)] = np.nan
-    return found, np.zeros_like(found), np.where(np.isnan(found), np.nan, 0.0)
+        torsion[:, ~on_grid(grid.rule(order, axis, slopes=True).known, grid.shape, axis)] = np.nan
+    return torsion, np.zeros_like(torsion), np.where(np.isnan(torsion), np.nan, 0.0)
 
 
 def displaced_cochain(grid: Grid, displacement: Displacement) -> Cochain:
@@ -158,10 +158,10 @@ def displaced_cochain(grid: Grid, displacement: Displacement) -> Cochain:
         if displacement.variances is not None:
             noise = np.sqrt(_of_both_ends(displacement.variances, k, grid.periodic[k]))
         errors.append(noise.max(axis=0).ravel())
-    found = np.concatenate(values)
-    rounding = ROUNDING * np.abs(found).max(axis=1)
-    made = Complex.grid(grid.shape, periodic=grid.periodic)
-    return Cochain(made, found, np.concatenate(errors) + rounding)
+    integrals = np.concatenate(values)
+    rounding = ROUNDING * np.abs(integrals).max(axis=1)
+    edges = Complex.grid(grid.shape, periodic=grid.periodic)
+    return Cochain(edges, integrals, np.concatenate(errors) + rounding)
 
 
 def _of_both_ends(values: np.ndarray, axis: int, periodic: bool) -> np.ndarray:
@@ -190,15 +190,15 @@ def displaced_edges(
     u = displacement.values[(slice(None), *at)].T
     unit = np.eye(field.rows, grid.dimension)
     here = stubs.vectors + u + corners @ unit.T
-    found = here[count:] - here[:count]
+    integrals = here[count:] - here[:count]
     crossed = _crossed(grid, displacement.times, starts, ends)
-    found = found - jumps.sums(crossed).T
+    integrals = integrals - jumps.sums(crossed).T
     errors = stubs.errors[count:] + stubs.errors[:count] + jumps.errors(crossed)
     if displacement.variances is not None:
         variances = displacement.variances[(slice(None), *at)].max(axis=0)
         errors = np.hypot(errors, np.sqrt(variances[count:] + variances[:count]))
-    rounding = ROUNDING * np.abs(found).max(axis=1)
-    return EdgeIntegrals(found, errors + rounding, stubs.evaluations)
+    rounding = ROUNDING * np.abs(integrals).max(axis=1)
+    return EdgeIntegrals(integrals, errors + rounding, stubs.evaluations)
 
 
 def _crossed(
@@ -213,7 +213,7 @@ def _crossed(
     line = starts[owner] + share[:, None] * (ends - starts)[owner]
     nodes = _nodes(grid, grid.places(line.T, "edge"), "edge")
     moves = np.diff(nodes) * (owner[1:] == owner[:-1])
-    found = _along(grid, times, nodes[:, :-1], moves)
-    return np.array([np.bincount(owner[:-1], row, len(starts)) for row in found]).reshape(
-        len(found), len(starts)
+    jumps = _along(grid, times, nodes[:, :-1], moves)
+    return np.array([np.bincount(owner[:-1], row, len(starts)) for row in jumps]).reshape(
+        len(jumps), len(starts)
     )

@@ -161,8 +161,8 @@ def _open_cells(times: list[np.ndarray], grid: Grid) -> Iterator[tuple[int, np.n
         corners[1::2, :, a] += 1
         corners[2:, :, b] += 1
         corners %= np.array(grid.shape)
-        known = ~grid.holes[tuple(np.moveaxis(corners, -1, 0))].any(axis=0)
-        yield int(known.sum()), corners[:, known].reshape(-1, grid.dimension)
+        complete = ~grid.holes[tuple(np.moveaxis(corners, -1, 0))].any(axis=0)
+        yield int(complete.sum()), corners[:, complete].reshape(-1, grid.dimension)
 
 
 def _derived(
@@ -175,9 +175,9 @@ def _derived(
     for k, step in enumerate(steps):
         rule = grid.rule(order, k, slopes=True)
         lines = rule.holes.shape[1]
-        found = applied(rule.matrix_of_steps, np.nan_to_num(step), 1 + k, lines) / grid.steps[k]
-        found[:, ~on_grid(rule.known, grid.shape, k)] = np.nan
-        coframe[:, k] = found
+        slopes = applied(rule.matrix_of_steps, np.nan_to_num(step), 1 + k, lines) / grid.steps[k]
+        slopes[:, ~on_grid(rule.known, grid.shape, k)] = np.nan
+        coframe[:, k] = slopes
         if sigma is not None and variances is not None:
             squares = (rule.matrix / grid.steps[k]).power(2)
             sigma[:, k] = [np.sqrt(along(squares, row, k)) for row in variances]
@@ -202,26 +202,26 @@ def _medians(steps: np.ndarray, axis: int) -> np.ndarray:
     rows = _window(steps, axis)
     # NaN, for unknown steps, sorts to the end.
     rows.sort(axis=0)
-    known = np.isfinite(rows).sum(axis=0)
-    pair = (np.maximum(known - 1, 0) // 2, np.minimum(known // 2, NEIGHBOURS - 1))
+    counts = np.isfinite(rows).sum(axis=0)
+    pair = (np.maximum(counts - 1, 0) // 2, np.minimum(counts // 2, NEIGHBOURS - 1))
     low, high = (np.take_along_axis(rows, k[None], axis=0)[0] for k in pair)
     return np.moveaxis((low + high) / 2, -1, axis)
 
 
 def lattice_vectors(branch: object, rows: int) -> np.ndarray:
     """Lattice vectors as rows, from one length, one vector or several."""
-    found = numbers(branch, "branch")
-    if found.ndim == 0:
-        found = float(found) * np.eye(rows)
-    elif found.ndim == 1:
-        found = found[None]
-    fits = found.ndim == 2 and found.shape[1] == rows and 0 < len(found) <= rows
-    if not fits or not np.isfinite(found).all() or np.linalg.matrix_rank(found) < len(found):
+    lattice = numbers(branch, "branch")
+    if lattice.ndim == 0:
+        lattice = float(lattice) * np.eye(rows)
+    elif lattice.ndim == 1:
+        lattice = lattice[None]
+    fits = lattice.ndim == 2 and lattice.shape[1] == rows and 0 < len(lattice) <= rows
+    if not fits or not np.isfinite(lattice).all() or np.linalg.matrix_rank(lattice) < len(lattice):
         raise GridError(
             f"branch: expected a length, or up to {rows} independent vectors of {rows} components, "
-            f"got {found.tolist()}. Give the lattice vectors by which u jumps."
+            f"got {lattice.tolist()}. Give the lattice vectors by which u jumps."
         )
-    return found
+    return lattice
 
 
 def _found(steps: list[np.ndarray], bent: list[np.ndarray], grid: Grid) -> Jumps:
@@ -237,7 +237,7 @@ def _found(steps: list[np.ndarray], bent: list[np.ndarray], grid: Grid) -> Jumps
         for k, (step, size) in enumerate(zip(steps, away, strict=True))
     ]
     smooth = [_of_near_and_far(step, 1 + k) for k, step in enumerate(steps)]
-    found: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
+    rows: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
     least = 0.0
     while any(x.any() for x in open_):
         k = int(np.argmax([np.where(o, x, 0).max() for o, x in zip(open_, away, strict=True)]))
@@ -255,17 +255,17 @@ def _found(steps: list[np.ndarray], bent: list[np.ndarray], grid: Grid) -> Jumps
             )
             for n in (0, 1)
         )
-        known = np.isfinite(sharp).all(axis=0)
-        if left_open < sum(np.count_nonzero(x) for x in times) and known.any():
-            sharp, blunt = sharp[:, known], blunt[:, known]
+        finite = np.isfinite(sharp).all(axis=0)
+        if left_open < sum(np.count_nonzero(x) for x in times) and finite.any():
+            sharp, blunt = sharp[:, finite], blunt[:, finite]
             vector = np.median(sharp, axis=1)
             wide = [spread(row) for row in sharp - vector[:, None]]
             scatter = OF_MEDIAN * np.array(wide) / np.sqrt(sharp.shape[1])
-            found.append((vector, scatter, np.abs(np.median(blunt, axis=1) - vector)))
+            rows.append((vector, scatter, np.abs(np.median(blunt, axis=1) - vector)))
         else:
             least = max(least, float(away[k][place]) / 2)
         open_ = [o & (x == 0) for o, x in zip(open_, times, strict=True)]
-    table = np.array(found).reshape(-1, 3, len(bent[0]))
+    table = np.array(rows).reshape(-1, 3, len(bent[0]))
     return Jumps(table[:, 0], table[:, 1], table[:, 2])
 
 
@@ -280,13 +280,13 @@ def _of_neighbours(steps: np.ndarray, axis: int) -> np.ndarray:
 def _of_near_and_far(steps: np.ndarray, axis: int) -> tuple[np.ndarray, np.ndarray]:
     """A step predicted from two neighbours on each side, and from one; NaN without them."""
     moved = np.moveaxis(steps, axis, -1)
-    found = []
+    predictions = []
     left, right = moved[..., 1:-3] + moved[..., 3:-1], moved[..., :-4] + moved[..., 4:]
     for inner in ((4 * left - right) / 6, left / 2):
         whole = np.full_like(moved, np.nan)
         whole[..., 2:-2] = inner
-        found.append(np.moveaxis(whole, -1, axis))
-    return found[0], found[1]
+        predictions.append(np.moveaxis(whole, -1, axis))
+    return predictions[0], predictions[1]
 
 
 def _near(rest: np.ndarray, vector: np.ndarray) -> np.ndarray:
@@ -299,14 +299,14 @@ def _near(rest: np.ndarray, vector: np.ndarray) -> np.ndarray:
 
 def _nearest(rest: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     """1 for the vector nearest to a step, -1 if its opposite is nearest, or 0, (k, edges...)."""
-    found = np.zeros((len(vectors), *rest.shape[1:]))
+    signs = np.zeros((len(vectors), *rest.shape[1:]))
     best = np.nan_to_num((rest**2).sum(axis=0), nan=-1.0)
     for k, vector in enumerate(vectors):
         b = vector.reshape(-1, *(1,) * (rest.ndim - 1))
         for sign in (1, -1):
             away = ((rest - sign * b) ** 2).sum(axis=0)
             better = away < best
-            found[:, better] = 0
-            found[k, better] = sign
+            signs[:, better] = 0
+            signs[k, better] = sign
             best = np.where(better, away, best)
-    return found
+    return signs

@@ -78,20 +78,20 @@ def read_displacement(path: Path) -> Contents:
             f"{path}: expected a row of names such as x, y, u, v, or a text file of DaVis, got "
             f"{shown(cut(first.strip(), 80))}. Name the columns, or save arrays as .npz."
         )
-    kept = [
+    line_numbers = [
         k for k in range(header.row + 1, len(lines))
         if lines[k].strip() and not lines[k].lstrip()[:1].isalpha() and lines[k].lstrip()[0] != "#"
     ]  # fmt: skip
-    if not kept:
+    if not line_numbers:
         raise FileFormatError(
             f"{path}: expected nodes below the header, got none. Is the file complete?"
         )
-    rows = [lines[k] for k in kept]
+    rows = [lines[k] for k in line_numbers]
     if header.split != ",":
         # Some locales write a decimal comma.
         rows = [row.replace(",", ".") for row in rows]
-    table = number_rows(path, rows, kept, header.width, header.split)
-    where = [f"line {k + 1}" for k in kept]
+    table = number_rows(path, rows, line_numbers, header.width, header.split)
+    where = [f"line {k + 1}" for k in line_numbers]
     names = ("x", "y", "z")[: len(header.axes)]
     places = {name: table[:, k] for name, k in zip(names, header.axes, strict=True)}
     axes, flat = tables.nodes_of(path, places, where)
@@ -149,8 +149,8 @@ def _named(row: int, words: Sequence[str], split: str | None) -> _Header | None:
     clean = [word.strip().strip("\"'") for word in words]
     plain = [_UNIT.sub("", word).strip().lower() for word in clean]
     axes = tuple(plain.index(name) for name in ("x", "y", "z") if name in plain)
-    found = [next((plain.index(n) for n in names if n in plain), -1) for names in _COMPONENTS]
-    components = tuple(k for k in found if k >= 0)
+    columns = [next((plain.index(n) for n in names if n in plain), -1) for names in _COMPONENTS]
+    components = tuple(k for k in columns if k >= 0)
     if len(axes) < 2 or len(components) < 2 or set(plain[:1]) == {"e_0_0"}:
         return None
     units = [unit[1].strip() if (unit := _UNIT.search(word)) else "" for word in clean]

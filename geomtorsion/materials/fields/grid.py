@@ -76,8 +76,8 @@ def check_names(axes: Sequence[object], names: Sequence[str]) -> None:
 def two_axes(plane: object, dimension: int) -> tuple[int, int]:
     """The axes of a plane: two different ones of the grid."""
     pair = tuple(checks.rows(plane)) if checks.is_list(plane) else ()
-    known = [x for x in pair if isinstance(x, int) and x in range(dimension)]
-    if len(pair) != 2 or len(set(known)) != 2:
+    chosen_axes = [x for x in pair if isinstance(x, int) and x in range(dimension)]
+    if len(pair) != 2 or len(set(chosen_axes)) != 2:
         raise GridError(
             f"plane: expected two different axes from 0 to {dimension - 1}, got "
             f"{checks.shown(plane)}. Give them like (0, 1)."
@@ -91,19 +91,19 @@ def periodic_axes(given: object, names: Sequence[str]) -> tuple[bool, ...]:
         return (False,) * len(names)
     if given is True:
         return (True,) * len(names)
-    found = [given] if isinstance(given, str) else checks.entries(given, "periodic", GridError)
-    if not found:
+    entries = [given] if isinstance(given, str) else checks.entries(given, "periodic", GridError)
+    if not entries:
         return (False,) * len(names)
-    if all(isinstance(entry, str) for entry in found):
-        for entry in found:
+    if all(isinstance(entry, str) for entry in entries):
+        for entry in entries:
             checks.known_name(entry, names, "periodic", GridError)
-        return tuple(name in found for name in names)
-    if len(found) != len(names) or not all(isinstance(x, bool | np.bool_) for x in found):
+        return tuple(name in entries for name in names)
+    if len(entries) != len(names) or not all(isinstance(x, bool | np.bool_) for x in entries):
         raise GridError(
             f"periodic: expected True or False for each of {len(names)} axes, or names of axes, "
             f"got {checks.shown(given)}."
         )
-    return tuple(bool(entry) for entry in found)
+    return tuple(bool(entry) for entry in entries)
 
 
 def mask_of(given: object, shape: tuple[int, ...]) -> np.ndarray:
@@ -111,15 +111,15 @@ def mask_of(given: object, shape: tuple[int, ...]) -> np.ndarray:
     if given is None:
         return np.zeros(shape, dtype=bool)
     try:
-        found = np.asarray(given)
+        mask = np.asarray(given)
     except (TypeError, ValueError):
-        found = np.array(None)
-    if found.dtype.kind != "b" or found.shape != shape:
+        mask = np.array(None)
+    if mask.dtype.kind != "b" or mask.shape != shape:
         raise GridError(
             f"mask: expected truth values of shape {shape}, True at unknown nodes, got "
-            f"{found.dtype} of shape {found.shape}."
+            f"{mask.dtype} of shape {mask.shape}."
         )
-    return found
+    return mask
 
 
 @dataclass(frozen=True, eq=False)

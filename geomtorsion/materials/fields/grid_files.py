@@ -178,10 +178,10 @@ def read_netcdf(path: Path) -> Contents:
         with xarray.open_dataset(path, decode_times=False) as data:
             dimensions = {str(name): each.dims for name, each in data.variables.items()}
             key, names = _axes(path, dimensions)
-            wanted = [name for name in (key, *names, *NOISE, MASK) if name in dimensions]
-            check_room(path, {name: data[name].shape for name in wanted})
+            keys = [name for name in (key, *names, *NOISE, MASK) if name in dimensions]
+            check_room(path, {name: data[name].shape for name in keys})
             # Only the wanted variables are loaded; the size of the others does not matter.
-            return key, names, {name: data[name].values for name in wanted}, dict(data.attrs)
+            return key, names, {name: data[name].values for name in keys}, dict(data.attrs)
 
     if _is_hdf5(path):
         check_hdf5(path, module("h5py", path))
@@ -263,24 +263,24 @@ def _classic(path: Path) -> Contents:
 
 def _options(path: Path, arrays: Mapping[str, np.ndarray], texts: Any) -> dict[str, Any]:
     """Options of the contents: noise, holes, periods and texts."""
-    found: dict[str, Any] = {key: texts[key] for key in TEXTS if key in texts}
-    found |= _known(path, arrays)
+    options: dict[str, Any] = {key: texts[key] for key in TEXTS if key in texts}
+    options |= _known(path, arrays)
     if "periodic" in texts:
-        found["periodic"] = periodic_names(texts["periodic"], path)
-    return found
+        options["periodic"] = periodic_names(texts["periodic"], path)
+    return options
 
 
 def _known(path: Path, arrays: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Noise, and the mask of unknown nodes: True, or 1 in formats without truth values."""
-    found = {name: arrays[name] for name in NOISE if name in arrays}
+    extras = {name: arrays[name] for name in NOISE if name in arrays}
     if MASK in arrays:
         if not np.isin(arrays[MASK], (0, 1)).all():
             raise FileFormatError(
                 f"{path}: {MASK}: expected 1 at unknown nodes and 0 elsewhere, got other numbers. "
                 "Correct the mask."
             )
-        found[MASK] = arrays[MASK] == 1
-    return found
+        extras[MASK] = arrays[MASK] == 1
+    return extras
 
 
 def write_netcdf(path: Path, contents: Contents) -> None:
@@ -307,11 +307,11 @@ def write_netcdf(path: Path, contents: Contents) -> None:
 
 def _texts(contents: Contents) -> dict[str, str]:
     """Texts of the contents, for the attributes of a file."""
-    found = {key: contents.options[key] for key in TEXTS if contents.options.get(key)}
+    texts = {key: contents.options[key] for key in TEXTS if contents.options.get(key)}
     if "periodic" in contents.options:
         pairs = zip(contents.names, contents.options["periodic"], strict=True)
-        found["periodic"] = " ".join(name for name, wraps in pairs if wraps)
-    return found
+        texts["periodic"] = " ".join(name for name, wraps in pairs if wraps)
+    return texts
 
 
 # -- HDF5 -----------------------------------------------------------------------------------------
@@ -325,10 +325,10 @@ def read_hdf5(path: Path) -> Contents:
         names = check_hdf5(path, h5py)
         key = key_of(path, names)
         with h5py.File(path, "r") as file:
-            said = {str(name): _text(value) for name, value in file.attrs.items()}
+            texts = {str(name): _text(value) for name, value in file.attrs.items()}
             axes = [name.removeprefix("axis_") for name in names if name.startswith("axis_")]
-            if "names" in said:
-                axes = checks.text(said["names"], f"{path}: names", FileFormatError).split()
+            if "names" in texts:
+                axes = checks.text(texts["names"], f"{path}: names", FileFormatError).split()
             elif axes != list("xyz")[: len(axes)]:
                 # HDF5 lists data sets alphabetically, not in the order of the axes.
                 raise FileFormatError(
@@ -342,11 +342,11 @@ def read_hdf5(path: Path) -> Contents:
                         f"{path}: expected a data set axis_{cut(name)}, got none. Write the file "
                         "again."
                     )
-            wanted = (key, *NOISE, MASK, *(f"axis_{name}" for name in axes))
-            sets = {name: _data_set(h5py, file, name, path) for name in wanted if name in names}
-            check_room(path, {name: found.shape for name, found in sets.items()})
-            arrays = {name: found[...] for name, found in sets.items()}
-        options = _options(path, arrays, said)
+            keys = (key, *NOISE, MASK, *(f"axis_{name}" for name in axes))
+            sets = {name: _data_set(h5py, file, name, path) for name in keys if name in names}
+            check_room(path, {name: data_set.shape for name, data_set in sets.items()})
+            arrays = {name: data_set[...] for name, data_set in sets.items()}
+        options = _options(path, arrays, texts)
         lines = [arrays[f"axis_{name}"] for name in axes]
         return Contents(lines, arrays[key], tuple(axes), key == "distortion", options)
 
@@ -369,27 +369,27 @@ def _data_set(h5py: Any, file: Any, name: str, path: Path) -> Any:
             f"{path}: {name}: expected a data set of this file, got a link or a group. Copy the "
             "data set into the file."
         )
-    found = file[name]
-    if found.shape is None or found.dtype.kind not in "fiub":
+    array = file[name]
+    if array.shape is None or array.dtype.kind not in "fiub":
         raise FileFormatError(
             f"{path}: {name}: expected real numbers, got "
-            f"{'nothing' if found.shape is None else found.dtype}."
+            f"{'nothing' if array.shape is None else array.dtype}."
         )
     # Parts that were never written would be read as zeros.
-    parts = math.prod(-(-n // m) for n, m in zip(found.shape, found.chunks or (), strict=False))
-    written = found.id.get_num_chunks() if found.chunks else bool(found.id.get_storage_size())
-    if written < parts and found.size:
+    parts = math.prod(-(-n // m) for n, m in zip(array.shape, array.chunks or (), strict=False))
+    written = array.id.get_num_chunks() if array.chunks else bool(array.id.get_storage_size())
+    if written < parts and array.size:
         raise FileFormatError(
             f"{path}: {name}: expected {parts:,} written parts, got {int(written):,}. Write the "
             "file again."
         )
-    packed = [key for key in PACKED if key in found.attrs and not np.isnan(found.attrs[key]).all()]
+    packed = [key for key in PACKED if key in array.attrs and not np.isnan(array.attrs[key]).all()]
     if packed:
         raise FileFormatError(
             f"{path}: {name}: expected plain numbers, got {', '.join(packed)}, which only NetCDF "
             "files define. Write the numbers unpacked with nan for missing ones, or save as .nc."
         )
-    return found
+    return array
 
 
 def write_hdf5(path: Path, contents: Contents) -> None:

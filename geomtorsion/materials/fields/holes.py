@@ -60,22 +60,22 @@ def holes_of(grid: Grid) -> tuple[Hole, ...]:
     groups = scipy.sparse.csgraph.connected_components(links, directed=False)[1][: len(unique)]
     _, first, which = np.unique(groups, return_index=True, return_inverse=True)
     order = np.argsort(np.argsort(first))
-    found = []
+    holes = []
     for k in range(len(first)):
         rows = unique[order[which] == k]
-        found.append(Hole(k, _unwrapped(np.array(np.unravel_index(rows, grid.shape)).T, grid)))
-    return tuple(found)
+        holes.append(Hole(k, _unwrapped(np.array(np.unravel_index(rows, grid.shape)).T, grid)))
+    return tuple(holes)
 
 
 def _unwrapped(nodes: np.ndarray, grid: Grid) -> np.ndarray:
     """Nodes of a hole that crosses the end of a periodic axis, with consecutive numbers."""
-    found = nodes.copy()
+    indices = nodes.copy()
     for axis, (points, wraps) in enumerate(zip(grid.shape, grid.periodic, strict=True)):
         there = np.unique(nodes[:, axis])
         if wraps and there[0] == 0 and there[-1] == points - 1 and len(there) < points:
             gap = int(np.setdiff1d(np.arange(points), there)[0])
-            found[:, axis] += points * (found[:, axis] < gap)
-    return found
+            indices[:, axis] += points * (indices[:, axis] < gap)
+    return indices
 
 
 def chosen_hole(holes: Sequence[Hole], wanted: object) -> Hole:

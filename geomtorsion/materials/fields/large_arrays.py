@@ -129,19 +129,19 @@ def opened(given: Any, *, again: bool = False) -> Any:
     again: whether it was opened before; if so, its chunks are not counted again.
     """
     if not isinstance(given, str):
-        found = given
-        if not hasattr(found, "shape") or not hasattr(found, "dtype"):
-            found = checks.array(given, "source", GridError, infinite=None)
-        elif isinstance(found, np.ma.MaskedArray):
-            found = checks.unmasked(found)
+        array = given
+        if not hasattr(array, "shape") or not hasattr(array, "dtype"):
+            array = checks.array(given, "source", GridError, infinite=None)
+        elif isinstance(array, np.ma.MaskedArray):
+            array = checks.unmasked(array)
     else:
         path = Path(given)
         if not path.exists():
             raise FileFormatError(f"{path}: there is no such file.")
-        found = guarded(path, lambda: _npy(path) if path.is_file() else _zarr(path, again))
-    if np.dtype(found.dtype).kind not in "fiu":
-        raise GridError(f"source: expected real numbers, got {found.dtype}.")
-    return found
+        array = guarded(path, lambda: _npy(path) if path.is_file() else _zarr(path, again))
+    if np.dtype(array.dtype).kind not in "fiu":
+        raise GridError(f"source: expected real numbers, got {array.dtype}.")
+    return array
 
 
 def _npy(path: Path) -> np.ndarray:
@@ -154,20 +154,20 @@ def _zarr(path: Path, again: bool) -> Any:
     for inner in (path, path / INNER):
         for name in (".zarray", "zarr.json"):
             if (inner / name).is_file():
-                said = read_json_text(read_text(inner / name), str(inner / name))
-                if not isinstance(said, dict):
+                header = read_json_text(read_text(inner / name), str(inner / name))
+                if not isinstance(header, dict):
                     raise FileFormatError(
-                        f"{inner / name}: expected a table, got {checks.shown(said)}. Write the "
+                        f"{inner / name}: expected a table, got {checks.shown(header)}. Write the "
                         "array again."
                     )
-                if name == ".zarray" or said.get("node_type") == "array":
-                    _check_packing(inner, said)
+                if name == ".zarray" or header.get("node_type") == "array":
+                    _check_packing(inner, header)
                     array = module("zarr", path).open_array(str(inner), mode="r")
                     if not again:
                         _check_chunks(inner, array)
                         shard = getattr(array, "shards", None) or array.chunks
                         size = prod(array.chunks) * array.dtype.itemsize
-                        check_packed(inner, said, size, prod(shard) // prod(array.chunks))
+                        check_packed(inner, header, size, prod(shard) // prod(array.chunks))
                     return array
     raise FileFormatError(
         f"{path}: expected an .npy file, a Zarr array, or a folder with a Zarr array {INNER}, got "
@@ -179,17 +179,17 @@ def _check_packing(path: Path, said: dict[str, Any]) -> None:
     """Refuse codecs that do more than compress."""
     listed = [said.get("compressor"), *(said.get("filters") or []), *(said.get("codecs") or [])]
     while listed:
-        one = listed.pop()
-        if one is None:
+        entry = listed.pop()
+        if entry is None:
             continue
-        known = one if isinstance(one, dict) else {}
-        name = known.get("id") or known.get("name")
+        codec = entry if isinstance(entry, dict) else {}
+        name = codec.get("id") or codec.get("name")
         if name not in HARMLESS:
             raise FileFormatError(
                 f"{path}: expected a supported codec such as zstd or gzip, got "
                 f"{checks.shown(name)}. Write the array again with one of them."
             )
-        inner = known.get("configuration") or {}
+        inner = codec.get("configuration") or {}
         listed += [*(inner.get("codecs") or []), *(inner.get("index_codecs") or [])]
 
 

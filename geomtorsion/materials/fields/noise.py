@@ -74,11 +74,11 @@ class Noise:
         shape = weights.shape[1:]
         nodes = np.flatnonzero(weights.any(axis=0))
         flat = weights.reshape(len(weights), -1)[:, nodes]
-        found = np.zeros((self.rows, self.rows))
+        covariance = np.zeros((self.rows, self.rows))
         for (i, k, j, m), c in self.terms.items():
             here = np.broadcast_to(c, shape).ravel()[nodes] if c.size > 1 else c.ravel()
-            found[i, j] += float((flat[k] * flat[m] * here).sum())
-        return found
+            covariance[i, j] += float((flat[k] * flat[m] * here).sum())
+        return covariance
 
     def of_sums(self, weights: Sequence[csr_array]) -> np.ndarray:
         """Covariances of many sums over nodes in a row, shape (sums, rows, rows).
@@ -86,14 +86,14 @@ class Noise:
         weights: of the nodes, one matrix (sums, nodes) for each column.
         """
         count = weights[0].shape[0]
-        found = np.zeros((count, self.rows, self.rows))
+        covariances = np.zeros((count, self.rows, self.rows))
         columns = {(k, m) for _, k, _, m in self.terms}
         shares = {
             (k, m): weights[k].power(2) if k == m else weights[k] * weights[m] for k, m in columns
         }
         for (i, k, j, m), c in self.terms.items():
-            found[:, i, j] += shares[k, m] @ np.broadcast_to(c, weights[0].shape[1:])
-        return found
+            covariances[:, i, j] += shares[k, m] @ np.broadcast_to(c, weights[0].shape[1:])
+        return covariances
 
 
 def along(matrix: csr_array, values: np.ndarray, axis: int) -> np.ndarray:
@@ -110,19 +110,19 @@ def covariance_of(given: object, shape: tuple[int, ...], grid: Grid) -> np.ndarr
     given: without the grid (the same at every node) or with it; in (rows, columns, rows, columns)
     or as square matrices of the components in order.
     """
-    found = numbers(given, "covariance")
+    matrices = numbers(given, "covariance")
     rows, columns = shape[:2]
     n, inner = rows * columns, (1,) * grid.dimension
     wide = (rows, columns, rows, columns)
     shapes = {(n, n): inner, wide: inner, (n, n, *grid.shape): grid.shape}
     shapes |= {(*wide, *grid.shape): grid.shape, (*wide, *inner): inner}
-    if found.shape not in shapes:
+    if matrices.shape not in shapes:
         raise GridError(
             f"covariance: expected shape {wide} or {(n, n)}, optionally followed by the nodes "
-            f"{grid.shape}, got {found.shape}."
+            f"{grid.shape}, got {matrices.shape}."
         )
-    places = shapes[found.shape]
-    table = np.moveaxis(found.reshape(n, n, -1), -1, 0)
+    places = shapes[matrices.shape]
+    table = np.moveaxis(matrices.reshape(n, n, -1), -1, 0)
     if places == grid.shape:
         table = np.where(grid.holes.ravel()[:, None, None], 0.0, table)
     if not np.isfinite(table).all():
@@ -156,34 +156,34 @@ def noise_of(
     if covariance is None:
         if sigma is None:
             return None, None, None, ""
-        said = "given"
+        note = "given"
         if isinstance(sigma, str):
             checks.choice(sigma, ["estimate"], "sigma", GridError)
-            found, said = estimated(values, grid), "the median of sixth differences along the axes"
+            sigmas, note = estimated(values, grid), "the median of sixth differences along the axes"
         else:
-            found = sigma_of(sigma, shape, grid)
-        wide = ones if found.shape[2:] == ones else grid.shape
-        return found, None, Noise.of_sigma(np.broadcast_to(found, (*shape[:2], *wide))), said
-    said = "given"
-    kept: np.ndarray | Noise
+            sigmas = sigma_of(sigma, shape, grid)
+        wide = ones if sigmas.shape[2:] == ones else grid.shape
+        return sigmas, None, Noise.of_sigma(np.broadcast_to(sigmas, (*shape[:2], *wide))), note
+    note = "given"
+    covariances: np.ndarray | Noise
     if isinstance(covariance, Noise):
-        kept = noise = covariance
+        covariances = noise = covariance
     elif isinstance(covariance, str):
         checks.choice(covariance, ["estimate"], "covariance", GridError)
-        kept = estimated_covariance(values, grid)
-        noise = Noise.of_covariance(kept)
-        said = "medians of sums and differences of sixth differences along the axes"
+        covariances = estimated_covariance(values, grid)
+        noise = Noise.of_covariance(covariances)
+        note = "medians of sums and differences of sixth differences along the axes"
     else:
-        kept = covariance_of(covariance, shape, grid)
-        noise = Noise.of_covariance(kept)
+        covariances = covariance_of(covariance, shape, grid)
+        noise = Noise.of_covariance(covariances)
     table = [noise.at_nodes(i, k, grid.shape) for i, k in np.ndindex(*shape[:2])]
-    found = np.sqrt(np.array(table)).reshape(shape)
-    if sigma is not None and not np.array_equal(np.asarray(sigma, dtype=object), found):
+    sigmas = np.sqrt(np.array(table)).reshape(shape)
+    if sigma is not None and not np.array_equal(np.asarray(sigma, dtype=object), sigmas):
         raise GridError(
             "sigma: expected either sigma or covariance, got both. Omit sigma: the covariance "
             "includes it."
         )
-    return found, kept, noise, said
+    return sigmas, covariances, noise, note
 
 
 def sigma_of(given: object, shape: tuple[int, ...], grid: Grid) -> np.ndarray:
@@ -191,32 +191,32 @@ def sigma_of(given: object, shape: tuple[int, ...], grid: Grid) -> np.ndarray:
 
     given: a number, or an array of the shape of the grid, of (rows, columns), or of the coframe.
     """
-    found = numbers(given, "sigma")
+    sigmas = numbers(given, "sigma")
     inner = (1,) * grid.dimension
     shapes = {(): (1, 1, *inner), grid.shape: (1, 1, *grid.shape), shape: shape}
     shapes.setdefault(shape[:2], (*shape[:2], *inner))
     shapes.setdefault((*shape[:2], *inner), (*shape[:2], *inner))
     shapes.setdefault((1, 1, *inner), (1, 1, *inner))
     shapes.setdefault((1, 1, *grid.shape), (1, 1, *grid.shape))
-    if found.shape not in shapes:
+    if sigmas.shape not in shapes:
         raise GridError(
             f"sigma: expected a number, or shape {grid.shape} (nodes), {shape[:2]} (components) or "
-            f"{shape} (both), got {found.shape}."
+            f"{shape} (both), got {sigmas.shape}."
         )
-    found = found.reshape(shapes[found.shape])
-    bad = ~(found >= 0) | np.isinf(found)
-    if found.shape[2:] == grid.shape:
+    sigmas = sigmas.reshape(shapes[sigmas.shape])
+    bad = ~(sigmas >= 0) | np.isinf(sigmas)
+    if sigmas.shape[2:] == grid.shape:
         # Values in holes are not checked.
         bad &= ~grid.holes
-        found = np.where(grid.holes, 0.0, found)
+        sigmas = np.where(grid.holes, 0.0, sigmas)
     if bad.any():
         place = tuple(np.argwhere(bad)[0].tolist())
-        where = f" at node {place[2:]}" if found.shape[2:] == grid.shape else ""
+        where = f" at node {place[2:]}" if sigmas.shape[2:] == grid.shape else ""
         raise GridError(
-            f"sigma: expected standard deviations of 0 or more, got {found[place]:.6g}{where}. "
+            f"sigma: expected standard deviations of 0 or more, got {sigmas[place]:.6g}{where}. "
             "Mask unknown nodes."
         )
-    return found
+    return sigmas
 
 
 def estimated(values: np.ndarray, grid: Grid) -> np.ndarray:
@@ -255,8 +255,8 @@ def estimated_covariance(values: np.ndarray, grid: Grid) -> np.ndarray:
     """
     flat = values.reshape(-1, *grid.shape)
     numbers = [[pick(one) for one in flat] for pick in _differences(grid)]
-    found = [robust_covariance(rows) for rows in numbers if rows[0].size]
-    best = min(found, key=np.trace, default=np.full((len(flat),) * 2, np.inf))
+    candidates = [robust_covariance(rows) for rows in numbers if rows[0].size]
+    best = min(candidates, key=np.trace, default=np.full((len(flat),) * 2, np.inf))
     _check_estimate(best)
     return best.reshape(*values.shape[:2] * 2, *(1,) * grid.dimension)
 
@@ -275,14 +275,14 @@ def robust_covariance(rows: list[np.ndarray]) -> np.ndarray:
     by their spreads. The medians ignore walls and cores, because these are few.
     """
     sizes = np.array([spread(row) for row in rows])
-    found = np.eye(len(rows))
+    correlations = np.eye(len(rows))
     for a, b in combinations(range(len(rows)), 2):
         if sizes[a] and sizes[b]:
             one, two = rows[a] / sizes[a], rows[b] / sizes[b]
             more, less = spread(one + two) ** 2, spread(one - two) ** 2
-            found[a, b] = found[b, a] = (more - less) / (more + less)
+            correlations[a, b] = correlations[b, a] = (more - less) / (more + less)
     # Medians do not guarantee a nonnegative variance in all directions.
-    values, vectors = np.linalg.eigh(found * np.outer(sizes, sizes))
+    values, vectors = np.linalg.eigh(correlations * np.outer(sizes, sizes))
     return (vectors * np.maximum(values, 0)) @ vectors.T
 
 
@@ -297,7 +297,7 @@ def _check_estimate(found: np.ndarray) -> None:
 
 def _differences(grid: Grid) -> list[Callable[[np.ndarray], np.ndarray]]:
     """For each axis, the known differences of sixth order, scaled to the variance of one node."""
-    found = []
+    picks = []
     for axis, points in enumerate(grid.shape):
         order = min(SMOOTH, points - 1)
         scale = sqrt(sum(comb(order, k) ** 2 for k in range(order + 1)))
@@ -312,5 +312,5 @@ def _differences(grid: Grid) -> list[Callable[[np.ndarray], np.ndarray]]:
         ) -> np.ndarray:  # fmt: skip
             return np.diff(np.moveaxis(one, axis, -1), order, axis=-1)[known] / scale
 
-        found.append(pick)
-    return found
+        picks.append(pick)
+    return picks

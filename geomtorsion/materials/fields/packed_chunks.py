@@ -61,10 +61,10 @@ def check_packed(path: Path, said: Mapping[str, Any], size: int, inner: int) -> 
             parts = _parts(stream, length, inner, sharding) if sharding else [(0, length)]
             for start, count in parts:
                 stream.seek(start)
-                if (found := _unpacked(stream, packings[0], count, size)) > size:
+                if (unpacked_bytes := _unpacked(stream, packings[0], count, size)) > size:
                     raise LimitError(
                         f"{file}: expected a chunk of {size:,} bytes, got one that unpacks to "
-                        f"{found:,} or more. Write the array again."
+                        f"{unpacked_bytes:,} or more. Write the array again."
                     )
 
 

@@ -113,14 +113,14 @@ class SampledFrame(Samples):
             names the nodes.
         """
         pair = two_axes(plane, self.dimension)
-        found = holes.chosen_hole(self.holes, hole)
+        target = holes.chosen_hole(self.holes, hole)
         checks.count(margin, "margin", GridError, 1)
         if at is None:
-            at = [(a + b) // 2 for a, b in zip(found.low, found.high, strict=True)]
+            at = [(a + b) // 2 for a, b in zip(target.low, target.high, strict=True)]
         else:
             rows = checks.numbers(at, self.dimension, "at", GridError)
             at = [checks.count(x, f"at[{k}]", GridError) for k, x in enumerate(rows)]
-        return holes.loop_around(self._grid, found, margin, pair, at)
+        return holes.loop_around(self._grid, target, margin, pair, at)
 
     @property
     def description(self) -> tuple[str, ...]:
@@ -168,8 +168,8 @@ class SampledFrame(Samples):
         ((1, 3, 3), np.float64(9.0), np.float64(1.0))
         """
         pair = two_axes(plane, self.dimension)
-        given = checks.rows(size)
-        sides = list(given) if isinstance(given, list | tuple) else [given] * 2
+        entries = checks.rows(size)
+        sides = list(entries) if isinstance(entries, list | tuple) else [entries] * 2
         if len(sides) != 2:
             raise GridError(f"size: expected one number or two, got {checks.shown(size)}.")
         for k, side in zip(pair, sides, strict=True):
@@ -197,7 +197,7 @@ class SampledFrame(Samples):
 
     def backdrop(self, section: Section = PLANE) -> Backdrop:
         """|b| per area of each cell, in the layer next to the section; holes are blank."""
-        found = self.burgers_map(1, section.plane)
+        survey = self.burgers_map(1, section.plane)
         others = [k for k in range(self.dimension) if k not in section.plane]
         middle = [float(np.mean(self.axes[k])) for k in others]
         at = [
@@ -205,10 +205,10 @@ class SampledFrame(Samples):
             for k, x in zip(others, section.at or middle, strict=True)
         ]
         layer = int(np.ravel_multi_index(at, [len(self.axes[k]) for k in others])) if at else 0
-        unit = f" ({found.density_unit})" if found.density_unit else ""
-        where = f", {found.layers[layer]}" if at else ""
+        unit = f" ({survey.density_unit})" if survey.density_unit else ""
+        where = f", {survey.layers[layer]}" if at else ""
         title = f"|b| per area of each cell{unit}{where}"
-        return Backdrop(found.lines, found.laid(found.per_area)[..., layer], "sizes", title)
+        return Backdrop(survey.lines, survey.laid(survey.per_area)[..., layer], "sizes", title)
 
     def torsion(self, plane: tuple[int, int] = (0, 1)) -> tuple[np.ndarray, np.ndarray]:
         """Torsion 2 S_ab^i = d_a e^i_b - d_b e^i_a at the nodes, and its error.
@@ -234,8 +234,8 @@ class SampledFrame(Samples):
     @cached_property
     def nye_noise(self) -> np.ndarray:
         """Standard deviation of the Nye tensor from noise (its noise floor); zero without sigma."""
-        found = [self._torsion(pair)[2] for pair in self._nye_planes]
-        return np.stack(found, axis=1)
+        sigmas = [self._torsion(pair)[2] for pair in self._nye_planes]
+        return np.stack(sigmas, axis=1)
 
     def _torsion(self, plane: tuple[int, int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Torsion at the nodes, its difference from another order, and its sigma."""
@@ -333,10 +333,10 @@ class SampledFrame(Samples):
                 f"{loop.dimension}. Give a loop in the coordinates of the grid."
             )
         if self.displacement is not None:
-            found = displaced_burgers(self._grid, self.displacement, loop)
+            measurement = displaced_burgers(self._grid, self.displacement, loop)
         else:
-            found = sampled_burgers(self._field, loop)
-        vector, covariance, systematic = found
+            measurement = sampled_burgers(self._field, loop)
+        vector, covariance, systematic = measurement
         points, area = loop.points(), loop.area
         section = Section.of(points, area)
         plane = list(section.plane)

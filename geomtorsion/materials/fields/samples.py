@@ -84,16 +84,16 @@ class Samples:
         for key in ("unit", "vector_unit"):
             checks.text(getattr(self, key), key, GridError, longest=LONGEST_SHOWN)
         if self.displacement is not None:
-            known = ~unknown
-            if not np.array_equal(values[..., known], self.displacement.coframe[..., known]):
+            inside = ~unknown
+            if not np.array_equal(values[..., inside], self.displacement.coframe[..., inside]):
                 raise GridError(
                     "coframe: expected the coframe of the displacement, got another. Make a new "
                     "frame by from_displacement, or by SampledFrame(axes, coframe)."
                 )
-        given = noise_of(self.sigma, self.covariance, inner, grid)
+        noise_values = noise_of(self.sigma, self.covariance, inner, grid)
         unit = self.vector_unit or self.unit
-        found = (axes, values, names, unknown, wraps, unit, *given)
-        for key, value in zip(KEPT, found, strict=True):
+        fields = (axes, values, names, unknown, wraps, unit, *noise_values)
+        for key, value in zip(KEPT, fields, strict=True):
             object.__setattr__(self, key, value)
 
     # -- makers -----------------------------------------------------------------------------------
@@ -153,9 +153,9 @@ class Samples:
         checks.check_room(2 * number * frame.dimension**2, f"axes: {number:,} nodes", remedy)
         coframe = forms(frame, parameters).coframe
         nodes = np.meshgrid(*lines, indexing="ij")
-        found = coframe.at(np.array(nodes).reshape(len(nodes), -1))
+        components = coframe.at(np.array(nodes).reshape(len(nodes), -1))
         values = np.zeros((frame.dimension, frame.dimension, *nodes[0].shape))
-        values[coframe.rows, coframe.columns] = found.reshape(-1, *nodes[0].shape)
+        values[coframe.rows, coframe.columns] = components.reshape(-1, *nodes[0].shape)
         names = tuple(symbol.name for symbol in frame.coordinates)
         return cls(lines, values, order, names, **options)
 
@@ -223,12 +223,12 @@ class Samples:
         blank = cls(lines, np.zeros((1, len(lines), *shape)), order, names, mask=mask, **options)
         variances = None
         if sigma is not None:
-            given = _of_displacement(sigma, values, blank._grid)
-            variances = np.broadcast_to(given, values.shape) ** 2
-        known = np.where(mask, np.nan, values)
-        found = displacement_of(known, blank._grid, order, branch, variances)
-        options |= {"source": found.source, "displacement": found, "sigma": found.sigma}
-        return cls(lines, found.coframe, order, names, **options)
+            sigmas = _of_displacement(sigma, values, blank._grid)
+            variances = np.broadcast_to(sigmas, values.shape) ** 2
+        masked_values = np.where(mask, np.nan, values)
+        sampled_u = displacement_of(masked_values, blank._grid, order, branch, variances)
+        options |= {"source": sampled_u.source, "displacement": sampled_u, "sigma": sampled_u.sigma}
+        return cls(lines, sampled_u.coframe, order, names, **options)
 
     @classmethod
     def from_strain_rotation(
@@ -279,12 +279,12 @@ class Samples:
             The order is invalid.
         """
         check_order(order)
-        found = read_grid(checks.file_name(path))
-        make: Any = cls.from_distortion if found.is_distortion else cls
-        if found.is_displacement:
+        contents = read_grid(checks.file_name(path))
+        make: Any = cls.from_distortion if contents.is_distortion else cls
+        if contents.is_displacement:
             make = cls.from_displacement
         try:
-            return make(found.axes, found.values, order, found.names, **found.options)
+            return make(contents.axes, contents.values, order, contents.names, **contents.options)
         except GridError as error:
             raise FileFormatError(f"{path}: {error}") from None
 
@@ -320,14 +320,14 @@ class Samples:
 
     def _as_displacement(self, found: Displacement, options: dict[str, Any]) -> Contents:
         """Contents of a file of the displacement, with its noise, and its jumps as declared."""
-        kept = {k: options[k] for k in ("unit", "vector_unit", "periodic") if k in options}
+        entries = {k: options[k] for k in ("unit", "vector_unit", "periodic") if k in options}
         if found.variances is not None:
-            kept["sigma"] = np.sqrt(found.variances)[:, None]
+            entries["sigma"] = np.sqrt(found.variances)[:, None]
         if isinstance(found.branch, str):
-            kept["branch"] = np.full((1, self.rows), np.nan)
+            entries["branch"] = np.full((1, self.rows), np.nan)
         elif found.branch is not None:
-            kept["branch"] = found.jumps.vectors
-        return Contents(list(self.axes), found.values, tuple(self.names), False, kept, True)
+            entries["branch"] = found.jumps.vectors
+        return Contents(list(self.axes), found.values, tuple(self.names), False, entries, True)
 
     # -- properties -------------------------------------------------------------------------------
 
@@ -389,8 +389,8 @@ class Samples:
             low, high = (f"{x:.2g}" for x in (self.sigma.min(), self.sigma.max()))
             parts.append(f"sigma {low}" + (f" to {high}" if high != low else ""))
         if self.unit:
-            other = self.vector_unit != self.unit
-            parts.append(f"in {self.unit}" + (f", b in {self.vector_unit}" if other else ""))
+            has_own_unit = self.vector_unit != self.unit
+            parts.append(f"in {self.unit}" + (f", b in {self.vector_unit}" if has_own_unit else ""))
         return f"SampledFrame({', '.join(parts)})"
 
 
@@ -399,8 +399,8 @@ def _of_displacement(sigma: object, displacement: np.ndarray, grid: Grid) -> np.
     if isinstance(sigma, str):
         checks.choice(sigma, ["estimate"], "sigma", GridError)
         return estimated(displacement[:, None], grid)[:, 0]
-    found = sigma_of(sigma, (len(displacement), 1, *grid.shape), grid)[:, 0]
-    return np.broadcast_to(found, (len(displacement), *found.shape[1:]))
+    sigmas = sigma_of(sigma, (len(displacement), 1, *grid.shape), grid)[:, 0]
+    return np.broadcast_to(sigmas, (len(displacement), *sigmas.shape[1:]))
 
 
 def strain_and_rotation(strain: object, rotation: object) -> np.ndarray:
@@ -423,17 +423,17 @@ def skew(rotation: object, n: int, shape: tuple[int, ...]) -> np.ndarray:
     if w.shape == (n, n, *shape):
         _check_turned(w, -1, "rotation", "antisymmetric")
         return w
-    found = np.zeros((n, n, *shape))
+    matrix = np.zeros((n, n, *shape))
     if n == 2 and w.shape == shape:
-        found[1, 0], found[0, 1] = w, -w
-        return found
+        matrix[1, 0], matrix[0, 1] = w, -w
+        return matrix
     if n == 3 and w.shape == (3, *shape):
         for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-            found[j, i], found[i, j] = w[k], -w[k]
-        return found
-    other = f"{shape} (angle)" if n == 2 else f"{(3, *shape)} (vector)"
+            matrix[j, i], matrix[i, j] = w[k], -w[k]
+        return matrix
+    short_form = f"{shape} (angle)" if n == 2 else f"{(3, *shape)} (vector)"
     raise GridError(
-        f"rotation: expected shape {(n, n, *shape)} (matrix) or {other}, got {w.shape}."
+        f"rotation: expected shape {(n, n, *shape)} (matrix) or {short_form}, got {w.shape}."
     )
 
 

@@ -135,21 +135,21 @@ class ScatteredFrame:
         chosen, other = base if order == 2 else base[::-1]
 
         def along(rule: scipy.sparse.csr_array) -> np.ndarray:
-            found = (rule @ bent.reshape(-1, count).T).reshape(-1, *mean.shape)
-            return np.einsum("em,eim->ei", steps, found)
+            edge_values = (rule @ bent.reshape(-1, count).T).reshape(-1, *mean.shape)
+            return np.einsum("em,eim->ei", steps, edge_values)
 
         fine, less = along(chosen), along((chosen - other).tocsr())
         grid = row_of_points(~np.isin(np.arange(count), mesh.inner))
         if "estimate" in (str(sigma), str(covariance)):
-            sigma, covariance, said = estimated_noise(mesh, values, sigma, covariance)
+            sigma, covariance, origin = estimated_noise(mesh, values, sigma, covariance)
             noise = noise_of(sigma, covariance, values, grid)[2]
         else:
-            *_, noise, said = noise_of(sigma, covariance, values, grid)
+            *_, noise, origin = noise_of(sigma, covariance, values, grid)
         edge_noise = None if noise is None else NodeNoise(noise, steps, chosen, chosen - other)
-        found = fine + steps @ mean.T
-        errors = np.abs(less).max(axis=1) + ROUNDING * np.abs(found).max(axis=1, initial=0.0)
-        cochain = Cochain(mesh.complex, found, errors)
-        return cls(mesh, cochain, less, edge_noise, order, **texts, sigma_source=said)
+        edge_values = fine + steps @ mean.T
+        errors = np.abs(less).max(axis=1) + ROUNDING * np.abs(edge_values).max(axis=1, initial=0.0)
+        cochain = Cochain(mesh.complex, edge_values, errors)
+        return cls(mesh, cochain, less, edge_noise, order, **texts, sigma_source=origin)
 
     @classmethod
     def from_distortion(cls, points: np.ndarray, distortion: np.ndarray, **options: Any) -> Self:
@@ -220,7 +220,7 @@ class ScatteredFrame:
         a, b = mesh.complex.pairs.T
         steps = (values[:, b] - values[:, a]).T
         rows, d = len(values), mesh.dimension
-        noise, said = None, ""
+        noise, origin = None, ""
         if branch is not None:
             vectors = lattice_vectors(branch, rows)
             inverse = np.linalg.pinv(vectors)
@@ -234,16 +234,16 @@ class ScatteredFrame:
                     # Points next to a cut are far from any plane, but few, so that medians ignore
                     # them.
                     sigma, _, how = estimated_noise(mesh, values[:, None], sigma, None)
-                *_, found, said = noise_of(sigma, None, values[:, None], grid)
-                said = how or said
-                assert found is not None
-                variances = np.array([found.at_nodes(i, 0, grid.shape) for i in range(rows)])
+                *_, point_noise, origin = noise_of(sigma, None, values[:, None], grid)
+                origin = how or origin
+                assert point_noise is not None
+                variances = np.array([point_noise.at_nodes(i, 0, grid.shape) for i in range(rows)])
                 width = np.sqrt((variances[:, a] + variances[:, b]).T @ inverse**2)
                 noise = JumpNoise(chances_of(rest, width), vectors)
         steps = steps + mesh.steps @ np.eye(rows, d).T
         errors = ROUNDING * np.abs(steps).max(axis=1, initial=0.0)
         cochain = Cochain(mesh.complex, steps, errors)
-        return cls(mesh, cochain, np.zeros_like(steps), noise, 0, **texts, sigma_source=said)
+        return cls(mesh, cochain, np.zeros_like(steps), noise, 0, **texts, sigma_source=origin)
 
     # -- properties -------------------------------------------------------------------------------
 
@@ -339,10 +339,10 @@ class ScatteredFrame:
             nodes = circuit
             if isinstance(circuit, Loop):
                 nodes = self.mesh.walk(circuit)
-            found = checks.entries(nodes, "circuit", GridError)
-            at = np.array([self.mesh.complex.number(node) for node in found], dtype=np.int64)
+            entries = checks.entries(nodes, "circuit", GridError)
+            at = np.array([self.mesh.complex.number(node) for node in entries], dtype=np.int64)
             if len(at) < 3:
-                raise GridError(f"circuit: expected three points or more, got {found}.")
+                raise GridError(f"circuit: expected three points or more, got {entries}.")
             ends = np.roll(at, -1)
             edges, senses = self.mesh.complex.steps(at[at != ends], ends[at != ends])
             table = np.zeros((1, len(self.difference)), dtype=np.int64)
@@ -423,15 +423,15 @@ class ScatteredFrame:
 
     def backdrop(self, section: Section = PLANE) -> Backdrop:
         """|b| per area of each triangle; in space, of triangles within an edge of the section."""
-        found = self.burgers_map(0, section.plane)
-        places = np.array(found.centres)
+        survey = self.burgers_map(0, section.plane)
+        places = np.array(survey.centres)
         others = [k for k in range(self.mesh.dimension) if k not in section.plane]
         at = np.array(section.at or [float(self.points[:, k].mean()) for k in others])
         length = float(np.median(np.linalg.norm(self.mesh.steps, axis=1)))
         near = (np.abs(places[others] - at.reshape(-1, 1)) <= length).all(axis=0)
-        one, two = (line[near] for line in found.lines)
-        unit = f" ({found.density_unit})" if found.density_unit else ""
-        return Backdrop((one, two), found.per_area[near], "points", f"|b| per area{unit}")
+        one, two = (line[near] for line in survey.lines)
+        unit = f" ({survey.density_unit})" if survey.density_unit else ""
+        return Backdrop((one, two), survey.per_area[near], "points", f"|b| per area{unit}")
 
     def _errors(self, chains: scipy.sparse.csr_array) -> Errors:
         """Errors of sums along chains, shape (k, edges)."""

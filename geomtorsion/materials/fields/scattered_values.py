@@ -16,22 +16,22 @@ from geomtorsion.materials.fields.triangulation import Triangulation, checked_po
 
 def checked_points(given: object) -> np.ndarray:
     """Coordinates of points in the plane or in space, checked."""
-    found = checks.array(given, "points", GridError, shape=(None, None))
-    if found.shape[1] not in (2, 3) or len(found) <= found.shape[1]:
+    points = checks.array(given, "points", GridError, shape=(None, None))
+    if points.shape[1] not in (2, 3) or len(points) <= points.shape[1]:
         raise GridError(
             "points: expected shape (N, 2) with N > 2 or (N, 3) with N > 3, one point in each row, "
-            f"got {found.shape}."
+            f"got {points.shape}."
         )
-    return found
+    return points
 
 
 def mesh_of(
     places: np.ndarray, unknown: np.ndarray, options: dict[str, Any]
 ) -> tuple[Triangulation, dict[str, str]]:
     """The triangulation and the texts, from the options common to all makers."""
-    known = {"mask", "longest", "boundary", "unit", "vector_unit", "source"}
+    choices = {"mask", "longest", "boundary", "unit", "vector_unit", "source"}
     for name in options:
-        checks.known_name(name, sorted(known), "option", GridError)
+        checks.known_name(name, sorted(choices), "option", GridError)
     texts = {k: options[k] for k in ("unit", "vector_unit", "source") if k in options}
     for key, text in texts.items():
         checks.text(text, key, GridError, longest=LONGEST_SHOWN)
@@ -86,7 +86,7 @@ def estimated_noise(
     table, inside = mesh.departures
     flat = np.where(np.isnan(values), 0.0, values).reshape(-1, values.shape[-1])
     rows = list((table @ flat.T).T)
-    said = f"the median of deviations from planes through the neighbours of {len(inside)} points"
+    origin = f"the median of deviations from planes through the neighbours of {len(inside)} points"
     if covariance is None:
-        return np.array([spread(row) for row in rows]).reshape(values.shape[:2]), None, said
-    return sigma, robust_covariance(rows), said
+        return np.array([spread(row) for row in rows]).reshape(values.shape[:2]), None, origin
+    return sigma, robust_covariance(rows), origin

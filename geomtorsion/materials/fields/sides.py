@@ -92,8 +92,8 @@ def on_grid(table: np.ndarray, shape: tuple[int, ...], axis: int) -> np.ndarray:
     """A table of shape (edges, lines), or (edges, 1) for all lines, as an array on the grid."""
     rest = (*shape[:axis], *shape[axis + 1 :])
     lines = rest if table.shape[1] > 1 else (1,) * len(rest)
-    found = np.broadcast_to(table.reshape(len(table), *lines), (len(table), *rest))
-    return np.moveaxis(found, 0, axis)
+    values = np.broadcast_to(table.reshape(len(table), *lines), (len(table), *rest))
+    return np.moveaxis(values, 0, axis)
 
 
 def window_sums(values: np.ndarray, count: int, axis: int, periodic: bool = False) -> np.ndarray:
@@ -144,31 +144,31 @@ class _Rules:
         for pair, c in self.noise.between((self.axis, self.axis)).items():
             if c.shape[self.axis] == 1:
                 profile = np.asarray(squares.sum(axis=1))
-                found = c * profile.reshape(-1, *(1,) * (self.grid.dimension - 1 - self.axis))
+                values = c * profile.reshape(-1, *(1,) * (self.grid.dimension - 1 - self.axis))
             else:
-                found = self._summed(squares, matrix, c)
+                values = self._summed(squares, matrix, c)
             if special is not None:
                 places, table = special
                 every = np.broadcast_to(c, self.grid.shape)
                 flat = np.moveaxis(every, self.axis, 0).ravel()
-                found = self._with(found, places, table.power(2) @ flat)
-            covariance[pair] = found
+                values = self._with(values, places, table.power(2) @ flat)
+            covariance[pair] = values
         if not self.noise.joins_columns:
             return Spread(covariance, np.zeros(1), np.zeros(1))
         place = np.arange(count)
         ends = []
         for shift in (0, self.edges):
-            found = np.asarray(rows[place, (place + shift) % points]).ravel()
-            found = found.reshape(-1, *(1,) * (self.grid.dimension - 1 - self.axis))
-            found = found.reshape(*(1,) * self.axis, *found.shape)
+            values = np.asarray(rows[place, (place + shift) % points]).ravel()
+            values = values.reshape(-1, *(1,) * (self.grid.dimension - 1 - self.axis))
+            values = values.reshape(*(1,) * self.axis, *values.shape)
             if special is not None:
                 places, table = special
                 lines = self.fine.holes.shape[1]
                 first, line = np.divmod(places, lines)
                 node = (first + shift) % points * lines + line
                 own = np.asarray(table[np.arange(len(places)), node]).ravel()
-                found = self._with(found, places, own)
-            ends.append(found)
+                values = self._with(values, places, own)
+            ends.append(values)
         return Spread(covariance, *ends)
 
     def _summed(self, squares: csr_array, matrix: csr_array, variances: np.ndarray) -> np.ndarray:
@@ -183,8 +183,8 @@ class _Rules:
         ends = squares.tocoo()
         row, column = ends.coords
         depth = (column - row) % points
-        kept = (depth < margin) | (depth > self.edges - margin)
-        ends = type(ends)((ends.data[kept], (row[kept], column[kept])), shape=ends.shape).tocsr()
+        rim = (depth < margin) | (depth > self.edges - margin)
+        ends = type(ends)((ends.data[rim], (row[rim], column[rim])), shape=ends.shape).tocsr()
         # The sum contains the full weight of each inner node.
         whole = np.asarray(matrix.sum(axis=0)).ravel() ** 2
         weighted = variances * whole.reshape(-1, *(1,) * (self.grid.dimension - 1 - self.axis))
@@ -204,8 +204,8 @@ class _Rules:
         step = self.grid.steps[self.axis]
         periodic, lines = rule.periodic, rule.holes.shape[1]
         places = np.flatnonzero(window_sums(odd.astype(np.int32), self.edges, 0, periodic))
-        found = _windows(places, lines, len(rule.used), self.edges, periodic) @ (step * matrix)
-        return places, found.tocsr()
+        weights = _windows(places, lines, len(rule.used), self.edges, periodic) @ (step * matrix)
+        return places, weights.tocsr()
 
     def _with(self, found: np.ndarray, places: np.ndarray, own: np.ndarray) -> np.ndarray:
         """Values common to all lines, on all sides, with separate values at some places."""

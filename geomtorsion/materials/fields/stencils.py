@@ -39,10 +39,10 @@ def edge_weights(count: int) -> np.ndarray:
     x, w = np.polynomial.legendre.leggauss(count // 2 + 1)
     first = np.arange(count - 1)
     parts = zip(((x + 1) / 2).tolist(), (w / 2).tolist(), strict=True)
-    found = np.zeros((count - 1, count))
+    weights = np.zeros((count - 1, count))
     for node, weight in parts:
-        found += weight * lagrange(count, first + node).T
-    return found
+        weights += weight * lagrange(count, first + node).T
+    return weights
 
 
 @cache
@@ -101,8 +101,8 @@ class Rule:
         for nodes in np.unique(self.used).tolist():
             if nodes:
                 here = self.used == nodes
-                wanted = nodes - 2 if nodes > least else nodes + 2
-                _choose(used, shift, here, wanted, self.holes, self.periodic, self.slopes)
+                count = nodes - 2 if nodes > least else nodes + 2
+                _choose(used, shift, here, count, self.holes, self.periodic, self.slopes)
         rest = (self.used > 0) & (used == 0)
         if rest.any():
             _choose(used, shift, rest, least - 1, self.holes, self.periodic, self.slopes)
@@ -226,11 +226,11 @@ class KnownNodes:
     def _sums(self) -> np.ndarray:
         """Number of holes before each node along all axes; periodic axes are doubled."""
         assert self.holes is not None
-        found = self.holes.astype(np.int64)
+        counts = self.holes.astype(np.int64)
         for axis, is_periodic in enumerate(self.periodic):
-            found = np.concatenate([found, found], axis=axis) if is_periodic else found
-            found = found.cumsum(axis=axis)
-        return np.pad(found, [(1, 0)] * found.ndim)
+            counts = np.concatenate([counts, counts], axis=axis) if is_periodic else counts
+            counts = counts.cumsum(axis=axis)
+        return np.pad(counts, [(1, 0)] * counts.ndim)
 
     def _is_known(self, first: np.ndarray, nodes: int, thin: np.ndarray) -> np.ndarray:
         """Whether blocks are in the grid and all their nodes are known, shape (k,)."""
@@ -267,28 +267,28 @@ class KnownNodes:
                 first[axis] = np.clip(first[axis], 0, last)
                 cells[axis] = np.clip(cells[axis], 0, points - 2 + thin[axis])
         used = np.full(places.shape[1], order)
-        found = Blocks(first, used, thin)
+        blocks = Blocks(first, used, thin)
         if self.holes is not None:
             used[~self._is_known(first, order, thin)] = 0
             for nodes in range(order, 1, -2):
-                self._search(found, np.flatnonzero(used == 0), cells, nodes)
-        return found
+                self._search(blocks, np.flatnonzero(used == 0), cells, nodes)
+        return blocks
 
     def other(self, blocks: Blocks, places: np.ndarray, order: int) -> Blocks:
         """Blocks of the order to compare with, as for `Rule.other`."""
-        found = self.blocks(places, order)
-        same = np.flatnonzero((found.used == blocks.used) & (found.used > 0))
-        cells = np.where(found.thin, found.first, np.floor(places + SLACK).astype(int))
-        for nodes in np.unique(found.used[same]).tolist():
-            rest = same[found.used[same] == nodes]
+        rival = self.blocks(places, order)
+        same = np.flatnonzero((rival.used == blocks.used) & (rival.used > 0))
+        cells = np.where(rival.thin, rival.first, np.floor(places + SLACK).astype(int))
+        for nodes in np.unique(rival.used[same]).tolist():
+            rest = same[rival.used[same] == nodes]
             if nodes > 2:
-                self._search(found, rest, cells, nodes - 2)
+                self._search(rival, rest, cells, nodes - 2)
             else:
                 # Use only the nearest node: the error is then too large instead of missing.
-                first = found.first[:, rest]
-                found.first[:, rest] = first + (places[:, rest] - first > 1 / 2)
-                found.used[rest] = 1
-        return found
+                first = rival.first[:, rest]
+                rival.first[:, rest] = first + (places[:, rest] - first > 1 / 2)
+                rival.used[rest] = 1
+        return rival
 
     def _search(self, found: Blocks, rest: np.ndarray, cells: np.ndarray, nodes: int) -> None:
         """Assign the most centred known blocks of a number of nodes to points."""

@@ -41,12 +41,12 @@ def read_csv(path: Path) -> Contents:
     without a number, are holes.
     """
     lines = read_text(path, LARGEST_ARRAYS).splitlines()
-    said: dict[str, str] = {}
+    texts: dict[str, str] = {}
     first = 0
     while first < len(lines) and (not lines[first].strip() or lines[first].startswith("#")):
-        found = _SAID.match(lines[first])
-        if found:
-            said[found[1]] = found[2].strip()
+        match = _SAID.match(lines[first])
+        if match:
+            texts[match[1]] = match[2].strip()
         first += 1
     if first >= len(lines):
         raise FileFormatError(
@@ -54,39 +54,39 @@ def read_csv(path: Path) -> Contents:
         )
     header = [name.strip() for name in lines[first].split(",")]
     axes, values = _header(path, header, first + 1)
-    kept = [k for k in range(first + 1, len(lines)) if lines[k].strip()]
-    for k in kept:
+    line_numbers = [k for k in range(first + 1, len(lines)) if lines[k].strip()]
+    for k in line_numbers:
         if lines[k].count(",") != len(header) - 1:
             raise FileFormatError(
                 f"{path}: line {k + 1}: expected {len(header)} numbers, one for each column of the "
                 f"header, got {lines[k].count(',') + 1}. Is the file complete?"
             )
-    if not kept:
+    if not line_numbers:
         raise FileFormatError(
             f"{path}: expected nodes below the header, got none. Is the file complete?"
         )
-    body = "\n".join(lines[k] for k in kept)
+    body = "\n".join(lines[k] for k in line_numbers)
     try:
         table = np.loadtxt(io.StringIO(_EMPTY.sub("nan", body)), delimiter=",", ndmin=2)
     except ValueError as error:
         row = _AT_ROW.search(str(error))
         number = int(row[1] or row[2]) if row else 0
-        line = kept[min(number, len(kept) - 1)] + 1
+        line = line_numbers[min(number, len(line_numbers) - 1)] + 1
         raise FileFormatError(
             f"{path}: line {line}: expected numbers, got {cut(lines[line - 1], 80)!r}. Correct the "
             "row, or leave the field empty."
         ) from None
     columns = dict(zip(header, table.T, strict=True))
-    options: dict[str, Any] = {key: said[key] for key in TEXTS if key in said}
-    if "periodic" in said:
-        options["periodic"] = periodic_names(said["periodic"], path)
-    where = [f"line {k + 1}" for k in kept]
+    options: dict[str, Any] = {key: texts[key] for key in TEXTS if key in texts}
+    if "periodic" in texts:
+        options["periodic"] = periodic_names(texts["periodic"], path)
+    where = [f"line {k + 1}" for k in line_numbers]
     return _gridded(path, {name: columns[name] for name in axes}, columns, values, options, where)
 
 
 def _header(path: Path, header: Sequence[str], line: int) -> tuple[list[str], str]:
     """Names of the axes, and the name of the values: e or beta."""
-    kinds = {found[1] for name in header if (found := _COLUMN.fullmatch(name))}
+    kinds = {match[1] for name in header if (match := _COLUMN.fullmatch(name))}
     axes = [name for name in header if not _COLUMN.fullmatch(name)]
     if len(set(header)) != len(header) or len(kinds & {"e", "beta"}) != 1 or len(axes) < 2:
         raise FileFormatError(
@@ -108,14 +108,14 @@ def _gridded(
     """Contents from nodes in any order, on the grid of their coordinates."""
     axes, flat = nodes_of(path, places, where)
     shape = tuple(len(axis) for axis in axes)
-    found = {
+    arrays = {
         name: _array(path, columns, name, flat, shape)
         for name in (kind, "sigma")
         if any(column.startswith(f"{name}_") for column in columns)
     }
-    if "sigma" in found:
-        options["sigma"] = found["sigma"]
-    return Contents(axes, found[kind], tuple(places), kind == "beta", options)
+    if "sigma" in arrays:
+        options["sigma"] = arrays["sigma"]
+    return Contents(axes, arrays[kind], tuple(places), kind == "beta", options)
 
 
 def nodes_of(
@@ -196,7 +196,7 @@ def _array(
 def _columns(contents: Contents) -> dict[str, np.ndarray]:
     """All values node by node, the last axis fastest."""
     mesh = np.meshgrid(*contents.axes, indexing="ij")
-    found = {name: axis.ravel() for name, axis in zip(contents.names, mesh, strict=True)}
+    columns = {name: axis.ravel() for name, axis in zip(contents.names, mesh, strict=True)}
     arrays = {"e": contents.values}
     if "sigma" in contents.options:
         d = len(contents.axes)
@@ -204,21 +204,21 @@ def _columns(contents: Contents) -> dict[str, np.ndarray]:
         arrays["sigma"] = np.broadcast_to(contents.options["sigma"], shape)
     for kind, values in arrays.items():
         for i, mu in np.ndindex(*values.shape[:2]):
-            found[f"{kind}_{i}_{mu}"] = values[i, mu].ravel()
-    return found
+            columns[f"{kind}_{i}_{mu}"] = values[i, mu].ravel()
+    return columns
 
 
 def write_csv(path: Path, contents: Contents) -> None:
     """Write one line for each node; numbers read back as the same doubles."""
     columns = _columns(contents)
-    said = [
+    comments = [
         f"# {key}: {one_line(contents.options[key])}" for key in TEXTS if contents.options.get(key)
     ]
     if "periodic" in contents.options:
         pairs = zip(contents.names, contents.options["periodic"], strict=True)
-        said.append("# periodic: " + " ".join(name for name, wraps in pairs if wraps))
+        comments.append("# periodic: " + " ".join(name for name, wraps in pairs if wraps))
     with path.open("w", encoding="utf-8") as stream:
-        stream.writelines(f"{line}\n" for line in [*said, ",".join(columns)])
+        stream.writelines(f"{line}\n" for line in [*comments, ",".join(columns)])
         for row in zip(*(column.tolist() for column in columns.values()), strict=True):
             stream.write(",".join("" if x != x else repr(x) for x in row) + "\n")
 
@@ -243,7 +243,7 @@ def read_vtk(path: Path) -> Contents:
         except meshio.ReadError as error:
             raise ValueError(str(error)) from None
         codes = mesh.field_data if xml else _legacy_field(path)
-        said = {
+        texts = {
             key: np.asarray(codes[key]).astype(np.uint8).tobytes().decode()
             for key in (*TEXTS, "periodic", "names")
             if key in codes and np.size(codes[key]) <= LONGEST_SHOWN
@@ -252,21 +252,21 @@ def read_vtk(path: Path) -> Contents:
             str(name): np.asarray(values, float)
             for name, values in mesh.point_data.items()
             if np.ndim(values) == 1 or np.shape(values)[1:] == (1,)
-        }, said  # fmt: skip
+        }, texts  # fmt: skip
 
-    points, data, said = guarded(path, load)
+    points, data, texts = guarded(path, load)
     columns = {name: values.ravel() for name, values in data.items()}
     wide = [k for k in range(points.shape[1]) if np.ptp(points[:, k]) > 0] if len(points) else []
-    names = said.pop("names", "").split()
+    names = texts.pop("names", "").split()
     if len(names) != len(wide):
         names = ["xyz"[k] for k in wide]
     chosen = {name: column for name, column in columns.items() if _COLUMN.fullmatch(name)}
     _, kind = _header(path, [*names, *chosen], 1)
     where = [f"point {k}" for k in range(len(points))]
     places = {name: points[:, k] for name, k in zip(names, wide, strict=True)}
-    options: dict[str, Any] = dict(said)
-    if "periodic" in said:
-        options["periodic"] = periodic_names(said["periodic"], path)
+    options: dict[str, Any] = dict(texts)
+    if "periodic" in texts:
+        options["periodic"] = periodic_names(texts["periodic"], path)
     return _gridded(path, places, chosen, kind, options, where)
 
 
@@ -292,12 +292,12 @@ def write_vtk(path: Path, contents: Contents) -> None:
     mesh = meshio.Mesh(points, [(kind, np.stack(inner, axis=1))], point_data=columns)
     xml = path.suffix.lower() == ".vtu"
     (meshio.vtu if xml else meshio.vtk).write(path, mesh)
-    said = {key: contents.options[key] for key in TEXTS if contents.options.get(key)}
+    texts = {key: contents.options[key] for key in TEXTS if contents.options.get(key)}
     if "periodic" in contents.options:
         pairs = zip(contents.names, contents.options["periodic"], strict=True)
-        said["periodic"] = " ".join(name for name, wraps in pairs if wraps)
-    said["names"] = " ".join(contents.names)
-    _add_field(path, said, xml)
+        texts["periodic"] = " ".join(name for name, wraps in pairs if wraps)
+    texts["names"] = " ".join(contents.names)
+    _add_field(path, texts, xml)
 
 
 def _add_field(path: Path, said: Mapping[str, str], xml: bool) -> None:
@@ -317,36 +317,36 @@ def _add_field(path: Path, said: Mapping[str, str], xml: bool) -> None:
         mark, rows = b"DATASET UNSTRUCTURED_GRID", [b"", b"FIELD FieldData %d" % len(codes)]
         for key, text in codes.items():
             rows += [b"%b 1 %d vtktypeuint8" % (key.encode(), len(text)), text]
-    head, found, rest = content.partition(mark)
-    path.write_bytes(head + found + b"\n".join(rows) + rest)
+    head, separator, rest = content.partition(mark)
+    path.write_bytes(head + separator + b"\n".join(rows) + rest)
 
 
 def _check_dimensions(path: Path) -> None:
     """Refuse a grid with more points than bytes in the file."""
     content = path.read_bytes()
-    for found in _DIMENSIONS.finditer(content):
-        sizes = [abs(int(word)) if len(word) <= 18 else 10**18 for word in found[1].split()]
+    for match in _DIMENSIONS.finditer(content):
+        sizes = [abs(int(word)) if len(word) <= 18 else 10**18 for word in match[1].split()]
         points = math.prod(sizes)
         if points > len(content):
             raise LimitError(
                 f"{path}: expected DIMENSIONS of at most {len(content):,} points, the number of "
-                f"bytes in the file, got {cut(found[1].decode())}. Is the file complete?"
+                f"bytes in the file, got {cut(match[1].decode())}. Is the file complete?"
             )
 
 
 def _legacy_field(path: Path) -> dict[str, np.ndarray]:
     """Field data of letters in the header of a legacy file, which meshio ignores."""
-    found: dict[str, np.ndarray] = {}
+    field: dict[str, np.ndarray] = {}
     with path.open("rb") as stream:
         lines = [stream.readline(LONGEST_SHOWN) for _ in range(5)]
         words = lines[-1].split()
         if words[:1] != [b"FIELD"]:
-            return found
+            return field
         for _ in range(int(words[2])):
             name, width, count, kind = stream.readline(LONGEST_SHOWN).split()
             size = int(width) * int(count)
             if kind not in (b"vtktypeuint8", b"unsigned_char") or not 0 <= size <= LONGEST_SHOWN:
                 break
-            found[name.decode()] = np.frombuffer(stream.read(size), np.uint8)
+            field[name.decode()] = np.frombuffer(stream.read(size), np.uint8)
             stream.readline()
-    return found
+    return field

@@ -142,11 +142,11 @@ class Triangulation:
         owner = np.repeat(np.arange(faces), 3)
         star = scipy.sparse.csr_array((ones, (self.corners.ravel(), owner)), shape=(count, faces))
         near = abs(self.complex.boundary(0)).T @ abs(self.complex.boundary(0))
-        found = star
+        stars = star
         for _ in range(rings - 1):
-            found = near @ found
-            found.data[:] = 1
-        return found.tocsr()[self.inner]
+            stars = near @ stars
+            stars.data[:] = 1
+        return stars.tocsr()[self.inner]
 
     # -- holes ------------------------------------------------------------------------------------
 
@@ -165,13 +165,13 @@ class Triangulation:
         names = scipy.sparse.csgraph.connected_components(links, directed=False)[1][a]
         (x, y), (u, v) = self.points[a].T, self.points[b].T
         area = np.bincount(names, chain[edges] * (x * v - y * u)) / 2
-        found = []
+        rims = []
         for name in dict.fromkeys(names.tolist()):
             if area[name] < 0:
                 rim = np.zeros(len(chain), dtype=np.int64)
                 rim[edges[names == name]] = -chain[edges[names == name]]
-                found.append(rim)
-        return tuple(found)
+                rims.append(rim)
+        return tuple(rims)
 
     def around(self, rim: np.ndarray, margin: int) -> np.ndarray:
         """The circuit around a hole with margin - 1 rings of triangles inside."""
@@ -216,19 +216,19 @@ class Triangulation:
         nodes = [int(near[0])]
         for k in range(len(way) - 1):
             self._step(nodes, int(near[k + 1]), way[k], way[k + 1], tree)
-        found = np.array(nodes)
-        if len(found) > 1 and found[0] != found[-1]:
+        path = np.array(nodes)
+        if len(path) > 1 and path[0] != path[-1]:
             raise GridError(
-                f"loop: expected a loop that closes, got one from point {found[0]} to point "
-                f"{found[-1]}. Close the loop."
+                f"loop: expected a loop that closes, got one from point {path[0]} to point "
+                f"{path[-1]}. Close the loop."
             )
         if len(set(nodes)) < 3:
             raise GridError(
                 f"{loop!r} surrounds no triangle: it stays near point {nodes[0]}. Choose a larger "
                 "loop."
             )
-        self._refuse(found, loop)
-        return found
+        self._refuse(path, loop)
+        return path
 
     def _step(
         self,
@@ -266,9 +266,9 @@ class Triangulation:
 
     def _refuse(self, nodes: np.ndarray, loop: Loop) -> None:
         """Raise an error that names the points between which a walk leaves the region."""
-        known = self.complex.joins(nodes[:-1], nodes[1:])
-        if not known.all():
-            k = int(np.argmin(known))
+        is_edge = self.complex.joins(nodes[:-1], nodes[1:])
+        if not is_edge.all():
+            k = int(np.argmin(is_edge))
             a, b = nodes[k : k + 2].tolist()
             raise GridError(
                 f"{loop!r} touches a hole between point {a} at "
@@ -291,16 +291,16 @@ class Triangulation:
         One matrix for each direction, shape (nodes, nodes), by least squares, each neighbour by the
         square of its distance.
         """
-        node, other, step = self._neighbours
+        node, neighbour, step = self._neighbours
         count = len(self.points)
         squares = np.zeros((count, self.dimension, self.dimension))
         np.add.at(squares, node, step[:, :, None] * step[:, None])
         weights = np.einsum("kij,kj->ki", np.linalg.pinv(squares, hermitian=True)[node], step)
-        found = []
+        matrices = []
         for column in weights.T:
-            table = scipy.sparse.csr_array((column, (node, other)), shape=(count, count))
-            found.append((table - scipy.sparse.diags_array(table.sum(axis=1))).tocsr())
-        return tuple(found)
+            table = scipy.sparse.csr_array((column, (node, neighbour)), shape=(count, count))
+            matrices.append((table - scipy.sparse.diags_array(table.sum(axis=1))).tocsr())
+        return tuple(matrices)
 
     @cached_property
     def departures(self) -> tuple[csr_array, np.ndarray]:
@@ -308,14 +308,14 @@ class Triangulation:
 
         A matrix of shape (k, nodes), and the nodes of its rows: nodes with enough neighbours.
         """
-        node, other, step = self._neighbours
+        node, neighbour, step = self._neighbours
         count = len(self.points)
         wide = np.column_stack([np.ones(len(step)), step])
         squares = np.zeros((count, wide.shape[1], wide.shape[1]))
         np.add.at(squares, node, wide[:, :, None] * wide[:, None])
         inverse = np.linalg.pinv(squares, hermitian=True)[:, 0]
         weights = (inverse[node] * wide).sum(axis=1)
-        table = scipy.sparse.csr_array((weights, (node, other)), shape=(count, count))
+        table = scipy.sparse.csr_array((weights, (node, neighbour)), shape=(count, count))
         # A plane needs more neighbours than parameters, and not all of them on one line.
         total = np.asarray(table.sum(axis=1)).ravel()
         enough = np.bincount(node, minlength=count) > wide.shape[1]
@@ -339,24 +339,24 @@ def checked_polygons(given: object) -> list[np.ndarray]:
     except (TypeError, ValueError):
         plain = False
     listed = [given] if plain else checks.entries(given, "boundary", GridError)
-    found = [numbers(one, "boundary") for one in listed]
-    for one in found:
-        if one.ndim != 2 or one.shape[1] != 2 or len(one) < 3:
+    polygons = [numbers(polygon, "boundary") for polygon in listed]
+    for polygon in polygons:
+        if polygon.ndim != 2 or polygon.shape[1] != 2 or len(polygon) < 3:
             raise GridError(
                 f"boundary: expected polygons of three corners or more, shape (k, 2), got shape "
-                f"{one.shape}."
+                f"{polygon.shape}."
             )
-        if not np.isfinite(one).all():
+        if not np.isfinite(polygon).all():
             raise GridError("boundary: expected polygons with finite corners, got infinity or NaN.")
-    return found
+    return polygons
 
 
 def _inside(polygon: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Whether a ray to the right leaves a polygon an odd number of times, shape (k,)."""
     x, y = points.T
-    found = np.zeros(len(points), dtype=bool)
+    mask = np.zeros(len(points), dtype=bool)
     for (x0, y0), (x1, y1) in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
         crosses = (y0 > y) != (y1 > y)
         with np.errstate(divide="ignore", invalid="ignore"):
-            found ^= crosses & (x < x0 + (y - y0) / (y1 - y0) * (x1 - x0))
-    return found
+            mask ^= crosses & (x < x0 + (y - y0) / (y1 - y0) * (x1 - x0))
+    return mask

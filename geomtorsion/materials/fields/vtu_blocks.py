@@ -66,17 +66,17 @@ def _parsed(path: Path, content: bytes) -> tuple[ET.Element, bytes | str]:
     try:
         root = ET.fromstring(content)
     except ET.ParseError:
-        found = _RAW.search(content)
+        match = _RAW.search(content)
         try:
-            if found is None:
+            if match is None:
                 raise ValueError
-            root = ET.fromstring(content[: found.end()] + b"</AppendedData></VTKFile>")
+            root = ET.fromstring(content[: match.end()] + b"</AppendedData></VTKFile>")
         except (ET.ParseError, ValueError):
             raise FileFormatError(
                 f"{path}: expected a VTU file, got one that is truncated or has another format. "
                 "Export it again."
             ) from None
-        return root, content[found.end() :].partition(b"_")[2]
+        return root, content[match.end() :].partition(b"_")[2]
     text = next((part.text or "" for part in root.iter("AppendedData")), "")
     return root, text.strip()[1:]
 

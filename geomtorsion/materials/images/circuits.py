@@ -112,12 +112,12 @@ def pixel_path(loop: Loop, step: float, shape: tuple[int, ...], unit: str) -> np
     parts = np.ceil(2 * np.abs(np.diff(corners, axis=0)).max(axis=1)).astype(int)
     at = np.concatenate([[0], np.cumsum(np.maximum(parts, 1))])
     fine = [np.interp(np.arange(at[-1] + 1), at, line) for line in corners.T]
-    found = np.rint(np.stack(fine, axis=1)).astype(np.int64)
-    found = np.clip(found, 0, np.array(shape) - 1)
-    found[-1] = found[0]
+    nodes = np.rint(np.stack(fine, axis=1)).astype(np.int64)
+    nodes = np.clip(nodes, 0, np.array(shape) - 1)
+    nodes[-1] = nodes[0]
     # A diagonal step becomes two steps.
-    between = np.stack([found[1:, 0], found[:-1, 1]], axis=1)
-    path = np.concatenate([np.stack([found[:-1], between], axis=1).reshape(-1, 2), found[-1:]])
+    between = np.stack([nodes[1:, 0], nodes[:-1, 1]], axis=1)
+    path = np.concatenate([np.stack([nodes[:-1], between], axis=1).reshape(-1, 2), nodes[-1:]])
     path = path[np.concatenate([[True], (np.diff(path, axis=0) != 0).any(axis=1)])]
     if np.ptp(path, axis=0).min() < 2:
         raise ImageError(

@@ -64,7 +64,7 @@ def read_pixels(path: Path, page: int = 0, most: int | None = None) -> np.ndarra
         ) from None
     load = {"tifffile": _tiff, "PIL.Image": _png, "numpy": _npy}.get(name, _microscope)
     try:
-        found = load(library, path, page, most)
+        pixels = load(library, path, page, most)
     except (FileFormatError, LimitError):
         raise
     except MemoryError:
@@ -75,22 +75,22 @@ def read_pixels(path: Path, page: int = 0, most: int | None = None) -> np.ndarra
             f"{path}: the file cannot be read: it is truncated or has another format "
             f"({type(reason).__name__}: {checks.cut(str(reason))}). Export it again."
         ) from None
-    return _grey(found, path)
+    return _grey(pixels, path)
 
 
 def _tiff(library: Any, path: Path, page: int, most: int | None) -> np.ndarray:
     """One page of a TIFF file."""
     with library.TiffFile(path) as file:
         _check_page(path, page, len(file.pages))
-        found = file.pages[page]
-        _check_shape(path, found.shape, found.dtype)
-        check_size(path, found.shape, most)
-        _check_segments(path, file.filehandle, found, most)
-        turned = found.tags.get("Orientation")
+        image = file.pages[page]
+        _check_shape(path, image.shape, image.dtype)
+        check_size(path, image.shape, most)
+        _check_segments(path, file.filehandle, image, most)
+        turned = image.tags.get("Orientation")
         _check_turn(path, 1 if turned is None else turned.value)
-        pixels = np.asarray(found.asarray(maxworkers=1))
+        pixels = np.asarray(image.asarray(maxworkers=1))
         # If there is a palette, pixels are indices of its colours.
-        colours = getattr(found, "colormap", None)
+        colours = getattr(image, "colormap", None)
         return pixels if colours is None else np.moveaxis(colours[:, pixels], 0, -1)
 
 
@@ -152,8 +152,8 @@ def _check_page(path: Path, page: int, count: int) -> None:
 def _npy(library: Any, path: Path, page: int, most: int | None) -> np.ndarray:
     """An array, or one array of a stack, without unpickling."""
     # A memory map gives the size before memory is allocated.
-    found = library.load(path, mmap_mode="r", allow_pickle=False)
-    stack = found if found.ndim == 3 and found.shape[2] > 4 else found[None]
+    array = library.load(path, mmap_mode="r", allow_pickle=False)
+    stack = array if array.ndim == 3 and array.shape[2] > 4 else array[None]
     _check_page(path, page, len(stack))
     check_size(path, stack[page].shape, most)
     return np.asarray(stack[page])
@@ -284,7 +284,7 @@ def pixels_of_signal(signal: Any) -> tuple[np.ndarray, float, str]:
     try:
         manager = signal.axes_manager
         axes, frames = tuple(manager.signal_axes), manager.navigation_size
-        given = [(axis.scale, axis.units) for axis in axes]
+        scales = [(axis.scale, axis.units) for axis in axes]
         data = signal.data
     except (AttributeError, TypeError):
         raise ImageError(
@@ -295,14 +295,14 @@ def pixels_of_signal(signal: Any) -> tuple[np.ndarray, float, str]:
         raise ImageError(
             f"signal: expected one image, got {checks.shown(signal)}. Choose one: signal.inav[0]."
         )
-    steps = [checks.number(scale, "scale", ImageError) for scale, _ in given]
+    steps = [checks.number(scale, "scale", ImageError) for scale, _ in scales]
     if min(steps) < 0:
         raise ImageError(
             "signal: expected scales above 0, for axes that increase from pixel to pixel, got "
             f"{steps[0]:.6g} and {steps[1]:.6g}. Flip the data along an axis with a negative "
             "scale: a mirrored image changes the sign of b."
         )
-    units = [unit if isinstance(unit, str) else "px" for _, unit in given]
+    units = [unit if isinstance(unit, str) else "px" for _, unit in scales]
     if abs(steps[0] - steps[1]) > 1e-3 * steps[0] or units[0] != units[1]:
         raise ImageError(
             f"signal: expected square pixels, got {steps[0]:.6g} {units[0]} by {steps[1]:.6g} "

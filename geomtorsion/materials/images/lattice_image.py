@@ -194,9 +194,9 @@ class LatticeImage:
             The image shows no lattice, a spot is beyond the highest frequency of the pixels, the
             spots are collinear, or the region is outside the image.
         """
-        found = self.spots if spots is None else self._given(spots)
+        spot_pair = self.spots if spots is None else self._given(spots)
         blur = None if resolution is None else self._resolution(resolution)
-        phases = lattice_phases(self.field, self.step, self.unit, found, blur)
+        phases = lattice_phases(self.field, self.step, self.unit, spot_pair, blur)
         return phases if reference is None else phases.relative_to(reference)
 
     def _given(self, spots: object) -> Spots:

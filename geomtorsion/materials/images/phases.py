@@ -248,10 +248,10 @@ class LatticePhases:
             parts = np.einsum("ia,ixy->axy", self.lattice**2, sigma**2)
             sigma = np.sqrt(parts)
         sigma = np.broadcast_to(sigma[:, None], values.shape)
-        made = f"phases of an image, averaged over {self.resolution:.3g} {self.unit}"
+        description = f"phases of an image, averaged over {self.resolution:.3g} {self.unit}"
         return SampledFrame(
             axes, values[:, :, keep, keep], order, unit=self.unit, sigma=sigma[..., keep, keep],
-            vector_unit=self.unit if lengths else "lattice vectors", source=made,
+            vector_unit=self.unit if lengths else "lattice vectors", source=description,
         )  # fmt: skip
 
     # -- whole numbers ----------------------------------------------------------------------------

@@ -48,8 +48,8 @@ class Spectrum:
         """The spectrum of a field, with a window that suppresses the borders."""
         window = np.multiply.outer(*(_taper(n) for n in field.shape))
         mean = (window * field).sum() / window.sum()
-        found = scipy.fft.fft2(window * (field - mean), workers=1)
-        power = (found.real**2 + found.imag**2) / (window**2).sum()
+        transform = scipy.fft.fft2(window * (field - mean), workers=1)
+        power = (transform.real**2 + transform.imag**2) / (window**2).sum()
         return cls(power, scipy.fft.fftfreq(field.shape[0]), scipy.fft.fftfreq(field.shape[1]))
 
     def around(self, place: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -184,7 +184,7 @@ def _significant(
     rings = (radii / spectrum.pixel).astype(np.min_scalar_type(max(power.shape)))
     order = np.argsort(rings, kind="stable")
     ends = np.concatenate([[0, 0], np.cumsum(np.bincount(rings)), [len(radii)]])
-    found, strengths = [], []
+    spots, strengths = [], []
     for i, j in ranked.tolist():
         place = np.array([spectrum.x[i], spectrum.y[j]])
         block, dx, dy = spectrum.around(place, 4 * reach)
@@ -197,9 +197,9 @@ def _significant(
         same = spectrum.power.ravel()[near[np.abs(radii[near] - radius) < spectrum.pixel]]
         noise = max(float(np.median(x)) for x in (block[ring], same)) / np.log(2)
         if power[i, j] > limit * noise:
-            found.append(place)
+            spots.append(place)
             strengths.append(power[i, j] - noise)
-    return np.array(found[:candidates]), np.array(strengths[:candidates])
+    return np.array(spots[:candidates]), np.array(strengths[:candidates])
 
 
 def _threshold(count: int, smoothing: float, false_alarm: float) -> float:
@@ -228,13 +228,13 @@ def _covers(field: np.ndarray, place: np.ndarray, covered: float = 0.2) -> bool:
     waves = [
         np.exp(-2j * np.pi * k * np.arange(n)) for k, n in zip(place, field.shape, strict=True)
     ]
-    found = (field - field.mean()) * np.multiply.outer(*waves)
+    envelope = (field - field.mean()) * np.multiply.outer(*waves)
     every = max(1, int(blur / 2))
     # Means over blocks are sufficient to locate the source of the spot.
     shape = [n // every for n in field.shape]
-    found = found[: shape[0] * every, : shape[1] * every]
-    found = found.reshape(shape[0], every, shape[1], every).mean(axis=(1, 3))
-    smooth = scipy.ndimage.gaussian_filter(found, blur / every, mode="constant")
+    envelope = envelope[: shape[0] * every, : shape[1] * every]
+    envelope = envelope.reshape(shape[0], every, shape[1], every).mean(axis=(1, 3))
+    smooth = scipy.ndimage.gaussian_filter(envelope, blur / every, mode="constant")
     power = smooth.real**2 + smooth.imag**2
     return bool(power.mean() ** 2 >= covered * (power**2).mean())
 

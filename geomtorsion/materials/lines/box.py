@@ -98,9 +98,9 @@ class Box:
         NetworkError
             A step is longer than any countable number of periods.
         """
-        given = checks.array(steps, "steps", NetworkError, shape=(None, 3))
+        rows = checks.array(steps, "steps", NetworkError, shape=(None, 3))
         with np.errstate(over="ignore", invalid="ignore"):
-            shares = np.where(self.periodic, np.rint(given @ self.inverse), 0.0)
+            shares = np.where(self.periodic, np.rint(rows @ self.inverse), 0.0)
         if not (np.abs(shares) <= 2.0**31).all():
             raise NetworkError(
                 "expected the nodes of a line at most 2**31 periods apart, got a larger distance. "

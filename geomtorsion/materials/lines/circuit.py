@@ -89,8 +89,8 @@ def crossings(lines: LineArrays, loop: Loop) -> Iterator[tuple[Crossing, ...]]:
     surfaces = [_surfaces(lines, part) for part in loop.parts]
     for each in zip(*surfaces, strict=False):
         total: dict[tuple[int, tuple[int, ...]], int] = {}
-        for part, found in zip(loop.parts, each, strict=True):
-            for key, count in found.items():
+        for part, counts in zip(loop.parts, each, strict=True):
+            for key, count in counts.items():
                 total[key] = total.get(key, 0) + part.times * count
         yield tuple(Crossing(*key, count) for key, count in sorted(total.items()) if count)
 
@@ -111,9 +111,9 @@ def _surfaces(lines: LineArrays, part: Part) -> Iterator[Counts]:
     for _ in range(32):
         # Beside the middle, so that no symmetry of a lattice puts a node into the surface.
         apex = corners.mean(axis=0) + width * rng.uniform(-0.25, 0.25, 3)
-        found = _cone(near, corners, apex)
-        if found is not None:
-            yield found
+        counts = _cone(near, corners, apex)
+        if counts is not None:
+            yield counts
     raise NetworkError(
         f"expected a loop that keeps a distance from all lines, got one at {shown(part.centre)} "
         "that touches lines within rounding errors. Move it a little."
@@ -175,12 +175,12 @@ def _polygon(lines: LineArrays, part: Part, near: _Stretches) -> np.ndarray:
             low = np.minimum(starts[k], stops[k]) - reach
             high = np.maximum(starts[k], stops[k]) + reach
             some = near.of(near.touching(low, high))
-            apart = _distances(some.starts, some.ends, starts[k], stops[k])
-            if not (apart <= reach).any():
+            distances = _distances(some.starts, some.ends, starts[k], stops[k])
+            if not (distances <= reach).any():
                 fine[k] = True
                 continue
             if away[k] <= least:
-                hit = int(apart.argmin())
+                hit = int(distances.argmin())
                 a, b = (lines.labels[n] for n in lines.pairs[some.numbers[hit]])
                 place = np.array(part.centre) + (starts[k] + stops[k]) / 2
                 raise SingularPointError(
@@ -274,7 +274,7 @@ def _stretches(
 
 def _cone(near: _Stretches, corners: np.ndarray, apex: np.ndarray) -> Counts | None:
     """Signed crossings with the triangles from an apex to each side; None if one is ambiguous."""
-    found: Counts = {}
+    counts: Counts = {}
     for k in range(len(corners)):
         triangle = np.array([apex, corners[k], corners[(k + 1) % len(corners)]])
         some = near.of(near.touching(triangle.min(axis=0), triangle.max(axis=0)))
@@ -292,8 +292,8 @@ def _cone(near: _Stretches, corners: np.ndarray, apex: np.ndarray) -> Counts | N
             return None
         for j in np.flatnonzero(inside):
             key = int(some.numbers[j]), tuple(some.images[j].tolist())
-            found[key] = found.get(key, 0) + int(after[j])
-    return found
+            counts[key] = counts.get(key, 0) + int(after[j])
+    return counts
 
 
 def _sign(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
@@ -342,7 +342,7 @@ def circuit_burgers(
             "lines."
         )
     first, second = islice(crossings(lines, loop), 2)
-    one, two = (_sum(vectors, found) for found in (first, second))
+    one, two = (_sum(vectors, passages) for passages in (first, second))
     missing = tuple(a - b for a, b in zip(one, two, strict=True))
     share = tolerance * (1 + len(first) + len(second))
     if not vanishes(missing, max(map(size, vectors)), share):

@@ -216,12 +216,12 @@ class _Rows:
         """Finite numbers of a given count; OVITO may write the size of the core after a point."""
         if len(words) < count:
             self.fail(f"{what}: expected {count} numbers, got {len(words)}. Is the row complete?")
-        found = [x for x in map(finite_number, words[:count]) if x is not None]
-        if len(found) < count:
+        values = [x for x in map(finite_number, words[:count]) if x is not None]
+        if len(values) < count:
             self.fail(
                 f"{what}: expected finite numbers, got {shown(' '.join(words))}. Correct them."
             )
-        return found
+        return values
 
     def whole(self, words: Sequence[str], what: str, most: int) -> int:
         """The whole number at the end of a row, from 0 to below `most`."""
@@ -262,16 +262,16 @@ def read_crystal_analysis(path: str | PathLike[str]) -> LineArrays:
             f"expected version 5 or 6 of the format, got {shown(first[-1])}. Write the file again "
             "with OVITO."
         )
-    made = _Contents()
+    body = _Contents()
     while rows.line < len(rows.rows):
         words = rows.next("a keyword")
-        if words and words[0] in made.parts:
-            made.parts[words[0]](rows, words)
-    for key, found in (("DISLOCATIONS", made.listed), ("DISLOCATION_JUNCTIONS", made.joined)):
-        if not found:
+        if words and words[0] in body.parts:
+            body.parts[words[0]](rows, words)
+    for key, flag in (("DISLOCATIONS", body.listed), ("DISLOCATION_JUNCTIONS", body.joined)):
+        if not flag:
             rows.fail(f"expected {key}, got the end of the file. Is the file complete?")
     try:
-        return made.lines()
+        return body.lines()
     except GeomtorsionError as error:
         raise FileFormatError(f"{rows.name}: {error}") from None
 
@@ -405,10 +405,10 @@ class _Contents:
         vectors: list[np.ndarray] = []
         steps: list[np.ndarray] = []
         grains: list[int | None] = []
-        known = self._known()
+        clusters = self._known()
         number_of = {cluster: k for k, cluster in enumerate(self.matrices)}
         ends, sizes = self._ends()
-        made: dict[int, int] = {}
+        node_of: dict[int, int] = {}
         constraints: list[int] = []
 
         def node(place: np.ndarray, constraint: int = 0) -> int:
@@ -419,13 +419,13 @@ class _Contents:
         for k, (points, b) in enumerate(zip(self.curves, self.burgers, strict=True)):
             for end, place in ((0, points[0]), (1, points[-1])):
                 ring = ends[k, end]
-                if ring not in made:
-                    made[ring] = node(place, AT_SURFACE if sizes[ring] == 1 else 0)
+                if ring not in node_of:
+                    node_of[ring] = node(place, AT_SURFACE if sizes[ring] == 1 else 0)
             inner = [node(place) for place in points[1:-1]]
-            chain = [made[ends[k, 0]], *inner, made[ends[k, 1]]]
+            chain = [node_of[ends[k, 0]], *inner, node_of[ends[k, 1]]]
             pairs += pairwise(chain)
             vectors += [b] * (len(chain) - 1)
-            grain = None if None in known["clusters"] else number_of[self.owners[k]]
+            grain = None if None in clusters["clusters"] else number_of[self.owners[k]]
             grains += [grain] * (len(chain) - 1)
             steps += list(np.diff(points, axis=0))
         positions = np.array(places).reshape(-1, 3)
@@ -436,21 +436,21 @@ class _Contents:
         table = np.array(vectors).reshape(-1, 3)
         return LineArrays(
             positions, numbers, table, box, images, constraints=constraints, grains=grains,
-            known=known,
+            known=clusters,
         )  # fmt: skip
 
     def _known(self) -> dict[str, Any]:
         """Clusters by number of the grain, None for a single one, and pairs that touch."""
-        found = []
+        clusters = []
         for cluster, matrix in self.matrices.items():
             name = self.names.get(self.lattices.get(cluster, -1), "")
             # A cluster without lines may have no orientation.
             whole = matrix if np.linalg.matrix_rank(matrix) == 3 else np.eye(3)
             lattice = name if name in NAMES else ""
-            found.append(Cluster(lattice, whole, self.sizes.get(cluster, 0)))
-        if len(found) < 2:
-            return {"clusters": {None: (found or [Cluster()])[0]}}
-        return {"clusters": dict(enumerate(found)), "walls": self.walls}
+            clusters.append(Cluster(lattice, whole, self.sizes.get(cluster, 0)))
+        if len(clusters) < 2:
+            return {"clusters": {None: (clusters or [Cluster()])[0]}}
+        return {"clusters": dict(enumerate(clusters)), "walls": self.walls}
 
     def _ends(self) -> tuple[dict[tuple[int, int], int], dict[int, int]]:
         """The ring to which each end of a line belongs, and how many ends each ring has.
@@ -458,20 +458,20 @@ class _Contents:
         Rows of the file are for the end (1) and then for the start (0) of each line.
         """
         after = {(k // 2, 1 - k % 2): (line, int(end)) for k, (line, end) in enumerate(self.rings)}
-        found: dict[tuple[int, int], int] = {}
+        ring_of: dict[tuple[int, int], int] = {}
         sizes: dict[int, int] = {}
         for arm in after:
-            if arm in found:
+            if arm in ring_of:
                 continue
             ring = len(sizes)
             sizes[ring] = 0
-            while arm not in found:
-                found[arm] = ring
+            while arm not in ring_of:
+                ring_of[arm] = ring
                 sizes[ring] += 1
                 arm = after[arm]
-            if found[arm] != ring:
+            if ring_of[arm] != ring:
                 raise FileFormatError(
                     f"expected a closed ring of junctions at dislocation {arm[0]}, got an open "
                     "chain. Is the file complete?"
                 )
-        return found, sizes
+        return ring_of, sizes

@@ -285,9 +285,9 @@ class DislocationNetwork:
     @property
     def names(self) -> list[str] | None:
         """The family in its crystal of each straight piece of `arrays`, if all are known."""
-        found = [self.lines[k].family for k in self.owners]
-        known = [name for name in found if name is not None]
-        return known if found and len(known) == len(found) else None
+        families = [self.lines[k].family for k in self.owners]
+        names = [name for name in families if name is not None]
+        return names if families and len(names) == len(families) else None
 
     @property
     def junctions(self) -> tuple[Hashable, ...]:
@@ -310,15 +310,15 @@ class DislocationNetwork:
 
     def node_rule(self) -> tuple[NodeViolation, ...]:
         """Inner nodes at which the Burgers vectors do not sum to zero; empty if b is conserved."""
-        found = []
+        violations = []
         for node in self._suspects():
             data = self.graph.nodes[node]
             if data.get("surface") or not self.graph.degree[node]:
                 continue
             excess = self.excess(node)
             if not vanishes(excess, self._scale, self.tolerance):
-                found.append(NodeViolation(node, excess, data.get("constraint", 0)))
-        return tuple(found)
+                violations.append(NodeViolation(node, excess, data.get("constraint", 0)))
+        return tuple(violations)
 
     def _suspects(self) -> Iterable[Hashable]:
         """Nodes at which b may not be conserved: all, or for floats only those with large sums."""
@@ -423,12 +423,12 @@ class DislocationNetwork:
                 "without. Give DislocationNetwork(graph, box=Box.of_bounds(low, high))."
             )
         with np.errstate(over="ignore", invalid="ignore"):
-            found = values / self.box.volume
-        if not np.isfinite(found).all():
+            densities = values / self.box.volume
+        if not np.isfinite(densities).all():
             raise NetworkError(
                 "density: expected a float, got a larger number. Give positions in other units."
             )
-        return found
+        return densities
 
     # -- changes ----------------------------------------------------------------------------------
 

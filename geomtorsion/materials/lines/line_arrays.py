@@ -82,8 +82,8 @@ class LineArrays:
             )
         put("box", None if box is None else checks.instance(box, Box, "box", NetworkError))
         put("labels", listed(labels, "labels") or range(count))
-        given = np.zeros(count, np.int64) if constraints is None else constraints
-        column = [[x] for x in checks.entries(checks.rows(given), "constraints", NetworkError)]
+        codes = np.zeros(count, np.int64) if constraints is None else constraints
+        column = [[x] for x in checks.entries(checks.rows(codes), "constraints", NetworkError)]
         put("constraints", whole(column, "constraints", 1).ravel())
         if len(self.constraints) != count:
             raise NetworkError(
@@ -120,21 +120,21 @@ class LineArrays:
                 )
             return np.zeros((len(self.pairs), 0), dtype=np.int64)
         if given is not None:
-            found = whole(given, "images", 3)
-            if found[:, ~np.asarray(self.box.periodic)].any():
+            periods = whole(given, "images", 3)
+            if periods[:, ~np.asarray(self.box.periodic)].any():
                 raise NetworkError(
                     "images: expected 0 along edges that are not periodic, got another number. "
                     "Give 0 there."
                 )
-            return found
+            return periods
         first, second = self.pairs.T
         return self.box.images(self.positions[second] - self.positions[first])
 
     @cached_property
     def cochain(self) -> Cochain:
         """b on the lines, as a cochain with periodic images: sums along any chain of lines."""
-        made = Complex(len(self.positions), self.pairs, self.images, labels=self.labels)
-        return Cochain(made, self.burgers)
+        edges = Complex(len(self.positions), self.pairs, self.images, labels=self.labels)
+        return Cochain(edges, self.burgers)
 
     @property
     def image_list(self) -> list[list[int]]:
@@ -198,10 +198,10 @@ class DislocationLine(tuple[Hashable, Hashable, Hashable, Vector]):
     ) -> DislocationLine:
         """An edge of a graph."""
         start, end, key = edge
-        found = cls((start, end, key, data["burgers"]))
-        found.data, found.box = data, box
-        found.ends = (graph.nodes[start], graph.nodes[end])
-        return found
+        line = cls((start, end, key, data["burgers"]))
+        line.data, line.box = data, box
+        line.ends = (graph.nodes[start], graph.nodes[end])
+        return line
 
     @property
     def burgers(self) -> Vector:
@@ -245,11 +245,11 @@ class DislocationLine(tuple[Hashable, Hashable, Hashable, Vector]):
                 f"line {self[0]!r} -> {self[1]!r}: expected positions of its nodes, got none. Give "
                 "all of them: of_lines(..., positions={node: (x, y, z)})."
             )
-        found = checks.array(ends, "positions", NetworkError, shape=(2, None))
+        points = checks.array(ends, "positions", NetworkError, shape=(2, None))
         if self.box is not None:
-            image = self.image or self.box.images(found[1:] - found[:1])[0]
-            found[1] += np.array(image) @ np.asarray(self.box.vectors)
-        return found
+            image = self.image or self.box.images(points[1:] - points[:1])[0]
+            points[1] += np.array(image) @ np.asarray(self.box.vectors)
+        return points
 
     @property
     def length(self) -> float:

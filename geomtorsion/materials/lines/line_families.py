@@ -81,9 +81,9 @@ def line_families(
         left = group
         while len(left):
             images = orbit @ vectors[left[0]]
-            apart = np.abs(vectors[left, None] - images[None]).max(axis=2).min(axis=1)
-            family[left[apart <= near]] = count
-            left = left[apart > near]
+            distances = np.abs(vectors[left, None] - images[None]).max(axis=2).min(axis=1)
+            family[left[distances <= near]] = count
+            left = left[distances > near]
             count += 1
     family = family[which.ravel()]
     titles, kinds = [], []
@@ -121,30 +121,30 @@ def _measured(
     """Families with lengths, the longest first, and the number of the family of each line."""
     screws, lengths = lines.screw_shares, lines.lengths
     volume = None if lines.box is None else lines.box.volume
-    found = []
+    families = []
     for k, title in enumerate(titles):
         mine = family == k
         length = float(lengths[mine].sum())
         screw = float(screws[mine] @ lengths[mine]) / length if length else 0.0
         density = None if volume is None else length / volume
-        found.append(LineFamily(title, kinds[k], int(mine.sum()), length, density, screw))
-    rank = sorted(range(len(found)), key=lambda k: (-found[k].length, found[k].name))
+        families.append(LineFamily(title, kinds[k], int(mine.sum()), length, density, screw))
+    rank = sorted(range(len(families)), key=lambda k: (-families[k].length, families[k].name))
     place = np.argsort(np.array(rank, dtype=np.int64))
-    return tuple(found[k] for k in rank), place[family] if found else family
+    return tuple(families[k] for k in rank), place[family] if families else family
 
 
 def _operations(symmetry: Symmetry, dimension: int) -> np.ndarray:
     """Operations of a symmetry, shape (k, n, n)."""
     if not isinstance(symmetry, str):
         shape = (None, dimension, dimension)
-        given = checks.array(symmetry, "symmetry", NetworkError, shape=shape)
-        gram = np.einsum("kij,kil->kjl", given, given)
+        matrices = checks.array(symmetry, "symmetry", NetworkError, shape=shape)
+        gram = np.einsum("kij,kil->kjl", matrices, matrices)
         if not np.allclose(gram, np.eye(dimension), atol=1e-6):
             raise NetworkError(
                 "symmetry: expected rotations and reflections, got a matrix that is not "
                 "orthogonal. Give them in the axes of b."
             )
-        return np.concatenate([given, -given, [np.eye(dimension), -np.eye(dimension)]])
+        return np.concatenate([matrices, -matrices, [np.eye(dimension), -np.eye(dimension)]])
     checks.choice(symmetry, SYMMETRIES, "symmetry", NetworkError)
     if symmetry == "none":
         return np.array([np.eye(dimension), -np.eye(dimension)])
@@ -157,9 +157,9 @@ def _operations(symmetry: Symmetry, dimension: int) -> np.ndarray:
         angles = np.pi / 3 * np.arange(6)
         turns = np.array([[[np.cos(t), -np.sin(t)], [np.sin(t), np.cos(t)]] for t in angles])
         flat = np.concatenate([turns, turns @ np.diag([1.0, -1.0])])
-        made = np.zeros((24, 3, 3))
-        made[:, :2, :2], made[:12, 2, 2], made[12:, 2, 2] = np.tile(flat, (2, 1, 1)), 1.0, -1.0
-        return made
+        group = np.zeros((24, 3, 3))
+        group[:, :2, :2], group[:12, 2, 2], group[12:, 2, 2] = np.tile(flat, (2, 1, 1)), 1.0, -1.0
+        return group
     rows = permutations(np.eye(dimension))
     signs = list(product((1.0, -1.0), repeat=dimension))
     return np.array([np.array(row) * np.array(sign)[:, None] for row in rows for sign in signs])

@@ -203,13 +203,13 @@ def _written(value: object) -> float | int | str:
     """A component of b: whole numbers and floats as they are, fractions as text."""
     if isinstance(value, float):
         return value
-    found = checks.fraction(value)
-    if found is None:
+    ratio = checks.fraction(value)
+    if ratio is None:
         raise NetworkError(
             f"b: expected a rational number or a float for a JSON file, got {checks.shown(value)}. "
             "Give it as a float."
         )
-    return found.numerator if found.denominator == 1 else f"{found.numerator}/{found.denominator}"
+    return ratio.numerator if ratio.denominator == 1 else f"{ratio.numerator}/{ratio.denominator}"
 
 
 def read_json_lines(
@@ -234,7 +234,7 @@ def read_json_lines(
     labels = [tuple(x["name"]) if isinstance(x["name"], list) else x["name"] for x in data["nodes"]]
     vectors = [tuple(_exact(x, name) for x in row["burgers"]) for row in rows]
     try:
-        made = LineArrays(
+        lines = LineArrays(
             np.array([x["position"] for x in data["nodes"]] or np.zeros((0, 3))),
             np.array([x["nodes"] for x in rows] or np.zeros((0, 2)), dtype=np.int64),
             np.array([[float(x) for x in b] for b in vectors] or np.zeros((0, 3))),
@@ -251,18 +251,18 @@ def read_json_lines(
             f"{name}: expected lists of equal lengths and whole numbers of 64 bits, got a "
             "position, a pair or a b of another length or size. Is the file complete?"
         ) from None
-    return made, vectors
+    return lines, vectors
 
 
 def _column(rows: Sequence[Mapping[str, Any]], key: str, name: str) -> list[Any] | None:
     """The values of all lines under a key, or None if no line has the key."""
-    found = [row.get(key) for row in rows]
-    if None not in found:
-        return found or None
-    if all(x is None for x in found):
+    values = [row.get(key) for row in rows]
+    if None not in values:
+        return values or None
+    if all(x is None for x in values):
         return None
     raise FileFormatError(
-        f"{name}: lines[{found.index(None)}]: expected {key} as in other lines, got none. Give it "
+        f"{name}: lines[{values.index(None)}]: expected {key} as in other lines, got none. Give it "
         "in each line, or in none."
     )
 
@@ -271,10 +271,10 @@ def _exact(value: float | int | str, name: str) -> float | int | Fraction:
     """A component of b, exact where it was written exactly."""
     if not isinstance(value, str):
         return value
-    found = _FRACTION.fullmatch(value)
-    if found is None:
+    match = _FRACTION.fullmatch(value)
+    if match is None:
         raise FileFormatError(
             f'{name}: b: expected a number or a fraction such as "1/2", got '
             f"{checks.shown(value)}. Correct it."
         )
-    return Fraction(int(found[1]), int(found[2]))
+    return Fraction(int(match[1]), int(match[2]))

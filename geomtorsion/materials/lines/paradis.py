@@ -43,10 +43,10 @@ class _Reader:
 
     def next(self, what: str) -> list[str]:
         """The words of the next row."""
-        found = next(self.rows, None)
-        if found is None:
+        row = next(self.rows, None)
+        if row is None:
             self.fail(f"expected {what}, got the end of the file. Is the file complete?")
-        self.line, words = found
+        self.line, words = row
         return words
 
     def fail(self, message: str) -> NoReturn:
@@ -68,13 +68,13 @@ class _Reader:
 
     def tag(self, word: str) -> Tag:
         """The name of a node: domain and number."""
-        found = _TAG.fullmatch(word)
-        if found is None:
+        match = _TAG.fullmatch(word)
+        if match is None:
             self.fail(
                 f"expected a node such as 0,12, got {shown(word)}. Is a row missing, or is there "
                 "one too many?"
             )
-        return int(found[1]), int(found[2])
+        return int(match[1]), int(match[2])
 
 
 def read_paradis(path: str | PathLike[str], periodic: bool = True) -> LineArrays:
@@ -104,14 +104,14 @@ def read_paradis(path: str | PathLike[str], periodic: bool = True) -> LineArrays
         )
     count = _single(reader, header, "nodeCount", least=0)
     low, high = (_corner(reader, header, key) for key in ("minCoordinates", "maxCoordinates"))
-    found = _all_at_once(text, count) if count else None
-    if found is None:
+    table = _all_at_once(text, count) if count else None
+    if table is None:
         # Something is unusual: reading line by line either succeeds or names the line.
         tags, positions, constraints, arms = _nodes(reader, count)
         pairs, burgers, planes = _joined(reader.name, tags, arms)
         places = np.array(positions).reshape(-1, 3)
-        found = list(tags), places, np.array(constraints, dtype=np.int64), pairs, burgers, planes
-    labels, places, numbers, pairs, burgers, planes = found
+        table = list(tags), places, np.array(constraints, dtype=np.int64), pairs, burgers, planes
+    labels, places, numbers, pairs, burgers, planes = table
     try:
         box = Box.of_bounds(low, high, periodic)
         return LineArrays(places, pairs, burgers, box, None, labels, numbers, planes)
@@ -128,9 +128,9 @@ def _all_at_once(text: str, count: int) -> Table | None:
     In the usual form a node, an arm and its plane are on a line each, whole numbers are where they
     should be, and one dislocation line joins two nodes. None for any other form.
     """
-    _, found, body = text.partition("nodalData")
+    _, mark, body = text.partition("nodalData")
     body = _COMMENT.sub("", body.partition("\n")[2])
-    if not found or not _FLOATS.fullmatch(body):
+    if not mark or not _FLOATS.fullmatch(body):
         return None
     try:
         texts = body.replace(",", " ").split()
@@ -195,13 +195,13 @@ def _all_at_once(text: str, count: int) -> Table | None:
 
 def _header(reader: _Reader) -> dict[str, Row]:
     """Every key before the nodes, with its line and words."""
-    found: dict[str, Row] = {}
+    entries: dict[str, Row] = {}
     while True:
         words = reader.next("nodalData")
         key, equals, rest = " ".join(words).partition("=")
         key = key.strip()
         if key == "nodalData" and equals:
-            return found
+            return entries
         if not equals:
             # A value after a key without brackets, such as the bounds of domains, is not needed.
             continue
@@ -212,7 +212,7 @@ def _header(reader: _Reader) -> dict[str, Row]:
                 rest = reader.next(f"] after {cut(key)}")
                 values += rest
             values = values[1 : values.index("]")]
-        found[key] = line, values
+        entries[key] = line, values
 
 
 def _values(reader: _Reader, header: Mapping[str, Row], key: str, count: int) -> list[str]:
@@ -273,7 +273,7 @@ def _nodes(
         constraints.append(reader.whole(words[5], "constraint"))
         for _ in range(count_arms):
             words = reader.next(f"an arm of node {tag[0]},{tag[1]}")
-            line, other = reader.line, reader.tag(words[0])
+            line, neighbour = reader.line, reader.tag(words[0])
             numbers = words[1:]
             if len(numbers) == 3:
                 numbers = numbers + reader.next("the normal of a glide plane")
@@ -284,7 +284,7 @@ def _nodes(
                 )
             values = [reader.number(word, "an arm") for word in numbers]
             reader.line = line
-            if other == tag:
+            if neighbour == tag:
                 reader.fail(
                     f"expected an arm to another node, got one from node {tag[0]},{tag[1]} to "
                     "itself. Remove it."
@@ -294,7 +294,7 @@ def _nodes(
                     "expected b different from zero, got an arm with b = 0, which is not a "
                     "dislocation. Remove it."
                 )
-            arms.setdefault((tag, other), []).append((line, values))
+            arms.setdefault((tag, neighbour), []).append((line, values))
     if (more := next(reader.rows, None)) is not None:
         reader.line, words = more
         reader.fail(

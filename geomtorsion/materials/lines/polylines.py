@@ -168,9 +168,9 @@ class _Walker:
     def _onward(self, node: int, line: int, sense: int) -> list[tuple[int, int]]:
         """The lines that follow from a node, each with the sense in which it is walked."""
         chain = []
-        while (found := self._next(node, line, sense)) is not None:
-            chain.append(found)
-            line, sense = found
+        while (step := self._next(node, line, sense)) is not None:
+            chain.append(step)
+            line, sense = step
             node = self._end(line, sense)
         return chain
 
@@ -183,16 +183,16 @@ class _Walker:
         arms = self.arms[node]
         if len(arms) != 2 or arms[0] == arms[1] or self.ends[node]:
             return None
-        other = arms[0] if arms[1] == line else arms[1]
-        if self.used[other]:
+        next_line = arms[0] if arms[1] == line else arms[1]
+        if self.used[next_line]:
             return None
-        onward = 1 if self.pairs[other][0] == node else -1
-        here, there = self.vectors[line], self.vectors[other]
+        onward = 1 if self.pairs[next_line][0] == node else -1
+        here, there = self.vectors[line], self.vectors[next_line]
         gap = tuple(sense * a - onward * b for a, b in zip(here, there, strict=True))
         if not vanishes(gap, self.scale, self.tolerance):
             return None
-        self.used[other] = True
-        return other, onward
+        self.used[next_line] = True
+        return next_line, onward
 
 
 def line_table(

@@ -28,10 +28,10 @@ def exact_vector(values: Sequence[Number], where: str, dimension: int | None = N
         It is not a vector of finite numbers, or not of the dimension.
     """
     message = "{subject}: expected a Burgers vector, got {value}. Give a list of numbers."
-    given = checks.entries(values, where, NetworkError, message=message)
+    entries = checks.entries(values, where, NetworkError, message=message)
     # All of a hundred thousand lines of a simulation may have plain floats.
-    plain = all(type(value) is float and math.isfinite(value) for value in given)
-    result = tuple(given) if plain else tuple(_number(value, where) for value in given)
+    plain = all(type(value) is float and math.isfinite(value) for value in entries)
+    result = tuple(entries) if plain else tuple(_number(value, where) for value in entries)
     if dimension is not None and len(result) != dimension:
         raise NetworkError(
             f"{where}: expected a Burgers vector of {dimension} numbers, got "
@@ -49,9 +49,9 @@ def _number(value: Number, where: str) -> Entry:
         # Roots stay exact; a symbol has no length.
         checks.number(value, where, NetworkError, message=message, infinite=message)
         return value
-    found = checks.exact_number(value, where, NetworkError, message=message, infinite=message)
+    number = checks.exact_number(value, where, NetworkError, message=message, infinite=message)
     # Floats are compared within a tolerance: they stay floats.
-    return float(found) if isinstance(found, float | sp.Float) else checks.fraction(found)
+    return float(number) if isinstance(number, float | sp.Float) else checks.fraction(number)
 
 
 def total(vectors: Sequence[Vector]) -> Vector:

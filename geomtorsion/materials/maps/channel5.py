@@ -71,8 +71,8 @@ def read_channel5(path: Path, given: Mapping[int, str] | None = None) -> MapFile
     }
     check_laue(text.name, laue, phases)
     phase = whole_phases(numbers.name, table["phase"].astype(float), phases)
-    known = np.asarray(np.isfinite(euler).all(axis=1))
-    if (np.abs(euler[known & (phase > 0)]) > 4 * np.pi + 1e-3).any():
+    indexed = np.asarray(np.isfinite(euler).all(axis=1))
+    if (np.abs(euler[indexed & (phase > 0)]) > 4 * np.pi + 1e-3).any():
         raise FileFormatError(
             f"{numbers.name}: expected angles in radians, got larger ones. Are both files of one "
             "map? Copy them again, or export it as .ctf."
@@ -97,20 +97,20 @@ def read_channel5(path: Path, given: Mapping[int, str] | None = None) -> MapFile
         )
     return gridded(
         MapPoints(
-            numbers.name, size, x, y, np.where(known[:, None], euler, 0.0),
-            np.where(known, phase, 0), phases, declared,
+            numbers.name, size, x, y, np.where(indexed[:, None], euler, 0.0),
+            np.where(indexed, phase, 0), phases, declared,
         )
     )  # fmt: skip
 
 
 def _partner(path: Path, end: str) -> Path:
     """Path of one of the two files of a map."""
-    found = [path.with_suffix(each) for each in (end, end.upper())]
-    there = [one for one in found if one.is_file()]
+    paths = [path.with_suffix(each) for each in (end, end.upper())]
+    there = [one for one in paths if one.is_file()]
     if not there:
         raise FileFormatError(
-            f"{path.name}: expected two files, {found[0].with_suffix('.cpr').name} and "
-            f"{found[0].with_suffix('.crc').name}, got no {found[0].name}. Put it into the same "
+            f"{path.name}: expected two files, {paths[0].with_suffix('.cpr').name} and "
+            f"{paths[0].with_suffix('.crc').name}, got no {paths[0].name}. Put it into the same "
             "folder."
         )
     return there[0]
@@ -118,7 +118,7 @@ def _partner(path: Path, end: str) -> Path:
 
 def _keys(text: str) -> Keys:
     """Values of all sections by section and key; blanks in these names are ignored."""
-    found: Keys = {}
+    values: Keys = {}
     section = ""
     for row in re.split(r"\r\n|\r|\n", text):
         row = row.strip()
@@ -126,8 +126,8 @@ def _keys(text: str) -> Keys:
         if row.startswith("["):
             section = row.strip("[]").replace(" ", "").lower()
         elif equals and not row.startswith(";"):
-            found[section, key.replace(" ", "").lower()] = value.strip()
-    return found
+            values[section, key.replace(" ", "").lower()] = value.strip()
+    return values
 
 
 def _number(name: str, keys: Keys, section: str, key: str) -> float:
@@ -155,13 +155,13 @@ def _whole(name: str, keys: Keys, section: str, key: str) -> int:
 
 def _count(name: str, keys: Keys, section: str) -> int:
     """Number of fields or phases."""
-    found = _whole(name, keys, section, "count")
-    if found > BOUNDS.phases:
+    count = _whole(name, keys, section, "count")
+    if count > BOUNDS.phases:
         raise FileFormatError(
-            f"{name}: [{section}] count: expected at most {BOUNDS.phases}, got {found:,}. Is the "
+            f"{name}: [{section}] count: expected at most {BOUNDS.phases}, got {count:,}. Is the "
             "file complete?"
         )
-    return found
+    return count
 
 
 def _field(name: str, keys: Keys, k: int) -> tuple[str, str]:

@@ -42,13 +42,13 @@ class Circuit:
     def __post_init__(self) -> None:
         """Check that steps join neighbours and that the chain closes."""
         for key in ("starts", "ends"):
-            found = checks.array(getattr(self, key), key, OrientationError, shape=(None, 2))
-            if (found != np.rint(found)).any() or (found < 0).any():
+            pixels = checks.array(getattr(self, key), key, OrientationError, shape=(None, 2))
+            if (pixels != np.rint(pixels)).any() or (pixels < 0).any():
                 raise OrientationError(
                     f"{key}: expected rows and columns of pixels from 0 on, got fractions or "
                     "negative numbers. Count pixels from 0."
                 )
-            object.__setattr__(self, key, found.astype(np.int64))
+            object.__setattr__(self, key, pixels.astype(np.int64))
         times = checks.array(self.times, "times", OrientationError, shape=(len(self.starts),))
         object.__setattr__(self, "times", np.rint(times).astype(np.int64))
         if (times != self.times).any():
@@ -135,13 +135,13 @@ class Circuit:
             "{subject}: expected whole numbers or truth values of shape (rows, columns), not all "
             "zero, got {value}."
         )
-        found = checks.array(
+        counts = checks.array(
             _counted(cells), "cells", OrientationError, shape=(None, None), message=needed,
             shaped=needed,
         )  # fmt: skip
-        if not found.any() or (found != np.rint(found)).any():
+        if not counts.any() or (counts != np.rint(counts)).any():
             raise OrientationError(needed.format(subject="cells", value=checks.shown(cells)))
-        inside = np.pad(found.astype(np.int64), 1)
+        inside = np.pad(counts.astype(np.int64), 1)
         # A step along a row counts +1 for the cell below it (larger row), -1 for the cell above.
         along = inside[1:, 1:-1] - inside[:-1, 1:-1]
         across = inside[1:-1, :-1] - inside[1:-1, 1:]
@@ -200,10 +200,10 @@ class Circuit:
 def _counted(cells: object) -> object:
     """Cells with 1 for True and 0 for False; input that is not truth values is returned as is."""
     try:
-        found = np.asarray(cells) if isinstance(cells, list | tuple | np.ndarray) else None
+        array = np.asarray(cells) if isinstance(cells, list | tuple | np.ndarray) else None
     except ValueError:
         return cells
-    return cells if found is None or found.dtype.kind != "b" else found.astype(int)
+    return cells if array is None or array.dtype.kind != "b" else array.astype(int)
 
 
 def _pixel(pixel: object) -> tuple[int, int]:
@@ -259,7 +259,7 @@ def windings(points: np.ndarray, xs: np.ndarray, ys: np.ndarray) -> np.ndarray:
 
     points: corners, shape (2, k), the last one equal to the first. Returns shape (ys, xs).
     """
-    found = np.zeros((len(ys), len(xs) + 1), dtype=np.int64)
+    steps = np.zeros((len(ys), len(xs) + 1), dtype=np.int64)
     for k in range(points.shape[1] - 1):
         (x0, x1), (y0, y1) = points[:, k : k + 2]
         if y0 == y1:
@@ -268,6 +268,6 @@ def windings(points: np.ndarray, xs: np.ndarray, ys: np.ndarray) -> np.ndarray:
         rows = np.arange(low, high)
         crossings = x0 + (ys[rows] - y0) / (y1 - y0) * (x1 - x0)
         # A polygon side changes the winding number of all grid points with x below its crossing.
-        np.add.at(found, (rows, np.searchsorted(xs, crossings, side="left")), 1 if y1 > y0 else -1)
-    ahead = np.cumsum(found[:, ::-1], axis=1)[:, ::-1]
+        np.add.at(steps, (rows, np.searchsorted(xs, crossings, side="left")), 1 if y1 > y0 else -1)
+    ahead = np.cumsum(steps[:, ::-1], axis=1)[:, ::-1]
     return ahead[:, 1:]

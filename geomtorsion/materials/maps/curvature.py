@@ -58,11 +58,11 @@ class Curvature:
         known.
         """
         kappa = self.tensor
-        found = np.full((*kappa.shape[:2], 3, 3), np.nan)
+        alpha = np.full((*kappa.shape[:2], 3, 3), np.nan)
         for i, k in ((0, 1), (0, 2), (1, 0), (1, 2)):
-            found[..., i, k] = kappa[..., k, i]
-        found[..., 2, 2] = -kappa[..., 0, 0] - kappa[..., 1, 1]
-        return found
+            alpha[..., i, k] = kappa[..., k, i]
+        alpha[..., 2, 2] = -kappa[..., 0, 0] - kappa[..., 1, 1]
+        return alpha
 
     def gnd_density(self, burgers: float) -> np.ndarray:
         """Density of geometrically necessary dislocations from the five known components.
@@ -77,8 +77,8 @@ class Curvature:
         """
         b = checks.positive(burgers, "burgers", OrientationError)
         # The other components are unknown at all pixels.
-        known = self.nye[..., [0, 0, 1, 1, 2], [1, 2, 0, 2, 2]]
-        return np.sqrt((known**2).sum(axis=-1)) / b
+        components = self.nye[..., [0, 0, 1, 1, 2], [1, 2, 0, 2, 2]]
+        return np.sqrt((components**2).sum(axis=-1)) / b
 
     def floor(
         self, burgers: float, phase: np.ndarray, noise: Mapping[int, np.ndarray]
@@ -93,9 +93,9 @@ class Curvature:
         return np.sqrt(self.variance.sum(axis=-1) * traces) / burgers
 
     def __repr__(self) -> str:
-        known = int(np.isfinite(self.tensor).all(axis=(2, 3)).sum())
+        count = int(np.isfinite(self.tensor).all(axis=(2, 3)).sum())
         rows, columns = self.tensor.shape[:2]
-        return f"Curvature({known:,} of {rows * columns:,} pixels, rad per {self.unit})"
+        return f"Curvature({count:,} of {rows * columns:,} pixels, rad per {self.unit})"
 
 
 def curvature_of(

@@ -38,10 +38,10 @@ class GrainMap:
         return int(self.grain.max(initial=-1)) + 1
 
     def __repr__(self) -> str:
-        known = self.grain[self.grain >= 0]
-        largest = int(np.bincount(known).max()) if len(known) else 0
+        grains = self.grain[self.grain >= 0]
+        largest = int(np.bincount(grains).max()) if len(grains) else 0
         return (
-            f"GrainMap({self.count:,} grains in {len(known):,} of {self.grain.size:,} pixels, the "
+            f"GrainMap({self.count:,} grains in {len(grains):,} of {self.grain.size:,} pixels, the "
             f"largest of {largest:,})"
         )
 
@@ -62,12 +62,12 @@ def grains_of(
             np.stack([number[:-1].ravel(), number[1:].ravel()], axis=1),
         ]
     )
-    joined = np.zeros(len(pairs), dtype=bool)
+    same_grain = np.zeros(len(pairs), dtype=bool)
     for name, group in groups.items():
         mine = np.flatnonzero((phases[pairs] == name).all(axis=1))
         _, angles = group.nearest(q[pairs[mine, 0]], q[pairs[mine, 1]])
-        joined[mine] = angles < threshold
-    tree = pairs[joined]
+        same_grain[mine] = angles < threshold
+    tree = pairs[same_grain]
     forest = spanning_forest(phase.size, tree, np.zeros((len(tree), 0), dtype=np.int64))
     chosen = q.copy()
     for name, group in groups.items():
@@ -75,15 +75,15 @@ def grains_of(
         variants = _along_trees(q, mine, forest.parent, forest.depth, group)
         chosen[mine] = product(q[mine], group.quaternions[variants])
     # Two paths to a pixel may give two variants. Circuits do not use a step between such variants.
-    agree = joined.copy()
+    agree = same_grain.copy()
     between = product(conjugated(chosen[tree[:, 0]]), chosen[tree[:, 1]])
-    agree[joined] = angle_of(between) < threshold
+    agree[same_grain] = angle_of(between) < threshold
     split = shape[0] * (shape[1] - 1)
-    known = phases > 0
+    indexed = phases > 0
     grain = np.full(phase.size, -1)
     # Grains are numbered in the order of their first pixels.
-    _, first, which = np.unique(forest.root[known], return_index=True, return_inverse=True)
-    grain[known] = np.argsort(np.argsort(first))[which]
+    _, first, which = np.unique(forest.root[indexed], return_index=True, return_inverse=True)
+    grain[indexed] = np.argsort(np.argsort(first))[which]
     return GrainMap(
         grain.reshape(shape),
         chosen.reshape(*shape, 4),
@@ -160,10 +160,10 @@ def _differences(q: np.ndarray, joined: np.ndarray) -> np.ndarray:
     total = np.zeros_like(middle)
     weights = [(-1) ** k * comb(SMOOTH, k) for k in range(SMOOTH + 1)]
     for k, weight in enumerate(weights):
-        one = q[row, column + k]
+        quaternion = q[row, column + k]
         # q and -q are the same rotation.
-        sign = np.where((one * middle).sum(axis=1) < 0, -1.0, 1.0)
-        total += (weight * sign)[:, None] * one
+        sign = np.where((quaternion * middle).sum(axis=1) < 0, -1.0, 1.0)
+        total += (weight * sign)[:, None] * quaternion
     turns = 2 * product(total, conjugated(middle))[:, 1:]
     return turns / np.sqrt(sum(weight**2 for weight in weights))
 

@@ -44,9 +44,9 @@ def read_text_map(path: Path, laue: Mapping[int, str] | None) -> MapFile:
     # Names may contain characters at which `splitlines` breaks, such as the ellipsis of Windows.
     lines = re.split(r"\r\n|\r|\n", text.removesuffix("\n").removesuffix("\r"))
     source = _Source(path.name, lines, groups, len(text))
-    found = source.ctf() if ending(path) == ".ctf" else source.ang()
-    check_laue(path.name, groups, found.phases)
-    return gridded(found)
+    points = source.ctf() if ending(path) == ".ctf" else source.ang()
+    check_laue(path.name, groups, points.phases)
+    return gridded(points)
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,23 +64,23 @@ class _Source:
 
     def number(self, line: int, text: str, what: str) -> float:
         """The finite number in a field of a line."""
-        found = finite_number(text.strip().replace(",", "."))
-        if found is None:
+        value = finite_number(text.strip().replace(",", "."))
+        if value is None:
             self.fail(line, f"{what}: expected a number, got {text.strip()[:60]!r}. Correct it.")
-        return found
+        return value
 
     def whole(self, line: int, text: str, what: str) -> int:
         """The positive whole number in a field of a line."""
-        found = self.number(line, text, what)
+        value = self.number(line, text, what)
         # The file has at least one line for each counted row, column or phase.
         most = len(self.lines)
-        if found != int(found) or not 1 <= found <= most:
+        if value != int(value) or not 1 <= value <= most:
             self.fail(
                 line,
                 f"{what}: expected a whole number from 1 to {most:,} (lines of the file), got "
                 f"{text.strip()[:60]}. Is the file truncated? Export it again.",
             )
-        return int(found)
+        return int(value)
 
     # -- .ctf -------------------------------------------------------------------------------------
 
@@ -145,12 +145,12 @@ class _Source:
                 (lattice[0], lattice[1]), "y",
             )  # fmt: skip
         names = [name.strip() for name in self.lines[start].split("\t")]
-        wanted = ("Phase", "X", "Y", "Euler1", "Euler2", "Euler3")
-        for name in wanted:
+        titles = ("Phase", "X", "Y", "Euler1", "Euler2", "Euler3")
+        for name in titles:
             if name not in names:
                 self.fail(start, f"expected a column {name}, got none. Export it with the map.")
         table = self.table(start + 1, len(names))
-        phase, x, y, *angles = (table[:, names.index(name)] for name in wanted)
+        phase, x, y, *angles = (table[:, names.index(name)] for name in titles)
         self.check_angles(start + 1, np.stack(angles, axis=1), 720, "degrees")
         return MapPoints(
             self.name, self.size, x, y, np.radians(np.stack(angles, axis=1)),
@@ -174,19 +174,19 @@ class _Source:
             )
         header: dict[str, tuple[int, str]] = {}
         phases: dict[int, Phase] = {}
-        about: dict[str, tuple[int, str]] = {}
+        description: dict[str, tuple[int, str]] = {}
         for k, row in enumerate(self.lines[:start]):
             words = row[1:].replace(":", " ", 1).split(None, 1)
             if not words:
                 continue
             key, value = words[0], words[1].strip() if len(words) > 1 else ""
-            if key == "Phase" or (key == "MaterialName" and "LatticeConstants" in about):
-                about = {}
-            about[key] = header[key] = (k, value)
+            if key == "Phase" or (key == "MaterialName" and "LatticeConstants" in description):
+                description = {}
+            description[key] = header[key] = (k, value)
             if key == "LatticeConstants":
                 if len(phases) >= BOUNDS.phases:
                     self.fail(k, f"expected at most {BOUNDS.phases} phases, got more. Remove some.")
-                number, phase = self.ang_phase(about, len(phases) + 1)
+                number, phase = self.ang_phase(description, len(phases) + 1)
                 phases[number] = phase
         if not phases:
             self.fail(
@@ -204,17 +204,17 @@ class _Source:
         self.check_angles(start, table[:, :3], 4 * np.pi + 1e-3, "radians")
         is_astar = any("ACOM" in row for row in self.lines[:start])
         phase = self.ang_phases(start, table, phases, is_astar)
-        known = (table[:, :3] < NOT_INDEXED).all(axis=1)
+        indexed = (table[:, :3] < NOT_INDEXED).all(axis=1)
         if width > 6 and not is_astar:
             # A confidence of -1 marks a point that was not indexed.
-            known &= table[:, 6] >= 0
-        found = whole_phases(self.name, np.where(known, phase, 0), phases, start + 1)
+            indexed &= table[:, 6] >= 0
+        phase_codes = whole_phases(self.name, np.where(indexed, phase, 0), phases, start + 1)
         unit = 1e-3 if is_astar else 1.0
         if declared is not None:
             dx, dy = declared.steps
             declared = Declared(declared.counts, (unit * dx, unit * dy), declared.shift)
         return MapPoints(
-            self.name, self.size, unit * table[:, 3], unit * table[:, 4], table[:, :3], found,
+            self.name, self.size, unit * table[:, 3], unit * table[:, 4], table[:, :3], phase_codes,
             phases, declared, start + 1,
         )  # fmt: skip
 
@@ -234,11 +234,11 @@ class _Source:
         self, start: int, table: np.ndarray, phases: Mapping[int, Phase], is_astar: bool
     ) -> np.ndarray:
         """The phase of each point: the eighth column, or without it the only phase."""
-        found = table[:, 7] if table.shape[1] > 7 else None
-        if found is not None and is_astar and not np.isin(found, [0, *phases]).all():
+        column = table[:, 7] if table.shape[1] > 7 else None
+        if column is not None and is_astar and not np.isin(column, [0, *phases]).all():
             # In files with one phase, this column holds a reliability.
-            found = None
-        if found is None:
+            column = None
+        if column is None:
             if len(phases) > 1:
                 self.fail(
                     start,
@@ -246,13 +246,13 @@ class _Source:
                     f"{len(phases)} phases, got {table.shape[1]} columns. Export it with the map.",
                 )
             return np.full(len(table), next(iter(phases)))
-        if list(phases) == [1] and not (found == 1).any():
+        if list(phases) == [1] and not (column == 1).any():
             # In files with one phase, the column may hold zeros.
-            return np.where(found == 0, 1.0, found)
-        if is_astar and (found == 0).any() and found.max() < len(phases):
+            return np.where(column == 0, 1.0, column)
+        if is_astar and (column == 0).any() and column.max() < len(phases):
             # Points count phases from 0 if the header gives them no numbers.
-            return found + 1
-        return found
+            return column + 1
+        return column
 
     def ang_phase(self, about: Mapping[str, tuple[int, str]], following: int) -> tuple[int, Phase]:
         """A phase from the lines that describe it; without a number it gets `following`."""
@@ -286,9 +286,9 @@ class _Source:
         if not rows:
             self.fail(start - 1, "expected points, got the end of the file. Is the file complete?")
         try:
-            found = np.loadtxt(io.StringIO(text), ndmin=2, comments=None)
-            if found.shape == (len(rows), width) and np.isfinite(found).all():
-                return found
+            numbers = np.loadtxt(io.StringIO(text), ndmin=2, comments=None)
+            if numbers.shape == (len(rows), width) and np.isfinite(numbers).all():
+                return numbers
         except ValueError:
             pass
         for k, row in enumerate(rows, start):

@@ -52,14 +52,14 @@ def read_h5oina(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
     names = check_hdf5(path, h5py)
     try:
         with h5py.File(path, "r") as file:
-            found = [name for name in names if "EBSD/Data" in file[name]]
-            if len(found) != 1:
+            maps = [name for name in names if "EBSD/Data" in file[name]]
+            if len(maps) != 1:
                 raise FileFormatError(
-                    f"{path.name}: expected one EBSD map (group 1/EBSD/Data), got {len(found)} in "
+                    f"{path.name}: expected one EBSD map (group 1/EBSD/Data), got {len(maps)} in "
                     f"{cut(', '.join(names)) or 'an empty file'}. Export each map with its EBSD "
                     "data to a file of its own."
                 )
-            points = _h5oina(path, file[found[0]]["EBSD"], laue)
+            points = _h5oina(path, file[maps[0]]["EBSD"], laue)
     except GeomtorsionError:
         raise
     except Exception as error:  # noqa: BLE001
@@ -84,11 +84,11 @@ def _h5oina(path: Path, group: Any, laue: Mapping[int, str]) -> MapPoints:
 
     phases: dict[int, Phase] = {}
     for key in header["Phases"]:
-        one = header["Phases"][key]
-        title = np.ravel(one["Phase Name"][()])[0]
+        entry = header["Phases"][key]
+        title = np.ravel(entry["Phase Name"][()])[0]
         title = title.decode("utf-8", "replace") if isinstance(title, bytes) else str(title)
-        lattice = [np.ravel(one[f"Lattice {what}"][()]) for what in ("Dimensions", "Angles")]
-        group_name = LAUE_NUMBERS.get(float(np.ravel(one["Laue Group"][()])[0]))
+        lattice = [np.ravel(entry[f"Lattice {what}"][()]) for what in ("Dimensions", "Angles")]
+        group_name = LAUE_NUMBERS.get(float(np.ravel(entry["Laue Group"][()])[0]))
         phases[int(key)] = described(
             f"{path.name}: Phases/{key}", int(key), title, group_name, laue,
             (lattice[0].tolist(), np.degrees(lattice[1]).round(6).tolist()), "y",
@@ -164,11 +164,11 @@ def read_orix(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
         with warnings.catch_warnings():
             # If a file gives degrees instead of radians, orix reads it and only warns.
             warnings.filterwarnings("error", "Angles are quite high")
-            found = io.load(str(path))
-        rows, columns = found.shape
-        euler = found.rotations.to_euler()
-        number = np.where(found.is_indexed, found.phase_id + 1, 0)
-        steps = float(found.dx), float(found.dy)
+            crystal_map = io.load(str(path))
+        rows, columns = crystal_map.shape
+        euler = crystal_map.rotations.to_euler()
+        number = np.where(crystal_map.is_indexed, crystal_map.phase_id + 1, 0)
+        steps = float(crystal_map.dx), float(crystal_map.dy)
     except Exception as error:  # noqa: BLE001
         # orix has readers of several formats, which raise different errors.
         reason = cut(str(error)) or type(error).__name__
@@ -185,24 +185,24 @@ def read_orix(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
             "grid."
         )
     # For Bruker files, orix sorts the points but not their positions.
-    if "XSAMPLE" not in found.prop:
-        _check_places(path.name, found, steps)
+    if "XSAMPLE" not in crystal_map.prop:
+        _check_places(path.name, crystal_map, steps)
     # orix writes px if the step size was not given.
-    said = str(found.scan_unit)
-    if said not in UNITS:
+    name = str(crystal_map.scan_unit)
+    if name not in UNITS:
         raise FileFormatError(
-            f"{path.name}: expected steps in {' or '.join(UNITS)}, got steps in {shown(said)}. Set "
+            f"{path.name}: expected steps in {' or '.join(UNITS)}, got steps in {shown(name)}. Set "
             "steps and scan_unit in orix and save the map again, or export it as .ctf or .ang."
         )
-    unit = UNITS[said] / UNITS["um"]
+    unit = UNITS[name] / UNITS["um"]
     phases = {}
-    for key, phase in found.phases:
+    for key, phase in crystal_map.phases:
         if key < 0:
             continue
         group = None if phase.point_group is None else phase.point_group.laue.name
         lattice = phase.structure.lattice
-        known = laue.get(key + 1, laue.get(0, group))
-        if known is None:
+        symmetry = laue.get(key + 1, laue.get(0, group))
+        if symmetry is None:
             raise FileFormatError(
                 f"{path.name}: phase {key + 1} ({phase.name}): its symmetry is not known. Give it, "
                 f'for example laue={{{key + 1}: "m-3m"}}.'
@@ -210,7 +210,7 @@ def read_orix(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
         try:
             phases[int(key) + 1] = Phase(
                 str(phase.name),
-                known,
+                symmetry,
                 (float(lattice.a), float(lattice.b), float(lattice.c)),
                 (float(lattice.alpha), float(lattice.beta), float(lattice.gamma)),
             )

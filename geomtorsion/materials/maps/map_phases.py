@@ -71,10 +71,10 @@ def whole_phases(
     unknown = ~np.isin(phase, [0, *phases])
     if unknown.any():
         k = int(np.argmax(unknown))
-        known = ", ".join(f"{n} ({p.name})" for n, p in phases.items()) or "none"
+        choices = ", ".join(f"{n} ({p.name})" for n, p in phases.items()) or "none"
         place = f"point {k + 1}" if start is None else f"line {start + k}"
         raise FileFormatError(
-            f"{name}: {place}: expected a phase in the header ({known}) or 0 for a pixel without "
+            f"{name}: {place}: expected a phase in the header ({choices}) or 0 for a pixel without "
             f"an orientation, got {phase[k]:g}. Correct it, or describe the phase."
         )
     return phase.astype(np.int64)

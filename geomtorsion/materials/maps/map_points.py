@@ -126,17 +126,17 @@ def gridded(points: MapPoints) -> MapFile:
 def _pixels(points: MapPoints) -> _Pixels:
     """The pixel of each point, and the grid."""
     # Rows of hexagonal grids are shifted by half a step. Half of that separates the two grids.
-    found = _by_order(points, 0.25)
-    if found is not None:
-        return found
+    pixels = _by_order(points, 0.25)
+    if pixels is not None:
+        return pixels
     try:
         return _by_place(points)
     except FileFormatError:
         # Coordinates with few digits may determine only the order of the points.
-        found = _by_order(points, 0.5)
-        if found is None:
+        pixels = _by_order(points, 0.5)
+        if pixels is None:
             raise
-    return found
+    return pixels
 
 
 def _by_order(points: MapPoints, most: float) -> _Pixels | None:
@@ -152,10 +152,10 @@ def _by_order(points: MapPoints, most: float) -> _Pixels | None:
         return None
     row, column = (k[:count] for k in declared.pixels)
     across = column + declared.shift * (row % 2)
-    for found, place, step in (
+    for values, place, step in (
         (points.x, across, declared.steps[0]), (points.y, row, declared.steps[1]),
     ):  # fmt: skip
-        if (np.abs((found - found[0]) / step - place + place[0]) >= most).any():
+        if (np.abs((values - values[0]) / step - place + place[0]) >= most).any():
             return None
     if count < total:
         if count in np.cumsum(declared.counts):
@@ -216,9 +216,9 @@ def _by_place(points: MapPoints) -> _Pixels:
 
 def _distinct(values: np.ndarray) -> np.ndarray:
     """Different values, ascending; values that differ by single-precision rounding are merged."""
-    found = np.unique(values)
-    rounding = 8 * np.finfo(np.float32).eps * float(np.abs(found).max(initial=0))
-    return found[np.append(True, np.diff(found) > rounding)]
+    levels = np.unique(values)
+    rounding = 8 * np.finfo(np.float32).eps * float(np.abs(levels).max(initial=0))
+    return levels[np.append(True, np.diff(levels) > rounding)]
 
 
 def _indices(

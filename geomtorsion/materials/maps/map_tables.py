@@ -52,32 +52,32 @@ def read_map_table(path: Path, given: Mapping[int, str] | None = None) -> MapFil
     laue = checks.table(given, "laue", FileFormatError)
     text = read_text(path, LARGEST_ARRAYS, otherwise="latin-1")
     lines = re.split(r"\r\n|\r|\n", text)
-    found = _header(lines)
-    if found is None:
+    header = _header(lines)
+    if header is None:
         first = next((line for line in lines if line.strip()), "")
         raise FileFormatError(
             f"{path.name}: expected a row of names {', '.join(_NEEDED)} and phase, got "
             f"{shown(cut(first.strip(), 80))}. Write these names above their columns, or export "
             "the map as .ctf or .ang."
         )
-    start, names, split, is_radian = found
-    kept = [k for k in range(start + 1, len(lines)) if lines[k].strip(" \t,;")]
-    rows = [lines[k] for k in kept]
-    table = number_rows(path.name, rows, kept, len(names), split, has_words=True)
+    start, names, split, is_radian = header
+    indices = [k for k in range(start + 1, len(lines)) if lines[k].strip(" \t,;")]
+    rows = [lines[k] for k in indices]
+    table = number_rows(path.name, rows, indices, len(names), split, has_words=True)
     columns = {name: table[:, k] for k, name in reversed(list(enumerate(names)))}
     euler = np.stack([columns[name] for name in ("phi1", "Phi", "phi2")], axis=1)
-    known = np.asarray(np.isfinite(euler).all(axis=1))
-    euler = np.where(known[:, None], euler if is_radian else np.radians(euler), 0.0)
+    indexed = np.asarray(np.isfinite(euler).all(axis=1))
+    euler = np.where(indexed[:, None], euler if is_radian else np.radians(euler), 0.0)
     far = (np.abs(euler) > 4 * np.pi + 1e-3).any(axis=1)
     if far.any():
         k = int(np.argmax(far))
         unit = "radians (declared in the header)" if is_radian else "degrees"
         raise FileFormatError(
-            f"{path.name}: line {kept[k] + 1}: expected Euler angles of at most two turns in "
-            f"{unit}, got {shown(lines[kept[k]].strip())}. Correct the header or the row."
+            f"{path.name}: line {indices[k] + 1}: expected Euler angles of at most two turns in "
+            f"{unit}, got {shown(lines[indices[k]].strip())}. Correct the header or the row."
         )
     phase = columns.get("phase", np.ones(len(table)))
-    phase = np.where(known & np.isfinite(phase), phase, 0)
+    phase = np.where(indexed & np.isfinite(phase), phase, 0)
     numbers = sorted(set(phase.tolist()) - {0.0})
     odd = [x for x in numbers if x != int(x) or not 0 < x <= BOUNDS.phases]
     if odd:
@@ -91,13 +91,13 @@ def read_map_table(path: Path, given: Mapping[int, str] | None = None) -> MapFil
     bad = ~(np.isfinite(x) & np.isfinite(y))
     if bad.any():
         raise FileFormatError(
-            f"{path.name}: line {kept[int(np.argmax(bad))] + 1}: expected numbers x and y, got "
-            f"{shown(lines[kept[int(np.argmax(bad))]].strip())}. Correct the row."
+            f"{path.name}: line {indices[int(np.argmax(bad))] + 1}: expected numbers x and y, got "
+            f"{shown(lines[indices[int(np.argmax(bad))]].strip())}. Correct the row."
         )
     return gridded(
         MapPoints(
             path.name, len(text), x, y, euler, phase.astype(np.int64), phases,
-            start=kept[0] + 1 if kept else None,
+            start=indices[0] + 1 if indices else None,
         )
     )  # fmt: skip
 
@@ -119,8 +119,8 @@ def _header(lines: Sequence[str]) -> Header | None:
         names = [_NAMES.get(_UNIT.sub("", word).strip().lower(), word) for word in words]
         if set(_NEEDED) <= set(names):
             units = {unit[1].lower() for word in words for unit in _UNIT.finditer(word)}
-            said = " ".join([*lines[:k], row]).lower()
-            return k, names, split, bool({"rad", "radian", "radians"} & units) or "radian" in said
+            text = " ".join([*lines[:k], row]).lower()
+            return k, names, split, bool({"rad", "radian", "radians"} & units) or "radian" in text
         if not line.strip().startswith(tuple(_MARKS)) and k:
             return None
     return None

@@ -117,21 +117,21 @@ class OrientationMap:
                 "Describe it in phases, or put 0 at pixels without an orientation."
             )
         length = np.linalg.norm(q, axis=-1)
-        known = phase > 0
-        bad = known & ~(np.isfinite(length) & (length > 0))
+        indexed = phase > 0
+        bad = indexed & ~(np.isfinite(length) & (length > 0))
         if bad.any():
             raise OrientationError(
                 f"quaternions: expected finite numbers, not all 0, got {q[bad][0].tolist()} at "
                 f"pixel {tuple(np.argwhere(bad)[0].tolist())}. Put phase 0 there, or correct them."
             )
-        if not known.any():
+        if not indexed.any():
             raise OrientationError(
                 "phase: expected a phase for each pixel, got 0 (no orientation) for all."
             )
         unit = np.zeros(4)
         unit[0] = 1.0
         with np.errstate(invalid="ignore", divide="ignore"):
-            q = np.where(known[..., None], q / length[..., None], unit)
+            q = np.where(indexed[..., None], q / length[..., None], unit)
         steps = two_steps(self.steps)
         shift = checks.number(self.shift, "shift", OrientationError)
         if abs(shift) not in (0, 0.5):
@@ -235,14 +235,14 @@ class OrientationMap:
         phase
             A Phase, or the name of a Laue group.
         """
-        found = checks.array(
+        euler = checks.array(
             angles, "angles", OrientationError, shape=(None, None, 3), infinite=None
         )
-        known = np.asarray(np.isfinite(found).all(axis=-1))
-        one = phase if isinstance(phase, Phase) else Phase("crystal", phase)
-        q = quaternion_from_euler(np.radians(np.where(known[..., None], found, 0.0)), "ZXZ")
+        indexed = np.asarray(np.isfinite(euler).all(axis=-1))
+        entry = phase if isinstance(phase, Phase) else Phase("crystal", phase)
+        q = quaternion_from_euler(np.radians(np.where(indexed[..., None], euler, 0.0)), "ZXZ")
         return cls(
-            q, known.astype(int), {1: one}, two_steps(steps), threshold=threshold, sigma=sigma,
+            q, indexed.astype(int), {1: entry}, two_steps(steps), threshold=threshold, sigma=sigma,
             unit=unit,
         )  # fmt: skip
 
@@ -281,16 +281,16 @@ class OrientationMap:
         """
         if self.sigma is not None:
             return dict.fromkeys(self.phases, given_covariance(self.sigma))
-        found = {}
+        covariances = {}
         for number in self.phases:
             mine = self.phase == number
             if mine.any():
                 try:
-                    found[number] = estimated_covariance(self.grains, mine)
+                    covariances[number] = estimated_covariance(self.grains, mine)
                 except OrientationError:
                     # The phase has too few pixels in a row, so all phases together are used.
-                    found[number] = estimated_covariance(self.grains, self.phase > 0)
-        return found
+                    covariances[number] = estimated_covariance(self.grains, self.phase > 0)
+        return covariances
 
     @cached_property
     def curvature(self) -> Curvature:

@@ -50,8 +50,8 @@ class Phase:
         _ = self.group
         for key in ("lengths", "angles"):
             subject = f"phase {self.name!r}: {key}"
-            found = checks.numbers(getattr(self, key), 3, subject, OrientationError)
-            object.__setattr__(self, key, tuple(float(x) for x in found))
+            values = checks.numbers(getattr(self, key), 3, subject, OrientationError)
+            object.__setattr__(self, key, tuple(float(x) for x in values))
         if min(self.lengths) < 0 or not all(0 < x < 180 for x in self.angles):
             raise OrientationError(
                 f"phase {self.name!r}: expected positive lengths and angles between 0 and 180 "
@@ -125,18 +125,18 @@ class Phase:
         Array of shape (k, 3).
         """
         subject = "Burgers vector of a family"
-        one = self.lattice @ cell_vector(vector, subject, self)
-        if not one.any():
+        burgers = self.lattice @ cell_vector(vector, subject, self)
+        if not burgers.any():
             raise OrientationError(
                 f"{subject}: expected a vector different from zero, got 0. Give [u, v, w]."
             )
-        found: list[np.ndarray] = []
+        images: list[np.ndarray] = []
         # Lattice constants have about four digits.
-        near = 1e-4 * np.abs(one).max()
-        for image in images_of(self, one[None])[:, 0]:
-            if all(min(abs(image - x).max(), abs(image + x).max()) > near for x in found):
-                found.append(image)
-        return np.array(found)
+        near = 1e-4 * np.abs(burgers).max()
+        for image in images_of(self, burgers[None])[:, 0]:
+            if all(min(abs(image - x).max(), abs(image + x).max()) > near for x in images):
+                images.append(image)
+        return np.array(images)
 
 
 def images_of(phase: Phase, vectors: np.ndarray) -> np.ndarray:
@@ -150,8 +150,8 @@ def images_of(phase: Phase, vectors: np.ndarray) -> np.ndarray:
     edges = phase.lattice.T
     both = np.concatenate([edges, vectors])
     turns = phase.group.quaternions
-    found = np.stack([rotated(turns, np.broadcast_to(x, (len(turns), 3))) for x in both], axis=1)
-    whole = found[:, :3] @ np.linalg.inv(edges)
+    images = np.stack([rotated(turns, np.broadcast_to(x, (len(turns), 3))) for x in both], axis=1)
+    whole = images[:, :3] @ np.linalg.inv(edges)
     # Small errors of the constants are harmless: an image closer to a lattice vector than to the
     # middle between two lattice vectors counts as the lattice vector.
     off = np.abs(whole - np.rint(whole))
@@ -161,7 +161,7 @@ def images_of(phase: Phase, vectors: np.ndarray) -> np.ndarray:
             f"{phase.lengths} and angles {phase.angles}, which have another symmetry. Give the "
             "constants of the cell, for example angles=(90, 90, 120) for a hexagonal one."
         )
-    return found[:, 3:]
+    return images[:, 3:]
 
 
 def cell_vector(
@@ -180,18 +180,18 @@ def cell_vector(
     >>> cell_vector((1, 1, -2, 0), "direction", zinc).tolist()
     [3.0, 3.0, 0.0]
     """
-    found = checks.array(given, subject, OrientationError)
-    if found.shape not in ((3,), (4,)):
+    indices = checks.array(given, subject, OrientationError)
+    if indices.shape not in ((3,), (4,)):
         raise OrientationError(
             f"{subject}: expected three indices, or four for a hexagonal cell, got "
             f"{checks.shown(given)}."
         )
-    if len(found) == 3:
-        return found
-    h, k, i, last = found
+    if len(indices) == 3:
+        return indices
+    h, k, i, last = indices
     if (
         phase.laue not in ("-3", "-3m", "6/m", "6/mmm")
-        or abs(h + k + i) > 1e-6 * np.abs(found).max()
+        or abs(h + k + i) > 1e-6 * np.abs(indices).max()
     ):
         raise OrientationError(
             f"{subject}: expected four indices only in a hexagonal or trigonal cell, with a sum "

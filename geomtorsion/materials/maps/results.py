@@ -80,16 +80,16 @@ class MapBurgers(Burgers):
     @property
     def facts(self) -> Json:
         """b in specimen axes, grain, phase, steps; lattice coordinates and slip where known."""
-        found: Json = {
+        facts: Json = {
             "specimen": self.specimen.tolist(),
             "grain": self.grain,
             "phase": self.phase.name,
             "steps": len(self.circuit.starts),
         }
         if self.phase.has_lattice:
-            found["lattice"] = self.indices.tolist()
+            facts["lattice"] = self.indices.tolist()
         if self.structure:
-            found["slip"] = [
+            facts["slip"] = [
                 {
                     "family": one.family.name,
                     "edge": float(np.abs(one.edge).sum()),
@@ -97,7 +97,7 @@ class MapBurgers(Burgers):
                 }
                 for one in self.slip(*slip_families(self.phase, self.structure))
             ]
-        return found
+        return facts
 
     @property
     def per_area(self) -> np.ndarray:
@@ -153,8 +153,8 @@ class MapBurgers(Burgers):
                 "families: expected at least one Burgers vector, got none. Give one, for example "
                 "(0.5, 0.5, 0)."
             )
-        found = [self.phase.family(family) for family in families]
-        vectors = np.concatenate(found)
+        members = [self.phase.family(family) for family in families]
+        vectors = np.concatenate(members)
         lengths = np.linalg.norm(vectors, axis=1)
         numbers = least_combination(vectors.T, self._angstrom, lengths)
         if numbers is None:
@@ -163,10 +163,10 @@ class MapBurgers(Burgers):
                 f"{self.indices.round(3).tolist()} (units of a, b, c), got families that do not "
                 "span it. Give another family as well."
             )
-        parts = np.split(numbers, np.cumsum([len(part) for part in found])[:-1])
+        parts = np.split(numbers, np.cumsum([len(part) for part in members])[:-1])
         return tuple(
             FamilyLines(tuple(float(x) for x in family), part, number)
-            for family, part, number in zip(families, found, parts, strict=True)
+            for family, part, number in zip(families, members, parts, strict=True)
         )
 
     def slip(self, *families: SlipFamily) -> tuple[SlipDensity, ...]:

@@ -54,8 +54,8 @@ class SlipFamily:
         cell = phase.lattice
         hkl = cell_vector(plane, "plane", phase, plane=True)
         one = cell @ cell_vector(vector, "Burgers vector", phase)
-        for subject, found in (("plane", hkl), ("Burgers vector", one)):
-            if not found.any():
+        for subject, components in (("plane", hkl), ("Burgers vector", one)):
+            if not components.any():
                 raise OrientationError(
                     f"{subject}: expected indices that are not all 0, got only zeros. Correct them."
                 )
@@ -67,12 +67,12 @@ class SlipFamily:
                 "which is not in it. Give u, v, w with h u + k v + l w = 0."
             )
         images = images_of(phase, np.stack([normal / sizes[0], one / sizes[1]]))
-        kept: list[np.ndarray] = []
+        systems: list[np.ndarray] = []
         for pair in images:
             # A normal and its opposite belong to one system; so do b and -b.
-            if all(np.abs(np.einsum("ki,ki->k", pair, x)).min() < 1 - 1e-9 for x in kept):
-                kept.append(pair)
-        pairs = np.array(kept)
+            if all(np.abs(np.einsum("ki,ki->k", pair, x)).min() < 1 - 1e-9 for x in systems):
+                systems.append(pair)
+        pairs = np.array(systems)
         return cls(f"{{{_shown(plane)}}} <{_shown(vector)}>", pairs[:, 0], sizes[1] * pairs[:, 1])
 
     def __repr__(self) -> str:
@@ -166,10 +166,10 @@ def densities(
             "families: expected edges and screws that add up to b per area, got families that do "
             "not span it. Give another family as well."
         )
-    found = [np.zeros((2, len(family.normals))) for family in families]
+    parts = [np.zeros((2, len(family.normals))) for family in families]
     for (f, k, is_edge), number in zip(place, numbers, strict=True):
-        found[f][0 if is_edge else 1, k] = number
-    return tuple(SlipDensity(family, *table) for family, table in zip(families, found, strict=True))
+        parts[f][0 if is_edge else 1, k] = number
+    return tuple(SlipDensity(family, *table) for family, table in zip(families, parts, strict=True))
 
 
 def _shown(indices: Indices) -> str:

@@ -73,8 +73,8 @@ def _errors(
             if mine.any():
                 turn = turns[mine]
                 covariance[mine] = turn.swapaxes(1, 2) @ spread_of(moments, each) @ turn
-                other = np.trace(spread_of(bent, each))
-                systematic[mine] = unexplained(bends[mine], other)
+                variance = np.trace(spread_of(bent, each))
+                systematic[mine] = unexplained(bends[mine], variance)
     table = covariance.transpose(2, 3, 1, 0)
     pairs = ((i, j) for i in range(3) for j in range(i, 3))
     return Errors({(i, j): table[i, j] for i, j in pairs}, systematic.T)

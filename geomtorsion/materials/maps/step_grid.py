@@ -17,10 +17,10 @@ from geomtorsion.materials.maps.lattice_edges import GrainMap
 
 def two_steps(steps: object) -> tuple[float, float]:
     """Steps along x and y, from two numbers or from one for both."""
-    given = (steps, steps)
+    values = (steps, steps)
     if checks.real(steps) is None:
-        given = checks.numbers(steps, 2, "steps", OrientationError)
-    x, y = (checks.positive(step, "steps", OrientationError) for step in given)
+        values = checks.numbers(steps, 2, "steps", OrientationError)
+    x, y = (checks.positive(step, "steps", OrientationError) for step in values)
     return x, y
 
 
@@ -74,13 +74,13 @@ class StepGrid:
     def down(self) -> np.ndarray:
         """Integral of e along the step to the next pixel in a column, (rows - 1, columns, 3)."""
         e = self.coframe
-        found = self.steps[1] / 2 * (e[:-1, :, :, 1] + e[1:, :, :, 1])
+        integrals = self.steps[1] / 2 * (e[:-1, :, :, 1] + e[1:, :, :, 1])
         if self.shift:
             # The shift is positive from an even row to an odd one, and negative from an odd row.
             sign = 1 - 2 * (np.arange(self.shape[0] - 1) % 2)
             way = sign[:, None, None] * self.shift * self.steps[0]
-            found += way / 2 * (e[:-1, :, :, 0] + e[1:, :, :, 0])
-        return found
+            integrals += way / 2 * (e[:-1, :, :, 0] + e[1:, :, :, 0])
+        return integrals
 
     @cached_property
     def bends(self) -> tuple[np.ndarray, np.ndarray]:
@@ -106,9 +106,9 @@ class StepGrid:
             # A line that leaves the map and re-enters at the other side is a different line.
             laps = (np.arange(columns) + shifts[:, None]) // columns
             mine = grain[place] + (laps - laps.min()) * (grain.max() + 1)
-            found = -_bends(step[place], np.where(grain[place] < 0, -1, mine))
+            differences = -_bends(step[place], np.where(grain[place] < 0, -1, mine))
             back = (np.arange(columns) - shifts[:-1, None]) % columns
-            down[first::2] = found[np.arange(rows - 1)[:, None], back][first::2]
+            down[first::2] = differences[np.arange(rows - 1)[:, None], back][first::2]
         return right, down
 
     @property
@@ -130,21 +130,21 @@ class StepGrid:
 
     def chain(self, circuit: Circuit) -> Chain:
         """The steps of a circuit; raise an error unless all are in the map and in one grain."""
-        found = self.ascending(circuit)
-        along = found.along
+        ordered = self.ascending(circuit)
+        along = ordered.along
         fine = np.empty(len(along), dtype=bool)
-        fine[along] = self.grains.right[tuple(found.starts[along].T)]
-        fine[~along] = self.grains.down[tuple(found.starts[~along].T)]
+        fine[along] = self.grains.right[tuple(ordered.starts[along].T)]
+        fine[~along] = self.grains.down[tuple(ordered.starts[~along].T)]
         if not fine.all():
-            self._refuse(found.starts[~fine], found.ends[~fine])
+            self._refuse(ordered.starts[~fine], ordered.ends[~fine])
         # Separate parts of a circuit, such as distant cells, may be in different grains.
-        grains = np.unique(self.grains.grain[tuple(found.starts.T)]).tolist()
+        grains = np.unique(self.grains.grain[tuple(ordered.starts.T)]).tolist()
         if len(grains) > 1:
             raise OrientationError(
                 f"{circuit.name}: expected a circuit in one grain, got parts in grains "
                 f"{checks.cut(', '.join(map(str, grains)))}. Make one circuit for each grain."
             )
-        return found
+        return ordered
 
     def ascending(self, circuit: Circuit) -> Chain:
         """The steps of a circuit in ascending direction; backward steps count negative."""
@@ -213,9 +213,9 @@ class StepGrid:
         ways = self.places(chain.ends) - self.places(chain.starts)
         keys = np.concatenate([chain.starts, chain.ends]) @ np.array([self.shape[1], 1])
         _, where = np.unique(keys, return_inverse=True)
-        found = np.zeros((int(where.max()) + 1, 3))
-        np.add.at(found[:, :2], where, np.tile(chain.times[:, None] * ways / 2, (2, 1)))
-        return found
+        weights = np.zeros((int(where.max()) + 1, 3))
+        np.add.at(weights[:, :2], where, np.tile(chain.times[:, None] * ways / 2, (2, 1)))
+        return weights
 
     def bent_moments(self, chain: Chain) -> np.ndarray:
         """Weight of each pixel in `bend`, ignoring edges of grains, shape (pixels, 3)."""
@@ -225,9 +225,9 @@ class StepGrid:
         every = np.concatenate([one, two, 2 * one - two, 2 * two - one])
         keys = every @ np.array([4 * self.shape[1], 1])
         _, where = np.unique(keys, return_inverse=True)
-        found = np.zeros((int(where.max()) + 1, 3))
-        np.add.at(found[:, :2], where, np.concatenate([ways, ways, -ways, -ways]))
-        return found
+        weights = np.zeros((int(where.max()) + 1, 3))
+        np.add.at(weights[:, :2], where, np.concatenate([ways, ways, -ways, -ways]))
+        return weights
 
     def places(self, pixels: np.ndarray) -> np.ndarray:
         """x and y of pixels, relative to the first pixel of the map, shape (k, 2)."""
@@ -264,9 +264,9 @@ def _bends(f: np.ndarray, grain: np.ndarray) -> np.ndarray:
     f: shape (points, lines, 3). grain: shape (points, lines); only second differences within one
     grain are used.
     """
-    bend, known = np.zeros_like(f), np.zeros(grain.shape, dtype=bool)
+    bend, inner = np.zeros_like(f), np.zeros(grain.shape, dtype=bool)
     bend[1:-1] = f[2:] - 2 * f[1:-1] + f[:-2]
-    known[1:-1] = (grain[2:] == grain[1:-1]) & (grain[:-2] == grain[1:-1]) & (grain[1:-1] >= 0)
-    bend[~known] = 0
-    number = np.maximum(known[:-1].astype(int) + known[1:], 1)
+    inner[1:-1] = (grain[2:] == grain[1:-1]) & (grain[:-2] == grain[1:-1]) & (grain[1:-1] >= 0)
+    bend[~inner] = 0
+    number = np.maximum(inner[:-1].astype(int) + inner[1:], 1)
     return (bend[:-1] + bend[1:]) / (12 * number[..., None])

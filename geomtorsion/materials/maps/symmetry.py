@@ -60,8 +60,8 @@ class LaueGroup:
     @cached_property
     def products(self) -> np.ndarray:
         """Number of the rotation s_i s_j, shape (n, n)."""
-        found = product(self.quaternions[:, None], self.quaternions[None, :])
-        return np.abs(found @ self.quaternions.T).argmax(axis=-1)
+        rotations = product(self.quaternions[:, None], self.quaternions[None, :])
+        return np.abs(rotations @ self.quaternions.T).argmax(axis=-1)
 
     def nearest(self, one: np.ndarray, other: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The variant of each other orientation nearest to the first one, and the angle.
@@ -154,7 +154,7 @@ def laue_group(name: str, horizontal: str = "x") -> LaueGroup:
     """
     checks.known_name(name, LAUE_GROUPS, "Laue group", OrientationError)
     checks.known_name(horizontal, ("x", "y"), "horizontal axis", OrientationError)
-    found = [np.array([1.0, 0.0, 0.0, 0.0])]
+    rotations = [np.array([1.0, 0.0, 0.0, 0.0])]
     across = _X if horizontal == "x" else _Y
     generators = []
     for axis, times in GENERATORS[name]:
@@ -162,12 +162,12 @@ def laue_group(name: str, horizontal: str = "x") -> LaueGroup:
         turn = 2 * np.pi / times * direction / np.linalg.norm(direction)
         generators.append(quaternion_from_rotation_vector(turn))
     # Multiply each new rotation by each generator until no new rotation appears.
-    for rotation in found:
+    for rotation in rotations:
         for generator in generators:
             new = product(generator, rotation)
-            if all(abs(new @ old) < 1 - 1e-9 for old in found):
-                found.append(new)
-    return LaueGroup(name, np.array(found))
+            if all(abs(new @ old) < 1 - 1e-9 for old in rotations):
+                rotations.append(new)
+    return LaueGroup(name, np.array(rotations))
 
 
 def conjugated(q: np.ndarray) -> np.ndarray:

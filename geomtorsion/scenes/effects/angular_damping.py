@@ -45,15 +45,15 @@ class AngularDamping(Effect):
     def __post_init__(self) -> None:
         """One number or three, none of them negative."""
         value = plain(self.coefficient)
-        wanted = f"angular_damping.coefficient = {value!r}: expected one number >= 0 (N m s), or "
+        message = f"angular_damping.coefficient = {value!r}: expected one number >= 0 (N m s), or "
         several = isinstance(value, Iterable) and not isinstance(value, str)
         object.__setattr__(self, "coefficient", tuple(value) if several else value)
         try:
             numbers = [exact(each, "coefficient") for each in self._three()]
         except (SceneError, TypeError):
-            raise SceneError(wanted + "three.") from None
+            raise SceneError(message + "three.") from None
         if len(numbers) != 3 or any(number < 0 for number in numbers):
-            raise SceneError(wanted + "three.")
+            raise SceneError(message + "three.")
 
     def _three(self) -> tuple[Number, ...]:
         """The three coefficients."""

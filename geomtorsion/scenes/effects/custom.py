@@ -147,17 +147,17 @@ def _checked_switches(
     switches: Sequence[Switch], parameters: Mapping[str, Number]
 ) -> tuple[Switch, ...]:
     """Pairs of a time and parameters to change."""
-    found = []
+    pairs = []
     for each in switches:
         pair = tuple(each) if isinstance(each, list | tuple) else ()
         if len(pair) != 2 or not isinstance(pair[1], Mapping):
             raise SceneError(f"custom.switches: expected (time, {{name: value}}), got {each!r}.")
         for name in pair[1]:
             if name not in parameters:
-                known = ", ".join(parameters) or "none"
+                names = ", ".join(parameters) or "none"
                 raise SceneError(
                     f"custom.switches: expected a parameter of the effect, got {name!r}. Known are "
-                    f"{known}."
+                    f"{names}."
                 )
-        found.append((pair[0], dict(pair[1])))
-    return tuple(found)
+        pairs.append((pair[0], dict(pair[1])))
+    return tuple(pairs)

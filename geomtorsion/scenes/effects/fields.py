@@ -39,13 +39,13 @@ def check_numbers(effect: Effect, *names: str, sign: str = "any") -> None:
     for name in names:
         value = getattr(effect, name)
         measured = f" ({u})" if (u := effect.units().get(name)) else ""
-        wanted = f"{effect.key}.{name} = {value!r}: expected {SIGNS[sign]}{measured}."
+        message = f"{effect.key}.{name} = {value!r}: expected {SIGNS[sign]}{measured}."
         try:
             number = exact(value, name)
         except (SceneError, TypeError):
-            raise SceneError(wanted) from None
+            raise SceneError(message) from None
         if (sign == "positive" and not number > 0) or (sign == "not negative" and number < 0):
-            raise SceneError(wanted)
+            raise SceneError(message)
 
 
 def check_vectors(effect: Effect, *names: str) -> None:
@@ -68,13 +68,13 @@ def check_vectors(effect: Effect, *names: str) -> None:
     for name in names:
         value = getattr(effect, name)
         measured = f" ({u})" if (u := effect.units().get(name)) else ""
-        wanted = f"{effect.key}.{name} = {value!r}: expected three components{measured}."
+        message = f"{effect.key}.{name} = {value!r}: expected three components{measured}."
         try:
             parts = () if isinstance(value, str) else tuple(value)
         except TypeError:
             parts = ()
         if len(parts) != 3:
-            raise SceneError(wanted)
+            raise SceneError(message)
         object.__setattr__(effect, name, parts)
 
 
@@ -137,19 +137,19 @@ def read(
     >>> read("0.5*t - vx", context, "F1", "thrust.force[0]"), read(2, context, "F2", "")
     (t/2 - vx, F2)
     """
-    known = {**known_names(context), **(names or {})}
+    symbols = {**known_names(context), **(names or {})}
     if isinstance(value, str):
         try:
-            return parse_expression(value, known, {}, where=where, decimals=True)
+            return parse_expression(value, symbols, {}, where=where, decimals=True)
         # The parser knows no states; a wrong name is better explained here.
         except ExpressionError:
-            _check_names(value, known, where)
+            _check_names(value, symbols, where)
             raise
     own = sorted(symbols_in(value), key=str)
     if own:
-        _check_names(" ".join(symbol.name for symbol in own), known, where)
+        _check_names(" ".join(symbol.name for symbol in own), symbols, where)
         # Symbols with other assumptions (real, positive) are replaced by known ones of their name.
-        return sp.Expr.subs(value, {symbol: known[symbol.name] for symbol in own})
+        return sp.Expr.subs(value, {symbol: symbols[symbol.name] for symbol in own})
     return context.parameter(name, value)
 
 
@@ -173,11 +173,11 @@ def read_three(
     names: Mapping[str, sp.Expr] | None = None,
 ) -> sp.Matrix:
     """Three expressions as a column."""
-    found = [
+    expressions = [
         read(value, context, f"{name}{k + 1}", f"{where}[{k}]", names)
         for k, value in enumerate(values)
     ]
-    return sp.Matrix(found)
+    return sp.Matrix(expressions)
 
 
 def between(

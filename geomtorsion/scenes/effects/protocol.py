@@ -139,8 +139,8 @@ def unit(text: str) -> dict[str, str]:
 
 def groups_in(context: Context, contribution: Contribution) -> frozenset[str]:
     """Groups of states that occur in a contribution; what it offers to be watched aside."""
-    found = symbols_in(replace(contribution, outputs={}))
-    own = {name for name, members in GROUPS.items() if members & found}
+    symbols = symbols_in(replace(contribution, outputs={}))
+    own = {name for name, members in GROUPS.items() if members & symbols}
     # Who has the whole attitude has the vertical with it.
     return frozenset(own - {"vertical"} if "attitude" in own else own)
 

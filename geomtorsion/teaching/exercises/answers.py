@@ -40,8 +40,8 @@ def answer_text(question: Question, value: Value) -> str:
         text = component_text(value.get((), 0))
         return f"{text} {question.unit}".strip()
     if question.kind == "number":
-        kept = without_rounding(value)
-        parts = [component_text(kept.get((k,), 0)) for k in range(question.shape[0])]
+        components = without_rounding(value)
+        parts = [component_text(components.get((k,), 0)) for k in range(question.shape[0])]
         return f"[{', '.join(parts)}]"
     pairs = [f"{','.join(str(k + 1) for k in key)} = {component_text(x)}" for key, x in
              sorted(value.items())]  # fmt: skip

@@ -122,10 +122,10 @@ def _by_component(question: Question, states: Mapping[Index, str], value: Value)
 
 def _common(question: Question, wrong: list[Index], value: Value) -> str:
     """The code of a sign or a factor 2 by which all wrong components are off; or empty."""
-    given = {key: value[key] for key in wrong if key in value}
+    components = {key: value[key] for key in wrong if key in value}
     right = {key: question.solution[key] for key in wrong if key in question.solution}
     for code, factor in (("sign", -1), ("factor", 2), ("factor", HALF)):
-        if code in question.generic and agrees(question, given, scaled(right, factor)):
+        if code in question.generic and agrees(question, components, scaled(right, factor)):
             return code
     return ""
 

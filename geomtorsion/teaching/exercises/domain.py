@@ -49,12 +49,12 @@ class Domain:
     @cached_property
     def names(self) -> Mapping[str, sympy.Symbol]:
         """Name -> symbol; Greek letters may also be typed directly."""
-        found = {symbol.name: symbol for symbol in self.symbols}
+        table = {symbol.name: symbol for symbol in self.symbols}
         for symbol in self.symbols:
             for word, letter in GREEK.items():
                 if symbol.name.startswith(word) and not symbol.name[len(word) :].isalpha():
-                    found.setdefault(letter + symbol.name[len(word) :], symbol)
-        return found
+                    table.setdefault(letter + symbol.name[len(word) :], symbol)
+        return table
 
     @cached_property
     def points(self) -> tuple[Point, ...]:

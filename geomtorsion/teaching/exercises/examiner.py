@@ -51,7 +51,7 @@ class Examiner:
             There is no such exercise or seed.
         """
         exercise = load(number, seed)
-        given, _ = exercise.arranged(answers)
+        by_question, _ = exercise.arranged(answers)
         request = {"number": number, "seed": seed}
         try:
             # The time for the library's own solution is not charged to the student; the process
@@ -61,36 +61,36 @@ class Examiner:
             return _unchecked(
                 number,
                 seed,
-                given,
+                by_question,
                 "computing the solution took too long or too much memory. This does not depend on "
                 "your answer. Try again later.",
             )
-        found = self.ask(request | {"answers": answers}, self.seconds)
-        if isinstance(found, str):
-            return _unchecked(number, seed, given, f"{found}. Write a shorter answer.")
-        return Verdict.from_json(found["verdict"])
+        answer = self.ask(request | {"answers": answers}, self.seconds)
+        if isinstance(answer, str):
+            return _unchecked(number, seed, by_question, f"{answer}. Write a shorter answer.")
+        return Verdict.from_json(answer["verdict"])
 
     def ask(self, request: Json, seconds: float) -> Json | str:
         """The reply of the process, or the reason in words why there is none."""
         try:
-            found = self.pool.ask(request, seconds)
+            answer = self.pool.ask(request, seconds)
         except TimeoutError:
             return f"it took longer than {seconds:g} s"
         except ChildProcessError as error:
             return str(error)
-        return f"it needed too much {found[EXCEEDED]}" if EXCEEDED in found else found
+        return f"it needed too much {answer[EXCEEDED]}" if EXCEEDED in answer else answer
 
 
 def _unchecked(number: str, seed: int, answers: Mapping[str, object], reason: str) -> Verdict:
     """The verdict on answers that could not be checked."""
-    found = []
+    verdicts = []
     for question in load(number, seed).questions:
-        given = question.name in answers
+        is_answered = question.name in answers
         text = f"The answer could not be checked: {reason}"
-        code = "too large" if given else "empty"
-        said = text if given else "No answer was given."
-        found.append(QuestionVerdict(question.name, False, 0.0, said, code, (), question.points))
-    return Verdict(number, seed, tuple(found))
+        code = "too large" if is_answered else "empty"
+        note = text if is_answered else "No answer was given."
+        verdicts.append(QuestionVerdict(question.name, False, 0.0, note, code, (), question.points))
+    return Verdict(number, seed, tuple(verdicts))
 
 
 def reply(request: Json) -> Json:

@@ -116,13 +116,13 @@ class Exercise:
         UnknownNameError
             There is no such question; the message lists the known ones.
         """
-        known = {question.name: question for question in self.questions}
-        if isinstance(name, str) and name in known:
-            return known[name]
-        near = close_names(name, known) if isinstance(name, str) else []
+        by_name = {question.name: question for question in self.questions}
+        if isinstance(name, str) and name in by_name:
+            return by_name[name]
+        near = close_names(name, by_name) if isinstance(name, str) else []
         hint = f" Did you mean {near[0]}?" if near else ""
         raise UnknownNameError(
-            f"exercise {self.number}: expected the name of a question ({', '.join(known)}), got "
+            f"exercise {self.number}: expected the name of a question ({', '.join(by_name)}), got "
             f"{shown(name)}.{hint}"
         )
 
@@ -150,9 +150,9 @@ class Exercise:
         >>> verdict.right, verdict["legs"].diagnosis
         (False, 'unreadable')
         """
-        given, notes = self.arranged(answers)
-        found = tuple(check_question(q, given.get(q.name)) for q in self.questions)
-        return Verdict(self.number, self.seed, found, notes)
+        by_name, notes = self.arranged(answers)
+        verdicts = tuple(check_question(q, by_name.get(q.name)) for q in self.questions)
+        return Verdict(self.number, self.seed, verdicts, notes)
 
     def arranged(self, answers: object) -> tuple[dict[str, object], tuple[str, ...]]:
         """Answers by question, and remarks about the form of the answers.
@@ -169,22 +169,22 @@ class Exercise:
         ({}, ("There is no question 'conection': this answer is not counted. Did you mean...",))
         """
         first, *rest = self.questions
-        known = {question.name: question for question in self.questions}
+        by_name = {question.name: question for question in self.questions}
         if not isinstance(answers, Mapping):
-            names = ", ".join(known)
+            names = ", ".join(by_name)
             note = (
                 f"This exercise has several questions ({names}); the answer counts for the first, "
                 f"{first.name}."
             )
             return {first.name: answers}, (note,) * bool(rest)
-        strange = [name for name in answers if name not in known]
+        strange = [name for name in answers if name not in by_name]
         if not rest and strange == list(answers) and any(is_part(first, key) for key in strange):
             return {first.name: dict(answers)}, ()
         notes = []
         for name in strange:
-            near = close_names(str(name), list(known))
+            near = close_names(str(name), list(by_name))
             hint = f" Did you mean {near[0]}?" if near else ""
             notes.append(
                 f"There is no question {str(name)[:60]!r}: this answer is not counted.{hint}"
             )
-        return {name: answers[name] for name in known if name in answers}, tuple(notes)
+        return {name: answers[name] for name in by_name if name in answers}, tuple(notes)

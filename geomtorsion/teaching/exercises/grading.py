@@ -91,9 +91,9 @@ def read_submission(path: str | PathLike[str]) -> Submission:
             'and below it "1.1" = "...".'
         )
     flat = _flat(table)
-    known = set(names())
-    unknown = tuple(key[:60] for key in flat if key not in known)
-    answers = {key: value for key, value in flat.items() if key in known}
+    listed = set(names())
+    unknown = tuple(key[:60] for key in flat if key not in listed)
+    answers = {key: value for key, value in flat.items() if key in listed}
     outside = tuple(key[:60] for key in _flat(data) if key not in KEYS)
     # The form has an empty name, which some students do not fill in.
     return Submission(" ".join(student.split()) or path.stem, seed, answers, unknown, outside)
@@ -107,14 +107,14 @@ def loaded(path: Path) -> Mapping[str, Any]:
 
 def _flat(table: Mapping[str, object]) -> dict[str, object]:
     """Answers by number; 1.1 written without quotes is a table in a table."""
-    found: dict[str, object] = {}
+    by_number: dict[str, object] = {}
     for key, value in table.items():
         inner = value if isinstance(value, dict) and key.isdecimal() else {}
         if inner and all(part.isdecimal() for part in inner):
-            found |= {f"{key}.{part}": answer for part, answer in inner.items()}
+            by_number |= {f"{key}.{part}": answer for part, answer in inner.items()}
         else:
-            found[key] = value
-    return found
+            by_number[key] = value
+    return by_number
 
 
 GRADED, PARTLY, TWICE, REFUSED = "graded", "partly", "given twice", "not graded"
@@ -264,11 +264,11 @@ def _graded(
 ) -> Marks:
     """The marks of files that an examiner reads and checks; see `grade`."""
     read = {path: _read(path, examiner) for path in files}
-    found = _occurring(read.values()) if numbers is None else numbers
+    exercises = _occurring(read.values()) if numbers is None else numbers
     chosen = ASKED_FOR if numbers is not None else OCCURRING
-    counted = f"{' '.join(found) or 'none'} ({chosen})"
-    task = _Task(found, seed, counted, _namesakes(read), examiner.seconds)
-    before = _rows_of(table, found)
+    counted = f"{' '.join(exercises) or 'none'} ({chosen})"
+    task = _Task(exercises, seed, counted, _namesakes(read), examiner.seconds)
+    before = _rows_of(table, exercises)
     rows: list[Mapping[str, str]] = []
     kept = 0
     try:
@@ -277,18 +277,18 @@ def _graded(
             fingerprint = task.fingerprint(path)
             old = before.get(fingerprint)
             kept += old is not None
-            mark = old or _mark(path, read[path], task, examiner, fingerprint).row(found)
+            mark = old or _mark(path, read[path], task, examiner, fingerprint).row(exercises)
             rows.append(mark)
             # Written after each student, so that an interruption costs at most one.
             if old is None:
-                _write(table, rows, found, chosen)
+                _write(table, rows, exercises, chosen)
     finally:
         # Rows of an earlier run that this run has not reached stay in the table.
         later = [task.fingerprint(path) for path in files[len(rows) :]]
         rest = [before[key] for key in later if key in before]
-        _write(table, [*rows, *rest], found, chosen)
+        _write(table, [*rows, *rest], exercises, chosen)
     progress(len(files), len(files), "")
-    return Marks(tuple(rows), found, kept, chosen)
+    return Marks(tuple(rows), exercises, kept, chosen)
 
 
 @dataclass(frozen=True)
@@ -319,9 +319,9 @@ class _Task:
 def _namesakes(read: Mapping[Path, Submission | str]) -> dict[Path, tuple[str, ...]]:
     """File -> the other files that name the same student."""
     files: dict[str, list[Path]] = {}
-    for path, one in read.items():
-        if isinstance(one, Submission):
-            files.setdefault(one.student.casefold(), []).append(path)
+    for path, entry in read.items():
+        if isinstance(entry, Submission):
+            files.setdefault(entry.student.casefold(), []).append(path)
     return {
         path: tuple(other.name for other in paths if other != path)
         for paths in files.values()
@@ -335,14 +335,14 @@ def _read(path: Path, examiner: Examiner) -> Submission | str:
 
     A file that takes too much time or memory costs only its own student marks.
     """
-    found = examiner.ask({"path": str(path)}, SECONDS)
-    if isinstance(found, str):
-        return f"{path.name} could not be read: {found}. Write the file again."
-    if "refused" in found:
-        return str(found["refused"])
+    data = examiner.ask({"path": str(path)}, SECONDS)
+    if isinstance(data, str):
+        return f"{path.name} could not be read: {data}. Write the file again."
+    if "refused" in data:
+        return str(data["refused"])
     return Submission(
-        found["student"], found["seed"], found["answers"], tuple(found["unknown"]),
-        tuple(found["outside"]),
+        data["student"], data["seed"], data["answers"], tuple(data["unknown"]),
+        tuple(data["outside"]),
     )  # fmt: skip
 
 
@@ -354,18 +354,18 @@ def reply(request: Json) -> Json:
 def submission_data(path: str) -> Json:
     """The answers in a file as JSON, or the reason for refusing it under "refused"."""
     try:
-        found = read_submission(path)
+        submission = read_submission(path)
     except GeomtorsionError as error:
         return {"refused": str(error)}
     # A date that was written without quotes is not an answer, but can be shown.
-    answers = json.loads(json.dumps(found.answers, default=str))
-    return {**vars(found), "answers": answers}
+    answers = json.loads(json.dumps(submission.answers, default=str))
+    return {**vars(submission), "answers": answers}
 
 
 def _occurring(read: Iterable[Submission | str]) -> tuple[str, ...]:
     """The exercises that occur in any file, in order."""
-    found = {number for one in read if isinstance(one, Submission) for number in one.answers}
-    return tuple(number for number in names() if number in found)
+    keys = {number for one in read if isinstance(one, Submission) for number in one.answers}
+    return tuple(number for number in names() if number in keys)
 
 
 def _mark(
@@ -404,9 +404,9 @@ def _mark(
             continue
         verdict = examiner.check(number, read.answers[number], seed)
         parts[number] = round(verdict.earned, 3)
-        said = [(q.name, q.diagnosis) for q in verdict.questions]
-        answered += sum(code != "empty" for _, code in said)
-        codes += [f"{number}:{name} {code}" for name, code in said if code not in ("", "empty")]
+        codes_of = [(q.name, q.diagnosis) for q in verdict.questions]
+        answered += sum(code != "empty" for _, code in codes_of)
+        codes += [f"{number}:{name} {code}" for name, code in codes_of if code not in ("", "empty")]
         remarks += [f"{number}: {note}" for note in verdict.notes]
         # A person decides on these; until then they cost no points.
         worth -= sum(verdict[name].points for name in verdict.unread)
@@ -432,8 +432,8 @@ def _rows_of(table: Path, numbers: Sequence[str]) -> dict[str, Mapping[str, str]
     try:
         if table.suffix == ".json":
             data = read_json_text(read_text(table), table.name)
-            found = data["rows"] if isinstance(data, dict) else []
-            rows = [{str(key): _as_text(key, x) for key, x in row.items()} for row in found]
+            entries = data["rows"] if isinstance(data, dict) else []
+            rows = [{str(key): _as_text(key, x) for key, x in row.items()} for row in entries]
         else:
             with table.open(encoding="utf-8-sig", newline="") as file:
                 rows = list(csv.DictReader(file))

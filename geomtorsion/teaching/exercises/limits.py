@@ -125,9 +125,9 @@ def _power(terms: int, n: int) -> int:
 
 def _multiples(angle: sympy.Expr) -> int:
     """Terms of the cosine of a sum of multiples of angles."""
-    found = 1
+    count = 1
     for term in sympy.Add.make_args(angle):
         factor = abs(term.as_coeff_Mul()[0])
         size = int(max(factor.p, factor.q)) if factor.is_Rational else 1
-        found = min(2 * found * (size // 2 + 1), 10**12)
-    return found // 2 if found > 1 else 1
+        count = min(2 * count * (size // 2 + 1), 10**12)
+    return count // 2 if count > 1 else 1

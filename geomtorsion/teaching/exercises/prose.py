@@ -88,8 +88,8 @@ def text_of(markdown: str) -> str:
     def words(part: str) -> str:
         return _BOLD.sub(r"\1", _CODE.sub(r"\1", part))
 
-    found = _with_formulas(markdown, formula, words)
-    return re.sub(r"\n{3,}", "\n\n", re.sub(r" +$|^ (?=\w)", "", found, flags=re.MULTILINE)).strip()
+    plain = _with_formulas(markdown, formula, words)
+    return re.sub(r"\n{3,}", "\n\n", re.sub(r" +$|^ (?=\w)", "", plain, flags=re.MULTILINE)).strip()
 
 
 def latex_of(markdown: str) -> str:
@@ -105,8 +105,8 @@ def latex_of(markdown: str) -> str:
         return rf"\[{match[1]}\]" if match[1] else match[0]
 
     def words(part: str) -> str:
-        found = _CODE.sub(r"\\texttt{\1}", _BOLD.sub(r"\\textbf{\1}", part.translate(_LATEX)))
-        return re.sub(r"^- ", r"\\par -- ", found, flags=re.MULTILINE)
+        latex = _CODE.sub(r"\\texttt{\1}", _BOLD.sub(r"\\textbf{\1}", part.translate(_LATEX)))
+        return re.sub(r"^- ", r"\\par -- ", latex, flags=re.MULTILINE)
 
     return _with_formulas(markdown.strip(), formula, words)
 
@@ -115,16 +115,16 @@ def _with_formulas(
     text: str, formula: Callable[[re.Match[str]], str], words: Callable[[str], str]
 ) -> str:
     """Formulas by one rule, the text between them by another."""
-    found, place = [], 0
+    pieces, place = [], 0
     # Bold marks may enclose a formula: they are handled with placeholders for the formulas.
     formulas: list[str] = []
     for match in _FORMULA.finditer(text):
-        found.append(text[place : match.start()])
+        pieces.append(text[place : match.start()])
         formulas.append(formula(match))
-        found.append(f"\0{len(formulas) - 1}\0")
+        pieces.append(f"\0{len(formulas) - 1}\0")
         place = match.end()
-    found.append(text[place:])
-    whole = words("".join(found))
+    pieces.append(text[place:])
+    whole = words("".join(pieces))
     return re.sub(r"\0([0-9]+)\0", lambda match: formulas[int(match[1])], whole)
 
 
@@ -162,13 +162,13 @@ def lines_of(latex: str) -> list[str]:
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     rows = ["  ".join(x.ljust(w) for x, w in zip(row, widths, strict=True)) for row in cells]
     last, middle = len(rows) - 1, len(rows) // 2
-    found = []
+    lines = []
     for k, row in enumerate(rows):
         left = "(" if not last else "/" if k == 0 else "\\" if k == last else "|"
         right = ")" if not last else "\\" if k == 0 else "/" if k == last else "|"
         lead = before if k == middle else " " * len(before)
-        found.append(f"{lead}{left} {row} {right}{after if k == middle else ''}")
-    return found
+        lines.append(f"{lead}{left} {row} {right}{after if k == middle else ''}")
+    return lines
 
 
 @dataclass(frozen=True)

@@ -152,18 +152,18 @@ def _generic(question: Question) -> Iterator[Mistake]:
     if question.kind == "choice":
         return
     right = question.solution
-    wanted = question.generic
+    codes = question.generic
     if question.unit in ANGLES:
         for turned in (degrees, radians):
             yield Mistake("degrees", {key: turned(float(x)) for key, x in right.items()})
-    if "sign" in wanted:
+    if "sign" in codes:
         yield Mistake("sign", scaled(right, -1))
-    if "factor" in wanted:
+    if "factor" in codes:
         yield Mistake("factor", scaled(right, 2))
         yield Mistake("factor", scaled(right, HALF))
-    if {"sign", "factor"} <= set(wanted):
+    if {"sign", "factor"} <= set(codes):
         yield from (Mistake("factor", scaled(right, x), BOTH) for x in (-2, -HALF))
-    if "permuted" in wanted and question.kind == "components":
+    if "permuted" in codes and question.kind == "components":
         yield from (Mistake("permuted", value) for value in permuted(right, question.shape))
 
 
@@ -228,8 +228,8 @@ def how_to_answer(question: Question, *, options: bool = True) -> str:
     """
     text = ASKED[question.kind]
     if question.kind == "choice":
-        said = (f"`{k}`" + f" ({x})" * options for k, x in question.options.items())
-        return f"{text} {', '.join(said)}"
+        choices = (f"`{k}`" + f" ({x})" * options for k, x in question.options.items())
+        return f"{text} {', '.join(choices)}"
     if question.kind == "number":
         if question.shape:
             text = f"{question.shape[0]} numbers `[x, y, ...]`"

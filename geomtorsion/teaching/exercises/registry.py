@@ -105,9 +105,9 @@ def load(number: str, seed: int = 0) -> Exercise:
     ('The legs of a coframe', 7)
     """
     seed = count(seed, "seed (which variant)", UnknownNameError, 0, MOST.seed)
-    for known, module, title, level in EXERCISES:
-        if known == number:
-            return _loaded(known, module, title, level, seed)
+    for key, module, title, level in EXERCISES:
+        if key == number:
+            return _loaded(key, module, title, level, seed)
     near = close_names(str(number)[:20], names(), 3, 0.6)
     hint = f" Did you mean {' or '.join(near)}?" if near else ""
     raise UnknownNameError(

@@ -120,10 +120,10 @@ def write_sheet(
     """
     titles = dict(CHAPTERS)
     if not isinstance(chapter, str) or chapter not in titles:
-        known = ", ".join(f"{number} ({name})" for number, name in CHAPTERS)
+        chapters = ", ".join(f"{number} ({name})" for number, name in CHAPTERS)
         raise UnknownNameError(
             f"expected the number of a chapter, got {checks.shown(chapter)}. The chapters are "
-            f"{known}."
+            f"{chapters}."
         )
     title = titles[chapter]
     exercises = [load(number, seed) for number in names() if number.startswith(f"{chapter}.")]
@@ -217,8 +217,8 @@ def _solution(question: Question) -> str:
     rows = []
     for mistake in question.mistakes[: MOST.mistakes]:
         text = mistake.message or message_of(mistake.code, question.remarks)
-        given = escape(_short(answer_text(question, mistake.value)))
-        rows.append(f"<li>{escape(TITLES[mistake.code])}: <code>{given}</code>{html_of(text)}</li>")
+        typed = escape(_short(answer_text(question, mistake.value)))
+        rows.append(f"<li>{escape(TITLES[mistake.code])}: <code>{typed}</code>{html_of(text)}</li>")
     table = (
         "<details><summary>Mistakes that are recognised</summary>"
         f'<ul class="mistakes">{"".join(rows)}</ul></details>'

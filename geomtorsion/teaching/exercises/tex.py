@@ -29,11 +29,11 @@ def symbols(frame: Frame) -> str:
 
 def forms(frame: Frame) -> str:
     """The one-forms of a frame, each as a sum of differentials."""
-    found = []
+    lines = []
     for i in range(frame.dimension):
         pairs = [(frame.coframe[i, mu], x) for mu, x in enumerate(frame.coordinates)]
-        found.append(f"e^{{{i + 1}}} = {_sum(pairs)}")
-    return r",\quad ".join(found)
+        lines.append(f"e^{{{i + 1}}} = {_sum(pairs)}")
+    return r",\quad ".join(lines)
 
 
 def _sum(pairs: Sequence[tuple[sympy.Expr, sympy.Symbol]]) -> str:

@@ -37,8 +37,8 @@ def tidy(expr: sp.Expr) -> sp.Expr:
 
 def nonzero(table: Mapping[tuple[int, ...], sp.Expr]) -> Table:
     """The nonzero components, simplified."""
-    found = {key: tidy(value) for key, value in table.items()}
-    return {key: value for key, value in found.items() if value != 0}
+    components = {key: tidy(value) for key, value in table.items()}
+    return {key: value for key, value in components.items() if value != 0}
 
 
 @lru_cache(maxsize=256)
@@ -79,12 +79,12 @@ def curls(frame: Frame) -> Table:
 def anholonomy(frame: Frame) -> Table:
     """C_ij^k = E_i^a E_j^b (d_a e^k_b - d_b e^k_a), the torsion 2S in the frame."""
     inverse, n = legs(frame), range(frame.dimension)
-    found: Table = {}
+    components: Table = {}
     for i, j in combinations(n, 2):
         for (a, b, k), value in curls(frame).items():
             pair = inverse[a, i] * inverse[b, j] - inverse[b, i] * inverse[a, j]
-            found[i, j, k] = found.get((i, j, k), sp.S.Zero) + pair * value
-    half = nonzero(found)
+            components[i, j, k] = components.get((i, j, k), sp.S.Zero) + pair * value
+    half = nonzero(components)
     return half | {(j, i, k): -value for (i, j, k), value in half.items()}
 
 
@@ -142,10 +142,10 @@ def group_ricci(constants: Mapping[tuple[int, ...], sp.Expr], n: int) -> sp.Matr
 
 def quadratic_form(table: Mapping[tuple[int, ...], sp.Expr], rates: Sequence[sp.Symbol]) -> Table:
     """t_ab^c q'^a q'^b for each c."""
-    found: Table = {}
+    components: Table = {}
     for (a, b, c), value in table.items():
-        found[c,] = found.get((c,), sp.S.Zero) + value * rates[a] * rates[b]
-    return found
+        components[c,] = components.get((c,), sp.S.Zero) + value * rates[a] * rates[b]
+    return components
 
 
 def cross(one: Iterable[sp.Expr], two: Iterable[sp.Expr]) -> list[sp.Expr]:

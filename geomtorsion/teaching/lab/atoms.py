@@ -92,9 +92,9 @@ def closure(name: str, path: Sequence[int]) -> list[int]:
     >>> closure("no dislocation", [0, 1, 18, 17])
     [0, 0]
     """
-    made = crystal(name)
-    bonds = np.array(made["bonds"])
-    labels = Cochain.of_edges(bonds[:, :2], bonds[:, 2:], labels=range(len(made["atoms"])))
+    data = crystal(name)
+    bonds = np.array(data["bonds"])
+    labels = Cochain.of_edges(bonds[:, :2], bonds[:, 2:], labels=range(len(data["atoms"])))
     return labels.around(list(path)).vector.tolist()
 
 

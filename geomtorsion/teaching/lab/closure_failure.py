@@ -86,7 +86,7 @@ def _around_the_axis(
     begin = centre[1]
     curve = [sp.Rational(radius), sp.Rational(begin) + s, *map(sp.Rational, centre[2:])]
     loop = Loop.parametric(curve, s, (0, 2 * sp.pi), periods={1: 2 * sp.pi})
-    found = develop(cartan(frame), loop, parameters=values)
+    motion = develop(cartan(frame), loop, parameters=values)
     angles = begin + np.linspace(0, 2 * np.pi, PAGE.samples)
     names = [symbol.name for symbol in (*frame.coordinates, *frame.parameters)]
     legs = graph(names, [frame.coframe[i, 1] for i in range(len(centre))]).numpy()
@@ -94,16 +94,16 @@ def _around_the_axis(
     rates = [np.broadcast_to(row, PAGE.samples) for row in legs(*place)]
     image = scipy.integrate.cumulative_simpson(rates, x=angles, initial=0)
     circle = radius * np.array([np.cos(angles), np.sin(angles)])
-    closed = bool(np.hypot(*found.burgers[:2]) <= found.error)
-    turn = found.angle
+    closed = bool(np.hypot(*motion.burgers[:2]) <= motion.error)
+    turn = motion.angle
     text = (
         f"The legs come back turned by {turn:.6g} rad, the Frank vector of the line. The line is a "
         "disclination, and b depends on the start of the loop."
-        if abs(turn) > found.turn_error + found.error
+        if abs(turn) > motion.turn_error + motion.error
         else "The legs come back unchanged, and b = 0 for circles around the axis. The torsion "
         "around the axis is not zero, so other loops can have b ≠ 0."
     )
-    rows = [[f"b{raised(k)}", shown(x, found.error)] for k, x in enumerate(found.burgers)]
+    rows = [[f"b{raised(k)}", shown(x, motion.error)] for k, x in enumerate(motion.burgers)]
     return {
         "pictures": [
             _loop(circle, "The loop around the axis: it closes", ("r cos φ", "r sin φ"), "axis"),
@@ -111,9 +111,9 @@ def _around_the_axis(
         ],
         "table": table(("", "b"), rows, "Burgers vector b at the start of the loop"),
         "sentence": text,
-        "b": found.burgers.tolist(),
+        "b": motion.burgers.tolist(),
         "expected": [0.0] * len(centre),
-        "error": float(found.error),
+        "error": float(motion.error),
     }
 
 

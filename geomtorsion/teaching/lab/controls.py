@@ -47,16 +47,16 @@ def tabs(mo: ModuleType, query: Query) -> ui.tabs:
 
 def course(mo: ModuleType, query: Query) -> ui.slider:
     """A slider for the course of a ship."""
-    [wanted] = query.numbers("course", [COURSES], [PAGE.course])
+    [angle] = query.numbers("course", [COURSES], [PAGE.course])
     label = "course in degrees from north to east"
-    return mo.ui.slider(*COURSES, 5, value=round(wanted / 5) * 5, label=label, show_value=True)
+    return mo.ui.slider(*COURSES, 5, value=round(angle / 5) * 5, label=label, show_value=True)
 
 
 def spaces(mo: ModuleType, chosen: str, query: Query, key: str) -> ui.dropdown:
     """A list of the spaces that can be drawn."""
     options = drawable()
-    wanted = query.one_of(key, list(options.values()), chosen)
-    [first] = [title for title, name in options.items() if name == wanted]
+    space = query.one_of(key, list(options.values()), chosen)
+    [first] = [title for title, name in options.items() if name == space]
     return mo.ui.dropdown(options, value=first, label="space")
 
 
@@ -78,12 +78,12 @@ def with_unit(name: str) -> str:
 def place(mo: ModuleType, info: Json, query: Query) -> ui.dictionary:
     """A list of the planes of two coordinates, and a slider for each coordinate of a centre."""
     options = {_plane_text(info, pair): pair for pair in info["planes"]}
-    wanted = query.one_of("plane", list(options), next(iter(options)))
+    plane = query.one_of("plane", list(options), next(iter(options)))
     ranges = [(low, high) for low, high, _ in info["loop_ranges"]]
     usual = [_between(x, *ends) for x, ends in zip(info["loop_centre"], ranges, strict=True)]
     at = query.numbers("centre", ranges, usual)
     return mo.ui.dictionary(
-        {"plane": mo.ui.dropdown(options, value=wanted, label="plane")}
+        {"plane": mo.ui.dropdown(options, value=plane, label="plane")}
         | {
             name: mo.ui.slider(low, high, step, value=x, label=with_unit(name), show_value=True)
             for name, (low, high, step), x in zip(
@@ -104,8 +104,8 @@ def _between(value: float, low: float, high: float) -> float:
 
 def radius(mo: ModuleType, query: Query) -> ui.slider:
     """A slider for the radius of a circle, tiny ones included."""
-    wanted = query.one_of("radius", [f"{x:g}" for x in RADII], f"{PAGE.radius:g}")
-    return mo.ui.slider(steps=list(RADII), value=float(wanted), label="radius", show_value=True)
+    text = query.one_of("radius", [f"{x:g}" for x in RADII], f"{PAGE.radius:g}")
+    return mo.ui.slider(steps=list(RADII), value=float(text), label="radius", show_value=True)
 
 
 def loop_case(info: Json, place: Json, size: float) -> Json:
@@ -137,15 +137,15 @@ def upload(mo: ModuleType) -> ui.file:
 
 def map_settings(mo: ModuleType, facts: Json) -> ui.dictionary:
     """How a file of orientations is read: grains, the phase that is shown, its symmetry."""
-    known = facts.get("settings") or {}
-    if not known:
+    settings = facts.get("settings") or {}
+    if not settings:
         return mo.ui.dictionary({})
-    phases = {"all": 0} | {f"{number}: {name}": number for number, name in known["phases"]}
-    groups = {AS_IN_FILE: ""} | {name: name for name in known["groups"]}
+    phases = {"all": 0} | {f"{number}: {name}": number for number, name in settings["phases"]}
+    groups = {AS_IN_FILE: ""} | {name: name for name in settings["groups"]}
     return mo.ui.dictionary(
         {
             "threshold": mo.ui.slider(
-                steps=list(THRESHOLDS), value=known["threshold"], show_value=True,
+                steps=list(THRESHOLDS), value=settings["threshold"], show_value=True,
                 label="least angle between grains in degrees",
             ),
             "phase": mo.ui.dropdown(phases, value="all", label="shown phase"),
@@ -303,8 +303,8 @@ def case_kind(mo: ModuleType, query: Query) -> ui.radio:
         "the shortest path": "shortest",
         "the top": "top",
     }
-    wanted = query.one_of("measure", list(options.values()), "loop")
-    [first] = [title for title, kind in options.items() if kind == wanted]
+    case = query.one_of("measure", list(options.values()), "loop")
+    [first] = [title for title, kind in options.items() if kind == case]
     return mo.ui.radio(options, value=first, label="measure", inline=True)
 
 

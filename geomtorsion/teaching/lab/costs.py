@@ -67,9 +67,9 @@ def _of_loop(space: str, centre: Sequence[float], radius: float, plane: Sequence
         )
     loop = Loop.circle([float(x) for x in centre], float(radius), (first, second))
     values = dict(first_motion(frame).parameters)
-    found = loop_costs(frame, loop, parameters=values, rules=_RULES, points=_POINTS)
-    rows = [[row.rule, row.asked, row.error, row.seconds] for row in found.rows]
-    best = found.cheapest(1e-12)
+    cost_table = loop_costs(frame, loop, parameters=values, rules=_RULES, points=_POINTS)
+    rows = [[row.rule, row.asked, row.error, row.seconds] for row in cost_table.rows]
+    best = cost_table.cheapest(1e-12)
     advice = (
         f"Take {best.rule}: its error is {size_text(best.error, 0)}, after {_time(best.seconds)}."
         if best
@@ -90,8 +90,8 @@ def _of_motion(
         space_of(space), frame_velocity=list(velocity), t=float(t), moments=moments
     )
     name = "autoparallel" if kind == "straightest" else "geodesic"
-    found = accuracy_cost(problems[name], last)
-    return _of_table(f"The {kind} path in {space}, to t = {number(last)}", found)
+    cost_table = accuracy_cost(problems[name], last)
+    return _of_table(f"The {kind} path in {space}, to t = {number(last)}", cost_table)
 
 
 def _of_top(

@@ -18,15 +18,15 @@ def exercises(mo: ModuleType, listing: Json, query: Query) -> ui.dropdown:
     """A list of all exercises."""
     every = {k: v for chapter in listing.get("chapters", {}).values() for k, v in chapter.items()}
     options = {f"{number} {title}": number for number, title in every.items()}
-    wanted = query.one_of("exercise", list(options.values()), next(iter(options.values()), None))
-    first = next((title for title, number in options.items() if number == wanted), None)
+    chosen = query.one_of("exercise", list(options.values()), next(iter(options.values()), None))
+    first = next((title for title, number in options.items() if number == chosen), None)
     return mo.ui.dropdown(options, value=first, label="exercise")
 
 
 def seed(mo: ModuleType, query: Query) -> ui.number:
     """A field for the variant."""
-    [wanted] = query.numbers("variant", [(0, MOST.seed)], [0])
-    return mo.ui.number(0, MOST.seed, 1, value=int(wanted), label="variant")
+    [number] = query.numbers("variant", [(0, MOST.seed)], [0])
+    return mo.ui.number(0, MOST.seed, 1, value=int(number), label="variant")
 
 
 def variant(typed: float | None) -> float:

@@ -70,10 +70,10 @@ def write_pages(
     pictures and move sliders. Writing starts after all computations.
     """
     directory = checks.file_name(directory, "directory")
-    made = pages(progress)
+    contents = pages(progress)
     paths = []
     with written(directory, is_folder=True) as target:
-        for name, html in made.items():
+        for name, html in contents.items():
             paths.append(target / name)
             paths[-1].write_text(html, "utf-8")
     return tuple(paths)
@@ -85,10 +85,10 @@ def pages(progress: Progress = lambda _: None) -> dict[str, str]:
         views.COMPASS: compass, views.LOOPS: loops, views.PATHS: curves, views.TOP: tops,
         views.COSTS: cost_tables, views.TETRAD: tetrads, views.EXERCISES: exercises,
     }  # fmt: skip
-    found = {}
+    contents = {}
     for tab, maker in makers.items():
         progress(tab)
-        found[_file(tab)] = _page(tab, f"{views.intro(tab, still=True)}{maker()}")
+        contents[_file(tab)] = _page(tab, f"{views.intro(tab, still=True)}{maker()}")
     links = "".join(
         f'<li><a href="{_file(tab)}">{escape(tab)}</a>: {escape(text)}</li>'
         for tab, text in views.TABS.items()
@@ -96,7 +96,7 @@ def pages(progress: Progress = lambda _: None) -> dict[str, str]:
     note = (
         "<p>Made by geomtorsion; <code>geomtorsion lab</code> serves these pages with controls.</p>"
     )
-    return {"index.html": _page("Torsion lab", f"<ul>{links}</ul>{note}"), **found}
+    return {"index.html": _page("Torsion lab", f"<ul>{links}</ul>{note}"), **contents}
 
 
 def _file(tab: str) -> str:
@@ -138,18 +138,18 @@ def tetrads() -> str:
     """Some tetrads with their geometry."""
     parts = []
     for name in TETRADS:
-        known = space_info(name)
+        facts = space_info(name)
         reply = task("tetrad")(
-            coordinates=", ".join(known["coordinates"]),
-            parameters=", ".join(known["parameters"]),
-            entries=known["coframe"],
-            signature=known["signature"],
+            coordinates=", ".join(facts["coordinates"]),
+            parameters=", ".join(facts["parameters"]),
+            entries=facts["coframe"],
+            signature=facts["signature"],
         )
-        story = f"<p>{escape(known['story'])}</p>"
+        story = f"<p>{escape(facts['story'])}</p>"
         opened = " open" if name == TETRADS[0] else ""
         parts.append(
             f'<details{opened} id="{name}"><summary><strong>{escape(name)}: '
-            f"{escape(known['title'])}</strong></summary>{story}{_forms(known)}"
+            f"{escape(facts['title'])}</strong></summary>{story}{_forms(facts)}"
             f"{_nameless(views.tetrad(reply))}</details>"
         )
     return "".join(parts)
@@ -172,15 +172,15 @@ def loops() -> str:
     """Loops of several radii, behind a slider."""
     parts = []
     for name in LOOPS:
-        known = space_info(name)
+        facts = space_info(name)
         slides = []
         for radius in RADII:
-            plane = known["planes"][0]
-            reply = task("loop")(space=name, centre=known["start"], radius=radius, plane=plane)
+            plane = facts["planes"][0]
+            reply = task("loop")(space=name, centre=facts["start"], radius=radius, plane=plane)
             shown = _nameless(views.loop(reply) + views.loop_below(reply))
             slides.append(f"<section><h3>radius {radius:g}</h3>{shown}</section>")
         parts.append(
-            f"<h2>{escape(name)}: {escape(known['title'])}</h2><label>radius "
+            f"<h2>{escape(name)}: {escape(facts['title'])}</h2><label>radius "
             f'<input type="range" data-slides="loops-{name}" min="0" max="{len(RADII) - 1}" '
             f'value="4"></label><div id="loops-{name}">{"".join(slides)}</div>'
         )
@@ -192,13 +192,13 @@ def curves() -> str:
     """The straightest and the shortest curve in some spaces."""
     parts = []
     for name, moments in PATHS:
-        known = space_info(name)
-        speeds = {f"u{k}": value for k, value in enumerate(known["velocity"])} | {"t": known["t"]}
+        facts = space_info(name)
+        speeds = {f"u{k}": value for k, value in enumerate(facts["velocity"])} | {"t": facts["t"]}
         inertia = {f"I{k}": value for k, value in enumerate(moments)}
         reply = task("paths")(**path_case(name, speeds | inertia))
         with_moments = f", moments of inertia {moments}" if moments else ""
         shown = _nameless(views.paths(reply) + views.paths_below(reply))
-        title = f"{name}: {known['title']}{with_moments}"
+        title = f"{name}: {facts['title']}{with_moments}"
         parts.append(f"<h2>{escape(title)}</h2>{shown}")
     return "".join(parts)
 
@@ -215,9 +215,9 @@ def tops() -> str:
 
 def cost_tables() -> str:
     """Error against time, measured while the page was written."""
-    known = space_info("so3")
-    loop = {"space": "so3", "centre": known["start"], "radius": 0.3, "plane": known["planes"][0]}
-    path = {"space": "so3", "velocity": known["velocity"], "t": known["t"], "moments": [1, 2, 3]}
+    facts = space_info("so3")
+    loop = {"space": "so3", "centre": facts["start"], "radius": 0.3, "plane": facts["planes"][0]}
+    path = {"space": "so3", "velocity": facts["velocity"], "t": facts["t"], "moments": [1, 2, 3]}
     replies = [
         task("costs")(kind="loop", case=loop),
         task("costs")(kind="shortest", case=path),

@@ -55,27 +55,27 @@ def map_facts(
     title = title_of(name)
     problem = ""
     try:
-        found = _read(content, title, threshold, phase, laue)
+        upload = _read(content, title, threshold, phase, laue)
     except FileFormatError as error:
         # The file may be readable if some symmetry is assumed for its phases.
         if laue or "its symmetry is not known" not in str(error):
             raise
-        found = _read(content, title, threshold, 0, "-1")
+        upload = _read(content, title, threshold, 0, "-1")
         problem = f"{str(error).partition(' Give it')[0]} Choose a Laue group below."
-    layout = found.layout
+    layout = upload.layout
     most = min(layout.shape) - 1
     facts = {
-        "sentence": f"{title} is {found.description}.",
+        "sentence": f"{title} is {upload.description}.",
         "unit": layout.unit,
         "shape": list(layout.shape),
         "starts": list(layout.starts),
         "steps": list(layout.steps),
         "names": list(layout.names),
         "middle": [n // 2 for n in layout.shape],
-        "side": max(found.least, min(layout.shape) // PAGE.parts),
-        "least": found.least,
+        "side": max(upload.least, min(layout.shape) // PAGE.parts),
+        "least": upload.least,
         "most": most,
-        "settings": found.settings,
+        "settings": upload.settings,
     }
     return facts | {"problem": problem} if problem else facts
 
@@ -118,11 +118,11 @@ def map_circuit(
     >>> [round(x, 9) for x in found["b"]]
     [9.0]
     """
-    found = _read(content, title_of(name), threshold, phase, laue)
+    upload = _read(content, title_of(name), threshold, phase, laue)
     corner = [int(k) - int(side) // 2 for k in centre]
-    reply: dict[str, object] = {"picture": _picture(found, found.picture(side), corner, side)}
+    reply: dict[str, object] = {"picture": _picture(upload, upload.picture(side), corner, side)}
     try:
-        return {**reply, **found.circuit(corner, side)}
+        return {**reply, **upload.circuit(corner, side)}
     except GeomtorsionError as error:
         return {**reply, "refused": str(error)}
 

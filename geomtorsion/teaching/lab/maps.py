@@ -105,12 +105,12 @@ class UploadedFrame:
     @property
     def description(self) -> str:
         """Its nodes, its noise, its holes."""
-        found = self.frame
-        noise = "unknown" if found.sigma is None else found.sigma_source
-        holes = f"; holes: {len(found.holes)}" if found.holes else ""
-        sizes = " × ".join(str(len(axis)) for axis in found.axes)
+        samples = self.frame
+        noise = "unknown" if samples.sigma is None else samples.sigma_source
+        holes = f"; holes: {len(samples.holes)}" if samples.holes else ""
+        sizes = " × ".join(str(len(axis)) for axis in samples.axes)
         what = f"a sampled frame of {sizes} nodes; noise: {noise}{holes}"
-        more = "; circuits are in the middle of its other axes" if len(found.axes) > 2 else ""
+        more = "; circuits are in the middle of its other axes" if len(samples.axes) > 2 else ""
         return what + more
 
     @property
@@ -121,24 +121,24 @@ class UploadedFrame:
     def picture(self, side: int) -> MapPicture:
         """|b| per area, in the middle of the other axes."""
         cells = self.frame.burgers_map(side)
-        others = tuple(len(axis) // 2 for axis in self.frame.axes[2:])
-        density = cells.per_area[(slice(None), slice(None), *others)]
+        middle = tuple(len(axis) // 2 for axis in self.frame.axes[2:])
+        density = cells.per_area[(slice(None), slice(None), *middle)]
         return _dense(density, self.layout, side, self.frame.vector_unit)
 
     def circuit(self, corner: Sequence[int], side: int) -> Json:
         """From x to y."""
-        found = self.frame
-        axes = zip(found.axes, found.steps, corner, strict=False)
+        samples = self.frame
+        axes = zip(samples.axes, samples.steps, corner, strict=False)
         low = [float(a[0]) + h * k for a, h, k in axes]
-        high = [a + h * side for a, h in zip(low, found.steps, strict=False)]
+        high = [a + h * side for a, h in zip(low, samples.steps, strict=False)]
         (x0, x1), (y0, y1) = (sorted(pair) for pair in zip(low, high, strict=True))
-        rest = [float(axis[len(axis) // 2]) for axis in found.axes[2:]]
+        rest = [float(axis[len(axis) // 2]) for axis in samples.axes[2:]]
         corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
-        b = found.burgers(Loop.polygon([[*point, *rest] for point in corners], name="square"))
-        remark = "" if found.sigma is not None else "The noise of this map is unknown."
-        other = b.systematic_error
-        heads = [f"b{raised(k)}" for k in range(found.rows)]
-        return _answer(b.vector, b.sigmas, heads, other, b.unit, b.significance, remark, side)
+        b = samples.burgers(Loop.polygon([[*point, *rest] for point in corners], name="square"))
+        remark = "" if samples.sigma is not None else "The noise of this map is unknown."
+        error = b.systematic_error
+        heads = [f"b{raised(k)}" for k in range(samples.rows)]
+        return _answer(b.vector, b.sigmas, heads, error, b.unit, b.significance, remark, side)
 
 
 @dataclass(frozen=True)
@@ -243,9 +243,9 @@ class UploadedImage:
         low, high = np.percentile(means, [1, 99])
         share = np.clip((means - low) / ((high - low) or 1.0), 0, 1)
         grey = np.rint(255 * share).astype(np.uint8)
-        found = np.repeat(grey[..., None], 3, axis=2)
-        found[touched] = found[touched] // 2 + np.array([127, 40, 30], np.uint8)
-        return found
+        colours = np.repeat(grey[..., None], 3, axis=2)
+        colours[touched] = colours[touched] // 2 + np.array([127, 40, 30], np.uint8)
+        return colours
 
     def picture(self, side: int) -> MapPicture:
         """The image itself."""
@@ -336,9 +336,9 @@ def _answer(
         alone = len(vector) ** 0.5
         times = number(float(f"{significance:.3g}"))
         text += f". |b| is {times} times its error; pure noise would give about {alone:.1f} times"
-    other = "–" if interpolation is None else f"{interpolation:.1e}"
+    error = "–" if interpolation is None else f"{interpolation:.1e}"
     rows = [
-        [head, number(float(f"{value:.5g}")), f"{sigma:.1e}", other]
+        [head, number(float(f"{value:.5g}")), f"{sigma:.1e}", error]
         for head, value, sigma in zip(heads, vector.tolist(), noise.tolist(), strict=True)
     ]
     caption = f"Burgers vector of the circuit{f' in {unit}' if unit else ''}"

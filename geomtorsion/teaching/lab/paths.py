@@ -142,7 +142,7 @@ def curves_of(pair: Pair, labels: Mapping[str, str] = LABELS) -> tuple[Curve, ..
 
 def _axes(pair: Pair) -> tuple[Curve, ...]:
     """Traces of two body axes on the unit sphere, for both curves."""
-    found = []
+    curves = []
     for curve, points in pair.coordinates.items():
         assert pair.embedding is not None
         turns = pair.embedding.attitudes(points, pair.parameters)
@@ -150,8 +150,8 @@ def _axes(pair: Pair) -> tuple[Curve, ...]:
             look = STROKES[curve]
             label = LABELS[curve] if axis == 2 else ""
             trace = thinned(turns[:, :, axis].tolist())
-            found.append(Curve(trace, look, label, tip=str(axis + 1)))
-    return tuple(found)
+            curves.append(Curve(trace, look, label, tip=str(axis + 1)))
+    return tuple(curves)
 
 
 def _plane(places: dict[str, np.ndarray], names: Sequence[str], title: str, *, equal: bool) -> str:
@@ -199,9 +199,9 @@ def _table(pair: Pair) -> str:
 
 def _sentence(pair: Pair, largest: float) -> str:
     if pair.coincide:
-        said = f"The straightest and the shortest curve coincide here, to {size_text(largest, 0)}."
+        text = f"The straightest and the shortest curve coincide here, to {size_text(largest, 0)}."
     else:
-        said = f"The straightest and the shortest curve separate by at most {largest:.4g}."
+        text = f"The straightest and the shortest curve separate by at most {largest:.4g}."
     kinds = {"autoparallel": "straightest", "geodesic": "shortest"}
     ends = [f"The {kinds[curve]} curve: {reason}" for curve, reason in pair.stops.items()]
-    return " ".join([said, *ends])
+    return " ".join([text, *ends])

@@ -78,16 +78,16 @@ def statement(number: str, seed: int = 0) -> Json:
     >>> found["title"], [question["name"] for question in found["questions"]], found["hints"]
     ('The legs of a coframe', ['legs'], 3)
     """
-    found = exercises.load(number, seed)
-    asked = [question.prompt for question in found.questions]
+    exercise = exercises.load(number, seed)
+    asked = [question.prompt for question in exercise.questions]
     return {
-        "number": found.number,
-        "title": found.title,
-        "chapter": found.chapter,
-        "level": found.level,
-        "seed": found.seed,
-        "statement": html_of(found.statement),
-        "copy": _copy_button([found.statement, *asked], "statement and questions"),
+        "number": exercise.number,
+        "title": exercise.title,
+        "chapter": exercise.chapter,
+        "level": exercise.level,
+        "seed": exercise.seed,
+        "statement": html_of(exercise.statement),
+        "copy": _copy_button([exercise.statement, *asked], "statement and questions"),
         "questions": [
             {
                 "name": question.name,
@@ -97,9 +97,9 @@ def statement(number: str, seed: int = 0) -> Json:
                 "options": dict(question.options),
                 "how": how(question),
             }
-            for question in found.questions
+            for question in exercise.questions
         ],
-        "hints": len(found.hints),
+        "hints": len(exercise.hints),
     }
 
 
@@ -137,14 +137,14 @@ def answer(number: str, seed: int, answers: Mapping[str, str]) -> Json:
     >>> answer("2.1", 0, {"connection": "2,1,2 = 1/r"})["questions"][0]["diagnosis"]
     'permuted'
     """
-    given = {name: text for name, text in answers.items() if text.strip()}
-    for name, text in given.items():
+    texts = {name: text for name, text in answers.items() if text.strip()}
+    for name, text in texts.items():
         if len(text) > PAGE.answer:
             raise LimitError(
                 f"{name}: expected an answer of at most {PAGE.answer:,} characters, got "
                 f"{len(text):,}. Shorten it: {PAGE.answer:,} are enough for every exercise."
             )
-    verdict = exercises.load(number, seed).check(given)
+    verdict = exercises.load(number, seed).check(texts)
     return {
         "right": verdict.right,
         "earned": verdict.earned,
@@ -162,6 +162,6 @@ def answer(number: str, seed: int, answers: Mapping[str, str]) -> Json:
                 "diagnosis": one.diagnosis,
             }
             for one in verdict.questions
-            if one.name in given
+            if one.name in texts
         ],
     }

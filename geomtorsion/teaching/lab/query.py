@@ -62,29 +62,29 @@ class Query:
 
     def one_of(self, key: str, options: Sequence[T], default: T) -> T:
         """The option whose text is stored."""
-        given = self.texts.get(key)
-        return next((one for one in options if str(one) == given), default)
+        text = self.texts.get(key)
+        return next((one for one in options if str(one) == text), default)
 
     def some_of(self, key: str, options: Sequence[str], default: Sequence[str]) -> list[str]:
         """The stored options, separated by commas."""
         if key not in self.texts:
             return list(default)
-        given = self.texts[key].split(",")
-        return [one for one in options if one in given]
+        words = self.texts[key].split(",")
+        return [one for one in options if one in words]
 
     def numbers(
         self, key: str, ranges: Sequence[tuple[float, float]], default: Sequence[float]
     ) -> list[float]:
         """One number for each range, if all are in their ranges; otherwise the default."""
         try:
-            found = [float(part) for part in self.texts.get(key, "").split(",")]
+            values = [float(part) for part in self.texts.get(key, "").split(",")]
         except ValueError:
             return list(default)
-        fits = len(found) == len(ranges) and all(
+        fits = len(values) == len(ranges) and all(
             math.isfinite(x) and low <= x <= high
-            for x, (low, high) in zip(found, ranges, strict=True)
+            for x, (low, high) in zip(values, ranges, strict=True)
         )
-        return found if fits else list(default)
+        return values if fits else list(default)
 
 
 def numbers_text(values: Sequence[float]) -> str:
@@ -105,8 +105,8 @@ def store(mo: ModuleType, values: Mapping[str, tuple[str, str]]) -> None:
     """
     address = mo.query_params()
     for key, (text, usual) in values.items():
-        wanted = "" if text == usual or len(text) > PAGE.address else text
-        if wanted and address.get(key) != wanted:
-            address.set(key, wanted)
-        elif not wanted and key in address:
+        new_text = "" if text == usual or len(text) > PAGE.address else text
+        if new_text and address.get(key) != new_text:
+            address.set(key, new_text)
+        elif not new_text and key in address:
             address.remove(key)

@@ -477,17 +477,17 @@ def serve(
 def _socket(address: Address) -> socket.socket:
     """A bound socket, so that the port is known before anything is served."""
     family = socket.AF_INET6 if ":" in address.host else socket.AF_INET
-    found = socket.socket(family, socket.SOCK_STREAM)
-    found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    listener = socket.socket(family, socket.SOCK_STREAM)
+    listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
-        found.bind((address.host, address.port))
+        listener.bind((address.host, address.port))
     # A port that exceeds 16 bits raises an OverflowError instead of an OSError.
     except (OSError, OverflowError) as error:
-        found.close()
+        listener.close()
         reason = getattr(error, "strerror", None) or error
         raise LimitError(
             f"{address.host}, port {address.port} cannot be used: {str(reason).rstrip('.')}. "
             "Give another port with --port; --port 0 takes a free port."
         ) from None
-    found.listen(128)
-    return found
+    listener.listen(128)
+    return listener

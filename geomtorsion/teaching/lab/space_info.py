@@ -146,17 +146,17 @@ def is_around_the_axis(space: str, centre: Sequence[object], plane: Sequence[int
 
 def _loop_ranges(name: str, count: int) -> list[list[float]]:
     """Ranges for the centre of a loop, relative to a line; a radius has positive values only."""
-    found = [[-1.0, 1.0, PAGE.step] for _ in range(count)]
+    ranges = [[-1.0, 1.0, PAGE.step] for _ in range(count)]
     if name in POLAR:
-        found[0][0] = 0.0
-    return found
+        ranges[0][0] = 0.0
+    return ranges
 
 
 def _functions(frame: Frame) -> list[str]:
     """Unknown functions in the coframe, with their arguments."""
     n = range(frame.dimension)
-    found = {f for i in n for k in n for f in frame.coframe[i, k].atoms(AppliedUndef)}
-    return sorted(plain_text(function) for function in found)
+    functions = {f for i in n for k in n for f in frame.coframe[i, k].atoms(AppliedUndef)}
+    return sorted(plain_text(function) for function in functions)
 
 
 def _signature(frame: Frame) -> str:
@@ -172,7 +172,7 @@ def _ranges(frame: Frame, start: list[float], values: dict[str, float]) -> list[
     """The range of a slider for each coordinate, both ways, within the domain."""
     point = dict(zip(frame.coordinates, start, strict=True))
     point |= {symbol: values[symbol.name] for symbol in frame.parameters if symbol.name in values}
-    found = []
+    ranges = []
     for symbol, value in zip(frame.coordinates, start, strict=True):
         # The start may be on the boundary of a relation for another coordinate.
         own = [relation for relation in frame.domain if symbol in relation.free_symbols]
@@ -185,8 +185,8 @@ def _ranges(frame: Frame, start: list[float], values: dict[str, float]) -> list[
             ):
                 count += 1
             ends.append(round(value + sign * count * step, 9))
-        found.append([*ends, step])
-    return found
+        ranges.append([*ends, step])
+    return ranges
 
 
 def _inside(

@@ -197,17 +197,17 @@ class TaskRunner:
                 if key in self.replies:
                     self.replies.move_to_end(key)
                     return self.replies[key]
-            found = self.pool.ask(sent, seconds)
+            reply = self.pool.ask(sent, seconds)
         except (LimitError, UnknownNameError) as error:
             return {"problem": str(error)}
         except TimeoutError:
             return {"problem": too_long(f"{seconds:g}")}
         except ChildProcessError:
             return {"problem": BROKEN}
-        if EXCEEDED in found:
-            found = {"problem": too_much(found)}
-        self._keep(request, found)
-        return found
+        if EXCEEDED in reply:
+            reply = {"problem": too_much(reply)}
+        self._keep(request, reply)
+        return reply
 
     def _keep(self, request: Json, reply: Json) -> None:
         """Cache a reply; the oldest replies are dropped when the cache is full."""

@@ -149,7 +149,7 @@ def functions_of(text: str, symbols: Mapping[str, sp.Symbol]) -> dict[str, sp.Ex
     >>> functions_of("a(t), f(t, r)", {"t": t, "r": r})
     {'a': a(t), 'f': f(t, r)}
     """
-    found: dict[str, sp.Expr] = {}
+    functions: dict[str, sp.Expr] = {}
     rest = re.sub(r"[,;\s]+", "", _FUNCTION.sub("", text))
     if rest:
         raise CoordinateError(
@@ -165,14 +165,14 @@ def functions_of(text: str, symbols: Mapping[str, sp.Symbol]) -> dict[str, sp.Ex
                 f"{name[:20]}, got {', '.join(strange)[:40] or 'none'}. Choose from: "
                 f"{', '.join(symbols)}."
             )
-        if name in symbols or name in found:
+        if name in symbols or name in functions:
             raise CoordinateError(
                 f"unknown functions: expected different names for coordinates, parameters and "
                 f"functions, got {name[:20]} twice. Rename one of them."
             )
         [checked] = names_of(name, "unknown functions")
-        found[checked] = sp.Function(checked)(*(symbols[argument] for argument in arguments))
-    return found
+        functions[checked] = sp.Function(checked)(*(symbols[argument] for argument in arguments))
+    return functions
 
 
 def names_of(text: str, what: str = "names") -> list[str]:
@@ -188,15 +188,15 @@ def names_of(text: str, what: str = "names") -> list[str]:
     >>> names_of("t, r theta")
     ['t', 'r', 'theta']
     """
-    found = [name for name in re.split(r"[,\s]+", text.strip()) if name]
-    for name in found:
+    names = [name for name in re.split(r"[,\s]+", text.strip()) if name]
+    for name in names:
         if not _NAME.fullmatch(name) or len(name) > PAGE.name:
             raise CoordinateError(
                 f"{what}: expected names, got {name[:40]!r}. Begin each name with a letter, "
                 f"use at most {PAGE.name} letters and digits, and separate names by commas: r, "
                 "theta, phi1."
             )
-    return found
+    return names
 
 
 def names_like(text: str, most: int) -> list[str]:
@@ -207,10 +207,10 @@ def names_like(text: str, most: int) -> list[str]:
     >>> names_like("r, <b>", 6), names_like("", 6)
     (['r', 'x2'], ['x1'])
     """
-    found = [name for name in re.split(r"[,\s]+", text.strip()) if name][:most] or [""]
+    words = [name for name in re.split(r"[,\s]+", text.strip()) if name][:most] or [""]
     return [
         name if _NAME.fullmatch(name) and len(name) <= PAGE.name else f"x{k}"
-        for k, name in enumerate(found, 1)
+        for k, name in enumerate(words, 1)
     ]
 
 
@@ -286,10 +286,10 @@ def _cards(frame: Frame, show: Sequence[str]) -> str:
     chosen = chosen_quantities(space, [name for name in OFFERED if name in show] or USUAL)
     parts = []
     for heading in ("", *SECTIONS):
-        found = [one for one in chosen if one.entry.section == heading]
-        if found:
+        group = [one for one in chosen if one.entry.section == heading]
+        if group:
             title = f"<h3>{escape(heading)}</h3>" if heading else ""
-            parts.append(title + "".join(map(_card, found)))
+            parts.append(title + "".join(map(_card, group)))
     return "".join(parts)
 
 

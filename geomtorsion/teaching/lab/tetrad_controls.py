@@ -32,8 +32,8 @@ def first_start() -> str:
 def starts(mo: ModuleType, query: Query) -> ui.dropdown:
     """The list of starting points: an empty tetrad or the tetrad of a space."""
     options: Json = {**typable(), **BLANK}
-    wanted = query.one_of("start", list(options.values()), next(iter(options.values())))
-    [first] = [title for title, value in options.items() if value == wanted]
+    start = query.one_of("start", list(options.values()), next(iter(options.values())))
+    [first] = [title for title, value in options.items() if value == start]
     return mo.ui.dropdown(options, value=first, label="start from")
 
 
@@ -117,11 +117,11 @@ def typed(info: Json, query: Query) -> dict[str, str]:
     >>> typed({"coframe": [["1", "0"], ["0", "r"]]}, Query({"coframe": "1|0;0|r^2"}))
     {'0,0': '1', '0,1': '0', '1,0': '0', '1,1': 'r^2'}
     """
-    known = info["coframe"]
+    table = info["coframe"]
     if "coframe" in query.texts:
-        known = [row.split("|") for row in query.texts["coframe"].split(";")]
+        table = [row.split("|") for row in query.texts["coframe"].split(";")]
     size = range(PAGE.dimensions)
-    return {f"{i},{k}": known[i][k] for i in size[: len(known)] for k in size[: len(known[i])]}
+    return {f"{i},{k}": table[i][k] for i in size[: len(table)] for k in size[: len(table[i])]}
 
 
 def coordinates(values: Mapping[str, str]) -> list[str]:
@@ -172,7 +172,7 @@ def rows(values: Mapping[str, str], n: int) -> list[list[str]]:
 
 def offered(mo: ModuleType, query: Query) -> ui.dictionary:
     """Boxes for the quantities that can be shown."""
-    wanted = query.some_of("show", list(OFFERED), USUAL)
+    shown = query.some_of("show", list(OFFERED), USUAL)
     return mo.ui.dictionary(
-        {name: mo.ui.checkbox(value=name in wanted, label=text) for name, text in OFFERED.items()}
+        {name: mo.ui.checkbox(value=name in shown, label=text) for name, text in OFFERED.items()}
     )

@@ -205,15 +205,15 @@ def _compared(result: SceneResult, wrong: SceneResult | None, watch: str) -> str
     """The watched quantity over time; its component with the largest error of the naive law."""
     names, unit = _SHOWN[watch]
     right = result[watch].reshape(len(result.times), -1)
-    other = right if wrong is None else wrong[watch].reshape(right.shape)
-    apart = np.abs(right - other).max(axis=0)
-    k = int((apart if apart.any() else np.ptp(right, axis=0)).argmax())
+    naive = right if wrong is None else wrong[watch].reshape(right.shape)
+    differences = np.abs(right - naive).max(axis=0)
+    k = int((differences if differences.any() else np.ptp(right, axis=0)).argmax())
     label = names[k]
     title = f"{label} over time" + ("" if wrong is None else ", by both laws")
     figure, axes = plane(title, ("t in s", f"{label} in {unit}" if unit else label), height=3.4)
     axes.plot(result.times, right[:, k], **_RIGHT.line, label="right law: L′ + Ω × L = M")
     if wrong is not None:
-        axes.plot(result.times, other[:, k], **_NAIVE.line, label="naive law: L′ = M")
+        axes.plot(result.times, naive[:, k], **_NAIVE.line, label="naive law: L′ = M")
     key(figure, axes)
     return svg(figure)
 
@@ -227,17 +227,17 @@ def _change(values: np.ndarray) -> float:
 def _table(result: SceneResult, wrong: SceneResult | None) -> str:
     """Engine, cost and conserved quantities of each solution."""
     rows = []
-    for name, found in (("right law", result), ("naive law", wrong)):
-        if found is None:
+    for name, motion in (("right law", result), ("naive law", wrong)):
+        if motion is None:
             continue
-        energy = found["energy"]
+        energy = motion["energy"]
         scale = float(abs(energy).max()) or 1.0
         rows.append(
             [
                 name,
-                found.closed_form or found.engine,
-                size_text(found.error, 0),
-                shown(_change(found["angular_momentum_space"]), PAGE.accuracy),
+                motion.closed_form or motion.engine,
+                size_text(motion.error, 0),
+                shown(_change(motion["angular_momentum_space"]), PAGE.accuracy),
                 shown(float(abs(energy - energy[0]).max()) / scale, PAGE.accuracy),
             ]
         )
@@ -255,7 +255,7 @@ def _sentence(result: SceneResult, wrong: SceneResult | None) -> str:
     )
     if wrong is None:
         return f"{right}. With the torsion force there is no naive law to compare with."
-    other = _change(wrong["angular_momentum_space"])
-    if max(change, other) < 1e3 * PAGE.accuracy:
+    naive_change = _change(wrong["angular_momentum_space"])
+    if max(change, naive_change) < 1e3 * PAGE.accuracy:
         return f"{right}. Both laws agree here."
-    return f"{right}. By the naive law it changes by {other:.1%}."
+    return f"{right}. By the naive law it changes by {naive_change:.1%}."

@@ -112,12 +112,12 @@ def read_map(
             if content_kind is IMAGE:
                 return _lattice(path)
             is_map = content_kind is MAP
-            found = _orientations(path, threshold, laue) if is_map else _frame(path)
+            data = _orientations(path, threshold, laue) if is_map else _frame(path)
         except GeomtorsionError as error:
             text = str(error).replace(str(path), title).replace(path.name, title)
             # The error keeps its class: a LimitError stays a LimitError.
             raise type(error)(text) from None
-    shape = found.shape if isinstance(found, OrientationMap) else tuple(map(len, found.axes))
+    shape = data.shape if isinstance(data, OrientationMap) else tuple(map(len, data.axes))
     count = 1
     for length in shape:
         count *= length
@@ -130,7 +130,7 @@ def read_map(
         raise GridError(
             f"{title}: expected a map with at least two axes, got one. Choose another file."
         )
-    return found
+    return data
 
 
 def _lattice(path: Path) -> LatticePhases:
@@ -151,18 +151,18 @@ def _orientations(
 
 def _frame(path: Path) -> SampledFrame:
     """A sampled frame, with its noise, estimated from the data if the file does not state it."""
-    found = SampledFrame.read(path)
-    if found.sigma is not None:
-        return found
+    frame = SampledFrame.read(path)
+    if frame.sigma is not None:
+        return frame
     try:
         return SampledFrame(
-            found.axes, found.coframe, found.order, found.names, mask=found.mask, sigma="estimate",
-            periodic=found.periodic, unit=found.unit, vector_unit=found.vector_unit,
-            source=found.source,
+            frame.axes, frame.coframe, frame.order, frame.names, mask=frame.mask, sigma="estimate",
+            periodic=frame.periodic, unit=frame.unit, vector_unit=frame.vector_unit,
+            source=frame.source,
         )  # fmt: skip
     except GridError:
         # A small map has too few differences; its noise is then unknown.
-        return found
+        return frame
 
 
 def _check_unpacked(content: bytes) -> None:

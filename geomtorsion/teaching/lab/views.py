@@ -420,13 +420,13 @@ def verdict(reply: Json | None) -> str:
     if not reply["questions"]:
         return wrapped('<p class="note">Type an answer first.</p>')
     parts = []
-    for one in reply["questions"]:
-        look, sign = _LOOKS.get(one["state"], ("unread", "?"))
-        read = f'<p class="note">Read as: <code>{escape(one["read_as"])}</code></p>'
+    for row in reply["questions"]:
+        look, sign = _LOOKS.get(row["state"], ("unread", "?"))
+        read = f'<p class="note">Read as: <code>{escape(row["read_as"])}</code></p>'
         parts.append(
-            f'<div class="{look}" role="status"><strong>{escape(one["name"])}: {sign} '
-            f"{escape(one['state'])}</strong>{one['message']}{read * bool(one['read_as'])}"
-            f"{one['copy']}</div>"
+            f'<div class="{look}" role="status"><strong>{escape(row["name"])}: {sign} '
+            f"{escape(row['state'])}</strong>{row['message']}{read * bool(row['read_as'])}"
+            f"{row['copy']}</div>"
         )
     notes = "".join(f'<p class="note">{escape(note)}</p>' for note in reply["notes"])
     points = f"{reply['earned']:.3g} of {reply['points']} points"

@@ -32,8 +32,8 @@ def make(draw: Draw) -> Variant:
 
     @cache
     def vector(loop: Loop) -> dict[tuple[int, ...], sp.Expr]:
-        found = burgers_vector(frame, loop, exact=True).vector
-        return {(k,): value for k, value in enumerate(found)}
+        components = burgers_vector(frame, loop, exact=True).vector
+        return {(k,): value for k, value in enumerate(components)}
 
     return Variant(
         statement=(

@@ -33,8 +33,8 @@ def make(draw: Draw) -> Variant:
     counts = _counts(place, planes, wide, tall)
     # The two sides that differ; first the side that is given in the larger circuit.
     flat = place in ("above", "below")
-    given, asked = (0, 2) if flat else (1, 3)
-    larger = 10 * counts[given]
+    side, asked = (0, 2) if flat else (1, 3)
+    larger = 10 * counts[side]
     sides = ", ".join(f"${n}$ steps {way}" for n, way in zip(counts, WAYS, strict=True))
 
     @cache
@@ -85,7 +85,7 @@ def make(draw: Draw) -> Variant:
                 name="larger",
                 kind="number",
                 prompt=f"A larger circuit around the same line has ${larger}$ steps "
-                f"{WAYS[given]}. How many steps {WAYS[asked]} does it need to return to its start?",
+                f"{WAYS[side]}. How many steps {WAYS[asked]} does it need to return to its start?",
                 answer=needed,
                 errors=lambda: [
                     Mistake(

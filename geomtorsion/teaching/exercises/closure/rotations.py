@@ -77,15 +77,15 @@ def _worked(centre: list[float], radius: float, plane: tuple[int, int]) -> tuple
     """The loop integral as a sum over equal steps, with the coframe written out."""
 
     def total(count: int) -> np.ndarray:
-        found = np.zeros(3)
+        integral = np.zeros(3)
         for s in 2 * np.pi * np.arange(count) / count:
             place, slope = np.array(centre), np.zeros(3)
             place[list(plane)] += radius * np.array([np.cos(s), np.sin(s)])
             slope[list(plane)] = radius * np.array([-np.sin(s), np.cos(s)])
             (s1, s2), (c1, c2) = np.sin(place[:2]), np.cos(place[:2])
             coframe = np.array([[0, s1, -c1 * s2], [0, c1, s1 * s2], [1, 0, c2]])
-            found += coframe @ slope * 2 * np.pi / count
-        return found
+            integral += coframe @ slope * 2 * np.pi / count
+        return integral
 
     one, two = (k + 1 for k in plane)
     sums = {

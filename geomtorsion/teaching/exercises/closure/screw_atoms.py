@@ -116,14 +116,14 @@ def make(draw: Draw) -> Variant:
 
 def _rotations() -> list[sp.Matrix]:
     """The 24 rotations of the cube."""
-    found = []
+    rotations = []
     for order, signs in product(permutations(range(3)), product((1, -1), repeat=3)):
         matrix = sp.zeros(3, 3)
         for row, (column, sign) in enumerate(zip(order, signs, strict=True)):
             matrix[row, column] = sign
         if matrix.det() == 1:
-            found.append(matrix)
-    return found
+            rotations.append(matrix)
+    return rotations
 
 
 def _vector(vector: sp.Matrix) -> str:

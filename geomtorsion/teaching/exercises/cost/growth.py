@@ -42,8 +42,8 @@ def make(draw: Draw) -> Variant:
     @cache
     def deviation(offset: float = 1.0) -> float:
         line = geodesic(frame, [begin, 0.0], frame_velocity=[1.0, 0.0])
-        found = solve(geodesic_deviation(line, [0.0, offset]), [last], 1e-8)
-        return float(found.transported[-1, 1])
+        solution = solve(geodesic_deviation(line, [0.0, offset]), [last], 1e-8)
+        return float(solution.transported[-1, 1])
 
     def factor(f=length) -> float:
         return deviation() * float(f(sp.Float(begin + last)) / f(sp.Float(begin)))

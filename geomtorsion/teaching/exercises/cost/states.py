@@ -32,7 +32,7 @@ def make(draw: Draw) -> Variant:
             kind="number",
             prompt=prompt,
             answer=lambda: states(right, chart),
-            errors=lambda: [Mistake(code, states(p, at), said) for code, p, at, said in wrong],
+            errors=lambda: [Mistake(code, states(p, at), note) for code, p, at, note in wrong],
             tolerance=1e-9,
             generic=(),
         )

@@ -89,7 +89,7 @@ def _worked(frame: Frame) -> tuple[Step, ...]:
     flat, twisted = by_hand.is_flat(frame), bool(by_hand.curls(frame))
     e = matrix_of(frame.coframe)
     metric = (e.T * e).applyfunc(by_hand.tidy).tolist()
-    said = f"Not all forms are closed: $${by_hand.differentials(frame)}.$$"
+    sentence = f"Not all forms are closed: $${by_hand.differentials(frame)}.$$"
     return (
         Step(
             "The legs are parallel everywhere, so every vector that is transported around a loop "
@@ -109,7 +109,7 @@ def _worked(frame: Frame) -> tuple[Step, ...]:
             "zero" if flat else "not zero",
         ),
         Step(
-            (said if twisted else "All forms are closed. ")
+            (sentence if twisted else "All forms are closed. ")
             + r" Since $\mathrm{d}e^k = S_{ij}{}^k\,e^i\wedge e^j$, the torsion "
             + ("does not vanish." if twisted else "vanishes."),
             "torsion",

@@ -117,8 +117,8 @@ class Part:
     @property
     def relations(self) -> tuple[str, ...]:
         """Relations between symbols in every variant."""
-        found = [[_relation(x) for x in question.domain.relations] for question in self.questions]
-        return tuple(x for x in found[0] if all(x in other for other in found))
+        lists = [[_relation(x) for x in question.domain.relations] for question in self.questions]
+        return tuple(x for x in lists[0] if all(x in other for other in lists))
 
     @property
     def zeros(self) -> str:
@@ -227,19 +227,19 @@ class Part:
     @property
     def _sign(self) -> str:
         signs = {"symmetric": "", "antisymmetric": "-"}
-        found = {signs.get(question.symmetry, "none") for question in self.questions}
-        return found.pop() + " " if len(found) == 1 and "none" not in found else ""
+        kinds = {signs.get(question.symmetry, "none") for question in self.questions}
+        return kinds.pop() + " " if len(kinds) == 1 and "none" not in kinds else ""
 
     def _completed(self) -> str:
         """The matrix whose zero components are filled by exchanging the first two indices."""
         # All boxes contain zeros at the start, so a typed zero cannot be distinguished from them.
         # Index names have two letters, since i is the imaginary unit in STACK.
-        n, given, sign = self.shape[0], f"given{self.place}", self._sign.strip()
+        n, matrix, sign = self.shape[0], f"given{self.place}", self._sign.strip()
         if not self._stacked:
-            entry, other = f"{given}[ma,mb]", f"{sign}{given}[mb,ma]"
+            entry, other = f"{matrix}[ma,mb]", f"{sign}{matrix}[mb,ma]"
             rows = f"makelist(makelist(@,mb,1,{n}),ma,1,{n})"
         else:
-            entry, other = f"{given}[{n}*(ma-1)+mb,mc]", f"{sign}{given}[{n}*(mb-1)+ma,mc]"
+            entry, other = f"{matrix}[{n}*(ma-1)+mb,mc]", f"{sign}{matrix}[{n}*(mb-1)+ma,mc]"
             row = f"makelist(@,mc,1,{self.shape[-1]})"
             rows = f"apply(append,makelist(makelist({row},mb,1,{n}),ma,1,{n}))"
         filled = f"if is({entry}=0) then {other} else {entry}"
@@ -266,7 +266,7 @@ class Part:
         """Mistakes in the order of their tests, variants side by side."""
         tables = [_numbered(question) for question in self.questions]
         keys = dict.fromkeys(key for table in tables for key in table)
-        found: list[Slot] = []
+        slots: list[Slot] = []
         for letters, key in zip(_letters(), keys, strict=False):
             mistakes = tuple(table.get(key) for table in tables)
             messages = tuple(
@@ -276,10 +276,10 @@ class Part:
             code, number = key
             note = code.replace(" ", "-") + (f"-{number}" if number > 1 else "")
             tested = None not in mistakes and not any(
-                self._meet(mistakes, before.mistakes) for before in found
+                self._meet(mistakes, before.mistakes) for before in slots
             )
-            found.append(Slot(note, f"w{letters}{self.place}", mistakes, messages, tested))
-        return tuple(found)
+            slots.append(Slot(note, f"w{letters}{self.place}", mistakes, messages, tested))
+        return tuple(slots)
 
     def _meet(self, one: Sequence[Mistake | None], two: Sequence[Mistake | None]) -> bool:
         """Whether two mistakes are the same answer in some variant."""
@@ -298,11 +298,11 @@ def _letters() -> Iterator[str]:
 def _numbered(question: Question) -> dict[tuple[str, int], Mistake]:
     """(code, number among the mistakes with this code) -> mistake."""
     seen: Counter[str] = Counter()
-    found: dict[tuple[str, int], Mistake] = {}
+    numbered: dict[tuple[str, int], Mistake] = {}
     for mistake in question.mistakes:
         seen[mistake.code] += 1
-        found[mistake.code, seen[mistake.code]] = mistake
-    return found
+        numbered[mistake.code, seen[mistake.code]] = mistake
+    return numbered
 
 
 def _has_symmetry(value: Value, sign: int) -> bool:
@@ -329,10 +329,10 @@ def _relation(relation: sympy.core.relational.Relational) -> str:
 
 def parts_of(group: Sequence[Exercise]) -> tuple[Part, ...]:
     """The questions of an exercise, each in all its variants; fields are numbered throughout."""
-    found: list[Part] = []
+    parts: list[Part] = []
     first = 1
     for place, questions in enumerate(zip(*(x.questions for x in group), strict=True), 1):
         part = Part(place, first, questions)
         first += len(part.inputs)
-        found.append(part)
-    return tuple(found)
+        parts.append(part)
+    return tuple(parts)

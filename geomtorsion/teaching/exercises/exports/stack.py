@@ -148,18 +148,18 @@ def _worked(exercise: Exercise) -> str:
 def _inputs(question: ET.Element, part: Part) -> None:
     """The fields of a part."""
     for place, name in enumerate(part.inputs):
-        found = ET.SubElement(question, "input")
-        ET.SubElement(found, "name").text = name
-        ET.SubElement(found, "type").text = part.field
-        ET.SubElement(found, "tans").text = part.shown(part.solution, place)
-        ET.SubElement(found, "boxsize").text = "5" if part.field == "matrix" else "30"
+        field = ET.SubElement(question, "input")
+        ET.SubElement(field, "name").text = name
+        ET.SubElement(field, "type").text = part.field
+        ET.SubElement(field, "tans").text = part.shown(part.solution, place)
+        ET.SubElement(field, "boxsize").text = "5" if part.field == "matrix" else "30"
         own = {"allowwords": ",".join(part.words)}
         if part.field == "matrix":
             own["syntaxhint"] = part.zeros
         if part.field == "dropdown":
             own |= {"mustverify": "0", "showvalidation": "0", "checkanswertype": "0"}
         for tag, value in ({**_INPUT} | own).items():
-            ET.SubElement(found, tag).text = value
+            ET.SubElement(field, tag).text = value
 
 
 def _tree(question: ET.Element, part: Part) -> None:
@@ -170,15 +170,15 @@ def _tree(question: ET.Element, part: Part) -> None:
     ET.SubElement(tree, "autosimplify").text = "1"
     ET.SubElement(tree, "feedbackstyle").text = "1"
     _text(tree, "feedbackvariables", "\n".join(part.feedback_variables()))
-    given = part.given
-    rows = [("right", given, part.solution, part.tolerance, "")]
+    answer = part.given
+    rows = [("right", answer, part.solution, part.tolerance, "")]
     for slot in part.slots:
-        said = _by_variant([html_of(text, tex=True) if text else "" for text in slot.messages])
-        rows.append((slot.note, part.compared(slot), slot.variable, part.tolerance, said))
+        feedback = _by_variant([html_of(text, tex=True) if text else "" for text in slot.messages])
+        rows.append((slot.note, part.compared(slot), slot.variable, part.tolerance, feedback))
     if part.rounding:
-        rows.append(("rounded", given, part.solution, part.rounding, MESSAGES["rounded"]))
+        rows.append(("rounded", answer, part.solution, part.rounding, MESSAGES["rounded"]))
     numbers = [*map(str, range(len(rows))), "-1"]
-    for (note, sans, tans, option, said), (own, following) in zip(
+    for (note, sans, tans, option, feedback), (own, following) in zip(
         rows, pairwise(numbers), strict=True
     ):
         node = ET.SubElement(tree, "node")
@@ -190,7 +190,7 @@ def _tree(question: ET.Element, part: Part) -> None:
         ET.SubElement(node, "testoptions").text = option
         ET.SubElement(node, "quiet").text = "1"
         score = "1" if note == "right" else "0"
-        _branch(node, "true", score, "-1", f"{part.tree}-{note}", said)
+        _branch(node, "true", score, "-1", f"{part.tree}-{note}", feedback)
         _branch(node, "false", "0", following, f"{part.tree}-not-{note}", "")
 
 
@@ -221,9 +221,9 @@ def _test(
     ET.SubElement(test, "description").text = description
     for part, variable in values.items():
         for place, name in enumerate(part.inputs):
-            given = ET.SubElement(test, "testinput")
-            ET.SubElement(given, "name").text = name
-            ET.SubElement(given, "value").text = part.typed(variable, place)
+            field = ET.SubElement(test, "testinput")
+            ET.SubElement(field, "name").text = name
+            ET.SubElement(field, "value").text = part.typed(variable, place)
     for part in values:
         expected = ET.SubElement(test, "expected")
         ET.SubElement(expected, "name").text = part.tree

@@ -67,15 +67,15 @@ def tasks(numbers: Sequence[str] | None, seeds: Sequence[int]) -> tuple[Task, ..
     ArgumentError
         An exercise or a seed is given twice, or none is given.
     """
-    wanted = names() if numbers is None else numbers
-    for subject, given in (("numbers", wanted), ("seeds", seeds)):
-        values = list(checks.entries(given, subject, ArgumentError))
+    chosen = names() if numbers is None else numbers
+    for subject, entries in (("numbers", chosen), ("seeds", seeds)):
+        values = list(checks.entries(entries, subject, ArgumentError))
         if not values or len({str(value) for value in values}) < len(values):
             raise ArgumentError(
-                f"{subject}: expected at least one, and none twice, got {checks.shown(given)}. "
+                f"{subject}: expected at least one, and none twice, got {checks.shown(entries)}. "
                 "List each once."
             )
-    return tuple(Task(tuple(load(number, seed) for seed in seeds)) for number in wanted)
+    return tuple(Task(tuple(load(number, seed) for seed in seeds)) for number in chosen)
 
 
 def feedback(question: Question, mistake: Mistake) -> str:

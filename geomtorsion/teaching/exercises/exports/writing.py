@@ -111,13 +111,13 @@ def export(
     """
     directory = checks.file_name(directory, "directory")
     chosen = FORMATS[checks.choice(to, tuple(FORMATS), "to", ArgumentError)]
-    found = tasks(numbers, chosen.seeds if seeds is None else seeds)
-    for task in found:
+    task_list = tasks(numbers, chosen.seeds if seeds is None else seeds)
+    for task in task_list:
         progress(task.number)
         # The exercise caches them; the files are written immediately afterwards.
         for exercise in task.variants:
             _ = exercise.solution(), exercise.worked if chosen.worked else ()
-    files, note = chosen.make(found)
+    files, note = chosen.make(task_list)
     paths = []
     with written(directory, is_folder=True) as folder:
         for name, content in files.items():

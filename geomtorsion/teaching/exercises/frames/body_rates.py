@@ -22,13 +22,13 @@ def make(draw: Draw) -> Variant:
     times = draw.choice(((1, 1, 1), (2, 1, 1), (1, 2, 1), (1, 1, 2)))
     body = Body(draw.choice(tuple(SHIPPED)), times)
     in_space = draw.choice((False, True))
-    wanted, other = body.frame, body.space_frame
+    asked_frame, other_frame = body.frame, body.space_frame
     if in_space:
-        wanted, other = other, wanted
+        asked_frame, other_frame = other_frame, asked_frame
     rates = [sp.Symbol(f"{symbol}_d", real=True) for symbol in body.angles]
     turns = r"\,".join(rf"R_{axis}({tex.tex(n * angle)})" for axis, angle, n in body.turns)
     axes, confused = ("space", "body") if in_space else ("body", "space")
-    said = ", ".join(f"`{symbol}'`" for symbol in body.angles)
+    names = ", ".join(f"`{symbol}'`" for symbol in body.angles)
     return Variant(
         statement=(
             f"The rotation matrix $R = {turns}$ is the attitude of a body: it maps body components "
@@ -42,17 +42,17 @@ def make(draw: Draw) -> Variant:
                 name="rates",
                 kind="components",
                 prompt="Find the three components of the angular velocity along the "
-                f"**{axes}** axes, linear in the rates {said} of the angles.",
+                f"**{axes}** axes, linear in the rates {names} of the angles.",
                 domain=Domain.of(body.frame, *rates),
-                answer=lambda: applied(wanted, rates),
+                answer=lambda: applied(asked_frame, rates),
                 errors=lambda: [
                     Mistake(
                         "axes",
-                        applied(other, rates),
+                        applied(other_frame, rates),
                         f"These are components along the {confused} axes. The question is about "
                         f"the {axes} axes.",
                     ),
-                    Mistake("inverse", applied(wanted, rates, legs=True)),
+                    Mistake("inverse", applied(asked_frame, rates, legs=True)),
                 ],
                 shape=(3,),
                 label="Omega" if not in_space else "omega",

@@ -25,7 +25,7 @@ def make(draw: Draw) -> Variant:
     push = [sp.Integer(x) for x in draw.choice(vectors())]
     speeds = sp.symbols("V1 V2 V3", real=True)
     turns = omegas()
-    said = (
+    sentence = (
         "No force acts on it."
         if not any(push)
         else "A thruster fixed in the body exerts a force on the centre of mass, with the "
@@ -36,9 +36,9 @@ def make(draw: Draw) -> Variant:
         u = sp.symbols("u1:7")
         energy = sp.Add(*(x**2 / 2 for x in u[:3])) + mass * sp.Add(*(x**2 / 2 for x in u[3:]))
         forces = [0, 0, 0, *(push if force else (0, 0, 0))]
-        found = equations_of_motion(load("r3xso3").frame, energy, forces, principle)
+        motion = equations_of_motion(load("r3xso3").frame, energy, forces, principle)
         table = dict(zip(u, (*turns, *speeds), strict=True))
-        return [value.xreplace(table) for value in found.accelerations[3:]]
+        return [value.xreplace(table) for value in motion.accelerations[3:]]
 
     def expected() -> list[Mistake]:
         cross = rates(force=False)
@@ -68,7 +68,7 @@ def make(draw: Draw) -> Variant:
     return Variant(
         statement=(
             "A body of mass $M$ has the angular velocity $\\Omega$, and its centre of mass has the "
-            "velocity $V$. The components of both are along the axes of the **body**. " + said
+            "velocity $V$. The components of both are along the axes of the **body**. " + sentence
         ),
         questions=(
             Question(

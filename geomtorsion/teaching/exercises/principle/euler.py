@@ -26,13 +26,13 @@ def make(draw: Draw) -> Variant:
     turns = omegas()
     letters = sp.symbols("I1 I2 I3", positive=True)
     moments = draw.choice((letters, *permutations(map(sp.Integer, range(1, 8)), 3)))
-    known = letters if moments == letters else ()
+    symbols = letters if moments == letters else ()
     values = ",\\ ".join(f"I_{k + 1} = {tex.tex(x)}" for k, x in enumerate(moments))
-    given = "" if known else f" with ${values}$"
+    where = "" if symbols else f" with ${values}$"
     return Variant(
         statement=(
             r"A body rotates freely about its centre of mass. Its Lagrangian is the kinetic energy "
-            r"$L = \tfrac12\,(I_1\Omega_1^2 + I_2\Omega_2^2 + I_3\Omega_3^2)$" + given + r", where "
+            r"$L = \tfrac12\,(I_1\Omega_1^2 + I_2\Omega_2^2 + I_3\Omega_3^2)$" + where + r", where "
             r"$\Omega$ is the angular velocity along the axes of the body. Vary the action with "
             "fixed angles at both ends (Hamilton's principle in the frame of the body)."
         ),
@@ -42,7 +42,7 @@ def make(draw: Draw) -> Variant:
                 kind="equations",
                 prompt="Give three equations for `Omega1'`, `Omega2'`, `Omega3'`, separated by "
                 "semicolons, in any equivalent form.",
-                domain=Domain((*turns, *known)),
+                domain=Domain((*turns, *symbols)),
                 answer=lambda: turning(frame, moments),
                 errors=lambda: [
                     Mistake("naive", turning(frame, moments, "naive")),
@@ -86,9 +86,9 @@ def turning(
     """Omega'_k of a free body, by the equations of motion of the library."""
     u = sp.symbols("u1 u2 u3")
     energy = sp.Add(*(m * x**2 / 2 for m, x in zip(moments, u, strict=True)))
-    found = equations_of_motion(frame, energy, principle=principle).accelerations
+    accelerations = equations_of_motion(frame, energy, principle=principle).accelerations
     table = dict(zip(u, omegas(), strict=True))
-    return [value.xreplace(table) for value in found]
+    return [value.xreplace(table) for value in accelerations]
 
 
 def _worked(moments: tuple[sp.Expr, ...]) -> tuple[Step, ...]:

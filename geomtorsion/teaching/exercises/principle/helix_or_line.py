@@ -195,17 +195,17 @@ def force(frame: Frame) -> list[sp.Expr]:
     """The torsion force in the frame, which acts on autoparallels but not on geodesics."""
     energy = sp.Add(*(x**2 / 2 for x in sp.symbols("u1:7")))
     table = dict(zip(sp.symbols("u1:7"), U, strict=True))
-    found = equations_of_motion(frame, energy).torsion_force
-    return [-value.xreplace(table) for value in found]
+    components = equations_of_motion(frame, energy).torsion_force
+    return [-value.xreplace(table) for value in components]
 
 
 def flies_straight(frame: Frame, principle: str) -> bool:
     """Whether a principle gives V' = - Omega x V."""
     u = sp.symbols("u1:7")
     energy = sp.Add(*(x**2 / 2 for x in u))
-    found = equations_of_motion(frame, energy, principle=LONG[principle]).accelerations[3:]
+    accelerations = equations_of_motion(frame, energy, principle=LONG[principle]).accelerations[3:]
     cross = sp.Matrix(u[:3]).cross(sp.Matrix(u[3:]))
-    return all(sp.expand(x + y) == 0 for x, y in zip(found, cross, strict=True))
+    return all(sp.expand(x + y) == 0 for x, y in zip(accelerations, cross, strict=True))
 
 
 def is_straightest(frame: Frame) -> bool:

@@ -28,9 +28,9 @@ def make(draw: Draw) -> Variant:
     u = sp.symbols("u1 u2 u3", real=True)
 
     def terms(over: Frame, principle: str = "closed_in_coordinates") -> list[sp.Expr]:
-        found = variation(over, principle)
-        table = dict(zip((*found.velocities, *found.images), (*u, *images), strict=True))
-        pairs = zip(found.changes, found.image_rates, strict=True)
+        delta = variation(over, principle)
+        table = dict(zip((*delta.velocities, *delta.images), (*u, *images), strict=True))
+        pairs = zip(delta.changes, delta.image_rates, strict=True)
         return [(change - rate).xreplace(table) for change, rate in pairs]
 
     def expected() -> list[Mistake]:

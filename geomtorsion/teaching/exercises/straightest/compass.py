@@ -18,8 +18,8 @@ def make(draw: Draw) -> Variant:
     last = draw.choice((1.0, 0.6, 0.8, 1.2))
     # Course from north to east: north is against the colatitude.
     u = [-cos(radians(course)), sin(radians(course))]
-    given = {"start": [colatitude, 0.0], "frame_velocity": u, "parameters": {"R": 1}}
-    steered, great = autoparallel(cartan(frame), **given), geodesic(frame, **given)
+    begin = {"start": [colatitude, 0.0], "frame_velocity": u, "parameters": {"R": 1}}
+    steered, great = autoparallel(cartan(frame), **begin), geodesic(frame, **begin)
 
     @cache
     def longitude(problem: CurveProblem) -> float:

@@ -25,7 +25,7 @@ def make(draw: Draw) -> Variant:
     frame = draw.choice(mixed(circles(), groups()))
     n, torsion = frame.dimension, cartan(frame).torsion
     rates = [sp.Symbol(f"{symbol}_d", real=True) for symbol in frame.coordinates]
-    said = ", ".join(f"`{symbol}'`" for symbol in frame.coordinates)
+    names = ", ".join(f"`{symbol}'`" for symbol in frame.coordinates)
     return Variant(
         statement=(
             f"Consider the one-forms\n\n$${tex.forms(frame)}$$\n\nin the coordinates "
@@ -42,7 +42,7 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="force",
                 kind="components",
-                prompt=f"Find the components $f^c$ in coordinates, with the velocities {said}.",
+                prompt=f"Find the components $f^c$ in coordinates, with the velocities {names}.",
                 domain=Domain.of(frame, *rates),
                 answer=lambda: torsion.force(rates),
                 errors=lambda: [
@@ -94,10 +94,10 @@ def quadratic(
     table: Mapping[tuple[int, ...], sp.Expr], rates: list[sp.Symbol], sign: int = 1
 ) -> dict[tuple[int, ...], sp.Expr]:
     """sign * t_ab^c q'^a q'^b for each c."""
-    found: dict[tuple[int, ...], sp.Expr] = {}
+    sums: dict[tuple[int, ...], sp.Expr] = {}
     for (a, b, c), value in table.items():
-        found[c,] = found.get((c,), sp.S.Zero) + sign * value * rates[a] * rates[b]
-    return found
+        sums[c,] = sums.get((c,), sp.S.Zero) + sign * value * rates[a] * rates[b]
+    return sums
 
 
 def _listed(tensor) -> str:

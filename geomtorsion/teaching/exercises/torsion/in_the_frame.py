@@ -19,7 +19,7 @@ from geomtorsion.teaching.exercises.families import bodies
 def make(draw: Draw) -> Variant:
     """The body-fixed frame of so3 for seed 0; other seeds: other angles, forms stretched."""
     body = draw.choice(bodies())
-    frame, other = body.frame, body.space_frame
+    frame, space_frame = body.frame, body.space_frame
     which, factor = body.stretch
     torsion = cartan(frame).torsion
     return Variant(
@@ -47,7 +47,7 @@ def make(draw: Draw) -> Variant:
                     Mistake("factor", torsion.S.in_frame(), "That is $S$, not $2S$."),
                     Mistake(
                         "axes",
-                        cartan(other).torsion.T.in_frame(),
+                        cartan(space_frame).torsion.T.in_frame(),
                         "That is the torsion for forms fixed in space, with the opposite sign. "
                         "Here the forms are fixed in the body.",
                     ),
