@@ -56,7 +56,7 @@ def test_an_angle_that_the_domain_of_a_frame_names():
 
 
 def test_nothing_jumps_where_the_metric_mixes_time_and_angle():
-    """Of two orbits around Kerr's hole one laps the other: the distance changes without jumps."""
+    """One of two orbits around Kerr's hole laps the other: the distance changes without jumps."""
     kerr, numbers = load("kerr").frame, {"M": 1, "a": 0.6}
     times = np.linspace(0, 700, 1401)
     inner, outer = (
@@ -76,7 +76,7 @@ def test_nothing_jumps_where_the_metric_mixes_time_and_angle():
 
 
 def test_indefinite_metrics_have_no_distance():
-    """Points separated by a null vector have a gap; the docstring says what is measured."""
+    """Points separated by a null vector have a gap; the docstring names the measured quantity."""
     t, x = sp.symbols("t x")
     plane = Frame([t, x], [[1, 0], [0, 1]], signature=(-1, 1))
     one = solve(geodesic(plane, [0, 0], [1, 0]), [1.0])

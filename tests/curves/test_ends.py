@@ -133,7 +133,7 @@ def test_loxodromes_end_at_the_pole(engine):
 
 @every_engine
 def test_batches_do_not_pass_the_end(engine):
-    """Of two autoparallels the one that meets the origin is not finished."""
+    """The one of two autoparallels that meets the origin is not finished."""
     problem = autoparallel(cartan(load("flat_polar").frame), [1.0, 0.4], frame_velocity=[-1.0, 0])
     many = solve_many(problem, None, 1.5, 1e-9, engine, frame_velocities=[[-1.0, 0.0], [-0.5, 0.0]])
     assert many.finished.tolist() == [False, True]

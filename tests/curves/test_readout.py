@@ -49,7 +49,7 @@ def test_files_that_are_none(tmp_path):
 
 
 def test_pandas(monkeypatch):
-    """A table needs pandas; without it the error says how to install it."""
+    """A table needs pandas; the error without it names the command to install it."""
     sol = solve(PROBLEM, 1.0, engine=RungeKutta())
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(MissingExtraError, match="pip install pandas"):

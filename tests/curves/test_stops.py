@@ -126,7 +126,7 @@ def test_refusals(stop, error, words):
 
 
 def test_where_no_other_chart_states_the_condition():
-    """At the end of the chart, the error says why no other chart was used."""
+    """The error at the end of the chart gives the reason that no other chart was used."""
     with pytest.raises(ChartEdgeError, match=r"cannot state the condition to stop \(1 - u2\)"):
         gt.solve(plunge(stop="1 - u2"), 22.0)
 

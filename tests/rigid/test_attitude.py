@@ -246,8 +246,7 @@ def test_rotation_vector_of_a_quaternion(scalar, scale):
 
 @pytest.mark.parametrize("gap", [0.0, 1e-15, 1e-12, 1e-9, 1e-7, 1e-4])
 def test_rotation_vector_of_a_matrix_near_half_a_turn(gap):
-    """A matrix rounded to doubles gives axis and angle to 1e-14; acos would lose half the
-    digits."""
+    """A matrix rounded to doubles gives axis and angle to 1e-14; acos would lose half of this."""
     for axis in np.random.default_rng(4).normal(size=(8, 3)):
         with mpmath.workdps(50):
             n = mpmath.matrix([mpmath.mpf(x) for x in axis])
