@@ -61,8 +61,7 @@ def test_wild_curve_on_the_sphere_turns_by_its_area(sphere, waves):
 
 
 def test_gimbal_lock_nearby():
-    """SO(3), 1e-6 from beta = 0: the Levi-Civita angle of a small circle is curvature times
-    area."""
+    """SO(3), 1e-6 from beta = 0: the Levi-Civita angle of a small circle is curvature by area."""
     frame = spaces.load("so3").frame
     radius = 1e-8
     turn = develop(levi_civita(frame), Loop.circle([0.3, 1e-6, 0.2], radius, (0, 1)))

@@ -314,7 +314,7 @@ class Broken(Mine):
     ids=["states", "times", "end", "outcome"],
 )
 def test_what_an_engine_owes(changes: Any, words: str) -> None:
-    """A run that breaks a promise is refused by the name of the engine."""
+    """A run that breaks a promise is refused with the name of the engine."""
     with pytest.raises(StartError, match="engine Mine: " + words.replace(".", r"\.")):
         solve(swing(), [1.0, 2.0, 3.0], ACCURACY, Broken(**changes))
 

@@ -79,7 +79,7 @@ def test_finished_runs_are_read(tmp_path):
     path = tmp_path / "deep" / "done.npz"
     whole = solve(top(), 5.0, 1e-8, RungeKutta(), checkpoint=path)
     seen: list[float] = []
-    # One evaluation would be too many.
+    # The second solve evaluates no rates: the cost stays the same.
     again = solve(top(), 5.0, 1e-8, RungeKutta(), checkpoint=path, progress=seen.append)
     assert same(whole, again)
     assert again.cost == whole.cost

@@ -23,8 +23,7 @@ def motion(
 ):
     """omega (m, 3), R (m, 3, 3), x and v (m, 3): I omega' = M - omega x I omega, R' = R [omega].
 
-    moment(t, omega, R, x, v) in body axes about the point of reference of `inertia`; accel
-    likewise.
+    moment(t, omega, R, x, v) in body axes about the reference point of `inertia`; accel likewise.
     """
     inertia = np.asarray(inertia, dtype=float)
     inverse = np.linalg.inv(inertia)

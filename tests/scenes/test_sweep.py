@@ -226,8 +226,7 @@ def test_each_motion_of_a_sweep_has_its_own_error():
 
 @needs_heyoka
 def test_only_motions_that_need_more_digits_are_solved_singly(monkeypatch):
-    """Only the motion on the separatrix needs more than doubles up to t = 22 and is solved
-    again."""
+    """Only the motion on the separatrix needs more than doubles up to t = 22: it is redone."""
     scene = Scene(
         Body(moments=(1, 1, 1), mass=1),
         [effects.Gravity(2), effects.Pivot((0, 0, -1))],
@@ -314,7 +313,7 @@ def test_last_times_and_accuracies_that_are_varied():
 
 
 def test_each_body_of_a_sweep_has_its_own_axis_of_symmetry():
-    """The axis is that of each body, even where all equations are written alike."""
+    """Each body has its own axis, even where all equations are written alike."""
     turned = np.array([[1.0, 0, 0], [0, 0.8, -0.6], [0, 0.6, 0.8]])
     bodies = [np.diag(moments) for moments in ((1.0, 1.0, 1.5), (1.0, 1.5, 1.0))]
     tensors = [turned @ body @ turned.T for body in bodies]
