@@ -1,4 +1,4 @@
-"""Charts: motions go on where coordinates end, and nothing is lost at the change."""
+"""Charts: motions continue where coordinates end, and keep their accuracy at the change."""
 
 from functools import partial
 
@@ -58,7 +58,7 @@ def test_there_are_as_many_charts_as_stated():
 
 @pytest.mark.parametrize("change", one_in(2, changes()))
 def test_changes_keep_the_frame(change):
-    """There and back is the identity; the frame vectors are equal, or turned by an isometry."""
+    """There and back is the identity; the frame vectors are equal, or rotated by an isometry."""
     name, other = change
     frame = load(name).frame
     atlas = atlas_of(frame)
@@ -96,7 +96,7 @@ def test_changes_keep_the_frame(change):
 
 @every_engine
 def test_two_sets_of_angles_against_the_quaternion(engine):
-    """so3: hopping between zyz and xyz angles loses nothing against the quaternion."""
+    """so3: changing between zyz and xyz angles agrees with the quaternion."""
     problem = geodesic(
         load("so3").frame, [0.3, 1.0, 0.2], frame_velocity=[0.9, 1.3, -0.4], metric=[1.0, 2.0, 3.0]
     )
@@ -113,7 +113,7 @@ def test_two_sets_of_angles_against_the_quaternion(engine):
 
 @every_engine
 def test_through_the_pole_of_the_sphere(engine):
-    """s2: a meridian goes over the pole, around and back to where it began."""
+    """s2: a meridian goes over the pole, around and back to its start."""
     problem = geodesic(load("s2").frame, [1.0, 0.5], [-1.0, 0.0], parameters={"R": 1})
     sol = solve(problem, [0.5, 1.0 + 0.7, 2 * np.pi], 1e-11, engine)
     assert set(sol.charts) == {"s2", "s2_x"}
@@ -125,7 +125,7 @@ def test_through_the_pole_of_the_sphere(engine):
 
 @every_engine
 def test_through_the_origin(engine):
-    """Polar and spherical frames: a straight line through r = 0."""
+    """Polar and spherical frames: a straight line passes through r = 0."""
     polar = geodesic(load("flat_polar").frame, [1.0, 0.4], [-1.0, 0.0])
     end = solve(polar, [3.0], 1e-11, engine).coordinates[-1]
     assert end[0] == pytest.approx(2.0, abs=1e-10)
@@ -138,7 +138,7 @@ def test_through_the_origin(engine):
 @every_engine
 @pytest.mark.parametrize("name", ["schwarzschild", "kerr"])
 def test_through_the_horizon(name, engine):
-    """Falling in from rest at infinity: smooth across r_+, energy and norm kept."""
+    """A fall with the energy of rest at infinity crosses r_+ smoothly and keeps its invariants."""
     numbers = {"M": 1.0} if name == "schwarzschild" else {"M": 1.0, "a": 0.5}
     frame = load(name).frame
     f = 1 - 2 / 8.0
@@ -165,7 +165,7 @@ def test_through_the_horizon(name, engine):
 
 
 def test_laws_about_the_frame_stay_with_it():
-    """Loxodromes are about the compass: the turned compass is no chart for them."""
+    """Autoparallels depend on the frame: a chart with a rotated frame is not used for them."""
     problem = autoparallel(
         cartan(load("s2").frame), [1.0, 0.0], frame_velocity=[0, 1], parameters={"R": 1}
     )
@@ -174,7 +174,7 @@ def test_laws_about_the_frame_stay_with_it():
 
 
 def test_unknown_charts():
-    """The message lists the charts that there are."""
+    """The message lists the available charts."""
     problem = geodesic(load("s2").frame, [1, 0], [0, 1], parameters={"R": 1})
     with pytest.raises(UnknownNameError, match="s2_x"):
         problem.with_charts("mercator")
@@ -183,7 +183,7 @@ def test_unknown_charts():
 
 
 def carter(q, rates, numbers):
-    """Carter's constant in Boyer-Lindquist coordinates, from q and q'; and energy, momentum."""
+    """Energy, angular momentum and Carter's constant in Boyer-Lindquist coordinates."""
     (_, r, theta, _), (mass, a) = q.T, (numbers["M"], numbers["a"])
     sigma, delta = r**2 + a**2 * np.cos(theta) ** 2, r**2 - 2 * mass * r + a**2
     s2 = np.sin(theta) ** 2
@@ -199,7 +199,7 @@ def carter(q, rates, numbers):
 @every_engine
 @pytest.mark.parametrize("end", [115.0, pytest.param(240.0, marks=pytest.mark.slow)])
 def test_polar_orbit_of_kerr(engine, end):
-    """No angular momentum: the orbit runs through both poles of the axis, again and again."""
+    """An orbit without angular momentum passes through both poles of the axis repeatedly."""
     numbers = {"M": 1.0, "a": 0.6}
     frame = load("kerr").frame
     # In Carter's tetrad u3 = 0 at the equator and L = 0: u3 = -a u0 sqrt(Delta) / (r^2 + a^2).
@@ -243,7 +243,7 @@ X, Y, K = sp.symbols("x y k")
     ],
 )
 def test_a_change_of_charts_is_asked_for_wrongly(coordinates, parameters, message):
-    """As floats or precisely: the same is refused, in words; parameters go by symbols, too."""
+    """Floats and precise numbers refuse the same input; parameters may be keyed by symbols."""
     change = TransitionMap("one", "other", (X, Y), (X + K * Y, X * Y), (K,))
     assert change([1.0, 2.0], {K: 2}).tolist() == [5.0, 2.0]
     assert change.precisely([1, 2], {"k": 2}, 100) == [5, 2]
@@ -263,6 +263,6 @@ def test_a_change_of_charts_is_asked_for_wrongly(coordinates, parameters, messag
     ],
 )
 def test_a_change_of_charts_is_written_wrongly(given, message):
-    """It is said where it is made."""
+    """A wrong argument is refused by the constructor."""
     with pytest.raises(ArgumentError, match=message):
         TransitionMap(*given)

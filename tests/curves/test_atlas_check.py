@@ -1,6 +1,6 @@
-"""Atlases are checked: shipped ones here, those of users when they are given."""
+"""Atlases are checked: shipped ones here, atlases of users when they are given."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# Tests pass what users pass, wrong input included, and read values that may be missing.
 # pyright: reportArgumentType=false
 
 import pytest
@@ -48,7 +48,7 @@ CHARTED = [name for name in names() if load(name).atlas is not None]
     "name", [pytest.param(x, marks=pytest.mark.slow) if x in ("kerr", "s7") else x for x in CHARTED]
 )
 def test_shipped_atlases_are_right(name):
-    """Each map at three generic points; so that nothing is checked when they are used."""
+    """Each map is right at three generic points; therefore use does not check it again."""
     frame = load(name).frame
     atlas = atlas_of(frame)
     assert check_atlas(frame, atlas) >= 3 * len(atlas.changes()) >= 6
@@ -100,7 +100,7 @@ def test_wrong_maps_are_refused(name):
 
 
 def test_maps_of_the_wrong_size():
-    """One expression for each coordinate of the target; charts over the coordinates."""
+    """A map has one expression for each target coordinate; the home chart has the coordinates."""
     with pytest.raises(ShapeError, match="2 expressions over"):
         posed(*plane(there=(R,)))
     frame, _ = plane()
@@ -113,7 +113,7 @@ def test_maps_of_the_wrong_size():
 
 
 def test_a_redundant_chart():
-    """The unit circle as two coordinates: right, and with the wrong sense of turning."""
+    """The unit circle in two coordinates is accepted, and refused with the opposite rotation."""
     angle = sp.Symbol("a", real=True)
     c, s = sp.symbols("c s", real=True)
     frame = Frame([angle], [[1]], name="circle")

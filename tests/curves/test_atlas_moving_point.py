@@ -1,4 +1,4 @@
-"""Transition: points carried into charts, answers included, with all digits that are told."""
+"""Moving points: points and answers carried between charts keep all reported digits."""
 
 from fractions import Fraction
 
@@ -43,7 +43,7 @@ def digits(value):
 @needs_heyoka
 @pytest.mark.parametrize("accuracy", [1e-17, 1e-25, 1e-40, 1e-60])
 def test_a_velocity_of_fractions(accuracy):
-    """Coordinates and both velocities are as good as told, in numbers of one type."""
+    """Coordinates and both velocities have the reported error, in numbers of one type."""
     found = solve(geodesic(POLAR, START, VELOCITY), 1.0, accuracy)
     assert found.error <= accuracy
     with mpmath.workdps(100):
@@ -57,7 +57,7 @@ def test_a_velocity_of_fractions(accuracy):
 
 @needs_heyoka
 def test_no_floats_where_more_was_asked_for_and_no_more_where_not():
-    """Doubles are told to be as good as doubles are; an engine alone asks for no more digits."""
+    """An accuracy of doubles returns doubles with an error of at least one rounding."""
     found = solve(geodesic(POLAR, START, VELOCITY), 1.0, 1e-15, Taylor(113))
     assert found.coordinates.dtype == found.velocity.dtype == np.float64
     assert 2.0**-53 <= found.error <= 1e-15
@@ -69,7 +69,7 @@ def test_no_floats_where_more_was_asked_for_and_no_more_where_not():
 @needs_heyoka
 @pytest.mark.parametrize("accuracy", [1e-17, 1e-25, 1e-40])
 def test_numpy_functions_work_on_long_numbers(accuracy):
-    """What comes from an engine or from another chart, and what NumPy makes of it."""
+    """NumPy functions keep the digits of numbers from an engine or another chart."""
     found = solve(geodesic(POLAR, START, VELOCITY), 1.0, accuracy)
     r, phi = found["r"], found["phi"]
     east = (r * np.cos(phi)).astype(float)
@@ -80,7 +80,7 @@ def test_numpy_functions_work_on_long_numbers(accuracy):
 
 @needs_heyoka
 def test_an_engine_that_has_too_few_bits_says_what_it_has():
-    """An accuracy beyond the bits of an engine is an error of ours."""
+    """An accuracy beyond the bits of an engine raises an AccuracyError."""
     with pytest.raises(Exception, match=r"Taylor\(113\) gets to") as found:
         solve(geodesic(POLAR, START, VELOCITY), 1.0, 1e-40, Taylor(113))
     assert type(found.value).__name__ == "AccuracyError"
@@ -88,7 +88,7 @@ def test_an_engine_that_has_too_few_bits_says_what_it_has():
 
 @needs_heyoka
 def test_outputs_of_equations_have_all_digits():
-    """Outputs and states of length one, against mpmath."""
+    """Outputs and states agree with mpmath to 30 digits."""
     swing = ODE.of(
         {"x": "v", "v": "-k*x"},
         {"x": Fraction(1, 3), "v": 0},
@@ -106,7 +106,7 @@ def test_outputs_of_equations_have_all_digits():
 
 @needs_heyoka
 def test_states_of_length_one_have_all_digits():
-    """A unit vector that turns keeps length one to the last of its digits."""
+    """A rotating unit vector keeps length one to the last of its digits."""
     turn = ODE.of(
         {"a": "-b", "b": "a"}, {"a": Fraction(3, 5), "b": Fraction(4, 5)}, normalized=[["a", "b"]]
     )
@@ -119,14 +119,14 @@ def test_states_of_length_one_have_all_digits():
 
 @pytest.mark.parametrize("space", ["so3", "s3", "r3xso3"])
 def test_a_chart_without_an_edge_is_begun_in(space):
-    """The unit quaternion, in which no motion ends."""
+    """A motion begins in the chart of the unit quaternion, which has no edge."""
     start = [0.5, 1.2, 0.3, 0, 0, 0][: load(space).frame.dimension]
     problem = geodesic(load(space).frame, start, frame_velocity=[0.3] * len(start))
     assert problem.first_stage(53, 0.0).label == "quaternion"
 
 
 def test_numbers_that_a_law_brings_are_perturbed_with_the_start():
-    """(B - C)/A of a top is rounded, too, in each chart; a radius that is a float is not."""
+    """(B - C)/A of a top is rounded and perturbed in each chart; a radius given as float is not."""
     ball = load("s2").frame
     there = geodesic(ball, [1.2, 0.3], frame_velocity=[1, 2], parameters={"R": 1.5})
     top = geodesic(load("s3").frame, [0.5, 1.2, 0.3], frame_velocity=[1, 2, 3], metric=[1.1, 2, 4])
@@ -137,7 +137,7 @@ def test_numbers_that_a_law_brings_are_perturbed_with_the_start():
 
 
 def test_states_are_perturbed_at_the_start_alone():
-    """What comes after a chart begins where that ended, however the start was changed."""
+    """The stage after a chart begins at the end of that chart, without a new perturbation."""
     problem = geodesic(load("s2").frame, [1.0, 0.3], frame_velocity=[-1, 0.5], parameters={"R": 1})
     after = []
     for part in (0.0, 1e-3):
@@ -151,7 +151,7 @@ def test_states_are_perturbed_at_the_start_alone():
 
 @pytest.mark.parametrize(("theta", "label"), [(0.86, "s2"), (0.83, "s2_x")])
 def test_how_far_from_its_edge_a_chart_is_begun_in(theta, label):
-    """Three margins, sin(theta) = 3/4; nearer to the pole another chart is further from its own."""
+    """A start uses its own chart down to three margins, sin(theta) = 3/4; nearer, another one."""
     start = [theta, np.pi / 2]
     problem = geodesic(load("s2").frame, start, frame_velocity=[0.3, 0.4], parameters={"R": 1})
     assert problem.first_stage(53, 0.0).label == label
@@ -159,7 +159,7 @@ def test_how_far_from_its_edge_a_chart_is_begun_in(theta, label):
 
 @pytest.mark.parametrize(("room", "found"), [(1.45, None), (1.55, "s2_x")])
 def test_how_much_further_another_chart_has_to_reach(room, found):
-    """One and a half margins: else motions would go to and fro between two charts."""
+    """Another chart needs 1.5 margins more room to its edge, so that motions do not alternate."""
     theta = float(np.arccos(room / 4))
     problem = geodesic(load("s2").frame, [theta, 0], frame_velocity=[0.3, 0.4], parameters={"R": 1})
     point = MovingPoint([theta, 0.0], [0.3, 0.4], [])

@@ -1,4 +1,4 @@
-"""Distance: against chords and arcs, without jumps where angles wrap."""
+"""Distance: agrees with chords and arcs, without jumps where angles wrap."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ POLAR = Frame([R, PHI], [[1, 0], [0, R]], name="polar")
 
 @every_engine
 def test_two_points_on_one_circle_of_latitude(engine):
-    """On the sphere: the equator, one ahead of the other; the arc is the shorter way round."""
+    """On the equator, one point ahead of the other, the arc is the shorter way around."""
     sphere, times = load("s2").frame, np.linspace(0, 6, 61)
     fast, slow = (
         solve(
@@ -33,7 +33,7 @@ def test_two_points_on_one_circle_of_latitude(engine):
 
 @every_engine
 def test_an_angle_that_the_space_does_not_know_of(engine):
-    """A frame of one's own has no atlas: its angles are given by name; near points are right."""
+    """A frame of the user has no atlas: its angles are given by name; near points are right."""
     one = solve(geodesic(POLAR, [1, 3.1], [0.0, 0.0]), [1.0], 1e-10, engine)
     two = solve(geodesic(POLAR, [1, -3.1], [0.0, 0.0]), [1.0], 1e-10, engine)
     gap = 2 * np.pi - 6.2
@@ -47,7 +47,7 @@ def test_an_angle_that_the_space_does_not_know_of(engine):
 
 
 def test_an_angle_that_the_domain_of_a_frame_names():
-    """Two motions round a cylinder meet behind it: of one chart the domain tells the angle."""
+    """Two motions around a cylinder meet behind it: the domain of the chart names the angle."""
     z, phi = sp.symbols("z phi", real=True)
     tube = Frame([z, phi], [[1, 0], [0, 2]], domain=[phi > 0, phi < 2 * sp.pi])
     there, back = (solve(geodesic(tube, [1, 1], [0, turn]), [3.0, np.pi]) for turn in (1, -1))
@@ -56,7 +56,7 @@ def test_an_angle_that_the_domain_of_a_frame_names():
 
 
 def test_nothing_jumps_where_the_metric_mixes_time_and_angle():
-    """Two orbits about Kerr's hole, one laps the other: steps are as small as the motion makes."""
+    """One of two orbits around Kerr's hole laps the other: the distance changes without jumps."""
     kerr, numbers = load("kerr").frame, {"M": 1, "a": 0.6}
     times = np.linspace(0, 700, 1401)
     inner, outer = (
@@ -69,14 +69,14 @@ def test_nothing_jumps_where_the_metric_mixes_time_and_angle():
     ahead = inner.coordinates[:, 3] - outer.coordinates[:, 3]
     assert ahead.max() > np.pi
     gaps = distance_apart(inner, outer)
-    # No faster than both together: their frame velocities.
+    # The distance changes no faster than both frame velocities together.
     speeds = [np.linalg.norm(one.frame_velocity, axis=1).max() for one in (inner, outer)]
     assert np.abs(np.diff(gaps)).max() <= sum(speeds) * 0.5
     assert np.abs(np.diff(gaps)).max() < 0.2
 
 
 def test_indefinite_metrics_have_no_distance():
-    """Apart by a null vector is apart: the docstring says what is measured."""
+    """Points separated by a null vector have a gap; the docstring names the measured quantity."""
     t, x = sp.symbols("t x")
     plane = Frame([t, x], [[1, 0], [0, 1]], signature=(-1, 1))
     one = solve(geodesic(plane, [0, 0], [1, 0]), [1.0])

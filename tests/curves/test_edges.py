@@ -1,4 +1,4 @@
-"""edges: motions end where their frame ends, with every engine; nothing is believed beyond."""
+"""Edges: motions end where their frame ends, with every engine."""
 
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ def throat():
 
 
 def ended(problem, t, engine, **options):
-    """The error with which a motion ends, and the time at which it does."""
+    """The message of the error that ends a motion, and the time of the end."""
     with pytest.raises(ChartEdgeError) as caught:
         solve(problem, t, engine=engine, **options)
     found = caught.value.solution
@@ -34,7 +34,7 @@ def ended(problem, t, engine, **options):
 @pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.name)
 @pytest.mark.parametrize("law", ["autoparallel", "geodesic"])
 def test_throat_of_a_funnel(engine, law):
-    """Radially dr/dl = sqrt(1 - 1/r**2), so that r**2 = 1 + (l - l0)**2: the throat after l0."""
+    """Radially dr/dl = sqrt(1 - 1/r**2), so that r**2 = 1 + (l - l0)**2: the throat is at l0."""
     frame = throat()
     made = autoparallel(cartan(frame), [5, 0], [-0.3, 0]) if law == "autoparallel" else geodesic(
         frame, [5, 0], [-0.3, 0]
@@ -47,18 +47,18 @@ def test_throat_of_a_funnel(engine, law):
 
 @pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.name)
 def test_a_motion_that_turns_before_the_throat(engine):
-    """It comes as near as r = 1.3 and goes out again: not stopped, and as the flat chart has it."""
+    """A motion comes as near as r = 1.3, goes out again and is not stopped."""
     accuracy = 1e-8
     found = solve(geodesic(throat(), [5, 0], [-0.3, 0.016]), 40.0, accuracy, engine=engine)
     assert found["r"].min() > 1.2
-    # Angular momentum of the surface of revolution is kept.
+    # The angular momentum of the surface of revolution is kept.
     momentum = found["r"] ** 2 * found.velocity[:, 1]
     assert momentum == pytest.approx(momentum[0], rel=1e-7)
 
 
 @pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.name)
 def test_the_declared_domain_is_an_edge(engine):
-    """Polar coordinates, straight to the origin: there after t = 1."""
+    """Polar coordinates, straight to the origin: the motion ends at t = 1."""
     polar = Frame([r, p], [[1, 0], [0, r]], domain=[r > 0, *ONE_TURN])
     message, t = ended(autoparallel(cartan(polar), [1, 0], [-1, 0]), 2.0, engine)
     assert t == pytest.approx(1.0, abs=1e-9)
@@ -67,7 +67,7 @@ def test_the_declared_domain_is_an_edge(engine):
 
 @pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.name)
 def test_edges_in_the_past(engine):
-    """Followed backwards a motion ends at the edge, too; Taylor came to r = -1 without a word."""
+    """A motion followed backwards ends at the edge as well."""
     polar = Frame([r, p], [[1, 0], [0, r]], domain=[r > 0, *ONE_TURN])
     message, t = ended(geodesic(polar, [1, 0], [1, 0]), -2.0, engine)
     assert t == pytest.approx(-1.0, abs=1e-9)
@@ -89,7 +89,7 @@ BESIDE = Frame([x, y], sp.diag(1 / (1 - x), 1 / (1 - x)), domain=[x < 1])
     ],
 )
 def test_an_edge_to_which_a_motion_only_tends(engine, frame, start, velocity):
-    """A complete geodesic goes on, or its accuracy is refused: it never ends there."""
+    """A complete geodesic continues, or its accuracy is refused: it never ends at the edge."""
     made = geodesic(frame, start, frame_velocity=velocity)
     refused = None
     try:
@@ -106,7 +106,7 @@ def test_an_edge_to_which_a_motion_only_tends(engine, frame, start, velocity):
 @pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.name)
 @pytest.mark.parametrize("height", [1.0, 1e-9])
 def test_edges_that_are_reached(engine, height):
-    """At a steady rate in a flat half plane, and at rest in the metric dy**2 / y."""
+    """A motion ends at a steady rate in a flat half plane, and at rest in the metric dy**2 / y."""
     flat = Frame([x, y], sp.eye(2), domain=[y > 0])
     _, t = ended(geodesic(flat, [0, height], frame_velocity=[0.3, -1]), 3 * height, engine)
     assert t == pytest.approx(height, rel=1e-6)
@@ -118,7 +118,7 @@ def test_edges_that_are_reached(engine, height):
 
 @pytest.mark.parametrize("engine", EXPLICIT, ids=lambda engine: engine.name)
 def test_members_end_at_edges_in_the_past(engine):
-    """Ensembles run backwards have unfinished members where these run into an edge."""
+    """A member of an ensemble run backwards is unfinished where it meets an edge."""
     polar = Frame([r, p], [[1, 0], [0, r]], domain=[r > 0, *ONE_TURN])
     one = geodesic(polar, [1, 0], [1, 0])
     found = solve_many(one, None, -2.0, 1e-9, engine, velocities=[[1, 0], [-1, 0.1], [0, 0.5]])
@@ -127,7 +127,7 @@ def test_members_end_at_edges_in_the_past(engine):
 
 @pytest.mark.parametrize("engine", EXPLICIT, ids=lambda engine: engine.name)
 def test_an_angle_has_no_edge(engine):
-    """One turn over which the frame repeats itself may be passed; other bounds may not."""
+    """A full turn after which the frame repeats may be passed; other bounds may not."""
     turning = [[sp.cos(p), -r * sp.sin(p)], [sp.sin(p), r * sp.cos(p)]]
     angle = Frame([r, p], turning, domain=[r > 0, *ONE_TURN])
     found = solve(geodesic(angle, [1, 6], [0, 1]), 0.7, engine=engine)
@@ -136,10 +136,10 @@ def test_an_angle_has_no_edge(engine):
     message, t = ended(geodesic(half, [1, 3], [0, 1]), 0.7, engine)
     assert t == pytest.approx(np.tan(np.pi - 3), rel=1e-9)
     assert "p < pi holds no longer" in message
-    # Here it degenerates at both bounds, as at the turns by 0 and by 2 pi about an axis.
+    # Here the frame degenerates at both bounds, as at rotations by 0 and by 2 pi around an axis.
     pinched = Frame([r, p], [[1, 0], [0, sp.sin(p / 2) ** 2]], domain=ONE_TURN)
     assert len(edges_of(pinched)) == 2
-    # The frame is another one after a turn.
+    # This frame differs after a turn.
     spinor = [[sp.cos(p / 2), -r * sp.sin(p / 2)], [sp.sin(p / 2), r * sp.cos(p / 2)]]
     words = [edge.words for edge in edges_of(Frame([r, p], spinor, domain=ONE_TURN))]
     assert words == ["p > 0 holds no longer", "p < 2*pi holds no longer"]
@@ -147,7 +147,7 @@ def test_an_angle_has_no_edge(engine):
 
 @pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.name)
 def test_a_pole_without_a_chart(engine):
-    """A sphere in (z, phi): z = sin(t / 2) comes to the pole after t = pi."""
+    """A sphere in (z, phi): z = sin(t / 2) reaches the pole at t = pi."""
     root = sp.sqrt(1 - z**2)
     sphere = Frame([z, p], [[1 / root, 0], [0, root]])
     message, t = ended(geodesic(sphere, [0, 0], [0.5, 0]), 4.0, engine)
@@ -157,7 +157,7 @@ def test_a_pole_without_a_chart(engine):
 
 @pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.name)
 def test_a_bare_root(engine):
-    """s = (1 - t)**2 for t < 1; no engine fails in words of its own."""
+    """s = (1 - t)**2 ends at t = 1 with our own error for every engine."""
     line = Frame([s], [[1 / (2 * sp.sqrt(s))]])
     _, t = ended(autoparallel(cartan(line), [1], [-2]), 1.5, engine)
     assert t == pytest.approx(1.0, abs=1e-6)
@@ -165,7 +165,7 @@ def test_a_bare_root(engine):
 
 @pytest.mark.parametrize("engine", EXPLICIT, ids=lambda engine: engine.name)
 def test_a_branch_is_an_edge(engine):
-    """1 + sqrt(x**2), read as 1 + x, holds for x > 0: not at the start, and no longer beyond."""
+    """1 + sqrt(x**2), read as 1 + x, holds for x > 0: a motion may neither start nor go beyond."""
     kink = Frame([x, y], [[1, 0], [0, 1 + sp.sqrt(x**2)]])
     with pytest.raises(StartError, match=r"sqrt\(x\*\*2\) read as x: right where x >= 0"):
         solve(geodesic(kink, [-2, 0], [1, 0]), 1.0, engine=engine)
@@ -179,7 +179,7 @@ def test_a_branch_is_an_edge(engine):
 
 @pytest.mark.parametrize("engine", EXPLICIT, ids=lambda engine: engine.name)
 def test_a_chosen_branch_holds_where_it_is_chosen(engine):
-    """With x < 0 as domain the root is -x, and the motion that was refused is right."""
+    """With the domain x < 0 the root is -x, and the motion is right."""
     wave = Frame([x, y], [[1, 0], [0, 2 + sp.sqrt(1 - sp.cos(x) ** 2)]], domain=[x < 0, x > -3])
     plain = Frame([x, y], [[1, 0], [0, 2 - sp.sin(x)]])
     one, two = (
@@ -190,7 +190,7 @@ def test_a_chosen_branch_holds_where_it_is_chosen(engine):
 
 
 def test_sums_of_squares_are_not_watched():
-    """They cannot fall through zero; what can is."""
+    """A sum of squares cannot fall through zero and adds no edge; other radicands do."""
     rows = [[sp.sqrt(1 + x**2), 0], [0, sp.sqrt(x**2 + y**2)]]
     assert edges_of(Frame([x, y], rows)) == ()
     words = [edge.words for edge in edges_of(Frame([x, y], [[1, 0], [0, sp.sqrt(x + 2)]]))]
@@ -202,7 +202,7 @@ def test_sums_of_squares_are_not_watched():
 @pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.name)
 @pytest.mark.parametrize("entry", [2 + sp.acos(x), 2 + sp.asin(x), 3 - sp.atanh(x)], ids=str)
 def test_inverse_functions_end(engine, entry):
-    """Straight to x = 1 at t = 1, beyond which the frame has no value; Taylor went to x = 2.5."""
+    """Straight to x = 1 at t = 1, beyond which the frame has no value."""
     frame = Frame([x, y], [[1, 0], [0, entry]])
     message, t = ended(geodesic(frame, [0.5, 0], [0.5, 0]), 4.0, engine)
     assert t == pytest.approx(1.0, abs=1e-6)
@@ -213,7 +213,7 @@ def test_inverse_functions_end(engine, entry):
 
 
 def test_kinks_on_an_axis():
-    """Attracted by the axis and through it: series go on with the other sign of the radius."""
+    """A motion through the axis ends there; series would continue with a negative radius."""
     radius = sp.sqrt(x**2 + y**2)
     frame = Frame([x, y, z], [[1, 0, 0], [0, 1, 0], [0, 0, 1 / (2 + radius)]])
     assert [edge.words for edge in edges_of(frame)] == ["sqrt(x**2 + y**2) = 0"]
@@ -221,7 +221,7 @@ def test_kinks_on_an_axis():
     if is_available():
         message, _ = ended(through, 4.0, Taylor())
         assert "sqrt(x**2 + y**2) = 0" in message
-    # Passing beside it, scipy gives this; an even function of the radius has no kink.
+    # For a path beside the axis scipy gives this; an even function of the radius has no kink.
     for engine in EXPLICIT:
         past = solve(geodesic(frame, [1, 1, 0], [-1, -0.9, 0.3]), 4.0, 1e-9, engine=engine)
         assert past["z"][-1] == pytest.approx(1.51038235183236, abs=2e-9)
@@ -230,7 +230,7 @@ def test_kinks_on_an_axis():
 
 
 def test_domains_that_cannot_be_watched():
-    """An absolute value is refused in our words; bounds at infinity are none."""
+    """An absolute value is refused in our own words; bounds at infinity are not edges."""
     wide = Frame([x, y], [[1, 0], [0, 1]], domain=[sp.Abs(x) < 1])
     with pytest.raises(StartError, match="expected relations that can be evaluated along a motion"):
         solve(geodesic(wide, [0, 0], [1, 0]), 1.0)
@@ -239,7 +239,7 @@ def test_domains_that_cannot_be_watched():
 
 @pytest.mark.parametrize("engine", EXPLICIT, ids=lambda engine: engine.name)
 def test_members_end_at_edges_too(engine):
-    """Those that come to the throat are unfinished; the others are as alone."""
+    """Members that reach the throat are unfinished; the others agree with single motions."""
     one = geodesic(throat(), [5, 0], [-0.3, 0.016])
     speeds = np.array([[-0.3, 0.016], [-0.3, 0.0], [0.3, 0.01]])
     found = solve_many(one, None, 20.0, 1e-9, engine, velocities=speeds)
@@ -251,7 +251,7 @@ def test_members_end_at_edges_too(engine):
 
 @pytest.mark.parametrize("assumed", [{}, {"positive": True}, {"nonnegative": True}])
 def test_an_angle_that_is_declared_positive(assumed: dict[str, bool]) -> None:
-    """0 < phi < 2 pi is a full turn, whether the sign stands in the domain or with the symbol."""
+    """0 < phi < 2 pi is a full turn, whether the domain or the symbol declares the sign."""
     r, phi = sp.Symbol("r", positive=True), sp.Symbol("phi", **assumed)
     frame = Frame([r, phi], [[1, 0], [0, r]], domain=[r > 0, phi > 0, phi < 2 * sp.pi])
     assert [edge.words for edge in edges_of(frame) if "phi" in edge.words] == []
@@ -261,8 +261,8 @@ def test_an_angle_that_is_declared_positive(assumed: dict[str, bool]) -> None:
 
 @pytest.mark.parametrize(("sign", "word"), [(1, "positive"), (-1, "negative")])
 def test_a_sign_that_was_declared_is_an_edge(sign: int, word: str) -> None:
-    """sympy has written x for Abs(x): beyond zero the frame is another one than that which was
-    written, and neither begins a motion there nor does one go on."""
+    """sympy has written x for Abs(x): beyond zero the frame is not the written one, and no motion
+    begins or continues there."""
     x, y = sp.Symbol("x", **{word: True}), sp.Symbol("y", real=True)
     frame = Frame([x, y], [[1, 0], [0, 1 + sp.Abs(x)]])
     assert [edge.words for edge in edges_of(frame)] == [f"x was declared {word}"]
@@ -278,7 +278,7 @@ def test_a_sign_that_was_declared_is_an_edge(sign: int, word: str) -> None:
 
 
 def test_a_sign_of_which_nothing_depends_is_no_edge() -> None:
-    """Angles, and coordinates that the frame does not have: they run on, and take any value."""
+    """A sign of an angle, or of a coordinate that the frame does not contain, is not an edge."""
     r, theta, phi, t = sp.symbols("r theta phi t", positive=True)
     frame = Frame([r, theta], [[1, 0], [0, r]])
     assert [edge.words for edge in edges_of(frame)] == ["r was declared positive"]

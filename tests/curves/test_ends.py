@@ -1,4 +1,4 @@
-"""Ends: where charts and frames end, motions go on or stop cleanly, and say where."""
+"""Ends: where charts and frames end, motions continue or stop with a message of where."""
 
 import re
 import warnings
@@ -23,7 +23,7 @@ def fall(theta, phi):
 
 
 def proper_time(radius):
-    """Of the fall from r = 3: int dr / sqrt(E^2 - f(r)), as dr/dtau^2 = E^2 - f."""
+    """Proper time of the fall from r = 3: int dr / sqrt(E^2 - f(r)), as dr/dtau^2 = E^2 - f."""
     energy = 1.25**2 / 3
     # r = s^2 takes the root out of the origin.
     return quad(
@@ -35,7 +35,7 @@ def proper_time(radius):
 @pytest.mark.parametrize("theta", [np.pi / 2, 1.2])
 @pytest.mark.parametrize("phi", [0.0, 0.4])
 def test_radial_infall(theta, phi, engine):
-    """Through the horizon at any angle, phi = 0 (where y_ = 0 all the way) included."""
+    """A fall crosses the horizon at any angle, phi = 0 (where y_ = 0 all the way) included."""
     sol = solve(fall(theta, phi), [1.0, 2.0, 3.0], 1e-9, engine)
     assert sol.charts == ("schwarzschild", "kerr_schild")
     places = sol.in_chart("kerr_schild")[:, 1:]
@@ -48,7 +48,7 @@ def test_radial_infall(theta, phi, engine):
 @needs_heyoka
 @pytest.mark.parametrize("precision", [64, 113])
 def test_radial_infall_precisely(precision):
-    """The same with more digits."""
+    """As above, with more digits."""
     sol = solve(fall(np.pi / 2, 0.0), [3.0], 1e-15, Taylor(precision))
     radius = np.linalg.norm(sol.in_chart("kerr_schild")[-1, 1:].astype(float))
     assert proper_time(radius) == pytest.approx(3.0, abs=1e-11)
@@ -62,7 +62,7 @@ ENDINGS = [
 
 @pytest.mark.parametrize(("engine", "phi"), ENDINGS)
 def test_the_singularity_is_where_it_is(engine, phi):
-    """The message names the last regular place: r near 0, at the proper time of the fall."""
+    """The message names the last regular point: r near 0, at the proper time of the fall."""
     with pytest.raises(ChartEdgeError) as caught:
         solve(fall(1.2, phi), 10.0, 1e-9, engine)
     text, sol = str(caught.value), caught.value.solution
@@ -77,7 +77,7 @@ def test_the_singularity_is_where_it_is(engine, phi):
 
 @needs_heyoka
 def test_the_last_chart_that_has_a_value_counts():
-    """Next to r = 0 other charts may still have a place for a motion, but no velocities."""
+    """Near r = 0 other charts may still give a position for a motion, but no velocities."""
     start = [0, 17.579325770223637, 1.2217500227440852, 0.3]
     velocity = [1.0052513698156307, 0.0025600512702218525, 0.0, 9.18702393760401e-05]
     numbers = {"M": 1.0, "a": 0.0}
@@ -99,7 +99,7 @@ ENDING = {
 @every_engine
 @pytest.mark.parametrize("name", ENDING)
 def test_autoparallels_end_with_their_frame(name, engine):
-    """Straight towards the origin, where the frame has no direction: a stop at r = 0."""
+    """A motion straight to the origin, where the frame has no direction, stops at r = 0."""
     start, velocity = ENDING[name]
     problem = autoparallel(cartan(load(name).frame), start, frame_velocity=velocity)
     with pytest.raises(ChartEdgeError, match=r"stops at t = 1, at r = .* frame itself") as got:
@@ -113,7 +113,7 @@ def test_autoparallels_end_with_their_frame(name, engine):
 
 
 def test_the_advice_fits():
-    """What can be done depends on what holds the motion to its chart."""
+    """The advice depends on why the motion cannot leave its chart."""
     through = geodesic(load("flat_polar").frame, [1.0, 0.4], [-1.0, 0.0])
     with pytest.raises(ChartEdgeError, match="Allow another chart of cartesian"):
         solve(through.with_charts("flat_polar"), 2.0)
@@ -123,7 +123,7 @@ def test_the_advice_fits():
 
 @every_engine
 def test_loxodromes_end_at_the_pole(engine):
-    """Due north on the compass of s2: at the pole there is no north."""
+    """A loxodrome due north on s2 ends at the pole, where there is no north."""
     problem = autoparallel(
         cartan(load("s2").frame), [1.0, 0.2], frame_velocity=[-1, 0], parameters={"R": 1}
     )
@@ -133,7 +133,7 @@ def test_loxodromes_end_at_the_pole(engine):
 
 @every_engine
 def test_batches_do_not_pass_the_end(engine):
-    """Of two autoparallels the one that meets the origin is not finished."""
+    """The one of two autoparallels that meets the origin is not finished."""
     problem = autoparallel(cartan(load("flat_polar").frame), [1.0, 0.4], frame_velocity=[-1.0, 0])
     many = solve_many(problem, None, 1.5, 1e-9, engine, frame_velocities=[[-1.0, 0.0], [-0.5, 0.0]])
     assert many.finished.tolist() == [False, True]
@@ -144,7 +144,7 @@ def test_batches_do_not_pass_the_end(engine):
 @pytest.mark.parametrize("name", ENDING)
 @pytest.mark.parametrize("home_first", [False, True])
 def test_no_warnings_at_the_origin(name, home_first, engine):
-    """Geodesics go through the origin; whatever is read off there comes without warnings."""
+    """Geodesics pass through the origin; all results there come without warnings."""
     start, velocity = ENDING[name]
     for angle in (0.0, 0.4):
         problem = geodesic(load(name).frame, [*start[:-1], angle], velocity)
@@ -164,9 +164,9 @@ def test_no_warnings_at_the_origin(name, home_first, engine):
 
 @every_engine
 def test_the_end_of_all_charts_is_found(engine):
-    """Kerr's inner horizon, r = M - sqrt(M^2 - a^2), where both charts that reach it end.
+    """Kerr's inner horizon, r = M - sqrt(M^2 - a^2), is where both charts that reach it end.
 
-    Going round in them without going on is not tried again and again.
+    A motion does not change between these charts again and again.
     """
     problem = geodesic(
         load("kerr").frame, [0, 8.0, 1.0, 0], frame_velocity=[1.2, 0.05, 0.4, 1e-3],
@@ -181,7 +181,7 @@ def test_the_end_of_all_charts_is_found(engine):
 
 
 def test_parameter_and_coordinate_of_one_name():
-    """A coordinate may be called t, as the curve parameter is: the message says which is which."""
+    """A coordinate may be called t like the curve parameter: the message names both."""
     hole = load("schwarzschild").frame
     fall = geodesic(hole, [0, 4, 1.5, 0], frame_velocity=[1, 0, 0, 0], parameters={"M": 1})
     said = r"stops at t = \d+\.\d+ \(the curve parameter\), in coordinates at t = \d+"

@@ -34,13 +34,13 @@ OTHERS = {
 ORBITS = BOUND | OTHERS
 STARTS = np.array([start for start, _ in ORBITS.values()])
 VELOCITIES = np.array([velocity for _, velocity in ORBITS.values()])
-# Orbits, ends, and roundings of the size of each state that may be left at the end.
+# Orbits, ends, and allowed rounding errors at the end, relative to the size of each state.
 ROUNDED = {
-    # (Before, Carter's constant took the place of a momentum here, and left 300.)
+    # (With Carter's constant instead of a momentum, 300 roundings are left here.)
     "bound": (BOUND["bound"], 600.0, 2500),
     "light": (OTHERS["light"], 40.0, 300),
-    # Near the pole angles turn fast: what they are off is passed on to all others there, 500 to
-    # 7000 of them at orders from 18 to 22, as it happens.
+    # Near the pole angles change fast, and their error enters all other states: 500 to 7000
+    # roundings at orders from 18 to 22.
     "near the pole": (OTHERS["near the pole"], 200.0, 8000),
     "falling": (OTHERS["falling"], 20.0, 300),
     "no angular momentum": (OTHERS["no angular momentum"], 8.0, 300),
@@ -53,7 +53,7 @@ def kerr():
 
 
 def orbit(start, velocity, charts=("kerr",)):
-    """A geodesic of Kerr's space, in the coordinates of Boyer and Lindquist alone."""
+    """A geodesic of Kerr's space, by default only in Boyer-Lindquist coordinates."""
     numbers = {"M": 1, "a": 0.6}
     made = geodesic(kerr(), start, frame_velocity=velocity, parameters=numbers, causal=None)
     return made.with_charts(*charts) if charts else made
@@ -86,7 +86,7 @@ def infall():
 
 @needs_heyoka
 def test_carters_constant():
-    """p_theta^2 + cos^2 theta (a^2 (m^2 - E^2) + L^2 / sin^2 theta) stays, in 64 bits."""
+    """p_theta^2 + cos^2 theta (a^2 (m^2 - E^2) + L^2 / sin^2 theta) is constant, in 64 bits."""
     problem = orbit([0, 8.0, 1.4, 0], [1.2, 0.05, 0.2, 0.45])
     times = np.linspace(0, 300.0, 40) * problem.time_unit
     made = integrate(problem.first_stage(64, 0.0), times, 1e-20, Taylor(64))
@@ -98,7 +98,7 @@ def test_carters_constant():
 @every_engine
 @pytest.mark.parametrize("name", BOUND)
 def test_constants_of_solutions(name, engine):
-    """Energy, momentum, mass and Carter's constant drift by no more than the error."""
+    """Energy, momentum, mass and Carter's constant change by less than 1e-8."""
     sol = solve(orbit(*ORBITS[name]), 100.0, 1e-10, engine)
     rows = np.concatenate((sol.coordinates, sol.frame_velocity), axis=1)
     for kept in constants(rows, 0.6):
@@ -107,7 +107,7 @@ def test_constants_of_solutions(name, engine):
 
 @needs_heyoka
 def test_a_circle_stays_a_circle():
-    """On the equator, at r = 8, for four thousand units of time: r grows by rounding alone."""
+    """On the equator at r = 8, for 4000 units of time, r changes only by rounding."""
     a, r = 0.6, 8.0
     below = np.sqrt(1 - 3 / r + 2 * a * r**-1.5)
     energy = (1 - 2 / r + a * r**-1.5) / below
@@ -124,7 +124,7 @@ def test_a_circle_stays_a_circle():
 
 
 def test_a_circle_of_schwarzschild():
-    """States that vanish, and velocities that do not change, measured in groups."""
+    """A circle of Schwarzschild's space, with states of zero and constant velocities, is kept."""
     problem = geodesic(
         load("schwarzschild").frame, [0, 6.0, np.pi / 2, 0],
         frame_velocity=[np.sqrt(4 / 3), 0.0, 0.0, np.sqrt(1 / 3)], parameters={"M": 1},
@@ -139,7 +139,7 @@ def test_a_circle_of_schwarzschild():
 @needs_heyoka
 @pytest.mark.parametrize(("name", "accuracy"), one_in(2, list(BOUND), [1e-6, 1e-9, 1e-12]))
 def test_against_113_bits(name, accuracy):
-    """Estimates are honest over four hundred units of time, by both engines."""
+    """Estimates are honest over four hundred units of time, with both engines."""
     problem = orbit(*BOUND[name])
     truth = truth_of(problem, np.linspace(0, 400.0, 33))
     for engine in (Taylor(), RungeKutta()):
@@ -153,7 +153,7 @@ def test_against_113_bits(name, accuracy):
 @needs_heyoka
 @pytest.mark.parametrize("name", ROUNDED)
 def test_rounding_alone_is_left(name):
-    """At a high order what is left are roundings, relative to the size of each state."""
+    """At a high order only rounding errors are left, relative to the size of each state."""
     (start, velocity), end, most = ROUNDED[name]
     problem = orbit(start, velocity)
     grid = np.linspace(0, end, 17)
@@ -170,7 +170,7 @@ def test_rounding_alone_is_left(name):
 @needs_heyoka
 @pytest.mark.parametrize(("bits", "tolerance", "most"), [(64, 1e-18, 1e-16), (113, 1e-32, 1e-29)])
 def test_more_digits(bits, tolerance, most):
-    """Each number type keeps its digits, against 300 bits."""
+    """Each number type keeps its digits, compared with 300 bits."""
     problem, grid = orbit(*BOUND["bound"]), np.linspace(0, 40.0, 5)
     found, truth = (
         integrate(problem.first_stage(b, 0.0), grid * problem.time_unit, x, Taylor(b))
@@ -186,7 +186,7 @@ def test_more_digits(bits, tolerance, most):
 
 @every_engine
 def test_all_engines_agree(engine):
-    """States within the accuracies asked for, between the samples, too."""
+    """Solutions agree within the requested accuracy."""
     problem = orbit([0, 8.0, 1.4, 0], [1.2, 0.05, 0.2, 0.45])
     sol = solve(problem, 60.0, 1e-8, engine)
     tight = solve(problem, 60.0, 1e-11, RungeKutta())
@@ -201,7 +201,7 @@ def test_all_engines_agree(engine):
 
 @needs_heyoka
 def test_a_fall_from_afar():
-    """Through the horizon in another chart, against 113 bits."""
+    """A fall through the horizon into another chart agrees with 113 bits."""
     problem = geodesic(
         load("schwarzschild").frame, [0, 255.0, np.pi / 2, 0],
         frame_velocity=[1.0000041266590871, 0, 0, 0.003], parameters={"M": 1}, causal=None,
@@ -217,7 +217,7 @@ def test_a_fall_from_afar():
 @every_engine
 @pytest.mark.parametrize(("a", "end", "below"), [(0.6, 17.5, 1.8), (0.99999, 20.0, 0.9955)])
 def test_a_fall_through_the_horizons(a, end, below, engine):
-    """Between the horizons, and inside the inner one where they are near each other."""
+    """A fall ends between the horizons, or inside the inner one where they are close together."""
     problem = geodesic(
         kerr(), [0, 8.0, 1.4, 0], frame_velocity=[1.05, -0.2, 0.02, 0.05],
         parameters={"M": 1, "a": a}, causal=None,
@@ -232,7 +232,7 @@ def test_a_fall_through_the_horizons(a, end, below, engine):
 
 @every_engine
 def test_through_the_horizon_keeps_momenta(engine):
-    """They go over into the chart behind the horizon: energy and size are as before."""
+    """The momenta are kept in the chart behind the horizon."""
     sol = solve(infall(), 4.0, 1e-8, engine)
     assert sol.charts != ("schwarzschild",)
     assert max(sol.drift.values()) < 1e-6
@@ -240,7 +240,7 @@ def test_through_the_horizon_keeps_momenta(engine):
 
 @every_engine
 def test_out_of_the_horizon_into_the_past(engine):
-    """Time reversed, (t, phi) -> (-t, -phi), what came out of the horizon is a fall into it."""
+    """The time reversal (t, phi) -> (-t, -phi) of an orbit out of the horizon is a fall into it."""
     kerr, start = load("kerr").frame, [0, 4, 1.3, 0]
     numbers = {"M": 1, "a": 0.9}
     times = np.linspace(0, 6.9, 20)
@@ -260,7 +260,7 @@ def test_out_of_the_horizon_into_the_past(engine):
 
 @every_engine
 def test_it_stops_at_the_edge(engine):
-    """Falling in, the one chart ends at the horizon: with place, and with what there was."""
+    """A fall in one chart ends at the horizon, and the error carries the partial solution."""
     problem = infall().with_charts("schwarzschild")
     with pytest.raises(ChartEdgeError, match="chart 'schwarzschild' ends") as caught:
         solve(problem, 30.0, 1e-7, engine)
@@ -270,7 +270,7 @@ def test_it_stops_at_the_edge(engine):
 
 
 def test_reading_and_saving(tmp_path):
-    """Between the samples, as a table and from a file all numbers are there."""
+    """Values between samples, a table and a file agree with the solution."""
     problem = orbit([0, 8.0, 1.4, 0], [1.2, 0.05, 0.2, 0.45])
     sol = solve(problem, 30.0, 1e-9)
     finer = solve(problem, np.array([0.0, 7.3, 11.9]), 1e-11)
@@ -292,7 +292,7 @@ def test_reading_and_saving(tmp_path):
 @needs_heyoka
 @pytest.mark.parametrize("times", [7.0, [2.0, 5.0, 7.0]], ids=["the end alone", "samples"])
 def test_members_are_as_if_alone(times):
-    """Through all charts, at the end or at samples: the truth of each, and an error for each."""
+    """Each member agrees with its true solution and has an error, at the end and at samples."""
     accuracy = 1e-10
     many = solve_many(
         orbit(STARTS[0].tolist(), VELOCITIES[0].tolist(), charts=()), STARTS, times, accuracy,
@@ -316,7 +316,7 @@ def test_members_are_as_if_alone(times):
 
 @needs_heyoka
 def test_many_by_both_engines():
-    """x, y and z of isotropic coordinates hang together; engines agree."""
+    """Engines agree in isotropic coordinates, where x, y and z form one group."""
     one = geodesic(
         load("schwarzschild_isotropic").frame, [0, 6.0, 0.5, 0.3],
         frame_velocity=[1.3, 0.1, 0.4, 0.1], parameters={"M": 1.0}, causal=None,
@@ -332,7 +332,7 @@ def test_many_by_both_engines():
 @needs_heyoka
 @pytest.mark.parametrize("times", [40.0, [5.0, 20.0, 40.0]], ids=["the end alone", "samples"])
 def test_a_member_that_falls_holds_up_nobody(times):
-    """Behind the horizon steps become as small as they like; the others arrive all the same."""
+    """Behind the horizon steps become arbitrarily small; the other member arrives nevertheless."""
     one = geodesic(
         load("schwarzschild").frame, [0, 8, 1.2, 0.3], frame_velocity=[1.1, 0.05, 0.1, 0.4],
         parameters={"M": 1}, causal=None,
@@ -347,7 +347,7 @@ def test_a_member_that_falls_holds_up_nobody(times):
 
 @every_engine
 def test_time_is_measured_on_its_own(engine):
-    """t grows fifty times larger than r: the place is right to its own size all the same."""
+    """t grows fifty times larger than r: r is still accurate relative to its own size."""
     problem, times = orbit([0, 10.0, 1.4, 0], [1.1, 0.05, 0.1, 0.36]), np.linspace(0, 1500, 7)[1:]
     assert problem.equations("kerr").groups[:2] == ((0,), (1, 2, 3))
     rough, fine = solve(problem, times, 1e-6, engine), solve(problem, times, 1e-11)

@@ -1,4 +1,4 @@
-"""Motions with known answers, through every engine, to the accuracy that was asked for."""
+"""Motions with known answers, with every engine, to the requested accuracy."""
 
 import numpy as np
 import pytest
@@ -34,7 +34,7 @@ def test_rotations_are_exponentials(engine):
 @every_engine
 @pytest.mark.parametrize("name", ["so3_zxz", "so3_xyz", "so3_zyx", "so3_right"])
 def test_other_angles_give_the_same_rotations(name, engine):
-    """All sets of Euler angles turn into the rotation that they belong to."""
+    """All sets of Euler angles give the rotation that they describe."""
     start, omega = [0.3, 0.9, 0.2], np.array([0.7, 1.1, -0.4])
     problem = autoparallel(cartan(load(name).frame), start, frame_velocity=omega)
     sol = solve(problem, 6.0, ACCURACY, engine)
@@ -65,7 +65,7 @@ def test_rigid_body_autoparallels_are_screws(engine):
 
 @every_engine
 def test_rigid_body_geodesics_are_straight(engine):
-    """r3xso3: the body flies straight on while it turns."""
+    """r3xso3: the body moves in a straight line while it rotates."""
     frame = load("r3xso3").frame
     start, velocity = [0.3, 1.0, 0.2, 1.0, 2.0, 3.0], [0.1, 0.5, -0.2, 0.5, 0.2, 1.0]
     sol = solve(geodesic(frame, start, velocity), 8.0, ACCURACY, engine)
@@ -101,7 +101,7 @@ def test_compass_autoparallels_are_loxodromes(engine):
 
 @every_engine
 def test_geodesics_of_the_sphere_are_great_circles(engine):
-    """s2 of radius 2: the point runs on a circle in a plane through the centre."""
+    """s2 of radius 2: the point moves on a circle in a plane through the centre."""
     problem = geodesic(load("s2").frame, [1.0, 0.5], [0.4, 0.9], parameters={"R": 2})
     sol = solve(problem, 12.0, ACCURACY, engine)
     theta, phi = sol.coordinates.T
@@ -118,7 +118,7 @@ def test_geodesics_of_the_sphere_are_great_circles(engine):
 
 @every_engine
 def test_free_top_in_elliptic_functions(engine):
-    """Euler's equations with I = 1, 2, 3 against Jacobi's sn, cn, dn."""
+    """Euler's equations with I = 1, 2, 3 agree with Jacobi's sn, cn, dn."""
     moments, start = np.array([1.0, 2.0, 3.0]), np.array([0.2, 0.0, 1.0])
     energy = (moments * start**2).sum()
     momentum = ((moments * start) ** 2).sum()
@@ -136,7 +136,7 @@ def test_free_top_in_elliptic_functions(engine):
 
 @every_engine
 def test_perihelion_advance(engine):
-    """Schwarzschild: the turn from perihelion to perihelion is the published elliptic integral."""
+    """Schwarzschild: the angle between two perihelia is the published elliptic integral."""
     mass, inner, outer = 1.0, 30.0, 60.0
     f = [1 - 2 * mass / r for r in (inner, outer)]
     # Energy and angular momentum for which both radii are turning points.
@@ -171,7 +171,7 @@ def test_perihelion_advance(engine):
 
 @every_engine
 def test_autoparallels_are_geodesics_on_so3(engine):
-    """On so3 the torsion force vanishes: both curves agree to the accuracy asked for."""
+    """On so3 the torsion force vanishes: both curves agree to the requested accuracy."""
     frame = load("so3").frame
     start, velocity = [0.3, 1.0, 0.2], [0.1, 0.5, -0.2]
     straight = solve(autoparallel(cartan(frame), start, velocity), 30.0, ACCURACY, engine)

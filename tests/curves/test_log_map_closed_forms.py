@@ -1,4 +1,4 @@
-"""Logarithm map: lengths between random pairs of points against closed forms."""
+"""Logarithm map: lengths between random pairs of points agree with closed forms."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from geomtorsion.spaces import load
 
 U, V = sp.symbols("u v", real=True)
 FULL, ACROSS = ([x > 0, sp.Lt(x, 2 * sp.pi)] for x in (U, V))
-# How far a length may be off, relative to it: log_map hits the end to ten times its accuracy.
+# Allowed relative error of a length: log_map hits the end to ten times its accuracy.
 LENGTH = 1e-9
 
 
@@ -93,7 +93,7 @@ CASES = {
 
 
 def check_lengths(case, count):
-    """Lengths and ends of so many random pairs."""
+    """Lengths and ends of `count` random pairs are right."""
     frame, parameters, pair = CASES[case]()
     connection, rng = levi_civita(frame), np.random.default_rng(31)
     for _ in range(count):

@@ -120,14 +120,14 @@ START, TURN = [0.3, 1.0, 0.2], [0.1, 0.5, -0.2]
     ],
 )  # fmt: skip
 def test_refused(make, error, message):
-    """Each names what came and what helps."""
+    """Each refusal names the input and a remedy."""
     with pytest.raises(error, match=message):
         make()
 
 
 @pytest.mark.parametrize("place", [2.0, 2.0 * (1 + 2**-52), 5.0])
 def test_legs_that_end_where_the_determinant_does_not(place):
-    """On the horizon of Schwarzschild's coordinates the volume is finite, but legs are not."""
+    """On the horizon of Schwarzschild's coordinates the volume is finite, but the legs are not."""
     space = load("schwarzschild").frame
     start, speed = [0, place, 1.2, 0], [1, 0, 0, 0]
     if place == 2.0:
@@ -139,7 +139,7 @@ def test_legs_that_end_where_the_determinant_does_not(place):
 
 
 def test_legs_that_doubles_do_not_give():
-    """Where a form has a gap that can be filled exact numbers decide about a start."""
+    """A removable gap of a form does not refuse a start; a gap to a zero divisor does."""
     r = sp.Symbol("r")
     frame = Frame([r], [[(r**2 - 1) / (r - 1) + sp.sin(r) / r]])
     assert geodesic(frame, [1.0], [1.0]).start == (1.0,)

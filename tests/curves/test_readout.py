@@ -1,4 +1,4 @@
-"""Solution and Problem: files, tables, text."""
+"""Solutions and problems: files, tables, text."""
 
 import sys
 
@@ -23,7 +23,7 @@ PROBLEM = autoparallel(cartan(SO3), [0.3, 1.0, 0.2], [0.1, 0.5, -0.2])
 
 
 def test_saved_and_read(tmp_path):
-    """Arrays come back bit by bit, metadata as text and numbers."""
+    """Arrays are restored bit by bit, metadata as text and numbers."""
     sol = solve(PROBLEM, 3.0, engine=RungeKutta())
     sol.save(tmp_path / "motion.npz")
     back = SavedSolution.load(tmp_path / "motion.npz")
@@ -36,7 +36,7 @@ def test_saved_and_read(tmp_path):
 
 
 def test_files_that_are_none(tmp_path):
-    """Missing, truncated and foreign files are told by name."""
+    """Missing, truncated and foreign files are refused by name."""
     path = tmp_path / "motion.npz"
     with pytest.raises(FileFormatError, match=r"motion\.npz"):
         SavedSolution.load(path)
@@ -49,7 +49,7 @@ def test_files_that_are_none(tmp_path):
 
 
 def test_pandas(monkeypatch):
-    """A table where pandas is there; else an error that says how to get it."""
+    """A table needs pandas; the error without it names the command to install it."""
     sol = solve(PROBLEM, 1.0, engine=RungeKutta())
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(MissingExtraError, match="pip install pandas"):
@@ -65,7 +65,7 @@ def test_pandas(monkeypatch):
 
 
 def test_without_heyoka(monkeypatch):
-    """engine=None goes on with Runge-Kutta; Taylor by name says what to install."""
+    """engine=None falls back to Runge-Kutta; an explicit Taylor names the package to install."""
     monkeypatch.setitem(sys.modules, "heyoka", None)
     with pytest.raises(MissingExtraError, match=r"geomtorsion\[fast\]"):
         solve(PROBLEM, 1.5, 1.7e-9, engine=Taylor(128))
@@ -87,7 +87,7 @@ def test_equations_in_words():
 
 
 def test_velocity_of_the_start():
-    """Coordinate velocity from frame velocity and back."""
+    """The coordinate velocity of the start is given back."""
     assert PROBLEM.velocity == pytest.approx([0.1, 0.5, -0.2], abs=1e-15)
 
 
@@ -104,7 +104,7 @@ def test_velocities_alone():
 
 
 def test_full_kinetic_metric():
-    """A metric with off-diagonal entries is the diagonal one in turned axes."""
+    """A metric with off-diagonal entries is the diagonal one in rotated axes."""
     turn = np.array([[0.8, -0.6, 0], [0.6, 0.8, 0], [0, 0, 1.0]])
     moments = turn @ np.diag([1.0, 2.0, 3.0]) @ turn.T
     moments = (moments + moments.T) / 2
@@ -117,7 +117,7 @@ def test_full_kinetic_metric():
 @every_engine
 @pytest.mark.parametrize(("charts", "accuracy"), one_in(2, [(), ("so3", "so3_xyz")], [1e-5, 1e-9]))
 def test_error_between_the_times(engine, charts, accuracy):
-    """Few times, far apart: the error of dense output at others is covered, and not by much."""
+    """With few times far apart, error_between covers the error of dense output within limits."""
     problem = autoparallel(
         cartan(load("so3").frame), [0.3, 1.0, 0.2], frame_velocity=[0.1, 1.3, 0.2]
     )
@@ -140,7 +140,7 @@ def test_error_between_the_times(engine, charts, accuracy):
 
 
 def test_error_of_the_velocity_in_coordinates():
-    """Of a quick ripple in the coframe the coordinates see little, the velocities much."""
+    """A quick ripple in the coframe adds little error to coordinates and much to velocities."""
     q, y = sp.symbols("x y", real=True)
     frame = Frame([q, y], [[2 + sp.sin(40 * q), 0], [0, 1]])
     sol = solve(autoparallel(cartan(frame), [0, 0], frame_velocity=[1, 1]), 20.0, 1e-9)
@@ -165,7 +165,7 @@ def test_error_of_the_velocity_in_coordinates():
 
 
 def test_dense_output_may_be_worse_than_the_times():
-    """One time, at the end of a step: Runge-Kutta is worse in between, and says by how much."""
+    """With one time at the end of a step, dense output is less accurate, as reported."""
     problem = autoparallel(
         cartan(load("so3").frame), [0.3, 1.0, 0.2], frame_velocity=[0.1, 1.3, 0.2]
     )
@@ -181,7 +181,7 @@ def test_dense_output_may_be_worse_than_the_times():
 
 @needs_heyoka
 def test_velocities_are_read_off_before_states_are_rounded():
-    """sqrt(y**2 + 1) - 1 keeps few digits of y, and those of its double are not enough."""
+    """sqrt(y**2 + 1) - 1 keeps few digits of y, so velocities are computed before rounding."""
     x, y = sp.symbols("x y", real=True)
     frame = Frame([x, y], [[sp.sqrt(y**2 + 1) - 1, 0], [0, 1]])
     problem = autoparallel(cartan(frame), [0, 1e-6], frame_velocity=[1e-12, 1e-6])

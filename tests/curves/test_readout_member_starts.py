@@ -24,7 +24,7 @@ def top(**start):
 
 @every_engine
 def test_members_agree_with_single_motions(engine):
-    """Speeds that differ by 1e6, a number of motions that fills no register."""
+    """Members agree with single motions, for speeds that differ by 1e6 and an odd number."""
     speeds = RANDOM.normal(size=(21, 3))
     speeds[3] *= 1e-3
     speeds[4] = 0
@@ -50,7 +50,7 @@ def test_members_agree_with_single_motions(engine):
 
 @every_engine
 def test_starts_and_velocities(engine):
-    """Coordinates and coordinate velocities, through another chart: straight lines."""
+    """Straight lines from coordinates and coordinate velocities pass through another chart."""
     starts = np.array([[1.0, 0.1], [2.0, 0.2], [3.0, 0.3]])
     rates = np.array([[-1.0, 0.0], [0.5, 0.5], [0.0, 1.0]])
     problem = geodesic(load("flat_polar").frame, [1.0, 0.0], [0.0, 0.0])
@@ -83,7 +83,7 @@ def test_what_does_not_arrive_is_told_apart(engine):
 
 
 def test_interruption_returns_what_is_finished(monkeypatch):
-    """Ctrl-C in the second stack: the first is there."""
+    """Ctrl-C in the second stack returns the members of the first one."""
     monkeypatch.setattr(stacked, "STACKED", 12)
     inner, calls = stacked._run_part, []
 
@@ -110,14 +110,14 @@ def test_interruption_returns_what_is_finished(monkeypatch):
 
 
 def test_progress(capsys):
-    """A bar on demand; silence otherwise."""
+    """Without progress nothing is printed."""
     problem, speeds = top(frame_velocity=[1, 0, 0]), RANDOM.normal(size=(8, 3))
     solve_many(problem, None, 1.0, frame_velocities=speeds, engine=RungeKutta())
     assert capsys.readouterr().err == ""
 
 
 def test_refused():
-    """No time, no such accuracy in doubles, no engine of another precision."""
+    """A missing time, an accuracy beyond doubles and an engine of another precision are refused."""
     problem, speeds = top(frame_velocity=[1, 0, 0]), RANDOM.normal(size=(3, 3))
     with pytest.raises(TimeError, match="t: expected the last time or a list of times, got none"):
         solve_many(problem, frame_velocities=speeds)
@@ -129,7 +129,7 @@ def test_refused():
 
 @needs_heyoka
 def test_many_says_what_it_cost():
-    """The summary has numbers, error and rate."""
+    """The summary has the numbers of motions and the engine."""
     many = solve_many(
         top(frame_velocity=[1, 0, 0]), None, 5.0, frame_velocities=RANDOM.normal(size=(40, 3))
     )
@@ -151,7 +151,7 @@ def ensembles() -> dict[str, tuple[Any, dict[str, Any]]]:
 
 @cache
 def alone(name: str, k: int, times: tuple[float, ...]) -> Solution:
-    """A member by itself, whichever engine it is compared with."""
+    """A member solved by itself, with one engine for all comparisons."""
     problem, given = ensembles()[name]
     member = problem.with_start(**{key[:-3] + "y": rows[k] for key, rows in given.items()})
     return solve(member, list(times), 1e-11, RungeKutta())
@@ -161,7 +161,7 @@ def alone(name: str, k: int, times: tuple[float, ...]) -> Solution:
     ("engine", "name", "t"), one_in(2, ENGINES, ["s2", "so3"], [2.0, [0.5, 1.0, 2.0]])
 )
 def test_charts_are_changed_on_the_way(engine, name, t):
-    """Each member agrees with its own solution, also where no sample lies near the edge."""
+    """Each member agrees with its own solution, also where no sample is near the edge."""
     problem, given = ensembles()[name]
     many = solve_many(problem, None, t, 1e-8, engine, **given)
     assert many.finished.all()
@@ -179,7 +179,7 @@ def test_charts_are_changed_on_the_way(engine, name, t):
 
 @every_engine
 def test_an_edge_between_samples_is_seen(engine):
-    """A loxodrome into the pole of the only chart is unfinished though its end has coordinates."""
+    """A loxodrome into the pole of its only chart is unfinished, though its end has coordinates."""
     problem = autoparallel(
         cartan(load("s2").frame), [1.0, 0.0], frame_velocity=[0, 1], parameters={"R": 1}
     )

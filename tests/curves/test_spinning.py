@@ -1,4 +1,4 @@
-"""Spinning: bodies with spin against known orbits, geodesics and conserved quantities."""
+"""Spinning: bodies with spin agree with known orbits, geodesics and conserved quantities."""
 
 import math
 from typing import Any
@@ -54,7 +54,7 @@ def test_circular_orbit_in_schwarzschild() -> None:
     assert circular_frequency(0.0) == pytest.approx(kepler, rel=1e-12)
     plus, minus = circular_frequency(0.01), circular_frequency(-0.01)
     slope = (plus - minus) / 0.02 / kepler
-    # What is left is of third order in the spin.
+    # The rest is of third order in the spin.
     assert slope == pytest.approx(-1.5 * kepler, rel=1e-5)
     assert plus < kepler < minus
 
@@ -82,7 +82,7 @@ def conserved(connection: gt.Connection, solution: gt.Solution, xi: gt.Tensor) -
 
 @pytest.mark.parametrize("coupling", ["orbital", "intrinsic"])
 def test_symmetries_give_conserved_quantities(coupling: str) -> None:
-    """Energy and angular momentum with spin, where torsion has the same symmetry, too."""
+    """Energy and angular momentum with spin are conserved, where torsion has the same symmetry."""
     twisted = gt.blend(BAR, gt.cartan(HOLE), SHARE)
     problem = gt.spinning(
         twisted, START, SPEED, [0, 0.3, -0.2, 0.4], coupling=coupling, parameters={"M": 1}
@@ -92,7 +92,7 @@ def test_symmetries_give_conserved_quantities(coupling: str) -> None:
     for xi in ([1, 0, 0, 0], [0, 0, 0, 1]):
         values = conserved(felt, solution, HOLE.vector(xi))
         assert np.ptp(values) < 1e-9
-        # The other connection gives none.
+        # The other connection does not conserve them.
         others = conserved(BAR if coupling == "intrinsic" else twisted, solution, HOLE.vector(xi))
         assert np.ptp(others) > 1e-6
     assert max(float(np.max(drift)) for drift in solution.drift.values()) < 1e-9
@@ -100,7 +100,7 @@ def test_symmetries_give_conserved_quantities(coupling: str) -> None:
 
 @pytest.mark.parametrize("coupling", ["orbital", "intrinsic"])
 def test_without_spin_it_is_a_geodesic(coupling: str) -> None:
-    """In every connection: torsion acts on spin only."""
+    """Without spin the path is a geodesic in every connection: torsion acts only on spin."""
     norm = float(HOLE.metric.at({"r": RADIUS, "theta": 1.2, "M": 1}) @ SPEED @ SPEED)
     unit = [float(v) / math.sqrt(-norm) for v in SPEED]
     path = gt.solve(gt.geodesic(HOLE, START, unit, parameters={"M": 1}), [0, 10, 20])
@@ -113,7 +113,7 @@ def test_without_spin_it_is_a_geodesic(coupling: str) -> None:
 
 
 def test_antisymmetric_torsion_turns_spin_only() -> None:
-    """T_123 = c in flat space: momentum stays, an intrinsic spin turns by K = T/2."""
+    """T_123 = c in flat space: momentum stays, an intrinsic spin rotates by K = T/2."""
     t, x, y, z = sp.symbols("t x y z")
     flat = gt.Frame([t, x, y, z], sp.eye(4), signature=(-1, 1, 1, 1))
     strength = sp.Rational(1, 2)
@@ -126,7 +126,7 @@ def test_antisymmetric_torsion_turns_spin_only() -> None:
     rest = [1, 0, 0, 0]
     body = gt.spinning(twisted, [0, 0, 0, 0], rest, [0, 1e-6, 0, 0], coupling="intrinsic")
     found = gt.solve(body, [0.0, 1.0])
-    # K_0ij = T_0ij / 2 turns vectors in the plane of 1 and 2.
+    # K_0ij = T_0ij / 2 rotates vectors in the plane of 1 and 2.
     spin = np.array([found["S34"][-1], -found["S24"][-1]]) / 1e-6
     angle = math.atan2(spin[1], spin[0])
     assert abs(angle) == pytest.approx(0.25, abs=1e-6)
@@ -135,7 +135,7 @@ def test_antisymmetric_torsion_turns_spin_only() -> None:
 
 
 def test_spin_on_a_sphere_and_signatures() -> None:
-    """Three dimensions, spin as a matrix; the part along the momentum is dropped."""
+    """Three dimensions, spin as a matrix, both signatures; spin along the momentum is dropped."""
     t, r, phi = sp.symbols("t r phi", positive=True)
     plane = gt.Frame([t, r, phi], sp.diag(1, 1, r), signature=(-1, 1, 1))
     spin = [[0, 0.1, 0], [-0.1, 0, 0.2], [0, -0.2, 0]]
@@ -151,7 +151,7 @@ def test_spin_on_a_sphere_and_signatures() -> None:
 
 
 def call(spin: Any = (0, 0, 0.1, 0), velocity=SPEED, connection: Any = BAR, coupling="orbital"):
-    """A body of the tests with something wrong."""
+    """A body of the tests with one wrong argument."""
     return gt.spinning(connection, START, velocity, spin, coupling=coupling, parameters={"M": 1})
 
 
@@ -174,13 +174,13 @@ REFUSALS = [
 
 @pytest.mark.parametrize(("wrong", "words"), REFUSALS)
 def test_what_is_no_body_is_refused(wrong, words):
-    """Each error says what was expected."""
+    """Each error names the expected input."""
     with pytest.raises(GeomtorsionError, match=words):
         wrong()
 
 
 def test_without_torsion_the_coupling_does_not_matter() -> None:
-    """By default the connection that is given acts; the metric's own connection has no torsion."""
+    """The default is the given connection; the metric's own connection has no torsion."""
     start, velocity, spin = [0, 10, 1.5, 0], [1.2, 0, 0, 0.04], [0, 0, -0.1, 0]
     ends = [
         gt.solve(gt.spinning(BAR, start, velocity, spin, parameters={"M": 1}, **given), 5.0)

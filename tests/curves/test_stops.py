@@ -1,4 +1,4 @@
-"""Stops: curves that end at a condition, in whichever chart they are, against event times."""
+"""Stops: curves that end at a condition, in any chart, agree with event times."""
 
 # Charts that have a frame.
 # pyright: reportArgumentType=false
@@ -25,11 +25,11 @@ def plunge(**options):
 
 
 def test_event_times_through_a_chart_change():
-    """r has a value inside the horizon also, where t and phi of the same chart have none."""
+    """r has a value inside the horizon as well, where t and phi of the same chart have none."""
     solution = gt.solve(plunge(), 22.0)
     assert solution.charts == ("kerr", "ingoing")
     assert solution.event_times("r - 3") == pytest.approx([PASSES], abs=1e-8)
-    # The horizon itself, and a place inside of it.
+    # The horizon itself, and a point inside it.
     outer = 1 + math.sqrt(0.75)
     inside = solution.event_times(f"r - {outer - 0.1}")
     (crossed,) = solution.event_times(f"r - {outer}")
@@ -53,13 +53,13 @@ def test_a_plunge_stops(engine, stop):
 
 
 def test_a_stop_behind_a_change_of_charts():
-    """The condition is stated in the chart in which the motion is then, with its maps."""
+    """The condition is translated into the chart of the motion by the maps of the atlas."""
     free = gt.solve(plunge(), 22.0)
     stopped = gt.solve(plunge(stop="r - 1.7"), 22.0)
     assert stopped.charts == ("kerr", "ingoing")
     assert stopped.stopped_by == "r - 1.7"
     assert stopped.times[-1] == pytest.approx(free.event_times("r - 1.7")[0], abs=1e-8)
-    # r = sqrt(x^2 + y^2 + z^2) in the chart that goes on.
+    # r = sqrt(x^2 + y^2 + z^2) in the second chart.
     hole = gt.spaces.load("schwarzschild").frame
     fall = {"frame_velocity": [1.25, -0.75, 0, 0], "parameters": {"M": 1.0}}
     ended = gt.solve(gt.geodesic(hole, [0.0, 3.0, 1.2, 0.0], stop="r - 1", **fall), 5.0)
@@ -81,7 +81,7 @@ def test_from_one_apsis_to_the_next():
 
 
 def test_one_turn_of_an_autoparallel():
-    """An angle counts on in its own chart: others, where it would jump, are not used."""
+    """An angle counts further in its own chart: others, where it would jump, are not used."""
     sphere = gt.spaces.load("s2").frame
     problem = gt.autoparallel(
         gt.levi_civita(sphere), [1.0, 0.0], [0.0, 1.0], parameters={"R": 1}, stop="2*pi - phi"
@@ -93,7 +93,7 @@ def test_one_turn_of_an_autoparallel():
 
 
 def test_velocities_alone():
-    """A group's velocities without coordinates stop also."""
+    """Velocities of a group without coordinates stop as well."""
     top = gt.geodesic(
         gt.spaces.load("so3").frame, frame_velocity=[0.1, 2, 0.1], metric=[1, 2, 3], stop="u2"
     )
@@ -103,7 +103,7 @@ def test_velocities_alone():
 
 
 def test_ensembles_have_common_times():
-    """Curves that end each at its own time are solved one by one, as other equations are."""
+    """solve_many refuses curves that each end at their own time."""
     with pytest.raises(StartError, match=r"expected curves without stop=.*, got stop = r - 3"):
         gt.solve_many(plunge(stop="r - 3"), [PLUNGE[0]], 5.0, velocities=[PLUNGE[1]])
 
@@ -120,19 +120,19 @@ def test_ensembles_have_common_times():
     ],
 )
 def test_refusals(stop, error, words):
-    """What cannot stop a curve is refused, with a remedy."""
+    """A condition that cannot stop a curve is refused, with a remedy."""
     with pytest.raises(error, match=words):
         gt.solve(plunge(stop=stop), 1.0)
 
 
 def test_where_no_other_chart_states_the_condition():
-    """The end of the chart says why no other one was used."""
+    """The error at the end of the chart gives the reason that no other chart was used."""
     with pytest.raises(ChartEdgeError, match=r"cannot state the condition to stop \(1 - u2\)"):
         gt.solve(plunge(stop="1 - u2"), 22.0)
 
 
 def test_a_start_on_the_axis_says_in_which_chart():
-    """The chart that holds at the pole, with the coordinates there; a curve starts there."""
+    """The error names the chart that covers the pole and its coordinates; a curve starts there."""
     with pytest.raises(
         StartError, match=r"Chart 'axis' covers this point, at .* y_ax = 0, z_ax = 1"
     ):
@@ -154,7 +154,7 @@ def test_a_null_tetrad_names_from_metric():
 
 
 def test_the_end_is_proved():
-    """The place at which a condition has stopped a curve, in balls; of several conditions, none."""
+    """The point where one condition stops a curve is proved in balls; several are refused."""
     start = {"frame_velocity": [1.25, -0.75, 0, 0], "parameters": {"M": 1.0}}
     hole = gt.spaces.load("schwarzschild").frame
     fall = gt.solve(gt.geodesic(hole, [0.0, 6.0, 1.5, 0.0], stop="r - 3", **start), 5.0)

@@ -28,7 +28,7 @@ UNIT = {"R": 1}
 @every_engine
 @pytest.mark.parametrize("theta", [0.3, 1.0, 2.5])
 def test_holonomy_of_a_circle_of_latitude(theta, engine):
-    """A vector turns by 2 pi cos(theta) against the compass."""
+    """A vector rotates by 2 pi cos(theta) against the compass."""
     turn = holonomy(levi_civita(S2), [theta, 2 * sp.pi * S], parameters=UNIT, engine=engine)
     angle = 2 * np.pi * np.cos(theta)
     c, s = np.cos(angle), np.sin(angle)
@@ -44,7 +44,7 @@ def test_cartan_transport_turns_nothing(engine):
 
 @every_engine
 def test_transport_along_a_geodesic_keeps_the_angle(engine):
-    """The velocity itself is carried into the velocity; lengths stay."""
+    """The velocity is carried into the velocity; lengths are kept."""
     problem = geodesic(S2, [1.0, 0.5], [0.4, 0.9], parameters={"R": 2})
     u = problem.frame_velocity
     sol = solve(parallel_transport(problem, [u, [1, 2]]), 2.0, 1e-10, engine)
@@ -57,7 +57,7 @@ def test_transport_along_a_geodesic_keeps_the_angle(engine):
 @every_engine
 @pytest.mark.parametrize("share", [0, sp.Rational(1, 2), 1])
 def test_separation_is_the_derivative_of_the_motion(share, engine):
-    """With torsion and without: the difference of neighbours over their distance."""
+    """With and without torsion: the difference of neighbours over their distance."""
     frame = load("flat_polar").frame
     connection = blend(levi_civita(frame), cartan(frame), share)
     start, u = np.array([1.0, 0.2]), np.array([0.3, 0.8])
@@ -86,7 +86,7 @@ def test_neighbouring_meridians(engine):
 
 
 def test_exponential_map_of_the_sphere():
-    """A quarter turn from the equator leads near the pole, in any direction."""
+    """A motion of length 1.2 from the equator along a meridian ends at its angle."""
     end = exponential_map(levi_civita(S2), [np.pi / 2, 0.3], [-1.2, 0.0], parameters=UNIT)
     assert end == pytest.approx([np.pi / 2 - 1.2, 0.3], abs=1e-9)
 
@@ -103,7 +103,7 @@ def test_connecting_points_of_the_sphere():
 
 
 def test_connecting_by_an_autoparallel():
-    """so3: the rotation vector between two attitudes."""
+    """so3: the rotation vector between two attitudes is found again."""
     frame = load("so3").frame
     vector = [0.4, -0.3, 0.5]
     end = exponential_map(cartan(frame), [0.3, 1.0, 0.2], vector)
@@ -111,7 +111,7 @@ def test_connecting_by_an_autoparallel():
 
 
 def test_cut_locus():
-    """Antipodes: no unique answer; a guess chooses one."""
+    """Antipodes have no unique answer; close to them a guess gives one."""
     start, end = [np.pi / 2, 0.0], [np.pi / 2, np.pi]
     with pytest.raises(EndpointError, match="unique|no motion"):
         log_map(levi_civita(S2), start, end, parameters=UNIT)
@@ -121,7 +121,7 @@ def test_cut_locus():
 
 
 def test_refused_paths():
-    """Wrong length, two symbols, off the chart, too much asked."""
+    """Wrong length, two symbols, a path off the chart and too high accuracy are refused."""
     bar = levi_civita(S2)
     with pytest.raises(ShapeError, match="2 expressions"):
         holonomy(bar, [S], parameters=UNIT)
@@ -138,7 +138,7 @@ def test_refused_paths():
 @pytest.mark.parametrize("speed", [1.0, 8.0, 0.03])
 @pytest.mark.parametrize("name", ["s2", "flat_polar", "so3"])
 def test_separation_at_any_speed(speed, name, engine):
-    """Start speeds and rates that are scaled give the same offset at scaled times, rates scaled."""
+    """Scaled start speeds and rates give the same offset at scaled times, with scaled rates."""
     frame = load(name).frame
     start, velocity, offset, rate = {
         "s2": ([1.1, 0.2], [0.3, 0.7], [0.1, -0.2], [0.05, 0.3]),
@@ -158,7 +158,7 @@ def test_separation_at_any_speed(speed, name, engine):
 
 @pytest.mark.parametrize("speed", [8.0, 0.125, 3.0])
 def test_separation_at_any_speed_is_the_derivative(speed):
-    """Against the difference of two geodesics, at speeds other than one."""
+    """At speeds other than one the separation is the difference of two geodesics."""
     start, u = np.array([1.1, 0.2]), speed * np.array([0.3, 0.7])
     offset, rate = np.array([0.1, -0.2]), np.array([0.4, -0.9])
     problem = geodesic(S2, start, frame_velocity=u, parameters=UNIT)

@@ -10,15 +10,15 @@ import pytest
 
 import geomtorsion as gt
 
-# What makes results that can be proved, by the name that tests import it by.
+# Functions that make provable results, by the names in test modules.
 MAKERS = ("solve", "burgers_vector", "develop")
-# A proof may take so many seconds: a motion to t = 1e5 takes a quarter of an hour.
+# Limit of a proof in seconds: a motion to t = 1e5 takes a quarter of an hour.
 LONGEST = 60.0
 
 
 @pytest.fixture(autouse=True)
 def claims(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """With --prove results are proved as they are made; those that do not hold fail the test."""
+    """With --prove results are proved when made; a result that does not hold fails the test."""
     broken: list[str] = []
     if request.config.getoption("--prove"):
         for name in MAKERS:
@@ -32,7 +32,7 @@ def claims(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> I
 
 
 def _proved(make: Callable[..., Any], broken: list[str]) -> Callable[..., Any]:
-    """The same function, whose results are proved."""
+    """A function with the same results, which are proved."""
 
     @wraps(make)
     def wrapper(*arguments: Any, **options: Any) -> Any:

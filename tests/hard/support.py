@@ -1,4 +1,4 @@
-"""Support: numbers of a tensor, and the oracle of the frame that it belongs to."""
+"""Support: numbers of a tensor, and the oracle of its frame."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ quick = settings(
 
 
 def numbers(tensor: gt.Tensor, values: dict, written: bool = False) -> np.ndarray:
-    """A tensor at a point: from its elements, or from the components as they are written."""
+    """A tensor at a point: from its elements, or from the written components."""
     n, rank = tensor.frame.dimension, len(tensor.slots)
     result = np.full((n,) * rank, mpmath.mpf(0), dtype=object)
     if written:
@@ -39,7 +39,7 @@ def numbers(tensor: gt.Tensor, values: dict, written: bool = False) -> np.ndarra
 
 
 def settled(expression: sp.Expr) -> sp.Expr:
-    """Unknown functions replaced by definite smooth ones."""
+    """Replace unknown functions by definite smooth ones."""
     expression = sp.sympify(expression)
     names = {f.func for f in expression.atoms(sp.core.function.AppliedUndef)}
     for number, name in enumerate(sorted(names, key=str)):
@@ -62,7 +62,7 @@ def point(frame: gt.Frame, values: dict) -> tuple:
 
 
 def oracle_of(frame: gt.Frame, values: dict, gamma: list | None = None) -> Oracle:
-    """The oracle, from the numeric coframe (and numeric connection coefficients) alone."""
+    """The oracle, only from the numeric coframe (and numeric connection coefficients)."""
     return Oracle(
         numeric(rows(frame), frame.coordinates, values),
         point(frame, values),

@@ -1,4 +1,4 @@
-"""Every exact quantity against the floating-point oracle: shipped spaces and random frames."""
+"""Every exact quantity agrees with the floating-point oracle: shipped spaces and random frames."""
 
 from __future__ import annotations
 
@@ -68,11 +68,11 @@ def compare(
 
 
 def point_of(frame: gt.Frame) -> dict:
-    """The frame's own sample point as exact numbers, a little moved."""
+    """The frame's own sample point as exact numbers."""
     return {s: sp.Rational(v) for s, v in frame.sample_point.items()}
 
 
-# Of S^7, which takes a second, the laws of all shipped spaces tell in the normal run.
+# S^7 takes a second; in the normal run the laws of all shipped spaces cover it.
 @pytest.mark.parametrize(
     "name",
     [pytest.param(x, marks=pytest.mark.slow) if x == "s7" else x for x in gt.spaces.names()],
@@ -86,7 +86,7 @@ def test_shipped_spaces(name):
 
 
 def test_nothing_is_left_out():
-    """The comparison runs over all spaces and over every quantity that has a name."""
+    """The comparison covers all spaces and every named quantity."""
     assert len(gt.spaces.names()) >= 30
     # Cotton's tensor takes third differences: tests/geometry/test_forms compares it.
     assert OF_FRAME.keys() | {"cotton"} == QUANTITIES.keys()
@@ -137,7 +137,7 @@ def frames_of_higher_dimension() -> dict[str, gt.Frame]:
 
 @pytest.mark.parametrize("name", ["four", "five", "unknown", "null", "metric", "eta", "legs"])
 def test_fixed_frames(name):
-    """Four and five dimensions, unknown functions, null legs, a metric, other eta."""
+    """Four and five dimensions, unknown functions, null legs, a metric, another eta."""
     frame = frames_of_higher_dimension()[name]
     heavy = {"riemann", "riemann_frame", "weyl"} if frame.dimension == 5 else set()
     chosen = {q: a for q, a in OF_FRAME.items() if q not in heavy}
@@ -145,7 +145,7 @@ def test_fixed_frames(name):
 
 
 def test_from_metric_has_the_metric():
-    """The metric that went in comes out, exactly."""
+    """The given metric is reproduced exactly."""
     frame = frames_of_higher_dimension()["metric"]
     x, y, z = frame.coordinates
     given_metric = [[2, x, 0], [x, 3 + y**2, sp.sin(z)], [0, sp.sin(z), 4]]
@@ -154,7 +154,7 @@ def test_from_metric_has_the_metric():
 
 
 def test_torsion_force():
-    """2 S_a^c_b q'^a q'^b against the oracle, on a frame where it does not vanish."""
+    """2 S_a^c_b q'^a q'^b agrees with the oracle, on a frame where it does not vanish."""
     frame = frames_of_higher_dimension()["four"]
     values = values_at(frame.coordinates, 5)
     velocity = [1, sp.Rational(-2, 3), 3, sp.Rational(1, 7)]

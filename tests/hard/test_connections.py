@@ -1,4 +1,4 @@
-"""Connections of every kind against the floating-point oracle, and back to what they came from."""
+"""Connections of every kind agree with the oracle and reproduce their input."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from tests.strategies import COORDINATES, coframes, rationals
 
 
 def connection_numbers(connection: gt.Connection, values: dict) -> dict[str, np.ndarray]:
-    """Curvature, torsion and the rest, from the package."""
+    """Curvature, torsion, nonmetricity and spin connection, from the package."""
     return {
         "curvature": numbers(connection.curvature.riemann, values),
         "torsion": numbers(connection.torsion.S, values),
@@ -28,7 +28,7 @@ def connection_numbers(connection: gt.Connection, values: dict) -> dict[str, np.
 
 
 def disagreements(connection: gt.Connection, values: dict) -> list[str]:
-    """Names of what differs from the oracle."""
+    """Names of the quantities that differ from the oracle."""
     size = range(connection.frame.dimension)
     gamma = [[[connection[a, b, c] for c in size] for b in size] for a in size]
     oracle = oracle_of(connection.frame, values, gamma)
@@ -48,7 +48,7 @@ def array_of(draw, size):
 @quick
 @given(st.data(), coframes(2, 2))
 def test_general_coefficients(data, case):
-    """Torsion, curvature and nonmetricity at once, from any coefficients."""
+    """Connections from any coefficients, with torsion, curvature and nonmetricity, agree."""
     coordinates, matrix, signature = case
     frame = gt.Frame(coordinates, matrix, signature=signature)
     gamma = array_of(data.draw, 2)
@@ -62,7 +62,7 @@ def test_general_coefficients(data, case):
 @quick
 @given(st.data(), coframes(2, 3))
 def test_connections_from_a_spin_connection(data, case):
-    """omega in, the same omega out; its coefficients obey the oracle."""
+    """The given omega is reproduced, and its coefficients agree with the oracle."""
     coordinates, matrix, signature = case
     frame = gt.Frame(coordinates, matrix, signature=signature)
     omega = array_of(data.draw, frame.dimension)
@@ -76,7 +76,7 @@ def test_connections_from_a_spin_connection(data, case):
 @settings(quick, max_examples=5)
 @given(st.data(), coframes(2, 3))
 def test_connections_from_a_contortion_and_blends(data, case):
-    """K antisymmetric in: metric, the same contortion out; a blend obeys the oracle."""
+    """An antisymmetric K gives a metric connection with this contortion; a blend agrees as well."""
     check_contortion(data, case)
 
 
@@ -84,12 +84,12 @@ def test_connections_from_a_contortion_and_blends(data, case):
 @settings(quick, max_examples=40)
 @given(st.data(), coframes(2, 3))
 def test_many_connections_from_a_contortion(data, case):
-    """The same of more frames."""
+    """As above, for more frames."""
     check_contortion(data, case)
 
 
 def check_contortion(data, case):
-    """What comes out of a contortion, and of a blend of its connection."""
+    """Check a connection from a contortion, and its blend, against the oracle."""
     coordinates, matrix, signature = case
     frame = gt.Frame(coordinates, matrix, signature=signature)
     size = frame.dimension

@@ -1,7 +1,7 @@
 """Noise: no line is added and none is lost, up to 12 % of the neighbour distance per coordinate.
 
-One seed at the upper end is run always, where a line of each kind and none at all are to be found;
-the campaign of 20 seeds for 4, 6, 8, 10 and 12 % is slow:
+One seed at the upper end always runs, for specimens with a line of each kind and with none; the
+campaign of 20 seeds for 4, 6, 8, 10 and 12 % is slow:
 `pytest -m slow tests/hard/test_crystal_noise.py`.
 """
 
@@ -19,8 +19,8 @@ FILES = (
     "w_screw_quadrupole_relax", "w_screw111", "w_screw111_relax", "w_edge100", "cu_edge110",
     "w_perfect", "cu_perfect",
 )  # fmt: skip
-# Four screws with relaxed cores, and an edge of fcc that is split into partials; lines of bcc that
-# are made under the same noise stand in tests/materials/crystals/test_crystal.py.
+# Four screws with relaxed cores, and an edge of fcc that is split into partials; synthetic bcc
+# lines under the same noise are in tests/materials/crystals/test_crystal.py.
 SHARP = ("w_screw_quadrupole_relax", "cu_edge110")
 PERCENT = (4, 6, 8, 10, 12)
 SEEDS = 20
@@ -28,7 +28,7 @@ SEEDS = 20
 
 @cache
 def specimen(name):
-    """Positions, cell, periodic edges, neighbour distance, and families of the lines put in."""
+    """Positions, cell, periodic edges, neighbour distance, and families of the inserted lines."""
     ase_io = pytest.importorskip("ase.io")
     found = ase_io.read(real(f"crystal/{name}.xyz"))
     truth = json.loads(real("crystal/truth.json").read_text())[name]
@@ -39,12 +39,12 @@ def specimen(name):
 
 
 def shaken(places, distance, percent, seed):
-    """Places with Gaussian noise on each coordinate, as part of a distance."""
+    """Positions with Gaussian noise on each coordinate, in percent of a distance."""
     return places + percent / 100 * distance * np.random.default_rng(seed).normal(size=places.shape)
 
 
 def check(name, percent, seed):
-    """The families of a shared specimen are those that were put in."""
+    """The families of a shared specimen are the inserted ones."""
     places, cell, periodic, nearest, families = specimen(name)
     crystal = Crystal(shaken(places, nearest, percent, seed), cell, periodic)
     found = crystal.dislocations().lines
@@ -52,10 +52,10 @@ def check(name, percent, seed):
     assert all(line.kind == "periodic" for line in found)
 
 
-# Under this noise fcc stands among the other lattices, too.
+# This noise also makes fcc atoms resemble other lattices.
 @pytest.mark.parametrize("name", [SHARP[0], pytest.param(SHARP[1], marks=pytest.mark.slow)])
 def test_the_most_noise_adds_no_line_and_takes_none(name):
-    """12 %, where every second atom has a neighbour in doubt."""
+    """At 12 % every second atom has a neighbour in doubt."""
     check(name, 12, 0)
 
 
@@ -85,7 +85,7 @@ MADE = {
 
 
 def check_made(name, percent, seed):
-    """The lines of a specimen that is made here are as many as were put in."""
+    """A synthetic specimen has as many lines as were inserted."""
     places, cell, lattice, count = MADE[name]()
     moved = shaken(places, LATTICES[lattice].nearest, percent, seed)
     crystal = Crystal(moved, cell, (count != 1, count != 1, True))
@@ -96,7 +96,7 @@ def check_made(name, percent, seed):
 
 @pytest.mark.parametrize("name", ["screw of diamond", "edge of hcp", "fcc"])
 def test_the_most_noise_in_other_lattices(name):
-    """Of diamond noise mixes the third shell with the second: its lattice is found all the same."""
+    """Noise mixes the third shell of diamond with the second: its lattice is found nevertheless."""
     check_made(name, 12, 0)
 
 
@@ -104,6 +104,6 @@ def test_the_most_noise_in_other_lattices(name):
 @pytest.mark.parametrize("percent", PERCENT)
 @pytest.mark.parametrize("name", MADE)
 def test_noise_in_other_lattices(name, percent):
-    """Ten seeds each, of specimens that are made here."""
+    """Ten seeds each, of synthetic specimens."""
     for seed in range(SEEDS // 2):
         check_made(name, percent, seed)

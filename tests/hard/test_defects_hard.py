@@ -26,7 +26,7 @@ def screw() -> Connection:
 @pytest.mark.parametrize("gap", [1e-3, 1e-6])
 @pytest.mark.parametrize("side", [1, -1])
 def test_near_miss_of_a_line(screw, gap, side):
-    """A unit circle that passes the line at 1e-6, inside or outside."""
+    """A unit circle passes the line at a small distance, inside or outside."""
     loop = Loop.circle([1 - side * gap, 0, 0], 1)
     turn = develop(screw, loop)
     expected = 1.0 if side > 0 else 0.0
@@ -45,7 +45,7 @@ def test_polygon_side_beside_a_line(screw):
 
 @pytest.mark.parametrize("waves", [30, 200, pytest.param(1000, marks=pytest.mark.slow)])
 def test_wild_curve_on_the_sphere_turns_by_its_area(sphere, waves):
-    """A circle with many wiggles: the angle is the exact area all the same."""
+    """A circle with many wiggles: the angle is still the exact area."""
     s = sp.Symbol("s", real=True)
     radius = sp.Rational(1, 5) * (1 + sp.cos(waves * s) / 10)
     curve = Loop.parametric(
@@ -61,7 +61,7 @@ def test_wild_curve_on_the_sphere_turns_by_its_area(sphere, waves):
 
 
 def test_gimbal_lock_nearby():
-    """SO(3), 1e-6 from beta = 0: the Levi-Civita turn of a small circle is curvature times area."""
+    """SO(3), 1e-6 from beta = 0: the Levi-Civita angle of a small circle is curvature by area."""
     frame = spaces.load("so3").frame
     radius = 1e-8
     turn = develop(levi_civita(frame), Loop.circle([0.3, 1e-6, 0.2], radius, (0, 1)))
@@ -72,7 +72,7 @@ def test_gimbal_lock_nearby():
 
 
 def test_self_intersecting_loops(sphere):
-    """A figure of eight: both halves count with their sign; twice round counts twice."""
+    """Both halves of a figure of eight count with their sign; two turns count twice."""
     eight = Loop.parametric(
         ["3/10*sin(2*s)", "3/10*sin(s)"], "s", (0, "2*pi"), centre=[sp.pi / 2, 0]
     )

@@ -1,4 +1,4 @@
-"""Claims of error on long motions, where roundings add up alike in runs of doubles."""
+"""Claims of error on long motions, where rounding accumulates alike in runs of doubles."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def eccentric(e):
 
 
 def orbit_error(solution):
-    """The largest error against Kepler's equation, each state against its size."""
+    """The largest error against Kepler's equation, each state relative to its size."""
     near, _, _, speed = (mpmath.mpf(float(x)) for x in solution.states[0])
     with mpmath.workdps(40):
         axis = 1 / (2 / near - speed**2)
@@ -58,7 +58,7 @@ def orbit_error(solution):
 
 
 def assert_claim(true, solution, accuracy, most=100):
-    """Between half the truth and `most` times it, and below the requested accuracy."""
+    """The claim is between half and `most` times the true error, which is within the accuracy."""
     assert true <= accuracy
     assert 0.5 * true <= solution.error <= max(most * true, 1e-14)
 
@@ -74,7 +74,7 @@ def assert_claim(true, solution, accuracy, most=100):
     ids=["0.8", "0.6", "0.6, series", "0.6, series, finer"],
 )
 def test_orbits_by_keplers_equation(problem, end, accuracy, engine):
-    """Orbits whose errors two runs in doubles share, or which agree by chance."""
+    """Claims hold on orbits whose errors two runs in doubles share, or which agree by chance."""
     solution = solve(problem, end, accuracy, engine)
     assert_claim(orbit_error(solution), solution, accuracy)
 
@@ -109,7 +109,7 @@ def test_components_that_never_change_are_not_rounded():
 @pytest.mark.parametrize("turns", [10, 100, 1000, 10000])
 @pytest.mark.parametrize("e", [0.0, 0.3, 0.6, 0.8, 0.95])
 def test_many_orbits(e, turns, engine):
-    """Up to ten thousand turns: an honest claim, or a refusal."""
+    """Up to ten thousand turns there is an honest claim, or a refusal."""
     if turns > 100 and not isinstance(engine, Taylor):
         pytest.skip("minutes in Python")
     for accuracy in (1e-6, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12):
@@ -145,7 +145,7 @@ MOTIONS = {
 @pytest.mark.parametrize("end", [30.0, 300.0, 1000.0])
 @pytest.mark.parametrize("name", list(MOTIONS))
 def test_long_motions(name, end, engine):
-    """Tops, pendulums and a black hole, against 113 bits."""
+    """Claims on tops, pendulums and a black hole hold, compared with 113 bits."""
     problem = MOTIONS[name]
     truth = truth_of(problem, np.linspace(0, end, 65))
     for accuracy in (1e-6, 1e-8, 1e-10, 1e-11, 1e-12):
@@ -171,5 +171,5 @@ def test_chaos(end, engine):
                 solution = solve(problem, np.linspace(0, end, 65), accuracy, engine)
             except AccuracyError:
                 continue
-            # One unlucky rounding of the first steps decides: most motions fare better.
+            # One unlucky rounding in the first steps is decisive: most motions have smaller errors.
             assert_claim(truth.error(solution), solution, accuracy, most=10_000)

@@ -1,4 +1,4 @@
-"""Roots of high order and many roots at once: read, derived and decided, or refused, quickly."""
+"""Roots of high order and many roots: read, derived and decided, or refused, quickly."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ PLACE = {x: R(7, 5), y: R(9, 7)}
 
 @pytest.mark.parametrize("name", ROOTS)
 def test_curvature_of_a_line_element_with_roots(name):
-    """dx**2 + f**2 dy**2 has Gaussian curvature -f_xx/f: its numbers, to thirty digits."""
+    """dx**2 + f**2 dy**2 has Gaussian curvature -f_xx/f: its numbers agree to thirty digits."""
     f = ROOTS[name]
     curvature = levi_civita(Frame([x, y], [[1, 0], [0, f]])).curvature
     found = curvature.scalar.element().evaluate(PLACE, 120)
@@ -47,7 +47,7 @@ def test_curvature_of_a_line_element_with_roots(name):
         assert abs(found - want) < mpmath.mpf(10) ** -30 * (1 + abs(want))
 
 
-# Fifteen roots of roots have no values together at any point that is soon found.
+# Fifteen roots of roots have no values together at any point that is quickly found.
 DECIDED = sorted(set(ROOTS) - {"a product of thirty orders"})
 
 
@@ -60,7 +60,7 @@ def test_identities_of_a_frame_with_roots(name):
 
 
 def test_many_roots_of_roots_are_refused():
-    """What would take very long to be decided is refused with the way out."""
+    """A decision that would take very long is refused with a remedy."""
     frame = Frame([x, y], [[1, 0], [0, ROOTS["a product of thirty orders"]]])
     with pytest.raises(LimitError, match="which is the limit. Name a power"):
         identities(cartan(frame))
@@ -87,13 +87,13 @@ def test_zeros_with_roots_are_decided(name):
     ],
 )
 def test_products_of_many_sums_of_roots_are_refused(expression):
-    """Multiplied out they would fill the memory."""
+    """Products of many sums of roots, which would fill the memory expanded, are refused."""
     with pytest.raises(LimitError, match="the limit.* Name a power"):
         Frame([x, y], [[1, 0], [0, expression]])
 
 
 def test_squares_are_found_among_many_roots():
-    """A root of a product of others is no new one, whatever roots of higher order there are."""
+    """A root of a product of others is not a new root, whatever roots of higher order exist."""
     field = Field([x, y])
     roots = [(x + k) ** R(1, k + 2) for k in range(1, 31)]
     field.read(sum(roots))
@@ -101,6 +101,6 @@ def test_squares_are_found_among_many_roots():
     assert (field.read(sp.sqrt((x + 2) * (x + 4))) ** 2 - field.read((x + 2) * (x + 4))).is_zero
     assert (field.read((x + 6) ** R(1, 4)) - field.read((x + 6) ** R(1, 8)) ** 2).is_zero is True
     assert len(field.generators) == known
-    # (x + 2)**(1/8) is new: only its square was there.
+    # (x + 2)**(1/8) is new: only its square was known.
     assert (field.read((x + 2) ** R(1, 8)) ** 2 - field.read((x + 2) ** R(1, 4))).is_zero is True
     assert len(field.generators) == known + 1

@@ -10,7 +10,7 @@ from geomtorsion.geometry import Frame
 from geomtorsion.loops import Loop, burgers_vector
 from geomtorsion.spaces import load
 
-SAME = 1e-12  # the accuracy that is asked for
+SAME = 1e-12  # the requested accuracy
 
 x, y, z = sp.symbols("x y z", real=True)
 f = (x - sp.Rational(1, 2)) ** 2 + y**2
@@ -31,7 +31,7 @@ def test_next_to_gimbal_lock(radius: float) -> None:
 
 
 def test_a_thousand_wiggles() -> None:
-    """The area of r = 1 + cos(1000 s)/10 is pi (1 + 1/200), and Heisenberg counts it."""
+    """The area of r = 1 + cos(1000 s)/10 is pi (1 + 1/200), and Heisenberg's space measures it."""
     loop = Loop.parametric(
         ["(1 + cos(1000*s)/10)*cos(s)", "(1 + cos(1000*s)/10)*sin(s)", "sin(1000*s)"],
         interval=(0, "2*pi"),
@@ -72,7 +72,7 @@ def test_self_intersections() -> None:
 
 
 def test_a_loop_of_radius_a_million() -> None:
-    """Rounding of the coordinates is part of the error, and the estimate knows it."""
+    """Rounding of the coordinates is part of the error, and the estimate contains it."""
     b = burgers_vector(load("heisenberg").frame, Loop.circle([0.3, 1, 0], 1e6))
     assert b.vector[2] == pytest.approx(-np.pi * 1e12, rel=SAME)
     frame = load("so3").frame
@@ -95,7 +95,7 @@ def test_close_to_a_singular_line(distance: float) -> None:
 
 
 def test_corners_next_to_a_singular_line() -> None:
-    """A corner a millionth from the axis: the sides are halved there, not elsewhere."""
+    """A corner a millionth from the axis: only the sides near it are halved."""
     frame = load("screw_dislocation").frame
     d = 1e-6
     inside = Loop.polygon([[-d, 0, 0], [1, -1, 0], [1, 1, 0]])
@@ -107,14 +107,14 @@ def test_corners_next_to_a_singular_line() -> None:
 
 
 def test_a_small_core_inside_a_large_loop() -> None:
-    """The torsion sits in a core a thousandth of the loop wide: the line integral tells."""
+    """The torsion is in a core a thousandth of the loop wide: the line integral resolves it."""
     b = burgers_vector(
         load("screw_core").frame, Loop.circle([0.3, 0.1, 0], 1), parameters={"b": 2, "c": 1e-3}
     )
     d2 = 0.3**2 + 0.1**2
     assert b.route == "line"
     assert b.reached
-    # Integral of (b/2pi) (x dy - y dx) / (r^2 + c^2) over the unit circle about (0.3, 0.1).
+    # Integral of (b/2pi) (x dy - y dx) / (r^2 + c^2) over the unit circle around (0.3, 0.1).
     p = 1 + d2 + 1e-6
     root = np.sqrt(p * p - 4 * d2)
     expected = 2 * (1 + (2 - p) / root) / 2
@@ -122,7 +122,7 @@ def test_a_small_core_inside_a_large_loop() -> None:
 
 
 def test_singular_along_a_whole_side() -> None:
-    """A side that runs along a singular line; a pole of a logarithm; a root that ends."""
+    """A side along a singular line and a root that ends are refused; a singular chart is not."""
     screw = load("screw_dislocation").frame
     along = Loop.polygon([[0, 0, -1], [0, 0, 1], [1, 0, 0]])
     with pytest.raises(SingularPointError, match="passes through"):
@@ -135,14 +135,14 @@ def test_singular_along_a_whole_side() -> None:
 
 
 def test_larger_than_all_doubles() -> None:
-    """Radius 1e200: b is infinite as a double, and right as mpmath number; nothing warns."""
+    """Radius 1e200: b is infinite as a double, and right as mpmath number, without warnings."""
     b = burgers_vector(load("heisenberg").frame, Loop.circle([0, 0, 0], 1e200))
     assert np.isinf(b.vector[2])
     assert float(b.numbers[2] / (mpmath.pi * mpmath.mpf(1e200) ** 2)) == pytest.approx(-1)
 
 
 def test_very_many_corners() -> None:
-    """A polygon of two thousand sides is nearly its circle."""
+    """A polygon of two thousand sides gives its area."""
     angles = 2 * np.pi * np.arange(2000) / 2000
     vertices = np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1)
     loop = Loop.polygon(vertices.tolist())

@@ -12,8 +12,8 @@ from geomtorsion.geometry import Frame
 from geomtorsion.loops import Loop, burgers_vector
 from geomtorsion.spaces import load
 
-# What the library promises, what shipped spaces get, and by how much its own estimate may be too
-# small.
+# Promise of the library, accuracy for shipped spaces, and factor by which its own estimate may be
+# too small.
 PROMISED = 1e-12
 REACHED = 1e-14
 HONEST = 10
@@ -36,7 +36,7 @@ RADII = [10.0**-decade for decade in range(1, 13)]
 def truth(
     frame: Frame, centre: list[float], radius: float, plane: tuple[int, int], values: dict
 ) -> list:
-    """b / radius at 70 digits by the trapezoid rule, straight from the coframe."""
+    """b / radius at 70 digits by the trapezoid rule, directly from the coframe."""
     coordinates = list(frame.coordinates)
     names = [symbol for symbol in frame.field.symbols if symbol.name in values]
     matrix = frame.coframe.to_sympy()
@@ -96,7 +96,7 @@ def test_far_below_all_doubles(radius: float) -> None:
 
 
 def test_torsion_much_smaller_than_the_gradient() -> None:
-    """Torsion of 1e-8 under a gradient of order one: the exact curl has no gradient in it."""
+    """Torsion of 1e-8 under a gradient of order one: the exact curl contains no gradient."""
     x, y = sp.symbols("x y", real=True)
     small = sp.Rational(1, 10**8)
     frame = Frame([x, y], [[1 + sp.sin(x) * y, -sp.cos(x) + small * x], [0, 1]])
@@ -107,7 +107,7 @@ def test_torsion_much_smaller_than_the_gradient() -> None:
 
 
 def test_tiny_loops_of_other_shapes() -> None:
-    """Polygons, splines, ellipses and curves of size 1e-12: b = 2 S A to twelve digits."""
+    """Polygons, splines, ellipses and curves of size 1e-12: b = 2 S A to eleven digits."""
     frame = load("so3").frame
     point = {"phi1": 0.3, "phi2": 1.0, "phi3": 0.2}
     centre, size = [0.3, 1.0, 0.2], 1e-12
@@ -143,7 +143,7 @@ def frames(draw: st.DrawFn) -> Frame:
 
 @st.composite
 def loops(draw: st.DrawFn) -> Loop:
-    """Circles, triangles and curves of all sizes about points of order one."""
+    """Circles, triangles and curves of all sizes around points of order one."""
     centre = [draw(st.integers(-8, 8)) / 10 for _ in range(3)]
     size = 10.0 ** -draw(st.integers(0, 11))
     kind = draw(st.sampled_from(["circle", "triangle", "curve"]))

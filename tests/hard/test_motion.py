@@ -20,8 +20,8 @@ TOP = [1.0, 2.0, 3.0]
 
 @pytest.mark.parametrize(("nearest", "engine"), one_in(2, [1e-4, 1e-8, 0.0], ENGINES))
 def test_gimbal_lock(nearest, engine):
-    """Approached to sin(phi2) = 1e-8 and crossed: attitude right to 1e-10."""
-    # Turning about the body's second axis with phi1 = 0 runs straight through phi2 = 0.
+    """Approached to sin(phi2) = 1e-8 and crossed, the lock leaves the attitude right to 1e-10."""
+    # Rotation around the body's second axis with phi1 = 0 passes straight through phi2 = 0.
     start = [nearest, 0.5, 0.2]
     problem = autoparallel(cartan(SO3), start, frame_velocity=[0.0, -1.0, 0.0])
     sol = solve(problem, 1.0, 1e-11, engine)
@@ -38,7 +38,7 @@ def test_gimbal_lock(nearest, engine):
 
 @every_engine
 def test_gimbal_lock_in_two_sets_of_angles(engine):
-    """The same without the quaternion: angles hop over the lock and lose nothing."""
+    """As above without the quaternion: angles change over the lock and keep their accuracy."""
     problem = autoparallel(cartan(SO3), [1e-8, 1.2, 0.2], frame_velocity=[0.0, -1.0, 0.0])
     hops = solve(problem.with_charts("so3", "so3_xyz"), 2.4, 1e-11, engine)
     hub = solve(problem, 2.4, 1e-11, engine)
@@ -70,7 +70,7 @@ def test_speeds_from_slow_to_fast(size, engine):
 
 @every_engine
 def test_photon_sphere(engine):
-    """Kerr: light near the unstable circular orbit, half a turn: estimate holds at 1e-9."""
+    """Kerr: light near the unstable circular orbit, half a turn: the estimate holds at 1e-9."""
     mass, a = 1.0, 0.5
     radius = 2 * mass * (1 + np.cos(2 / 3 * np.arccos(-a / mass)))
     start = [0.0, radius * (1 + 1e-6), np.pi / 2, 0.0]
@@ -88,7 +88,7 @@ def test_photon_sphere(engine):
 
 
 def test_stiff_problem():
-    """A velocity that decays at 1e6, by the implicit engine."""
+    """A velocity that decays at a rate of 1e6 is solved by the implicit engine."""
     x, y, k = sp.symbols("x y k", positive=True)
     frame = Frame([x, y], [[1, 0], [0, 1]], parameters=[k])
     # x'' + k x' y' = 0 with y' = 1: x' = exp(-k t).
@@ -101,7 +101,7 @@ def test_stiff_problem():
 
 @every_engine
 def test_start_on_a_chart_edge(engine):
-    """phi2 = 1e-300 is inside, however near; the motion starts in another chart."""
+    """phi2 = 1e-300 is inside the chart; the motion starts in another chart."""
     problem = geodesic(SO3, [0.3, 1e-300, 0.2], frame_velocity=[1.0, 0.5, 0.2], metric=TOP)
     sol = solve(problem, 3.0, 1e-10, engine)
     assert sol.complete
@@ -110,7 +110,7 @@ def test_start_on_a_chart_edge(engine):
 
 @every_engine
 def test_zero_velocity(engine):
-    """What rests, rests exactly."""
+    """A body at rest stays exactly at rest."""
     for problem in (
         geodesic(SO3, [0.3, 1.0, 0.2], [0, 0, 0], metric=TOP),
         autoparallel(cartan(SO3), [0.3, 1.0, 0.2], [0, 0, 0]),
@@ -120,7 +120,7 @@ def test_zero_velocity(engine):
         rest = np.array([float(x) for x in problem.start or ()])
         assert np.abs(sol.coordinates - rest).max() < 1e-15
         assert (sol.frame_velocity == 0).all()
-        # A check starts a unit in the last place aside, and turns with that.
+        # A check starts one unit in the last place aside, and its result differs by this.
         assert sol.error < 5e-15
 
 
@@ -141,7 +141,7 @@ def test_ill_conditioned_coframe(engine):
 
 @every_engine
 def test_removable_singularity(engine):
-    """The north pole of a sphere in a chart that does not know it: nothing stalls nearby."""
+    """Near the north pole of a sphere, outside its own chart, motions do not stall."""
     problem = geodesic(load("s2").frame, [1e-7, 0.0], [0.0, 1e7], parameters={"R": 1})
     sol = solve(problem, 2.0, 1e-9, engine)
     assert max(v for k, v in sol.drift.items() if k == "norm") < 1e-9
@@ -153,10 +153,10 @@ def test_removable_singularity(engine):
     one_in(2, [None, [0.3, 1.0, 0.2]], [1e-1, 1e-3, 1e-5], [1e-6, 1e-9, 1e-12]),
 )
 def test_near_the_unstable_axis(start, near, accuracy):
-    """Conditioned like 1e7 and worse: doubles give what they can, more digits do the rest.
+    """Conditioned like 1e7 and worse: doubles give their best, more digits do the rest.
 
-    Two runs in doubles agree by chance where they share their roundings; so what checks an
-    answer is moved on the way, by a unit in the last place.
+    Two runs in doubles agree by chance where they share rounding errors; therefore the run that
+    checks an answer is moved on the way, by one unit in the last place.
     """
     problem = geodesic(SO3, start, frame_velocity=[near, 1.0, 0.0], metric=TOP)
     truth = truth_of(problem, np.linspace(0, 60.0, 65))

@@ -31,7 +31,7 @@ CANCELLING = {
 
 @pytest.mark.parametrize("label", CANCELLING)
 def test_cancellation(label):
-    """A float is right to 14 digits even where the terms cancel to nothing."""
+    """A float is right to 14 digits even where the terms cancel almost completely."""
     expression, at = CANCELLING[label]
     found = Field([x]).read(expression).evaluate({x: at})
     with mpmath.workdps(400):
@@ -72,7 +72,7 @@ def test_so3_near_gimbal_lock():
 
 
 def test_kerr_next_to_the_horizon():
-    """Kretschmann of Kerr, close to r+, against the textbook's closed form."""
+    """Kretschmann scalar of Kerr, close to r+, agrees with the textbook's closed form."""
     frame = gt.spaces.load("kerr").frame
     r, theta = frame.coordinates[1:3]
     spin, mass = sorted(frame.parameters, key=lambda s: s.name.lower())

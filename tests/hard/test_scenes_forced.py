@@ -1,4 +1,4 @@
-"""Forced bodies where it is hard: gimbal lock, sleeping tops, stiff damping, grazing, thrust."""
+"""Forced bodies in hard cases: gimbal lock, sleeping tops, stiff damping, grazing, thrust."""
 
 from fractions import Fraction
 from functools import cache
@@ -71,7 +71,7 @@ def test_sleeping_top_at_its_limit(engine, excess):
     if result.solved is not None and "n1" in result.solved.problem.states:
         found = [result.solved[name][-1] for name in ("n1", "n2")]
         assert np.abs(np.array(found) - truth[3:5]).max() < 1e-9
-    # Two frequencies have met: the tilt grows with the time, where it would oscillate.
+    # At equal frequencies the tilt grows with the time instead of oscillating.
     assert np.linalg.norm(truth[3:5]) == pytest.approx(4 * tilt, rel=0.1)
 
 
@@ -106,7 +106,7 @@ def by_long_numbers(moments, omega, end, steps=40):
 
 
 def test_stiff_damping():
-    """Damping of 1e6: rates fall a hundredfold while nothing else moves; closed form of a ball."""
+    """Damping of 1e6: rates fall before anything else moves, as in the closed form of a ball."""
     body = gt.Body(mass=1.0, moments=(2.0, 2.0, 2.0))
     scene = gt.Scene(
         body, [gt.effects.AngularDamping(1e6)], gt.State(omega=(1, 2, 3)), ["omega"],
@@ -119,7 +119,7 @@ def test_stiff_damping():
         gt.Body(mass=1.0, moments=(1.0, 2.0, 3.0)), [gt.effects.AngularDamping(1e6)],
         gt.State(omega=(1, 2, 3)), ["omega"], [2e-6, 0.5], 1e-8,
     ).run(engine=gt.Stiff("LSODA"))  # fmt: skip
-    # At such damping the gyroscopic terms move the rates by 1e-6 only.
+    # At such damping the gyroscopic terms move the rates by only 1e-6.
     first = np.array([1, 2, 3]) * np.exp(-2e-6 * 1e6 / np.array([1, 2, 3]))
     assert uneven["omega"][0] == pytest.approx(first, abs=5e-6)
     assert np.abs(uneven["omega"][1]).max() < 3e-8
@@ -128,7 +128,7 @@ def test_stiff_damping():
 @every_engine
 @pytest.mark.parametrize("depth", [1e-6, 1e-9])
 def test_grazing(engine, depth):
-    """A ball thrown so that it just touches a ceiling; ended there, or passing a hair below it."""
+    """A ball that just touches a ceiling is stopped there, or passes slightly below it."""
     height, g = 5.0, 10
     # z = height + depth - g (t - 1)^2 / 2: through the ceiling at 1 - sqrt(2 depth / g).
     ball = ODE.of(
@@ -144,9 +144,9 @@ def test_grazing(engine, depth):
 
 @every_engine
 def test_thrust_at_exact_times(engine):
-    """Two burns of a missile that spins about its axis: the velocity in closed form.
+    """Two burns of a missile that spins about its axis: the velocity has a closed form.
 
-    The force turns with the body; for one across the axis the velocity is a piece of a circle.
+    The force rotates with the body; a force across the axis moves the velocity along an arc.
     """
     spin, force, begin, length = 7.0, 3.0, 1 / 3, 0.7
     burns = [

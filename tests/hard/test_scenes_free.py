@@ -1,6 +1,6 @@
-"""Free bodies where it is hard: near a separatrix, nearly round or flat, very long, very fast."""
+"""Free bodies in hard cases: near a separatrix, nearly round or flat, very long, very fast."""
 
-# Bad input, arrays for lists, results known to be there: more than types say.
+# The tests pass bad input and arrays for lists, and use results that could be None.
 # pyright: reportArgumentType=false
 
 from fractions import Fraction
@@ -19,7 +19,7 @@ ATTITUDE = {"euler": (0.1, 0.2, 0.3)}
 
 
 def free(moments, omega, t, watch=("omega", "quaternion"), accuracy=1e-10, **more):
-    """A body on which nothing acts."""
+    """A body without forces."""
     body = gt.Body(mass=1.0, moments=moments)
     start = gt.State(omega=omega, **(ATTITUDE | more))
     return gt.Scene(body, [], start, list(watch), t, accuracy)
@@ -40,12 +40,12 @@ def rates_only(moments):
 
 
 def first_flip(moments, small, spin):
-    """When the second component first vanishes, from (small, spin, 0): a quarter period in K(k)."""
+    """First zero of the second component, from (small, spin, 0): a quarter period in K(k)."""
     with mpmath.workdps(40):
         i1, i2, i3 = (mpmath.mpf(x) for x in moments)
         w1, w2 = mpmath.mpf(small), mpmath.mpf(spin)
         energy, square = i1 * w1**2 + i2 * w2**2, (i1 * w1) ** 2 + (i2 * w2) ** 2
-        # L^2 > 2 E I2 or not decides about which axis it turns; Landau-Lifshitz, paragraph 37.
+        # The sign of L^2 - 2 E I2 decides the axis of rotation; Landau-Lifshitz, paragraph 37.
         if square > energy * i2:
             upper = (i2 - i1) * (energy * i3 - square)
             rate = (i3 - i2) * (square - energy * i1) / (i1 * i2 * i3)
@@ -59,7 +59,7 @@ def first_flip(moments, small, spin):
 
 @pytest.mark.parametrize("small", [1e-3, 1e-6, 1e-12])
 def test_dzhanibekov(small):
-    """The first flip from a hair's breadth beside the unstable axis, to 1e-8 of its time.
+    """The first flip, very close to the unstable axis, agrees to 1e-8 of its time.
 
     Three routes: the elliptic integral in 40 digits, the closed form, and the integrator.
     """
@@ -79,7 +79,7 @@ def test_dzhanibekov(small):
 @pytest.mark.parametrize(("small", "end"), [(1e-3, 60.0), (1e-6, 60.0), (1e-9, 30.0)])
 @needs_heyoka
 def test_estimates_near_the_separatrix(small, end, accuracy):
-    """Rounding grows ten million times here; errors stay below what was asked for, and known."""
+    """Rounding grows ten million times here; errors stay within the request, and estimates hold."""
     unstable = ODE.of({"a": "-b*c", "b": "c*a", "c": "-a*b/3"}, [small, 1, 0])
     truth = solve(unstable, end, 1e-18, Taylor(113)).states.astype(float)
     sol = solve(unstable, end, accuracy)
@@ -91,10 +91,10 @@ def test_estimates_near_the_separatrix(small, end, accuracy):
 
 @pytest.mark.parametrize("moments", [(1, 1, 1 + 1e-12), (1e-6, 1, 1), (1, 1, 2), (1, 1.5, 2.5)])
 def test_nearly_round_and_nearly_flat(moments):
-    """States against fifty digits, by the closed form and by the integrator."""
+    """States agree with fifty digits, by the closed form and by the integrator."""
     omega, quaternion = (1.0, 2.0, 3.0), (0.5, 0.5, -0.5, 0.5)
     start = {"euler": None, "quaternion": quaternion}
-    # The thin body turns about its axis 1e6 times faster than it tumbles; a second is long.
+    # The thin body rotates about its axis 1e6 times faster than it tumbles; a second is long.
     end = 0.5
     truth = [float(x) for x in by_series(moments, omega, quaternion, end, step=0.125)]
     scene = free(moments, omega, [0.25, end], accuracy=1e-11, **start)
@@ -105,10 +105,10 @@ def test_nearly_round_and_nearly_flat(moments):
 
 
 def test_difference_of_moments_is_exact():
-    """1 and 1 + 1e-12: the rate of the precession has all its digits."""
+    """Moments 1 and 1 + 1e-12: the rate of the precession has all its digits."""
     tiny = 1e-12
     sol = solve(rates_only((1.0, 1.0, 1.0 + tiny)), 1e6, 1e-9)
-    # Omega1 + i Omega2 turns at (I3 - I1) / I1 Omega3.
+    # Omega1 + i Omega2 rotates at (I3 - I1) / I1 Omega3.
     turn = float((Fraction(1.0 + tiny) - 1) * 3) * 1e6
     angle = np.arctan2(sol["w2"], sol["w1"])
     assert angle[-1] - angle[0] == pytest.approx(turn, rel=1e-7)
@@ -126,17 +126,17 @@ def test_million_seconds():
 
 @needs_heyoka
 def test_drift_grows_at_most_in_proportion_to_time():
-    """The integrator alone, at its finest: drifts below 1e-12, growing no faster than time."""
+    """Drifts of the integrator at its finest tolerance grow no faster than time."""
     top, drifts = rates_only((1, 2, 3)), []
     ends = [2e3, 1.4e4, 1e5]
     for end in ends:
-        # By one run at the finest tolerance, not by the accuracy that it is good for.
+        # A single run at the finest tolerance, not an accuracy with its checks.
         run = integrate(top.first_stage(53, 0.0), np.linspace(0, end, 65), 1e-17, Taylor())
         w1, w2, w3 = np.asarray(run.segments[0].states).T
         energy = w1**2 + 2 * w2**2 + 3 * w3**2
         square = w1**2 + 4 * w2**2 + 9 * w3**2
         drifts.append(max(np.ptp(x) / x[0] for x in (energy, square)))
-    # So 1e-12 at t = 1e6, even if it grew with the time and not with its root.
+    # This gives 1e-12 at t = 1e6, even with growth in proportion to time, not to its root.
     assert max(drifts) < 1e-13 * 1.5
     # A factor 50 in time: at most 50 in drift, and a factor 3 for the luck of rounding.
     assert drifts[-1] / drifts[0] < 3 * 50
@@ -165,7 +165,7 @@ def test_a_million_radians_a_second():
 @pytest.mark.parametrize("accuracy", [1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10])
 @needs_heyoka
 def test_single_orders_may_serve_badly(accuracy):
-    """A smaller tolerance with a larger error is no sign yet that nothing can be gained."""
+    """A smaller tolerance with a larger error does not yet show that the limit is reached."""
     moments, omega = (1, 2, 3), (0.5, 0.4, 1)
     scene = free(moments, omega, 1000.0, ["omega"], accuracy)
     result = scene.run(engine=Taylor())

@@ -55,7 +55,7 @@ def test_light_along_the_axis(numbers):
 
 
 def test_a_burgers_vector_where_conjugates_of_the_potential_vanish():
-    """1 - 1/r1 - 1/r2 vanishes on the loop: a factor of both parts of 1/U, and no pole."""
+    """1 - 1/r1 - 1/r2 vanishes on the loop: a factor of both parts of 1/U, and not a pole."""
     loop = Loop.circle((0, 0.3, 0.2, 3.0), 1.0, (1, 3))
     found = burgers_vector(two_centres(), loop)
     assert found.check.agrees
@@ -73,7 +73,7 @@ def test_a_burgers_vector_where_conjugates_of_the_potential_vanish():
 
 
 def test_symbolic_masses_are_those_with_numbers():
-    """Masses as parameters: both engines give the same curve off the axis, loops the same b."""
+    """With masses as parameters both engines give the same curve, and loops the same b."""
     masses = {"m1": 1, "m2": 1}
     start, velocity = [0, 3, 1, 0.5], [1.1, 0.3, 0.2, -0.1]
     ends = [
@@ -94,12 +94,12 @@ def test_symbolic_masses_are_those_with_numbers():
 
 
 def test_a_loop_through_a_centre_is_refused():
-    """There U is infinite."""
+    """A loop through a centre, where U is infinite, is refused."""
     with pytest.raises(SingularPointError, match="passes through"):
         burgers_vector(two_centres(), Loop.circle((0, 0, 0, 2.0), 1.0, (1, 3)))
 
 
 def test_centres_off_the_axes():
-    """Longer algebra still: each leg is closed, and the two routes agree."""
+    """With longer algebra the two routes still agree."""
     frame = two_centres(places=((1, 2, 3), (-2, 1, -1)))
     assert burgers_vector(frame, Loop.circle((0, 0.3, 0.2, 0.0), 0.5, (1, 3))).check.agrees

@@ -1,4 +1,4 @@
-"""Dense: random frames of unlike functions, whose entries swell when they are multiplied out."""
+"""Dense: random frames of mixed functions, whose entries become long when expanded."""
 
 from __future__ import annotations
 
@@ -49,6 +49,6 @@ def dense_frames(draw: st.DrawFn, smallest: int = 2, largest: int = 3) -> Frame:
                 rows[i][j] = draw(entry) / draw(st.integers(1, 3))
     eta = sp.diag(draw(st.sampled_from([1, -1])), sp.eye(n - 1))
     if draw(st.booleans()):
-        # Two null legs in the place of the first two.
+        # Two null legs replace the first two.
         eta[:2, :2] = sp.Matrix([[0, 1], [1, 0]])
     return Frame(symbols, rows, signature=eta)

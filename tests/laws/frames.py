@@ -43,7 +43,7 @@ def entries(symbols: tuple[sp.Symbol, ...]) -> st.SearchStrategy[sp.Expr]:
 def frames(draw: st.DrawFn, smallest: int = 2, largest: int = 4) -> Frame:
     """A frame with unit-triangular coframe times a factor, rows shuffled, of either signature.
 
-    Only few entries off the diagonal in higher dimensions, so that exact work stays short.
+    In higher dimensions few entries are off the diagonal, so that exact work stays short.
     """
     n = draw(st.integers(smallest, largest))
     symbols = COORDINATES[:n]

@@ -1,4 +1,4 @@
-"""Laws: however a motion is read, constants of its equations have their values."""
+"""Laws: constants in equations keep their values, however a motion is read."""
 
 from __future__ import annotations
 
@@ -38,10 +38,10 @@ CONSTANTS = [sp.sqrt(2), 1 / (2 * sp.pi), sp.exp(sp.Rational(1, 3)), sp.cos(1), 
 
 
 def irrational_motions(name: str) -> tuple[list[CurveProblem], float]:
-    """Geodesics of a shipped space with irrational numbers, and how long to follow them.
+    """Geodesics of a shipped space with irrational numbers, and the duration to follow them.
 
-    The numbers are parameters, or they stand in a frame without parameters. A space without
-    parameters gets an irrational unit of length.
+    The numbers are parameters, or entries of a frame without parameters. A space without parameters
+    gets an irrational unit of length.
     """
     frame = load(name).frame
     motion = first_motion(frame)
@@ -63,7 +63,7 @@ def irrational_motions(name: str) -> tuple[list[CurveProblem], float]:
 
 
 def check_readings(problem: CurveProblem, times: np.ndarray, folder: Path) -> None:
-    """All ways to read a motion give the coordinates that Runge-Kutta steps give at the times."""
+    """All ways to read a motion give the coordinates of Runge-Kutta steps at the times."""
     truth = solve(problem, times, 1e-10, RungeKutta()).coordinates
     end, size = float(times[-1]), np.abs(truth).max()
 
@@ -92,7 +92,7 @@ def check_readings(problem: CurveProblem, times: np.ndarray, folder: Path) -> No
         same(solve(problem, times, engine=engine).coordinates)
 
 
-# Nothing moves in a complex tetrad.
+# A complex tetrad has no motions.
 @pytest.mark.parametrize("name", [name for name in names() if name != "kerr_kinnersley"])
 def test_a_motion_in_a_shipped_space(name: str, tmp_path: Path) -> None:
     """Every way to read the motion agrees with its samples."""
@@ -103,7 +103,7 @@ def test_a_motion_in_a_shipped_space(name: str, tmp_path: Path) -> None:
 
 @st.composite
 def frames_with_constants(draw: st.DrawFn) -> Frame:
-    """A Riemannian frame without parameters, nearly diagonal, whose entries hold constants."""
+    """A Riemannian frame without parameters, nearly diagonal, whose entries contain constants."""
     n = draw(st.integers(2, 3))
     symbols = COORDINATES[:n]
     symbol, constant = st.sampled_from(symbols), st.sampled_from(CONSTANTS)
@@ -126,7 +126,7 @@ def frames_with_constants(draw: st.DrawFn) -> Frame:
 def test_a_motion_in_a_random_frame(
     frame: Frame, velocity: list[int], shortest: bool, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
-    """Geodesics and autoparallels; and log_map finds back the velocity of a short geodesic."""
+    """Geodesics and autoparallels agree; log_map recovers the velocity of a short geodesic."""
     n = frame.dimension
     start, direction = [0.1, 0.2, 0.3][:n], [x / 5 for x in velocity[:n]]
     make = geodesic if shortest else autoparallel
@@ -153,7 +153,7 @@ def test_an_edge_that_is_a_constant(engine: Engine) -> None:
 
 @pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.name)
 def test_equations_of_a_user(engine: Engine, tmp_path: Path) -> None:
-    """x'' = -sqrt(2) x/(2 pi) from a file, between its times: a cosine."""
+    """x'' = -sqrt(2) x/(2 pi) gives a cosine between its times, also from a file."""
     problem = ODE.of({"x": "v", "v": "-sqrt(2)*x/(2*pi)"}, [1, 0])
     solution = solve(problem, 3.0, 1e-9, engine)
     solution.save(tmp_path / "saved.npz")
@@ -173,8 +173,8 @@ coframe = [["1", "0", "0"], ["0", "r", "0"], ["0", "1/(2*pi)", "1"]]
 def test_commands(tmp_path: Path) -> None:
     """`accuracy` and `curve` integrate a screw whose Burgers vector is 1: r^2 phi' and z' by hand.
 
-    A geodesic of dr^2 + r^2 dphi^2 + (dz + dphi/(2 pi))^2 is a straight line in r and phi, and
-    z + phi/(2 pi) grows evenly.
+    A geodesic of dr^2 + r^2 dphi^2 + (dz + dphi/(2 pi))^2 is a straight line in r and phi, and z +
+    phi/(2 pi) grows evenly.
     """
     file = tmp_path / "screw.toml"
     file.write_text(SCREW)

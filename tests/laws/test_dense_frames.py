@@ -1,4 +1,4 @@
-"""Dense frames: laws and numbers of frames whose entries swell when they are multiplied out."""
+"""Dense frames: laws and numbers of frames whose entries become long when expanded."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def made(name: str) -> Frame:
 
 @pytest.mark.parametrize("name", DENSE)
 def test_identities_hold(name):
-    """Metricity, decomposition, both Bianchi identities, the scalar identity."""
+    """Metricity, decomposition, both Bianchi identities and the scalar identity hold."""
     for check in identities(cartan(made(name))):
         assert check.holds is True, check
         assert check.certainty.proved or check.certainty.error < 1e-30
@@ -64,7 +64,7 @@ def test_identities_hold(name):
 
 @pytest.mark.parametrize("name", DENSE)
 def test_numbers_are_those_of_finite_differences(name):
-    """The curvature scalar against a difference quotient of the metric, in forty digits."""
+    """The curvature scalar agrees with a difference quotient of the metric."""
     frame = made(name)
     coordinates = frame.coordinates
     n = len(coordinates)
@@ -91,7 +91,7 @@ def test_numbers_are_those_of_finite_differences(name):
 
 @pytest.mark.parametrize("name", DENSE)
 def test_both_routes_to_the_scalar_agree(name):
-    """From the anholonomy and by the trace of Ricci."""
+    """The routes by the anholonomy and by the trace of Ricci agree."""
     frame = made(name)
     curvature = levi_civita(frame).curvature
     trace = contract("ab,ab->", frame.inverse_metric, curvature.ricci)
@@ -100,7 +100,7 @@ def test_both_routes_to_the_scalar_agree(name):
 
 
 def test_the_plan_says_which_route_is_taken():
-    """By the anholonomy where Christoffel symbols are too long, by Ricci where they are not."""
+    """The plan uses the anholonomy where Christoffel symbols are too long, otherwise Ricci."""
     dense = made("polynomial, sine, unknown function").plan("scalar_curvature")
     assert "anholonomy" in dense.graph
     assert "ricci" in dense.left_out
@@ -108,7 +108,7 @@ def test_the_plan_says_which_route_is_taken():
 
 
 def test_what_is_written_is_what_it_is_worth():
-    """The scalar as it was built, in numbers of mpmath, is the scalar."""
+    """The written scalar, evaluated by mpmath, equals the scalar's value."""
     frame = made("null metric")
     scalar = levi_civita(frame).curvature.scalar
     shape = sp.sin(r) + r**2
@@ -182,7 +182,7 @@ def curvature_scalar(metric, place):
 
 
 def check_numbers(frame: Frame) -> None:
-    """All is decided, and the scalar is that of difference quotients of the metric."""
+    """All zeros are decided, and the scalar agrees with difference quotients of the metric."""
     curvature = levi_civita(frame).curvature
     tensors = (
         frame.metric,
@@ -227,12 +227,12 @@ def test_random_dense_frames_have_the_numbers_of_finite_differences(frame):
 @settings(max_examples=100, deadline=None)
 @given(dense_frames(largest=6))
 def test_many_random_dense_frames_have_the_numbers_of_finite_differences(frame):
-    """The same of a hundred, up to six dimensions."""
+    """As above for a hundred frames, up to six dimensions."""
     check_numbers(frame)
 
 
 def test_many_centres_solve_their_equations():
-    """Majumdar-Papapetrou: R = 0; Brill-Lindquist: R = 0, with five centres each."""
+    """With five centres, Majumdar-Papapetrou and Brill-Lindquist have R = 0."""
     masses, places = sp.symbols("m:5", positive=True), sp.symbols("a:5", real=True)
     roots = [sp.sqrt(x**2 + y**2 + (z - a) ** 2) for a in places]
     potential = 1 + sum(m / root for m, root in zip(masses, roots, strict=True))
@@ -247,7 +247,7 @@ def test_many_centres_solve_their_equations():
 
 
 def test_a_turned_and_boosted_tetrad_of_kerr_is_a_vacuum():
-    """Arbitrary functions turn and boost the tetrad: Ricci vanishes as before, torsion changes."""
+    """Arbitrary functions rotate and boost the tetrad: Ricci vanishes, torsion does not."""
     a = sp.Symbol("a", positive=True)
     theta, phi = sp.symbols("theta phi", real=True)
     sigma = sp.sqrt(r**2 + a**2 * sp.cos(theta) ** 2)
@@ -271,7 +271,7 @@ def test_a_turned_and_boosted_tetrad_of_kerr_is_a_vacuum():
 
 
 def test_tolmans_seventh_solution_is_isotropic_and_short():
-    """A star of density rho_c (1 - r^2 ...): one pressure, and G^t_t as its makers wrote it."""
+    """A star of density rho_c (1 - r^2 ...) has one pressure and the published G^t_t."""
     theta, phi = sp.symbols("theta phi", real=True)
     R, A, B, C = sp.symbols("R A B C", positive=True)
     r = sp.Symbol("r", positive=True)
@@ -309,7 +309,7 @@ def test_an_arm_of_three_links_has_its_metric_as_given():
 
 
 def test_roots_stand_below_the_line_where_that_is_shorter():
-    """Legs over a determinant with angles: written so, not multiplied by its conjugates."""
+    """Legs over a determinant with angles are written so, not multiplied by its conjugates."""
     frame = made("polynomial, sine, unknown function")
     assert len(str(frame.legs[0, 0])) < 300
     have = frame.legs.at({t: 1, r: 2, M: 3, f(t): 5}, digits=30)
@@ -319,7 +319,7 @@ def test_roots_stand_below_the_line_where_that_is_shorter():
 
 
 def test_quotients_without_roots_are_inverted_whole():
-    """1 over r / (r - 2 M) is what it looks like, not kept as it was built."""
+    """1 over r / (r - 2 M) is inverted to (r - 2 M) / r, not kept unevaluated."""
     static = Frame.from_metric(
         [t, r], [[2 * M / r - 1, 0], [0, r / (r - 2 * M)]], signature=(-1, 1)
     )
@@ -328,7 +328,7 @@ def test_quotients_without_roots_are_inverted_whole():
 
 
 def test_what_is_too_long_as_it_is_may_be_short_when_it_is_collected():
-    """Powers of sums come back by powers of a symbol: such a scalar is printed, not refused."""
+    """A scalar too long to write becomes short when collected by powers of a symbol."""
     a, b, c = sp.symbols("a b c", positive=True)
     rows = [
         [(x + y + z + a) ** 4 + sp.sin(x), y, 0],
@@ -337,7 +337,7 @@ def test_what_is_too_long_as_it_is_may_be_short_when_it_is_collected():
     ]
     frame = Frame([x, y, z], rows)
     scalar = levi_civita(frame).curvature.scalar
-    # What was refused is refused again: nothing of it is kept.
+    # A refused text is refused again: nothing of it is kept.
     for _ in range(2):
         with pytest.raises(LimitError, match="parts would be written"):
             scalar[()]
@@ -350,7 +350,7 @@ def test_what_is_too_long_as_it_is_may_be_short_when_it_is_collected():
         numbers = [mpmath.mpf(value.p) / value.q for value in values.values()]
         have = sp.lambdify(tuple(values), shown, "mpmath")(*numbers)
         assert abs(have - scalar.at(values, digits=40).item()) < abs(have) * mpmath.mpf(10) ** -35
-        # With names for what is there to powers it is shorter by far.
+        # With names for the powers it is much shorter.
         named = frame.named(A="x + y + z + a", B="a*x + b*y + c*z", C="x**2 + y**2 + z**2 + b")
         shorter = levi_civita(named).curvature.scalar.to_sympy(short=True)
         assert len(str(shorter)) < len(str(shown)) / 5
@@ -360,7 +360,7 @@ def test_what_is_too_long_as_it_is_may_be_short_when_it_is_collected():
 
 
 def test_parts_that_vanish_are_not_written():
-    """Every sum in what is written is worth something: X - X/2 - X/2 is left out."""
+    """Every written sum has a nonzero value: X - X/2 - X/2 is omitted."""
     scalar = levi_civita(made("polynomial, sine, unknown function")).curvature.scalar
     known = [t, r, M, *(f(t).diff(t, k) for k in range(1, 4)), f(t)]
     with mpmath.workdps(60):

@@ -1,4 +1,4 @@
-"""Laws: what holds for every engine, a user's own among them."""
+"""Laws: statements that hold for every engine, also for a user's own."""
 
 # pyright: reportArgumentType=false
 
@@ -45,11 +45,11 @@ class Mine:
         return "Mine()"
 
     def first(self, accuracy: float) -> float:
-        """Half a rung finer than the accuracy."""
+        """A tenth of the accuracy."""
         return self.rung(accuracy / 10)
 
     def rung(self, tolerance: float) -> float:
-        """Powers of ten, down to what scipy takes."""
+        """Powers of ten, down to scipy's limit."""
         return max(10.0 ** math.floor(math.log10(tolerance) + 1e-9), 1e-13)
 
     def finer(self, tolerance: float) -> float | None:
@@ -106,7 +106,7 @@ def swing() -> ODE:
 
 @every_engine
 def test_no_step_is_longer_than_the_longest(engine: Engine) -> None:
-    """Forwards and backwards, with the same values."""
+    """Forwards and backwards, steps stay below the limit and values are right."""
     system, begin = swing().system, np.array([1.0, 0.0])
     for end in (0.5, -0.5):
         times = np.linspace(0.0, end, 4)
@@ -118,7 +118,7 @@ def test_no_step_is_longer_than_the_longest(engine: Engine) -> None:
 
 @every_engine
 def test_samples_and_what_lies_between(engine: Engine) -> None:
-    """Both are right, and the error estimate is not below the truth."""
+    """Samples and values between are right, and the error estimate is not below the true error."""
     solution = solve(swing(), [1.0, 2.0, 3.0], ACCURACY, engine)
     assert solution.engine == engine.name
     truth = np.cos(2 * solution.times)
@@ -131,7 +131,7 @@ def test_samples_and_what_lies_between(engine: Engine) -> None:
 
 @every_engine
 def test_a_great_circle_over_both_poles(engine: Engine) -> None:
-    """Of the sphere, in two charts that end, by as many stages as it takes."""
+    """A great circle of the sphere, in two charts that end, takes as many stages as it needs."""
 
     frame = spaces.load("s2").frame
     problem = geodesic(frame, [sp.pi / 2, 0.3], frame_velocity=[1, 1e-3], parameters={"R": 1})
@@ -157,7 +157,7 @@ def test_eighteen_changes_of_charts(engine: Engine) -> None:
 
 
 class Late(Mine):
-    """An engine that passes the guard and then says so."""
+    """An engine that passes the guard and reports it afterwards."""
 
     finds_every_root = True
 
@@ -182,7 +182,7 @@ def test_an_engine_that_notices_the_guard_late(finds_every_root: bool) -> None:
 
 @every_engine
 def test_a_saved_solution_is_the_same_or_is_refused(engine: Engine, tmp_path: Path) -> None:
-    """Samples are kept always; what lies between comes from the same engine, or from none."""
+    """Samples are always kept; values between come from the same engine, or are refused."""
     solution = solve(swing(), [1.0, 2.0, 3.0], ACCURACY, engine)
     solution.save(tmp_path / "swing.npz")
     saved = SavedSolution.load(tmp_path / "swing.npz")
@@ -222,7 +222,7 @@ def test_a_scene_and_what_its_checkpoint_holds(engine: Engine, tmp_path: Path) -
 
 
 class Sampling(Mine):
-    """An engine that knows its samples only."""
+    """An engine that knows only its samples."""
 
     def run(self, *given: Any, **more: Any) -> Run:
         """The same run without dense output."""
@@ -241,7 +241,7 @@ def test_an_engine_without_dense_output() -> None:
     "engine", [x for x in (*OWN, Mine()) if x.precision == 53], ids=lambda engine: engine.name
 )
 def test_an_ensemble_is_its_members(engine: Engine) -> None:
-    """In a batch or one by one, with errors that cover the truth; also in several charts."""
+    """In a batch or one by one, errors of members cover the truth; also in several charts."""
     many = solve_many(swing(), {"x": [1.0, 2.0, 3.0]}, [1.0, 2.0], ACCURACY, engine)
     assert many.finished.all()
     assert many.engine == engine.name
@@ -275,7 +275,7 @@ def test_costs_of_an_engine() -> None:
 
 
 def test_a_sweep_by_an_engine() -> None:
-    """A scene with two values of a number gives the same by the user's engine."""
+    """A sweep of a scene over two masses agrees between the user's engine and Runge-Kutta."""
     scene = replace(scenes.load("lagrange_cusp"), accuracy=1e-6)
     one, two = (
         scene.sweep({"body.mass": [1.0, 1.1]}, "max nutation", engine=engine)
@@ -314,7 +314,7 @@ class Broken(Mine):
     ids=["states", "times", "end", "outcome"],
 )
 def test_what_an_engine_owes(changes: Any, words: str) -> None:
-    """A run that breaks a promise is refused by the name of the engine."""
+    """A run that breaks a promise is refused with the name of the engine."""
     with pytest.raises(StartError, match="engine Mine: " + words.replace(".", r"\.")):
         solve(swing(), [1.0, 2.0, 3.0], ACCURACY, Broken(**changes))
 

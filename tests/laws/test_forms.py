@@ -38,7 +38,7 @@ def some_forms(frame: Frame) -> tuple[Form, Form, list[sp.Expr]]:
 
 
 def check_calculus(frame: Frame) -> None:
-    """d d = 0, Leibniz, Cartan's formula against the Lie derivative of the tensor."""
+    """d d = 0, Leibniz, and Cartan's formula against the Lie derivative of the tensor."""
     one, two, xi = some_forms(frame)
     assert one.d.d.is_zero is True
     assert (frame.coframe_form(0) * frame.coordinates[0]).d.d.is_zero is True
@@ -104,7 +104,7 @@ SMALL = [name for name in names() if load(name).frame.dimension <= 4]
 
 @pytest.mark.parametrize("name", SMALL)
 def test_calculus_over_a_shipped_space(name: str) -> None:
-    """d, wedge, interior and Lie over the frame of a space."""
+    """d, wedge, interior and Lie satisfy their laws over the frame of a space."""
     check_calculus(load(name).frame)
 
 
@@ -116,14 +116,14 @@ def test_dual_over_a_shipped_space(name: str) -> None:
 
 @pytest.mark.parametrize("name", SMALL)
 def test_structure_equations_over_a_shipped_space(name: str) -> None:
-    """Torsion and curvature forms are those of the tensors."""
+    """Torsion and curvature forms agree with the tensors."""
     frame = load(name).frame
     check_structure(cartan(frame))
     check_structure(levi_civita(frame))
 
 
 def test_structure_equations_of_any_connection() -> None:
-    """The same over random connections that need be neither metric nor flat."""
+    """As above over random connections that need be neither metric nor flat."""
 
     @few
     @given(connections(largest=3))
@@ -134,7 +134,7 @@ def test_structure_equations_of_any_connection() -> None:
 
 
 def test_calculus_over_random_frames() -> None:
-    """The same over random frames of either signature."""
+    """As above over random frames of either signature."""
 
     @few
     @given(frames())
@@ -164,7 +164,7 @@ def test_lie_derivatives_of_tensors_and_connections() -> None:
         assert gamma - Tensor(frame, "ddu", lambda i: gamma.element(i[1], i[0], i[2])) == lie(
             xi, mixed
         )
-        # Of Levi-Civita: (L Gamma)_ab^c = g^cd (D_a h_bd + D_b h_ad - D_d h_ab) / 2, h = L g.
+        # For Levi-Civita: (L Gamma)_ab^c = g^cd (D_a h_bd + D_b h_ad - D_d h_ab) / 2, h = L g.
         bar = levi_civita(frame)
         slope = bar.covariant_derivative(lie(xi, frame))
         lower = Tensor(

@@ -1,4 +1,4 @@
-"""Functions of functions of functions: read, decided and worth what they are."""
+"""Deeply nested functions: read, decided and evaluated correctly."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from geomtorsion.exact.modular import ModularPoint
 
 x, y = sp.symbols("x y", positive=True)
 Function = Callable[[sp.Expr], sp.Expr]
-# Each with its value and slope from those of what it is of.
+# Each function with its value and slope, from value and slope of its argument.
 NESTED: dict[str, tuple[Function, Callable]] = {
     "logarithms": (lambda e: sp.log(2 + e), lambda v, d, at: (mpmath.log(2 + v), d / (2 + v))),
     "sines of sums": (
@@ -35,9 +35,9 @@ NESTED: dict[str, tuple[Function, Callable]] = {
 def test_thirty_levels(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """e(x)**2 dx**2 + x**2 dy**2 has R = 2 e'/(x e**3), with e of thirty functions nested.
 
-    Common denominators, texts and points with all roots would all be 2**30 long, rare or many.
+    Common denominators and texts would grow like 2**30, and points with all roots be as rare.
     """
-    # A point modulo a prime with thirty roots is looked for as long as one with a single root.
+    # A point modulo a prime with thirty roots is searched as long as one with a single root.
     monkeypatch.setattr(ModularPoint, "_degrees", lambda self: [2])
     function, number = NESTED[name]
     e: sp.Expr = x

@@ -31,7 +31,7 @@ few = settings(
 
 
 def by_coefficients(connection: Connection) -> Tensor:
-    """Curvature from the coefficients alone, without any short cut."""
+    """Curvature only from the coefficients, without any short cut."""
     return Tensor(connection.frame, "dddu", curvature_rule(connection))
 
 
@@ -162,7 +162,7 @@ def test_changes_of_indices_come_back(connection: Connection) -> None:
 @few
 @given(connections(), st.data())
 def test_one_component_equals_the_same_among_all(connection: Connection, data: st.DataObject):
-    """A component asked for alone is that of the whole tensor, and little else is computed."""
+    """A single requested component equals the whole tensor's, and only it is computed."""
     frame = connection.frame
     place = st.integers(0, frame.dimension - 1)
     index = tuple(data.draw(place) for _ in range(4))
@@ -175,7 +175,7 @@ def test_one_component_equals_the_same_among_all(connection: Connection, data: s
 @few
 @given(frames(smallest=3, largest=4))
 def test_weyl_has_no_trace(frame: Frame) -> None:
-    """All traces of the Weyl tensor vanish; with Ricci and the scalar it makes up Riemann."""
+    """The trace of the Weyl tensor vanishes, and in three dimensions the tensor itself."""
     curvature = levi_civita(frame).curvature
     weyl = curvature.weyl
     assert contract("abcd,da->bc", weyl, frame.inverse_metric).is_zero
@@ -186,7 +186,7 @@ def test_weyl_has_no_trace(frame: Frame) -> None:
 @few
 @given(frames(largest=3))
 def test_metric_alone_gives_the_same_geometry(frame: Frame) -> None:
-    """A frame made from the metric has the same Riemann tensor and reproduces the metric."""
+    """A frame made from the metric has the same Kretschmann scalar and reproduces the metric."""
     metric = frame.metric.to_sympy().tolist()
     again = Frame.from_metric(frame.coordinates, metric)
     rebuilt = contract("ia,ij,jb->ab", again.coframe, again.eta, again.coframe)

@@ -1,4 +1,4 @@
-"""Frames with special functions: geometry, what is undecided, and motions."""
+"""Frames with special functions: geometry, undecided components, and motions."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def kruskal() -> gt.Frame:
 
 
 def test_kruskal_chart_is_a_vacuum():
-    """Ricci vanishes, K = 48 M**2/r**6, the Bianchi identities hold; nothing is left undecided."""
+    """Ricci vanishes, K = 48 M**2/r**6, the Bianchi identities hold; everything is decided."""
     frame = kruskal()
     curvature = gt.levi_civita(frame).curvature
     assert curvature.ricci.is_zero is True
@@ -81,7 +81,7 @@ def _kruskal_geodesic(start, velocity, end):
 
 @pytest.mark.parametrize(("start", "end"), [((0, 1), 1.0), ((1, 1), 0.5)])
 def test_geodesics_in_the_kruskal_chart(start, end):
-    """Through the horizon, or from it: as by mpmath with twenty digits."""
+    """Geodesics through the horizon, or from it, agree with mpmath at twenty digits."""
     frame = kruskal().subs({M: 1})
     first = [*map(float, start), float(np.pi / 2), 0.0]
     velocity = [float(np.sqrt(1.25)), 0.3, 0.0, 0.4]
@@ -95,7 +95,7 @@ def test_geodesics_in_the_kruskal_chart(start, end):
 
 
 def test_geodesics_on_a_surface_with_bessel_functions():
-    """ds**2 = dr**2 + (2 + J_1(r))**2 dphi**2: phi and r by Clairaut's integral, by mpmath."""
+    """ds**2 = dr**2 + (2 + J_1(r))**2 dphi**2: phi and r agree with mpmath, by Clairaut."""
     frame = gt.Frame([r, phi], [[1, 0], [0, 2 + sp.besselj(1, r)]])
     solution = gt.solve(gt.geodesic(frame, [0.5, 0.0], frame_velocity=[0.6, 0.8]), 2.0)
     with mpmath.workdps(25):
@@ -117,7 +117,7 @@ def test_geodesics_on_a_surface_with_bessel_functions():
     ["erf", "erfc", "gamma", "loggamma", "LambertW", "Ei", "airyai", "Si"],
 )
 def test_motions_with_each_special_function(name):
-    """y' = f(x) with x' = 1: the integral, by mpmath."""
+    """y' = f(x) with x' = 1 gives the integral, compared with mpmath."""
     function = getattr(sp, name)
     solution = gt.solve(gt.ODE.of({"x": 1, "y": function(x)}, [1, 0]), 1.0)
     with mpmath.workdps(25):
@@ -126,7 +126,7 @@ def test_motions_with_each_special_function(name):
 
 
 def test_engines_without_a_form_say_so():
-    """Taylor has no series of Bessel functions; the error names the way out."""
+    """Taylor has no series of Bessel functions; the error names a remedy."""
     problem = gt.ODE.of({"x": 1, "y": sp.besselj(1, x)}, [1, 0])
     with pytest.raises(gt.GeomtorsionError, match="besselj has no Taylor series .* another engine"):
         gt.solve(problem, 1.0, engine=gt.Taylor())
@@ -135,7 +135,7 @@ def test_engines_without_a_form_say_so():
 
 
 def test_members_with_special_functions():
-    """Many motions at once, each as it is alone."""
+    """Many motions at once agree with single ones."""
     rates = {"x": 1, "y": sp.Symbol("k") * sp.besselj(0, x)}
     problem = gt.ODE.of(rates, [1, 0], parameters={"k": 1})
     many = gt.solve_many(problem, {"k": [1.0, 3.0]}, 1.0)
@@ -144,7 +144,7 @@ def test_members_with_special_functions():
 
 
 def test_exported_python_has_the_same_numbers(tmp_path):
-    """A module for a frame with W, K and erfi: its functions against the exact components."""
+    """An exported module for W, K and erfi agrees with the exact components."""
     file = tmp_path / "special.toml"
     entry = "LambertW(x) + besselk(1, x) + erfi(x) + gamma(x)"
     file.write_text(f'name = "s"\ncoordinates = ["x", "y"]\ncoframe = [[1, "{entry}"], [0, 1]]\n')
@@ -159,16 +159,16 @@ def test_exported_python_has_the_same_numbers(tmp_path):
     assert "expected functions that NumPy or SciPy have" in text
 
 
-# -- what is undecided ---------------------------------------------------------------------------
+# -- undecided components ------------------------------------------------------------------------
 
 
 def doubtful() -> gt.Frame:
-    """A frame of which one component vanishes, which no known relation tells."""
+    """A frame with one component that vanishes, which no known relation proves."""
     return gt.Frame([x, y], [[1, AIRY], [0, 1]])
 
 
 def test_undecided_components_are_shown_as_undecided():
-    """They are not among those that do not vanish, in any form; and nothing is proved."""
+    """Undecided components are not listed as nonzero, in any form; and nothing is proved."""
     coframe = doubtful().coframe
     assert set(coframe.nonzero()) == {(0, 0), (1, 1)}
     assert set(coframe.undecided()) == {(0, 1)}
@@ -181,13 +181,13 @@ def test_undecided_components_are_shown_as_undecided():
     assert "1 is undecided" in table._repr_html_()
     assert table._repr_html_().count("(undecided)") == 1
     assert coframe._repr_latex_().count("(undecided)") == 1
-    # Numbers and arrays have what may vanish.
+    # Numbers and arrays contain components that may vanish.
     assert coframe.to_sympy()[0, 1] != 0
     assert coframe.at({x: Fraction(1, 2)})[0, 1] == pytest.approx(0, abs=1e-15)
 
 
 def test_a_tensor_of_undecided_components_is_undecided():
-    """It is neither zero nor not."""
+    """A tensor of undecided components is neither zero nor nonzero."""
     torsion = gt.cartan(doubtful()).torsion.S
     assert torsion.is_zero is None
     assert torsion.nonzero() == {}
@@ -211,7 +211,7 @@ domain = ["x > 0"]
 
 @pytest.mark.parametrize("form", ["text", "latex", "json", "python", "mathematica"])
 def test_the_command_line_says_undecided(form, tmp_path):
-    """In each form."""
+    """The command line marks undecided components in each form."""
     file = tmp_path / "doubtful.toml"
     file.write_text(TEXT)
     shown = run("geometry", str(file), "--only", "coframe", "--format", form).stdout
@@ -219,7 +219,7 @@ def test_the_command_line_says_undecided(form, tmp_path):
 
 
 def test_reports_say_undecided(tmp_path):
-    """On the page, below the components."""
+    """A report marks undecided components on its page."""
     file = tmp_path / "doubtful.toml"
     file.write_text(TEXT)
     run("report", str(file), "-o", str(tmp_path / "page"))

@@ -1,4 +1,4 @@
-"""Engines that the tests of motions run through: all that are installed."""
+"""Engines on which the tests of motions run: all that are installed."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Batches: how members are put together decides about speed, not about results."""
+"""Batches: the grouping of members affects speed, not results."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import pytest
 from geomtorsion.ode import ODE, RungeKutta, Taylor, solve_many
 from tests.ode.engines import needs_heyoka
 
-# The root ends where x does: two of the members fall that far, the others rise.
+# The root ends where x = 0: two of the members fall that far, the others rise.
 FALL = ODE.of({"x": "v", "v": "-sqrt(x)"}, [1, 0])
 STARTS = {"x": np.linspace(0.1, 1, 12), "v": np.linspace(0, 10, 12)}
 
@@ -22,7 +22,7 @@ STARTS = {"x": np.linspace(0.1, 1, 12), "v": np.linspace(0, 10, 12)}
 )
 @pytest.mark.parametrize("times", [3.0, [1.0, 3.0]], ids=["one time", "several"])
 def test_groups_of_members(constant, values, engine, times, monkeypatch):
-    """In small groups or large ones the same members come to the end, at the same places."""
+    """Small and large groups give the same finished members and the same results."""
     found = []
     for value in values:
         monkeypatch.setattr(f"geomtorsion.ode.engines.{constant}", value)

@@ -1,4 +1,4 @@
-"""Checkpoints: an interrupted run ends bitwise like one that was not."""
+"""Checkpoints: an interrupted run ends with the same bits as an uninterrupted one."""
 
 import json
 import os
@@ -17,13 +17,13 @@ from tests.ode.engines import every_engine, needs_heyoka
 
 
 def top(**more):
-    """A free top with a push on the way."""
+    """A free top with a change of w1 at t = 3.3."""
     rates = {"w1": "-w2*w3/2", "w2": "w1*w3", "w3": "-w1*w2/3"}
     return ODE.of(rates, [1, 0.1, 2.0], **more, events=[At(3.3, {"w1": 1.5})])
 
 
 def interrupted_at(limit):
-    """A progress that presses Ctrl-C when so much is done."""
+    """A progress callback that raises KeyboardInterrupt when this part is done."""
 
     def progress(part):
         assert 0 < part <= 1
@@ -46,7 +46,7 @@ def same(one, two):
 @every_engine
 @pytest.mark.parametrize("finished", [1, 40, PARTS + 9])
 def test_interrupted_and_resumed(engine, finished, tmp_path):
-    """Ctrl-C comes through; what was finished is in the file and is not computed again."""
+    """Ctrl-C reaches the caller; finished parts are in the file and are not computed again."""
     whole = solve(top(), 10.0, 1e-8, engine, checkpoint=tmp_path / "whole.npz")
     # The first run is half of the work, the second half of the rest.
     first, second = min(finished, PARTS), max(finished - PARTS, 0)
@@ -66,7 +66,7 @@ def test_interrupted_and_resumed(engine, finished, tmp_path):
 @needs_heyoka
 @pytest.mark.parametrize("engine", [Taylor(64), Taylor(113), Stiff("LSODA")])
 def test_every_kind_of_number(engine, tmp_path):
-    """Numbers longer than doubles come back as they were."""
+    """Numbers longer than doubles are restored bit by bit."""
     path = tmp_path / "long.npz"
     whole = solve(top(), 4.0, 1e-8, engine, checkpoint=tmp_path / "whole.npz")
     with pytest.raises(KeyboardInterrupt):
@@ -75,11 +75,11 @@ def test_every_kind_of_number(engine, tmp_path):
 
 
 def test_finished_runs_are_read(tmp_path):
-    """Nothing is integrated a second time, and progress ends at one."""
+    """A finished run is read from its file, and progress ends at one."""
     path = tmp_path / "deep" / "done.npz"
     whole = solve(top(), 5.0, 1e-8, RungeKutta(), checkpoint=path)
     seen: list[float] = []
-    # One evaluation would be too many.
+    # The second solve evaluates no rates: the cost stays the same.
     again = solve(top(), 5.0, 1e-8, RungeKutta(), checkpoint=path, progress=seen.append)
     assert same(whole, again)
     assert again.cost == whole.cost
@@ -88,7 +88,7 @@ def test_finished_runs_are_read(tmp_path):
 
 
 def test_history_does_not_matter(tmp_path):
-    """What was solved before in this process changes nothing."""
+    """Earlier solves in the same process change nothing."""
     first = solve(top(), 8.0, 1e-8, checkpoint=tmp_path / "one.npz")
     for accuracy in (1e-5, 1e-12):
         solve(top(), 8.0, accuracy)
@@ -106,7 +106,7 @@ def test_history_does_not_matter(tmp_path):
     ],
 )
 def test_other_runs_are_refused(other, tmp_path):
-    """Another ODE, time, accuracy or engine is no continuation, unless it is to be overwritten."""
+    """Another ODE, time, accuracy or engine is refused, unless overwrite=True."""
     path = tmp_path / "run.npz"
     call = {"problem": top(), "t": 5.0, "accuracy": 1e-7, "engine": RungeKutta()}
     solve(**call, checkpoint=path)
@@ -117,7 +117,7 @@ def test_other_runs_are_refused(other, tmp_path):
 
 
 def test_other_files_are_refused(tmp_path):
-    """What is no checkpoint is left alone."""
+    """A file that is not a checkpoint is refused and stays unchanged."""
     path = tmp_path / "notes.npz"
     path.write_text("not yours")
     with pytest.raises(CheckpointError, match="not a checkpoint"):
@@ -129,7 +129,7 @@ def test_other_files_are_refused(tmp_path):
 
 
 def test_killed(tmp_path):
-    """A run that is killed without warning leaves a whole file, from which it goes on."""
+    """A killed run leaves a whole file, from which the run resumes."""
     script = textwrap.dedent(
         """
         import os, signal, sys
@@ -155,7 +155,7 @@ def test_killed(tmp_path):
 
 
 def test_between_the_times(tmp_path):
-    """Dense output and files go along with the parts."""
+    """Dense output and event times of a run with a checkpoint agree with a run without one."""
     sol = solve(top(), 10.0, 1e-9, RungeKutta(), checkpoint=tmp_path / "run.npz")
     plain = solve(top(), 10.0, 1e-9, RungeKutta())
     at = np.linspace(0, 10, 37)
@@ -165,11 +165,11 @@ def test_between_the_times(tmp_path):
 
 @pytest.mark.parametrize(("share", "least", "most"), [(0.0, 1, 3), (1e9, 2 * PARTS, 200)])
 def test_how_often_it_is_written(share, least, most, tmp_path, monkeypatch):
-    """Once at the end, or with every part: that decides about time, and about nothing else."""
+    """The share of time for writing sets how often the file is written, and not the result."""
     written = []
 
     def in_a_second(checkpoint):
-        """Writing of a large file."""
+        """Record a write of a large file, which takes a second."""
         written.append(checkpoint)
         checkpoint._took = 1.0
 

@@ -1,4 +1,4 @@
-"""Limits of engines: where a motion ends, and numbers that decide about speed alone."""
+"""Limits of engines: where a motion ends, and numbers that affect only speed."""
 
 from collections import OrderedDict
 
@@ -16,17 +16,17 @@ SWING = ODE.of({"x": "v", "v": "-x"}, [1, 0])
 
 
 class Crawling:
-    """An integrator that gets on by the same time in all of its steps."""
+    """An integrator that advances by the same time in each call."""
 
     def __init__(self, length):
-        """length: of two thousand steps."""
+        """length: time covered by two thousand steps."""
         self.length = length
         self.time = 0.0
         self.state = np.ones(1)
         self.last_h = length
 
     def propagate_grid(self, grid, max_steps):
-        """So many steps, none of which comes to a time that is asked for."""
+        """Take max_steps steps, none of which reaches a requested time."""
         self.time += self.length
         result = type("Result", (), {"name": "step_limit"})()
         return result, 0, 0, max_steps, None, np.ones((1, 1))
@@ -34,7 +34,7 @@ class Crawling:
 
 @pytest.mark.parametrize(("length", "stuck"), [(0.7e-9, True), (1.4e-9, False)])
 def test_what_moves_by_a_billionth_goes_on(length, stuck):
-    """And what moves less in two thousand steps stands still."""
+    """A run that moves less than a billionth of its time in two thousand steps is stuck."""
     call = Crawling(length), np.array([0.0, 1.0]), None, None
     if stuck:
         found = Taylor(max_steps=9_000)._propagated(*call)
@@ -48,14 +48,14 @@ def test_what_moves_by_a_billionth_goes_on(length, stuck):
 @pytest.mark.parametrize("start", [0.0, 1e-9])
 @pytest.mark.parametrize("accuracy", [1e-2, 1e-9])
 def test_motions_from_rest_end_where_they_end(start, accuracy):
-    """The tangent has its pole at a right angle, whether it begins at zero or not."""
+    """The tangent has its pole at pi/2, whether the state begins at zero or not."""
     with pytest.raises(StuckError, match=r"at t = 1\.5708"):
         solve(ODE.of({"x": "1 + x**2"}, [start]), 3.0, accuracy, Taylor())
 
 
 @needs_heyoka
 def test_a_pole_behind_many_steps_is_found():
-    """A swing takes five times as many steps as are looked through at once before tan ends."""
+    """A swing takes more than five blocks of STEPS_AT_ONCE steps before the pole of tan."""
     hasty = ODE.of({"x": "50*v", "v": "-50*x", "y": "(1 + y**2)/100"}, [1, 0, 0])
     with pytest.raises(StuckError, match=r"at t = 157\.08") as caught:
         solve(hasty, 200.0, 1e-9, Taylor())
@@ -64,7 +64,7 @@ def test_a_pole_behind_many_steps_is_found():
 
 @pytest.mark.parametrize("least", [1e-13, 1e-15, 1e-17])
 def test_steps_are_shortened_where_tolerances_end(least, monkeypatch):
-    """Wherever that begins, the finest tolerances of Runge-Kutta leave rounding alone."""
+    """Below LEAST the steps are shortened, so that the finest tolerance leaves only rounding."""
     monkeypatch.setattr("geomtorsion.ode.engines.stepwise.LEAST", least)
     system, times = SWING.system, np.array([0.0, 8.0])
     coarse, fine = (RungeKutta().run(system, [1.0, 0.0], [], times, x) for x in (1e-12, 1e-17))
@@ -75,7 +75,7 @@ def test_steps_are_shortened_where_tolerances_end(least, monkeypatch):
 
 @needs_heyoka
 def test_the_clock_hides_no_small_states():
-    """States of a millionth keep their digits after a time of a thousand, which is a state too."""
+    """States of size 1e-6 keep their digits beside a clock state of a thousand."""
     pushed = ODE.of({"x": "v", "v": "-x + 1e-6*cos(t/2)"}, [1e-6, 0])
     found = solve(pushed, [1000.0], 1e-8, Taylor())
     exact = 1e-6 * (np.cos(1000) + (np.cos(500) - np.cos(1000)) / 0.75)
@@ -83,7 +83,7 @@ def test_the_clock_hides_no_small_states():
 
 
 def test_which_numbers_are_compiled_in():
-    """Up to 64, with powers of two below; equations with others share a system, to the same end."""
+    """Integers up to 64 over small powers of two are compiled in; other numbers are parameters."""
     made = {k: ODE.of({"x": f"-{k}*x"}, [1]) for k in ("2", "3", "64", "65", "67", "3/64", "3/128")}
     shared = [name for name, ode in made.items() if ode.system is made["65"].system]
     assert shared == ["65", "67", "3/128"]
@@ -93,7 +93,7 @@ def test_which_numbers_are_compiled_in():
 
 
 def test_speed_changes_no_bit(monkeypatch):
-    """Few times or many at once, rates within the step or called: the same states."""
+    """Dense output at few or many times, and rates inlined or called, give the same states."""
     pendulum = ODE.of({"x": "v", "v": "-sin(x)"}, [1, 0])
     system, times = pendulum.system, np.linspace(0.0, 9.0, 50)
     found = RungeKutta().run(system, [1.0, 0.0], [], times, 1e-9, dense=True)
@@ -108,7 +108,7 @@ def test_speed_changes_no_bit(monkeypatch):
 
 @needs_heyoka
 def test_what_is_kept_or_unrolled_changes_no_result(monkeypatch):
-    """One integrator at a time is compiled again, and code that is not unrolled agrees."""
+    """With one integrator kept at a time it is compiled again; code not unrolled agrees."""
     laws = [ODE.of({"x": "v", "v": f"-{k}*sin(x)"}, [1, 0]) for k in (2, 3)]
     first = [solve(law, 5.0, 1e-9, Taylor()) for law in laws]
     monkeypatch.setattr("geomtorsion.ode.engines.taylor._kept", OrderedDict())
@@ -125,20 +125,20 @@ def test_what_is_kept_or_unrolled_changes_no_result(monkeypatch):
 
 @pytest.mark.parametrize("before", [2**20, 2**34])
 def test_how_much_heyoka_leaves_on_the_disk(before):
-    """A limit above a gigabyte is lowered to that, one below stays."""
+    """A limit above a gigabyte is lowered to a gigabyte; a smaller one stays."""
 
     class State:
-        """What heyoka keeps."""
+        """heyoka's settings of the disk cache."""
 
         limit = before
         get_diskcache_enabled = staticmethod(lambda: True)
 
         def get_diskcache_limit(self):
-            """Bytes."""
+            """Limit in bytes."""
             return self.limit
 
         def set_diskcache_limit(self, value):
-            """Bytes."""
+            """Set the limit in bytes."""
             self.limit = value
 
     state = State()
@@ -148,6 +148,6 @@ def test_how_much_heyoka_leaves_on_the_disk(before):
 
 @pytest.mark.parametrize("rate", ["1e200*x", "1e300*x"])
 def test_what_is_faster_than_any_step_is_stuck(rate):
-    """The size of its rates is infinite, of which a first step is no part."""
+    """A motion whose rates have an infinite size is stuck at the start."""
     with pytest.raises(StuckError, match=r"cannot continue at t = 0.* too small"):
         solve(ODE.of({"x": rate}, [2]), [0, 1.0], 1e-9, RungeKutta())

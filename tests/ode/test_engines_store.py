@@ -1,4 +1,4 @@
-"""The store of compiled integrators, in surroundings of every kind."""
+"""The store of compiled integrators, in different environments."""
 
 import os
 import subprocess
@@ -18,7 +18,7 @@ print(gt.solve(gt.ODE.of({"x": "-x"}, {"x": 1}), 1.0, engine=gt.Taylor()).comple
 
 
 def test_no_home_folder_is_needed():
-    """Where there is no place for a cache on the disk, none is kept and nothing is said."""
+    """Without a home folder there is no cache on the disk, and no output about it."""
     bare = {
         "PATH": os.environ.get("PATH", ""),
         "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
@@ -40,7 +40,7 @@ print(costs[0] > 1e-3, costs[1] == 0)
 
 
 def test_compilation_is_part_of_the_cost():
-    """In a fresh process the first solution says what compilation took; the second took none."""
+    """In a fresh process the first solution reports the compile time; the second reports zero."""
     env = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     done = subprocess.run(
         [sys.executable, "-c", COST],
@@ -60,7 +60,7 @@ print(heyoka.llvm_state.get_diskcache_limit())
 
 @pytest.mark.parametrize(("before", "after"), [(2**34, 2**30), (2**28, 2**28)])
 def test_little_is_kept_on_the_disk(before, after, tmp_path):
-    """No more than a gigabyte of compiled code; a smaller limit, which somebody set, stays."""
+    """The disk cache is limited to a gigabyte; a smaller limit of the user stays."""
     env = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     done = subprocess.run(
         [sys.executable, "-c", LIMIT, str(before)],
@@ -70,7 +70,7 @@ def test_little_is_kept_on_the_disk(before, after, tmp_path):
 
 
 def test_a_long_run_compiles_nothing_more():
-    """After a short run of equal equations a run of many more steps is by the same code."""
+    """After a short run, a much longer run of equal equations uses the same code."""
     stage = ODE.of({"x": "v", "v": "-x - x**3/7"}, [1, 0]).first_stage(53, 0.0)
     given = stage.system, stage.start, stage.parameters
     short, long = (Taylor().run(*given, np.array([0.0, 1.0, t]), 1e-12) for t in (2.0, 4e3))

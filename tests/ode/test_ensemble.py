@@ -1,4 +1,4 @@
-"""solve_many on first-order equations: the numbers of one by one, starts and parameters."""
+"""solve_many on first-order equations: the results of single solves, starts and parameters."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from tests.ode.engines import every_engine, needs_heyoka
 
 
 def driven(**more):
-    """A driven decay and a turn, with events, a clock and a unit pair."""
+    """A driven decay and a rotation, with events, a clock and a unit pair."""
     return ODE.of(
         {"x": "-k*x + a*cos(t)", "q0": "-w*q1/2", "q1": "w*q0/2"},
         [1, 1, 0],
@@ -23,7 +23,7 @@ def driven(**more):
 
 @every_engine
 def test_same_as_one_by_one(engine):
-    """States and outputs at all times, across events."""
+    """States and outputs agree at all times, across events."""
     times = [0.5, 1.25, 2.0, 3.0]
     starts = {"k": np.array([0.5, 1, 2]), "x": [1, 2, 3]}
     many = solve_many(driven(), starts, times, 1e-10, engine)
@@ -42,7 +42,7 @@ def test_same_as_one_by_one(engine):
 
 @every_engine
 def test_arrays_of_states(engine):
-    """All states in order; only the end where one time is asked for; backwards too."""
+    """States keep their order; one time gives only the end; times may be negative."""
     swing = ODE.of({"x": "v", "v": "-x"}, [1, 0])
     angles = np.linspace(0, 6, 20)
     starts = np.array([np.cos(angles), -np.sin(angles)]).T
@@ -53,7 +53,7 @@ def test_arrays_of_states(engine):
 
 
 def test_parameters_alone():
-    """Derived numbers are worked out for each motion."""
+    """Derived numbers are computed for each motion."""
     rates = {"a": "(I2 - I3)/I1*b*c", "b": "(I3 - I1)/I2*a*c", "c": "(I1 - I2)/I3*a*b"}
     body = ODE.of(rates, [1, 0.1, 2], parameters={"I1": 1, "I2": 2, "I3": 3})
     third = np.array([2.5, 3.0, 4.0])
@@ -65,7 +65,7 @@ def test_parameters_alone():
 
 @every_engine
 def test_some_do_not_arrive(engine):
-    """A motion that runs away is told from those that arrive; the others are not touched."""
+    """A motion that runs away is reported as unfinished; the others are not affected."""
     away = ODE.of({"x": "x**2/(1 + t)"}, [1], events=[At(0.5, {})])
     many = solve_many(away, {"x": [0.1, 20.0, 0.2]}, 1.0, 1e-9, engine)
     assert many.finished.tolist() == [True, False, True]
@@ -80,7 +80,7 @@ def test_some_do_not_arrive(engine):
 
 @every_engine
 def test_long_rates(engine):
-    """Rates that are not read exactly go through batches as well."""
+    """Rates that are not read exactly also work in batches."""
     root = ODE.of({"x": "-x/sqrt(1 + x**2) + a*cos(t)"}, [1], parameters={"a": 0.5})
     many = solve_many(root, {"a": [0.1, 0.2, 0.9], "x": [1, 2, 3]}, 3.0, 1e-10, engine)
     for row, (a, x) in enumerate([(0.1, 1), (0.2, 2), (0.9, 3)]):
@@ -89,7 +89,7 @@ def test_long_rates(engine):
 
 
 def test_bad_input():
-    """Lists that do not fit, names that are unknown, engines that cannot."""
+    """Lists of wrong shape, unknown names and unreachable accuracies are refused."""
     swing = ODE.of({"x": "v", "v": "-k*x"}, [1, 0], parameters={"k": 1})
     with pytest.raises(ShapeError, match=r"shape \(number, 2\)"):
         solve_many(swing, [[1, 2, 3]], 1.0)
@@ -114,7 +114,7 @@ def test_bad_input():
 @needs_heyoka
 @every_engine
 def test_each_member_has_its_own_error(engine):
-    """Pendulums, one of them beside the separatrix: each error is honest; who fails is named."""
+    """Each pendulum has an honest error; the one near the separatrix is named when it fails."""
     swing = ODE.of({"x": "v", "v": "-sin(x)"}, [1.0, 0.0])
     heights = np.array([0.3, 1.0, 2.0, np.pi - 1e-6, 2.5])
     many = solve_many(swing, {"x": heights}, 25.0, 1e-7, engine)
@@ -133,7 +133,7 @@ def test_each_member_has_its_own_error(engine):
         assert many.errors[row] >= 0.5 * true[-1] or true[-1] < 1e-12
     with pytest.raises(AccuracyError, match=r"That is so for member 3\.") as caught:
         solve_many(swing, {"x": heights}, 40.0, 1e-7, engine)
-    # The others are there all the same.
+    # The error carries the results of the other members.
     assert caught.value.ensemble.unfinished == (3,)
     assert caught.value.ensemble.error <= 1e-7
     assert solve_many(swing, {"x": np.delete(heights, 3)}, 40.0, 1e-7, engine).error <= 1e-7
@@ -141,7 +141,7 @@ def test_each_member_has_its_own_error(engine):
 
 @every_engine
 def test_only_some_members_are_verified(engine):
-    """The errors of the others are not a number, and are no part of `error`."""
+    """The errors of unchecked members are nan and do not count in `error`."""
     swing = ODE.of({"x": "v", "v": "-sin(x)"}, [1.0, 0.0])
     many = solve_many(swing, {"x": np.linspace(0.1, 2, 9)}, 10.0, 1e-8, engine, check=3)
     assert np.isfinite(many.errors).tolist() == [True, *[False] * 3, True, *[False] * 3, True]
@@ -155,7 +155,7 @@ def test_only_some_members_are_verified(engine):
 
 @every_engine
 def test_a_thousand_pendulums_one_on_the_separatrix(engine):
-    """Its error holds, against v = 2/cosh(t), and so do those of the others, by their energies."""
+    """The error of v = 2/cosh(t) holds; the energies show that the other errors hold."""
     swing = ODE.of({"x": "v", "v": "-sin(x)"}, [0, 2])
     speeds = np.linspace(1.5, 2.5, 1000)
     speeds[500] = 2.0

@@ -1,6 +1,6 @@
-"""Error estimates: between the truth and what was asked, wherever motions are hard to judge."""
+"""Error estimates: between the true error and the request, on motions hard to estimate."""
 
-# Bad input, arrays for lists, results known to be there: more than types say.
+# The tests pass bad input and arrays for lists, and use results that could be None.
 # pyright: reportArgumentType=false, reportCallIssue=false
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from tests.chosen import one_in
 from tests.ode.engines import every_engine, needs_heyoka
 
 X, Y = sp.symbols("x y", real=True)
-# Where the truth is smaller than this an estimate may be any small number.
+# Where the true error is smaller than this, an estimate may be any small number.
 ROUNDING = 1e-15
 
 
@@ -40,7 +40,7 @@ def true_error(problem, solution):
 
 
 def assert_honest(problem, solution, accuracy):
-    """True error below what is asked, and the estimate between 0.5 and 100 times it."""
+    """The true error is below the accuracy, and the estimate is 0.5 to 100 times the true error."""
     true = true_error(problem, solution)
     assert true <= accuracy
     assert solution.error <= accuracy
@@ -60,7 +60,7 @@ def top(spin, metric):
 
 @every_engine
 def test_error_is_twice_the_difference(engine):
-    """To the reference, a finer run: the largest difference in a group of states over its size."""
+    """The error is twice the largest difference to a finer run, over the size of the group."""
     law = ODE.of({"x": "v", "v": "-2.2*v - x"}, [1.0, 0.0], norm_groups=[("x", "v")])
     sol = solve(law, [6.0, 9.0], 1e-7, engine)
     assert sol.reference is not None
@@ -68,14 +68,14 @@ def test_error_is_twice_the_difference(engine):
     answer, finer = (x.segments[0].states for x in (sol.trajectory, sol.reference))
     gap = np.abs(answer - finer).max()
     assert gap > 0
-    # The size is that from the start on, where the state is one.
+    # The size includes the start, where the state is one.
     assert np.abs(sol.states).max() < 0.1
     assert sol.error == pytest.approx(2 * gap, rel=1e-9)
 
 
 @every_engine
 def test_error_of_a_curve_is_twice_the_difference(engine):
-    """The same of velocities alone."""
+    """As above for a curve, from the velocities only."""
     problem = geodesic(load("so3").frame, frame_velocity=[0.9, 0.4, 0.7], metric=[1.1, 2.2, 3.3])
     sol = solve(problem, 60.0, 1e-8, engine)
     assert sol.reference is not None
@@ -96,7 +96,7 @@ def test_orders_and_tolerances():
 
 @needs_heyoka
 def test_orders_are_those_of_heyoka():
-    """The rule holds for the integrators themselves."""
+    """The rule agrees with the order of heyoka's integrators."""
     import heyoka as hy
 
     x = hy.make_vars("x")
@@ -107,7 +107,7 @@ def test_orders_are_those_of_heyoka():
 
 @every_engine
 def test_ladders_end(engine):
-    """Tolerances get finer, by a factor that is not too large, down to the finest of the engine."""
+    """Tolerances fall by factors below 1000, down to the finest one of the engine."""
     for accuracy in (1e-3, 1e-8, 1e-15):
         tolerance, rungs = engine.first(accuracy), 0
         assert tolerance <= accuracy or tolerance == engine.first(1e-30)
@@ -123,7 +123,7 @@ def test_ladders_end(engine):
 @needs_heyoka
 @pytest.mark.parametrize(("away", "accuracy"), one_in(3, [1e-1, 2e-4, 1e-6], [1e-5, 1e-8, 1e-11]))
 def test_rounding_on_the_way_is_seen(away, accuracy):
-    """Near the axis of the middle moment each turn over amplifies what was rounded on the way."""
+    """Near the axis of the middle moment each flip amplifies the rounding errors so far."""
     problem = top([0.5, away, 0.8 * away], (Fraction(3, 2), 1, 2))
     solution = solve(problem, 150.0, accuracy)
     assert_honest(problem, solution, accuracy)
@@ -131,7 +131,7 @@ def test_rounding_on_the_way_is_seen(away, accuracy):
 
 @needs_heyoka
 def test_what_agrees_by_chance_is_confirmed():
-    """An answer and its finer run that differ by 7e-11 were both off by 7e-8; a third was not."""
+    """Answer and finer run differ by 7e-11 but are both off by 7e-8; a third run shows it."""
     start = [0.7852679674879348, 1.716910964359756, 1.0248503623205936]
     spin = [2.053071316123966e-05, 0.606239833157449, 1.6424570528991727e-05]
     problem = geodesic(load("s3").frame, start, frame_velocity=spin, metric=[1.56, 1.95, 2.61])
@@ -140,7 +140,7 @@ def test_what_agrees_by_chance_is_confirmed():
 
 @needs_heyoka
 def test_beyond_double_precision():
-    """Where rounding is all that is left, more digits are taken."""
+    """Where only rounding is left in doubles, the solver takes more digits."""
     problem = top([0.5, 1e-5, 1e-5], (Fraction(3, 2), 1, 2))
     solution = solve(problem, 150.0, 1e-13)
     assert solution.engine != "Taylor"
@@ -155,7 +155,7 @@ def test_beyond_double_precision():
     st.integers(4, 12),
 )
 def test_linear_equations(entries, start, digits):
-    """x' = M x against the exponential of the matrix, at many digits."""
+    """x' = M x agrees with the matrix exponential, computed at many digits."""
     names = ["x", "y", "z"]
     matrix = np.array(entries).reshape(3, 3).round(2)
     rates = {
@@ -176,7 +176,7 @@ def test_linear_equations(entries, start, digits):
 
 @every_engine
 def test_growing_states_are_measured_by_their_size(engine):
-    """States that grow a millionfold: the tolerance is relative to where they come to."""
+    """For states that grow a millionfold, the tolerance is relative to their final size."""
     solution = solve(ODE.of({"x": "x"}, [1.0]), 14.0, 1e-11, engine)
     error = np.abs(solution["x"] - np.exp(solution.times)).max() / np.exp(14.0)
     assert error <= 1e-11
@@ -212,7 +212,7 @@ GROWING = [
 @needs_heyoka
 @pytest.mark.parametrize(("matrix", "start", "accuracy", "end"), GROWING)
 def test_what_grows_out_of_all_proportion(matrix, start, accuracy, end):
-    """Errors of the first steps grow with the solution."""
+    """Errors of the first steps grow with the solution, and the estimate contains them."""
     rates = {
         name: " + ".join(f"({value})*{other}" for value, other in zip(row, "xyz", strict=True))
         for name, row in zip("xyz", matrix, strict=True)
@@ -224,7 +224,7 @@ def test_what_grows_out_of_all_proportion(matrix, start, accuracy, end):
 @needs_heyoka
 @pytest.mark.parametrize(("start", "limit", "end"), [(2.4e-5, 77491, 19.8), (1.6e-5, 808669, 24.2)])
 def test_small_states_that_grow(start, limit, end):
-    """Logistic growth over ten powers of ten: what is lost where the state is small stays lost."""
+    """Logistic growth over ten powers of ten: digits lost while the state is small stay lost."""
     law = ODE.of({"x": "x*(1 - x/K)"}, [start], parameters={"K": limit})
     solution = solve(law, end, 1e-12, engine=Taylor())
     exact = limit / (1 + (limit / start - 1) * np.exp(-solution.times))
@@ -236,7 +236,7 @@ def test_small_states_that_grow(start, limit, end):
 @needs_heyoka
 @pytest.mark.parametrize("start", [38.0, 42.0, 123.1977448486044])
 def test_a_long_step_is_not_taken_for_rounding(start):
-    """x'' = x - x^3 far out: a step that was too long is no rounding, and series alone reach it."""
+    """x'' = x - x^3 far out: the error of a too long step is not taken for rounding."""
     law = ODE.of({"x": "v", "v": "x - x**3"}, [start, 0.0])
     solution = solve(law, 150 / start**2, 1e-11, engine=Taylor())
     energy = solution["v"] ** 2 / 2 - solution["x"] ** 2 / 2 + solution["x"] ** 4 / 4
@@ -247,7 +247,7 @@ def test_a_long_step_is_not_taken_for_rounding(start):
 @needs_heyoka
 @pytest.mark.parametrize("near", [1e-3, 3e-4, 1e-4])
 def test_more_digits_near_a_separatrix(near):
-    """A pendulum that lingers upside down: the estimate is honest with 64 bits, too."""
+    """A pendulum that lingers upside down: the estimate is honest with 64 bits as well."""
     for end, accuracy in ((30.0, 1e-11), (45.0, 1e-11), (38.0, 1e-13)):
         made = ODE.of({"x": "y", "y": "sin(x)"}, {"x": near, "y": 0.0})
         sol = solve(made, end, accuracy)
@@ -258,7 +258,7 @@ def test_more_digits_near_a_separatrix(near):
 
 @every_engine
 def test_an_unstable_motion_says_so(engine):
-    """Near a saddle rounding grows beyond any accuracy: no answer rather than a wrong one."""
+    """Near a saddle rounding grows beyond any accuracy: an error instead of a wrong answer."""
     saddle = ODE.of({"x": "v", "v": "x"}, {"x": 1.0, "v": -1.0})
     with pytest.raises(AccuracyError):
         solve(saddle, 40.0, 1e-8, engine)
@@ -275,7 +275,7 @@ def test_an_unstable_motion_says_so(engine):
     ],
 )
 def test_states_of_uneven_size(start, accuracy):
-    """Coordinates grow like exp(t) beside velocities near one, by which steps are not measured."""
+    """Coordinates grow like exp(t), velocities stay near one: the estimate is honest."""
     frame = load("bianchi_v").frame
     law = blend(levi_civita(frame), cartan(frame))
     problem = autoparallel(law, [0.1, 0.2, 0.3], frame_velocity=start)
@@ -285,7 +285,7 @@ def test_states_of_uneven_size(start, accuracy):
 @needs_heyoka
 @pytest.mark.parametrize("end", [60.0, 75.0, 91.0])
 def test_roundings_of_what_has_grown(end):
-    """Autoparallels of Sol: z grows a hundredfold, and e^z takes all of its roundings."""
+    """Autoparallels of Sol: z grows a hundredfold, and e^z amplifies all its rounding errors."""
     problem = autoparallel(
         cartan(load("sol").frame), [0.3, -0.4, 0.6], frame_velocity=[0.7, 0.2, -1.3]
     )
@@ -300,7 +300,7 @@ def test_roundings_of_what_has_grown(end):
     "end", [0.0021, *(pytest.param(x, marks=pytest.mark.slow) for x in (0.00215, 0.0022)), 0.0023]
 )
 def test_roundings_beside_a_pole(end):
-    """A millionth from the pole of s2, where theta is rounded as everywhere: phi takes it all."""
+    """A millionth from the pole of s2, the rounding of theta enters phi fully."""
     sphere = load("s2").frame
     between = blend(levi_civita(sphere), cartan(sphere))
     numbers = {symbol.name: 1.2 for symbol in sphere.field.symbols[2:]} | {"R": 1.3}
@@ -321,7 +321,7 @@ def test_roundings_beside_a_pole(end):
 
 @needs_heyoka
 def test_rounded_parameters_are_seen():
-    """A third is no number of a computer: after a million radians all steps are off alike."""
+    """1/3 is rounded in binary: after a million radians all steps share one error."""
     law = ODE.of({"x": "w*v", "v": "-w*x"}, [1, 0], parameters={"w": Fraction(1, 3)})
     solution = solve(law, [1e6, 1e6 + 4.0], 1e-9)
     error = np.abs(solution["x"] - np.cos(solution.times.astype(np.longdouble) / 3)).max()
@@ -331,7 +331,7 @@ def test_rounded_parameters_are_seen():
 
 @needs_heyoka
 def test_what_is_left_out_before_an_event_grows_after_it():
-    """Errors go on through every event."""
+    """Errors from before an event grow after it, and the estimate contains them."""
     law = ODE.of({"x": "a*x"}, [1.0], parameters={"a": 1.0}, events=[At(5.0, {"a": -1.0})])
     unstable = ODE.of(
         {"x": "a*(y - x)", "y": "x*(r - z) - y", "z": "x*y - 8*z/3"}, [1.0, 2.0, 20.0],
@@ -344,7 +344,7 @@ def test_what_is_left_out_before_an_event_grows_after_it():
 @every_engine
 @pytest.mark.parametrize("accuracy", [1e-7, 1e-12])
 def test_events_jumps_clock_and_unit(accuracy, engine):
-    """All that equations may have on their way, against closed forms."""
+    """Rates with a clock, unit states, changes and jumps agree with closed forms."""
     rates = {"x": "a*cos(t)", "p": "w*q", "q": "-w*p"}
     law = ODE.of(
         rates, {"x": 0, "p": 0.6, "q": 0.8}, parameters={"a": 1, "w": 2}, normalized=[("p", "q")],
@@ -362,7 +362,7 @@ def test_events_jumps_clock_and_unit(accuracy, engine):
 
 @every_engine
 def test_jumps_of_states_of_length_one(engine):
-    """After a jump they are brought to length one."""
+    """After a jump, unit states are scaled back to length one."""
     law = ODE.of(
         {"p": "q", "q": "-p"}, {"p": 0, "q": 1}, normalized=[("p", "q")],
         events=[At(8.0, {"p": 3})], norm_groups=[("p", "q")],
@@ -378,7 +378,7 @@ def test_jumps_of_states_of_length_one(engine):
 
 @every_engine
 def test_backwards(engine):
-    """Negative times."""
+    """Negative times give the same accuracy."""
     solution = solve(ODE.of({"x": "v", "v": "-x"}, [1.0, 0.0]), -7.0, 1e-10, engine)
     assert np.abs(solution["x"] - np.cos(solution.times)).max() < 1e-10
 
@@ -388,7 +388,7 @@ def test_backwards(engine):
 
 @every_engine
 def test_edges_end_with_place_and_reason(engine):
-    """A motion that leaves its only chart says where."""
+    """A motion that leaves its only chart reports time, position and reason."""
     problem = geodesic(load("flat_polar").frame, [1.0, 0.0], frame_velocity=[-1.0, 0.0])
     with pytest.raises(ChartEdgeError, match=r"stops at t = 1, at r = .*\(r = 0\)"):
         solve(problem.with_charts("flat_polar"), 3.0, 1e-8, engine)
@@ -396,14 +396,14 @@ def test_edges_end_with_place_and_reason(engine):
 
 @every_engine
 def test_series_without_value(engine):
-    """x' = x^2 ends at t = 1."""
+    """x' = x^2 is stuck at t = 1."""
     with pytest.raises(StuckError, match=r"cannot continue at t = (1|0\.99)"):
         solve(ODE.of({"x": "x**2"}, [1.0]), 2.0, 1e-8, engine)
 
 
 @needs_heyoka
 def test_edges_do_not_measure_steps():
-    """Far from the hole the guard is larger than any state; steps go by the states."""
+    """Far from the hole the guard is larger than any state; step sizes follow the states."""
     problem = autoparallel(
         cartan(load("kerr").frame), [0, 9, 1.1, 0.4], frame_velocity=[0.44, 2.5, 1.33, 0.4],
         parameters={"M": 1, "a": 0.6},
@@ -412,12 +412,13 @@ def test_edges_do_not_measure_steps():
     assert_honest(problem, solution, 1e-9)
 
 
-# -- what is the caller's --------------------------------------------------------------------------
+# -- inputs of the caller
+# ---------------------------------------------------------------------------
 
 
 @every_engine
 def test_times_are_those_of_the_call(engine):
-    """Whoever gave an array of times may write to it later."""
+    """The array of times may be changed after the call without changing the solution."""
     times = np.linspace(0.0, 9.0, 10)
     motion = geodesic(load("s3").frame, (0.7, 0.2, 0.3), frame_velocity=[1.0, 0.0, 0.0])
     for problem in (ODE.of({"x": "v", "v": "-x"}, [1.0, 0.0]), motion):
@@ -434,7 +435,7 @@ def test_times_are_those_of_the_call(engine):
 
 
 def test_other_motions_do_not_matter():
-    """One far out leaves no longer steps to one near by, nor a hard one shorter ones, by a bit."""
+    """Far or hard motions solved in between change no bit of a later solve."""
     near = ODE.of({"x": "v", "v": "-sin(x)"}, [1.0, 0.0])
     first = solve(near, 10.0, 1e-10)
     for start in (1e9, 3.1, 3.14, 3.1415):
@@ -448,7 +449,7 @@ def test_other_motions_do_not_matter():
 @needs_heyoka
 @pytest.mark.parametrize("stop", [None, "9 - x"], ids=["no guard", "a guard"])
 def test_threads_share_an_integrator(stop):
-    """Two threads that solve equal equations get what one gets."""
+    """Two threads that solve equal equations get the same bits as one thread."""
     events = [] if stop is None else [When(stop)]
     law = ODE.of({"x": "v", "v": "-sin(x)"}, [1.0, 0.0], events=events)
     starts = np.linspace(0.1, 3.0, 240)
@@ -472,7 +473,7 @@ def test_threads_share_an_integrator(stop):
 @needs_heyoka
 @pytest.mark.parametrize("accuracy", [1e-6, 1e-9, 1e-12])
 def test_errors_of_an_orbit(accuracy):
-    """A bound orbit near a rotating hole: below the accuracy, the estimate near it."""
+    """A bound orbit near a rotating hole: the error is below the accuracy, the estimate near it."""
     orbit = geodesic(
         levi_civita(load("kerr").frame), [0, 8.0, 1.4, 0],
         frame_velocity=[1.2, 0.05, 0.2, 0.6], parameters={"M": 1, "a": 0.6},
@@ -483,7 +484,7 @@ def test_errors_of_an_orbit(accuracy):
 @every_engine
 @pytest.mark.parametrize("accuracy", [1e-6, 1e-9, 1e-10])
 def test_an_ellipse_closes(accuracy, engine):
-    """Eccentricity 0.6 over ten turns."""
+    """An orbit of eccentricity 0.6 closes after ten turns, within the accuracy."""
     x = 0.4
     kepler = ODE.of(
         {"x": "u", "y": "v", "u": "-x/(x**2+y**2)**(3/2)", "v": "-y/(x**2+y**2)**(3/2)"},
@@ -497,21 +498,21 @@ def test_an_ellipse_closes(accuracy, engine):
 
 
 def test_series_have_an_order_of_at_least_six():
-    """Accuracies that a lower order would give start alike; finer ones do not."""
+    """Accuracies down to 5e-5 start with the same tolerance; finer ones do not."""
     assert Taylor().first(1e-1) == Taylor().first(1e-3) == Taylor().first(5e-5)
     assert Taylor().first(1e-6) < Taylor().first(5e-5)
 
 
 @pytest.mark.parametrize("engine", [RungeKutta(), Stiff()])
 def test_finer_runs_are_two_orders_finer(engine):
-    """Down to where only rounding is left."""
+    """Each finer run has a hundredth of the tolerance, down to the finest of the engine."""
     assert engine.finer(1e-6) == pytest.approx(1e-8)
     assert engine.finer(2 * engine.finest) == engine.finest
     assert engine.finer(engine.finest) is None
 
 
 def test_the_error_is_twice_the_difference():
-    """Where no rounding counts: of exp(t) the true error is half of what is told."""
+    """Where rounding does not count, the reported error of exp(t) is twice the true error."""
     grow = ODE.of({"x": "x"}, [1.0])
     found = solve(grow, np.linspace(0, 3, 40), 1e-6, RungeKutta())
     exact = np.exp(found.times)
@@ -531,7 +532,7 @@ def test_the_error_is_twice_the_difference():
     ids=["cosine", "logarithm", "exponential"],
 )
 def test_roundings_of_the_rates_are_seen(entry, start, speeds, accuracy):
-    """Rates that lose digits in a difference: the finer run rounds them at other places."""
+    """Rates lose digits in a difference: the finer run rounds them differently and shows it."""
     frame = Frame([X, Y], [[entry, 0], [0, 1]])
     motion = autoparallel(cartan(frame), [0, start], frame_velocity=speeds)
     slope = sp.lambdify(Y, 1 / entry, "mpmath")
@@ -553,7 +554,7 @@ def test_roundings_of_the_rates_are_seen(entry, start, speeds, accuracy):
 @needs_heyoka
 @pytest.mark.parametrize("end", [0.1, 0.2, 0.3])
 def test_a_motion_of_few_steps(end):
-    """x = tan t in one step or two: the finer run sees what these omit."""
+    """x = tan t in one or two steps: the finer run shows the omitted terms."""
     solution = solve(ODE.of({"x": "1 + x**2"}, [0]), end, 1e-3, Taylor())
     gap = np.abs(solution["x"] - np.tan(solution.times)).max() / np.tan(end)
     assert gap > 1e-13
@@ -576,7 +577,7 @@ def test_a_motion_of_few_steps(end):
     ids=["swings", "grows", "evenly", "stopped"],
 )
 def test_solutions_are_true(problem, end, true, engine):
-    """An answer is as good as requested and as reported."""
+    """The true error is below the accuracy and below twice the reported error."""
     for accuracy in (1e-6, 1e-10):
         solution = solve(problem, end, accuracy, engine)
         size = np.abs(true(solution.times)).max()

@@ -1,4 +1,4 @@
-"""Error estimates: each number by which they decide, from both sides."""
+"""Error estimates: each of their thresholds, from both sides."""
 
 # pyright: reportIncompatibleMethodOverride=false, reportAssignmentType=false, reportIncompatibleVariableOverride=false
 
@@ -20,19 +20,19 @@ SWING = ODE.of({"x": "v", "v": "-sin(x)"}, [1.0, 0.0])
 
 @dataclass(frozen=True)
 class Counting(RungeKutta):
-    """Runge-Kutta that keeps the evaluations of each of its runs."""
+    """Runge-Kutta that records the evaluations of each of its runs."""
 
     runs: list[int] = field(default_factory=list)
 
     def run(self, *given, **more):
-        """A run, and what it took."""
+        """Run and record the number of evaluations."""
         found = super().run(*given, **more)
         self.runs.append(found.evaluations)
         return found
 
 
 def test_a_start_is_known_to_about_a_rounding():
-    """An angle of 1.4e9 is rounded by 1e-7, which all runs from this very start would share."""
+    """An angle of 1.4e9 is rounded by 1e-7; the estimate contains the error of this start."""
     angle = Fraction(10**10 + 1, 7)
     with mpmath.workdps(40):
         rate = float(mpmath.cos(mpmath.mpf(angle.numerator) / angle.denominator))
@@ -43,7 +43,7 @@ def test_a_start_is_known_to_about_a_rounding():
 
 
 def test_roundings_are_looked_for_where_they_matter():
-    """By a third run, where the tolerance is near to what a step rounds; else there are two."""
+    """A third run happens only where the tolerance is near the rounding of a step."""
     for accuracy, runs in ((1e-4, 2), (1e-7, 2), (1e-10, 2), (1e-13, 3)):
         engine = Counting()
         found = solve(ODE.of({"x": "v", "v": "-x"}, [1.0, 0.0]), 4.0, accuracy, engine)
@@ -52,7 +52,7 @@ def test_roundings_are_looked_for_where_they_matter():
 
 
 def test_where_tolerances_aim(monkeypatch):
-    """At a tenth of the accuracy: aiming at all of it fails more often, far below costs more."""
+    """Tolerances aim at a tenth of the accuracy: more fails more often, far less costs more."""
     costs, tries = [], []
     for factor in (20, 1, 1e-4):
         monkeypatch.setattr("geomtorsion.ode.error_estimate.AIM", AIM * factor)
@@ -67,7 +67,7 @@ def test_where_tolerances_aim(monkeypatch):
 
 @needs_heyoka
 def test_what_is_taken_for_noise():
-    """A sum of terms of size one that is zero has no digit to wait for; one that is 1e-12 has."""
+    """A rate whose terms of size one cancel is taken for noise; a rate of 1e-12 is not."""
     rates, start = {"p": "q", "q": "-p"}, {"p": 1, "q": 0, "rest": 0}
     found = solve(ODE.of(rates | {"rest": "p**2 + q**2 - 1"}, start), 10.0, 1e-6, Taylor())
     assert np.abs(found["rest"]).max() < 1e-13
@@ -77,7 +77,7 @@ def test_what_is_taken_for_noise():
 
 
 def test_what_begins_at_zero_with_rates_that_cancel():
-    """A push that holds a spring: what rounding leaves of the first rates is no scale of steps."""
+    """A push that balances a spring: the rounding left of the first rates sets no step size."""
     pushed = ODE.of({"x": "v", "v": "-x + 1e-6*cos(t/2)"}, [1e-6, 0])
     found = solve(pushed, 100.0, 1e-9, RungeKutta())
     t = found.times
@@ -88,7 +88,7 @@ def test_what_begins_at_zero_with_rates_that_cancel():
 
 
 def test_a_finer_run_that_ends_early_tells_nothing():
-    """What the answer does after that has been compared with nothing."""
+    """Without a finer run for its last part, the difference of the answer is infinite."""
     stage, times = SWING.first_stage(53, 0.0), np.linspace(0, 1, 5)
     whole = integrate(stage, times, 1e-6, RungeKutta())
     part = integrate(stage, times[:3], 1e-8, RungeKutta())

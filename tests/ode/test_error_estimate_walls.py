@@ -1,4 +1,4 @@
-"""Walls and bumps that no step sees coming."""
+"""Walls and bumps that a step does not see in advance."""
 
 import mpmath
 import numpy as np
@@ -39,7 +39,7 @@ def across(entry, begin, lasts, accuracy, engine):
     ids=["near", "wall", "far", "bump", "two bumps", "power"],
 )
 def test_what_lies_ahead_is_met(entry, begin, lasts, engine):
-    """Series and rates at the start know nothing of it; steps of any tolerance reach beyond it."""
+    """The error is honest although rates at the start show no sign of the wall."""
     solution, exact = across(entry, begin, lasts, 1e-9, engine)
     away = abs(float(solution.coordinates[-1, 0]) - exact) / exact
     assert away < 1e-9
@@ -49,7 +49,7 @@ def test_what_lies_ahead_is_met(entry, begin, lasts, engine):
 @every_engine
 @pytest.mark.parametrize("times", [[150], [0, 149, 150], [-150]], ids=["end", "three", "back"])
 def test_few_samples_see_as_much(times, engine):
-    """The end alone, forwards and backwards, to the value that all samples give."""
+    """With few samples, forwards or backwards, the end agrees with a run of many samples."""
     side = 1 if times[-1] > 0 else -1
     entry = BUMP + sp.exp(-((Y - 100 * side) ** 2))
     frame = Frame([X, Y], [[entry, 0], [0, 1]])
@@ -62,7 +62,7 @@ def test_few_samples_see_as_much(times, engine):
 @every_engine
 @pytest.mark.parametrize("steep", [5, 20, 80])
 def test_a_steep_step_far_ahead(steep, engine):
-    """x' = tanh(k (y - 50)), y' = 1, which is narrower than a step: right or refused."""
+    """x' = tanh(k (y - 50)), y' = 1, narrower than a step: a true answer or an error."""
     ode = ODE.of({"x": f"tanh({steep}*(y - 50))", "y": 1}, {"x": 60, "y": 0})
     try:
         solution = solve(ode, 110.0, 1e-9, engine)
@@ -81,7 +81,7 @@ def test_a_steep_step_far_ahead(steep, engine):
     ("engine", "accuracy"), [(None, 1e-15), (None, 1e-25), (Taylor(113), 1e-25)]
 )
 def test_a_straight_line_has_all_digits(engine, accuracy):
-    """x' = 1/3, y' = x in a single step: that samples are read as doubles is no error of it."""
+    """x' = 1/3, y' = x in a single step: reading samples as doubles adds no error."""
     start = [sp.Rational(3, 10), sp.Rational(9, 10)]
     line = ODE.of({"x": "1/3", "y": "x"}, start)
     solution = solve(line, 7.5, accuracy, engine)
@@ -91,7 +91,7 @@ def test_a_straight_line_has_all_digits(engine, accuracy):
 
 
 def test_members_on_straight_lines_have_all_digits():
-    """As for one, but for the roundings of the steps of the finer run."""
+    """Members on straight lines reach 1e-14."""
     start = np.array([[0.3, 0.9], [0.7, -0.2], [-1 / 7, 0.1]])
     many = solve_many(ODE.of({"x": "1/3", "y": "1/7"}, start[0]), start, 7.5, 1e-14)
     assert many.error <= 1e-14
@@ -101,7 +101,7 @@ def test_members_on_straight_lines_have_all_digits():
 @every_engine
 @pytest.mark.parametrize("samples", [13, 14, 65])
 def test_samples_at_whole_turns_are_no_jump(samples, engine):
-    """Samples a period apart, where the rates are alike, and steps within one."""
+    """Samples at whole periods, where the rates are equal, do not hide the steps between."""
     times = np.linspace(0, 2 * np.pi * (samples - 1), samples)
     solution = solve(ODE.of({"x": "v", "v": "-x"}, [1, 0]), times, 1e-9, engine)
     assert np.abs(solution["x"] - 1).max() < 1e-8
@@ -129,7 +129,7 @@ def test_members_of_an_ensemble_meet_it_too(times, engine):
 
 @needs_heyoka
 def test_what_stays_far_from_walls_stays_in_the_batch(monkeypatch):
-    """Members whose steps are about alike, and Kepler orbits, are not solved one by one."""
+    """Members with similar steps, and Kepler orbits, are not solved one by one."""
     monkeypatch.setattr("geomtorsion.ode.ensemble.alone", None)
     swing = ODE.of({"x": "v", "v": "-k*x"}, [1, 0], parameters={"k": 1})
     assert solve_many(swing, {"k": np.linspace(1, 9, 20)}, 10.0).finished.all()
@@ -142,17 +142,17 @@ def test_what_stays_far_from_walls_stays_in_the_batch(monkeypatch):
 @every_engine
 @pytest.mark.parametrize("samples", [100, 3000])
 def test_few_cuts_show_all_that_is_behind_a_wall(samples, engine):
-    """Where a step crossed a wall all intervals behind it are wrong, however many these are."""
+    """A step across a wall makes all later intervals wrong; fewer than 200 segments mend it."""
     ode = ODE.of({"x": "2 + tanh(x)"}, [-40])
     solution = solve(ode, np.linspace(0, 60, samples), 1e-9, engine)
-    # Where 2 x - log(2 cosh(x) + sinh(x)) has grown by 180.
+    # Here 2 x - log(2 cosh(x) + sinh(x)) has grown by 180.
     assert solution["x"][-1] == pytest.approx(61.09861228866811, rel=1e-10)
     assert len(solution.trajectory.segments) < 200
 
 
 @every_engine
 def test_many_samples_in_a_step_are_no_wall(engine):
-    """What the steps of a loose tolerance leave is told; the samples between add nothing."""
+    """The error of a loose tolerance is reported; samples within a step add no segments."""
     swing = ODE.of({"x": "v", "v": "-x"}, [1, 0])
     solution = solve(swing, np.linspace(0, 1, 50_000), 1e-6, engine)
     assert len(solution.trajectory.segments) == 1

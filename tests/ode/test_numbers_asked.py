@@ -1,4 +1,4 @@
-"""Asked: what would fill the memory is refused before memory is taken, with what it would take."""
+"""Limits of memory: a too large request is refused, with its size, before memory is taken."""
 
 import numpy as np
 import pytest
@@ -28,13 +28,13 @@ LINE = np.linspace(0, 1, 20_000)
     ids=["solve_many", "scene", "grid", "loop"],
 )  # fmt: skip
 def test_what_would_fill_the_memory_is_refused(call, says):
-    """The error says what it would take, the limit, and what to do."""
+    """The error names the size, the limit and the remedy."""
     with pytest.raises(LimitError, match=rf"{says}.*; the limit is 2 GB\. (Give|Ask|Solve)"):
         call()
 
 
 def test_one_motion_at_many_times(monkeypatch):
-    """On both sides of the limit, which is made small here: it takes long to reach."""
+    """A number of times on each side of the limit, which the test lowers to save time."""
     monkeypatch.setattr(checks, "LARGEST_ARRAYS", 3_200_000)
     times = np.linspace(0, 1, 100_000)
     assert len(solve(SWING, times, 1e-6, RungeKutta()).times) == 100_000
@@ -49,7 +49,7 @@ def test_times_that_only_look_small():
 
 
 def test_a_range_is_counted_before_it_is_written_out():
-    """A thousand million numbers that nobody holds; a short one is read as a list is."""
+    """A range of 10**9 numbers is refused; a short one is read like a list."""
     with pytest.raises(LimitError, match=r"t: 1,000,000,000 numbers would take 8 GB.* Give fewer"):
         solve(SWING, range(10**9))
     with pytest.raises(TimeError, match="or a list of numbers"):

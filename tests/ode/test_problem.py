@@ -1,4 +1,4 @@
-"""ODE.of: what is accepted, how it is read, and what compiles anew."""
+"""ODE.of: accepted input, how it is read, and when it is compiled again."""
 
 from fractions import Fraction
 from types import SimpleNamespace
@@ -60,7 +60,7 @@ def test_anything_with_rates():
 
 
 def test_decimals_are_exact():
-    """0.1 in text is one tenth; in Python it is the float that it is."""
+    """0.1 in text is one tenth; in Python it is the exact value of the float."""
     text, number = ODE.of({"x": "0.1*x - 2.5e-3"}, [1]), ODE.of({"x": 0.1 * sp.Symbol("x")}, [1])
     assert str(text.rates.expressions["x"]) == "x/10 - 1/400"
     assert sorted(text.rates.numbers.exactly([])) == [Fraction(-1, 400), Fraction(1, 10)]
@@ -68,7 +68,7 @@ def test_decimals_are_exact():
 
 
 def test_numbers_are_worked_out_before_the_run():
-    """What depends on parameters alone is one number, exact until it is rounded once."""
+    """A combination of parameters is one number, exact until it is rounded once."""
     moments = {"I1": 1, "I2": 1, "I3": 1 + 1e-12}
     top = ODE.of(
         {"a": "(I2 - I3)/I1*b*c", "b": "(I3 - I1)/I2*a*c", "c": "(I1 - I2)/I3*a*b"},
@@ -98,7 +98,7 @@ def test_equal_rates_share_one_system():
 
 
 def test_numbers_put_back_give_the_value():
-    """Rates with their numbers worked out before have the values of the expressions as given."""
+    """Rates with precomputed numbers have the values of the original expressions."""
     x, y, a, b = sp.symbols("x y a b", real=True)
     terms = [
         a * (b * x + 7 * y) / (a - b) + sp.sin(a * x) + x**a,
@@ -120,7 +120,7 @@ def test_numbers_put_back_give_the_value():
 
 
 def test_groups_of_states():
-    """Numbers at the end, or axes, go together; what is left can be grouped by name."""
+    """Names with trailing numbers, or axes, form groups; norm_groups groups the rest by name."""
     assert default_groups(["Omega1", "Omega2", "m", "x", "z", "vx", "vz"]) == (
         ("Omega1", "Omega2"), ("m",), ("x", "z"), ("vx", "vz"),
     )  # fmt: skip
@@ -131,7 +131,7 @@ def test_groups_of_states():
 
 
 def test_graphs_on_every_kind_of_number():
-    """The same code on arrays, fractions and long numbers; sizes add up all terms."""
+    """One code runs on arrays, fractions and long numbers; sizes add up all terms."""
     x = sp.Symbol("x")
     terms = (x - x**3 / 3, sp.sin(x), sp.Max(x, 2), 1 / sp.sqrt(x), sp.Abs(-x), sp.cot(x))
     made = graph(("x",), terms, factor=False)
@@ -162,14 +162,14 @@ BAD_RATES = {
 
 @pytest.mark.parametrize("message", BAD_RATES)
 def test_bad_rates(message):
-    """Rates that cannot be read are named."""
+    """Rates that cannot be read are refused with a message that names the reason."""
     rates = BAD_RATES[message]
     with pytest.raises(ExpressionError, match=message):
         ODE.of(rates, [1] * len(rates), parameters={"k": 1})
 
 
 def test_bad_numbers():
-    """Starts, parameters, events and lengths that make no sense."""
+    """Starts, parameters, events and lengths that make no sense are refused."""
     with pytest.raises(ShapeError, match="expected 2 numbers"):
         ODE.of({"x": 0, "y": 0}, [1])
     with pytest.raises(StartError, match="expected a number for each state, got none for y"):
@@ -201,7 +201,7 @@ def test_bad_numbers():
 
 
 def test_values_against_what_was_declared():
-    """Of symbols in rates, outputs and events; sympy has written k for sqrt(k**2)."""
+    """Values must meet the assumptions of symbols in rates, outputs and events."""
     k, x = sp.Symbol("k", positive=True), sp.Symbol("x")
     said = "k: expected a value that is positive, nonnegative, as declared, got {}"
     rate, other = {"x": -sp.sqrt(k**2) * x}, {"x": "-k*x"}
@@ -216,7 +216,7 @@ def test_values_against_what_was_declared():
     for rates, more in places:
         with pytest.raises(CoordinateError, match=said.format(-1)):
             ODE.of(rates, [1], parameters={"k": -1}, **more)
-    # What was declared of a state, or not at all, is no matter.
+    # Assumptions of a state, or of a symbol without any, do not matter.
     ODE.of(other, [1], parameters={"k": -1})
     ODE.of({"k": k}, [-1])
     decay = ODE.of(rate, [1], parameters={"k": 1})
@@ -284,7 +284,7 @@ def test_symbols_are_names():
     ],
 )
 def test_a_name_of_two_things_says_what_to_do(given, words):
-    """The remedy is in the message, and works."""
+    """The message contains a remedy, and the remedy with time= works."""
     rates, start, *parameters = given
     with pytest.raises(ExpressionError, match=words):
         ODE.of(rates, start, parameters=parameters[0] if parameters else None)

@@ -22,7 +22,7 @@ START = [0.1, 0.2, 3, 0, 0.6, 0.8]
 
 
 def both(**more):
-    """The same ODE, of exact elements (multiplied out) and of expressions as they stand."""
+    """The same ODE, of exact elements (multiplied out) and of unexpanded expressions."""
     names = sp.symbols("w1 w2 w3 n1 n2 n3 I1 I2 I3 m g z c t", real=True)
     field = Field(names)
     local = {name.name: name for name in names}
@@ -41,7 +41,7 @@ def test_same_numbers(engine):
 
 
 def test_same_jacobian():
-    """Derivatives of both forms agree, and with differences of the rates."""
+    """Derivatives of both forms agree with each other and with differences of the rates."""
     found = []
     place = [0.3, -0.2, 1.1, 0.5, -0.4, 0.77, 1e-12]
     for made in both():
@@ -65,7 +65,7 @@ FUNCTIONS = (
 
 @pytest.mark.parametrize("text", FUNCTIONS)
 def test_functions(text):
-    """Every function has its value and its slope."""
+    """Every function has the value and the slope of sympy's expression."""
     made = ODE.of({"x": text, "y": 0}, [0.4, 0.9])
     x, y = (sp.Symbol(name, real=True) for name in "xy")
     rate, point = made.rates.expressions["x"], {x: 0.4, y: 0.9}
@@ -80,7 +80,7 @@ def test_functions(text):
 @needs_heyoka
 @pytest.mark.parametrize("text", FUNCTIONS)
 def test_functions_in_series(text):
-    """The Taylor engine knows them as well."""
+    """The Taylor engine agrees with Runge-Kutta on every function."""
     slow = ODE.of({"x": f"({text})/200", "y": 0}, [0.4, 0.9])
     one, two = solve(slow, 1.0, 1e-11), solve(slow, 1.0, 1e-11, RungeKutta())
     assert one.engine == "Taylor"
@@ -89,7 +89,7 @@ def test_functions_in_series(text):
 
 @needs_heyoka
 def test_powers_where_the_base_vanishes():
-    """Series of powers go through zero."""
+    """Series of powers pass through a zero of the base."""
     made = ODE.of({"x": "1", "y": "x**5*sqrt(1 + x**2)"}, [-1, 0])
     sol = solve(made, 2.0, 1e-10)
     assert sol.engine == "Taylor"
@@ -97,7 +97,7 @@ def test_powers_where_the_base_vanishes():
 
 
 def test_long_rates_are_not_expanded():
-    """A product of sums that has a thousand terms when multiplied out stays a product."""
+    """A product of sums stays a product: multiplied out it would have a thousand terms."""
     big = "*".join(f"(x{k} + {k + 1}*y + z/{k + 2} + 1)" for k in range(10))
     states = [f"x{k}" for k in range(10)]
     rates = dict.fromkeys([*states, "y"], 0) | {"z": f"({big})/sqrt(1 + z**2)"}
@@ -106,7 +106,7 @@ def test_long_rates_are_not_expanded():
 
 
 def test_kinks_are_refused():
-    """What is not smooth is named with a remedy."""
+    """A rate that is not smooth is refused with its name and a remedy."""
     x = sp.Symbol("x")
     for rate in (sp.Abs(x), sp.sqrt(x**2), sp.Max(x, 0) * x):
         with pytest.raises(ExpressionError, match="rate of x: .* is not smooth"):
@@ -127,7 +127,7 @@ def test_stiff_roots():
 
 
 def test_hundreds_of_storeys():
-    """A tree of hundreds of storeys is refused, one of some is not."""
+    """A tree 400 levels deep is refused; one of 31 levels is not."""
     tree = x = sp.Symbol("x")
     expected = 0.3
     for storey in range(400):
@@ -144,18 +144,18 @@ def test_hundreds_of_storeys():
 
 @every_engine
 def test_roots_in_rates_end_motions(engine):
-    """s = (1 - t)**2 until t = 1; the series of s alone would go on, up again, unlike sqrt(s)."""
+    """s = (1 - t)**2 ends at t = 1; the series of s would rise again, unlike sqrt(s)."""
     emptying = ODE.of({"s": "-2*sqrt(s)", "v": "0"}, [1, 1])
     with pytest.raises(StuckError, match="t = 1") as caught:
         solve(emptying, 3.0, engine=engine)
     reached = caught.value.solution
     assert reached["s"] == pytest.approx((1 - reached.times) ** 2, abs=1e-9)
-    # Where it is said to stop before, it stops.
+    # A stop before this end ends the motion.
     level = ODE.of({"s": "-2*sqrt(s)"}, [1], events=[When("s - 1/4")])
     found = solve(level, 3.0, engine=engine)
     assert found.outcome == "stopped"
     assert found.times[-1] == pytest.approx(0.5, rel=1e-9)
-    # A sum of squares is not watched, and neither is what does not change.
+    # A sum of squares has no guard, and neither has a constant.
     free = ODE.of({"x": "sqrt(1 + x**2)*sqrt(a)"}, [0], parameters={"a": 4})
     assert free.system.guard is None
     assert solve(free, 1.0, engine=engine)["x"][-1] == pytest.approx(np.sinh(2), rel=1e-9)

@@ -1,4 +1,4 @@
-"""edges: motions end where functions in their equations, or in their stops, end."""
+"""Edges: motions end where functions in their equations or stops end."""
 
 import math
 
@@ -11,9 +11,9 @@ from geomtorsion.ode import ODE, RungeKutta, Taylor, When, solve
 from tests.ode.engines import every_engine, needs_heyoka
 
 SWING = {"x": "v", "v": "-x"}
-# x = cos(t - 1/2) comes to 1 at t = 1/2 and goes back.
+# x = cos(t - 1/2) reaches 1 at t = 1/2 and goes back.
 TOUCHES = {"x": math.cos(0.5), "v": math.sin(0.5)}
-# |t - 1/2| and the like never fall to zero; what series make of them beyond t = 1/2 does.
+# |t - 1/2| and the like never fall to zero, but their series beyond t = 1/2 do.
 KINKED = [
     "acos(x) + 1/10",
     "sqrt(1 - x**2) + 1/10",
@@ -28,7 +28,7 @@ KINKED = [
 @every_engine
 @pytest.mark.parametrize("stop", KINKED)
 def test_a_stop_is_not_followed_beyond_its_end(engine, stop):
-    """Before, the series of acos(x) + 1/10 stopped at t = 0.6, where it is 0.2."""
+    """acos(x) + 1/10 ends at t = 0.5; its series would stop at t = 0.6, where it is 0.2."""
     problem = ODE.of(SWING, TOUCHES, parameters={"p": 0.5}, events=[When(stop)])
     with pytest.raises(StuckError, match=r"t = 0\.(5|4999).*= 0") as caught:
         solve(problem, 5.0, 1e-9, engine=engine)
@@ -42,7 +42,7 @@ def test_a_stop_is_not_followed_beyond_its_end(engine, stop):
 )
 @needs_heyoka
 def test_rates_are_not_followed_beyond_their_end(rate):
-    """y' = acos(cos(t - 1/2)) = |t - 1/2| gave 1.235 for 1.25, and 1/acos(x) a finite y."""
+    """y' = acos(cos(t - 1/2)) = |t - 1/2| ends at t = 0.5, and so do the other functions."""
     problem = ODE.of(SWING | {"y": rate}, TOUCHES | {"y": 0}, parameters={"p": 0.5})
     with pytest.raises(StuckError, match=r"t = 0\.5, at x = 1.*= 0") as caught:
         solve(problem, 2.0, 1e-9, engine=Taylor())
@@ -51,12 +51,12 @@ def test_rates_are_not_followed_beyond_their_end(rate):
 
 @needs_heyoka
 def test_the_tip_of_a_cone():
-    """A motion in the potential sqrt(x**2 + y**2), through its tip: the series goes on down."""
+    """A motion in the potential sqrt(x**2 + y**2) ends at its tip; the series would continue."""
     rates = {"x": "u", "y": "w", "u": "-x/sqrt(x**2+y**2)", "w": "-y/sqrt(x**2+y**2)"}
     problem = ODE.of(rates, {"x": 1, "y": 0, "u": 0, "w": 0})
     with pytest.raises(StuckError, match=r"t = 1\.41421.*sqrt\(x\*\*2 \+ y\*\*2\) = 0"):
         solve(problem, 2.0, engine=Taylor())
-    # Round it, nothing is in the way; and nothing where no sign of the root shows, or at a pole.
+    # Around the tip the motion is free; even functions of the root and poles need no guard.
     assert solve(problem.with_start({"w": 0.5}), 2.0, engine=Taylor()).outcome == "done"
     for free in ("cos(sqrt(x**2 + y**2))", "x*(x**2 + y**2)**(-3/2)", "sqrt(1 + x**2)"):
         assert ODE.of({"x": free, "y": 0}, [1, 1]).system.guard is None
@@ -75,14 +75,14 @@ def test_the_tip_of_a_cone():
     ],
 )
 def test_a_stop_that_vanishes_where_it_ends_is_a_stop(engine, stop, outcome):
-    """x = (1 - t)/2; what is still positive at t = 1 has not fallen, and the error says so."""
+    """x = (1 - t)/2; a stop that is still positive at t = 1 raises an error instead."""
     problem = ODE.of({"x": "-1/2"}, {"x": 0.5}, parameters={"p": 0.5}, events=[When(stop)])
     if outcome == "stopped":
         found = solve(problem, 2.0, 1e-9, engine=engine)
         assert found.outcome == "stopped"
         assert found.times[-1] == pytest.approx(1.0, abs=1e-12)
     else:
-        # To 1e-9 and 1e-10 the series of x**p went on to t = 1.003 and t = 1.00002.
+        # With accuracies 1e-9 and 1e-10 the series of x**p would reach t = 1.003 and t = 1.00002.
         for accuracy in (1e-6, 1e-9, 1e-10, 1e-12):
             with pytest.raises(StuckError, match="t = 1, at x = (0:|-?[0-9.]+e-1[5-9])"):
                 solve(problem, 2.0, accuracy, engine=engine)
@@ -90,28 +90,28 @@ def test_a_stop_that_vanishes_where_it_ends_is_a_stop(engine, stop, outcome):
 
 @needs_heyoka
 def test_a_root_as_stop_in_quadruple_precision():
-    """Places between steps are looked at in doubles there, too."""
+    """A stop at a root is found in quadruple precision as well."""
     problem = ODE.of({"x": "-1/2"}, {"x": 0.5}, events=[When("sqrt(x)")])
     found = solve(problem, 2.0, 1e-9, engine=Taylor(113))
     assert float(found.times[-1]) == pytest.approx(1.0, abs=1e-12)
 
 
 def test_whole_exponents_have_no_end():
-    """x**q with q = 2 given at run time is watched, but ends nowhere."""
+    """x**q with q = 2 given at run time has a guard, but ends nowhere."""
     problem = ODE.of({"x": "-1", "y": "x**q"}, {"x": 1, "y": 0}, parameters={"q": 2})
     found = solve(problem, 3.0, engine=RungeKutta())
     assert found["y"][-1] == pytest.approx(3.0, rel=1e-9)
 
 
 def test_observed_kinks_have_no_false_zeros():
-    """Zeros of what is read off a solution are those of its values."""
+    """Zeros of an observed expression are zeros of its values, not of its series."""
     found = solve(ODE.of(SWING, TOUCHES), 5.0, 1e-8)
     assert len(found.event_times("acos(x) + 1/10")) == 0
     assert found.event_times("acos(x) - 1/10") == pytest.approx([0.4, 0.6], abs=1e-8)
 
 
 def test_what_is_watched():
-    """The root of what has to stay positive, once for each function."""
+    """Each function adds one edge: the root of the expression that has to stay positive."""
     x, y = sp.symbols("x y", real=True)
     problem = ODE.of({"x": sp.acos(x) + sp.asin(x), "y": sp.log(y) + sp.asin(2)}, [0.1, 1])
     assert [str(edge) for edge in problem.rates.edges] == ["sqrt(1 - x**2)", "sqrt(y)"]

@@ -1,6 +1,6 @@
 """Solutions of first-order equations: accuracy, outputs, drift, event times, files, tables."""
 
-# Bad input, arrays for lists, results known to be there: more than types say.
+# The tests pass bad input and arrays for lists, and use results that could be None.
 # pyright: reportArgumentType=false, reportAttributeAccessIssue=false, reportOperatorIssue=false, reportOptionalMemberAccess=false
 
 import json
@@ -72,7 +72,7 @@ def test_error_and_its_estimate(engine, accuracy):
 
 @every_engine
 def test_time_in_the_rates(engine):
-    """x' = cos(t) x, from a clock that nobody sees; forwards and backwards."""
+    """x' = cos(t) x, with a hidden clock, forwards and backwards."""
     driven = ODE.of({"x": "cos(t)*x"}, [1])
     assert driven.states == ("x",)
     for end in (5.0, -5.0):
@@ -86,7 +86,7 @@ def test_time_in_the_rates(engine):
 
 @every_engine
 def test_outputs_and_moments(engine):
-    """Outputs at the times and in between: one number, a vector, with the time, with kinks."""
+    """Outputs at the times and in between: a number, a vector, with the time, with kinks."""
     sol = solve(swing(), [0.5, 1.0, 4.0], 1e-11, engine)
     assert sol.times.tolist() == [0.5, 1.0, 4.0]
     assert sol["place"].shape == (3, 2)
@@ -109,7 +109,7 @@ def test_outputs_and_moments(engine):
 @every_engine
 @pytest.mark.parametrize("accuracy", [1e-5, 1e-9])
 def test_error_of_what_is_read_off(engine, accuracy):
-    """x = exp(2 t), and an output that turns a thousand times as fast: known so much less."""
+    """x = exp(2 t), and an output that varies a thousand times as fast, with an error to match."""
     problem = ODE.of({"x": "2*x"}, [1], outputs={"fine": "sin(1000*x)"})
     solution = solve(problem, 1.0, accuracy, engine)
     truth = np.exp(2 * solution.times)
@@ -121,7 +121,7 @@ def test_error_of_what_is_read_off(engine, accuracy):
 
 
 def test_error_of_what_is_no_number():
-    """An output that leaves the reals: nothing is known of it, and nothing is claimed."""
+    """The error of an output without a real value is infinite."""
     falling = ODE.of({"x": -1}, [1], outputs={"root": "sqrt(x)", "none": "0*x"})
     solution = solve(falling, 2.0, 1e-8, RungeKutta())
     assert np.isnan(solution["root"][-1])
@@ -136,7 +136,7 @@ def test_error_of_what_is_not_there():
 
 
 def test_moments_are_mappings(tmp_path):
-    """What is not in them is not in them; the message stands without quotes round it."""
+    """A missing name is not in the mapping; the error message has no quotes around it."""
     solution = solve(swing(), 1.0, 1e-8, RungeKutta())
     solution.save(tmp_path / "swing.npz")
     for values in (solution.at(0.5), SavedSolution.load(tmp_path / "swing.npz")):
@@ -149,11 +149,11 @@ def test_moments_are_mappings(tmp_path):
 
 @every_engine
 def test_drift(engine):
-    """Invariants keep to the accuracy; what is none is seen to change."""
+    """Invariants are kept to the accuracy; a quantity that is not invariant shows its change."""
     sol = solve(swing(invariants={"energy": "v**2 + k*x**2", "no": ["x", "v"]}), 9.0, 1e-10, engine)
     assert sol.drift["energy"] < 1e-9
     assert 0.5 < sol.drift["no"] <= 2
-    # The size is that of the terms: a difference that vanishes is no cause for alarm.
+    # The change is relative to the terms: a difference that vanishes causes no false alarm.
     tiny = solve(swing(invariants={"zero": "v**2 + 4*x**2 - 4"}), 9.0, 1e-10, engine)
     assert tiny.drift["zero"] < 1e-9
 
@@ -162,7 +162,7 @@ def test_drift(engine):
     ("times", "ends"), [([1.0, 2.0], 2.0), ([0.0, 1.0], 1.0), ([1.0, 5.0], 3.0)]
 )
 def test_changes_of_invariants_go_with_the_times(times, ends):
-    """One for each time, whether the start is asked for or not, and the last where it stops."""
+    """There is one change for each time, with or without the start, and one for the stop."""
     falling = ODE.of({"x": -1}, [3], invariants={"x": "x"}, events=[When("x")])
     solution = solve(falling, times, 1e-8, RungeKutta())
     assert solution.times[-1] == pytest.approx(ends)
@@ -189,7 +189,7 @@ def test_unit_states(engine):
 
 @every_engine
 def test_event_times(engine):
-    """Crossings of a state, an output, an expression; upwards only; pairs that lie close."""
+    """Crossings of a state, an output, an expression; upwards only; pairs close together."""
     sol = solve(swing(outputs={"gap": "x - 1 + 1e-9"}), 9.0, 1e-11, engine)
     expected = (np.arange(6) + 0.5) * np.pi / 2
     assert sol.event_times("x") == pytest.approx(expected[expected < 9], abs=2e-9)
@@ -198,7 +198,7 @@ def test_event_times(engine):
     )
     assert sol.event_times("x - cos(2*t) + t - 1/3") == pytest.approx([1 / 3], abs=2e-9)
     assert len(sol.event_times("x - 2")) == 0
-    # cos 2t > 1 - 1e-9 for |t| < 2.2e-5 about each half turn.
+    # cos 2t > 1 - 1e-9 for |t| < 2.2e-5 around each half turn.
     width = np.sqrt(2e-9) / 2
     pairs = [width, *(k * np.pi + s * width for k in (1, 2) for s in (-1, 1))]
     if isinstance(engine, Taylor):
@@ -212,7 +212,7 @@ def test_event_times(engine):
 
 
 def test_event_times_backwards_and_across_events():
-    """Times come in the order of the motion; a jump through zero is no crossing."""
+    """Times come in the order of the motion; a jump through zero is not a crossing."""
     back = solve(swing(), -4.0, 1e-11, RungeKutta())
     assert back.event_times("x") == pytest.approx(
         [-np.pi / 4, -3 * np.pi / 4, -5 * np.pi / 4], abs=1e-8
@@ -223,7 +223,7 @@ def test_event_times_backwards_and_across_events():
 
 @every_engine
 def test_save_and_load(engine, tmp_path):
-    """A loaded solution has the same numbers, and goes on to give what lies between."""
+    """A loaded solution has the same numbers, also between the samples."""
     made = swing(events=[At(1.5, {"k": 0.1}), At(2, {"v": -1})], name="swing")
     made = made.with_start(start={"x": 0.1 + 0.2, "v": Fraction(1, 3)})
     sol = solve(made, 3.0, 1e-9, engine)
@@ -244,7 +244,7 @@ def test_save_and_load(engine, tmp_path):
 
 @needs_heyoka
 def test_the_error_of_a_file_is_that_of_its_doubles(tmp_path):
-    """Thirty digits are saved as doubles, whose error the file reports."""
+    """Thirty digits are saved as doubles, and the file reports the error of the doubles."""
     solution = solve(ODE.of({"x": "-x"}, [1]), 1.0, 1e-25)
     assert solution.error < 1e-25
     solution.save(tmp_path / "decay.npz")
@@ -254,7 +254,7 @@ def test_the_error_of_a_file_is_that_of_its_doubles(tmp_path):
 
 
 def test_files_of_others(tmp_path):
-    """What is no saved solution is refused."""
+    """A file that is not a saved solution is refused."""
     with pytest.raises(FileFormatError, match="not a solution saved"):
         SavedSolution.load(tmp_path / "none.npz")
     np.savez(tmp_path / "other.npz", a=np.zeros(3))
@@ -269,7 +269,7 @@ def test_files_of_others(tmp_path):
 
 
 def test_table():
-    """A pandas table with components of vectors by number."""
+    """A pandas table numbers the components of vectors."""
     pandas = pytest.importorskip("pandas")
     table = solve(swing(), 1.0, engine=RungeKutta()).to_pandas()
     assert isinstance(table, pandas.DataFrame)
@@ -279,7 +279,7 @@ def test_table():
 
 @every_engine
 def test_where_it_cannot_go_on(engine):
-    """x' = x^2 ends at t = 1: an error that says so and carries what there is."""
+    """x' = x^2 ends at t = 1: the error names the time and carries the partial solution."""
     with pytest.raises(StuckError, match=r"cannot continue at t = (1|0\.99)") as caught:
         solve(ODE.of({"x": "x**2"}, [1]), 2.0, 1e-8, engine)
     partial = caught.value.solution
@@ -292,7 +292,7 @@ def test_where_it_cannot_go_on(engine):
 @every_engine
 @pytest.mark.parametrize(("rate", "start", "says"), [("log(x)", -1, "nan"), ("1/x", 0, "inf")])
 def test_where_it_cannot_begin(engine, rate, start, says):
-    """A rate without a value at the start is named; there is nothing that could have drifted."""
+    """A rate without a value at the start is named in the error, and the drift is zero."""
     begun = ODE.of({"x": rate, "y": "x"}, [start, 1], invariants={"far": "x**2"})
     with pytest.raises(StuckError, match=f"cannot continue at t = 0.*; x' = {says}") as caught:
         solve(begun, 2.0, 1e-8, engine)
@@ -312,7 +312,7 @@ def test_stiff_equations_by_an_implicit_engine():
 
 
 def test_a_zero_of_the_start_is_no_event():
-    """Where the start reads zero as a rounding below it, as of sin(pi)."""
+    """A rounding error below zero at the start is not a crossing, as for sin(pi)."""
     sol = solve(ODE.of({"x": "v", "v": "-x"}, [np.pi, 0]), 2.0, 1e-10)
     (crossed,) = sol.event_times("sin(x) - 2e-16")
     assert crossed == pytest.approx(np.pi / 2, abs=1e-9)
@@ -320,7 +320,7 @@ def test_a_zero_of_the_start_is_no_event():
 
 @needs_heyoka
 def test_more_digits_than_doubles_have():
-    """Accuracies that doubles do not have are reached, against mpmath."""
+    """An accuracy beyond doubles is reached, checked with mpmath."""
     sol = solve(swing(), [1.0, 3.0], 1e-25)
     assert sol.error <= 1e-25
     with mpmath.workdps(34):
@@ -329,7 +329,7 @@ def test_more_digits_than_doubles_have():
 
 
 def test_asking_too_much_says_so():
-    """An engine that does not get there says how far it gets."""
+    """An engine that cannot reach the accuracy names the error that it reaches."""
     with pytest.raises(AccuracyError, match="RungeKutta gets to"):
         solve(swing(), 50.0, 1e-17, RungeKutta())
     with pytest.raises(AccuracyError, match="positive"):
@@ -339,7 +339,7 @@ def test_asking_too_much_says_so():
 
 
 def test_choice_of_engine():
-    """Taylor where it is installed, Runge-Kutta elsewhere; what is asked for is taken."""
+    """The default is Taylor where it is installed, else Runge-Kutta; a given engine is used."""
     assert solve(swing(), 1.0).engine == ("Taylor" if is_available() else "RungeKutta")
     assert solve(swing(), 1.0, 1e-7, Stiff()).reason == "as asked"
 
@@ -353,7 +353,7 @@ def test_zero_time():
 
 @needs_heyoka
 def test_states_that_are_rounding_only():
-    """A state that vanishes but for rounding does not stop a solve; a small one is not one."""
+    """A state of only rounding noise does not stop a solve; a small state keeps its digits."""
     cancels = "sqrt(1 + x**2)*(sin(x)*cos(y) + cos(x)*sin(y) - sin(x + y))"
     idle = ODE.of({"zero": cancels, "x": "-x", "y": "1/7"}, [0, 1, 1])
     sol = solve(idle, 5.0, 1e-9)
@@ -365,7 +365,7 @@ def test_states_that_are_rounding_only():
 
 @needs_heyoka
 def test_time_far_beyond_the_states():
-    """Times of ten thousand and states of one: double precision does, and its error is known."""
+    """At times of ten thousand, states of size one keep an error below 1e-9 in doubles."""
     driven = ODE.of({"x": "v", "v": "-x + cos(t/3)"}, [1, 0])
     sol = solve(driven, 1e4, 1e-9, Taylor())
     exact = 9 / 8 * np.cos(sol.times / 3) - np.cos(sol.times) / 8
@@ -373,7 +373,7 @@ def test_time_far_beyond_the_states():
 
 
 def test_references_start_a_rounding_away():
-    """Answers start where they should, references two units in the last place away."""
+    """Answers start exactly at the start, references two units in the last place away."""
     made = ODE.of({"x": "v/3", "v": "-2*x", "z": "1"}, [1.0, 0.7, 0], parameters={})
     sol = solve(made, 3.0, 1e-6, RungeKutta())
     assert sol.reference is not None
@@ -382,13 +382,13 @@ def test_references_start_a_rounding_away():
     ratios = second.start[:2] / first.start[:2] - 1
     assert np.abs(ratios) == pytest.approx(2 * 2.0**-52, rel=0.6)
     assert second.start[2] == 0
-    # 1/3 is rounded and perturbed, -2 is exact and compiled in.
+    # 1/3 is rounded and perturbed; -2 is exact and compiled in.
     assert first.parameters.tolist() == [1 / 3]
     assert second.parameters != first.parameters
 
 
 def test_perturbed_numbers():
-    """Only what an engine rounds is changed, at any precision."""
+    """Only numbers that an engine rounds are perturbed, at any precision."""
     held, rounded = [0.5, 3, Fraction(1, 4)], [Fraction(1, 3), sp.sqrt(2)]
     for precision in (53, 113):
         part = 2.0 ** (1 - precision)
@@ -398,7 +398,7 @@ def test_perturbed_numbers():
             known = (mpmath.mpf(1) / 3, mpmath.sqrt(2))
             for value, exact, sign in zip(found, known, (1, -GOLDEN), strict=True):
                 change = mpmath.mpf(value) / exact - 1
-                # In doubles the change is rounded itself.
+                # In doubles the change itself is rounded.
                 assert change / (sign * part) == pytest.approx(
                     1, abs=1 if precision == 53 else 1e-6
                 )
@@ -422,7 +422,7 @@ def test_length_is_kept_at_every_cut(tmp_path):
 
 @pytest.mark.parametrize("time", ["1", True, 1j, None, [], [[]], [1, [2, 3]], np.ma.masked])
 def test_times_between_are_numbers(time):
-    """Text and truth values were taken for numbers, others ended in errors of Python."""
+    """Text, truth values, empty lists and masked times are refused."""
     solution = solve(ODE.of({"x": "-x"}, [1]), [0, 2], 1e-6)
     with pytest.raises(TimeError, match=r"expected"):
         solution.at(time)
@@ -434,7 +434,7 @@ def test_times_between_are_numbers(time):
 
 @pytest.mark.parametrize("name", [0, None, 3.5, ("x",)])
 def test_what_is_no_name_is_not_known(name):
-    """In the words for a name that is not."""
+    """A key that is not a name is refused like an unknown name."""
     solution = solve(ODE.of({"x": "-x"}, [1]), [0, 2], 1e-6)
     with pytest.raises(
         UnknownNameError, match="expected a quantity of this motion, got .*There are x"
@@ -443,7 +443,7 @@ def test_what_is_no_name_is_not_known(name):
 
 
 def test_what_was_declared_is_saved(tmp_path):
-    """sympy has written k for sqrt(k**2): what is read from the file refuses -2, too."""
+    """Assumptions of symbols are saved: the loaded problem refuses k = -2 as the original does."""
     k, n, x = sp.Symbol("k", positive=True), sp.Symbol("n", even=True), sp.Symbol("x")
     made = ODE.of({"x": -sp.sqrt(k**2) * x + n}, [1], parameters={"k": 1, "n": 2})
     solve(made, 1.0).save(tmp_path / "decay.npz")
@@ -473,7 +473,7 @@ def test_what_was_declared_is_saved(tmp_path):
     ],
 )
 def test_what_was_not_declared_is_not_read(tmp_path, declared, message):
-    """Words that mean nothing or contradict each other or the numbers."""
+    """Unknown or contradictory assumptions in a file, or wrong values for them, are refused."""
     path = tmp_path / "decay.npz"
     solve(ODE.of({"x": "-k*x"}, [1], parameters={"k": 1}), 1.0).save(path)
     with np.load(path) as file:

@@ -1,4 +1,4 @@
-"""solve: the accuracy of the result, engines, times, and what is known about a solution."""
+"""solve: the accuracy of the result, engines, times, and the report of a solution."""
 
 import math
 import sys
@@ -29,7 +29,7 @@ from tests.ode.engines import every_engine, needs_heyoka
 
 
 def problems():
-    """One of each kind: group, kinetic metric, sphere, black hole, torsion between."""
+    """One of each kind: group, kinetic metric, sphere, black hole, partial torsion."""
     so3, kerr, polar = load("so3").frame, load("kerr").frame, load("flat_polar").frame
     half = blend(levi_civita(polar), cartan(polar))
     return {
@@ -48,7 +48,7 @@ def problems():
 
 @cache
 def truth(name, times):
-    """The best that is known of a problem, which is known once for all engines and accuracies."""
+    """The best known solution of a problem, computed once for all engines and accuracies."""
     return truth_of(problems()[name], np.array(times))
 
 
@@ -69,7 +69,7 @@ def test_error_and_its_estimate(engine, name, accuracy):
 
 @every_engine
 def test_drift_is_no_larger_than_the_error(engine):
-    """Known invariants are named and stay."""
+    """Known invariants are named and change by less than the accuracy."""
     sol = solve(problems()["kerr"], 50.0, 1e-10, engine)
     assert set(sol.drift) == {"norm", "momentum of t", "momentum of phi"}
     assert max(sol.drift.values()) < 1e-10
@@ -81,7 +81,7 @@ def test_drift_is_no_larger_than_the_error(engine):
 @needs_heyoka
 @pytest.mark.parametrize(("accuracy", "engine"), [(1e-16, "Taylor(64)"), (1e-25, "Taylor(113)")])
 def test_more_digits_than_doubles_have(accuracy, engine):
-    """What doubles cannot give moves to long double and quadruple precision."""
+    """An accuracy beyond doubles is reached with long double or quadruple precision."""
     sol = solve(problems()["top"], 5.0, accuracy)
     assert sol.error <= accuracy
     assert sol.engine == engine or accuracy == 1e-16
@@ -89,7 +89,7 @@ def test_more_digits_than_doubles_have(accuracy, engine):
 
 @needs_heyoka
 def test_quadruple_agrees_with_mpmath():
-    """25 digits of a rotation about one axis against mpmath's own sine."""
+    """25 digits of a rotation around one axis agree with mpmath's own sine."""
     problem = autoparallel(cartan(load("so3").frame), [0, 1, 0], frame_velocity=[0, 1, 0])
     sol = solve(problem, [0.5], 1e-25)
     with mpmath.workdps(34):
@@ -99,7 +99,7 @@ def test_quadruple_agrees_with_mpmath():
 
 
 def test_asking_too_much_says_so():
-    """Runge-Kutta alone cannot give 1e-16."""
+    """Runge-Kutta by itself does not reach 1e-16; accuracies must be positive."""
     with pytest.raises(AccuracyError, match="RungeKutta gets to"):
         solve(problems()["top"], 20.0, 1e-16, RungeKutta())
     with pytest.raises(AccuracyError, match="positive"):
@@ -110,7 +110,7 @@ def test_asking_too_much_says_so():
 
 @every_engine
 def test_times(engine):
-    """Times come back as asked, from 0 on, forwards or backwards; dense output in between."""
+    """Requested times are returned, forwards or backwards; dense output agrees in between."""
     problem = problems()["so3"]
     times = [0.5, 1.0, 7.0]
     sol = solve(problem, times, 1e-10, engine)
@@ -141,7 +141,7 @@ def test_times(engine):
     ],
 )
 def test_bad_times(t, message):
-    """Each is named with its remedy."""
+    """Each bad list of times is refused with its reason."""
     with pytest.raises(TimeError, match=message):
         solve(problems()["so3"], t)
 
@@ -157,7 +157,7 @@ def test_times_outside():
 
 @every_engine
 def test_distance_apart(engine):
-    """On r3xso3 screws and flights part like t squared; on so3 they do not part."""
+    """On r3xso3 an autoparallel and a geodesic part like t squared."""
     frame = load("r3xso3").frame
     start, velocity = [0.3, 1.0, 0.2, 0, 0, 0], [0.1, 0.5, -0.2, 1.0, 0, 0]
     screw = solve(autoparallel(cartan(frame), start, velocity), 1.0, engine=engine)
@@ -171,7 +171,7 @@ def test_distance_apart(engine):
 
 @every_engine
 def test_single_chart_stops_cleanly(engine):
-    """A loxodrome ends at the pole: place, reason and what was computed."""
+    """A loxodrome ends at the pole, with position, reason and partial solution."""
     problem = autoparallel(
         cartan(load("s2").frame), [1.0, 0.0], frame_velocity=[-1, 0.5], parameters={"R": 1}
     )
@@ -184,7 +184,7 @@ def test_single_chart_stops_cleanly(engine):
 
 
 def test_stiff_engine_agrees():
-    """Radau with the exact Jacobian gives the same motion."""
+    """Radau and LSODA give the same motion as the default engine."""
     problem = problems()["blend"]
     one = solve(problem, 3.0, 1e-7, Stiff()).coordinates
     assert one == pytest.approx(solve(problem, 3.0, 1e-10).coordinates, abs=1e-6)
@@ -193,7 +193,7 @@ def test_stiff_engine_agrees():
 
 
 def test_why_is_said():
-    """The result says what was chosen and why."""
+    """The result names the chosen engine and the reason."""
     sol = solve(problems()["so3"], 1.0)
     assert ("heyoka is" in sol.reason) == (sol.engine in ("Taylor", "RungeKutta"))
     assert solve(problems()["so3"], 1.0, engine=RungeKutta()).reason == "as asked"
@@ -201,7 +201,7 @@ def test_why_is_said():
 
 
 def test_columns():
-    """Coordinates and velocities by name."""
+    """Coordinates and velocities are columns by name."""
     sol = solve(problems()["so3"], 1.0)
     assert sol["phi2"][0] == pytest.approx(1.0)
     assert sol["u1"][0] == pytest.approx(sol.frame_velocity[0, 0])
@@ -239,7 +239,7 @@ def test_all_digits_reach_the_user():
 
 @needs_heyoka
 def test_changes_of_charts_keep_all_digits():
-    """s2 over the pole and back home with 25 digits."""
+    """s2 over the pole and into the other chart keeps 25 digits."""
     problem = geodesic(load("s2").frame, [1.0, 0.5], [-1.0, 0.25], parameters={"R": 1})
     sol = solve(problem, 3.0, 1e-25, Taylor(113))
     other = solve(problem.with_charts("s2_x", "s2"), 3.0, 1e-25, Taylor(160))
@@ -252,7 +252,7 @@ def test_changes_of_charts_keep_all_digits():
 
 
 def test_no_engine_at_hand_is_said(monkeypatch):
-    """More digits than there are without heyoka."""
+    """An accuracy that needs heyoka is refused without it, with a hint to install it."""
     monkeypatch.setitem(sys.modules, "heyoka", None)
     with pytest.raises(
         AccuracyError, match="no available engine gives two runs to compare. Install"
@@ -261,7 +261,7 @@ def test_no_engine_at_hand_is_said(monkeypatch):
 
 
 def test_nothing_to_compare_is_said(monkeypatch):
-    """Where no two runs can be compared there is no number to name, and "inf" is none."""
+    """Without two runs to compare, the error names no number, and never "inf"."""
     module = sys.modules["geomtorsion.ode.solve"]
     real = module.verified
 
@@ -277,7 +277,7 @@ def test_nothing_to_compare_is_said(monkeypatch):
 @needs_heyoka
 @pytest.mark.parametrize("engine", [None, RungeKutta()], ids=["default", "RungeKutta"])
 def test_stiff_equations_are_refused_at_once(engine):
-    """Where stability limits each step, and too many are left; an implicit engine solves them."""
+    """A stiff motion with too many steps left is refused early; an implicit engine solves it."""
     k = 1e9
     decay = ODE.of({"x": "-k*(x - cos(t))"}, [0], parameters={"k": k})
     kinetics = ODE.of(
@@ -297,7 +297,7 @@ def test_stiff_equations_are_refused_at_once(engine):
     ("eccentricity", "end"), [(0.8, 2000.0), pytest.param(0.6, 1e4, marks=pytest.mark.slow)]
 )
 def test_a_long_conservative_motion_is_not_taken_for_stiff(eccentricity, end):
-    """An orbit approaches some neighbours as fast as it leaves others."""
+    """An orbit approaches some neighbours as fast as it leaves others: it is not stiff."""
     near = 1 - eccentricity
     orbit = ODE.of(
         {"x": "u", "y": "v", "u": "-x/(x*x + y*y)**(3/2)", "v": "-y/(x*x + y*y)**(3/2)"},
@@ -310,7 +310,7 @@ def test_a_long_conservative_motion_is_not_taken_for_stiff(eccentricity, end):
 
 
 def test_robertsons_problem():
-    """Eleven powers of ten of time, to the values of its literature."""
+    """Eleven powers of ten of time agree with values from the literature."""
     kinetics = ODE.of(
         {"a": "-a/25 + 1e4*b*c", "b": "a/25 - 1e4*b*c - 3e7*b**2", "c": "3e7*b**2"}, [1, 0, 0]
     )
@@ -339,7 +339,7 @@ def test_a_tiny_state_behind_a_switch():
         events=[At(k, {"s": (-1) ** k}) for k in range(1, 8)],
     )  # fmt: skip
     found = solve(pushed, 8.0, 1e-10, RungeKutta())
-    # At whole times the velocity is zero, and y turns over about each s/pi**2 in turn.
+    # At whole times the velocity is zero, and y turns around s/pi**2 for each s in turn.
     height = 1.0
     for k in range(8):
         height = 2 * (1 if k == 0 else (-1) ** k) / np.pi**2 - height
@@ -348,7 +348,7 @@ def test_a_tiny_state_behind_a_switch():
 
 @every_engine
 def test_rates_that_end_where_the_motion_does(engine):
-    """(1 - t)**(1/3) to t = 1, and roots that begin at 0, by the engine that can."""
+    """(1 - t)**(1/3) to t = 1, and roots that begin at 0, by an engine that can do it."""
     end = solve(ODE.of({"x": "(1 - t)**(1/3)"}, [0]), 1.0, 1e-8, engine)
     assert end["x"][-1] == pytest.approx(0.75, abs=1e-8)
     for rate, value in (("sqrt(t)", 2 / 3), ("t**(3/2)", 0.4)):

@@ -1,4 +1,4 @@
-"""progress: told while it runs, without changing a bit of what is computed."""
+"""progress: called during a run, without changing a bit of the result."""
 
 import pytest
 
@@ -15,7 +15,7 @@ def long_run():
 
 
 def chart_changes():
-    """Over the poles of a sphere, many times."""
+    """A geodesic over the poles of a sphere, many times."""
     return geodesic(load("s2").frame, [0.3, 0.1], [1.0, 0.4], parameters={"R": 1}), 100.0
 
 
@@ -33,7 +33,7 @@ CASES += [(stiff, Stiff()), (stiff, Stiff("LSODA"))]
     ("case", "engine"), CASES, ids=lambda x: getattr(x, "name", None) or x.__name__
 )
 def test_watching_changes_nothing(case, engine):
-    """The same bits with and without; parts rise from 0 to 1, and there are many."""
+    """The result has the same bits with and without progress; the reports rise from 0 to 1."""
     problem, t = case()
     seen = []
     watched = solve(problem, t, 1e-7, engine, progress=seen.append)
@@ -44,13 +44,13 @@ def test_watching_changes_nothing(case, engine):
         assert (table[name] == column).all()
     assert seen == sorted(seen)
     assert seen[-1] == 1.0
-    # Two thousand series are one look; the sphere takes fewer.
+    # Taylor reports once in two thousand series; the sphere takes fewer.
     assert len(seen) > (0 if engine.name == "Taylor" and case is chart_changes else 2)
 
 
 @pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.name)
 def test_ctrl_c_ends_a_run_midway(engine):
-    """What the watcher raises ends the run there."""
+    """An exception of the callback ends the run at that time."""
 
     def press(part):
         if part > 0.1:
@@ -62,7 +62,7 @@ def test_ctrl_c_ends_a_run_midway(engine):
 
 
 def test_report_counts_runs():
-    """The first run is half of the work, the next half of the rest; small steps are not told."""
+    """The first run is half of the work, the next half of the rest; tiny steps are not reported."""
     seen = []
     report = Report(seen.append, -10.0)
     first = report.next_run()

@@ -1,4 +1,4 @@
-"""stepper: the generated DOP853 takes the steps of scipy's, and ends where it does."""
+"""stepper: the generated DOP853 takes the steps of scipy's DOP853 and ends at the same time."""
 
 import math
 
@@ -46,13 +46,13 @@ def posed(name):
     one_in(2, ["top", "angles", "kerr"], [1e-5, 1e-9, 1e-13], [20.0, -20.0]),
 )
 def test_the_steps_are_those_of_scipy(name, tolerance, t):
-    """As many steps and evaluations, up to rounding the same states, samples between steps too."""
+    """Steps and evaluations are as many as scipy's, and states equal up to rounding."""
     system, start, values = posed(name)
     times = np.linspace(0.0, t, 33)
     one = stepwise_run("generated", MOST, system.unguarded, start, values, times, tolerance, False)
     two = stepwise_run("DOP853", MOST, system.unguarded, start, values, times, tolerance, False)
     assert one.outcome == two.outcome == "done"
-    # scipy counts evaluations: those of the first step and of dense output besides.
+    # scipy also counts the evaluations of the first step and of dense output.
     assert 12 * one.steps <= one.evaluations <= two.evaluations
     assert two.evaluations <= one.evaluations + 3 * 33 + 4
     assert one.states == pytest.approx(two.states, rel=1e-9, abs=1e-11)
@@ -64,7 +64,7 @@ SUDDEN = [("10000/(1 + 1000*(t - 3)**2)", 1e-3), ("exp(-25*(t - 8)**2)", 1.0)]
 
 @pytest.mark.parametrize(("rate", "start"), SUDDEN, ids=["steps grow", "steps shrink"])
 def test_how_fast_steps_grow_and_shrink(rate, start):
-    """Tenfold at most and to a fifth, a tenth below what the error allows: where scipy steps."""
+    """Steps grow tenfold or shrink to a fifth at most, with a safety factor, as in scipy."""
     law = ODE.of({"x": rate}, [start])
     system, begin = law.system, [start, 0.0]
     values = [float(x) for x in law.run_numbers({})]
@@ -78,7 +78,7 @@ def test_how_fast_steps_grow_and_shrink(rate, start):
 
 
 def test_edges_stop_where_scipy_stops():
-    """The time at which an edge is crossed, to rounding."""
+    """The time at which an edge is crossed agrees with scipy to rounding."""
     system, start, values = posed("angles")
     times = np.linspace(0.0, 40.0, 9)
     one = stepwise_run("generated", MOST, system, start, values, times, 1e-10, False)
@@ -91,7 +91,7 @@ def test_edges_stop_where_scipy_stops():
 
 @pytest.mark.parametrize("t", [3.0, -3.0])
 def test_dense_output(t):
-    """Between samples to order 7, forwards and backwards, against the exponential."""
+    """Dense output between samples agrees with the exponential, forwards and backwards."""
     system = ODE.of({"x": "-x", "y": "2*y"}, [1, 1]).system
     times = np.array([0.0, t])
     run = stepwise_run("generated", MOST, system, [1.0, 1.0], [], times, 1e-12, True)
@@ -102,14 +102,14 @@ def test_dense_output(t):
 
 
 def test_errors_fall_with_the_eighth_power():
-    """Without error control, by steps of a fixed length: an order claimed is an order measured."""
+    """With steps of a fixed length the measured order is eight."""
     system = ODE.of({"x": "y", "y": "-x"}, [1, 0]).system
     errors = []
     for count in (4, 8, 16):
         even = Pace(np.linspace(0.0, 8.0, count + 1).tolist(), 1.0, 1.0)
         walk = Steps(system, [], [1.0, 0.0], (0.0, 8.0), 10.0, [1.0, 1.0], even, MOST)
         while walk.time != 8.0:
-            # Every step is as long as it may be.
+            # Every step has the largest allowed length.
             walk._size = 8 / count
             assert walk.advance() is not None
         errors.append(math.hypot(walk.state[0] - math.cos(8), walk.state[1] + math.sin(8)))
@@ -118,7 +118,7 @@ def test_errors_fall_with_the_eighth_power():
 
 
 def test_where_rates_end():
-    """A singularity on the way is told apart, with the place; too many steps are an error."""
+    """A singularity ends the run as stuck, with its time; too many evaluations are an error."""
     blowing = ODE.of({"x": "x**2"}, [1]).system
     run = stepwise_run(
         "generated", MOST, blowing, [1.0], [], np.array([0.0, 0.5, 2.0]), 1e-9, False
@@ -136,7 +136,7 @@ def test_where_rates_end():
 
 
 def test_large_systems_are_left_to_scipy():
-    """Thirty oscillators in a row; the answer is the same."""
+    """A system of thirty decays goes to scipy, with the same answer."""
     names = [f"x{k}" for k in range(30)]
     rates = {name: f"-{k + 1}*{name}/30" for k, name in enumerate(names)}
     row = ODE.of(rates, [1] * 30)

@@ -1,4 +1,4 @@
-"""Systems: rates, edges and Jacobians by all routes are the sums that they were made of."""
+"""Systems: rates, edges and Jacobians by all routes agree with the sums they come from."""
 
 # pyright: reportAttributeAccessIssue=false
 
@@ -43,7 +43,7 @@ def plain_values(sums, point):
 
 @pytest.mark.parametrize("name", problems())
 def test_all_routes(name):
-    """Scalar and array rates, Jacobian and guard against the plain sums."""
+    """Scalar and array rates, Jacobian and guard agree with the plain sums."""
     problem = problems()[name]
     count = 0
     for chart in problem.charts:
@@ -89,7 +89,7 @@ def test_one_system_one_key():
 
 @pytest.mark.parametrize("k", [0.5, 800.0])
 def test_constants_of_one_motion_and_of_many(k):
-    """1/(1 + e^k) is worked out once; e^800 is infinite on the way to a zero."""
+    """1/(1 + e^k) is computed once; e^800 overflows to infinity, and the constant is zero."""
     x, y, number = sp.symbols("x y k", real=True)
     frame = Frame([x, y], [[1 + sp.exp(number), 0], [0, 1 + y**2]])
     motion = geodesic(frame, [0, 0], frame_velocity=[3, 1], parameters={"k": 1})

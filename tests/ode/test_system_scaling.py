@@ -1,4 +1,4 @@
-"""Scaling: a motion in lengths and times of any size is the motion in units of one."""
+"""Scaling: a motion in lengths and times of any size equals the motion in units of one."""
 
 import pickle
 
@@ -42,7 +42,7 @@ def test_a_straight_line_in_polar_coordinates(engine, length, time):
 @needs_heyoka
 @pytest.mark.parametrize("length", SIZES)
 def test_twelve_digits_at_every_length(length):
-    """What is told holds, and it is what is told of lengths of one."""
+    """The reported error holds at every length and is below 1e-12."""
     found = solve(geodesic(POLAR, [length, 0.3], [0.3 * length, 0.2]), 2.0, 1e-12)
     r, phi = found.coordinates[-1] / [length, 1.0]
     assert found.error <= 1e-12
@@ -54,7 +54,7 @@ def test_twelve_digits_at_every_length(length):
 @pytest.mark.parametrize("precision", [64, 113, 200])
 @pytest.mark.parametrize("length", [1e-30, 1e30])
 def test_engines_of_more_digits(precision, length):
-    """Long numbers are scaled without loss, too."""
+    """Numbers of more than 53 bits are also scaled without loss."""
     found = solve(
         geodesic(POLAR, [length, 0.3], [0.3 * length, 0.2]), 2.0, 1e-17, Taylor(precision)
     )
@@ -65,7 +65,7 @@ def test_engines_of_more_digits(precision, length):
 @all_engines
 @pytest.mark.parametrize(("length", "time"), SCALES)
 def test_a_swing_that_is_pushed(engine, length, time):
-    """x'' = -rate**2 x + push cos(2 rate t), which has a clock; it starts from rest at zero."""
+    """x'' = -rate**2 x + push cos(2 rate t), with a clock, from rest at zero, at any scale."""
     rate = 1 / time
     swing = ODE.of(
         {"x": "v", "v": "-w**2*x + push*cos(2*w*t)"}, [0, 0],
@@ -80,7 +80,7 @@ def test_a_swing_that_is_pushed(engine, length, time):
 @all_engines
 @pytest.mark.parametrize("length", [1e-30, 1e30])
 def test_a_stone_that_hits_the_ground(engine, length):
-    """Where it stops, and when it was highest: events at any scale."""
+    """The times of the stop and of the highest point are right at any scale."""
     fall = ODE.of(
         {"z": "v", "v": "-g"}, [length, length], parameters={"g": 2 * length}, events=[When("z")]
     )
@@ -92,7 +92,7 @@ def test_a_stone_that_hits_the_ground(engine, length):
 
 @every_engine
 def test_members_of_different_sizes_in_one_batch(engine):
-    """Each member in units of its own, lengths from 1e-30 to 1e30 beside each other."""
+    """Each member has its own units: lengths from 1e-30 to 1e30 in one batch."""
     sizes = np.array(SIZES)
     many = solve_many(
         geodesic(POLAR, [1.0, 0.3], [0.3, 0.2]), np.column_stack((sizes, np.full(5, 0.3))),
@@ -113,11 +113,11 @@ def test_members_of_different_sizes_in_one_batch(engine):
 
 
 def test_only_what_is_far_from_one_is_scaled():
-    """Both sides of the limit: of states, which may be zero, and of times that matter."""
+    """Only values far from one are scaled: states, which may be zero, and times that matter."""
     swing = ODE.of({"x": "v", "v": "-x"}, [1, 0]).system
     assert units_of(swing, [2.0**20, 0.0], [], 1.0) is None
     assert units_of(swing, [0.0, 0.0], [], 1.0) is None
-    # A long time is none where the motion itself is quick.
+    # A long time does not matter where the motion itself is quick.
     assert units_of(swing, [1.0, 0.0], [], 1e9) is None
     found = units_of(swing, [2.0**21, 0.0], [], 1.0)
     assert found is not None
@@ -134,7 +134,7 @@ def reached(problem, t, engine, name="t"):
     """The time that the error names."""
     with pytest.raises(LimitError, match="the solver needs more than .*; it reached") as caught:
         solve(problem, t, 1e-9, engine=engine)
-    # It says the same in the process of a caller.
+    # The message survives the way to another process.
     assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)
     text = str(caught.value).split(f"it reached {name} = ")[1]
     return float(text.split()[0].rstrip("."))
@@ -142,7 +142,7 @@ def reached(problem, t, engine, name="t"):
 
 @pytest.mark.parametrize("engine", LIMITED, ids=lambda engine: engine.name)
 def test_scaled_runs(engine):
-    """x'' = -k^2 x takes the same work by k t = const, though the run counts in other units."""
+    """x'' = -k^2 x reaches the same k t with the same work, though the run has scaled units."""
     made = [ODE.of({"x": "v", "v": f"-{k}**2*x"}, [1, 0], time="s") for k in ("1", "(10**15)")]
     slow, fast = reached(made[0], 1e5, engine, "s"), reached(made[1], 1e-10, engine, "s")
     assert fast == pytest.approx(slow * 1e-15, rel=0.3)
@@ -150,7 +150,7 @@ def test_scaled_runs(engine):
 
 @pytest.mark.parametrize("engine", LIMITED, ids=lambda engine: engine.name)
 def test_curves_of_many_turns(engine):
-    """A hundred times the speed gets a hundredth as far in the curve parameter."""
+    """At a thousand times the speed, a thousandth of the curve parameter is reached."""
     so3 = load("so3").frame
     slow = geodesic(so3, [0.3, 1.0, 0.2], [0.1, 0.5, -0.2])
     fast = geodesic(so3, [0.3, 1.0, 0.2], [100, 500, -200])
@@ -159,7 +159,7 @@ def test_curves_of_many_turns(engine):
 
 
 def test_the_time_is_called_as_it_is():
-    """Errors of equations in s, and of paths in s, say s."""
+    """Errors of equations in s, and of paths in s, name s."""
     ending = ODE.of({"x": "-sqrt(x)"}, [1], time="s")
     with pytest.raises(StuckError, match="at s = 2, "):
         solve(ending, 5.0)

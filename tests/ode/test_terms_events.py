@@ -1,4 +1,4 @@
-"""At and When: parameters that change at exact times, jumps, ends."""
+"""At and When: parameters that change at exact times, jumps, stops."""
 
 from fractions import Fraction
 from typing import Any
@@ -20,7 +20,7 @@ def fall(**more):
 
 @every_engine
 def test_thrust_at_exact_times(engine):
-    """A push of 1/7 s changes the velocity by exactly a/7, however short it is against the run."""
+    """A push of 1/7 s in a run of 1000 s changes the velocity by exactly a/7."""
     begin, length = 1 / 3, 1 / 7
     push = ODE.of(
         {"x": "v", "v": "a"},
@@ -50,7 +50,7 @@ def test_milliseconds_in_a_long_run(engine):
 
 @every_engine
 def test_jumps(engine):
-    """A state starts anew; the sample at the time of an event is the one after it."""
+    """A state jumps; the sample at the time of an event is the one after it."""
     hop = ODE.of(
         {"x": "v", "v": 0}, [0, 1], events=[At(1, {"v": -2}), At(1.0, {"x": 5}), At(0, {"x": 3})]
     )
@@ -61,14 +61,14 @@ def test_jumps(engine):
 
 
 def test_drift_between_events():
-    """A push may change an invariant; what counts is what happens in between."""
+    """A push may change an invariant; the drift counts only changes between events."""
     kicked = ODE.of({"x": "v", "v": "-x"}, [1, 0], invariants={"energy": "x**2 + v**2"},
                   events=[At(2, {"v": 3})])  # fmt: skip
     assert solve(kicked, 5.0, 1e-10, RungeKutta()).drift["energy"] < 1e-9
 
 
 def test_events_after_the_end_do_nothing():
-    """They are kept for longer runs."""
+    """Events after the end are kept for longer runs."""
     late = fall(events=[At(3, {"g": 0})])
     assert solve(late, 1.0, engine=RungeKutta())["v"][-1] == pytest.approx(-10)
     assert solve(late.with_start(events=[]), 4.0, engine=RungeKutta())["v"][-1] == pytest.approx(
@@ -79,7 +79,7 @@ def test_events_after_the_end_do_nothing():
 
 @every_engine
 def test_stop(engine):
-    """The motion ends where the condition falls through zero, with time and place."""
+    """The motion ends where the condition falls through zero, and the sample there is exact."""
     sol = solve(fall(events=[When("z")], outputs={"speed": "-v"}), 5.0, 1e-11, engine)
     assert sol.outcome == "stopped"
     assert sol.complete
@@ -95,12 +95,12 @@ def test_stop(engine):
 
 @pytest.mark.parametrize("engine", [*ENGINES, Stiff()], ids=lambda engine: engine.name)
 def test_stop_into_the_past(engine):
-    """What falls is what falls along the motion; series went past it where times run down."""
+    """A stop falls along the direction of the motion, also where times run backwards."""
     rising = ODE.of({"x": "1"}, {"x": 1}, events=[When("x")])
     found = solve(rising, -3.0, engine=engine)
     assert found.outcome == "stopped"
     assert found.times[-1] == pytest.approx(-1.0, abs=1e-12)
-    # Into the future it never falls, nor does it into the past where it falls into the future.
+    # Forwards this stop never falls; a stop that falls forwards does not fall backwards.
     assert solve(rising, 3.0, engine=engine).outcome == "done"
     falling = ODE.of({"x": "-1"}, {"x": 1}, events=[When("x")])
     assert solve(falling, -3.0, engine=engine).outcome == "done"
@@ -108,7 +108,7 @@ def test_stop_into_the_past(engine):
 
 @every_engine
 def test_stop_with_time_and_after_an_event(engine):
-    """The condition may hold the time; a jump beyond it ends the motion there."""
+    """The condition may contain the time; a jump beyond it ends the motion there."""
     assert solve(fall(events=[When("3/2 - t")]), 5.0, 1e-11, engine).times[-1] == pytest.approx(
         1.5, abs=1e-11
     )
@@ -123,14 +123,14 @@ def test_stop_with_time_and_after_an_event(engine):
 
 
 def test_stop_at_the_start():
-    """A motion that begins beyond its end is refused."""
+    """A motion that begins beyond its stop is refused."""
     with pytest.raises(StartError, match="expected stop above zero at the start, got z = -1"):
         solve(fall(events=[When("z")]).with_start(start={"z": -1}), 1.0)
 
 
 @every_engine
 def test_grazing(engine):
-    """A path that passes 1e-8 above the condition goes on, 1e-8 below it ends."""
+    """A path that passes 1e-8 above zero continues; one that passes 1e-8 below it stops."""
     arc = {"x": 1, "z": "v", "v": 2}
     over = solve(ODE.of(arc, [0, 1 + 1e-8, -2], events=[When("z")]), 3.0, 1e-10, engine)
     assert over.outcome == "done"
@@ -142,7 +142,7 @@ def test_grazing(engine):
 
 @every_engine
 def test_a_stop_whose_series_have_no_value(engine):
-    """A root that ends within a step: its series is not finite there, and heyoka does not look."""
+    """A root ends within a step: its series is not finite there, which heyoka skips."""
     found = solve(ODE.of({"x": "-1"}, [1], events=[When("sqrt(x)")]), 3.0, 1e-9, engine)
     assert found.outcome == "stopped"
     assert found.times[-1] == pytest.approx(1.0, rel=1e-12)
@@ -150,7 +150,7 @@ def test_a_stop_whose_series_have_no_value(engine):
 
 @every_engine
 def test_a_stop_that_overflows(engine, capfd):
-    """Where it has no number the motion ends, by an error or stopped; nothing is said."""
+    """A stop that overflows ends the motion, by an error or as stopped, without output."""
     problem = ODE.of({"x": "1"}, [0], events=[When("(2 - x)*exp(1000*x)")])
     try:
         found = solve(problem, 3.0, 1e-9, engine)
@@ -162,7 +162,7 @@ def test_a_stop_that_overflows(engine, capfd):
 
 @needs_heyoka
 def test_no_step_at_all():
-    """A stop that is not smooth at the very start: an error of ours, at once."""
+    """A stop that is not smooth at the start raises our own error at once."""
     problem = ODE.of({"x": "1"}, [0], events=[When("sqrt(x) + 1")])
     with pytest.raises(StuckError, match="t = 0"):
         solve(problem, 3.0, 1e-9, Taylor())
@@ -170,7 +170,7 @@ def test_no_step_at_all():
 
 @needs_heyoka
 def test_heyoka_says_errors_only(monkeypatch):
-    """Its warnings, as of events that it does not look at, are no output of ours."""
+    """heyoka's logger is set to errors only, once."""
     said = []
     monkeypatch.setattr(heyoka(), "set_logger_level_error", lambda: said.append("error"))
     _quieten.cache_clear()

@@ -1,4 +1,4 @@
-"""Trajectory: how often a motion may go on after events, and when it stands still."""
+"""Trajectory: how many stages a motion may have, and when it is stuck."""
 
 from dataclasses import replace
 
@@ -11,15 +11,15 @@ from geomtorsion.ode.trajectory import Event, close_times, integrate
 
 
 def followed(runs, outcome):
-    """A motion whose stages last for given times; after each comes another one."""
+    """A motion whose stages last for given times; each one is followed by another."""
     first = ODE.of({"x": "1"}, [1]).first_stage(53, 0.0)
 
     def stage(begin, _):
-        """The stage from a time on, which ends by its guard."""
+        """A stage that begins at this time and ends at its guard."""
         return replace(first, begin=begin, events=(Event(None, stage),))
 
     def runner(number, one, times):
-        """A run that lasts as long as it is told to, or to the end."""
+        """A run that lasts for the given time, or to the end."""
         if number >= len(runs):
             return Run(times, np.ones((len(times), 1)), times[-1], np.ones(1), "done", 1, 1, 0, 0)
         end = one.begin + runs[number]
@@ -30,7 +30,7 @@ def followed(runs, outcome):
 
 
 def test_how_many_events_a_motion_may_meet():
-    """Ten thousand changes of charts are followed; with one more a motion goes round in circles."""
+    """Ten thousand changes of stage are followed; one more ends the motion as stopped."""
     found = followed([1e-5] * 10_001, "edge")
     assert found.outcome == "stopped"
     assert len(found.segments) == 10_001
@@ -38,14 +38,14 @@ def test_how_many_events_a_motion_may_meet():
 
 @pytest.mark.parametrize(("moved", "count"), [(0.7e-9, 3), (1.3e-9, 6)])
 def test_what_gets_nowhere_in_two_stages_stands_still(moved, count):
-    """Four stages that cannot go on after a billionth of all the time; the fifth would do."""
+    """Four stages that each advance by less than a billionth of the time end a motion as stuck."""
     found = followed([0.5, *[moved] * 4], "stuck")
     assert len(found.segments) == count
     assert (found.outcome == "done") == (count == 6)
 
 
 def test_how_closely_steps_are_looked_at():
-    """Eight times in each step a guard is seen to fall and rise again, whatever takes few rates."""
+    """Eight samples in each step show a guard that falls and rises again."""
     dip = When("1 - 2*exp(-((t - 20.035)/0.008)**2)")
     swing = ODE.of({"x": "v", "v": "-x"}, [1, 0], events=[dip])
     found = solve(swing, 40.0, 1e-6, Stiff("LSODA"))

@@ -21,21 +21,21 @@ Motion = tuple[object, float]
 
 
 def pendulum(draw: random.Random) -> Motion:
-    """Near the separatrix, on both sides."""
+    """A pendulum near the separatrix, on both sides."""
     near = draw.choice([1e-3, 1e-6, 1e-9, 1e-12]) * draw.uniform(0.5, 2)
     speed = 2 + draw.choice([-1, 1]) * near
     return gt.ODE.of({"x": "v", "v": "-sin(x)"}, [0, speed]), draw.uniform(5, 60)
 
 
 def lorenz(draw: random.Random) -> Motion:
-    """Chaos."""
+    """A chaotic motion of Lorenz's equations."""
     start = [draw.uniform(-10, 10), draw.uniform(-10, 10), draw.uniform(5, 40)]
     rates = {"x": "10*(y-x)", "y": "x*(28-z)-y", "z": "x*y-8*z/3"}
     return gt.ODE.of(rates, start), draw.uniform(1, 18)
 
 
 def henon_heiles(draw: random.Random) -> Motion:
-    """Two oscillators that are coupled."""
+    """Two coupled oscillators."""
     rates = {"x": "px", "y": "py", "px": "-x-2*x*y", "py": "-y-x**2+y**2"}
     start = [draw.uniform(-0.3, 0.3) for _ in range(3)]
     return gt.ODE.of(rates, [*start, draw.uniform(-0.2, 0.2)]), draw.uniform(5, 60)
@@ -49,20 +49,20 @@ def top(draw: random.Random) -> Motion:
 
 
 def wall(draw: random.Random) -> Motion:
-    """A rate that changes within a short while."""
+    """A rate that changes within a short time."""
     steep = draw.choice([1, 2, 5, 10, 20])
     problem = gt.ODE.of({"x": "2+tanh(k*x)"}, [draw.uniform(-60, -20)], parameters={"k": steep})
     return problem, draw.uniform(20, 80)
 
 
 def duffing(draw: random.Random) -> Motion:
-    """A driven oscillator: the time stands in its rates."""
+    """A driven oscillator: its rates contain the time."""
     rates = {"x": "v", "v": "x-x**3-v/10+0.35*cos(1.2*t)"}
     return gt.ODE.of(rates, [draw.uniform(-1, 1), draw.uniform(-1, 1)]), draw.uniform(5, 40)
 
 
 def kepler(draw: random.Random) -> Motion:
-    """Orbits from round to almost straight."""
+    """Orbits from nearly circular to almost straight."""
     e = draw.choice([0.3, 0.6, 0.9])
     rates = {"x": "u", "y": "v", "u": "-x/(x**2+y**2)**(3/2)", "v": "-y/(x**2+y**2)**(3/2)"}
     return gt.ODE.of(rates, [1 - e, 0, 0, ((1 + e) / (1 - e)) ** 0.5]), draw.uniform(5, 30)
@@ -85,7 +85,7 @@ FAMILIES: tuple[Callable[[random.Random], Motion], ...] = (
 class Finding:
     """One motion.
 
-    family, time, accuracy: what was solved; words: why it was not proved, or nothing.
+    family, time, accuracy: the solved motion; words: the reason without a proof, or nothing.
     claimed, proved: the reported error, and the proved bound.
     """
 
@@ -106,7 +106,7 @@ class Finding:
 
 
 def campaign(motions: int, seed: int) -> list[Finding]:
-    """Findings of so many motions, family after family."""
+    """Findings of this number of motions, family after family."""
     draw, found = random.Random(seed), []
     for k in range(motions):
         family = FAMILIES[k % len(FAMILIES)]
@@ -129,7 +129,7 @@ def campaign(motions: int, seed: int) -> list[Finding]:
 
 
 def main() -> None:
-    """Run a campaign and list what does not hold."""
+    """Run a campaign and list the errors that do not hold."""
     parser = argparse.ArgumentParser(description="Random motions, proved.")
     parser.add_argument("--motions", type=int, default=80)
     parser.add_argument("--seed", type=int, default=1)

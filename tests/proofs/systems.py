@@ -21,7 +21,7 @@ def system_of(rates, **parameters):
 
 
 def one_step(rates, start, method, length, *, radius=1.0, bits=53):
-    """A step of a given length, longer than one would be chosen; None where it is not proved."""
+    """A step of a given length, longer than the automatic choice; None where it is not proved."""
     with ball_precision(bits):
         stepper = Stepper(system_of(rates), LohnerSet.of(start), method, bits)
         with ball_precision(LOW_BITS):

@@ -1,4 +1,4 @@
-"""Developments: rows as motions, products over arcs and turns, against the library and by laws."""
+"""Developments: rows as motions, products over arcs and turns, agree with the library and laws."""
 
 import pytest
 import sympy as sp
@@ -40,18 +40,18 @@ def proved(connection, loop, digits=20, **parameters):
     ids=lambda loop: loop.name,
 )
 def test_errors_hold_on_a_sphere(loop):
-    """Every kind of arc, several turns, backwards, and round the axis."""
+    """Errors hold for every kind of arc, several turns, backwards, and around the axis."""
     proof = proved(SPHERE, loop, R=1)
     assert proof.holds
     with ball_precision(200):
-        # Parallel transport keeps lengths: the rotation is one.
+        # Parallel transport keeps lengths, so this is a rotation.
         _, _, a, b, c, d = proof.balls
         assert (a * d - b * c).contains(1)
         assert (a * a + c * c).contains(1)
 
 
 def test_a_loop_and_its_reverse_are_the_identity():
-    """The product of both contains the identity, and so does the loop run to and fro."""
+    """The product of both contains the identity, and so does the loop followed by its reverse."""
     with ball_precision(200):
         both = matrix(proved(SPHERE, CAP, R=1)) * matrix(proved(SPHERE, CAP.reversed(), R=1))
         fro = matrix(proved(SPHERE, CAP.then(CAP.reversed()), R=1))
@@ -70,7 +70,7 @@ def test_turns_multiply():
 
 
 def test_the_angle_is_the_area():
-    """A circle of latitude turns vectors by the area of its cap, 2 pi (1 - cos theta)."""
+    """A circle of latitude rotates vectors by the area of its cap, 2 pi (1 - cos theta)."""
     loop = gt.Loop.parametric(["1", "s"], interval=(0, "2*pi"), periods={1: "2*pi"})
     with ball_precision(200):
         found = matrix(proved(SPHERE, loop, R=1))
@@ -80,7 +80,7 @@ def test_the_angle_is_the_area():
 
 
 def test_a_connection_with_torsion_and_curvature():
-    """Neither a rotation of one nor a plain sum: the library agrees within its errors."""
+    """The library's error holds for a connection that is neither flat nor torsion-free."""
     so3 = gt.spaces.load("so3").frame
     half = gt.blend(gt.cartan(so3), gt.levi_civita(so3), sp.Rational(1, 3))
     proof = gt.prove(gt.develop(half, gt.Loop.circle([0.3, 1, 0.2], 0.1)))
@@ -89,7 +89,7 @@ def test_a_connection_with_torsion_and_curvature():
 
 
 def test_rows_that_miss_a_term_would_be_seen(monkeypatch):
-    """With the connection left out of the rates the errors do not hold."""
+    """Without the connection in the rates the errors do not hold."""
     theta, phi = sp.symbols("theta phi", real=True)
 
     def turn():

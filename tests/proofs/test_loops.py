@@ -1,4 +1,4 @@
-"""Loops: integrals in balls, the branches on which they rely, and arcs that join."""
+"""Loops: integrals in balls, the branches that they assume, and arcs that join."""
 
 from fractions import Fraction
 
@@ -16,7 +16,7 @@ from tests.proofs.test_prove import as_if_around
 
 X, Y, Z = sp.symbols("x y z", real=True)
 SO3 = gt.spaces.load("so3").frame
-# A frame that relies on x > 0: the root is read as x.
+# A frame that needs x > 0: the root is read as x.
 U, V = sp.symbols("u v")
 HALF = gt.Frame([U, V], [[1, 0], [sp.sqrt(U**2), 1]], domain=[U > 0])
 
@@ -27,7 +27,7 @@ def proved(frame, loop, digits=15, **parameters):
 
 
 def test_known_integrals():
-    """Areas and lengths: of a circle, an ellipse, a plaquette, a triangle, a curve."""
+    """Areas and lengths of a circle, an ellipse, a plaquette, a triangle, a curve."""
     frame = gt.Frame([X, Y], [[1, 0], [-Y / 2, 1 + X / 2]])
     with ball_precision(200):
         pi = arb.pi()
@@ -47,7 +47,7 @@ def test_known_integrals():
 
 
 def test_floats_are_dyadic_and_fractions_exact():
-    """0.1 is not 1/10: the balls of both circles are apart, in their centres and radii."""
+    """0.1 is not 1/10: the balls of both circles are disjoint, for centres and radii."""
     frame = gt.Frame([X, Y], [[1, 0], [X * Y**2, 1]])
     one = proved(frame, gt.Loop.circle([0.1, 0.7], 0.3), 25)[1]
     other = proved(frame, gt.Loop.circle([Fraction(1, 10), Fraction(7, 10)], Fraction(3, 10)), 25)[
@@ -67,19 +67,19 @@ def test_floats_are_dyadic_and_fractions_exact():
 
 
 def test_a_branch_that_is_left_is_refused(monkeypatch):
-    """A root is not what it was read as on all of the loop; without the check it would be wrong."""
+    """A loop on which the root is not its branch is refused; without the check b would be wrong."""
     inside, over = gt.Loop.circle([2, 0], 1), gt.Loop.circle([0.25, 0], 1)
     assert proved(HALF, inside)[1].contains(0)
     with pytest.raises(ProofError, match="leaves a branch near"):
         proved(HALF, over)
     slope = gt.Frame([U, V], [[1, 0], [V * sp.sqrt(U**2), 1]], domain=[U > 0])
     monkeypatch.setattr(loops, "check_path", lambda *_: None)
-    # The integral of y x dx is that of -x over the disk; of y |x| dx it is that of -|x|, less.
+    # The integral of y x dx is minus the integral of x over the disk; y |x| dx gives less.
     assert proved(slope, over)[1].overlaps(-arb.pi() / 4)
 
 
 def test_pieces_of_a_spline_join():
-    """Places, slopes and curvatures of neighbouring cubics are the same; points lie on it."""
+    """Neighbouring cubics have equal positions, slopes and curvatures; the points are on them."""
     points = [[0.3, 1.0], [0.4, 1.1], [0.3, 1.25], [0.15, 1.1], [0.2, 1.0]]
     with ball_precision(120):
         balls = [[arb(x) for x in point] for point in points]
@@ -105,7 +105,7 @@ def test_pieces_of_a_spline_join():
 
 
 def test_a_spline_is_the_curve_that_the_library_follows():
-    """Points of the balls are those of the floats, to rounding."""
+    """Points of the balls agree with the floats, to rounding."""
     loop = gt.Loop.spline([[0.3, 1, 0.2], [0.4, 1, 0.2], [0.3, 1.2, 0.3], [0.2, 1.1, 0.1]])
     (part,) = loop.parts
     with ball_precision(100):
@@ -117,7 +117,7 @@ def test_a_spline_is_the_curve_that_the_library_follows():
 
 
 def test_wrong_splines_would_be_seen(monkeypatch):
-    """Cubics of which one coefficient is off do not close, and loop plus reverse is not zero."""
+    """Cubics with one wrong coefficient do not close: the integral excludes zero."""
     loop = gt.Loop.spline([[0, 0], [1, 0], [1, 1], [0, 1]])
     plain = proved(gt.Frame([X, Y], [[1, 0], [0, 1]]), loop)[0]
     assert plain.contains(0)
@@ -131,7 +131,7 @@ def test_wrong_splines_would_be_seen(monkeypatch):
 
 
 def test_bits_and_loops_overlap():
-    """Balls of other digits, and of the same loop begun elsewhere, have a common point."""
+    """Balls of other digits, or of the same loop with another start, have a common point."""
     loop = gt.Loop.circle([0.3, 1, 0.2], 0.1)
     found = [proved(SO3, loop, digits) for digits in (8, 15, 30, 80)]
     other = gt.Loop.ellipse([0.3, 1, 0.2], (0.1, 0.1), plane=([0, 1, 0], [-1, 0, 0]))
@@ -142,7 +142,7 @@ def test_bits_and_loops_overlap():
 
 
 def test_a_wave_of_forty_turns():
-    """Many waves along a loop."""
+    """A loop with forty waves has the area pi (1 + 1/200)."""
     wave = gt.Loop.parametric(
         ["(1 + cos(40*s)/10)*cos(s)", "(1 + cos(40*s)/10)*sin(s)"], interval=(0, "2*pi")
     )
@@ -152,7 +152,7 @@ def test_a_wave_of_forty_turns():
 
 
 def test_periods_of_angles():
-    """A loop that closes after a whole turn of an angle: the length of a circle of latitude."""
+    """A loop that closes after a whole turn of an angle has the length of a circle of latitude."""
     theta, phi = sp.symbols("theta phi", real=True)
     frame = gt.Frame([theta, phi], [[1, 0], [0, sp.sin(theta)]])
     loop = gt.Loop.parametric(["1", "s"], interval=(0, "2*pi"), periods={1: "2*pi"})
@@ -161,14 +161,14 @@ def test_periods_of_angles():
 
 
 def test_a_pole_between_points_is_seen():
-    """A narrow pole on the loop is no matter of sampling."""
+    """A narrow pole on the loop is found, independent of samples."""
     narrow = gt.Frame([X, Y], [[1, 0], [1 / (X - sp.Rational(123457, 10**6)), 1]])
     with pytest.raises(ProofError, match="a pole or an edge is on the loop"):
         proved(narrow, gt.Loop.circle([0, 0], 1))
 
 
 def test_a_result_of_another_loop_does_not_hold():
-    """A result whose loop is another one is found to be wrong."""
+    """A result for another loop is found to be wrong."""
     b = gt.burgers_vector(SO3, gt.Loop.circle([0.3, 1, 0.2], 0.1))
     assert gt.prove(as_if_around(b, gt.Loop.circle([0.3, 1, 0.2], 0.101))).holds is False
 

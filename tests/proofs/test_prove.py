@@ -1,4 +1,4 @@
-"""Prove: known values lie in the balls, errors are judged, and what cannot be proved is refused."""
+"""Prove: balls contain known values, errors are judged, and unprovable results are refused."""
 
 # pyright: reportArgumentType=false
 
@@ -30,16 +30,16 @@ def ode(rates, start, end, *, digits=15, **options):
 
 
 def contains(ball, truth, digits):
-    """Whether a ball contains a truth, a function of the precision, and is as sharp as asked."""
+    """Whether a ball contains a truth, a function of the precision, as sharply as requested."""
     with ball_precision(1000):
         value = truth() if callable(truth) else arb(truth)
-    # A decimal truth is known to half a unit of its last digit.
+    # A decimal truth is known to one unit of its last digit.
     sharp = ball.rad() <= abs(ball.mid()) * arb(10) ** (1 - digits)
     return bool(ball.overlaps(value)) and bool(sharp)
 
 
 def decimal(text):
-    """A number of which so many digits are known, as the ball of what is left open."""
+    """A number with this many known digits, as a ball of the open rest."""
     with ball_precision(400):
         digits = len(text.partition(".")[2])
         return arb(arb(text).mid(), arb(10) ** -digits)
@@ -47,7 +47,7 @@ def decimal(text):
 
 @pytest.mark.parametrize("digits", [12, 30])
 def test_cosine(digits):
-    """x'' = -x is cos 50 at t = 50."""
+    """x'' = -x gives cos 50 at t = 50."""
     proof = ode({"x": "v", "v": "-x"}, [1, 0], 50.0, digits=digits)
     assert proof.holds
     assert contains(proof.balls[-1][0], lambda: arb(50).cos(), digits)
@@ -55,13 +55,13 @@ def test_cosine(digits):
 
 
 def test_pole_in_the_future():
-    """x' = x^2 is 1 / (1 - t): 64 at t = 63/64."""
+    """x' = x^2 gives 1 / (1 - t): 64 at t = 63/64."""
     proof = ode({"x": "x**2"}, [1], 63 / 64, digits=20)
     assert contains(proof.balls[-1][0], 64, 20)
 
 
 def test_wall():
-    """x' = 2 + tanh x, of which (2 x - log(2 cosh x + sinh x)) / 3 is the time."""
+    """x' = 2 + tanh x: (2 x - log(2 cosh x + sinh x)) / 3 grows by the time."""
     proof = ode({"x": "2+tanh(x)"}, [-40], 60.0, digits=20)
     x = proof.balls[-1][0]
     with ball_precision(400):
@@ -83,7 +83,7 @@ def test_half_period_of_a_pendulum():
 
 
 def test_straight_line_in_polar_coordinates():
-    """A geodesic of the plane: r and phi of the point (1 + t/2, t)."""
+    """A geodesic of the plane has r and phi of the point (1 + t/2, t)."""
     r, phi = sp.symbols("r phi", positive=True)
     frame = gt.Frame([r, phi], [[1, 0], [0, r]])
     problem = gt.geodesic(frame, [1, 0], [sp.Rational(1, 2), 1])
@@ -97,7 +97,7 @@ def test_straight_line_in_polar_coordinates():
 
 
 def test_lorenz():
-    """The attractor at t = 20, to 20 digits."""
+    """The attractor at t = 20, to 18 digits."""
     rates = {"x": "10*(y-x)", "y": "x*(28-z)-y", "z": "x*y-8*z/3"}
     proof = ode(rates, [1, 1, 1], 20.0, digits=18)
     known = ("13.7931995951286188316", "12.9518039361898985400", "34.9016086811351429071")
@@ -114,12 +114,12 @@ def test_henon_heiles():
 
 
 def test_over_the_pole_of_a_sphere():
-    """A great circle through two charts comes back after a whole turn."""
+    """A great circle through two charts has the height of its closed form."""
     problem = gt.geodesic(S2, [1.0, 0.0], [-1.0, 0.01], parameters={"R": 1})
     proof = gt.prove(gt.solve(problem, 6.0))
     assert proof.holds
     assert set(proof.charts) == {"s2", "s2_x"}
-    # z = cos(theta) turns evenly, with the frequency sqrt(1 + (sin(1) 0.01)^2).
+    # z = cos(theta) oscillates with the frequency sqrt(1 + (sin(1) 0.01)^2).
     with ball_precision(200):
         rate = (1 + (arb(1).sin() * arb(0.01)) ** 2).sqrt()
         height = arb(1).cos() * (6 * rate).cos() + arb(1).sin() / rate * (6 * rate).sin()
@@ -128,7 +128,7 @@ def test_over_the_pole_of_a_sphere():
 
 
 def test_circles_of_all_sizes():
-    """A small circle in the rotations: the digits do not depend on its size."""
+    """The digits of a small circle in the rotations do not depend on its size."""
     for radius in (0.1, 1e-8, 1e-12, 1e-150):
         b = gt.burgers_vector(SO3, gt.Loop.circle([0.3, 1, 0.2], radius))
         proof = gt.prove(b, 20)
@@ -137,7 +137,7 @@ def test_circles_of_all_sizes():
 
 
 def test_a_loop_past_a_core():
-    """The core of a screw dislocation at a distance of 1e-6 of the radius: b = 1."""
+    """A loop past the core of a screw dislocation, at 1e-6 of its radius: b = 1."""
     for far in (sp.Rational(1, 10**2), sp.Rational(1, 10**6)):
         b = gt.burgers_vector(SCREW, gt.Loop.circle([1, 0, 0], 1 + far), parameters={"b": 1})
         proof = gt.prove(b)
@@ -146,7 +146,7 @@ def test_a_loop_past_a_core():
 
 
 def test_a_loop_and_its_reverse_cancel():
-    """The sum of both contains zero, in the proof as in the mathematics."""
+    """The sum of both contains zero, and so does the proof of the joined loop."""
     spline = gt.Loop.spline([[0.3, 1, 0.2], [0.4, 1, 0.2], [0.3, 1.2, 0.3], [0.2, 1.1, 0.1]])
     for loop in (gt.Loop.circle([0.3, 1, 0.2], 0.1), spline):
         one = gt.prove(gt.burgers_vector(SO3, loop)).balls
@@ -158,7 +158,7 @@ def test_a_loop_and_its_reverse_cancel():
 
 
 def test_area_of_a_plaquette():
-    """The turn round a plaquette of the sphere is its area, (cos 1 - cos 1.5) / 4."""
+    """The rotation around a plaquette of the sphere is its area, (cos 1 - cos 1.5) / 4."""
     turn = gt.develop(
         gt.levi_civita(S2), gt.Loop.plaquette([1, 0], (0.5, 0.25)), parameters={"R": 1}
     )
@@ -172,7 +172,7 @@ def test_area_of_a_plaquette():
 
 
 def test_a_development_of_parallel_legs_is_the_burgers_vector():
-    """Two routes in balls: the integral, and the motion along the loop."""
+    """The integral and the motion along the loop give overlapping balls."""
     loop = gt.Loop.circle([0.3, 1, 0.2], 0.1)
     one = gt.prove(gt.burgers_vector(SO3, loop), 20)
     other = gt.prove(gt.develop(gt.cartan(SO3), loop), 20)
@@ -181,7 +181,7 @@ def test_a_development_of_parallel_legs_is_the_burgers_vector():
 
 
 def test_gaussian_integral():
-    """exp(-x^2 / 2) / sqrt(2 pi) from -20 to 20: 1 but for 5.5e-89."""
+    """exp(-x^2 / 2) / sqrt(2 pi) from -20 to 20: 1 except for 5.5e-89."""
     rates = {"p": "exp(-x**2/2)/sqrt(2*pi)", "x": "1"}
     proof = ode(rates, [0, -20], 40.0, digits=19)
     with ball_precision(400):
@@ -190,7 +190,7 @@ def test_gaussian_integral():
 
 
 def test_changes_at_given_times():
-    """A spring that stiffens at t = 1: cos and sin, then those of twice the frequency."""
+    """A spring that stiffens at t = 1: cos and sin, then with twice the frequency."""
     proof = ode({"x": "v", "v": "-k*x"}, [1, 0], 3.0, parameters={"k": 1},
                 events=[gt.At(1.0, {"k": 4}), gt.At(2.0, {"v": 0})])  # fmt: skip
     assert proof.holds
@@ -208,7 +208,7 @@ def test_backwards_and_with_the_time_in_the_rates():
 
 
 def test_a_stop_between_two_samples_is_seen():
-    """Where the solution missed a stop, the proof says that its error does not hold."""
+    """Where the solution missed a stop, its error does not hold."""
     problem = gt.ODE.of({"x": "1"}, [0], events=[gt.When("1-x")])
     other = gt.ODE.of({"x": "1"}, [0])
     honest, missed = gt.solve(problem, 2.0), gt.solve(other, 2.0)
@@ -217,12 +217,12 @@ def test_a_stop_between_two_samples_is_seen():
 
 
 def _as_if(solution, problem):
-    """A solution of other equations, as if it were one of these."""
+    """A solution of other equations, presented as a solution of these."""
     return replace(solution, problem=problem)
 
 
 def test_a_wrong_result_is_found():
-    """A result that is off by more than its error does not hold, one that is not may."""
+    """A result off by more than its error does not hold; with a larger error it may."""
     b = gt.burgers_vector(SO3, gt.Loop.circle([0.3, 1, 0.2], 0.1))
     wrong = replace(b, reduced=b.reduced * (1 + 1e-9))
     proof = gt.prove(wrong)
@@ -237,7 +237,7 @@ def test_a_wrong_result_is_found():
 
 
 def test_balls_of_starts_and_parameters():
-    """All motions from a ball of starts: growth widens the ball as exp does."""
+    """Motions from a ball of starts: growth widens the ball as exp does."""
     solution = gt.solve(gt.ODE.of({"x": "k*x"}, [1], parameters={"k": 1}), 2.0)
     wide = gt.prove(solution, start=[arb(1, 0.125)])
     with ball_precision(200):
@@ -254,7 +254,7 @@ def test_balls_of_starts_and_parameters():
 
 
 def test_what_a_proof_shows():
-    """Values, radii and words agree with the balls."""
+    """Values, radii and text agree with the balls."""
     proof = ode({"x": "v", "v": "-x"}, [1, 0], np.array([1.0, 2.0]))
     assert proof.values.shape == proof.radii.shape == (2, 2)
     assert abs(proof.values[0, 0] - np.cos(1)) <= proof.radii[0, 0] + 1e-16
@@ -270,7 +270,7 @@ def test_what_a_proof_shows():
 
 
 def test_equal_calls_give_equal_balls():
-    """Bit by bit."""
+    """Two equal proofs agree bit by bit."""
     solution = gt.solve(gt.ODE.of(SWING, [1, 0]), 5.0)
     one, other = gt.prove(solution), gt.prove(solution)
     for x, y in zip(one.balls[-1], other.balls[-1], strict=True):
@@ -279,7 +279,7 @@ def test_equal_calls_give_equal_balls():
 
 
 def test_a_copy_has_the_same_balls():
-    """Through a pickle, bit by bit, whatever the precision is there."""
+    """A pickled copy has the same centres, and radii at most 0.1 % larger."""
     one = gt.prove(B, 40)
     other = pickle.loads(pickle.dumps(one))
     for x, y in zip(one.balls, other.balls, strict=True):
@@ -292,7 +292,7 @@ def _solved(rates, start, end, **options):
 
 
 def _beyond(rates, start, end, later):
-    """A solution, asked about as if it had gone on to a later time."""
+    """A solution, presented as if it had continued to a later time."""
     solution = _solved(rates, start, end)
     segment = solution.trajectory.segments[-1]
     run = replace(segment.run, reached=later)
@@ -310,12 +310,12 @@ RADICAL = gt.Frame([X, Y], [[1, 0], [sp.sqrt(X), 1]])
 
 
 def as_if_around(result, loop):
-    """A result as if it had been computed for another loop."""
+    """A result presented as computed for another loop."""
     return replace(result, loop=loop)
 
 
 def _through(frame, loop, **options):
-    """A result whose loop is another one than it was computed for."""
+    """A result whose loop differs from the computed one."""
     start = gt.Loop.circle([5, 5, 0][: frame.dimension], 1)
     return as_if_around(gt.burgers_vector(frame, start, **options), loop)
 
@@ -348,7 +348,7 @@ REFUSED = [
 
 @pytest.mark.parametrize(("call", "error", "words"), REFUSED)
 def test_what_is_refused(call, error, words):
-    """No ball is given where there is no truth; it takes less than three seconds to say so."""
+    """Without a true value no ball is given; the refusal takes less than three seconds."""
     began = time.process_time()
     with pytest.raises(error, match=None) as caught:
         call()
@@ -357,7 +357,7 @@ def test_what_is_refused(call, error, words):
 
 
 def test_precision_is_restored():
-    """The precision and the length of series are as they were, whatever happened."""
+    """The precision and the length of series are restored, also after an error."""
     before = flint.ctx.prec, flint.ctx.cap
     gt.prove(B, 50)
     with pytest.raises(ProofError):
@@ -366,7 +366,7 @@ def test_precision_is_restored():
 
 
 def test_limits_are_obeyed():
-    """A proof ends where its block of limits does, in loops as in motions."""
+    """A proof stops within its limits, for loops and for motions."""
     rates = {"x": "10*(y-x)", "y": "x*(28-z)-y", "z": "x*y-8*z/3"}
     solution = _solved(rates, [1, 1, 1], 15.0)
     before = flint.ctx.prec, flint.ctx.cap
@@ -387,7 +387,7 @@ def _near_core():
 
 
 def test_a_raise_inside_an_integral_comes_out(monkeypatch):
-    """FLINT would make a SystemError of what a callback raises."""
+    """An exception of a callback is raised unchanged, where FLINT would raise a SystemError."""
 
     def integrand(*_):
         def raising(s, analytic):

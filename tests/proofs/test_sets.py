@@ -24,7 +24,7 @@ def corners(whole):
 
 
 def turned(point):
-    """A linear map that turns and stretches, with an offset."""
+    """A linear map that rotates and stretches, with an offset."""
     x, y = point
     return [3 * x - 2 * y + 1, x + y / 4 - 5]
 
@@ -40,7 +40,7 @@ def inside(whole, point):
 
 
 def image_holds():
-    """Whether the image of a set contains those of its members, after a few maps."""
+    """Whether the image of a set contains the images of its members, after a few maps."""
     with ball_precision(100):
         whole = LohnerSet.of(START)
         for _ in range(3):
@@ -60,7 +60,7 @@ def image_holds():
 
 
 def test_the_image_contains_all_members():
-    """Corners are mapped into the set, and what values leave open is added."""
+    """Corners are mapped into the set, and the radii of the values are added."""
     assert image_holds()
 
 
@@ -72,7 +72,7 @@ def test_no_part_of_an_image_is_idle(monkeypatch):
 
 
 def test_sets_turn_without_wrapping():
-    """A narrow set that turns a thousand times keeps its area; boxes would grow by e^200."""
+    """A narrow set that rotates a thousand times keeps its area; boxes would grow by e^200."""
     with ball_precision(100):
         c, s = (arb(1) / 5).cos(), (arb(1) / 5).sin()
         slopes = arb_mat([[c, -s], [s, c]])
@@ -84,7 +84,7 @@ def test_sets_turn_without_wrapping():
 
 
 def test_more_directions_than_states():
-    """Sets may have more axes than states: they are cut down to as many."""
+    """Sets may have more axes than states: they are reduced to as many."""
     with ball_precision(100):
         axes = arb_mat([[1, 0, 1], [0, 1, 1]])
         whole = LohnerSet((arb(0), arb(0)), axes, (arb(1), arb(1), arb(0.5)))

@@ -15,7 +15,7 @@ from tests.proofs.campaign import FAMILIES, campaign
 
 @pytest.mark.parametrize("seed", [1])
 def test_one_motion_of_each_family(seed):
-    """Each is proved, and its error holds."""
+    """Each motion is proved, and its error holds."""
     found = campaign(len(FAMILIES), seed)
     assert [x.family for x in found] == [x.__name__ for x in FAMILIES]
     assert all(x.holds for x in found), "\n".join(map(str, found))
@@ -24,7 +24,7 @@ def test_one_motion_of_each_family(seed):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2, 5))
 def test_a_campaign_of_random_motions(seed):
-    """Of a hundred motions all are proved; errors that do not hold are rare, and miss by little."""
+    """All of a hundred motions are proved; errors that do not hold are rare and off by little."""
     found = campaign(104, seed)
     print("\n".join(str(x) for x in found if x.holds is not True))
     assert not [x for x in found if x.words.startswith("not proved")]
@@ -35,7 +35,7 @@ def test_a_campaign_of_random_motions(seed):
 
 @pytest.mark.parametrize("space", ["so3_rodrigues", "so3_axis_angle", "s3", "so3_right", "goedel"])
 def test_first_motions_of_spaces(space):
-    """The motions with which a space is shown, in the charts in which they are followed."""
+    """The first motions of a space are proved in the charts of their solutions."""
     pair = solve_pair(gt.spaces.load(space))
     for solution in pair.curves.values():
         proof = gt.prove(solution)
@@ -44,7 +44,7 @@ def test_first_motions_of_spaces(space):
 
 
 def _judged(solution):
-    """The proof of a solution, or why there is none within a minute."""
+    """The proof of a solution, or the reason without one within a minute."""
     try:
         with gt.limits(seconds=60):
             return gt.prove(solution)
@@ -55,7 +55,7 @@ def _judged(solution):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", gt.spaces.names())
 def test_no_error_of_a_first_motion_is_wrong(name):
-    """Of every shipped space: proved, or refused in words."""
+    """First motions of every shipped space are proved, or refused with a message."""
     try:
         pair = solve_pair(gt.spaces.load(name))
     except gt.errors.StartError as error:
@@ -69,14 +69,14 @@ def test_no_error_of_a_first_motion_is_wrong(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", gt.scenes.names())
 def test_no_error_of_a_scene_is_wrong(name):
-    """Of every shipped scene: proved, or refused in words."""
+    """Every shipped scene is proved, or refused with a message."""
     verdict = _judged(gt.scenes.load(name).run().solution)
     print(verdict)
     assert isinstance(verdict, Exception) or verdict.holds is not False
 
 
 def test_over_gimbal_lock():
-    """Through two sets of angles, where one of them ends: body velocities are the same numbers."""
+    """Through two sets of angles at gimbal lock, body velocities are the same numbers."""
     so3 = gt.spaces.load("so3").frame
     problem = gt.geodesic(
         so3, [0.01, 1.2, 0.2], frame_velocity=[0.01, -1.0, 0.02], metric=[1, 2, 3]
@@ -91,7 +91,7 @@ def test_over_gimbal_lock():
 
 
 def test_a_transported_vector_keeps_its_length():
-    """States that are carried along are proved as well."""
+    """Transported vectors are proved as well."""
     s2 = gt.spaces.load("s2").frame
     great = gt.geodesic(s2, [1.0, 0.0], [0.3, 0.5], parameters={"R": 1})
     problem = gt.parallel_transport(great, [1.0, 2.0])
@@ -103,7 +103,7 @@ def test_a_transported_vector_keeps_its_length():
 
 
 def test_velocities_are_in_the_time_of_users():
-    """Frame velocities are those of the result, whatever unit of time it was solved in."""
+    """Frame velocities agree with the result, whatever unit of time the solver used."""
     s2 = gt.spaces.load("s2").frame
     for speed in (1e-3, 1.0, 300.0):
         solution = gt.solve(
@@ -116,7 +116,7 @@ def test_velocities_are_in_the_time_of_users():
 
 
 def test_long_numbers_are_judged_as_such():
-    """A solution in quadruple precision has its own error, and more digits are used for it."""
+    """A solution in quadruple precision has its own error, and the proof uses more digits."""
     pytest.importorskip("heyoka")
     solution = gt.solve(gt.ODE.of({"x": "v", "v": "-x"}, [1, 0]), 3.0, 1e-25, gt.Taylor(113))
     proof = gt.prove(solution)
@@ -125,14 +125,14 @@ def test_long_numbers_are_judged_as_such():
 
 
 def test_a_motion_without_rates_stays():
-    """An equilibrium, at zero and elsewhere."""
+    """An equilibrium at zero or elsewhere is not reported as wrong."""
     for start in ([0, 0], [math.pi, 0]):
         proof = gt.prove(gt.solve(gt.ODE.of({"x": "v", "v": "-sin(x)"}, start), 5.0))
         assert proof.holds is not False
 
 
 def test_what_was_computed_up_to_an_edge_is_proved():
-    """A motion that ran out of its chart is proved at the times that it reached."""
+    """A motion that left its chart is proved at the times that it reached."""
     r, phi = sp.symbols("r phi", real=True)
     frame = gt.Frame([r, phi], [[1, 0], [0, r]], domain=[r > 0])
     problem = gt.geodesic(frame, [1.0, 0.0], [-1.0, 0.0])
@@ -144,7 +144,7 @@ def test_what_was_computed_up_to_an_edge_is_proved():
 
 
 def test_a_zero_is_not_decided_by_a_ball_around_it():
-    """Velocities that are zero in the result are not said to be wrong."""
+    """Velocities that are zero in the result are not reported as wrong."""
     so3 = gt.spaces.load("so3").frame
     rest = gt.geodesic(so3, [0.3, 1.0, 0.2], frame_velocity=[0, 0, 0], metric=[1, 2, 3])
     proof = gt.prove(gt.solve(rest, 10.0))
@@ -153,7 +153,7 @@ def test_a_zero_is_not_decided_by_a_ball_around_it():
 
 
 def test_a_length_of_one_is_made_so():
-    """A quaternion that is not quite of length one begins as the library begins it."""
+    """A quaternion not quite of length one starts normalised, as in the library."""
     rates = {"a": "-b", "b": "a"}
     problem = gt.ODE.of(rates, [0.6, 0.8 + 1e-9], normalized=[["a", "b"]])
     proof = gt.prove(gt.solve(problem, 10.0))
@@ -164,7 +164,7 @@ def test_a_length_of_one_is_made_so():
 
 
 def test_a_wrong_chart_map_would_be_seen(monkeypatch):
-    """A map that is off by 1e-9 gives balls in which the result is not."""
+    """A map off by 1e-9 gives balls that do not contain the result."""
     from geomtorsion.proofs import charts
 
     s2 = gt.spaces.load("s2").frame
@@ -184,7 +184,7 @@ def test_a_wrong_chart_map_would_be_seen(monkeypatch):
 
 @pytest.mark.parametrize("engine", [None, gt.RungeKutta()], ids=["default", "Runge-Kutta"])
 def test_a_proof_sees_what_no_step_saw(engine):
-    """A bump much narrower than a step: the reported error is too small, and the proof says so."""
+    """A bump much narrower than a step: the reported error is too small, and the proof finds it."""
     problem = gt.ODE.of({"x": "1 + exp(-(500*(y - 20.2))**2)", "y": 1}, {"x": 0, "y": 0.3})
     solution = gt.solve(problem, 60.0, 1e-9, engine)
     assert solution["x"][-1] == pytest.approx(60, abs=1e-9)
@@ -195,7 +195,7 @@ def test_a_proof_sees_what_no_step_saw(engine):
 
 @pytest.mark.parametrize("steep", [100, 1000])
 def test_a_wall_between_two_samples_is_right_or_refused(steep):
-    """x' = 2 + tanh(k x) from far before the wall: a proof agrees wherever there is an answer."""
+    """x' = 2 + tanh(k x) from far before the wall: every returned answer is proved."""
     for begin in (-20.3, -33.1):
         problem = gt.ODE.of({"x": "2 + tanh(k*x)"}, [begin], parameters={"k": steep})
         try:

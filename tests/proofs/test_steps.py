@@ -1,4 +1,4 @@
-"""Steps: each bound of the method holds, and is needed: without it the ball is wrong."""
+"""Steps: each bound of the method holds and is needed: without it the ball is wrong."""
 
 # pyright: reportOptionalMemberAccess=false, reportRedeclaration=false
 
@@ -47,7 +47,7 @@ def disk_holds():
 
 @pytest.mark.parametrize("holds", [remainder_holds, variation_holds, tube_holds, disk_holds])
 def test_the_method_holds(holds):
-    """Each bound contains a truth that is known in closed form."""
+    """Each bound contains a truth known in closed form."""
     assert holds()
 
 
@@ -91,13 +91,13 @@ def test_no_bound_is_idle(monkeypatch, name, mutation, holds):
 
 
 def test_defects_are_bounded_where_rates_are_analytic(monkeypatch):
-    """Without the flag `analytic` a disk reaches over the branch point."""
+    """Without the flag `analytic` a disk crosses the branch point."""
     _not_analytic(monkeypatch)
     assert not disk_holds()
 
 
 def test_taylor_coefficients_in_blocks():
-    """Blocks of any length give the same coefficients; a wrong recurrence does not."""
+    """Blocks of any length give overlapping coefficients."""
     system = system_of({"x": "v", "v": "-sin(x)*exp(x/3)+x*v"})
     with ball_precision(120):
         start = [arb(0.3), arb(-0.7)]
@@ -110,7 +110,7 @@ def test_taylor_coefficients_in_blocks():
 
 
 def test_the_variation_is_the_derivative_of_the_flow():
-    """V contains difference quotients of motions from nearby starts."""
+    """V agrees with difference quotients of motions from nearby starts."""
     rates = {"x": "v", "v": "-sin(x)+v*x/5"}
     step = one_step(rates, [arb(0.3), arb(-0.7)], Method(20, 6), fmpq(1, 2), bits=120)
     with ball_precision(120):

@@ -1,4 +1,4 @@
-"""Free tops to fifty digits by two routes that share nothing with the package."""
+"""Free tops to fifty digits by two routes independent of the package."""
 
 import mpmath
 
@@ -9,8 +9,8 @@ ORDER = 60
 def by_series(moments, omega, quaternion, end, step=0.125):
     """States at `end` by Taylor series in fixed point numbers of 200 bits.
 
-    I_i Omega_i' = (I_j - I_k) Omega_j Omega_k and q' = q (0, Omega) / 2 are quadratic: their
-    series follow from Cauchy products of whole numbers.
+    I_i Omega_i' = (I_j - I_k) Omega_j Omega_k and q' = q (0, Omega) / 2 are quadratic: their series
+    follow from Cauchy products of whole numbers.
     """
     one = 1 << BITS
 
@@ -61,9 +61,9 @@ def by_series(moments, omega, quaternion, end, step=0.125):
 def by_integrals(moments, omega, time):
     """Rates and body-to-space matrix from mpmath's ellipfun and quadrature of the precession.
 
-    For moments in ascending order and L^2 > 2 T I_2. Euler angles about axis 3, around which
-    the momentum goes (the package counts its precession about another axis); space is the body
-    at t = 0.
+    For moments in ascending order and L^2 > 2 T I_2. Euler angles are about axis 3, around which
+    the momentum moves (the package counts its precession about another axis); space is the body at
+    t = 0.
     """
     with mpmath.workdps(40):
         i1, i2, i3 = (mpmath.mpf(x) for x in moments)
@@ -105,7 +105,7 @@ def by_integrals(moments, omega, time):
         def attitude(t, about):
             a, b, c = (i * w / length for i, w in zip((i1, i2, i3), rates(t), strict=True))
             flat = mpmath.sqrt(a * a + b * b)
-            # Rows: e_x, e_y, e_z of the axes of L, written in the body; then turned about L.
+            # Rows: e_x, e_y, e_z of the axes of L, written in the body, then rotated around L.
             x = mpmath.matrix([a * c / flat, b * c / flat, -flat])
             y = mpmath.matrix([-b / flat, a / flat, 0])
             rows = mpmath.zeros(3, 3)

@@ -1,4 +1,4 @@
-"""Attitude: every convention against matrices multiplied out and against scipy, at the lock too."""
+"""Attitude: every convention agrees with multiplied matrices and scipy, at gimbal lock as well."""
 
 import warnings
 
@@ -20,7 +20,7 @@ def matrix_of(angles, name):
 
 
 def turn(axis, angle):
-    """The matrix of a turn about one axis, multiplied out by hand."""
+    """The matrix of a rotation around one axis, written by hand."""
     c, s = np.cos(angle), np.sin(angle)
     matrix = np.eye(3)
     i, j = {"x": (1, 2), "y": (2, 0), "z": (0, 1)}[axis]
@@ -30,7 +30,7 @@ def turn(axis, angle):
 
 
 def test_the_papers_angles():
-    """R = Rz(phi3) Ry(phi2) Rz(phi1), as READING has it; "zyz" and "paper" are it."""
+    """R = Rz(phi3) Ry(phi2) Rz(phi1), as in READING; "zyz" and "paper" name it."""
     for phi1, phi2, phi3 in ANGLES[:5]:
         expected = turn("z", phi3) @ turn("y", phi2) @ turn("z", phi1)
         for name in ("zyz", "paper"):
@@ -39,7 +39,7 @@ def test_the_papers_angles():
 
 @pytest.mark.parametrize("name", att.CONVENTIONS)
 def test_all_conventions(name):
-    """Angles to matrix as multiplied out and as scipy has it; back to equal attitudes."""
+    """Angles give the multiplied matrix and scipy's matrix, and come back as equal attitudes."""
     assert len(set(att.CONVENTIONS)) == 24
     matrices = matrix_of(ANGLES, name)
     for angles, matrix in zip(ANGLES, matrices, strict=True):
@@ -56,7 +56,7 @@ def test_all_conventions(name):
 @pytest.mark.parametrize("gap", [0.0, 1e-300, 1e-17, 1e-12, 1e-8, 1e-3])
 @pytest.mark.parametrize("side", [0, 1])
 def test_near_the_lock(name, gap, side):
-    """The middle angle keeps its relative accuracy and the attitude is given back."""
+    """The middle angle keeps its relative accuracy, and the attitude is restored."""
     proper = name[0] == name[2]
     lock = side * np.pi if proper else (2 * side - 1) * np.pi / 2
     middle = lock + gap * (1 - 2 * side)
@@ -73,7 +73,7 @@ def test_near_the_lock(name, gap, side):
 @pytest.mark.parametrize("name", att.CONVENTIONS)
 @pytest.mark.parametrize("side", [0, 1])
 def test_the_third_angle_is_0_at_the_lock(name, side):
-    """One attitude at gimbal lock: the first angle takes all of the turn, as with scipy."""
+    """At gimbal lock the first angle takes the whole rotation, as in scipy."""
     proper = name[0].lower() == name[2].lower()
     lock = side * np.pi if proper else (2 * side - 1) * np.pi / 2
     given = Rotation.from_euler(name, [0.4, lock, 1.1])
@@ -92,14 +92,14 @@ def test_the_third_angle_is_0_at_the_lock(name, side):
 
 
 def test_where_an_angle_is_lost():
-    """Halves of 2e-14 still hold an angle, those of 0.5e-14 are taken for rounding."""
+    """Halves of 2e-14 still keep an angle; halves of 0.5e-14 are taken for rounding."""
     for gap, kept in ((4e-14, True), (1e-14, False)):
         back = att.euler_from_quaternion(att.quaternion_from_euler([0.4, gap, 1.1]))
         assert np.allclose(back[[0, 2]], [0.4, 1.1] if kept else [1.5, 0.0], atol=1e-12)
 
 
 def test_middle_angle_in_thirty_digits():
-    """phi2 of a quaternion near the lock against mpmath: no arc cosine, no loss."""
+    """phi2 of a quaternion near the lock agrees with mpmath: an arc cosine would lose digits."""
     q = att.quaternion_from_euler([0.3, 1e-7, 0.2])
     with mpmath.workdps(40):
         w, x, y, z = (mpmath.mpf(float(v)) for v in q)
@@ -108,7 +108,7 @@ def test_middle_angle_in_thirty_digits():
 
 
 def test_angles_go_on_without_jumps():
-    """A top that spins ten turns: the continuous angles count them, the others do not."""
+    """A top spins ten turns: continuous angles count them, other angles do not."""
     spin = np.linspace(0, 20 * np.pi, 501)
     angles = np.stack([spin, 0.4 + 0 * spin, -0.5 * spin], -1)
     q = att.quaternion_from_euler(angles)
@@ -138,7 +138,7 @@ def test_quaternions_of_half_turns():
 
 
 def test_products_and_turned_vectors():
-    """A product turns by the second, then by the first; scipy agrees for arrays of any shape."""
+    """A product rotates by the second factor, then the first; scipy agrees for arrays."""
     p, q = (Rotation.random(6, random_state=seed) for seed in (2, 3))
     left, right = (r.as_quat(scalar_first=True).reshape(2, 3, 4) for r in (p, q))
     expected = (p * q).as_matrix().reshape(2, 3, 3, 3)
@@ -148,7 +148,7 @@ def test_products_and_turned_vectors():
 
 
 def test_rotation_vectors():
-    """As scipy has them: up to half a turn, and tiny ones to the last place."""
+    """Rotation vectors agree with scipy up to half a turn; tiny ones are right to the last bit."""
     many = Rotation.random(200, random_state=7)
     vectors = many.as_rotvec()
     q = att.quaternion_from_rotation_vector(vectors)
@@ -163,7 +163,7 @@ def test_rotation_vectors():
 
 
 def test_rates_are_those_of_the_matrix():
-    """q' = q (0, Omega) / 2 in symbols gives R' = R [Omega]x, and keeps the length."""
+    """q' = q (0, Omega) / 2 in symbols gives R' = R [Omega]x and keeps the length."""
     q, omega = sp.symbols("q0:4"), sp.symbols("a b c")
     rates = att.quaternion_rates(q, omega)
     assert sp.expand(sum(x * rate for x, rate in zip(q, rates, strict=True))) == 0
@@ -175,7 +175,7 @@ def test_rates_are_those_of_the_matrix():
 
 
 def test_bad_attitudes():
-    """Each is refused with what came and what to do."""
+    """Each bad attitude is refused with its value and a remedy."""
     with pytest.raises(StartError, match="quaternion: expected length 1, got 0"):
         att.checked_quaternion([0, 0, 0, 0])
     with pytest.raises(
@@ -197,7 +197,7 @@ def test_bad_attitudes():
 
 
 def test_how_much_rounding_is_allowed():
-    """Lengths and columns that are wrong by less than 1e-6 are rounded, by more mistaken."""
+    """Lengths and columns wrong by less than 1e-6 are corrected; larger errors are refused."""
     for excess, fine in ((0.9e-6, True), (1.1e-6, False)):
         for check, value in (
             (att.checked_quaternion, [1 + excess, 0, 0, 0]),
@@ -211,7 +211,7 @@ def test_how_much_rounding_is_allowed():
 
 
 def test_rounded_input_is_normalised():
-    """Seven printed digits are good enough and come out as a rotation to the last place."""
+    """Seven printed digits are accepted and give a rotation exact to the last digit."""
     q = att.checked_quaternion([0.7071068, 0, 0.7071068, 0])
     assert abs(np.linalg.norm(q) - 1) < 3e-16
     matrix = np.round(matrix_of([0.1, 0.2, 0.3], "paper"), 7)
@@ -236,7 +236,7 @@ def exact_vector(q):
 )
 @pytest.mark.parametrize("scale", [1.0, 1e-250, 1e5])
 def test_rotation_vector_of_a_quaternion(scalar, scale):
-    """As 50 digits have it, for quaternions of any length, near 0 and near half a turn."""
+    """The vector agrees with 50 digits, for any length, near 0 and near half a turn."""
     for part in np.random.default_rng(3).normal(size=(5, 3)):
         q = np.array([scalar, *part]) * scale
         expected = exact_vector(q)
@@ -246,7 +246,7 @@ def test_rotation_vector_of_a_quaternion(scalar, scale):
 
 @pytest.mark.parametrize("gap", [0.0, 1e-15, 1e-12, 1e-9, 1e-7, 1e-4])
 def test_rotation_vector_of_a_matrix_near_half_a_turn(gap):
-    """A matrix rounded to doubles gives axis and angle to some roundings, where acos loses half."""
+    """A matrix rounded to doubles gives axis and angle to 1e-14; acos would lose half of this."""
     for axis in np.random.default_rng(4).normal(size=(8, 3)):
         with mpmath.workdps(50):
             n = mpmath.matrix([mpmath.mpf(x) for x in axis])
@@ -257,13 +257,13 @@ def test_rotation_vector_of_a_matrix_near_half_a_turn(gap):
             exact = c * mpmath.eye(3) + s * cross + (1 - c) * n * n.T
             expected = np.array([float(angle * x) for x in n])
         found = att.rotation_vector_from_matrix(np.array(exact.tolist(), dtype=float))
-        # Within a rounding of half a turn the two vectors of half a turn cannot be told apart.
+        # Within a rounding of half a turn the two possible vectors cannot be distinguished.
         sign = np.sign(found @ expected) if gap < 1e-14 else 1.0
         assert np.abs(sign * found - expected).max() < 1e-14
 
 
 def test_rotation_vectors_go_through_quaternions_and_matrices():
-    """Vectors shorter than half a turn come back; arrays of any leading shape."""
+    """Vectors shorter than half a turn are restored; arrays may have any leading shape."""
     vectors = np.random.default_rng(6).uniform(-1.8, 1.8, (4, 5, 3))
     q = att.quaternion_from_rotation_vector(vectors)
     assert np.abs(att.rotation_vector_from_quaternion(q) - vectors).max() < 3e-15

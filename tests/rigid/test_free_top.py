@@ -1,4 +1,4 @@
-"""The free top in closed form, against fifty digits by other routes."""
+"""The free top in closed form agrees with fifty digits by other routes."""
 
 import itertools
 import math
@@ -37,7 +37,7 @@ def errors(moments, omega, end, step=0.125):
     ("labelling", "rates"), one_in(2, LABELLINGS, [(1.0, 0.5, 0.7), (1.5, 0.5, 0.2)])
 )
 def test_every_order_of_moments_and_signs(labelling, rates):
-    """L around the largest and around the smallest moment, either way round, every labelling."""
+    """L is around the largest or smallest moment, in either sense, for every labelling."""
     order, signs = labelling
     moments, omega = [0.0] * 3, [0.0] * 3
     for k, place in enumerate(order):
@@ -72,8 +72,8 @@ def test_every_order_of_moments_and_signs(labelling, rates):
     ],
 )
 def test_hard_tops_keep_all_digits(moments, omega, end):
-    """1e-12 from the unstable axis, nearly equal and extreme moments, steady turns."""
-    # Slow rates have long series: fewer steps do for the long runs, all of which have |Omega| = 1.
+    """1e-12 from the unstable axis, nearly equal and extreme moments, steady rotations."""
+    # Slow rates have long series: the long runs, all with |Omega| = 1, need fewer steps.
     assert errors(moments, omega, end, 0.25 if end >= 30 else 0.125).max() < 3e-15
 
 
@@ -84,7 +84,7 @@ def test_times_with_all_their_digits_where_half_a_period_is_1e12():
 
 
 def test_small_rates_are_right_relative_to_their_own_size():
-    """1e-12 off the axis, the small rates have twelve digits of their own."""
+    """At 1e-12 off the axis, the small rates have twelve digits of their own."""
     omega = (1e-12, 1, 1e-12)
     truth = by_series((1, 2, 3), omega, TILTED, 5.0)
     found = free_top((1, 2, 3), omega).omega(5.0)
@@ -110,7 +110,7 @@ def random_top(rng):
 
 
 def test_tops_that_start_on_the_way_go_the_same_way():
-    """From the state at t1 on, a new top comes to the state of the first at t1 + t2."""
+    """A new top from the state at t1 reaches the state of the first one at t1 + t2."""
     rng = np.random.default_rng(8)
     for _ in range(200):
         moments, omega = random_top(rng)
@@ -121,7 +121,7 @@ def test_tops_that_start_on_the_way_go_the_same_way():
         state = top.states(first)
         later = free_top(moments, state[:3], state[3:]).states((first + second) - first)
         size = np.array([abs(top.omega(np.linspace(0, 30 / speed, 7))).max()] * 3 + [1] * 4)
-        # The start is rounded, and rounding grows by exp(rate * t2) < 8 next to the separatrix.
+        # The start is rounded, and rounding grows by exp(rate * t2) < 8 near the separatrix.
         assert (abs(later - top.states(first + second)) / size).max() < 1e-13
 
 
@@ -138,7 +138,7 @@ def test_no_error_builds_up_with_time(time):
 
 
 def test_the_two_truths_agree():
-    """The oracles share nothing; they agree to 30 digits."""
+    """The two independent routes agree to 30 digits."""
     moments, omega = (1, 2, 3), (0.3, 0.5, 0.7)
     rates, _ = by_integrals(moments, omega, 3.5)
     series = by_series(moments, omega, (1, 0, 0, 0), 3.5)
@@ -147,7 +147,7 @@ def test_the_two_truths_agree():
 
 @pytest.mark.parametrize("omega", [(0.3, 0.5, 0.7), (1e-12, 1, 1e-12), (1.0, 0.1, 0.2)])
 def test_energy_and_momentum_stay_for_a_million(omega):
-    """T and L in space at 2000 times up to 1e6: nothing grows."""
+    """T and L in space at 2000 times up to 1e6: no error grows."""
     top = free_top((1, 2, 3), omega, TILTED)
     times = np.linspace(0, 1e6, 2000)
     rates, attitude = top.omega(times), top.quaternion(times)
@@ -159,7 +159,7 @@ def test_energy_and_momentum_stay_for_a_million(omega):
 
 
 def test_first_flip_of_a_racket_thrown_1e_12_off():
-    """Against F(phi, m) of mpmath in 50 digits, which knows nothing of the package."""
+    """The first flip agrees with mpmath's F(phi, m) in 50 digits, independent of the package."""
     offset = 1e-12
     with mpmath.workdps(50):
         e = mpmath.mpf(offset)
@@ -181,7 +181,7 @@ def test_first_flip_of_a_racket_thrown_1e_12_off():
 
 
 def test_first_flip_is_the_first():
-    """The rate about the middle axis has one sign before it, whatever the start."""
+    """The rate about the middle axis keeps one sign before the first flip, whatever the start."""
     rng = np.random.default_rng(5)
     for _ in range(20):
         top = free_top((1, 2, 3), rng.normal(size=3))
@@ -197,7 +197,7 @@ def test_kinds_and_their_periods():
     assert free_top((1, 1, 2), (1, 1, 0)).kind == "steady"
     assert math.isnan(free_top((1, 1, 2), (1, 1, 0)).period)
     cone = free_top((1, 1, 2), (1, 0, 0.25))
-    # Omega_c turns at (I_3 - I_1) Omega_3 / I_1.
+    # Omega_c rotates at (I_3 - I_1) Omega_3 / I_1.
     assert cone.kind == "symmetric"
     assert cone.period == pytest.approx(2 * math.pi / 0.25, rel=1e-15)
     edge = free_top((4, 5, 9), (3, 0.5, 1))
@@ -207,7 +207,7 @@ def test_kinds_and_their_periods():
 
 
 def test_the_quaternion_is_continuous():
-    """Neighbouring attitudes are near as quaternions too: no jumps of sign, over flips."""
+    """Neighbouring attitudes have near quaternions, over flips as well: signs do not jump."""
     for omega in ((0.01, 1, 0.01), (0.3, 0.5, 0.7), (1.5, 0.1, -0.2)):
         top = free_top((3, 2, 1), omega)
         path = top.quaternion(np.linspace(-40, 40, 8001))
@@ -236,7 +236,7 @@ def test_products_of_quaternions_turn_one_after_the_other():
 
 
 def test_turns_are_exact_for_whole_numbers():
-    """Against fractions of Python, up to 2^50 turns."""
+    """Turns agree with fractions of Python, up to 2^50 turns."""
     with flint.ctx.workprec(140):
         long = DoubleDouble.of(flint.arb(2).sqrt())
     exact = Fraction(long.high) + Fraction(long.low)
@@ -283,7 +283,7 @@ def test_bad_input_is_refused(moments, omega, quaternion, error, words):
 @pytest.mark.parametrize("unit", [4e76, 1e-76])
 @pytest.mark.parametrize("rate", [4e76, 1.0, 1e-76])
 def test_moments_and_rates_of_any_size(unit, rate):
-    """As long as products of four are doubles a top is that of units of one; beyond it is none."""
+    """A top scales with its units while products of four are doubles; beyond, it is refused."""
     moments, omega, times = np.array([1, 1.6, 2.1]), np.array([0.3, 1, 0.2]), np.array([0.0, 1, 7])
     top = free_top(tuple(unit * moments), tuple(rate * omega))
     expected = free_top(tuple(moments), tuple(omega)).quaternion(times)
@@ -306,7 +306,7 @@ def test_bad_times_are_refused():
 @needs_heyoka
 @pytest.mark.parametrize("omega", [(0.3, 0.5, 0.7), (1e-3, 1.0, 0.0)])
 def test_the_taylor_engine_in_34_digits_comes_to_the_same(omega):
-    """Rates and attitude over a hundred time units, near the separatrix too."""
+    """Rates and attitude agree over a hundred time units, near the separatrix as well."""
     rates = {
         "w1": "-w2*w3", "w2": "w1*w3", "w3": "-w1*w2/3",
         "q0": "(-q1*w1 - q2*w2 - q3*w3)/2", "q1": "(q0*w1 + q2*w3 - q3*w2)/2",

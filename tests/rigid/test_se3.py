@@ -1,4 +1,4 @@
-"""SE(3): exponential, logarithm and adjoint against matrices of mpmath with 50 digits."""
+"""SE(3): exponential, logarithm and adjoint agree with matrices of mpmath with 50 digits."""
 
 import mpmath
 import numpy as np
@@ -30,16 +30,16 @@ def expm(twist):
 
 @pytest.mark.parametrize("angle", ANGLES)
 def test_exponential_and_logarithm(angle):
-    """A screw as 50 digits have it, and its twist again, to some roundings, near pi also."""
+    """A screw agrees with 50 digits, and its twist is restored, near pi as well."""
     for axis in AXES:
         v = RNG.normal(size=3)
         twist = twist_of(axis, angle, v)
         found = se3.exp(twist)
         assert np.abs(found - expm(twist)).max() < 30 * EPS
         back = se3.log(found)
-        # A pose near half a turn is known to a rounding: so is its twist.
+        # A pose near half a turn is known to a rounding error, and so is its twist.
         assert np.abs(back - twist).max() < 60 * EPS
-        # Tiny turns keep their relative accuracy.
+        # Tiny rotations keep their relative accuracy.
         assert np.abs(back[:3] - twist[:3]).max() <= 30 * EPS * angle
 
 
@@ -61,7 +61,7 @@ def test_adjoint():
 
 
 def test_any_leading_shape():
-    """Arrays of twists and poses give what each of them gives."""
+    """Arrays of twists and poses give the results of their elements."""
     twists = RNG.normal(size=(2, 3, 6))
     poses = se3.exp(twists)
     assert poses.shape == (2, 3, 4, 4)
@@ -111,6 +111,6 @@ def test_screw_of_the_shipped_frame():
     ],
 )
 def test_refusals(call, error, words):
-    """Each refusal names what was expected."""
+    """Each refusal names the expected input."""
     with pytest.raises(error, match=words):
         call()

@@ -1,4 +1,4 @@
-"""A rigid body integrated by brute force: the matrix R and SciPy, sharing nothing with scenes."""
+"""A rigid body integrated by brute force: the matrix R and SciPy, without any code of scenes."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def motion(
 ):
     """omega (m, 3), R (m, 3, 3), x and v (m, 3): I omega' = M - omega x I omega, R' = R [omega].
 
-    moment(t, omega, R, x, v) in body axes about the point that `inertia` is about; accel likewise.
+    moment(t, omega, R, x, v) in body axes about the reference point of `inertia`; accel likewise.
     """
     inertia = np.asarray(inertia, dtype=float)
     inverse = np.linalg.inv(inertia)

@@ -1,10 +1,10 @@
 """Action agrees: each shipped scene's equations follow from a Lagrangian over R^3 x SO(3), exactly.
 
-The scene assembles forces and moments in the body and projects them (Kane); the action principle
+The scene assembles forces and torques in the body and projects them (Kane); the action principle
 varies a Lagrangian over the six-dimensional frame. They share no code; their difference is zero.
 """
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# Tests pass what users pass, wrong input included, and read values that may be missing.
 # pyright: reportAttributeAccessIssue=false
 
 import pytest
@@ -64,7 +64,7 @@ def from_action(made: Assembly, principle: str):
 
 
 def differences(made: Assembly, equations):
-    """What must vanish: rates of the scene less those of the action, in the frame."""
+    """Differences that must vanish: rates of the scene less rates of the action, in the frame."""
     spin = sp.Matrix([in_frame(w) for w in made.omega])
     rates = equations.rates
     back = {}
@@ -94,16 +94,16 @@ PRINCIPLES = {"naive_top": "naive", "helix": "closed_in_image"}
 
 @pytest.mark.parametrize("name", gt.scenes.names())
 def test_equations_from_the_action(name):
-    """Exact zero for every speed; constrained scenes by adaptation of the frame."""
+    """The difference is exactly zero for every speed; constrained scenes use an adapted frame."""
     scene = gt.scenes.load(name)
-    # Effects that stand for another principle bring no force of their own here.
+    # Effects that replace the principle bring no force of their own here.
     lawful = {k: e for k, e in scene.keyed.items() if k not in ("naive", "torsion")}
     plain = gt.scenes.assembly.assemble(scene.body, lawful)
     equations = from_action(plain, PRINCIPLES.get(name, "closed_in_coordinates"))
     found: dict[str, sp.Expr] = dict(differences(scene.assembly, equations))
     assert len(found) == (6 if scene.assembly.constraint is None else len(scene.assembly.speeds))
     if name == "naive_top":
-        # The scene is naive about the rotation, which it is about, and not about the translation.
+        # The scene is naive about the rotation, its subject, and not about the translation.
         found = {speed: found[speed] for speed in ("u1", "u2", "u3")}
     for speed, value in found.items():
         value = value.xreplace({sp.Symbol("torsion"): sp.S.One})
@@ -111,7 +111,7 @@ def test_equations_from_the_action(name):
 
 
 def test_a_difference_would_be_seen():
-    """A pivot a little further up, or the other principle, does not pass."""
+    """A pivot a little further up, or the other principle, gives a nonzero difference."""
     made = gt.scenes.load("lagrange_cusp").assembly
     equations = from_action(made, "closed_in_coordinates")
     rate = in_frame(made.rates[OMEGA[0]])

@@ -1,4 +1,4 @@
-"""Assembly: constraints that nobody ships, against equations by hand, and what is refused."""
+"""Assembly: constraints of the tests' own agree with equations by hand; wrong parts are refused."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -24,7 +24,7 @@ from geomtorsion.scenes.effects import Constraint, Contribution, Effect
 
 @dataclass(frozen=True)
 class Gimbal(Effect):
-    """Turns about the vertical (speed b) and about the first body axis (speed a) only."""
+    """The body rotates only around the vertical (speed b) and its first axis (speed a)."""
 
     key: ClassVar[str] = "gimbal"
     title: ClassVar[str] = "two axes"
@@ -61,7 +61,7 @@ def test_a_gimbal_runs():
 
 
 def test_terms_are_gathered():
-    """One term for each product of states; denominators of states stay where they are."""
+    """There is one term for each product of states; denominators with states are kept."""
     x, y, k, m = sp.symbols("x y k m")
     assert gathered(k * x * y + m * x * y - 2 * x / (1 + y), frozenset({k, m})) == {
         x * y: k + m, x / (1 + y): -2,
@@ -70,7 +70,7 @@ def test_terms_are_gathered():
 
 
 def test_equations_of_a_top_by_hand():
-    """Lagrange's top as Landau and Lifshitz have it (section 35), in body axes."""
+    """Lagrange's top agrees with Landau and Lifshitz (section 35), in body axes."""
     body = Body(mass=2.0, moments=(1, 1, 0.5))
     made = assemble(body, {"g": effects.Gravity(), "p": effects.Pivot((0, 0, 0.25))})
     names = "Omega1 Omega2 Omega3 n1 n2 m g a3 I1 I3"
@@ -82,7 +82,7 @@ def test_equations_of_a_top_by_hand():
 
 
 def test_a_tensor_is_inverted_exactly():
-    """J is the inverse of I to the last digit, not to rounding."""
+    """J is the inverse of I exactly, not only to rounding."""
     inertia = [[1.0, 0.1, 0.0], [0.1, 2.0, 0.2], [0.0, 0.2, 2.5]]
     made = assemble(Body(inertia=inertia), {})
     values = {sp.Symbol(k): v for k, v in made.values.items()}
@@ -94,7 +94,7 @@ def test_a_tensor_is_inverted_exactly():
 
 @dataclass(frozen=True)
 class Odd(Effect):
-    """Brings whatever it is given."""
+    """An effect that adds the given contribution."""
 
     brings: Contribution
     key: ClassVar[str] = "odd"
@@ -126,7 +126,7 @@ def test_what_is_refused():
 
 
 def test_names_of_parameters():
-    """Zeros stay zeros, equal moments share a symbol, a taken name gets the key."""
+    """Zeros stay zeros, equal moments share a symbol, a used name gets the key as suffix."""
     context = Context(Body(moments=(2, 2, 1)))
     assert context.inertia == sp.diag(*sp.symbols("I1 I1 I3"))
     context.key = "spring2"
@@ -177,7 +177,7 @@ def rates(scene, names, **values):
 
 
 def test_a_heavy_asymmetric_top_with_skew_inertia():
-    """A pivot, gravity and a moment of the body; products of inertia too."""
+    """A pivot, gravity and a torque of the body, with products of inertia."""
     tensor = [[1.2, 0.1, -0.2], [0.1, 1.6, 0.3], [-0.2, 0.3, 2.1]]
     arm = (0.3, -0.2, 0.5)
     scene = Scene(
@@ -214,7 +214,7 @@ def test_a_rolling_disc_and_a_rolling_ball_with_unequal_moments(shape):
     space, body, relations = turning()
     contact, centre = Point("K"), Point("C")
     contact.set_vel(space, 0)
-    # In the disc: from the axis of nodes a quarter turn on, up the slope.
+    # In the disc: a quarter turn from the line of nodes, up the slope.
     tilted = ReferenceFrame("L")
     tilted.orient_body_fixed(space, (PHI[2], PHI[1], 0), "ZYZ")
     upward = -tilted.x if shape == "disc" else space.z
@@ -265,7 +265,7 @@ def test_a_sleigh_with_its_centre_off_the_blade():
 
 
 def test_short_sums_are_gathered_and_long_ones_left():
-    """Products of short sums are multiplied out, so that like terms meet; long ones cost more."""
+    """Short products of sums are expanded, so that like terms meet; long ones stay factored."""
     for count, factored in ((3, False), (20, False), (40, True)):
         series = " + ".join(f"y**{k}" for k in range(1, count))
         effect = E.BodyMoment((f"(x + 1)*({series})", 0, 0))

@@ -1,6 +1,6 @@
-"""Body: moments of shapes against integrals over their mass, and bodies that cannot be."""
+"""Bodies: moments of shapes agree with integrals over their mass; impossible bodies are refused."""
 
-# Bad input, arrays for lists, results known to be there: more than types say.
+# The tests pass bad input and arrays for lists, and use results that could be None.
 # pyright: reportArgumentType=false, reportGeneralTypeIssues=false, reportOptionalSubscript=false
 
 import numpy as np
@@ -65,7 +65,7 @@ def test_shapes(kind, body):
 
 
 def test_equal_sides_give_equal_moments():
-    """A cube with sides that are no binary fractions is a spherical top all the same."""
+    """A cube with sides that are not binary fractions is still a spherical top."""
     one, two, three = Body.box(0.7, (0.1, 0.1, 0.1)).moments
     assert one == two == three
     assert axis_of(Body.cylinder(0.3, 0.1, 0.7)) == [0, 0, 1]
@@ -79,7 +79,7 @@ def test_equal_sides_give_equal_moments():
     )
 )  # fmt: skip
 def test_points(masses):
-    """Any cloud gives a tensor that passes the checks, and the one of NumPy about its centre."""
+    """Any cloud gives a tensor that passes the checks and agrees with NumPy about its centre."""
     weights = np.array([m[0] for m in masses])
     places = np.array([m[1:] for m in masses])
     places = places - weights @ places / weights.sum()
@@ -92,7 +92,7 @@ def test_points(masses):
 
 
 def test_principal_axes():
-    """Axes that are turned come back, as a rotation, with moments in rising order."""
+    """Rotated axes are found, as a rotation, with moments in ascending order."""
     rng = np.random.default_rng(3)
     for _ in range(20):
         turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
@@ -151,13 +151,13 @@ def test_bodies_that_cannot_be(make, says):
 
 
 def test_a_plate_is_just_possible():
-    """I3 = I1 + I2, even when rounding puts it on the wrong side."""
+    """I3 = I1 + I2 is accepted, even when rounding puts it on the wrong side."""
     assert Body(moments=(0.1, 0.2, 0.1 + 0.2)).mass == 1.0
     assert Body.cylinder(3.0, 0.1, 0).moments[2] == pytest.approx(0.015)
 
 
 def test_how_much_rounding_a_body_may_have():
-    """A plate has A + B = C: wrong by 0.9e-12 it is rounded, by 1.1e-12 no body; likewise I12."""
+    """A + B = C may fail by 0.9e-12 but not by 1.1e-12; likewise the symmetry of I12."""
     assert Body(moments=(1, 1, 2 * (1 + 0.9e-12))).moments
     with pytest.raises(BodyError, match="impossible"):
         Body(moments=(1, 1, 2 * (1 + 1.1e-12)))

@@ -1,4 +1,4 @@
-"""Broken scene files: whatever is done to one, the error is ours and names the file."""
+"""Broken scene files: any damage to a file gives an error of ours that names the file."""
 
 import random
 
@@ -37,7 +37,7 @@ def broken(chance: random.Random) -> str:
 
 @pytest.mark.parametrize("seed", range(4))
 def test_broken_files_end_in_errors_of_ours(seed):
-    """Most are refused, some happen to be scenes still; nothing else ever comes."""
+    """Most broken files are refused and some are still scenes; there is no other error."""
     chance = random.Random(seed)
     refused: list[str] = []
     for _ in range(150):

@@ -1,4 +1,4 @@
-"""What a stopped run had computed can be read, and is what the whole run has."""
+"""The part that a stopped run has computed can be read and agrees with the whole run."""
 
 import numpy as np
 import pytest
@@ -28,7 +28,7 @@ def stopped(scene, path, engine, share: float) -> None:
 @pytest.mark.parametrize("engine", [None, RungeKutta()], ids=["chosen", "rungekutta"])
 @pytest.mark.parametrize("times", [1.0, (0.25, 0.5, 1.0)], ids=["samples", "own times"])
 def test_part_of_a_run(tmp_path, engine, times):
-    """All samples up to where it was stopped, as in the whole run; the error is not yet known."""
+    """All samples up to the stop agree with the whole run; the error is not yet known."""
     scene = load("lagrange_cusp").with_values(t=times, accuracy=1e-9)
     path = tmp_path / "run.npz"
     stopped(scene, path, engine, 0.3)
@@ -46,7 +46,7 @@ def test_part_of_a_run(tmp_path, engine, times):
 
 
 def test_runs_of_missiles_across_switches(tmp_path):
-    """Switches are cuts too."""
+    """A partial run of a missile spans its switches."""
     scene = load("missile")
     path = tmp_path / "run.npz"
     stopped(scene, path, None, 0.45)
@@ -56,7 +56,7 @@ def test_runs_of_missiles_across_switches(tmp_path):
 
 
 def test_what_is_refused(tmp_path):
-    """No file, another scene, something else."""
+    """A missing file, a file of another scene and a foreign file are refused."""
     scene = load("lagrange_cusp")
     path = tmp_path / "run.npz"
     with pytest.raises(CheckpointError, match="there is no such checkpoint"):

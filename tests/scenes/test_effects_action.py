@@ -32,7 +32,7 @@ def q(value):
 
 
 def assembled(*acting):
-    """Rates of speeds from effects, in the letters of the frame; velocities in body axes."""
+    """Rates of speeds from effects, in the symbols of the frame; velocities in body axes."""
     made = assemble(BODY, {effect.key: effect for effect in acting})
     table = {sp.Symbol(name): value for name, value in made.values.items()}
     table |= dict(zip(OMEGA, W, strict=True)) | dict(zip(POSITION, X, strict=True))
@@ -46,11 +46,11 @@ def assembled(*acting):
 
 
 def agree(found, acting) -> None:
-    """Exact zero of all differences; both derivations of action/ agree as well."""
+    """All differences are exactly zero; both derivations of action/ agree as well."""
     theirs = dict(zip([s.name for s in found.velocities], found.accelerations, strict=True))
     ours = assembled(*acting)
     assert len(theirs) == len(ours)
-    # A sleigh keeps its forward speed first; the frame its rotation.
+    # A sleigh has its forward speed first; the frame has its rotation first.
     names = sorted(theirs) if len(ours) != 2 else sorted(theirs, reverse=True)
     field = Field([*PHI, *X, *U, T])
     for name, mine in zip(names, ours, strict=True):

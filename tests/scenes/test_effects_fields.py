@@ -1,6 +1,6 @@
-"""Effects refuse what makes no sense, naming the field, what came and what to do."""
+"""Effects refuse input that makes no sense, with the field, the value and a remedy."""
 
-# Bad input, arrays for lists, results known to be there: more than types say.
+# The tests pass bad input and arrays for lists, and use results that could be None.
 # pyright: reportArgumentType=false
 
 from typing import Any
@@ -130,7 +130,7 @@ def test_switches_follow_from_times():
 
 
 def test_two_springs_have_names_of_their_own():
-    """Two of a kind: parameters of the second carry its key."""
+    """The parameters of a second effect of the same kind carry its key."""
     made = assemble(BODY, {"spring": E.Spring(3), "spring2": E.Spring(4)})
     stiff = sorted(name for name in made.values if name.startswith("k"))
     assert len(stiff) == 2

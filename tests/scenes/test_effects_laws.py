@@ -13,7 +13,7 @@ E = effects
 BODY = Body(mass=2.0, moments=(1.0, 1.6, 2.1))
 SKEW = Body(mass=2.0, inertia=[[1.2, 0.1, -0.2], [0.1, 1.6, 0.3], [-0.2, 0.3, 2.1]])
 
-# At least one of each kind, with every field at work.
+# At least one of each kind, with every field in use.
 SAMPLES = [
     E.Spin(),
     E.Drift(),
@@ -63,7 +63,7 @@ def value(expression, table) -> float:
 
 
 def balance(made: Assembly, table: dict) -> tuple[float, float]:
-    """Rate of the energy less the power put in, and how large the parts of the rate are."""
+    """Rate of the energy less the power put in, and the largest part of the rate."""
     energy = made.kinetic_energy + made.potential_energy
     slopes = [sp.diff(energy, s) * made.rate_of(s) for s in energy.free_symbols]
     parts = [value(slope, table) for slope in slopes] + [value(made.power, table)]
@@ -159,7 +159,7 @@ def test_needs_are_read_off_the_equations():
 
 
 def test_constraints_hold_for_all_velocities():
-    """Pivot, contact point and blade do what they are held to."""
+    """Pivot, contact point and blade satisfy their constraints."""
     omega = sp.Matrix(sp.symbols("Omega1:4"))
     made = assemble(BODY, {"pivot": E.Pivot((0.3, -0.2, 0.5))})
     table = numbers(made, 0)

@@ -1,6 +1,6 @@
-"""Motions under single effects, against closed forms."""
+"""Motions under single effects agree with closed forms."""
 
-# Bad input, arrays for lists, results known to be there: more than types say.
+# The tests pass bad input and arrays for lists, and use results that could be None.
 # pyright: reportArgumentType=false
 
 import math
@@ -18,7 +18,7 @@ E = effects
 BODY = Body(mass=2.0, moments=(1.0, 1.6, 2.1))
 SPHERE = Body(mass=2.0, moments=(1.5, 1.5, 1.5))
 UPRIGHT = (1, 0, 0, 0)
-# Asked for 1e-11, and no closed form is off by more than ten times that.
+# Runs request 1e-11, and no closed form is off by more than ten times that.
 ACCURACY, NEAR = 1e-11, 1e-10
 
 
@@ -60,7 +60,7 @@ def test_quadratic_drag_falls_as_tanh():
 
 
 def test_a_stone_that_comes_to_rest_turns_round():
-    """Straight up and down again: tan until the top, tanh behind it; a stone dropped as well."""
+    """Straight up and down again: tan until the top, tanh after it; a dropped stone as well."""
     g, last = 9.81, math.sqrt(2 * 9.81 / 0.1)
     acting = [E.QuadraticDrag(0.1), E.Gravity(g)]
     result = run(BODY, acting, ["velocity"], 2, velocity=(0, 0, 5))
@@ -81,7 +81,7 @@ def test_damping_fades_exponentially():
 
 
 def test_damping_of_a_tumbling_body_balances_its_energy():
-    """The integral of -c Omega^2, by Simpson's rule on the reported rates."""
+    """The energy falls by the integral of c Omega^2, by Simpson's rule on the reported rates."""
     scene = Scene(
         BODY, [E.AngularDamping(0.4)], State(omega=(1, 2, -1)), ["omega", "energy"],
         np.linspace(0, 4, 4001), accuracy=1e-12,
@@ -105,7 +105,7 @@ def test_damping_of_a_tumbling_body_balances_its_energy():
     ids=lambda acting: acting[0].key,
 )
 def test_energy_less_work_stays(acting):
-    """Over a whole motion: what was lost is what the effect took."""
+    """Over a whole motion the lost energy equals the work of the effect."""
     start = {"omega": (0, 0, -1)} if acting[-1].key == "knife_edge" else {"omega": (1, 2, -1)}
     if acting[-1].key == "gravity" and acting[1].key != "pivot":
         start["velocity"] = (5, 0, 3)
@@ -152,7 +152,7 @@ def test_a_satellite_librates_on_its_orbit():
 
 
 def test_a_sphere_with_a_rotor_precesses_about_it():
-    """I Omega' = -Omega x h: the rate turns about the axis at h / I."""
+    """I Omega' = -Omega x h: the angular velocity rotates around the axis at h / I."""
     result = run(
         SPHERE, [E.Rotor((0, 0, 2), momentum=3.0)], ["omega", "energy"], 6, omega=(1, 0, 5)
     )
@@ -162,7 +162,7 @@ def test_a_sphere_with_a_rotor_precesses_about_it():
 
 
 def test_a_free_rotor_and_a_driven_one_differ():
-    """A free wheel that is locked in inertia only: L = (I - J a a^T) Omega + h a in space."""
+    """A free wheel is coupled only by inertia: L = (I - J a a^T) Omega + h a in space."""
     wheel = E.Rotor((0, 3, 4), 1.7, inertia=0.4)
     watch = ["angular_momentum_space", "energy", "rotor_speed", "omega"]
     result = run(BODY, [wheel], watch, 5, omega=(1, 2, 3))
@@ -175,7 +175,7 @@ def test_a_free_rotor_and_a_driven_one_differ():
 
 
 def test_friction_locks_a_rotor():
-    """Speeds join; the momentum stays: a long bearing friction makes one body of two."""
+    """With friction in the bearing both speeds become equal and the momentum is kept."""
     wheel = E.Rotor((0, 0, 1), momentum=2.1, inertia=0.4, torque="-0.5*w")
     result = run(BODY, [wheel], ["rotor_speed", "omega"], 60, omega=(0, 0, 0))
     assert abs(result["rotor_speed"][-1]) < 1e-9
@@ -184,7 +184,7 @@ def test_friction_locks_a_rotor():
 
 
 def test_thrust_is_switched_at_exact_times():
-    """v = F (end - start) / m behind the burn, and the place where the burn ended."""
+    """v = F (end - start) / m after the burn, and the position agrees as well."""
     start, end = 1 / 3, math.pi / 2
     burn = E.Thrust((0, 0, 6.0), start=start, end=end)
     times = [0.0, start, 1.0, end, 3.0]
@@ -202,7 +202,7 @@ def test_moments_follow_expressions_of_time():
 
 
 def test_a_screw_or_a_straight_line():
-    """With the torsion force the body draws a helix (Omega, V constant in it), else a line."""
+    """With the torsion force the body moves on a helix (Omega, V constant in it), else straight."""
     omega, velocity, quaternion = (0.3, -0.4, 1.2), (1.0, 0.5, 2.0), (0.5, -0.5, 0.5, -0.5)
     start = {"omega": omega, "velocity": velocity, "quaternion": quaternion}
     watch = ["position", "omega", "velocity_body"]
@@ -222,7 +222,7 @@ def test_a_screw_or_a_straight_line():
 
 
 def test_autoparallels_turn_uniformly_with_unequal_moments():
-    """Omega stays; the angular momentum in space does not, the energy does."""
+    """Omega and the energy are constant; the angular momentum in space is not."""
     watch = ["omega", "angular_momentum_space", "energy"]
     for law in (E.Torsion(), E.Naive()):
         result = run(BODY, [law], watch, 5, omega=(1, 2, 3))
@@ -232,7 +232,7 @@ def test_autoparallels_turn_uniformly_with_unequal_moments():
 
 
 def test_the_naive_law_leaves_out_the_whole_angular_momentum():
-    """L' = M: without a moment Omega stays, with a rotor and about a pivot, too."""
+    """L' = M: without a torque Omega is constant, with a rotor and about a pivot as well."""
     for more in (
         E.Pivot((0.1, 0.2, 0.3)),
         E.Rotor((1, 2, 2), momentum=0.8),
@@ -246,7 +246,7 @@ def test_the_naive_law_leaves_out_the_whole_angular_momentum():
 
 
 def test_a_naive_top_is_one_top_wherever_its_moments_are_about():
-    """Moments about the centre of mass, and Steiner's about the pivot: the motions agree."""
+    """Moments about the centre of mass, and Steiner's about the pivot, give the same motion."""
     arm = np.array([0.1, 0.2, 0.3])
     about_pivot = np.diag((1.0, 1.6, 2.1)) + 2.0 * (arm @ arm * np.eye(3) - np.outer(arm, arm))
     motions = [
@@ -259,7 +259,7 @@ def test_a_naive_top_is_one_top_wherever_its_moments_are_about():
 
 @dataclass(frozen=True)
 class Blade(E.Effect):
-    """Chaplygin's sleigh as a user would write it, which excludes nothing."""
+    """Chaplygin's sleigh as a user would write it, without exclusions."""
 
     key = "blade"
 
@@ -270,7 +270,7 @@ class Blade(E.Effect):
 
 
 def test_the_naive_law_keeps_the_turning_of_a_velocity_in_body_axes():
-    """m Omega x v is no part of Omega x L where no point is held: here Omega x L vanishes."""
+    """m Omega x v is not part of Omega x L where no point is held: here Omega x L vanishes."""
     right, naive = (
         run(BODY, [Blade(), *law], ["velocity", "omega"], 3, omega=(0, 0, 2))
         for law in ([], [E.Naive()])
@@ -294,7 +294,7 @@ def test_chaplygins_sleigh_ends_straight_ahead():
 
 
 def test_a_sleigh_on_an_inclined_plane_does_not_slide_off():
-    """The blade alone (no arm): it goes to and fro sideways instead of down [NeimarkFufaev1972].
+    """The blade without an arm oscillates sideways instead of sliding down [NeimarkFufaev1972].
 
     u' = -g sin(tilt) cos(angle) along the blade, angle = Omega t.
     """
@@ -306,13 +306,13 @@ def test_a_sleigh_on_an_inclined_plane_does_not_slide_off():
     pull = -g * math.sin(tilt)
     t = result.times
     assert abs(result["forward"] - pull * np.sin(spin * t) / spin).max() < 10 * NEAR
-    # Down the slope x it only swings: x = cos(tilt) pull (1 - cos 2 angle) / (4 spin^2).
+    # Along the slope x it only oscillates: x = cos(tilt) pull (1 - cos 2 angle) / (4 spin^2).
     down = math.cos(tilt) * pull * (1 - np.cos(2 * spin * t)) / (4 * spin**2)
     assert abs(result["position"][:, 0] - down).max() < 10 * NEAR
 
 
 def test_a_custom_effect_does_what_a_shipped_one_does():
-    """A spring and a drag written out by hand, with a parameter that is switched."""
+    """A custom spring with drag agrees with the shipped effects."""
     own = E.Custom(
         force=("-k*x - c*vx", "-k*y - c*vy", "-k*z - c*vz"),
         parameters={"k": 8.0, "c": 0.25},
@@ -327,7 +327,7 @@ def test_a_custom_effect_does_what_a_shipped_one_does():
 
 
 def test_a_custom_effect_has_states_and_switches():
-    """A tank that empties at a constant rate until a valve shuts at t = 1.5."""
+    """A tank that empties at a rate proportional to its fuel until a valve shuts at t = 1.5."""
     tank = E.Custom(
         force=(0, 0, "fuel"), axes="body", parameters={"flow": 1.0}, states={"fuel": "-flow*fuel"},
         start={"fuel": 4.0}, switches=[(1.5, {"flow": 0.0})],
@@ -340,7 +340,7 @@ def test_a_custom_effect_has_states_and_switches():
 
 
 def test_a_custom_effect_can_stop_the_motion():
-    """A stone thrown up ends where it comes down: t = 2 v / g."""
+    """A stone thrown up ends where z + 1 = 0, at t = (5 + sqrt(45)) / 10."""
     ground = E.Custom(stop="z + 1")
     result = run(
         BODY, [E.Gravity(10.0), ground], ["position"], 9, velocity=(1, 0, 5), position=(0, 0, 0)

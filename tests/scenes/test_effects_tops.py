@@ -1,4 +1,4 @@
-"""Whole scenes against classical results: tops, a missile, a disc and a ball that roll."""
+"""Whole scenes agree with classical results: tops, a missile, a rolling disc and ball."""
 
 import math
 
@@ -40,7 +40,7 @@ def test_a_missile_flies_as_thirty_digits_say():
 
 
 def test_spin_keeps_a_missile_straight():
-    """The paper's remark: the same thrust off its axis, with spin and without."""
+    """The paper's remark: the same thrust off its axis, with and without spin."""
     body = Body(12.0, (3.0, 3.0, 0.4))
     push = E.Thrust((0, 0, 80.0), point=(0, 0.01, -1.2))
     apart = []
@@ -50,7 +50,7 @@ def test_spin_keeps_a_missile_straight():
         )
         apart.append(result["nutation"].max())
     assert apart[0] > 2
-    # Moment / (spin C): how far the axis is led off, twice that at most, once around.
+    # Torque / (spin C) gives the deflection of the axis, which is at most doubled in one turn.
     assert apart[1] < 2.2 * 0.8 * 3.0 / (0.4 * 60) ** 2
 
 
@@ -122,7 +122,7 @@ def test_kovalevskayas_integral_stays():
     ("steady", "thickness"), one_in(2, [(0.4, 2.0), (1.1, -3.0), (1.4, 0.7)], [1.0, 2.0])
 )
 def test_a_disc_rolls_steadily_in_circles(steady, thickness):
-    """A P^2 s c - (C + m r^2) W3 P s - m g r c = 0: tilt stays, the centre goes in a circle."""
+    """A P^2 s c - (C + m r^2) W3 P s - m g r c = 0: constant tilt, and a circle of the centre."""
     (tilt, precession), m, r = steady, 1.5, 0.4
     big, small = thickness * m * r**2 / 2, thickness * m * r**2 / 4
     s, c = math.sin(tilt), math.cos(tilt)
@@ -136,7 +136,7 @@ def test_a_disc_rolls_steadily_in_circles(steady, thickness):
     place = result["position"]
     assert abs(place[:, 2] - r * s).max() < 1e-9
     radius = abs(r * spin / precession)
-    # The centre starts across the line of nodes and turns about a point beside it.
+    # The centre starts across the line of nodes and moves around a point beside it.
     angle = precession * result.times
     start = place[0, :2]
     centre_direction = np.array([1.0, 0.0])
@@ -154,7 +154,7 @@ def test_a_disc_rolls_steadily_in_circles(steady, thickness):
 
 @pytest.mark.parametrize(("factor", "grows"), [(0.97, True), (1.03, False)])
 def test_a_disc_rolls_upright_if_it_is_fast_enough(factor, grows):
-    """Straight ahead: stable from W^2 = A m g r / (C (C + m r^2)) = g / 3r on."""
+    """Straight ahead, rolling is stable above W^2 = A m g r / (C (C + m r^2)) = g / 3r."""
     m, r = 1.5, 0.4
     limit = math.sqrt(G / (3 * r))
     tilt = math.pi / 2 - 1e-4
@@ -168,7 +168,7 @@ def test_a_disc_rolls_upright_if_it_is_fast_enough(factor, grows):
 
 
 def test_a_ball_rolls_straight_on():
-    """A homogeneous ball: its centre keeps its velocity, whatever its spin."""
+    """The centre of a homogeneous ball keeps its velocity, whatever its spin."""
     m, r = 2.0, 0.3
     body = Body(m, (0.4 * m * r**2,) * 3)
     result = run(
@@ -187,7 +187,7 @@ def test_a_ball_rolls_straight_on():
     [("disc", lambda nutation: 0.3 * np.sin(nutation)), ("ball", lambda nutation: 0.3)],
 )
 def test_what_rolls_is_as_high_as_it_leans(shape, height):
-    """The plane is z = 0 wherever nothing is said of the place, and no other place is believed."""
+    """Without a position the plane is z = 0; a start with another height is refused."""
     body, acting = Body(2.0, (0.05, 0.08, 0.11)), [E.Rolling(0.3, shape), E.Gravity(G)]
     start = {"omega": (0.5, 1, 6), "euler": (0.1, 1.0, 0.2)}
     result = run(body, acting, ["position", "nutation"], 1, **start)
@@ -212,7 +212,7 @@ def test_chaplygins_ball_keeps_its_momentum_about_the_contact():
 
 
 def test_a_gyrostat_on_its_orbit_keeps_jacobis_integral():
-    """T + V - n L3 in space: the energy in axes that go around with the orbit."""
+    """T + V - n L3 in space is constant: the energy in axes that rotate with the orbit."""
     n = 0.6
     result = run(
         Body(1.0, (1.0, 1.4, 2.0)), [E.GravityGradient(n), E.Rotor((1, 2, 2), momentum=0.8)],

@@ -1,4 +1,4 @@
-"""Scene files: they read to the scene they describe, back and forth, and refuse what they must."""
+"""Scene files: they give the described scene, survive writing, and wrong files are refused."""
 
 import math
 
@@ -46,7 +46,7 @@ def read(text: str, name: str = "a.toml") -> Scene:
 
 
 def test_a_file_is_the_scene_it_describes():
-    """Units, exact expressions, defaults: all as Python would have it."""
+    """Units, exact expressions and defaults have the values that Python gives."""
     scene = read(TOP)
     assert scene == Scene(
         Body(mass=0.5, moments=(1e-3, 1e-3, 10 * 0.01**2)),
@@ -63,7 +63,7 @@ def test_a_file_is_the_scene_it_describes():
 
 @pytest.mark.parametrize("name", names())
 def test_shipped_scenes_come_back_from_their_text(name):
-    """Written and read they are equal; each has a title and a story."""
+    """Written and read again, a scene is equal; each has a title and a story."""
     scene = load(name)
     assert read(to_toml(scene)) == scene
     assert scene.name == name
@@ -72,7 +72,7 @@ def test_shipped_scenes_come_back_from_their_text(name):
 
 
 def test_all_kinds_of_bodies_and_effects_are_written(tmp_path):
-    """Tensors, expressions in text, tables and switches survive the way through a file."""
+    """Tensors, expressions in text, tables and switches survive writing and reading."""
     acting = [
         effects.Thrust(force=(0, 0, "20*exp(-t/2)"), point=(0, 0, -1), end=3),
         effects.Spring(stiffness=2.5, anchor=(0, 1, 2)),
@@ -101,7 +101,7 @@ def test_all_kinds_of_bodies_and_effects_are_written(tmp_path):
 
 @pytest.mark.parametrize(("count", "lines"), [(14, 1), (15, 17)])
 def test_how_long_lines_of_lists_are(count, lines, tmp_path):
-    """One of 88 characters stands on one line, one of 94 has a line for each entry."""
+    """A list of 88 characters is on one line; one of 94 has a line for each entry."""
     times = [k + 0.5 for k in range(10, 10 + count)]
     scene = Scene(Body(moments=(1, 1, 2)), (), State(omega=(0, 0, 1)), t=times)
     write_file(scene, tmp_path / "scene.toml")
@@ -172,7 +172,7 @@ REFUSED = [
     ("old", "new", "says"), REFUSED, ids=[case[1] or "none" for case in REFUSED]
 )
 def test_what_is_refused(old, new, says):
-    """Each mistake names file, line, and what was probably meant."""
+    """Each mistake names file, line, and the probable intention."""
     assert old in TOP
     with pytest.raises(FileFormatError, match=says) as caught:
         read(TOP.replace(old, new, 1))
@@ -242,7 +242,7 @@ quaternion = [1, 0, 0, 0]
     ],
 )
 def test_lines_of_what_effects_refuse(old, new, says):
-    """What is found out only when the equations are put together has its line all the same."""
+    """An error found only when the equations are assembled also names its line."""
     assert FORCED.count(old) == 1
     text = FORCED.replace(old, new)
     if says is None:
@@ -253,7 +253,7 @@ def test_lines_of_what_effects_refuse(old, new, says):
 
 
 def test_a_start_that_lacks_something():
-    """The line of [start]; a file without one can be planned, and says so when it is run."""
+    """The error names the line of [start]; a file without [start] can be planned but not run."""
     text = FORCED.replace('["omega"]', '["nutation"]')
     bare = text.replace("quaternion = [1, 0, 0, 0]", "")
     with pytest.raises(FileFormatError, match="a.toml: line 25: the start has no attitude"):
@@ -265,7 +265,7 @@ def test_a_start_that_lacks_something():
 
 
 def test_names_of_scenes():
-    """Unknown ones name the nearest; a file that is none is an error of ours."""
+    """An unknown scene names the nearest one; an unreadable file is an error of ours."""
     assert {"dzhanibekov", "lagrange_cusp", "rolling_disc", "helix"} <= set(names())
     assert len(names()) == 16
     with pytest.raises(UnknownNameError, match="Did you mean helix"):
@@ -275,7 +275,7 @@ def test_names_of_scenes():
 
 
 def test_what_cannot_be_written():
-    """Numbers that are none, and things that are no data."""
+    """A value that is not data is refused for a scene file."""
     scene = read(TOP)
     with pytest.raises(
         FileFormatError, match="expected numbers or expressions as text for a scene file"
@@ -284,7 +284,7 @@ def test_what_cannot_be_written():
 
 
 def test_floats_of_sympy_keep_all_their_digits():
-    """sympy writes 15 digits of a double, which has up to 17."""
+    """Doubles keep all their 17 digits, where sympy writes 15."""
     third = sp.Float(1 / 3)
     force = third * sp.Symbol("t") + sp.Float(-0.1) ** sp.Symbol("m")
     scene = Scene(

@@ -1,4 +1,4 @@
-"""Measures: values between samples are as good as the samples, at their ends too."""
+"""Measures: values between samples are as accurate as the samples, also at the ends."""
 
 import numpy as np
 import pytest
@@ -8,9 +8,9 @@ from geomtorsion.scenes.metrics import SweepRun
 
 @pytest.mark.parametrize("shift", [0.02, 2.01, 3.98])
 def test_zeros_and_extremes_between_samples(shift):
-    """Of an oscillation in the first steps, in the middle, in the last: to all digits but two.
+    """Zeros and maxima in the first, middle and last steps of an oscillation are right to 1e-13.
 
-    Polynomials through fewer places miss it, those through more lose digits at the ends.
+    Polynomials through fewer samples are less accurate; those through more lose digits at the ends.
     """
     times = np.linspace(0.0, 4.0, 41)
     run = SweepRun(times, {"x": np.sin(times - shift), "y": np.cos(times - shift)}, {})
@@ -20,9 +20,9 @@ def test_zeros_and_extremes_between_samples(shift):
 
 
 def test_what_touches_zero_or_stays_there_does_not_cross_it():
-    """Between the zeros of nothing there is no time; a zero on a sample is one where signs change.
+    """A quantity that touches zero or stays there has no zero; a sign change on a sample is one.
 
-    A quantity that is 0 throughout had a zero at each sample, and the step of these as a period.
+    A quantity that is 0 throughout has no zeros, rather than one at each sample.
     """
     times = np.linspace(0.0, 4.0, 41)
     none = {"still": np.zeros(41), "touched": (times - times[10]) ** 2}

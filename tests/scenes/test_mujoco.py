@@ -1,4 +1,4 @@
-"""MuJoCo, an independent program, on two scenes; its RK4 at small steps is the oracle."""
+"""MuJoCo, an independent program, with RK4 at small steps, agrees on two scenes."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ TOP = """
 
 
 def stepped(xml, steps, position, velocity):
-    """Position and velocity coordinates after so many steps."""
+    """Position and velocity coordinates after this number of steps."""
     model = mujoco.MjModel.from_xml_string(xml)
     data = mujoco.MjData(model)
     data.qpos[:], data.qvel[:] = position, velocity

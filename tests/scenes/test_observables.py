@@ -1,6 +1,6 @@
-"""Observables: every quantity against brute force, for any axes, free and on a pivot."""
+"""Observables: every quantity agrees with brute force, for any axes, free and on a pivot."""
 
-# Bad input, arrays for lists, results known to be there: more than types say.
+# The tests pass bad input and arrays for lists, and use results that could be None.
 # pyright: reportArgumentType=false
 
 import numpy as np
@@ -23,7 +23,7 @@ MORE = ["euler:ZYX", "euler:xyx", "Omega2", "n3"]
 
 
 def known(held):
-    """What every quantity should be, from the brute integration."""
+    """The value of every quantity, from the brute force integration."""
     steiner = MASS * (ARM @ ARM * np.eye(3) - np.outer(ARM, ARM)) if held else np.zeros((3, 3))
     inertia = SKEW + steiner
 
@@ -74,7 +74,7 @@ def test_every_quantity(held):
         if name == "quaternion":
             theirs = theirs * np.sign((ours * theirs).sum(1))[:, None]
         elif "euler" in name or name in ("spin", "precession"):
-            # Where angles are counted from is free by whole turns.
+            # Angles are determined only up to whole turns.
             theirs = theirs - 2 * np.pi * np.round((theirs - ours)[:1] / (2 * np.pi))
         assert np.abs(ours - theirs).max() < 1e-9 * max(1, np.abs(theirs).max()), name
     single = gt.Scene(body, effects, start, ["nutation", "n3"], TIMES, accuracy=1e-11)
@@ -83,7 +83,7 @@ def test_every_quantity(held):
 
 
 def test_energy_balance():
-    """What damping, drag and thrust take and give is what the energy loses and gains."""
+    """The energy changes by the work of damping, drag and thrust."""
     start = gt.State(omega=(1, 2, -1), euler=(0, 0.5, 0), velocity=(5, 0, 3))
     effects = [
         E.AngularDamping(0.2), E.LinearDrag(0.3), E.Gravity(), E.Thrust((0, 0, 2), end=1.3),
@@ -100,7 +100,7 @@ def test_energy_balance():
 
 
 def test_moments_about_the_pivot():
-    """A top whose moments are known about its tip is the top with Steiner's part added."""
+    """A top with moments about its tip equals the top with Steiner's part added."""
     centre = gt.Body(MASS, inertia=SKEW)
     steiner = MASS * (ARM @ ARM * np.eye(3) - np.outer(ARM, ARM))
     tip = gt.Body(MASS, inertia=SKEW + steiner)
@@ -114,14 +114,14 @@ def test_moments_about_the_pivot():
 
 
 def test_axis_of_symmetry_is_followed():
-    """A body that is symmetric about its first axis is watched along that axis."""
+    """The observed axis of a body symmetric about its first axis is that axis."""
     start = gt.State(omega=(3, 0.2, 0), quaternion=(1, 0, 0, 0))
     result = gt.Scene(gt.Body(moments=(1, 2, 2)), (), start, ["axis", "matrix"], t=2).run()
     assert np.abs(result["axis"] - result["matrix"][:, :, 0]).max() < 1e-15
 
 
 def test_backwards_in_time():
-    """To t = -5 and what stands there: the closed form and the integrator."""
+    """To t = -5 the closed form and the integrator agree."""
     start = gt.State(omega=(0.3, 1, 0.2), euler=(0, 0.5, 0))
     scene = gt.Scene(gt.Body(moments=(1, 2, 3)), (), start, ["omega", "axis"], t=-5)
     closed, stepped = scene.run(), scene.run(engine=gt.Taylor())
@@ -131,7 +131,7 @@ def test_backwards_in_time():
 
 
 def test_the_quaternion_keeps_its_length():
-    """Ten thousand turns of a heavy top: length one to rounding, and a rotation for a matrix."""
+    """In ten thousand turns of a heavy top the length stays one and the matrix a rotation."""
     start = gt.State(omega=(0, 0, 20), euler=(0, 0.3, 0))
     top = [E.Gravity(), E.Pivot([0, 0, 0.1])]
     names = ["quaternion", "matrix", "vertical"]

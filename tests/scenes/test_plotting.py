@@ -1,4 +1,4 @@
-"""Albums: the pictures that fit what was watched, and the files of a run."""
+"""Albums: figures that fit the watched quantities, and the files of a run."""
 
 import json
 
@@ -24,14 +24,14 @@ ALBUMS = {
 }
 
 
-# Those of the other two are among those of these.
+# The figures of the other two scenes occur among these.
 @pytest.mark.parametrize(
     "name",
     [pytest.param(x, marks=pytest.mark.slow) if x in ("dzhanibekov", "naive_top") else x
      for x in ALBUMS],
 )  # fmt: skip
 def test_drawings_fit_the_scene(name):
-    """Each picture can be drawn, and says how good the numbers are."""
+    """Each figure can be drawn, and its text states the accuracy of the numbers."""
     result = load(name).with_values(samples=41).run()
     pictures = drawings(result)
     assert list(pictures) == ALBUMS[name]
@@ -44,7 +44,7 @@ def test_drawings_fit_the_scene(name):
 
 
 def test_the_right_law_is_drawn_beside_the_naive_one():
-    """Momentum in space moves in the one, not in the other; energy in neither."""
+    """Momentum in space changes under the naive law only; energy under neither."""
     result = load("naive_top").with_values(samples=41).run()
     figure = drawings(result)["laws"][0](result)
     energy, momentum = figure.axes
@@ -55,7 +55,7 @@ def test_the_right_law_is_drawn_beside_the_naive_one():
 
 
 def test_curves_are_smooth_between_the_samples():
-    """Pictures take more points than the table, at the same times in all."""
+    """Figures have more points than the table, at the same times for all quantities."""
     result = load("lagrange_loop").with_values(samples=21).run()
     times, axis, nutation = finely(result, "axis", "nutation")
     assert len(times) == len(axis) == len(nutation) > 1000
@@ -76,7 +76,7 @@ def test_how_many_turns_are_smooth(turns, smooth):
 
 
 def test_drifts_over_time_are_those_of_the_result():
-    """The largest of each is what the result says; across switches they begin anew."""
+    """The largest drift over time is the drift of the result, also across switches."""
     for name in ("lagrange_cusp", "missile", "euler_top"):
         result = load(name).run()
         drifts = result.changes()
@@ -105,7 +105,7 @@ def test_everything_about_a_run_in_one_place(tmp_path):
 
 
 def test_pictures_are_not_large(tmp_path):
-    """None above 250 kB, and none narrower than 600 points."""
+    """Each figure is below 250 kB and wider than 600 points."""
     for path in write_run(load("free_symmetric_top").run(), tmp_path):
         assert path.stat().st_size < 250_000, path.name
         if path.suffix == ".png":
@@ -113,7 +113,7 @@ def test_pictures_are_not_large(tmp_path):
 
 
 def test_accuracy_costs_what_it_costs():
-    """Against the closed form and against quadruple precision; estimates hold."""
+    """Estimates hold, compared with the closed form and with quadruple precision."""
     for name, truth in (("free_symmetric_top", "closed form"), ("lagrange_wave", "")):
         table = scene_accuracy(load(name).with_values(t=0.5), [RungeKutta()], [1e-4, 1e-9])
         assert truth in table.truth

@@ -1,6 +1,6 @@
-"""Scene: dotted paths, several effects of a kind, costs, and results that travel."""
+"""Scene: dotted paths, several effects of a kind, costs, and results that are saved."""
 
-# Bad input, arrays for lists, results known to be there: more than types say.
+# The tests pass bad input and arrays for lists, and use results that could be None.
 # pyright: reportArgumentType=false, reportAttributeAccessIssue=false
 
 import numpy as np
@@ -27,7 +27,7 @@ TOP = gt.Scene(
 
 
 def test_the_first_lines():
-    """What the issue shows: plan, run, and everything that is read off."""
+    """The first example: plan, run, and every result."""
     result = TOP.run()
     assert result["nutation"].shape == result.times.shape == (201,)
     assert result.error < TOP.accuracy
@@ -45,7 +45,7 @@ def test_times():
 
 
 def test_replacing():
-    """Each kind of path; the rest stays as it was, and all is checked again."""
+    """Each kind of path changes its value only, and everything is checked again."""
     changed = TOP.with_values(
         {"body.moments[2]": 0.7, "gravity.g": 1.62, "start.omega[0]": 1e-3, "pivot.arm[2]": 0.2},
         t=5,
@@ -94,7 +94,7 @@ def test_equal_equations_share_one_integrator():
 
 
 def test_numbers_of_scenes():
-    """What a sweep varies: starts and parameters by name, exact."""
+    """A sweep varies starts and parameters by name, exactly."""
     start, parameters = TOP.numbers
     assert list(start) == list(TOP.selection.states)
     assert float(parameters["g"]) == 9.81
@@ -131,7 +131,7 @@ def test_result_between_times_and_bad_requests():
 
 
 def test_save_and_load(tmp_path):
-    """Everything but the scene and the dense output comes back."""
+    """Everything except the scene and the dense output is restored."""
     scene = TOP.with_values(watch=["nutation", "matrix", "omega"], t=1)
     result = scene.run()
     result.save(tmp_path / "top.npz")
@@ -179,7 +179,7 @@ def test_picture(tmp_path):
 
 
 def test_what_each_effect_costs():
-    """One row for each effect; states grow as effects bring their needs."""
+    """There is one row for each effect; states grow as effects bring their needs."""
     scene = TOP.with_values(watch=["omega"], t=1)
     cost = scene.cost(repeats=1)
     assert [row.effect for row in cost.rows] == ["spin", "gravity", "pivot"]
@@ -196,7 +196,7 @@ def test_what_each_effect_costs():
 
 
 def test_progress_and_checkpoint(tmp_path):
-    """Both go through to the integrator."""
+    """Progress and checkpoint are passed to the integrator."""
     seen = []
     scene = TOP.with_values(t=3, samples=21)
     result = scene.run(checkpoint=tmp_path / "c.npz", progress=seen.append)
@@ -208,7 +208,7 @@ def test_progress_and_checkpoint(tmp_path):
 
 @pytest.mark.parametrize("bad", [None, "no", float("nan"), [1], [[1, 2], [3]], object(), 1j])
 def test_nonsense_gets_an_error_of_ours(bad):
-    """Whatever comes, wherever: a message, never a traceback from inside."""
+    """Wrong input anywhere gives a message of ours, never an internal traceback."""
     body, start = gt.Body(moments=(1, 2, 3)), gt.State(omega=(0, 0, 1), euler=(0, 0, 0))
     given = {"body": body, "start": start}
     attempts = [
@@ -239,7 +239,7 @@ def test_nonsense_gets_an_error_of_ours(bad):
 
 
 def test_what_can_be_watched():
-    """Every name in the list can be watched, those of effects too."""
+    """Every listed name can be watched, names of effects as well."""
     rotor = E.Rotor((0, 0, 1), momentum=0.1, inertia=0.01)
     scene = gt.Scene(TOP.body, [rotor], TOP.start)
     names = scene.observables
@@ -251,7 +251,7 @@ def test_what_can_be_watched():
 
 
 def test_what_is_stuck_says_how_far_it_came():
-    """A force that grows beyond all bounds at t = 1."""
+    """A force that grows beyond all bounds at t = 1 raises an error with the partial result."""
     pole = E.Custom(force=("0", "0", "1/(1 - t)**2"))
     start = gt.State(omega=(0, 0, 1))
     scene = gt.Scene(TOP.body, [pole], start, ["velocity"], t=2)
@@ -266,7 +266,7 @@ def test_what_is_stuck_says_how_far_it_came():
 
 
 def test_a_force_without_a_value_at_the_start():
-    """Named with its place, not a traceback from inside."""
+    """The error names the time and the rate."""
     start = gt.State(omega=(0, 0, 1))
     scene = gt.Scene(TOP.body, [E.Custom(force=("log(t - 1)", "0", "0"))], start, ["velocity"], t=2)
     with pytest.raises(gt.errors.StuckError, match="t = 0.*vx' = nan"):
@@ -275,7 +275,7 @@ def test_a_force_without_a_value_at_the_start():
 
 @pytest.mark.parametrize("engine", ["taylor", 3, gt.RungeKutta])
 def test_engines_that_are_none(engine):
-    """A name is no engine, nor is a class."""
+    """A name or a class is refused as an engine."""
     with pytest.raises(gt.errors.StartError, match=r"engine = .*RungeKutta.., Stiff.."):
         TOP.run(engine=engine)
     with pytest.raises(gt.errors.StartError, match="expected "):
@@ -283,7 +283,7 @@ def test_engines_that_are_none(engine):
 
 
 def test_replacing_what_is_given_in_one_way():
-    """A new attitude or inertia takes the place of the old one, however that was given."""
+    """A new attitude or inertia replaces the old one, however the old one was given."""
     scene = TOP.with_values({"start.quaternion": (1, 0, 0, 0), "body.inertia": np.eye(3).tolist()})
     assert scene.start.euler is None
     assert scene.body.moments is None
@@ -293,7 +293,7 @@ def test_replacing_what_is_given_in_one_way():
 
 
 def test_whole_numbers_of_numpy_and_numbers_that_are_too_small():
-    """samples may come from NumPy; the best of no run is refused, not a ValueError of min()."""
+    """samples may come from NumPy; zero repeats are refused with an error of ours."""
     assert len(TOP.with_values(samples=np.int64(5)).times) == 5
     with pytest.raises(SceneError, match="samples = True: expected a whole number from 2 on"):
         TOP.with_values(samples=True)
@@ -302,6 +302,6 @@ def test_whole_numbers_of_numpy_and_numbers_that_are_too_small():
 
 
 def test_an_index_behind_an_effect_leads_nowhere():
-    """gravity[5].g changed gravity.g: the index went lost without a word."""
+    """gravity[5].g is refused instead of changing gravity.g."""
     with pytest.raises(UnknownNameError, match="gravity is one effect"):
         TOP.with_values({"gravity[5].g": 1.0})

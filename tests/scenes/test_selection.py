@@ -1,4 +1,4 @@
-"""Plan: exactly the states that the question needs, and why."""
+"""Plan: exactly the states that the question needs, with reasons."""
 
 from typing import Any, cast
 
@@ -43,7 +43,7 @@ TOP = (E.Gravity(9.81), E.Pivot([0, 0, 0.1]))
     ],
 )
 def test_states_that_are_needed(acting, watch, states):
-    """By hand: what each question needs, and not one equation more."""
+    """The states needed for each question, listed by hand, and no further equation."""
     scene = Scene(BODY, acting, START, watch, t=1)
     assert scene.selection.states == states
     assert scene.ode.states == states
@@ -51,7 +51,7 @@ def test_states_that_are_needed(acting, watch, states):
 
 
 def test_every_state_is_needed():
-    """Of the states of a plan each one lies on a way to something watched (the graph agrees)."""
+    """Each state of a plan is on a path to a watched quantity, as the graph shows."""
     scene = Scene(BODY, TOP, START, ["precession", "energy"], t=1)
     graph = scene.selection.graph
     for node in ("Omega1", "attitude", "effect gravity", "effect pivot", "effect spin"):
@@ -60,7 +60,7 @@ def test_every_state_is_needed():
 
 
 def test_nothing_is_followed_where_nothing_moves():
-    """A velocity that no force changes is a number, and yet it can be watched."""
+    """A velocity that no force changes is a constant, and can still be watched."""
     scene = Scene(BODY, (), FLYING, ["velocity", "kinetic_energy"], t=1)
     assert [s.name for s in scene.selection.constants] == ["vx", "vy", "vz"]
     result = scene.run()
@@ -90,7 +90,7 @@ def test_who_asks_for_the_vertical():
 
 
 def test_drawing():
-    """SVG with every box, those that are left out too; the same bytes each time."""
+    """The SVG has every box, also the omitted ones, and the same bytes each time."""
     pytest.importorskip("matplotlib")
     plan = Scene(BODY, TOP, START, ["nutation", "energy"], t=1).selection
     svg = plan.draw()
@@ -102,7 +102,7 @@ def test_drawing():
 
 
 def test_equal_moments_drop_out():
-    """For a symmetric top the axial rate is constant and no product of zero is computed."""
+    """The axial rate of a symmetric top is constant, and no product with zero is computed."""
     scene = Scene(Body(moments=(2, 2, 1)), TOP, START, ["nutation"], t=1)
     assert scene.equations["Omega3"] == 0
     assert "axial_angular_momentum" in scene.ode.invariants
@@ -167,20 +167,20 @@ def test_a_start_that_fits_the_constraint():
 
 
 def test_rolling_disc():
-    """The whole attitude only for where the disc is; to hold it, the vertical is enough."""
+    """The position of the disc needs the whole attitude; its rotation needs only the vertical."""
     body, start = Body(2.0, (0.05, 0.05, 0.1)), State(omega=(3, -2, 5), euler=(0.1, 0.5, 0.2))
     scene = Scene(body, (E.Rolling(0.3), E.Gravity()), start, ["position", "matrix"], t=2)
     assert scene.selection.states == (*OMEGA, *Q, "x", "y")
     assert scene.with_values(watch=["energy", "omega"]).selection.states == (*OMEGA, *N)
     result = scene.run()
-    # The centre is as high as the disc is tilted.
+    # The height of the centre follows from the tilt of the disc.
     height = 0.3 * (1 - result["matrix"][:, 2, 2] ** 2) ** 0.5
     rise = result["position"][:, 2] - result["position"][0, 2]
     assert abs(rise - height + height[0]).max() < 1e-9
 
 
 def test_what_stops_is_followed():
-    """A condition on the height brings height and fall in, though nothing watched needs them."""
+    """A stop on the height adds height and fall, though no watched quantity needs them."""
     ground = E.Custom(stop="z")
     start = State(omega=(0, 0, 3), position=(0, 0, 20), euler=(0, 0, 0))
     scene = Scene(BODY, (E.Gravity(10), ground), start, ["omega"], t=5)
@@ -194,7 +194,7 @@ def test_what_stops_is_followed():
 
 
 def test_switches_of_what_is_left_out():
-    """A thrust through the centre of mass does not break up the time of the rotation."""
+    """A thrust through the centre of mass does not split the time of the rotation."""
     push = E.Thrust((0, 0, 5), start=0.1, end=0.2)
     scene = Scene(BODY, (push,), START, ["omega"], t=1)
     assert scene.ode.events == ()
@@ -213,7 +213,7 @@ def test_names_that_are_taken():
 
 
 def test_energy_that_changes_with_time():
-    """A field that grows puts energy in: the balance knows it without being told."""
+    """A field that grows with time puts energy in, and the balance accounts for it."""
     field = E.Custom(force=("0", "0", "-t"), energy="t*z")
     start = State(omega=(0, 0, 1), position=(0, 0, 2))
     scene = Scene(BODY, (field,), start, ["energy_balance", "work"], t=3)
@@ -224,7 +224,7 @@ def test_energy_that_changes_with_time():
 
 
 def test_how_much_rounding_a_start_may_have():
-    """A velocity that a pivot gives: as printed with seven digits, or a contradiction."""
+    """A velocity may differ from the pivot's by 0.9e-6, as printed digits do, not by 1.1e-6."""
     pivot = (E.Pivot((0, 0, 1)),)
     for excess, fine in ((0.9e-6, True), (1.1e-6, False)):
         start = State(omega=(1, 0, 0), euler=(0, 0, 0), velocity=(0, -1 - excess, 0))

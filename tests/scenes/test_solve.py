@@ -1,4 +1,4 @@
-"""Closed form of free bodies: against the integrator, and refused where it cannot be checked."""
+"""Closed form of free bodies: agrees with the integrator, and is refused where unchecked."""
 
 from importlib import import_module
 
@@ -19,7 +19,7 @@ SKEW = np.array([[0.12, 0.01, -0.015], [0.01, 0.16, 0.02], [-0.015, 0.02, 0.2]])
     "moments", [(1, 2, 3), (2, 2, 1), (1, 1, 1)], ids=["asymmetric", "symmetric", "spherical"]
 )
 def test_closed_form_and_integrator_agree(moments):
-    """The free body: elliptic functions and series give one answer for all that is watched."""
+    """Elliptic functions and series give the same values of all watched quantities."""
     names = ["omega", "quaternion", "angular_momentum_space", "axis", "nutation", "position"]
     start = gt.State(omega=(0.3, 1, 0.2), euler=(0.3, 0.5, 2), velocity=(1, 0, 2))
     scene = gt.Scene(gt.Body(moments=moments), (), start, names, t=30, accuracy=1e-11)
@@ -35,7 +35,7 @@ def test_closed_form_and_integrator_agree(moments):
 
 
 def test_closed_form_in_any_axes():
-    """A body whose principal axes are not the body axes, watched through the vertical alone."""
+    """A body with other principal axes than the body axes, watched only through the vertical."""
     start = gt.State(omega=(0.3, 1, 0.2), euler=(0.3, 0.5, 2))
     scene = gt.Scene(gt.Body(1, inertia=SKEW), (), start, ["omega", "vertical"], t=20)
     closed, stepped = scene.run(), scene.run(engine=gt.RungeKutta())
@@ -45,7 +45,7 @@ def test_closed_form_in_any_axes():
 
 
 def test_closed_form_is_not_taken_for_what_it_is_not():
-    """Damping, a pivot with weight, falling bodies that are watched: all are integrated."""
+    """Damping, a pivot with weight, falling positions and the naive law are integrated."""
     start = gt.State(omega=(0.3, 1, 0.2), euler=(0.3, 0.5, 2))
     body = gt.Body(moments=(1, 2, 3))
     for effects, watch in (
@@ -61,7 +61,7 @@ def test_closed_form_is_not_taken_for_what_it_is_not():
 
 @pytest.mark.parametrize("push", [1e-3, 1e-8, 1e-12])
 def test_next_to_the_unstable_axis(push):
-    """Where doubles lose ten digits, the closed form serves all the same, and says how well."""
+    """Where doubles lose ten digits, the closed form is used and its error is below 1e-10."""
     start = gt.State(omega=(push, 1, 0), quaternion=(1, 0, 0, 0))
     scene = gt.Scene(gt.Body(moments=(1, 2, 3)), (), start, ["omega", "matrix"], t=80)
     result = scene.run()
@@ -73,7 +73,7 @@ def test_next_to_the_unstable_axis(push):
 
 
 def test_a_closed_form_that_fails_its_check_is_not_used(monkeypatch):
-    """One part in 10^7 off: the integrator answers, and the answer is right."""
+    """A closed form off by one part in 10^7 is replaced by the integrator."""
     start = gt.State(omega=(0.3, 1, 0.2))
     scene = gt.Scene(gt.Body(moments=(1, 2, 3)), (), start, ["omega"], t=5)
     right, states = scene.run(), ClosedForm.states
@@ -85,7 +85,7 @@ def test_a_closed_form_that_fails_its_check_is_not_used(monkeypatch):
 
 
 def test_solution_of_a_closed_form():
-    """States one by one, and zeros, from an integration made when it is asked for."""
+    """States one by one come from an integration that is made on request."""
     scene = gt.Scene(gt.Body(moments=(1, 2, 3)), (), gt.State(omega=(0.1, 1, 0.1)), ["omega"], t=9)
     result = scene.run()
     assert result.solved is None
@@ -93,7 +93,7 @@ def test_solution_of_a_closed_form():
 
 
 def test_free_bodies_without_more_digits(monkeypatch):
-    """Next to an unstable axis Runge and Kutta check the closed form as far as they can."""
+    """Near an unstable axis Runge-Kutta checks the closed form as far as it can."""
     module = import_module("geomtorsion.ode.solve")  # the function of this name hides it
     monkeypatch.setattr(module, "is_available", lambda: False)
     scene = gt.scenes.load("dzhanibekov").with_values(accuracy=1e-11)
@@ -113,14 +113,14 @@ def test_free_bodies_without_more_digits(monkeypatch):
     ],
 )
 def test_numbers_whose_squares_are_no_doubles(moments, omega):
-    """Refused, with a remedy; never rates that are no numbers with an error of rounding."""
+    """Values whose squares are not doubles are refused with a remedy."""
     scene = gt.Scene(gt.Body(moments=moments), [], gt.State(omega=omega), ["omega"], t=10)
     with pytest.raises(gt.errors.StartError, match="Use other units"):
         scene.run()
 
 
 def test_a_closed_form_without_values_is_not_believed(monkeypatch):
-    """Not a number is no small difference."""
+    """Not a number is not a small difference."""
     scene = gt.Scene(gt.Body(moments=(1, 2, 2.5)), [], gt.State(omega=(1, 2, 3)), ["omega"], t=3)
     right = scene.run()
     states = ClosedForm.states
@@ -131,7 +131,7 @@ def test_a_closed_form_without_values_is_not_believed(monkeypatch):
 
 
 def test_how_many_turns_of_a_closed_form_are_checked(monkeypatch):
-    """One place in each of 32, however long the motion is: one that is wrong at 25 is found out."""
+    """One time in each of 32 turns is checked: an error at turn 25 of 40 is found."""
     t = 40 * 2 * np.pi / np.sqrt(14)
     scene = gt.Scene(gt.Body(moments=(1, 2, 2.5)), [], gt.State(omega=(1, 2, 3)), ["omega"], t=t)
     states, asked = ClosedForm.states, []
@@ -150,7 +150,7 @@ def test_how_many_turns_of_a_closed_form_are_checked(monkeypatch):
 
 
 def test_estimates_of_closed_forms_are_close():
-    """However little is asked for, the check of a closed form is accurate to 1e-9."""
+    """The check of a closed form is accurate to 1e-9, even for a low requested accuracy."""
     result = gt.scenes.load("dzhanibekov").with_values(accuracy=1e-3).run()
     assert result.closed_form
     assert result.error < 3e-9
@@ -160,10 +160,10 @@ def test_estimates_of_closed_forms_are_close():
     ("engine", "moments"), one_in(2, [None, *ENGINES], [(1, 1, 1.3), (2, 2, 1), (1, 1, 1.5)])
 )
 def test_a_long_free_symmetric_top(engine, moments):
-    """To t = 1000 against the product of two rotations with 40 digits.
+    """Up to t = 1000 it agrees with the product of two rotations with 40 digits.
 
-    At 1e-12 by the engine that is chosen. An engine in doubles cannot tell its roundings from an
-    error of some 1e-11 and refuses that: it is asked for 1e-10.
+    The chosen engine reaches 1e-12. An engine in doubles cannot distinguish its rounding from an
+    error of some 1e-11 and refuses that, so these runs request 1e-10.
     """
     omega = (0.3, 0.1, 1.0)
     scene = gt.Scene(
@@ -197,7 +197,7 @@ def test_a_long_free_symmetric_top(engine, moments):
 @pytest.mark.parametrize("accuracy", [1e-20, 1.1e-16])
 @pytest.mark.parametrize("acting", [(), (E.AngularDamping(0.1),)], ids=["free", "damped"])
 def test_an_accuracy_beyond_doubles_is_refused(acting, accuracy):
-    """What is watched is doubles; the equations themselves give more digits."""
+    """Watched quantities are doubles; solving the equations themselves gives more digits."""
     start = gt.State(omega=(0.3, 1, 0.2), euler=(0.3, 0.5, 2))
     scene = gt.Scene(gt.Body(moments=(1, 2, 3)), acting, start, ["omega"], t=1, accuracy=accuracy)
     with pytest.raises(gt.errors.AccuracyError, match=r"expected 1.11e-16 or more, got 1.*solve"):

@@ -1,6 +1,6 @@
-"""State: one attitude given in three ways, and starts that are none."""
+"""State: one attitude given in three ways, and invalid starts."""
 
-# Bad input, arrays for lists, results known to be there: more than types say.
+# The tests pass bad input and arrays for lists, and use results that could be None.
 # pyright: reportArgumentType=false
 
 from typing import Any

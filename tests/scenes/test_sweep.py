@@ -1,4 +1,4 @@
-"""Sweeps: many motions measured at once are those that are solved one by one."""
+"""Sweeps: many motions measured at once agree with single solves."""
 
 import csv
 
@@ -23,7 +23,7 @@ def flip_time(tilt):
 
 
 def test_flips_wait_for_an_elliptic_integral():
-    """From a tilt of 0.1 down to 1e-9; only the angular velocity is computed for it."""
+    """Flip times at tilts from 0.1 to 1e-9 agree with an elliptic integral."""
     tilts = np.geomspace(1e-9, 0.1, 6)
     scene = load("dzhanibekov").with_values(t=120)
     sweep = scene.sweep({"start.omega[0]": tilts}, FLIP)
@@ -34,7 +34,7 @@ def test_flips_wait_for_an_elliptic_integral():
 
 
 def test_batches_agree_with_single_runs():
-    """Parameters of effects, of the body and of the start, every combination of them."""
+    """Parameters of effects and of the start, in every combination."""
     scene = load("lagrange_cusp").with_values(t=0.5, watch=("nutation", "energy"))
     varied = {"gravity.g": [1.62, 9.81], "start.omega[2]": [80.0, 100.0, 150.0]}
     sweep = scene.sweep(varied, ["max nutation", "last energy"], engine=RungeKutta())
@@ -48,7 +48,7 @@ def test_batches_agree_with_single_runs():
 
 
 def test_equations_that_differ_are_solved_apart():
-    """A value of zero and equal moments change the equations; results do not care."""
+    """A value of zero and equal moments change the equations; results still agree."""
     scene = load("lagrange_cusp").with_values(t=0.2, watch=("nutation",))
     equal = (scene.body.moments or (0,))[0]
     paths = {"gravity.g": [0.0, 9.81], "body.moments[1]": [equal, 3e-4]}
@@ -60,7 +60,7 @@ def test_equations_that_differ_are_solved_apart():
 
 
 def test_motions_that_stop_are_run_one_by_one():
-    """The time of a fall from several heights, measured by a function of the user's."""
+    """A user's function measures the time of a fall from several heights."""
     fall = Scene(
         Body(moments=(1, 1, 1)),
         [effects.Gravity(10), effects.Custom(stop="z")],
@@ -78,7 +78,7 @@ def test_motions_that_stop_are_run_one_by_one():
 
 
 def test_tables_and_pictures(tmp_path):
-    """A row for each combination, in CSV and pandas; a curve on top; a field for two."""
+    """CSV and pandas have a row for each combination; figures are curves or, for two, fields."""
     scene = load("dzhanibekov").with_values(t=40)
     sweep = scene.sweep({"start.omega[0]": [1e-3, 1e-2], "start.omega[1]": [1.0, 2.0, 3.0]}, FLIP)
     sweep.to_csv(tmp_path / "sweep.csv")
@@ -102,7 +102,7 @@ def test_tables_and_pictures(tmp_path):
 
 
 def test_measures():
-    """Words and functions; between samples as well as at them."""
+    """Words and functions measure between samples as well as at them."""
     times = np.linspace(0, 10, 301)
     run = SweepRun(times, {"x": np.sin(times), "v": np.stack([times, -times], 1)}, {})
     made = measures(
@@ -140,7 +140,7 @@ def test_measures():
     ],
 )
 def test_what_is_refused(varied, measure, error, says):
-    """Errors of ours that name the path."""
+    """Each error is ours and names the path."""
     with pytest.raises(error, match=says):
         load("dzhanibekov").sweep(varied, measure)
     with pytest.raises(SceneError, match="together: expected lists of equal length"):
@@ -150,7 +150,7 @@ def test_what_is_refused(varied, measure, error, says):
 
 
 def test_whole_vectors():
-    """Attitudes have four numbers that go together; each is a column of the table."""
+    """An attitude has four numbers that vary together; each is a column of the table."""
     turns = [(1, 0, 0, 0), (0.6, 0.8, 0, 0), (0.6, 0, 0, -0.8)]
     scene = load("dzhanibekov").with_values(t=1, watch=("omega_space",))
     sweep = scene.sweep({"start.quaternion": turns, "start.omega[0]": [0.1, 0.2]}, LAST)
@@ -172,7 +172,7 @@ LAST = "last omega_space[2]"
 
 
 def test_members_that_fail():
-    """Those that end in a pole have no value, and that is said; the others are as ever."""
+    """A motion that ends at a pole has no value and is reported; the others are unaffected."""
     pole = effects.Custom(force=("k*x**3", 0, 0), parameters={"k": 1.0})
     start = State(position=(1, 0, 0), velocity=(1, 0, 0))
     scene = Scene(Body(moments=(1, 2, 2.5)), [pole], start, ["position"], t=1.2)
@@ -191,13 +191,13 @@ def test_members_that_fail():
 
 @pytest.mark.parametrize("column", [3.0, ["a", "b"], [(1, 2), (1, 2, 3)]])
 def test_columns_that_are_none(column):
-    """One number, words, vectors of unequal length."""
+    """One number, words, and vectors of unequal length are refused."""
     with pytest.raises(SceneError, match="a list of numbers, or of vectors"):
         load("dzhanibekov").sweep({"body.moments": column}, FLIP)
 
 
 def test_batches_in_parts(monkeypatch):
-    """Where not all motions fit into memory at once, they are solved in parts, to the same end."""
+    """Motions that do not all fit into memory are solved in parts, with the same result."""
     scene, varied = load("lagrange_cusp").with_values(t=0.2), {"gravity.g": [9.7, 9.8, 9.9]}
     whole = scene.sweep(varied, "max nutation")
     monkeypatch.setattr("geomtorsion.scenes.sweep.LARGEST_BATCH", 10_000)
@@ -226,7 +226,7 @@ def test_each_motion_of_a_sweep_has_its_own_error():
 
 @needs_heyoka
 def test_only_motions_that_need_more_digits_are_solved_singly(monkeypatch):
-    """Up to t = 22 the one on the separatrix needs more than doubles; it alone is solved again."""
+    """Only the motion on the separatrix needs more than doubles up to t = 22: it is redone."""
     scene = Scene(
         Body(moments=(1, 1, 1), mass=1),
         [effects.Gravity(2), effects.Pivot((0, 0, -1))],
@@ -255,7 +255,7 @@ def test_only_motions_that_need_more_digits_are_solved_singly(monkeypatch):
 
 
 def test_each_free_body_of_a_sweep_is_checked():
-    """Closed forms have errors of their own, too, wherever in the sweep they stand."""
+    """Each closed form of a sweep has its own error, independent of the other motions."""
     scene = load("dzhanibekov").with_values(t=60)
     tilts = [1e-7, 1e-4, 1e-1]
     sweep = scene.sweep({"start.omega[0]": tilts}, FLIP)
@@ -269,7 +269,7 @@ def test_each_free_body_of_a_sweep_is_checked():
 
 @pytest.mark.parametrize("engine", [None, RungeKutta()])
 def test_an_interruption_keeps_what_was_measured(engine):
-    """Ctrl-C in a sweep: what is finished stays, and the rest is named."""
+    """After Ctrl-C in a sweep the finished values are kept, and the rest is named."""
     scene = load("lagrange_cusp").with_values(t=0.1)
     masses = [0.4, 0.5, 0.6]
     whole = scene.sweep({"body.mass": masses}, "last nutation", engine=engine)
@@ -293,7 +293,7 @@ def test_an_interruption_keeps_what_was_measured(engine):
 
 
 def test_names_that_a_sweep_does_not_have_are_told():
-    """A KeyError said nothing of what there is."""
+    """An unknown name is refused with the known names, not with a KeyError."""
     found = load("lagrange_cusp").sweep({"gravity.g": [9.0]}, "last nutation")
     assert found["gravity.g"].tolist() == [9.0]
     with pytest.raises(UnknownNameError, match="Did you mean last nutation"):
@@ -303,7 +303,7 @@ def test_names_that_a_sweep_does_not_have_are_told():
 
 
 def test_last_times_and_accuracies_that_are_varied():
-    """All were solved to the time of the first: two last times gave one value."""
+    """Each motion is solved to its own last time and accuracy."""
     scene = load("lagrange_cusp").with_values(watch=["nutation"], t=0.1)
     found = scene.sweep({"t": [0.1, 0.2], "accuracy": [1e-6, 1e-10]}, "last nutation")
     alone = [scene.with_values(t=t).run()["nutation"][-1] for t in (0.1, 0.2)]
@@ -313,7 +313,7 @@ def test_last_times_and_accuracies_that_are_varied():
 
 
 def test_each_body_of_a_sweep_has_its_own_axis_of_symmetry():
-    """The axis was that of the first body, where the equations of all are written alike."""
+    """Each body has its own axis, even where all equations are written alike."""
     turned = np.array([[1.0, 0, 0], [0, 0.8, -0.6], [0, 0.6, 0.8]])
     bodies = [np.diag(moments) for moments in ((1.0, 1.0, 1.5), (1.0, 1.5, 1.0))]
     tensors = [turned @ body @ turned.T for body in bodies]

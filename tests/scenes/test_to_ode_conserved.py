@@ -1,4 +1,4 @@
-"""Conserved: what a scene is said to keep is kept, and what is not kept is not said to be."""
+"""Conserved: a scene reports exactly the quantities that it conserves."""
 
 import numpy as np
 import pytest
@@ -44,7 +44,7 @@ ROTATION = {"rotational_energy", "angular_momentum_space", "angular_momentum_squ
     ids=lambda value: None,
 )
 def test_what_is_kept(body, acting, kept):
-    """By Noether: energy, momentum and angular momenta, as the symmetry of the effects is."""
+    """Noether: the symmetry of the effects gives energy, momentum and angular momenta."""
     scene = Scene(body, acting, START, ALL, t=1)
     assert set(scene.ode.invariants) == kept
     drift = scene.run(engine=None).drift
@@ -53,19 +53,19 @@ def test_what_is_kept(body, acting, kept):
 
 
 def test_only_what_the_states_make():
-    """Energy of translation is not asked for: it costs states."""
+    """The energy of translation is not added, because it would need more states."""
     scene = Scene(ASYMMETRIC, (E.Gravity(),), START, ["omega"], t=1)
     assert set(scene.ode.invariants) == {"rotational_energy", "angular_momentum_squared"}
 
 
 def test_a_switch_does_not_fool_the_proof():
-    """Before its start a thrust is zero, and yet the energy is no invariant."""
+    """Before its start a thrust is zero, and yet the energy is not an invariant."""
     scene = Scene(ASYMMETRIC, (E.Thrust((0, 0, 1), start=0.5),), START, ["energy"], t=1)
     assert "energy" not in scene.ode.invariants
 
 
 def test_the_wrong_law_shows_what_it_breaks():
-    """Drifts of the naive law are those of what the right one keeps."""
+    """The drifts of the naive law are drifts of the right law's invariants."""
     scene = Scene(ASYMMETRIC, (E.Naive(),), START, ["matrix", "energy"], t=3)
     drift = scene.run().drift
     assert drift["angular_momentum_space"] > 0.01
@@ -85,14 +85,14 @@ def test_close_misses_are_seen():
 
 
 def test_forces_beyond_all_numbers():
-    """What has no double at the places of the proof is not worked out in more digits."""
+    """A torque without a double at the sample points gives no invariant."""
     huge = E.BodyMoment(("0", "0", "exp(exp(exp(exp(t + 10))))"))
     scene = Scene(ASYMMETRIC, (huge,), START, ["omega"], t=1)
     assert "rotational_energy" not in scene.ode.invariants
 
 
 def test_the_drift_of_a_balance_is_how_far_it_moved():
-    """Energy less work, against the energies themselves: never zero where the balance moves."""
+    """The drift is the change of energy less work, relative to the energies, and not zero here."""
     scene = load("missile")
     watch = (*scene.watch, "energy_balance", "kinetic_energy")
     for accuracy in (1e-6, 1e-9):

@@ -15,7 +15,7 @@ from geomtorsion.spaces.s7 import structure_constants as octonion_constants
 
 @pytest.mark.parametrize("name", TYPES)
 def test_structure_constants_satisfy_jacobi(name: str) -> None:
-    """Antisymmetric, and the cyclic sum of double commutators vanishes."""
+    """Structure constants are antisymmetric and satisfy Jacobi's identity."""
     kind = TYPES[name]
     c = structure_constants(kind.n, kind.a)
     for i, j, k in pairs(range(3), repeat=3):

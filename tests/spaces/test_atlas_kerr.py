@@ -1,6 +1,6 @@
-"""Charts of Kerr's space: no digits cancel near axis, horizons and a = M; closed forms behind."""
+"""Charts of Kerr's space: no digits cancel near axis, horizons and a = M; closed forms inside."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# Tests pass what users pass, wrong input included, and read values that may be missing.
 # pyright: reportArgumentType=false, reportOptionalMemberAccess=false
 
 from functools import cache
@@ -63,7 +63,7 @@ def maps():
 
 @pytest.mark.parametrize(("pair", "a"), one_in(4, list(maps()), SPINS))
 def test_maps_lose_no_digits(pair, a):
-    """In double precision 1e-13 of each coordinate, and what a rounding of the point makes."""
+    """In doubles each coordinate is right to 1e-13, plus the effect of rounding the point."""
     change, numbers, counted = maps()[pair], {"M": 1.0, "a": a}, 0
     for q in places(change.source, a):
         want = exactly(change, q, numbers)
@@ -89,7 +89,7 @@ def test_maps_lose_no_digits(pair, a):
 )
 @pytest.mark.parametrize(("a", "beside"), [(1.0, 1 - 1e-24), (0.0, 1e-24)])
 def test_maps_have_limits(pair, q, a, beside):
-    """At a = M and a = 0 the values beside it, as numbers of any precision."""
+    """At a = M and a = 0 maps give the limits of neighbouring values, at any precision."""
     change = maps()[pair]
     with mpmath.workdps(60):
         near = 1 - mpmath.mpf(10) ** -24 if a else mpmath.mpf(10) ** -24
@@ -103,14 +103,14 @@ def test_maps_have_limits(pair, q, a, beside):
     ("chart", "a"), one_in(6, atlas_of(load("kerr").frame).names, (0.0, *SPINS, 1.0))
 )
 def test_rates_lose_no_digits(chart, a):
-    """Rates of a geodesic, relative to the largest of their kind, against 60 digits."""
+    """Rates of a geodesic agree with 60 digits, relative to the largest of their kind."""
     u, numbers = [1.2, -0.4, 0.2, 0.36], {"M": 1.0, "a": a}
     problem = geodesic(load("kerr").frame, [0, 8, 1, 0], frame_velocity=u, parameters=numbers)
     equations, place = problem.equations(chart), problem.atlas.chart(chart)
     rates, counted = equations.system.rates.numpy(), 0
     for q in places(chart, a or 1e-300):
         values = dict(zip(equations.states, q + u, strict=True)) | numbers
-        # Near their edges the charts are left.
+        # Motions leave the charts near their edges.
         if place.distance({name: values[name] for name in place.names} | numbers) < 1:
             continue
         got = rates(*(values[name] for name in (*equations.states, *equations.parameters)))
@@ -153,11 +153,11 @@ def without_momentum(r, theta, radial, polar, a):
 
 @cache
 def finest_polar_orbit():
-    """The orbit below by the usual engine, which is the truth for all of them."""
+    """The orbit below by the default engine, used as the truth for all engines."""
     return solve(without_momentum(12.0, np.pi / 2, 0.0, 0.35, 0.6), [100.0, 300.0], 1e-13)
 
 
-# Other engines go over the poles in the normal run, too: test_polar_orbit_of_kerr of the curves.
+# In the normal run test_polar_orbit_of_kerr of the curves takes other engines over the poles.
 POLAR = [pytest.param(engine, accuracy, marks=() if (engine, accuracy) == (ENGINES[-1], 1e-9)
                       else pytest.mark.slow)
          for engine, accuracy in product(ENGINES, (1e-9, 1e-12))]  # fmt: skip
@@ -165,7 +165,7 @@ POLAR = [pytest.param(engine, accuracy, marks=() if (engine, accuracy) == (ENGIN
 
 @pytest.mark.parametrize(("engine", "accuracy"), POLAR)
 def test_a_polar_orbit(engine, accuracy):
-    """From r = 12 over both poles, at each accuracy to the same place."""
+    """An orbit from r = 12 over both poles reaches the same point at each accuracy."""
     sol = solve(without_momentum(12.0, np.pi / 2, 0.0, 0.35, 0.6), [100.0, 300.0], accuracy, engine)
     assert set(sol.charts) == {"kerr", "axis"}
     assert sol.error <= accuracy
@@ -178,7 +178,7 @@ def test_a_polar_orbit(engine, accuracy):
     "accuracy", [1e-7, *(pytest.param(x, marks=pytest.mark.slow) for x in (1e-9, 1e-11))]
 )
 def test_a_polar_plunge_says_why_it_ends(accuracy):
-    """Turned round inside, it comes back to the inner horizon, where ingoing v is infinite."""
+    """After turning inside, it returns to the inner horizon, where ingoing v is infinite."""
     problem = without_momentum(6.0, 1.5, -0.3, 0.1, 0.9)
     with pytest.raises(ChartEdgeError, match="leaves through a horizon outwards") as caught:
         solve(problem, 40.0, accuracy)
@@ -198,7 +198,7 @@ def test_without_spin_it_is_schwarzschild():
         for name, numbers in (("kerr", {"M": 1, "a": 0}), ("schwarzschild", {"M": 1}))
     )
     one, two = kerr_schild(kerr, 0.0), plain.in_chart("kerr_schild")
-    # The one T counts log(r - 2 M), the other one log(r / (2 M) - 1).
+    # One T contains log(r - 2 M), the other log(r / (2 M) - 1).
     one[:, 0] -= 2 * np.log(2)
     assert np.linalg.norm(two[-1, 1:]) < 1.9
     assert np.abs(one - two).max() < 1e-9
@@ -207,8 +207,8 @@ def test_without_spin_it_is_schwarzschild():
 def test_an_extremal_plunge():
     """a = M, E = 1, L = a on the equator: with s^2 = 2 M r - a^2 all is closed.
 
-    r' = -s / r, so that (s^3 / 3 + a^2 s) / (2 M^2) falls by the proper time; phi_in changes by
-    2 M / (s + M), and v' = (r^2 + a^2) / (r (r + s)).
+    r' = -s / r, so that (s^3 / 3 + a^2 s) / (2 M^2) falls by the proper time; phi_in changes by 2 M
+    / (s + M), and v' = (r^2 + a^2) / (r (r + s)).
     """
     r, a = 6.0, 1.0
     s, root = np.sqrt(2 * r - 1), r - 1
@@ -235,7 +235,7 @@ def test_an_extremal_plunge():
 
 
 def test_near_extremal_reading():
-    """Kerr-Schild coordinates at a = 1 - 1e-9: the start, as worked out in 50 digits."""
+    """Kerr-Schild coordinates of the start at a = 1 - 1e-9 agree with 50 digits."""
     a, start = 1 - 1e-9, [0.0, 4.0, 1.1, 0.3]
     problem = geodesic(
         load("kerr").frame, start, frame_velocity=[1.2, 0.1, 0.2, 0.3],

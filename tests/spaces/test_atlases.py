@@ -1,4 +1,4 @@
-"""Charts of shipped spaces take motions on where coordinates end, against closed forms."""
+"""Charts of shipped spaces continue motions where coordinates end, as closed forms show."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from geomtorsion.rigid.attitude import product
 from geomtorsion.spaces import load
 from tests.ode.engines import every_engine
 
-# Starts, and the part of u by which the quaternion turns.
+# Starts, and the share of u by which the quaternion rotates.
 GROUPS = {
     "so3_quaternion": ([0.1, 0.2, 0.3], 0.5),
     "so3_rodrigues": ([0.1, 0.2, 0.3], 0.5),
@@ -41,7 +41,7 @@ def test_turning_at_a_constant_rate(name, charts, engine):
     (there,) = atlas.route(name, "quaternion")
     for found in (sol.in_chart("quaternion"), there(sol.coordinates.T, {}).T):
         signs = np.sign((found * want).sum(axis=1, keepdims=True))
-        # The angles of Hopf's circles are known to a part of their size, which grows.
+        # The error of Hopf's angles is relative to their size, which grows.
         assert np.abs(signs * found - want).max() < 5e-9
     assert np.isfinite(sol.at(2.8).coordinates).all()
     if name == "so3_quaternion":
@@ -50,7 +50,7 @@ def test_turning_at_a_constant_rate(name, charts, engine):
 
 @pytest.mark.parametrize(("least", "left"), [(0.24, True), (0.26, False)])
 def test_how_near_a_pole_angles_are_kept(least, left):
-    """A great circle that passes a pole of the sphere where the sine is a quarter."""
+    """A great circle leaves its angles where the sine at a pole is below a quarter."""
     away = np.arccos(least)
     problem = geodesic(
         load("s2").frame, [np.pi / 2, 0.3], frame_velocity=[-np.sin(away), least],
@@ -61,7 +61,7 @@ def test_how_near_a_pole_angles_are_kept(least, left):
 
 @pytest.mark.parametrize(("least", "left"), [(0.095, True), (0.105, False)])
 def test_how_near_an_axis_angles_are_kept(least, left):
-    """A straight line in the plane, in polar coordinates to a tenth from their origin."""
+    """A straight line leaves polar coordinates within a tenth of their origin."""
     sine = least / 2
     problem = geodesic(
         load("flat_polar").frame, [2, 0.3], frame_velocity=[-np.sqrt(1 - sine**2), sine]
@@ -70,7 +70,7 @@ def test_how_near_an_axis_angles_are_kept(least, left):
 
 
 def test_autoparallels_go_on_too():
-    """Turning about a fixed axis of the body, a law about the frame: charts keep the frame."""
+    """Rotation around a fixed axis of the body, an autoparallel: its chart keeps the frame."""
     so3 = load("so3_quaternion").frame
     sol = solve(autoparallel(cartan(so3), [0.1, 0.2, 0.3], frame_velocity=[0.2, 0.1, 1]), 3.0)
     assert sol.charts == ("quaternion",)
@@ -78,7 +78,7 @@ def test_autoparallels_go_on_too():
 
 @every_engine
 def test_a_great_circle_of_the_seven_sphere(engine):
-    """Through the antipode, which lies at infinity: x = n tan(t / 2)."""
+    """Through the antipode, which is at infinity: x = n tan(t / 2)."""
     n = np.array([2.0, -1.0, 0.0, 1.0, 1.0, 1.0, 1.0]) / 3
     problem = geodesic(load("s7").frame, [0.0] * 7, frame_velocity=n.tolist())
     times = np.array([1.0, 3.0, 3.2, 5.0])

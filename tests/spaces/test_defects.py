@@ -1,4 +1,4 @@
-"""The defects of crystals: what a loop around the line gathers, summed directly."""
+"""Defects of crystals: the Burgers vector of a loop around the line, summed directly."""
 
 import math
 
@@ -18,7 +18,7 @@ def parameter(frame: Frame, name: str) -> sp.Symbol:
 
 
 def gathered(name: str, radius: float, values: dict[str, float]) -> np.ndarray:
-    """Sum of the coframe along a circle about the z axis; spectrally exact for these frames."""
+    """Sum of the coframe along a circle around the z axis; spectrally exact for these frames."""
     frame = load(name).frame
     constants = {parameter(frame, key): value for key, value in values.items()}
     columns = range(3)
@@ -46,13 +46,13 @@ def gathered(name: str, radius: float, values: dict[str, float]) -> np.ndarray:
 def test_burgers_vector_of_a_line(
     name: str, values: dict[str, float], burgers: tuple[float, ...], radius: float
 ) -> None:
-    """Every loop about the line gathers b, whatever its radius."""
+    """Every loop around the line gives b, whatever its radius."""
     assert gathered(name, radius, values) == pytest.approx(burgers, abs=1e-12)
 
 
 @pytest.mark.parametrize("radius", [0.5, 2.0])
 def test_burgers_vector_of_a_core(radius: float) -> None:
-    """With a core of radius c a loop of radius r gathers b r^2 / (r^2 + c^2), the flux."""
+    """With a core of radius c a loop of radius r gives b r^2 / (r^2 + c^2), the flux."""
     b, c = 0.25, 0.8
     frame = load("screw_core").frame
     x, y, _ = frame.coordinates
@@ -90,7 +90,7 @@ def test_the_edge_dislocation_is_in_elastic_equilibrium() -> None:
 
 
 def test_the_disclination_comes_back_turned() -> None:
-    """One turn about the axis turns the multivalued legs by 2 pi alpha, the periodic ones not."""
+    """A turn around the axis rotates multivalued legs by 2 pi alpha, and periodic legs not."""
     for name, turned in (("wedge_disclination", True), ("wedge_disclination_periodic", False)):
         frame = load(name).frame
         _, phi, _ = frame.coordinates

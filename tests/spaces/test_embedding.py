@@ -1,4 +1,4 @@
-"""Embeddings: what is drawn is the space, checked against its coframe by differences."""
+"""Embeddings: the drawn surface is the space, checked against its coframe by differences."""
 
 from dataclasses import replace
 
@@ -48,20 +48,20 @@ def test_attitudes_turn_as_the_coframe_says(name):
 # The scale of frw is an unknown function: nothing is claimed, nothing can be checked.
 @pytest.mark.parametrize("name", sorted(set(DRAWN) - {"frw"}))
 def test_isometric_means_isometric(name):
-    """Lengths in the picture are lengths in the metric where that is claimed."""
+    """An embedding has the lengths of the metric exactly where it is marked as isometric."""
     embedding, point, values, coframe = at_sample(name)
     if not embedding.place:
         return
     rows = slopes(embedding.places, point, values)
     metric = coframe.T @ coframe
     if name == "r3xso3":
-        # Only the place is drawn in space; attitudes are drawn on the globe.
+        # Only the position is drawn in space; attitudes are drawn on the globe.
         rows, metric = rows[3:], metric[3:, 3:]
     assert np.allclose(rows @ rows.T, metric, atol=1e-8) == embedding.isometric
 
 
 def test_a_name_is_not_enough():
-    """A frame that is only called s2 is not drawn on a sphere."""
+    """A frame that is only named s2 is not drawn on a sphere."""
     frame = load("s2").frame
     impostor = Frame(frame.coordinates, [[1, 0], [0, 1]], name="s2")
     assert embedding_of(impostor) is None
@@ -69,7 +69,7 @@ def test_a_name_is_not_enough():
 
 
 def test_a_file_that_is_the_sphere_is_drawn_as_one(tmp_path):
-    """The coframe decides, not where it came from."""
+    """The coframe decides, not its origin."""
     file = tmp_path / "s2.toml"
     file.write_text(
         'name = "s2"\ncoordinates = ["theta", "phi"]\nparameters = {R = "positive"}\n'
@@ -81,7 +81,7 @@ def test_a_file_that_is_the_sphere_is_drawn_as_one(tmp_path):
 
 
 def test_values_against_what_was_declared():
-    """Of the radius of a sphere."""
+    """The radius of a sphere must be positive, as declared."""
     embedding, point, values, _ = at_sample("s2")
     with pytest.raises(
         CoordinateError,

@@ -1,4 +1,4 @@
-"""file charts: motions go on in the charts of a file, whose maps are checked when it is read."""
+"""File charts: motions continue in the charts of a file, whose maps are checked when read."""
 
 import pickle
 
@@ -62,7 +62,7 @@ margin = "1/4"
 
 @pytest.fixture
 def space(tmp_path):
-    """A function from text to the space that it describes."""
+    """A function from text to the described space."""
 
     def read(text):
         file = tmp_path / "own.toml"
@@ -74,7 +74,7 @@ def space(tmp_path):
 
 @every_engine
 def test_through_the_origin(space, engine):
-    """A straight line, a hair beside the origin of polar coordinates."""
+    """A straight line very close to the origin of polar coordinates."""
     found = solve(geodesic(space(PLANE).frame, [1, 0], [-1, 1e-9]), 3.0, engine=engine)
     assert found.charts.count("cartesian") == 1
     x, y = found.in_chart("cartesian").T
@@ -121,7 +121,7 @@ def test_signature_is_that_of_the_file(space):
 
 
 def test_laws_about_the_frame_stay_in_it(space):
-    """Autoparallels of the Cartan connection are about this frame, which the others do not keep."""
+    """Autoparallels of the Cartan connection depend on this frame, which other charts change."""
     plane = space(PLANE).frame
     assert autoparallel(cartan(plane), [1, 0], [1, 0]).charts == ("plane",)
     kept = PLANE + "keeps_frame = true\n"
@@ -158,7 +158,7 @@ def test_copies(space):
     ],
 )  # fmt: skip
 def test_bad_charts(space, old, new, says):
-    """Each is refused with the place in the file."""
+    """Each bad chart is refused with its key in the file."""
     assert old in PLANE
     with pytest.raises((FileFormatError, ValueError), match=says) as caught:
         space(PLANE.replace(old, new))

@@ -1,4 +1,4 @@
-"""Tetrad files: what they say becomes a space; what they get wrong is named, with the remedy."""
+"""Tetrad files: contents become a space; each mistake is named, with the remedy."""
 
 import copy
 from pathlib import Path
@@ -43,7 +43,7 @@ def components(space, name):
 
 
 def test_a_coframe():
-    """Rows are one-forms; name, title, story and parameter arrive."""
+    """Rows are one-forms; name, story and parameter are read."""
     space = read_file(DATA / "rindler.toml")
     assert (space.name, space.source) == ("rindler", "rindler.toml")
     assert "rocket" in space.story
@@ -59,7 +59,7 @@ def test_a_coframe():
 
 
 def test_a_metric_agrees_with_the_shipped_space():
-    """From the metric alone, Schwarzschild's curvature is that of the shipped tetrad."""
+    """From its metric, Schwarzschild's curvature equals the curvature of the shipped tetrad."""
     own, shipped = read_file(DATA / "schwarzschild.toml"), load("schwarzschild")
     assert own.name == "hole"
     for name in ("riemann", "kretschmann", "christoffel"):
@@ -70,7 +70,7 @@ def test_a_metric_agrees_with_the_shipped_space():
 
 
 def test_an_unknown_function_and_a_sparse_coframe():
-    """With a = ["t"] declared, a and a(t) are the same; the name defaults to that of the file."""
+    """With a = ["t"] declared, a and a(t) are the same; the name defaults to the file's."""
     own, shipped = read_file(DATA / "universe.toml"), load("frw_flat")
     assert own.name == "universe"
     assert components(own, "einstein") == components(shipped, "einstein")
@@ -85,14 +85,14 @@ def test_legs_stand_in_columns():
 
 
 def test_structure_constants_are_completed():
-    """One order of the first two indices is enough; coordinates are made up."""
+    """One order of the first two indices is enough; coordinates are generated."""
     frame = read_file(DATA / "nil.toml").frame
     assert frame.dimension == 3
     assert frame.anholonomy.nonzero() == {(0, 1, 2): -1, (1, 0, 2): 1}
 
 
 def test_structure_constants_as_nested_lists(read):
-    """Nested lists are taken as they stand, both orders given."""
+    """Nested lists are taken as given, with both orders."""
     text = "structure_constants = [[[0, 0], [0, 1]], [[0, -1], [0, 0]]]"
     assert read(text).frame.anholonomy.nonzero() == {(0, 1, 1): -1, (1, 0, 1): 1}
     with pytest.raises(StructureConstantError):
@@ -137,7 +137,7 @@ def test_a_spin_connection_and_coefficients(read):
     ],
 )
 def test_assumptions_reach_the_symbols(read, given, check):
-    """What a file says about a parameter is what sympy knows about it."""
+    """Assumptions of a file become assumptions of sympy's symbols."""
     text = PLANE + f'parameters = {{b = "{given}"}}\ncoframe = [[1, 0], [0, "b*r"]]'
     [b] = read(text).frame.parameters
     assert getattr(b, check)
@@ -145,14 +145,14 @@ def test_assumptions_reach_the_symbols(read, given, check):
 
 
 def test_assumptions_may_be_a_list(read):
-    """Two words or a list of two mean the same."""
+    """A list of words means the same as the words in one text."""
     text = PLANE + 'parameters = {b = ["real", "nonzero"]}\ncoframe = [[1, 0], [0, "b*r"]]'
     [b] = read(text).frame.parameters
     assert b.is_nonzero
 
 
 def test_names_of_quantities(read):
-    """They may hold parameters, unknown functions and names above them, and stay with the frame."""
+    """Names may contain parameters, functions and names above them; the frame keeps them."""
     text = PLANE + (
         'parameters = ["b"]\nfunctions = {f = ["r"]}\n'
         'coframe = [["f(r)**2 + b", 0], [0, "r*(f(r)**2 + b) + b"]]\n'
@@ -232,7 +232,7 @@ def test_names_of_quantities(read):
     ],
 )
 def test_mistakes_in_the_form(read, text, message):
-    """Each mistake is named with the key, what was needed and what came."""
+    """Each mistake is named with the key, the expected input and the given one."""
     with pytest.raises(FileFormatError, match=f"(?s)^own.toml: .*{message}"):
         read(text)
 
@@ -254,19 +254,19 @@ def test_mistakes_in_the_form(read, text, message):
     ],
 )
 def test_mistakes_in_an_expression(read, entry, message):
-    """Each is named with its entry; nothing is run."""
+    """Each mistake is named with its entry; nothing is run."""
     with pytest.raises(ExpressionError, match=f"(?s){message}"):
         read(PLANE + f"coframe = [[1, 0], [0, {entry}]]")
 
 
 def test_a_singular_coframe(read):
-    """The error of the frame itself comes through."""
+    """The error of the frame itself is raised."""
     with pytest.raises(CoframeError, match="determinant"):
         read(PLANE + 'coframe = [["r", 1], ["r^2", "r"]]')
 
 
 def test_files_that_cannot_be_read(tmp_path):
-    """A file that is missing, a directory, or no text."""
+    """A missing file, a directory and a binary file are refused."""
     with pytest.raises(FileFormatError, match="cannot be read: No such file"):
         read_file(tmp_path / "missing.toml")
     with pytest.raises(FileFormatError, match="cannot be read"):

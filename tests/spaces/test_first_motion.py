@@ -1,4 +1,4 @@
-"""First motions: where a look at a space begins."""
+"""First motions: the default start of a motion in a space."""
 
 import pytest
 import sympy as sp
@@ -19,7 +19,7 @@ T, R, THETA, PHI = sp.symbols("t r theta phi")
     ],
 )
 def test_radii_and_angles_are_in_their_usual_range(coordinates, entries):
-    """Without a domain: r is positive, theta between the poles."""
+    """Without a domain r is positive and theta between the poles."""
     motion = first_motion(gt.Frame(coordinates, sp.diag(*entries)))
     start = dict(zip(coordinates, motion.start, strict=True))
     assert start[R] > 0
@@ -27,13 +27,13 @@ def test_radii_and_angles_are_in_their_usual_range(coordinates, entries):
 
 
 def test_a_domain_decides():
-    """What the user says about signs holds."""
+    """A sign declared by the user's domain decides the start."""
     frame = gt.Frame([R, PHI], sp.diag(1, R), domain=[R < 0])
     assert first_motion(frame).start[0] < 0
 
 
 def test_plain_coordinates_keep_their_signs():
-    """Where no sign matters, the sample point is as good as another."""
+    """Where signs do not matter, the sample point is used."""
     assert min(first_motion(gt.spaces.load("sol").frame).start) < 0
 
 
@@ -47,7 +47,7 @@ def test_plain_coordinates_keep_their_signs():
     ],
 )
 def test_the_start_suits_the_parameters(name, parameters):
-    """With other values the domain is another, and the start lies in it."""
+    """With other values the domain changes, and the start is in it."""
     frame = gt.spaces.load(name).frame
     motion = first_motion(frame, parameters)
     symbols = (*frame.coordinates, *frame.parameters)
@@ -57,6 +57,6 @@ def test_the_start_suits_the_parameters(name, parameters):
 
 
 def test_a_start_that_suits_stays():
-    """The one that was chosen for the space, also on the very edge of its domain."""
+    """The space's chosen start is kept if valid, also on the very edge of its domain."""
     frame = gt.spaces.load("schwarzschild").frame
     assert first_motion(frame, {"M": 1.5}).start == first_motion(frame).start

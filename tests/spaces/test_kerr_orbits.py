@@ -1,4 +1,4 @@
-"""Kerr orbits: constants and frequencies against published values and long integrations."""
+"""Kerr orbits: constants and frequencies agree with published values and long integrations."""
 
 import math
 
@@ -32,7 +32,7 @@ def test_published_frequencies():
 @pytest.mark.parametrize("r", [6.5, 10, 1e3, 1e6])
 @pytest.mark.parametrize("x", [1, 0.3, 0, -1])
 def test_circles_without_spin(r, x):
-    """Omega = r^(-3/2), radial r^-2 sqrt(r - 6): Schwarzschild's, however they are inclined."""
+    """Omega = r^(-3/2), radial r^-2 sqrt(r - 6): Schwarzschild's, at any inclination."""
     orbit = gt.kerr_orbit(0, r, 0, x)
     found = orbit.frequencies
     assert found.radial == pytest.approx(math.sqrt(r - 6) / r**2, rel=1e-14)
@@ -53,7 +53,7 @@ def test_circles_in_the_equator(a, sense):
 
 @pytest.mark.parametrize("shape", ORBITS)
 def test_the_orbit_in_mino_time_is_the_geodesic(shape):
-    """The curve of gt.geodesic, solved in proper time, is where Mino's equations lead."""
+    """The curve of gt.geodesic, solved in proper time, agrees with Mino's equations."""
     orbit = gt.kerr_orbit(*shape)
     mino = gt.solve(orbit.mino(), 3 * 2 * math.pi / orbit.mino_frequencies.radial)
     curve = gt.solve(orbit.geodesic(), float(mino["tau"][-1]))
@@ -61,7 +61,7 @@ def test_the_orbit_in_mino_time_is_the_geodesic(shape):
     turns = 2 * math.pi * round((expected[3] - curve.coordinates[-1, 3]) / (2 * math.pi))
     assert curve.coordinates[-1] + [0, 0, 0, turns] == pytest.approx(expected, rel=1e-7)
     assert mino["r"][-1] == pytest.approx(orbit.radii[1], rel=1e-8)
-    # The largest and smallest radius of the curve are those of the shape.
+    # The curve has the largest and the smallest radius of the shape.
     r = curve.at(np.linspace(0, curve.times[-1], 4001)).coordinates[:, 1]
     p, e = shape[1:3]
     assert (r.min(), r.max()) == pytest.approx((p / (1 + e), p / (1 - e)), rel=1e-5)
@@ -69,7 +69,7 @@ def test_the_orbit_in_mino_time_is_the_geodesic(shape):
 
 @pytest.mark.parametrize("shape", ORBITS)
 def test_frequencies_of_a_long_integration(shape):
-    """Means over a few hundred radial periods come as near as their length allows."""
+    """Means over a few hundred radial periods agree as well as their length allows."""
     orbit = gt.kerr_orbit(*shape)
     slow, fast = orbit.mino_frequencies, orbit.frequencies
     turns = 300
@@ -99,7 +99,7 @@ def test_through_the_equator_and_over_the_poles():
 
 
 def test_constants_are_those_of_the_curve():
-    """E, L and Carter's constant, read off the frame velocities of the geodesic."""
+    """E, L and Carter's constant agree with the frame velocities of the geodesic."""
     orbit = gt.kerr_orbit(0.9, 6, 0.3, 0.5)
     a, r = orbit.a, orbit.radii[1]
     u = orbit.geodesic().frame_velocity
@@ -124,7 +124,7 @@ def test_constants_are_those_of_the_curve():
     ],
 )
 def test_refusals(shape, words):
-    """Shapes that no bound orbit has."""
+    """Shapes without a stable bound orbit are refused."""
     with pytest.raises(StartError, match=words):
         gt.kerr_orbit(*shape)
     assert gt.kerr_orbit(0, 7.01, 0.5, 1).energy < 1

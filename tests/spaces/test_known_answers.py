@@ -1,4 +1,4 @@
-"""Every shipped space against the closed forms that are known about it, by exact equality."""
+"""Every shipped space agrees exactly with its known closed forms."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -14,13 +14,13 @@ from geomtorsion.spaces.space import Closed, Index, KnownAnswer, Space
 
 @cache
 def shared(name: str) -> Space:
-    """A space that several tests may look at: it never changes."""
+    """A space shared between tests: it never changes."""
     return load(name)
 
 
 @pytest.mark.parametrize("name", names())
 def test_known_answers(name: str) -> None:
-    """All closed forms agree, and what they say vanishes does vanish."""
+    """All closed forms agree, and listed zeros vanish."""
     space = shared(name)
     quantities = {answer.quantity for answer in space.known}
     assert quantities & {"torsion", "connection_torsion"}, "no closed form of the torsion"
@@ -31,7 +31,7 @@ def test_known_answers(name: str) -> None:
 
 @pytest.mark.parametrize("name", names())
 def test_every_answer_can_be_wrong(name: str) -> None:
-    """Doubling what an answer says, or adding one to a zero, is found in exactly that place."""
+    """A doubled answer, or one added to a zero, is found at exactly that index."""
     space = shared(name)
     for answer in space.known:
         given = answer.components
@@ -46,7 +46,7 @@ def test_every_answer_can_be_wrong(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["so3", "schwarzschild", "kerr_kinnersley"])
 def test_wrong_answers_are_detected(name: str) -> None:
-    """A closed form that is off by a little, or that forgets a component, is caught."""
+    """A closed form that is off by a little, or that omits a component, is detected."""
     space = shared(name)
     answer = next(a for a in space.known if a.quantity == "metric")
     assert isinstance(answer.components, dict)
@@ -73,14 +73,14 @@ def test_wrong_zero_is_detected() -> None:
 
 
 def test_wrong_scalar_is_detected() -> None:
-    """A scalar that is off is caught too."""
+    """A wrong scalar is detected."""
     (found,) = disagreements(shared("s2"), KnownAnswer("scalar_curvature", "1/R**2"))
     assert found.index == ()
     assert disagreements(shared("s2"), KnownAnswer("scalar_curvature", "2/R**2")) == ()
 
 
 def test_a_connection_is_needed() -> None:
-    """An answer about a connection that the space does not have is refused with a reason."""
+    """An answer about a missing connection is refused with a reason."""
     with pytest.raises(
         UnknownNameError, match="got so3, which only has the connections of its frame"
     ):

@@ -1,4 +1,4 @@
-"""Pairs of motions: what is chosen is said, numbers are the library's, stops are kept."""
+"""Pairs of motions: choices are listed, numbers agree with the library, stops are kept."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ def sphere():
 
 
 def test_what_is_chosen_is_said():
-    """Only what was not given is called chosen."""
+    """Only values that were not given are listed as chosen."""
     space = load("s2")
     options = {"engine": ENGINE, "accuracy": 1e-6, "samples": 3, "t": 1}
     assert solve_pair(space, [1, 0], [0, 1], parameters={"R": 2}, **options).chosen == ()
@@ -30,7 +30,7 @@ def test_what_is_chosen_is_said():
 
 
 def test_numbers_are_those_of_the_library(sphere):
-    """Both curves and their distance, solved by hand."""
+    """Both curves and their distance agree with separate solves."""
     frame, first = load("s2").frame, sphere.problem
     begin = {"frame_velocity": first.frame_velocity, "parameters": {"R": 1.0}}
     one = solve(autoparallel(cartan(frame), first.start, **begin), sphere.times, 1e-9, ENGINE)
@@ -43,7 +43,7 @@ def test_numbers_are_those_of_the_library(sphere):
 
 
 def test_a_loxodrome_and_a_great_circle(sphere):
-    """The closed forms: theta is linear along the one, the other lies in a plane."""
+    """The closed forms: theta is linear along the loxodrome, the great circle is in a plane."""
     table = sphere.columns()
     assert table["autoparallel theta"] == pytest.approx(1.9 - 0.2 * table["t"], abs=1e-8)
     places = sphere.embedding.places(sphere.coordinates["geodesic"], {"R": 1.0})
@@ -52,7 +52,7 @@ def test_a_loxodrome_and_a_great_circle(sphere):
 
 
 def test_errors_and_drifts_over_time_have_the_known_maxima(sphere):
-    """What is drawn is what `Solution.error` and `Solution.drift` say in one number."""
+    """The maxima over time are `Solution.error` and `Solution.drift`."""
     for solution in sphere.curves.values():
         errors = error_over_time(solution)
         assert errors is not None
@@ -65,7 +65,7 @@ def test_errors_and_drifts_over_time_have_the_known_maxima(sphere):
 
 
 def test_drift_over_several_charts():
-    """Charts that a motion passes through are joined: one value for each time."""
+    """The charts of a motion are joined: one value for each time."""
     space = load("s2")
     over_pole = solve_pair(space, [1.5, 1e-3], [-1.0, 0.0], parameters={"R": 1}, t=2, samples=21)
     solution = over_pole.shortest
@@ -75,7 +75,7 @@ def test_drift_over_several_charts():
 
 
 def test_on_so3_the_two_are_one():
-    """Totally antisymmetric torsion has no force; unequal moments part them."""
+    """Totally antisymmetric torsion has no force; with unequal moments the curves differ."""
     options = {"engine": ENGINE, "accuracy": 1e-8, "samples": 11, "t": 2}
     assert solve_pair(load("so3"), **options).coincide
     assert not solve_pair(load("so3"), moments=[1, 2, 3], **options).coincide
@@ -83,16 +83,16 @@ def test_on_so3_the_two_are_one():
 
 @pytest.mark.parametrize(("times_accuracy", "one"), [(1.8, True), (2.2, False)])
 def test_one_within_twice_the_accuracy(times_accuracy, one):
-    """Two curves are called one up to twice what was asked: each may be off by it."""
+    """Two curves coincide up to twice the accuracy, because each may be off by it."""
     pair = solve_pair(load("s2"), engine=ENGINE, accuracy=1e-8, samples=5)
     size = np.abs(pair.coordinates["geodesic"]).max()
-    # A cached property is kept in the object: the distance is set, all else is as solved.
+    # A cached property is kept in the object: only the distance is set, the rest is as solved.
     pair.__dict__["distance"] = np.array([0.0, times_accuracy * 1e-8 * size])
     assert pair.coincide is one
 
 
 def test_a_motion_that_stops_is_kept():
-    """A loxodrome ends in the pole; the other curve goes on, the table has both."""
+    """A loxodrome ends in the pole; the other curve continues, and the table has both."""
     pair = solve_pair(load("s2"), [0.5, 0.0], [-0.2, 1.0], t=6, engine=ENGINE, samples=25)
     assert "chart 's2' ends" in pair.stops["autoparallel"]
     table = pair.columns()
@@ -101,7 +101,7 @@ def test_a_motion_that_stops_is_kept():
 
 
 def test_the_connection_of_the_space_is_followed(tmp_path):
-    """A space with a connection of its own is about that one."""
+    """In a space with its own connection the pair follows that connection."""
     file = tmp_path / "bent.toml"
     file.write_text(
         'coordinates = ["x", "y"]\ncoframe = [[1, 0], [0, 1]]\nconnection = {"0,0,1" = "1"}\n'
@@ -129,7 +129,7 @@ def test_the_connection_of_the_space_is_followed(tmp_path):
     ],
 )
 def test_bad_input(name, options, error, says):
-    """Each with what came and what to do."""
+    """Each refusal names the given value and a remedy."""
     with pytest.raises(error, match=says):
         solve_pair(load(name), **options)
 
@@ -141,7 +141,7 @@ def test_a_frame_is_no_space():
 
 
 def test_two_solutions_make_a_pair():
-    """Whoever solved both is asked for nothing else: no curve stopped, nothing was chosen."""
+    """A pair of given solutions needs no other input: no curve stopped, nothing was chosen."""
     space = load("so3")
     known = solve_pair(space, engine=RungeKutta())
     pair = Pair(space, known.straight, known.shortest)
@@ -149,14 +149,14 @@ def test_two_solutions_make_a_pair():
 
 
 def test_what_the_distance_is(sphere):
-    """The true one on a sphere, and none around a black hole: files and captions say so."""
+    """The distance is the true one on a sphere only; files and captions state this."""
     assert "true distance when small" in metadata(sphere)["columns"]
     hole = solve_pair(load("schwarzschild"), engine=ENGINE, accuracy=1e-6, samples=3, t=1)
     assert "no invariant" in metadata(hole)["columns"]
 
 
 def test_arrays_as_start_and_velocity():
-    """A velocity that is an array was asked whether it is true, which raised a ValueError."""
+    """Arrays as start and velocity give the same pair as lists."""
     given = {"t": 1.0, "samples": 3, "engine": RungeKutta()}
     pair = solve_pair(load("s2"), np.array([1.0, 0.0]), np.array([0.0, 1.0]), **given)
     assert pair.chosen == ("parameters",)

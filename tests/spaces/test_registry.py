@@ -25,7 +25,7 @@ torsion_bounce kerr_de_sitter_torsion
 
 
 def imported_after(code: str) -> set[str]:
-    """Modules that a fresh Python has loaded after running some code; of spaces, by their names."""
+    """Modules that a fresh Python has loaded after running some code; spaces by their names."""
     listing = "import sys; print(*sys.modules)"
     run = subprocess.run(
         [sys.executable, "-c", f"{code}\n{listing}"], capture_output=True, text=True, check=True
@@ -34,7 +34,7 @@ def imported_after(code: str) -> set[str]:
 
 
 def test_all_spaces_are_listed_once() -> None:
-    """Every space that was promised is there, no name occurs twice, titles are one short line."""
+    """Every promised space is listed, no name occurs twice, titles are one short line."""
     assert set(WANTED) <= set(names())
     assert len(set(names())) == len(names()) == len(SPACES)
     assert list(titles()) == list(names())
@@ -55,7 +55,7 @@ def test_every_module_of_the_registry_exists_and_has_a_maker() -> None:
 
 
 def test_every_file_that_makes_a_space_is_in_the_registry() -> None:
-    """A space file that nobody listed would never be checked."""
+    """Every file that makes a space is listed; otherwise it would never be checked."""
     listed = {module for _, module, _ in SPACES}
     spec = util.find_spec("geomtorsion.spaces")
     assert spec is not None
@@ -91,20 +91,20 @@ def test_loading_imports_only_that_space() -> None:
     ],
 )
 def test_unknown_name_lists_near_ones(wrong: str, near: str) -> None:
-    """A slip of the pen is answered with what was probably meant."""
+    """A misspelled name is answered with the nearest ones."""
     with pytest.raises(UnknownNameError, match=rf"{wrong!r}.*Near: .*{near}") as caught:
         load(wrong)
     assert isinstance(caught.value, LookupError)
 
 
 def test_unknown_name_without_near_ones() -> None:
-    """A name that resembles none says so and says where the list is."""
+    """A name without near ones is refused with a reference to the list."""
     with pytest.raises(UnknownNameError, match=r"None is near.*spaces"):
         load("@@@@")
 
 
 def test_files_are_loaded_by_path(tmp_path):
-    """A tetrad file, by `gt.read` and by `load`, as text and as path."""
+    """A tetrad file is read by `gt.read` and by `load`, from a text and from a path."""
     file = tmp_path / "plane.toml"
     file.write_text('coordinates = ["r", "phi"]\ncoframe = [[1, 0], [0, "r"]]\n', "utf-8")
     for read in (gt.read, load):
@@ -117,7 +117,7 @@ def test_files_are_loaded_by_path(tmp_path):
 
 
 def test_a_space_shows_itself():
-    """In a terminal without LaTeX, in a notebook with the coframe."""
+    """In a terminal a space is shown without LaTeX, in a notebook with the coframe."""
     space = load("so3")
     text = repr(space)
     assert text.startswith("so3: rotations")

@@ -53,7 +53,7 @@ def attitude(name: str, q: tuple[sp.Symbol, ...]) -> sp.Matrix:
 
 @pytest.mark.parametrize("name", [n for n in names() if n.startswith("so3") or n == "r3xso3"])
 def test_coframe_is_the_angular_velocity(name: str) -> None:
-    """R^T dR (body) or dR R^T (space), read off against the coframe at a point."""
+    """R^T dR (body) or dR R^T (space) agrees with the coframe at a point."""
     frame = load(name).frame
     q = frame.coordinates[:3]
     rotation = attitude(name, q)

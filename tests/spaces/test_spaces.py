@@ -1,4 +1,4 @@
-"""What every shipped space must be: told in two lines, sourced, and sampled inside its domain."""
+"""Requirements of every shipped space: two lines of story, a source, a sample in its domain."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from geomtorsion.spaces.space import KnownAnswer
 
 @pytest.mark.parametrize("name", names())
 def test_a_space_tells_its_story(name: str) -> None:
-    """Name, title, two lines of story, a source, a shelf, known answers with sound indices."""
+    """Name, title, two lines of story, a source, a group, known answers with sound indices."""
     space = load(name)
     assert space.name == name == space.frame.name
     assert space.title == titles()[name]
@@ -31,7 +31,7 @@ def test_a_space_tells_its_story(name: str) -> None:
 
 @pytest.mark.parametrize("name", names())
 def test_the_sample_point_is_in_the_domain(name: str) -> None:
-    """A point with all coordinates and parameters, inside the domain, frame regular and finite."""
+    """A point with all coordinates and parameters is in the domain, with a regular frame."""
     frame = load(name).frame
     point = frame.sample_point
     assert set(point) >= {*frame.coordinates, *frame.parameters}
@@ -78,7 +78,7 @@ REACH = {
 
 @pytest.mark.parametrize("name", REACH)
 def test_the_domain_is_where_the_space_is(name: str) -> None:
-    """It is no box for samples: it holds the regular points on this side of the edge alone."""
+    """The domain contains only the regular points on this side of the edge; it is not a box."""
     inside, outside, numbers = REACH[name]
     frame = load(name).frame
     by_name = {symbol.name: symbol for symbol in (*frame.coordinates, *frame.parameters)}
@@ -92,7 +92,7 @@ def test_the_domain_is_where_the_space_is(name: str) -> None:
 
 @pytest.mark.parametrize("name", names())
 def test_parameters_are_declared_with_assumptions(name: str) -> None:
-    """Coordinates and parameters are real, and parameters of the shipped spaces say so."""
+    """Coordinates and parameters of the shipped spaces are declared real."""
     frame = load(name).frame
     assert all(symbol.is_real for symbol in (*frame.coordinates, *frame.parameters))
 
@@ -116,7 +116,7 @@ def test_signature_of_gravity() -> None:
 
 
 def test_an_answer_knows_whether_it_says_zero() -> None:
-    """Only a complete, empty listing says that a quantity vanishes."""
+    """Only a complete, empty listing states that a quantity vanishes."""
     assert KnownAnswer("ricci", {}).vanishes
     assert KnownAnswer("scalar_curvature", 0).vanishes
     assert not KnownAnswer("ricci", {}, complete=False).vanishes
