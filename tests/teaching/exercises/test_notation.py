@@ -1,6 +1,6 @@
 """Notation: right answers in odd forms are right, or it is said exactly how to write them."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# Tests pass wrong types on purpose, as users do, and read attributes that may be missing.
 # pyright: reportOptionalMemberAccess=false, reportOptionalSubscript=false
 
 import contextlib

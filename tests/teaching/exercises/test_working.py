@@ -1,6 +1,6 @@
 """Worked solutions: each question is answered by a step, in a way apart from the library's."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# Tests pass wrong types on purpose, as users do, and read attributes that may be missing.
 # pyright: reportOperatorIssue=false
 
 import re

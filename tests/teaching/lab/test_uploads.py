@@ -1,6 +1,6 @@
 """Files that are given to the page: recognised by content, read, or refused in a sentence."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# Tests pass wrong types on purpose, as users do, and read attributes that may be missing.
 # pyright: reportArgumentType=false
 
 from __future__ import annotations
