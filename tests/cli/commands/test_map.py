@@ -129,7 +129,7 @@ def test_data_of_a_bent_crystal(scan):
 
 
 def test_slip_systems(scan):
-    """Densities of a family explain the bend: at least |b| per area over |b| of one line."""
+    """The densities of a family sum to at least |b| per area over |b| of one line."""
     arguments = (scan, "--sigma", "0.01", "--circle", "4,4:2", "--slip", "fcc")
     (one,) = json.loads(run(*arguments, "--json").stdout)["circles"]
     (family,) = one["slip"]
