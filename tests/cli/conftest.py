@@ -1,4 +1,4 @@
-"""Fixtures of the tests of the command line."""
+"""Fixtures for the tests of the command line."""
 
 import sys
 
@@ -7,5 +7,5 @@ import pytest
 
 @pytest.fixture
 def no_pictures(monkeypatch):
-    """As if matplotlib were not installed."""
+    """Simulate a missing matplotlib."""
     monkeypatch.setitem(sys.modules, "matplotlib", None)

@@ -1,4 +1,4 @@
-"""Commands called in this process, as most tests of the command line do."""
+"""Runner that calls commands in this process."""
 
 from typing import Any
 
@@ -8,13 +8,13 @@ from geomtorsion.cli.app import app
 
 
 def run(*arguments: str, code: int = 0, given: str = "") -> Any:
-    """The result of `geomtorsion ARGUMENTS`, which has to end with a code.
+    """Result of `geomtorsion ARGUMENTS`, which must end with the given code.
 
-    given: what stands on standard input.
+    given: the text on standard input.
     """
     result = CliRunner().invoke(app, list(arguments), input=given)
     if result.exit_code != code:
-        # The exception goes along, so that the report shows where it arose.
+        # The original exception is chained, so that the report shows its origin.
         raise AssertionError(
             f"ended with {result.exit_code}: {result.output}"
         ) from result.exception

@@ -1,4 +1,4 @@
-"""The commands together: their list, their help, and that none is loaded before it is called."""
+"""The commands together: list, help, completion, style of errors, and lazy loading."""
 
 import subprocess
 import sys
@@ -15,12 +15,12 @@ COMMANDS = [(group, name) for group, commands in GROUPS.items() for name in comm
 
 
 def test_version_is_that_of_the_package():
-    """--version says one line."""
+    """--version prints the name of the package."""
     assert run("--version").stdout.startswith("geomtorsion ")
 
 
 def test_help_lists_the_commands():
-    """No command is missing from the overview."""
+    """The overview lists all commands."""
     assert len(COMMANDS) == 24
     for group, commands in GROUPS.items():
         text = run(*group.split(), "--help").stdout
@@ -30,7 +30,7 @@ def test_help_lists_the_commands():
 
 @pytest.mark.parametrize(("group", "name"), COMMANDS)
 def test_every_command_explains_itself(group, name):
-    """What the list says of a command is how its help begins; an example names it."""
+    """The help begins with the summary of the list, and its example names the command."""
     text = run(*group.split(), name, "--help").stdout
     _, first, *_ = text.split("\n\n")
     assert " ".join(first.split()) == GROUPS[group].summaries[name]
@@ -39,14 +39,14 @@ def test_every_command_explains_itself(group, name):
 
 
 def test_a_wrong_name_is_refused():
-    """With the right one."""
+    """The message suggests the right name."""
     error = run("geometri", "so3", code=2).stderr
     assert "No such command 'geometri'" in error
     assert "geometry" in error
 
 
 def test_help_lists_the_commands_in_groups():
-    """Every command stands below one title."""
+    """Each command is below exactly one title."""
     text = run("--help").stdout
     titles = [text.index(f"\n{title}:\n") for title in Commands.groups]
     assert titles == sorted(titles)
@@ -65,7 +65,7 @@ def test_help_lists_the_commands_in_groups():
      (["exercises", "show", "9.9"], "9.9"), (["burgers", "so3", "--circle", "3"], "--circle 3")],
 )  # fmt: skip
 def test_all_errors_have_one_style(arguments, words):
-    """One line with the name of the program first, code 2, nothing on standard output."""
+    """One line that begins with the program's name, code 2, an empty standard output."""
     done = run(*arguments, code=2)
     first, *rest = done.stderr.splitlines()
     assert first.startswith("geomtorsion: ")
@@ -80,14 +80,14 @@ def test_all_errors_have_one_style(arguments, words):
      ["burgers", "screw_dislocation", "--circle", "1,0,0:2", "--proved"]],
 )  # fmt: skip
 def test_missing_values_name_the_option(arguments):
-    """Not the argument of Python."""
+    """The message names the option, not the Python argument."""
     error = run(*arguments, code=2).stderr
     assert "--set b=1" in error
     assert "parameters=" not in error
 
 
 def completed(*words: str) -> list[str]:
-    """What the shell offers for the last of some words."""
+    """Completions that the shell offers for the last word."""
     line = " ".join(["geomtorsion", *words])
     asked = {"_GEOMTORSION_COMPLETE": "complete_bash", "COMP_WORDS": line}
     asked["COMP_CWORD"] = str(len(words))
@@ -101,7 +101,7 @@ def completed(*words: str) -> list[str]:
      (["exercises", "show", "3."], "3.2"), (["curve", "--frame"], "--frame-velocity")],
 )  # fmt: skip
 def test_the_shell_completes(words, offered):
-    """Commands, options, and the names of spaces, scenes and exercises."""
+    """Commands, options, and names of spaces, scenes and exercises are completed."""
     found = completed(*words)
     assert offered in found
     assert all(name.startswith(words[-1]) for name in found)
@@ -118,7 +118,7 @@ def loaded(*arguments: str) -> set[str]:
 
 
 def test_help_loads_no_command():
-    """The list of commands is shown without any of them, and without what they need."""
+    """The list of commands loads no command and no library that a command needs."""
     found = loaded("--help")
     assert not {name for name in found if name.startswith("geomtorsion.cli.commands")}
     assert not found & {
@@ -127,7 +127,7 @@ def test_help_loads_no_command():
 
 
 def test_a_command_loads_what_it_needs():
-    """The list of exercises needs no exercise, no frame and no engine."""
+    """The list of exercises loads no exercise, no frame and no engine."""
     found = loaded("exercises")
     assert "geomtorsion.teaching.exercises.registry" in found
     assert not any(name.startswith("geomtorsion.teaching.exercises.frames") for name in found)

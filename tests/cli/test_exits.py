@@ -1,4 +1,4 @@
-"""How commands end, as processes: without Greek, by Ctrl-C, with a closed pipe."""
+"""Exits of commands as processes: ASCII output, Ctrl-C, closed pipe, limits, page for an error."""
 
 import os
 import shutil
@@ -31,7 +31,7 @@ def process(*arguments: str, run=("-m", "geomtorsion"), **options) -> subprocess
 
 
 def test_a_process_without_greek():
-    """Where output is ASCII nothing breaks and check marks are words."""
+    """On an ASCII terminal the command succeeds, and check marks are words."""
     with process("check", "s2", env={**os.environ, "PYTHONIOENCODING": "ascii"}) as running:
         out, error = running.communicate(timeout=60)
     assert running.returncode == 0, error
@@ -39,7 +39,7 @@ def test_a_process_without_greek():
     assert "ok   metricity" in out
 
 
-# The command, which says so when it opens the file: from then on its work has begun.
+# The command, which prints a line when it opens the file, because its work begins then.
 SAYS_WHEN_IT_READS = """
 import sys
 from geomtorsion.cli import main
@@ -63,7 +63,7 @@ def test_ctrl_c_ends_quietly(tmp_path):
     assert error == "geomtorsion: stopped\n"
 
 
-# Says when each of these modules begins to load: the package, what takes long, and a command.
+# Print a line when a given module begins to load: a library, the package or a command.
 SAYS_WHEN_IT_LOADS = """
 import runpy, sys
 sys.orig_argv[:] = ["python", "-m", "geomtorsion"]
@@ -80,7 +80,7 @@ runpy.run_module("geomtorsion", run_name="__main__", alter_sys=True)
     "module", ["sympy", "geomtorsion.exact.field", "typer", "geomtorsion.curves.problem"]
 )
 def test_ctrl_c_while_modules_are_loaded(module):
-    """Code 130 and one line, before anything of the command is there to say so."""
+    """Code 130 and one line, also before the command is loaded."""
     code = SAYS_WHEN_IT_LOADS % module
     with process(run=("-c", code), start_new_session=True) as running:
         assert running.stdout is not None
@@ -92,7 +92,7 @@ def test_ctrl_c_while_modules_are_loaded(module):
 
 
 def test_a_program_that_imports_the_package_gets_its_interrupt():
-    """Only the command ends by itself."""
+    """Importing the package does not change what Ctrl-C does in a program."""
     code = (
         "import geomtorsion, signal\n"
         "assert signal.getsignal(signal.SIGINT) is signal.default_int_handler\n"
@@ -126,7 +126,7 @@ def test_a_program_that_imports_the_package_gets_its_interrupt():
     ids=lambda x: x if isinstance(x, str) else x[0],
 )
 def test_a_full_disk_ends_with_the_name_of_the_file(tmp_path, arguments, named):
-    """Code 2, one message that names the file, and no part of it is left behind."""
+    """Code 2 and a message that names the file; no partial file remains."""
     resource = pytest.importorskip("resource")
     values = 1 + np.random.default_rng(0).normal(size=(2, 2, 40, 40))
     np.save(tmp_path / "field.npy", values)
@@ -156,7 +156,7 @@ def test_a_closed_pipe_ends_quietly():
     ("option", "said"), [(("--seconds", "0.3"), "0.3 s"), (("--megabytes", "50"), "50 MB")]
 )
 def test_limits_end_a_command(option, said, tmp_path):
-    """A limit of time or memory ends it with code 2 and one line that names what took so long."""
+    """A limit of time or memory ends the command with code 2 and a message that names the limit."""
     file = tmp_path / "long.toml"
     terms = "+".join(f"x**{k % 251}*y**{k // 251 % 251}" for k in range(100_000))
     file.write_text(f'coordinates = ["x", "y"]\ncoframe = [["{terms}", 0], [0, 1]]\n')
@@ -170,7 +170,7 @@ def test_limits_end_a_command(option, said, tmp_path):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no such limit")
 def test_too_little_memory_ends_in_words(tmp_path):
-    """A command that is refused memory says so in one line, without a traceback."""
+    """If memory runs out, the command prints one line without a traceback and ends with 2."""
     nodes = np.arange(2000)
     field = np.zeros((2, 2, len(nodes), len(nodes)), np.float32)
     np.savez_compressed(tmp_path / "a.npz", axis_x=nodes, axis_y=nodes, coframe=field)
@@ -185,7 +185,7 @@ def test_too_little_memory_ends_in_words(tmp_path):
 
 
 def test_limits_that_are_none():
-    """A limit below zero is refused."""
+    """A negative limit is refused."""
     error = run("geometry", "s2", "--seconds", "-1", code=2).stderr
     assert "seconds: expected a positive number, got -1" in error
 
@@ -199,7 +199,7 @@ def test_limits_that_are_none():
     ],
 )
 def test_every_error_names_a_page_that_is_there(kind):
-    """The source of a page of the site, so that none names one that was moved."""
+    """`page` of each error class is a page of the site, and the hint quotes its title."""
     site = ROOT / "examples/site"
     assert (site / f"{kind.page}.md").is_file()
     more = more_on(kind("no"), site)
@@ -209,13 +209,13 @@ def test_every_error_names_a_page_that_is_there(kind):
 
 
 def test_a_file_of_any_kind_does_not_send_to_that_of_tetrads():
-    """Atoms, maps and pictures share the class of a file that cannot be read."""
+    """Tetrads, atoms, maps and images share this class, so its page is the general one."""
     assert errors.FileFormatError.page == "errors"
 
 
 def test_a_checkout_names_the_page_that_helps():
-    """Below the message, in a line of its own."""
-    # In a process: this one may have the package of an environment, which has no pages.
+    """The hint has its own line below the message."""
+    # A new process, because this one may use an installed package, which has no pages.
     with process("geometry", "nowhere") as running:
         _, error = running.communicate(timeout=60)
     message, more = error.splitlines()
@@ -225,7 +225,7 @@ def test_a_checkout_names_the_page_that_helps():
 
 
 def test_a_wheel_names_no_page_that_it_lacks(tmp_path):
-    """The package alone, as a wheel installs it: the message, and nothing that is not there."""
+    """A package without the site, as from a wheel, prints only the message."""
     shutil.copytree(
         ROOT / "geomtorsion", tmp_path / "geomtorsion", ignore=shutil.ignore_patterns("*.pyc")
     )

@@ -1,4 +1,4 @@
-"""Names and files on the command line: which of them is meant."""
+"""Names and files on the command line: how an argument is interpreted."""
 
 import pytest
 
@@ -9,7 +9,7 @@ FILE = 'coordinates = ["x"]\ncoframe = [["1"]]\nname = "mine"\n'
 
 
 def test_a_name_wins_over_a_file(tmp_path, monkeypatch):
-    """A file that is called like a shipped space is meant only with its folder."""
+    """A file with the name of a shipped space is read only if its path has a folder."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "so3").write_text(FILE)
     (tmp_path / "other").write_text(FILE)
@@ -19,7 +19,7 @@ def test_a_name_wins_over_a_file(tmp_path, monkeypatch):
 
 
 def test_what_looks_like_a_file_is_one(tmp_path, monkeypatch):
-    """A path or a .toml that is not there is a missing file, not an unknown name."""
+    """A missing path or .toml is reported as a missing file, any other text as an unknown name."""
     monkeypatch.chdir(tmp_path)
     for missing in ("none.toml", "folder/none"):
         with pytest.raises((FileFormatError, FileNotFoundError)):

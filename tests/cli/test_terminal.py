@@ -1,4 +1,4 @@
-"""The terminal: lines that fit, and the step that is being computed."""
+"""The terminal: wrapped lines, the current step, and rows of a table."""
 
 import time
 
@@ -7,7 +7,7 @@ from tests.screen import watched
 
 
 def test_lines_fit():
-    """Long lines are folded, formulas that stand alone are not."""
+    """Long lines of text are wrapped, indented formulas are not."""
     text = wrapped("word " * 40 + "\n    " + "x" * 120, taken=10)
     first, *_, last = text.splitlines()
     assert len(first) <= 78
@@ -15,25 +15,25 @@ def test_lines_fit():
 
 
 def test_steps_are_shown(monkeypatch):
-    """What is being computed, and how to stop it."""
+    """The line names the current step and the key that stops it."""
     screen = watched(monkeypatch)
     with working("so3") as progress:
         progress("solving")
         deadline = time.monotonic() + 20
-        # The line is drawn some times a second, by a thread.
+        # A thread draws the line several times a second.
         while "so3: solving (Ctrl-C stops)" not in screen.getvalue():
             assert time.monotonic() < deadline
             time.sleep(0.01)
 
 
 def test_without_a_terminal_nothing_is_shown(capsys):
-    """A pipe gets results alone."""
+    """Without a terminal, standard error is empty."""
     with working("so3") as progress:
         progress("solving")
     assert capsys.readouterr().err == ""
 
 
 def test_how_many_rows_are_shown():
-    """Nine, the first and the last among them; fewer where there are fewer."""
+    """Nine rows at most, including the last."""
     assert len(some_rows(9)) == len(some_rows(10)) == len(some_rows(1000)) == 9
     assert some_rows(1000)[-1] == 999

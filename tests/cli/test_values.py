@@ -8,7 +8,7 @@ from tests.cli.running import run
 
 
 def test_numbers():
-    """Blanks, fractions and constants; nothing else."""
+    """Blanks, fractions and constants are read; an empty entry is refused."""
     assert numbers(" 1/2 , -1e-3,2*pi", "start") == pytest.approx([0.5, -1e-3, 6.283185307])
     assert numbers(None, "start") is None
     with pytest.raises(StartError, match="start: expected a number"):
@@ -16,7 +16,7 @@ def test_numbers():
 
 
 def test_pairs():
-    """In one text or in several; a name is given once."""
+    """Pairs are in one text or in several; a repeated name is refused."""
     assert named_numbers(["M = 1,a=1/2"]) == {"M": 1.0, "a": 0.5}
     assert named_numbers([]) == {}
     assert named_numbers(["M=1", "a=2, b=3"]) == {"M": 1.0, "a": 2.0, "b": 3.0}
@@ -36,7 +36,7 @@ def test_pairs():
     ],
 )
 def test_long_texts_are_cut(arguments):
-    """What came is recognised by its beginning."""
+    """A message quotes only the beginning of a long text."""
     assert len(run(*arguments, code=2).stderr) < 1000
 
 
@@ -46,7 +46,7 @@ def test_words():
 
 
 def test_engines():
-    """By name in any case; auto leaves the choice to the solver."""
+    """Names of engines ignore case; auto leaves the choice to the solver."""
     assert engine_of("auto") is None
     for name in ("rungekutta", "RungeKutta"):
         engine = engine_of(name)
@@ -57,7 +57,7 @@ def test_engines():
 
 
 def test_starts():
-    """What is not given stays open; errors name the option."""
+    """A missing option is None; errors name the option."""
     options = start_options("pi,0", None, "1,2", "2*pi", ["R=1/2", "M=2"], None)
     assert options == {
         "start": [pytest.approx(3.141592653589793), 0.0],

@@ -1,4 +1,4 @@
-"""The pictures: each space gets those that suit it, and they show something."""
+"""Figures of curves: the list for each space, their content, captions and labels."""
 
 import numpy as np
 import pytest
@@ -22,17 +22,17 @@ SHOWN = {
 
 
 def pair_of(name, **options):
-    """The usual pair, cheaply."""
+    """The default pair, solved at low cost."""
     return solve_pair(load(name), engine=RungeKutta(), accuracy=1e-6, samples=21, **options)
 
 
-# ax_plus_b has the pictures of s2.
+# ax_plus_b has the figures of s2.
 @pytest.mark.parametrize(
     "name",
     ["s2", "r3xso3", *(pytest.param(x, marks=pytest.mark.slow) for x in ("ax_plus_b", "goedel"))],
 )
 def test_every_picture_is_written_and_shows_something(name, tmp_path):
-    """Not blank: ink in every picture, in more than one colour."""
+    """Each figure contains enough dark pixels and more than ten colours."""
     pytest.importorskip("matplotlib")
     from matplotlib.image import imread
 
@@ -47,7 +47,7 @@ def test_every_picture_is_written_and_shows_something(name, tmp_path):
 
 
 def test_a_picture_is_the_same_each_time(tmp_path):
-    """No date and no random names: written twice, the files are equal."""
+    """Two files of one figure have equal bytes, because they hold no date and no random name."""
     pytest.importorskip("matplotlib")
     pair = pair_of("ax_plus_b")
     for form in ("svg", "png"):
@@ -58,7 +58,7 @@ def test_a_picture_is_the_same_each_time(tmp_path):
 
 
 def test_labels_do_not_overlap():
-    """Legend, titles and caption of the pictures of s2 keep apart."""
+    """Legends, titles and captions of the figures of s2 do not overlap."""
     pytest.importorskip("matplotlib")
     pair = pair_of("s2")
     for draw, _ in curve_pictures(pair).values():
@@ -73,13 +73,13 @@ def test_labels_do_not_overlap():
 
 
 def test_lines_differ_without_colour():
-    """Dashes tell the lines apart where colours are not seen."""
+    """Each line has its own dash pattern, so the lines differ without colour."""
     assert len({str(stroke.dashes) for stroke in STROKES.values()}) == len(STROKES)
     assert len({str(stroke.dashes) for stroke in SERIES}) == len(SERIES)
 
 
 def test_the_caption_says_all():
-    """Start, velocity, parameters, accuracy and stops."""
+    """The caption gives start, velocity, parameters, accuracy and stops."""
     lines = " ".join(caption(pair_of("s2", start=[0.5, 0.0], velocity=[-0.2, 1.0], t=6)))
     lines = lines.replace("\xa0", " ")
     for part in ("θ = 0.5", "φ′ = 1", "R = 1", "1e−6 asked", "autoparallel stopped at t = 2.4"):
@@ -87,19 +87,19 @@ def test_the_caption_says_all():
 
 
 def test_angles_go_on():
-    """More than a full turn of the azimuth, followed by quaternions, has no jumps."""
+    """An azimuth of more than a full turn, solved in quaternions, has no jumps."""
     for points in continued(pair_of("so3", t=20)).values():
         assert np.abs(np.diff(points, axis=0)).max() < np.pi
 
 
 def test_numbers_and_names():
-    """A true minus sign; Greek as mathematics."""
+    """Numbers have a true minus sign; Greek names become mathematics."""
     assert number(-1.5e-7) == "−1.5e−7"
     assert mathematics("theta") == r"$\theta$"
 
 
 def test_parts_of_a_curve_join():
-    """Pieces in front and behind share their ends, so that no gap is seen."""
+    """Neighbouring pieces share their end points, so the ring has no gap."""
     turn = np.linspace(0, 2 * np.pi, 50)[:, None]
     ring = np.hstack([np.cos(turn), np.sin(turn), 0 * turn])
     pieces = parted(ring, np.array([1.0, 0.2, 0.3]))
@@ -110,7 +110,7 @@ def test_parts_of_a_curve_join():
 
 @pytest.mark.parametrize("name", names())
 def test_every_space_has_a_first_motion(name):
-    """Inside the domain, regular, and of the right size; timelike where there is time."""
+    """The start is in the domain, with one velocity per leg; it is timelike where there is time."""
     frame = load(name).frame
     first = first_motion(frame)
     values = dict(zip(frame.coordinates, first.start, strict=True))
@@ -128,7 +128,7 @@ def test_every_space_has_a_first_motion(name):
 
 
 def test_pictures_go_where_their_names_say(tmp_path):
-    """Paths may be text; a form that is none is told, not a ValueError of matplotlib."""
+    """A path may be a string; an unknown file type is refused with our own error."""
     pytest.importorskip("matplotlib")
     figure = new_figure(1, 1)
     save(figure, str(tmp_path / "a.PNG"))

@@ -1,4 +1,4 @@
-"""MathML: well formed, of the core elements only, with every letter and number in it."""
+"""MathML: well formed, only core elements, all letters and numbers present, fonts included."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from geomtorsion.teaching.exercises.sheets import write_sheet
 from tests.browser import Watched
 from tests.pictures.test_text import _expressions
 
-# MathML Core as browsers have it: no mfenced, no entities.
+# Elements of MathML Core that browsers support: no mfenced, no entities.
 CORE = {
     "math", "mrow", "mi", "mn", "mo", "mtext", "mspace", "mfrac", "msqrt", "mroot", "msup", "msub",
     "msubsup", "mover", "munder", "mpadded", "mtable", "mtr", "mtd",
@@ -39,7 +39,7 @@ f, h = sympy.Function("f")(r), sympy.Function("h")(r, theta)
 
 
 def parsed(markup: str) -> ElementTree.Element:
-    """The element of some markup, checked for what a browser needs."""
+    """Root element of some markup, checked for the rules of browsers."""
     root = ElementTree.fromstring(markup if "<math" in markup else f"<math>{markup}</math>")
     for element in root.iter():
         assert element.tag in CORE
@@ -49,7 +49,7 @@ def parsed(markup: str) -> ElementTree.Element:
 
 
 def shape(markup: str) -> str:
-    """Markup as text with brackets, so that structure can be compared at a glance."""
+    """Markup as text with brackets, which makes structures easy to compare."""
     marks = {"mfrac": "({}/{})", "msup": "{}^{}", "msub": "{}_{}", "msqrt": "√({})"}
 
     def of(element: ElementTree.Element) -> str:
@@ -90,13 +90,13 @@ def shape(markup: str) -> str:
     ],
 )
 def test_structure(expression, expected):
-    """Fractions, roots, powers, brackets and signs stand where a person puts them."""
+    """Fractions, roots, powers, brackets and signs are in their usual positions."""
     assert shape(expression_mathml(expression)) == expected
 
 
 @given(_expressions())
 def test_always_well_formed(expression):
-    """Whatever the expression: core elements, right number of children, no letter lost."""
+    """Any expression gives core elements with the right number of children and all its letters."""
     root = parsed(expression_mathml(expression))
     text = "".join(root.itertext())
     for symbol in expression.free_symbols:
@@ -104,14 +104,14 @@ def test_always_well_formed(expression):
 
 
 def parsed_text(expression) -> str:
-    """The markup of an expression, which is well formed."""
+    """Markup of an expression, checked to be well formed."""
     markup = expression_mathml(expression)
     parsed(markup)
     return markup
 
 
 def test_names_are_escaped():
-    """A name cannot smuggle markup into a page."""
+    """Markup in a name is escaped."""
     for name in ("<script>", "a}<script>{", "x&"):
         assert "<script>" not in mathml(latex_name(name))
         assert "<script>" not in parsed_text(sympy.Function(name)(r))
@@ -119,7 +119,7 @@ def test_names_are_escaped():
 
 @pytest.mark.parametrize("entry", CATALOGUE, ids=lambda entry: entry.name)
 def test_equations_are_well_formed(entry):
-    """Each definition becomes markup, with every index in its own column."""
+    """Each definition becomes markup, with each index in its own column."""
     root = parsed(mathml(equation_latex(entry.equation)))
     both = re.search(r"[_^](?:\{[^}]*\}|\w)[_^]", entry.equation)
     empty = [
@@ -145,13 +145,13 @@ def test_equations_are_well_formed(entry):
     ],
 )
 def test_brackets_of_commutators_and_of_indices(text, latex):
-    """A bracket closes among the indices only where it was opened there."""
+    """A bracket closes among the indices only if it was opened among them."""
     assert equation_latex(text) == latex
     parsed(mathml(equation_latex(text)))
 
 
 def test_index_positions_are_visible():
-    """Lower and upper indices stand one after the other, not above each other."""
+    """Lower and upper indices follow each other; none is above another."""
     assert text_label("S", list("abc"), "ddu") == "S_{ab}^c"
     assert text_label("S", list("abc"), "dud") == "S_a^b_c"
     assert latex_label("S", list("abc"), "dud") == "S_{a}{}^{b}{}_{c}"
@@ -172,7 +172,7 @@ def test_formulas_as_markup():
 
 @pytest.mark.parametrize("latex", [r"\unknown x", "{x", "x}", r"\left( x", r"\frac{1}", "x^"])
 def test_formulas_that_are_wrong_are_refused(latex):
-    """A formula of ours that cannot be shown is an error, not a blank."""
+    """A malformed formula raises an error, so it never becomes a blank."""
     with pytest.raises(ExpressionError, match="formula"):
         mathml(latex)
 
@@ -181,15 +181,15 @@ SIGNS = (
     "partial wedge times cdot vee oint int sum ldots le ge ne to infty prime approx pm langle "
     "rangle"
 ).split()
-# The file is loaded with every report; no more than this is worth it.
+# Each report embeds the font; a larger file would make reports slow to load.
 MOST_BYTES = 150_000
-# A bracket is at least as high as this part of the matrix that it holds.
+# The bracket of a matrix has at least this fraction of the matrix's height.
 COVERED = 0.9
 LEAVES = "math mi, math mo, math mn"
 
 
 def fonts_of(page: Any, selector: str) -> set[tuple[str, bool]]:
-    """Family of each font with which elements are drawn, and whether it came with the page."""
+    """Font family of each drawn element, and whether the page provides the font."""
     link = page.context.new_cdp_session(page)
     link.send("DOM.enable")
     link.send("CSS.enable")
@@ -204,7 +204,7 @@ def fonts_of(page: Any, selector: str) -> set[tuple[str, bool]]:
 
 
 def cut_off(page: Any) -> list[str]:
-    """Boxes that hide a part of what is in them above or below."""
+    """Text of boxes that cut off a part of a formula above or below."""
     return page.evaluate(
         """() => [...document.querySelectorAll(".scroll, .head, main p, main li, .wide")]
             .filter((e) => e.offsetParent && getComputedStyle(e).overflowY === "hidden")
@@ -219,7 +219,7 @@ def cut_off(page: Any) -> list[str]:
 
 
 def test_the_font_is_small_and_says_what_it_is():
-    """A file of moderate size, with its license beside it."""
+    """The font file is below 150 kB, and its license is beside it."""
     folder = Path(formula.__file__).with_name("fonts")
     [font] = folder.glob("*.woff2")
     assert font.stat().st_size < MOST_BYTES
@@ -231,7 +231,7 @@ def test_the_font_is_small_and_says_what_it_is():
 
 
 def test_every_letter_and_sign_is_in_it(watched: Watched):
-    """All that a formula can be made of is drawn with this font, and with no other."""
+    """All letters and signs of formulas are drawn with this font only."""
     letters = [rf"\{name}" for name in (*LETTERS, *SIGNS)]
     letters += [chr(k) for k in (*range(ord("a"), ord("z") + 1), *range(ord("A"), ord("Z") + 1))]
     latex = [*letters, r"\bar{a}\dot{b}\ddot{c}\hat{d}\tilde{e}'", "0123456789.", r"-+=,;/|!<>()[]"]
@@ -244,7 +244,7 @@ def test_every_letter_and_sign_is_in_it(watched: Watched):
 
 @pytest.mark.parametrize("name", [pytest.param("so3", marks=pytest.mark.slow), "schwarzschild"])
 def test_a_report_brings_its_font(name: str, watched: Watched, tmp_path: Path):
-    """Brackets are as high as their matrix; no index above a bar is cut off."""
+    """The report uses its own font, brackets are as high as their matrix, no index is cut off."""
     page = watched.page
     page.goto(write_report(spaces.load(name), tmp_path, pictures=False).as_uri())
     page.evaluate("document.fonts.ready")
@@ -259,7 +259,7 @@ def test_a_report_brings_its_font(name: str, watched: Watched, tmp_path: Path):
 
 
 def test_a_sheet_brings_its_font(watched: Watched, tmp_path: Path):
-    """The same for a sheet of exercises."""
+    """A sheet of exercises uses its own font, and no formula is cut off."""
     sheet = write_sheet("4", tmp_path)[0]
     watched.page.goto(sheet.as_uri())
     watched.page.evaluate("document.fonts.ready")
@@ -268,7 +268,7 @@ def test_a_sheet_brings_its_font(watched: Watched, tmp_path: Path):
 
 
 def test_the_page_brings_its_font(standing: Watched):
-    """The same for the page, which is served."""
+    """The served page uses its own font, and no formula is cut off."""
     standing.tab("Any tetrad").wait_for_selector("#torsion math")
     standing.page.evaluate("document.fonts.ready")
     assert fonts_of(standing.page, LEAVES) == {("STIX Two Math", True)}

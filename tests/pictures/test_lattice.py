@@ -1,6 +1,6 @@
-"""Lattice: six panels that show what they say."""
+"""Figure of a lattice image: six panels, the circuit and its Burgers vector."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# Tests pass wrong types on purpose, as users do, and read attributes that may be missing.
 # pyright: reportArgumentType=false, reportAttributeAccessIssue=false, reportOperatorIssue=false, reportOptionalMemberAccess=false
 
 import numpy as np
@@ -21,7 +21,7 @@ CIRCUIT = gt.Loop.circle([31.8, 31.8], 20)
 
 
 def test_six_panels_with_the_circuit_and_its_vector():
-    """Axes in units, holes without colour, the circuit anticlockwise as it was given."""
+    """Six panels: axes in nm, holes masked, the circuit anticlockwise as requested."""
     figure = draw_lattice(IMAGE, PHASES, PHASES.burgers(CIRCUIT))
     panels = [axes for axes in figure.axes if axes.images]
     titles = [axes.get_title() for axes in panels]
@@ -37,7 +37,7 @@ def test_six_panels_with_the_circuit_and_its_vector():
 
 
 def test_a_circuit_run_backwards_is_said_to_be():
-    """And without a circuit there is no caption."""
+    """The caption states the clockwise sense; without a circuit there is no caption."""
     figure = draw_lattice(IMAGE, PHASES, PHASES.burgers(CIRCUIT.reversed()))
     assert "run clockwise" in figure.texts[0].get_text().replace("\n", " ")
     assert not draw_lattice(IMAGE, PHASES).texts
@@ -45,6 +45,6 @@ def test_a_circuit_run_backwards_is_said_to_be():
 
 @pytest.mark.parametrize("wrong", [(None, PHASES), (IMAGE, IMAGE), (IMAGE, PHASES, [1, 0])])
 def test_what_cannot_be_drawn_is_refused(wrong):
-    """By name."""
+    """The message gives the expected type of the wrong argument."""
     with pytest.raises(ArgumentError, match="expected "):
         draw_lattice(*wrong)

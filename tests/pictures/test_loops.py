@@ -1,4 +1,4 @@
-"""Pictures of loops: the image that does not close, the map, and the costs."""
+"""Figures of loops: the open image of a loop, maps, and costs."""
 
 from typing import Any
 
@@ -17,7 +17,7 @@ from geomtorsion.spaces import load
 
 pytest.importorskip("matplotlib")
 
-SEEN = 1e-9  # share of a picture that nobody sees
+SEEN = 1e-9  # Share of a figure that is too small to see.
 
 
 @pytest.mark.parametrize(
@@ -32,7 +32,7 @@ SEEN = 1e-9  # share of a picture that nobody sees
     ids=lambda value: value if isinstance(value, str) else getattr(value, "name", ""),
 )
 def test_the_image_ends_at_the_burgers_vector(name: str, loop: Loop, values: dict) -> None:
-    """Start at zero, end at b; the path itself closes."""
+    """The image starts at zero and ends at b; the path itself closes."""
     b = burgers_vector(load(name).frame, loop, parameters=values)
     drawn = hodograph(b)
     assert drawn.magnified == 1
@@ -43,7 +43,7 @@ def test_the_image_ends_at_the_burgers_vector(name: str, loop: Loop, values: dic
 
 @pytest.mark.parametrize("radius", [1e-4, 1e-12, 1e-300])
 def test_a_gap_too_small_to_see_is_enlarged(radius: float) -> None:
-    """To about a quarter of the picture, by a power of ten that the title names."""
+    """A small gap is enlarged to a visible size, by a power of ten that the title names."""
     b = burgers_vector(load("so3").frame, Loop.circle([0.3, 1, 0.2], radius))
     drawn = hodograph(b)
     gap = drawn.image[:, -1]
@@ -56,10 +56,10 @@ def test_a_gap_too_small_to_see_is_enlarged(radius: float) -> None:
 
 
 def test_axes_say_what_they_show() -> None:
-    """Two panels; coordinates with their centre and unit, legs by number; three axes if needed."""
+    """Coordinates have centre and unit, legs have numbers; the panel is 3d only if necessary."""
     figure = draw_closure(burgers_vector(load("so3").frame, Loop.circle([0.3, 1, 0.2], 1e-6)))
     left = figure.axes[0]
-    # matplotlib's types know of two dimensions only.
+    # Type hints of matplotlib describe only two-dimensional axes.
     right: Any = figure.axes[1]
     assert left.get_xlabel() == r"$(\phi_{1} - 0.3)$ / 1e-06"
     assert right.name == "3d"
@@ -75,7 +75,7 @@ def test_axes_say_what_they_show() -> None:
 
 
 def test_a_map_rings_the_defect() -> None:
-    """One panel for the one component, one ring, with its strength; the first axis to the right."""
+    """One panel for the one component, one ring with its strength; the first axis points right."""
     grid = np.linspace(-1, 1, 12)
     edge = load("edge_dislocation").frame
     found = burgers_map(edge, (grid, grid[2:]), parameters={"b": 2})
@@ -89,7 +89,7 @@ def test_a_map_rings_the_defect() -> None:
 
 
 def test_a_map_of_a_smooth_density() -> None:
-    """Values stand where they belong; relative shows the difference from 2 S."""
+    """Each cell has its value; `relative` shows the difference from 2 S."""
     grids = (np.linspace(0, 3, 7), np.linspace(0.5, 2, 5))
     found = burgers_map(load("so3").frame, grids)
     first, second = (axes for axes in draw_map(found).axes if axes.get_title())
@@ -100,7 +100,7 @@ def test_a_map_of_a_smooth_density() -> None:
 
 
 def test_more_components_than_panels_are_told() -> None:
-    """Three are drawn; that there is a fourth stands above them."""
+    """Three of four components are drawn, and the title of the figure states both numbers."""
     x, y, z, w = sp.symbols("x y z w")
     rows = [[int(i == k) + (i + 1) * y * int(k == 0) for k in range(4)] for i in range(4)]
     figure = draw_map(burgers_map(Frame([x, y, z, w], rows), (np.linspace(0, 1, 4),) * 2))
@@ -109,14 +109,14 @@ def test_more_components_than_panels_are_told() -> None:
 
 
 def test_only_grids_are_maps() -> None:
-    """A list of circles has no picture of this kind."""
+    """A list of circles is refused, because a map needs a grid."""
     found = burgers_vectors(load("so3").frame, [[0, 1, 0]], 0.1)
     with pytest.raises(LoopError, match="expected a survey over a grid"):
         draw_map(found)
 
 
 def test_costs_have_one_line_for_each_rule() -> None:
-    """Points to the left, time to the right; an error of zero has a place."""
+    """Each rule has a line against points and against time; a zero error is drawn above zero."""
     rows = (
         LoopCost("Gauss", 4, 1e-3, 1e-4),
         LoopCost("Gauss", 8, 0.0, 2e-4),

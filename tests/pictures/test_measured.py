@@ -1,6 +1,6 @@
-"""Pictures of measured fields: what panels, arrows and captions show."""
+"""Figures of measured fields: panels, arrows and captions."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# Tests pass wrong types on purpose, as users do, and read attributes that may be missing.
 # pyright: reportAttributeAccessIssue=false
 
 import numpy as np
@@ -17,7 +17,7 @@ from tests.materials.maps.synthetic import wall
 
 
 def test_a_survey_shows_density_and_significance():
-    """Two panels with the values of the survey; arrows where b is significant."""
+    """The panels show density and significance; arrows mark some of the significant vectors."""
     survey = (wall(2.0, (20, 30), 0.5, sigma=0.01)).burgers_map(4)
     left, right = draw_survey(survey).axes[:2]
     shown = np.asarray(left.collections[0].get_array()).reshape(16, 26)
@@ -31,7 +31,7 @@ def test_a_survey_shows_density_and_significance():
 
 
 def test_a_survey_far_above_its_noise_is_logarithmic():
-    """From the noise floor to the largest value."""
+    """The scale is logarithmic from the noise floor if the values are far above the noise."""
     survey = field(sigma=1e-5).burgers_map(2)
     norm = draw_survey(survey).axes[0].collections[0].norm
     assert norm.vmin == pytest.approx(float(np.median(survey.floor)))
@@ -42,7 +42,7 @@ def test_a_survey_far_above_its_noise_is_logarithmic():
 
 
 def test_nothing_known_is_grey():
-    """A survey whose circuits all touch a hole is drawn, and says so."""
+    """A survey whose circuits all touch a hole is drawn, and the caption states the reason."""
     mask = np.zeros((11, 13), dtype=bool)
     mask[::2, ::2] = True
     figure = draw_survey(field(mask=mask, sigma=0.1, order=2).burgers_map(3))
@@ -51,7 +51,7 @@ def test_nothing_known_is_grey():
 
 @pytest.mark.parametrize("kind", ["grid", "map"])
 def test_circuits_stand_on_what_was_measured(kind):
-    """The circuit as a line, b beside it with its noise."""
+    """The circuit is a line, with b and its noise beside it."""
     measured = field(sigma=0.01) if kind == "grid" else wall(2.0, (20, 30), 0.5, sigma=0.01)
     found = measured.burgers(Loop.circle([2.5, 3], 1.5))
     axes = draw_circuits(measured, [found]).axes[0]
@@ -61,7 +61,7 @@ def test_circuits_stand_on_what_was_measured(kind):
 
 
 def test_boundaries_of_grains_and_circuits_step_by_step(tmp_path):
-    """Twelve sides between two grains and four round a hole; a circuit given pixel by pixel."""
+    """Twelve sides between two grains and four around a hole; a circuit given pixel by pixel."""
     angles = np.zeros((12, 16, 3))
     angles[..., 0] = 0.3 * np.arange(16)
     angles[:, 11:, 0] += 30
@@ -79,7 +79,7 @@ def test_boundaries_of_grains_and_circuits_step_by_step(tmp_path):
 
 
 def test_a_map_without_clean_circuits():
-    """Nothing to show is shown as nothing, without a warning."""
+    """A survey without a known circuit is drawn without warnings, and the caption explains it."""
     angles = np.zeros((6, 6, 3))
     angles[..., 0] = 40 * (np.indices((6, 6)).sum(axis=0) % 2)
     crystal = OrientationMap.from_euler(angles, 0.5, "m-3m", sigma=1)
@@ -89,7 +89,7 @@ def test_a_map_without_clean_circuits():
 
 
 def test_circuits_of_a_volume_stand_on_their_sections():
-    """Two circuits in two planes: a panel each, with the section below it."""
+    """Each plane with circuits has a panel, with the section of the volume as background."""
     axes = [np.arange(7.0), np.arange(8.0), np.arange(6.0)]
     x, _y, z = np.meshgrid(*axes, indexing="ij")
     cube = SampledFrame(axes, np.array([[0 * x, x * z, 0 * x]]), sigma=0.01)
@@ -105,7 +105,7 @@ def test_circuits_of_a_volume_stand_on_their_sections():
 
 
 def test_refused_circuits_are_drawn():
-    """Dashed on the map, alone or beside others; arrows are to the scale of the longest |b|."""
+    """A refused circuit is dashed, also beside a valid one, and the caption explains the dashes."""
     measured = field(sigma=0.01)
     loop = Loop.circle([2.5, 3], 1.5)
     alone = draw_circuits(measured, [], [loop]).axes[0]

@@ -1,4 +1,4 @@
-"""Pictures of developments and networks: what is drawn is what was computed."""
+"""Figures of developments and networks agree with the computed values."""
 
 from collections.abc import Hashable
 
@@ -9,7 +9,7 @@ import sympy as sp
 from geomtorsion.errors import LimitError, NetworkError
 from geomtorsion.geometry import Frame, levi_civita
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# Tests pass wrong types on purpose, as users do, and read attributes that may be missing.
 # pyright: reportAttributeAccessIssue=false
 from geomtorsion.loops import EdgeList, Loop, Network, develop, dispiration, parallel_screws
 from geomtorsion.loops.paths import developed_path
@@ -35,7 +35,7 @@ def texts(figure) -> str:
 
 
 def test_rolled_path_ends_where_the_development_does():
-    """The last place is the Burgers vector, the last frame the rotation; many steps or few."""
+    """The last position is the Burgers vector, the last frame the rotation."""
     theta, phi = sp.symbols("theta phi")
     sphere = levi_civita(Frame([theta, phi], [[1, 0], [0, sp.sin(theta)]]))
     for loop in (Loop.circle([1, 0.5], 0.6), Loop.plaquette([1, 0], (0.3, 0.4)).reversed()):
@@ -47,7 +47,7 @@ def test_rolled_path_ends_where_the_development_does():
 
 
 def test_development_shows_gap_and_turn(tmp_path):
-    """Size of the gap and angle stand above; the gap is an arrow between the two frames."""
+    """Titles give |b|, the angle and the defects; the gap is an arrow between the two frames."""
     from geomtorsion.pictures.development import draw_development
 
     figure = draw_development(levi_civita(dispiration("5/6", 0)), Loop.circle([0, 0, 0], 1))
@@ -78,7 +78,7 @@ def test_network_fills_the_cycles_that_do_not_close(net, tmp_path):
 
 
 def test_dislocations_show_sense_strength_and_violations(tmp_path):
-    """Every line has its b; a node that violates the rule says by how much."""
+    """Each line has its b; a node that violates the rule is labelled with the excess."""
     from geomtorsion.pictures.network import draw_dislocations
 
     lines = [("a", "j", (1, 0, 0)), ("b", "j", (0, 1, 0)), ("j", "c", (1, 2, 0))]
@@ -97,7 +97,7 @@ def test_dislocations_show_sense_strength_and_violations(tmp_path):
 
 
 def test_lines_are_drawn_in_the_box_once():
-    """The box, one collection for each family with all its lines, middles in the box."""
+    """The box, one collection per family with all its lines, and line centres in the box."""
     lines = rings(10, seed=4)
     mixed = lines.burgers.copy()
     mixed[:12] = [0, 0, 1]
@@ -116,7 +116,7 @@ def test_lines_are_drawn_in_the_box_once():
 
 
 def test_broken_nodes_are_marked_and_counted():
-    """Two ends of a line that ends in the crystal, without a box."""
+    """Both ends of a line that ends inside the crystal are marked, without a box."""
     line = LineArrays([[0, 0, 0], [1, 0, 0]], [[0, 1]], [[1.0, 0, 0]])
     figure = draw_lines(DislocationNetwork.of_arrays(line))
     assert "not conserved at 2 nodes" in figure.get_suptitle()
@@ -124,7 +124,7 @@ def test_broken_nodes_are_marked_and_counted():
 
 
 def test_nothing_is_refused():
-    """A network without lines has no picture."""
+    """A network without lines is refused."""
     empty = LineArrays(np.zeros((1, 3)), np.zeros((0, 2), int), np.zeros((0, 3)))
     with pytest.raises(NetworkError, match="expected a network with lines"):
         draw_lines(DislocationNetwork.of_arrays(empty))

@@ -1,4 +1,4 @@
-"""What a notebook shows of solutions, Burgers vectors and plans: text, and a picture if it can."""
+"""Solutions, Burgers vectors and plans in a notebook: text, and a figure with matplotlib."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ START, VELOCITY = [0.3, 1.0, 0.2], [0.1, 0.5, -0.2]
 
 
 def parts(one: object) -> tuple[str, str]:
-    """Text and picture of what is shown."""
+    """Text and figure of an object's HTML."""
     html = one._repr_html_()  # type: ignore[attr-defined]
     ElementTree.fromstring(f"<div>{html}</div>")
     assert html.count("<svg") == 1
@@ -25,7 +25,7 @@ def parts(one: object) -> tuple[str, str]:
 
 
 def test_a_solved_curve_is_drawn():
-    """With its error; equal calls give equal pictures."""
+    """The text gives the error; equal calls give equal figures."""
     solution = gt.solve(gt.autoparallel(gt.cartan(SO3), START, VELOCITY), t=5.0)
     text, picture = parts(solution)
     assert "error below" in text
@@ -33,7 +33,7 @@ def test_a_solved_curve_is_drawn():
 
 
 def test_lines_are_the_solution():
-    """What is drawn is what the solution gives at those times."""
+    """The drawn values are the solution at the drawn times."""
     swing = gt.solve(gt.ODE.of({"x": "v", "v": "-x"}, [1, 0]), 10.0)
     figure = gt.pictures.draw_solution(swing)
     for axes, function in zip(figure.axes, (np.cos, lambda t: -np.sin(t)), strict=True):
@@ -43,7 +43,7 @@ def test_lines_are_the_solution():
 
 
 def test_a_space_with_a_coordinate_t_is_drawn():
-    """The coordinate t is one of the lines, beside the curve parameter of the same name."""
+    """The coordinate t is one of the lines, although the curve parameter is also called t."""
     hole = gt.spaces.load("schwarzschild").frame
     fall = gt.geodesic(hole, [0, 10, 1.57, 0], [1.2, 0, 0, 0], parameters={"M": 1})
     solution = gt.solve(fall, 10.0)
@@ -53,7 +53,7 @@ def test_a_space_with_a_coordinate_t_is_drawn():
 
 
 def test_angles_do_not_jump():
-    """An angle that turns on is drawn so, not as a line across the picture."""
+    """An angle beyond a full turn is drawn continuously, without a line across the figure."""
     problem = gt.autoparallel(gt.cartan(SO3), START, VELOCITY)
     figure = gt.pictures.draw_solution(gt.solve(problem, 20.0))
     for axes in figure.axes:
@@ -62,7 +62,7 @@ def test_angles_do_not_jump():
 
 
 def test_the_path_of_a_curve_in_two_coordinates():
-    """On a sphere: beside the coordinates their path."""
+    """On a sphere the path is drawn beside the coordinates."""
     sphere = gt.spaces.load("s2").frame
     problem = gt.geodesic(sphere, [1.0, 0.0], [0.0, 1.0], parameters={"R": 1})
     solution = gt.solve(problem, 2.0)
@@ -73,7 +73,7 @@ def test_the_path_of_a_curve_in_two_coordinates():
 
 
 def test_ensembles_are_drawn():
-    """Every motion a line; one with its end alone has a text that says why there is none."""
+    """Each motion has a line; motions with only an end time have a text with the reason."""
     decay = gt.ODE.of({"x": "-k*x"}, [1], parameters={"k": 1})
     many = gt.solve_many(decay, {"k": np.array([1.0, 2.0])}, [0.5, 1.0])
     assert len(gt.pictures.draw_solution(many).axes[0].lines) == 2
@@ -83,7 +83,7 @@ def test_ensembles_are_drawn():
 
 
 def test_a_burgers_vector_is_its_loop_and_its_image():
-    """Components, error and check as text; loop, image and gap as a picture."""
+    """Components, error and check are text; loop, image and gap are a figure."""
     b = gt.burgers_vector(SO3, gt.Loop.circle(START, 0.3))
     text, picture = parts(b)
     for value in b.vector.tolist():
@@ -93,13 +93,13 @@ def test_a_burgers_vector_is_its_loop_and_its_image():
 
 
 def test_maps_are_drawn():
-    """The density of Burgers vectors on a grid."""
+    """A map of Burgers vectors on a grid has a text and a figure."""
     grid = gt.burgers_map(SO3, [[0.2, 0.3, 0.4], [1.0, 1.1, 1.2]])
     assert "BurgersMap(4 of 4 loops" in parts(grid)[0]
 
 
 def test_plans_are_drawn():
-    """Each quantity once, each below what it needs; the table stays below the picture."""
+    """Each quantity is drawn once, below its inputs; the table is below the figure."""
     plan = gt.spaces.load("kerr").frame.plan("einstein")
     text, picture = parts(plan)
     assert "plan of einstein" in text
@@ -111,14 +111,14 @@ def test_plans_are_drawn():
 
 
 def test_scenes_are_drawn():
-    """What was watched, and what was computed for it."""
+    """A result and its plan each have a text and a figure."""
     scene = gt.scenes.load("lagrange_cusp")
     assert "error below" in parts(scene.run())[0]
     assert "omitted" in parts(scene.selection)[0]
 
 
 def test_without_the_extra_there_is_text(monkeypatch):
-    """The text stands, and the line below it says what brings the picture."""
+    """The text is present, and a line below it gives the reason for the missing figure."""
 
     def missing(_: float, __: float) -> None:
         raise gt.errors.MissingExtraError("pictures need matplotlib")
@@ -131,7 +131,7 @@ def test_without_the_extra_there_is_text(monkeypatch):
 
 
 def test_texts_are_escaped():
-    """Names of states and titles of scenes never become markup."""
+    """Text is escaped; names of states never become markup."""
     assert style.pictured("<b>", lambda: style.new_figure(1, 1)).startswith(
         "<div><pre>&lt;b&gt;</pre><div><svg"
     )

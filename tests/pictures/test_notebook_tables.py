@@ -1,4 +1,4 @@
-"""What a notebook shows of frames, tensors and connections: right values, and nothing is run."""
+"""Frames, tensors and connections in a notebook: right values, safe markup, no MathJax."""
 
 from __future__ import annotations
 
@@ -20,23 +20,23 @@ EVIL = "<img src=x onerror=alert(1)>"
 
 
 def tree(html: str) -> ElementTree.Element:
-    """The parts of what is shown; fails where it is not well formed."""
+    """Element tree of some HTML; fails if the HTML is not well formed."""
     return ElementTree.fromstring(f"<div>{html}</div>")
 
 
 def rows(html: str) -> list[list[str]]:
-    """The texts of the cells of all rows of components."""
+    """Texts of the cells in all rows of components."""
     found = [["".join(cell.itertext()) for cell in row.iter("td")] for row in tree(html).iter("tr")]
     return [row for row in found if row]
 
 
 def text(expression: object) -> str:
-    """What a formula says without its shape."""
+    """Text of a formula, without its markup."""
     return "".join(tree(mathml(latex_text(expression))).itertext())
 
 
 def test_a_tensor_is_a_table_of_its_components():
-    """One row for each that is independent: name and value; it folds away."""
+    """Each independent component has a row with name and value; the table can be folded."""
     torsion = gt.cartan(gt.spaces.load("kerr").frame).torsion.S
     html = torsion._repr_html_()
     found = rows(html)
@@ -49,7 +49,7 @@ def test_a_tensor_is_a_table_of_its_components():
 
 
 def test_chosen_names_are_shown():
-    """In the table of a notebook, too; legs have a hat."""
+    """Chosen names are also used in the HTML table; indices of legs have a hat."""
     polar = gt.Frame([R, PHI], [[1, 0], [0, R]])
     assert rows(gt.cartan(polar).torsion.S.table("uv")._repr_html_())[0][0] == "Suvv"
     assert rows(polar.anholonomy.table("uv")._repr_html_())[0][0] == "Cuˆvˆvˆ"
@@ -57,7 +57,7 @@ def test_chosen_names_are_shown():
 
 
 def test_short_things_are_short():
-    """What vanishes and what has no index needs no table."""
+    """Vanishing tensors and scalars have no table."""
     sphere = gt.spaces.load("s2").frame
     assert gt.cartan(sphere).curvature._repr_html_().count("all components vanish") == 1
     assert not rows(gt.cartan(sphere).curvature._repr_html_())
@@ -66,7 +66,7 @@ def test_short_things_are_short():
 
 
 def test_long_things_are_folded():
-    """The first are open, the others one touch away; the most are told."""
+    """The first components are open, the others folded; the summary gives their number."""
     kerr = gt.spaces.load("kerr").frame
     derivative = gt.levi_civita(kerr).covariant_derivative(gt.cartan(kerr).torsion.S)
     html = derivative._repr_html_()
@@ -77,7 +77,7 @@ def test_long_things_are_folded():
 
 
 def test_a_connection_is_chosen_by_its_upper_index():
-    """A part for each upper index with all that it has: what is listed is all."""
+    """Each upper index has a part, and the parts together list all components."""
     bar = gt.levi_civita(gt.spaces.load("schwarzschild").frame)
     html = bar._repr_html_()
     parts = tree(html)[0].findall("details")
@@ -87,7 +87,7 @@ def test_a_connection_is_chosen_by_its_upper_index():
 
 
 def test_a_frame_shows_its_forms():
-    """Each one-form, the signature and the branches of roots."""
+    """Each one-form, the signature and the branches of roots are shown."""
     frame = gt.spaces.load("schwarzschild").frame
     found = rows(frame._repr_html_())
     assert len(found) == 4
@@ -112,14 +112,14 @@ def test_what_users_type_is_escaped():
     for one in shown:
         html = one._repr_html_()
         assert "<img" not in html, type(one)
-    # Names with braces would end a formula early.
+    # Unescaped braces in names would end a formula early.
     odd = gt.Frame([sp.Symbol("a}b"), y], [[1, 0], [sp.Symbol("a}b"), 1]])
     assert "<tr>" in odd._repr_html_()
 
 
 @pytest.mark.parametrize("name", one_in(3, gt.spaces.names()))
 def test_every_shipped_space_is_shown(name):
-    """All of them in well-formed markup, of formulas that are known."""
+    """All formulas of the space become MathML, in well-formed markup."""
     space = gt.spaces.load(name)
     for one in (space, space.frame.metric, gt.cartan(space.frame).torsion):
         html = one._repr_html_()
@@ -128,7 +128,7 @@ def test_every_shipped_space_is_shown(name):
 
 
 def test_people_count_legs_from_one():
-    """In text, LaTeX and HTML; indices of Python in square brackets count from 0."""
+    """Text, LaTeX and HTML count legs from 1; Python indices in square brackets count from 0."""
     polar = gt.Frame([R, PHI], [[1, 0], [0, R]])
     assert "e^1 = dr" in repr(polar)
     assert "e^0" not in repr(polar)
@@ -138,7 +138,7 @@ def test_people_count_legs_from_one():
 
 
 def shown_in_notebooks() -> dict[str, Any]:
-    """One of each thing that once needed MathJax, or was plain text."""
+    """One object of each kind that once needed MathJax or was plain text."""
     frame = gt.spaces.load("so3").frame
     u = sp.symbols("u1 u2 u3")
     motion = gt.equations_of_motion(frame, (u[0] ** 2 + 2 * u[1] ** 2 + 3 * u[2] ** 2) / 2)
@@ -159,10 +159,10 @@ def shown_in_notebooks() -> dict[str, Any]:
 
 @pytest.mark.parametrize("name", list(shown_in_notebooks()))
 def test_notebooks_need_no_mathjax(name):
-    """HTML of its own, well formed, with formulas in MathML and no LaTeX left."""
+    """The HTML is well formed, with formulas in MathML and without LaTeX."""
     html = shown_in_notebooks()[name]._repr_html_()
     assert tree(html) is not None
-    # Pictures have LaTeX in comments.
+    # Figures have LaTeX in comments.
     html = re.sub(r"<!--.*?-->", "", html, flags=re.DOTALL)
     assert "$" not in html
     assert not re.search(r"\\[a-zA-Z]", html)
@@ -171,7 +171,7 @@ def test_notebooks_need_no_mathjax(name):
 
 
 def test_the_route_is_named_once():
-    """Not "by the flux route: flux: ..."."""
+    """The text does not repeat the route, as in "by the flux route: flux: ..."."""
     b = gt.burgers_vector(gt.spaces.load("so3").frame, gt.Loop.circle([0.3, 1, 0.2], 0.3))
     first = b._repr_html_().partition("</pre>")[0].splitlines()[3]
     assert first.count("flux") == 1

@@ -1,4 +1,4 @@
-"""The report: one page that loads nothing, well formed, complete, and the same as data."""
+"""The report: one self-contained page, well formed and complete, and the same content as data."""
 
 import json
 import re
@@ -19,7 +19,7 @@ SHOWN = [entry for entry in CATALOGUE if entry.section and entry.section != CONN
 
 
 class Structure(HTMLParser):
-    """Checks that elements close in order, and collects ids, links and text."""
+    """Parser that checks the order of end tags and collects ids, links and text."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -52,7 +52,7 @@ class Structure(HTMLParser):
 
 
 def structure(html: str) -> Structure:
-    """The checked structure of a page."""
+    """Checked structure of a page."""
     found = Structure()
     found.feed(html)
     found.close()
@@ -69,7 +69,7 @@ def so3(tmp_path_factory):
 
 
 def test_the_page_is_well_formed(so3):
-    """Elements close in order, anchors exist once, links lead to them or to the data."""
+    """Elements close in order, anchors are unique, links lead to them or to the data."""
     page = structure(so3[0])
     assert len(page.ids) == len(set(page.ids))
     for link in page.links:
@@ -81,7 +81,7 @@ def test_the_page_is_well_formed(so3):
 
 
 def test_the_page_loads_nothing(so3):
-    """No script, no address, images inside; and the page forbids the browser to load any."""
+    """No script, no address, embedded images; a policy forbids the browser to load anything."""
     assert not structure(so3[0]).loads
     assert "http://" not in so3[0]
     assert "https://" not in so3[0]
@@ -90,7 +90,7 @@ def test_the_page_loads_nothing(so3):
 
 
 def test_the_page_holds_everything(so3):
-    """Story, source, every quantity, both connections' identities, the conventions."""
+    """Story, source, all quantities, identities of both connections, and no failed check."""
     page = structure(so3[0])
     assert "angular velocity" in page.text
     assert "FUB-HEP/94-5" in page.text
@@ -101,7 +101,7 @@ def test_the_page_holds_everything(so3):
 
 
 def test_the_data_is_the_same(so3):
-    """Quantities and checks stand in the JSON too."""
+    """The JSON holds the same quantities and checks."""
     _, data = so3
     assert list(data["quantities"]) == [entry.name for entry in SHOWN]
     assert data["quantities"]["scalar_curvature"]["components"] == {"": "3/2"}
@@ -111,7 +111,7 @@ def test_the_data_is_the_same(so3):
 
 
 def test_branches_of_roots_are_stated(tmp_path):
-    """Schwarzschild's page says where its root is read as it stands there."""
+    """Schwarzschild's page states the branch with which its root is read."""
     text = write_report(load("schwarzschild"), tmp_path, pictures=False).read_text("utf-8")
     assert "Branches of roots" in text
     assert "is read as" in text
@@ -120,7 +120,7 @@ def test_branches_of_roots_are_stated(tmp_path):
 
 @pytest.mark.parametrize("name", ["universe", "null", "twisted", "schwarzschild"])
 def test_pages_of_files(name, tmp_path):
-    """Unknown functions, null frames, own connections and plain metrics make good pages."""
+    """Unknown functions, null frames, own connections and plain metrics give well-formed pages."""
     space = read_file(DATA / f"{name}.toml")
     html = write_report(space, tmp_path, pictures=False).read_text("utf-8")
     page = structure(html)
@@ -130,7 +130,7 @@ def test_pages_of_files(name, tmp_path):
 
 
 def test_names_are_stated_and_used(tmp_path):
-    """What a name stands for is among the facts, and components are written by it."""
+    """The page defines the name Delta and uses it in the components."""
     space = load("kerr")
     named = replace(space, frame=space.frame.named(Delta="r**2 - 2*M*r + a**2"))
     plain, html = (
@@ -147,7 +147,7 @@ def test_names_are_stated_and_used(tmp_path):
 
 
 def test_text_from_a_file_is_escaped(tmp_path):
-    """A story cannot smuggle markup into the page."""
+    """Markup in texts of a space is escaped."""
     evil = "<script>alert(1)</script>"
     space = replace(load("s2"), title=evil, story=evil, source=evil, notes=evil)
     html = write_report(space, tmp_path, pictures=False).read_text("utf-8")
@@ -156,7 +156,7 @@ def test_text_from_a_file_is_escaped(tmp_path):
 
 
 def test_nothing_is_written_when_it_fails(tmp_path):
-    """An error in the middle leaves no half report."""
+    """An error during the work leaves no directory."""
 
     class Stop(Exception):
         pass
@@ -171,7 +171,7 @@ def test_nothing_is_written_when_it_fails(tmp_path):
 
 
 def test_the_page_shows_motions_and_a_loop(so3):
-    """Both sections are there, in words and, where matplotlib is installed, in pictures."""
+    """Motions and loop have text, and figures if matplotlib is installed."""
     page = structure(so3[0])
     assert {"about-motions", "about-closure"} <= set(page.ids)
     assert "straightest and shortest path are one" in page.text
@@ -183,13 +183,13 @@ def test_the_page_shows_motions_and_a_loop(so3):
 
 @pytest.mark.parametrize("name", ["schwarzschild_isotropic", "so3_quaternion"])
 def test_the_gap_of_the_loop_is_seen(name):
-    """At least 3 % of the way round where it is smallest, at most 60 % where it is largest."""
+    """The gap is between 3 % and 60 % of the length of the loop."""
     gap = widest_gap(load(name))
     assert 0.03 < gap.magnitude / gap.loop.length < 0.6
 
 
 @pytest.mark.parametrize("name", ["universe", "null"])
 def test_why_there_are_no_motions(name, tmp_path):
-    """Unknown functions and null tetrads have none; the page says why and is there."""
+    """Unknown functions and null tetrads have no motions; the page is written with the reason."""
     html = write_report(read_file(DATA / f"{name}.toml"), tmp_path).read_text("utf-8")
     assert "No motions: " in structure(html).text

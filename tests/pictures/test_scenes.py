@@ -1,4 +1,4 @@
-"""Pictures of scenes: drawn from plain arrays, with what they should show in them."""
+"""Figures of scenes, drawn from plain arrays: panels, curves, texts and animations."""
 
 import numpy as np
 import pytest
@@ -40,7 +40,7 @@ def words(figure) -> str:
 
 
 def test_watched_quantities_have_a_panel_each():
-    """Vectors share one, what is constant says so, units stand on the axis."""
+    """Each quantity has a panel; a constant is named, and the unit is on the axis."""
     watched = {"omega": TIPS, "energy": NIL + 2.5, "nutation": COS, "matrix": TURN}
     figure = watched_picture(
         TIMES, watched, {"energy": "J"}, {"omega": "xyz"}, {"nutation": "tilt"}, "A top", ["a note"]
@@ -55,7 +55,7 @@ def test_watched_quantities_have_a_panel_each():
 
 
 def test_the_tip_of_the_axis_with_its_limits():
-    """The unrolled curve has the angles of the data; long motions are cut on the sphere."""
+    """The unrolled curve has the angles of the data; a long motion shows only its first turns."""
     figure = axis_picture(TIMES, TIPS)
     phi, theta = np.asarray(figure.axes[1].lines[0].get_xydata()).T
     assert theta == pytest.approx(30.0)
@@ -69,7 +69,7 @@ def test_the_tip_of_the_axis_with_its_limits():
 
 @pytest.mark.parametrize("inertia", [(1, 2, 3), (3, 1, 2), (1, 1, 2), (2, 1, 1)])
 def test_polhodes_lie_on_sphere_and_ellipsoid(inertia):
-    """Both conditions hold on every curve, for every order of the moments."""
+    """Each curve satisfies both equations, for each order of the moments."""
     weights = 1 / np.array(inertia, dtype=float)
     for share in (0.1, 0.5, 0.9):
         value = weights.min() + share * np.ptp(weights)
@@ -81,7 +81,7 @@ def test_polhodes_lie_on_sphere_and_ellipsoid(inertia):
 
 
 def test_cones_with_and_without_attitude():
-    """One panel or two; spheres have no family of polhodes."""
+    """One panel without the attitude, two with it; a sphere is drawn without polhodes."""
     assert len(cones_picture((1, 2, 3), TIPS).axes) == 1
     figure = cones_picture((1, 1, 1), TIPS, TURN, "free")
     assert len(figure.axes) == 2
@@ -89,7 +89,7 @@ def test_cones_with_and_without_attitude():
 
 
 def test_paths_in_plane_and_space():
-    """What does not change is not drawn."""
+    """A constant coordinate has no axis."""
     flat = np.stack([TIMES, NIL, TIMES**2], axis=1)
     figure = path_picture({"flight": flat}, TURN)
     assert figure.axes[0].get_xlabel() == "$x$ / m"
@@ -102,7 +102,7 @@ def test_paths_in_plane_and_space():
 
 
 def test_trust_and_change():
-    """Zero is drawn, and named; two laws are told apart."""
+    """A drift of zero is drawn and named; two laws have two lines."""
     figure = trust_picture(TIMES, {"energy": NIL, "momentum": 1e-15 * TIMES}, 1e-12, 1e-10)
     assert "drift of energy: none" in words(figure)
     assert np.min(np.asarray(figure.axes[0].lines[0].get_ydata())) == NOTHING
@@ -112,7 +112,7 @@ def test_trust_and_change():
 
 
 def test_plans_and_sweeps():
-    """Boxes, reasons, points and curve; a second variation makes a field."""
+    """A plan has boxes and reasons; a sweep has points and curve, a second variation a field."""
     figure = plan_picture(
         {"watched": ["energy"], "states": ["Omega", "q"]}, [("energy", "Omega")], {"q": "unused"}
     )
@@ -128,7 +128,7 @@ def test_plans_and_sweeps():
 
 
 def test_a_film_that_fails_says_why(tmp_path, monkeypatch):
-    """What goes wrong in the first frame is told, Ctrl-C too, and no broken file is left."""
+    """The error of the first frame, or Ctrl-C, is raised unchanged, and no file remains."""
     for reason in (KeyboardInterrupt(), RuntimeError("no memory")):
 
         def fail(*_, reason=reason, **__):
@@ -143,7 +143,7 @@ def test_a_film_that_fails_says_why(tmp_path, monkeypatch):
 
 
 def test_films(tmp_path, monkeypatch):
-    """A GIF has its frames; the sides of a block are those of its moments; others are refused."""
+    """A GIF has its frames; sides of a block follow from the moments; other types are refused."""
     from PIL import Image, ImageSequence
 
     sides = block_sides([13.0, 10.0, 5.0])
@@ -166,7 +166,7 @@ def test_films(tmp_path, monkeypatch):
 
 
 def test_a_film_of_a_round_body_takes_no_numbers_from_unset_memory(tmp_path, monkeypatch):
-    """Its faces have 32 corners and 4; warnings are errors here."""
+    """Faces with 32 and with 4 corners share an array; unset entries would raise a warning."""
     pytest.importorskip("matplotlib")
     unset = np.empty
 
@@ -183,7 +183,7 @@ def test_a_film_of_a_round_body_takes_no_numbers_from_unset_memory(tmp_path, mon
 
 
 def test_figures_can_be_saved(tmp_path):
-    """They reach the disk, in every format, and are more than an empty page."""
+    """A saved figure has more than 8 kB in each format."""
     for form in ("png", "svg", "pdf"):
         path = tmp_path / f"axis.{form}"
         save(axis_picture(TIMES, TIPS, title="Top"), path)
@@ -192,21 +192,21 @@ def test_figures_can_be_saved(tmp_path):
 
 @pytest.mark.parametrize(("change", "constant"), [(0.9e-8, True), (1.1e-8, False)])
 def test_what_is_called_constant(change, constant):
-    """A quantity that changes by less than 1e-8 of its size keeps its value."""
+    """A quantity that changes by less than 1e-8 of its size is called constant."""
     figure = watched_picture(TIMES, {"energy": 2.5 * (1 + change * TIMES / TIMES[-1])})
     assert ("constant: 2.5" in words(figure)) is constant
 
 
 @pytest.mark.parametrize(("change", "kept"), [(0.9e-8, True), (1.1e-8, False)])
 def test_what_is_called_kept(change, kept):
-    """Equations of motion keep what changes by less than a hundred millionth."""
+    """A quantity that changes by less than 1e-8 of its size is called kept."""
     figure = change_picture(TIMES, {"energy": {"right": 1 + change * TIMES / TIMES[-1]}})
     assert ("kept: changes below" in words(figure)) is kept
 
 
 @pytest.mark.parametrize(("tilt", "title"), [(0.34, "from above"), (0.36, "unrolled")])
 def test_an_upright_axis_is_seen_from_above(tilt, title):
-    """Near the vertical the way round is short: it is seen from above there."""
+    """Up to a tilt of 0.35 rad the tip is drawn from above, because its circle is small."""
     tips = np.stack([np.sin(tilt) * COS, np.sin(tilt) * SIN, NIL + np.cos(tilt)], axis=1)
     assert title in words(axis_picture(TIMES, tips))
 
@@ -227,6 +227,6 @@ def test_a_cone_is_drawn_where_the_angle_is_kept(wobble, cones):
 
 @pytest.mark.parametrize(("ratio", "scale"), [(299, "linear"), (301, "log")])
 def test_wide_ranges_are_logarithmic(ratio, scale):
-    """An axis over more than a factor 300 is logarithmic."""
+    """An axis over more than a factor of 300 is logarithmic."""
     values = np.linspace(1, ratio, 5)
     assert sweep_picture([("spin", values)], ("tilt", values)).axes[0].get_xscale() == scale

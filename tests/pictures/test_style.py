@@ -1,4 +1,4 @@
-"""Style: figures are saved under names, and nothing is drawn of what has no picture."""
+"""Style: names of saved figures, and refusals of objects that cannot be drawn."""
 
 from collections.abc import Callable, Hashable
 from typing import Any
@@ -29,14 +29,14 @@ FIELD = gt.SampledFrame([LINE, LINE], np.tile(np.eye(2)[..., None, None], (1, 1,
 )  # fmt: skip
 @pytest.mark.parametrize("came", [None, "b", FIELD.burgers(gt.Loop.circle([0, 0], 0.5))])
 def test_what_is_something_else_is_refused(draw: Callable[[Any], object], needed: str, came: Any):
-    """The message names the argument and what was needed."""
+    """The message names the argument and the expected type."""
     with pytest.raises(ArgumentError, match=needed):
         draw(came)
 
 
 @pytest.mark.parametrize("plane", [(0, 7), (0, 0), (0,), 3, ("x", "y"), (-1, 0)])
 def test_a_plane_is_two_coordinates(plane: Any):
-    """Numbers that the network has, two of them, different."""
+    """A plane is two different axes of the network, given as numbers."""
     lines = [("a", "b", (1, 0, 0)), ("b", "c", (1, 0, 0))]
     net = gt.DislocationNetwork.of_lines(lines, surface=["a", "c"])
     places: dict[Hashable, Any] = {"a": (0, 0, 0), "b": (1, 0, 0), "c": (1, 1, 0)}
@@ -45,7 +45,7 @@ def test_a_plane_is_two_coordinates(plane: Any):
 
 
 def test_a_path_is_no_number():
-    """Numbers are handles of open files to Python."""
+    """A number as path is refused, because Python reads it as a handle of an open file."""
     figure = gt.pictures.draw_plan(gt.spaces.load("s2").frame.plan("metric"))
     with pytest.raises(ArgumentError, match="path: expected the name of a file"):
         gt.pictures.save(figure, 3)  # pyright: ignore[reportArgumentType]

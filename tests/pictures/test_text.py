@@ -1,4 +1,4 @@
-"""Expressions on one line: short, and readable again where no Greek letters are used."""
+"""Expressions on one line: short, and readable as input in ASCII."""
 
 import pytest
 import sympy
@@ -43,7 +43,7 @@ def test_as_a_person_would_write_it(expression, text):
 
 
 def test_names():
-    """Names of Greek letters become letters, with their number; others stay."""
+    """Names of Greek letters become letters, with their number; others do not change."""
     assert [greek_name(n) for n in ("phi2", "Omega", "x1", "theta_12", "beta_x", "etas")] == [
         "φ2", "Ω", "x1", "θ12", "beta_x", "etas",
     ]  # fmt: skip
@@ -68,14 +68,14 @@ def _expressions():
 
 @given(_expressions())
 def test_ascii_text_can_be_read_back(expression):
-    """What is written without Greek letters is read as the same expression."""
+    """ASCII text of an expression is read as the same expression."""
     written = expression_text(expression, greek=False)
     assert written.isascii()
     assert sympy.expand(parse_expression(written, NAMES) - expression) == 0
 
 
 def test_three_primes_at_most():
-    """Three primes are read at a glance, four are not: the order is written."""
+    """Up to three primes are written; a fourth derivative shows its order for readability."""
     r = sympy.Symbol("r")
     a = sympy.Function("a")(r)
     assert expression_text(a.diff(r, 3)) == "a'''(r)"

@@ -1,4 +1,4 @@
-"""accuracy: the table, the recommendation and the picture of what accuracy costs."""
+"""accuracy: the table, the recommendation and the plot of cost against accuracy."""
 
 import json
 
@@ -10,13 +10,13 @@ CHEAP = ("--engines", "rungekutta", "--accuracies", "1e-3,1e-6", "--t", "1")
 
 
 def test_help_has_an_example():
-    """The command explains itself."""
+    """The help shows an example."""
     assert "geomtorsion accuracy so3" in run("accuracy", "--help").stdout
 
 
 @pytest.mark.parametrize("name", ["so3", "flat_polar"])
 def test_table_and_files(name, tmp_path):
-    """A row for each accuracy, errors below it, a line that says what to take; files agree."""
+    """Each accuracy has a row with a smaller error; the JSON holds the printed recommendation."""
     text = run("accuracy", name, *CHEAP, "-o", str(tmp_path)).stdout
     assert text.count("\nRungeKutta") == 2
     assert "\nTake RungeKutta: 1e-06 in " in text
@@ -33,14 +33,14 @@ def test_table_and_files(name, tmp_path):
 
 
 def test_the_picture_is_written(tmp_path):
-    """As SVG, with the name of the engine in it."""
+    """The plot is written as an SVG file of more than 10 kB."""
     pytest.importorskip("matplotlib")
     run("accuracy", "s2", "--curve", "autoparallel", *CHEAP, "-o", str(tmp_path), "--format", "svg")
     assert (tmp_path / "accuracy.svg").stat().st_size > 10_000
 
 
 def test_without_matplotlib(tmp_path, no_pictures):
-    """Data are written, and the missing extra is named."""
+    """The JSON file is written, and the text names the missing extra."""
     text = run("accuracy", "flat_polar", *CHEAP, "-o", str(tmp_path)).stdout
     assert "geomtorsion[plots]" in text
     assert [path.name for path in tmp_path.iterdir()] == ["accuracy.json"]
@@ -58,14 +58,14 @@ def test_without_matplotlib(tmp_path, no_pictures):
     ],
 )
 def test_bad_input_is_refused(arguments, says):
-    """One clean message, code 2."""
+    """A wrong argument ends the command with code 2 and one message."""
     result = run("accuracy", *arguments, code=2)
     assert says in result.stderr
     assert "Traceback" not in result.output
 
 
 def test_what_accuracy_costs_for_a_scene(tmp_path):
-    """Errors achieved hold; table and picture are written."""
+    """Achieved errors are at most the requested ones; the table and the plot are written."""
     arguments = ("--accuracies", "1e-4,1e-8", "--engines", "rungekutta", "--t", "0.2")
     text = run("accuracy", "lagrange_cusp", *arguments, "-o", str(tmp_path)).stdout
     assert "errors against" in text

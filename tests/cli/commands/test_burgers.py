@@ -1,4 +1,4 @@
-"""The command `burgers`: text and JSON, files and pipes, failures and where they go."""
+"""The command `burgers`: text and JSON, files and pipes, exit codes of failures."""
 
 import json
 import math
@@ -16,22 +16,22 @@ from tests.materials.test_readers import grid
 
 
 def run(*arguments: str, code: int = 0, given: str = "") -> Any:
-    """The result of `geomtorsion burgers` that has to end with a code."""
+    """Result of `geomtorsion burgers`, which must end with the given code."""
     return running.run("burgers", *arguments, code=code, given=given)
 
 
 def data(*arguments: str, code: int = 0, given: str = "") -> dict[str, Any]:
-    """The same as data."""
+    """Parsed JSON that `geomtorsion burgers` prints."""
     return json.loads(run(*arguments, "--format", "json", code=code, given=given).stdout)
 
 
 def test_help_has_examples() -> None:
-    """The command explains itself."""
+    """The help shows an example."""
     assert "geomtorsion burgers so3 --circle" in run("--help").stdout
 
 
 def test_every_kind_of_loop_on_the_line() -> None:
-    """One of each, in the order of the options."""
+    """One loop of each kind; the results have the order of the options."""
     found = data(
         "heisenberg",
         *("--circle", "1,2,0:1e-9", "--circle", "0,0,0:1/2:y,x", "--ellipse", "0,0,0:2,1:0,1"),
@@ -47,7 +47,7 @@ def test_every_kind_of_loop_on_the_line() -> None:
 
 
 def test_text_says_route_check_and_cost() -> None:
-    """What a person reads."""
+    """The text names the vector, the route, the check and the number of evaluations."""
     shown = run("so3", "--circle", "0.3,1,0.2:1e-12").stdout
     for words in ("b = (3.0012", "flux: the loop is so small", "checked: line", "evaluations"):
         assert words in shown
@@ -59,14 +59,14 @@ def test_text_says_route_check_and_cost() -> None:
 
 
 def test_closed_forms() -> None:
-    """--exact gives expressions."""
+    """--exact prints b as an exact expression, in JSON and in text."""
     found = data("heisenberg", "--circle", "0,0,0:1/2", "--exact")
     assert found["results"][0]["exact"] == ["0", "0", "-pi/4"]
     assert "b = (0, 0, -pi/4)" in run("heisenberg", "--circle", "0,0,0:1/2", "--exact").stdout
 
 
 def test_closed_forms_take_values() -> None:
-    """--set is put in exactly; bounds of a curve are those of --interval."""
+    """--exact inserts values of --set exactly; --interval sets the bounds of a curve."""
     half = ("--curve", "cos(s);sin(s);0", "--interval", "0,4*pi")
     found = data("screw_dislocation", "--set", "b=1/3", "--exact", *half)
     assert found["results"][0]["exact"] == ["0", "0", "2/3"]
@@ -75,7 +75,7 @@ def test_closed_forms_take_values() -> None:
 
 
 def test_a_pipeline(tmp_path: Path) -> None:
-    """JSON in on standard input or from a file, CSV too; JSON out, and files with pictures."""
+    """Loops are read from standard input, JSON and CSV; -o writes JSON and one figure per loop."""
     loops = json.dumps(
         {
             "loops": [{"circle": {"centre": [0, 0, 0], "radius": 1}, "times": 3, "name": "three"}],
@@ -99,7 +99,7 @@ def test_a_pipeline(tmp_path: Path) -> None:
 
 
 def test_files_of_loops_have_to_agree(tmp_path: Path) -> None:
-    """Which accuracy and which parameters count is said by an option where files differ."""
+    """Files that disagree in accuracy or a parameter are refused unless an option decides."""
     loop = {"circle": {"centre": [0, 0, 0], "radius": 1}}
     one, other, third = (tmp_path / name for name in ("one.json", "other.json", "third.json"))
     one.write_text(json.dumps({"loops": [loop], "parameters": {"b": 2}, "accuracy": 1e-9}))
@@ -120,7 +120,7 @@ def test_files_of_loops_have_to_agree(tmp_path: Path) -> None:
 def test_a_crowd_of_loops_has_twelve_pictures(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """All stand in the file, the first twelve are drawn."""
+    """The JSON file holds all loops; only the first twelve are drawn."""
     drawn: list[str] = []
     monkeypatch.setattr(burgers, "draw_closure", lambda vector: vector)
     monkeypatch.setattr(burgers, "save", lambda vector, path: drawn.append(path.name))
@@ -133,7 +133,7 @@ def test_a_crowd_of_loops_has_twelve_pictures(
 
 
 def test_a_failure_stands_among_the_others() -> None:
-    """One of several loops runs through the axis: the others are there, the command ends with 1."""
+    """A loop that meets the axis is reported as failed, the other has its result, the code is 1."""
     both = ("--circle", "1,0,0:1", "--circle", "1,0,0:2")
     found = data("screw_dislocation", "--set", "b=1", *both, code=1)
     assert "passes through" in found["results"][0]["failed"]
@@ -142,7 +142,7 @@ def test_a_failure_stands_among_the_others() -> None:
 
 
 def test_an_interruption_keeps_what_is_done(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Ctrl-C: the finished results are printed, the command ends with 130."""
+    """Ctrl-C: the finished results are printed, and the command ends with 130."""
     to_json, calls = BurgersVector.to_json, []
 
     def interrupted(self: BurgersVector) -> dict[str, Any]:
@@ -186,7 +186,7 @@ def test_an_interruption_keeps_what_is_done(monkeypatch: pytest.MonkeyPatch) -> 
     ],
 )
 def test_bad_input_ends_with_two(arguments: tuple[str, ...], message: str) -> None:
-    """One clean message on standard error, no traceback."""
+    """A wrong argument ends the command with code 2 and a message, without a traceback."""
     result = run("so3", *arguments, code=2)
     said = " ".join(result.stderr.replace("│", " ").split())
     assert message in said
@@ -194,14 +194,14 @@ def test_bad_input_ends_with_two(arguments: tuple[str, ...], message: str) -> No
 
 
 def test_a_missing_parameter_is_named() -> None:
-    """With what to type."""
+    """The message names the missing parameter b and the option --set."""
     result = run("screw_dislocation", "--circle", "0,0,0:1", code=2)
     assert "contains b" in result.stderr
     assert "--set" in result.stderr
 
 
 def test_any_kind_of_loop_by_one_option() -> None:
-    """--loop "circle ..." is --circle, with errors that show what was typed."""
+    """--loop "circle ..." equals --circle; its errors quote the typed text."""
     found = data("heisenberg", "--loop", "circle 0,0,0:1/2", "--circle", "0,0,0:1/2")["results"]
     assert found[0]["vector"] == found[1]["vector"]
     assert "--loop: expected one of circle, ellipse" in run(
@@ -213,14 +213,14 @@ def test_any_kind_of_loop_by_one_option() -> None:
 
 
 def wall_file(folder: Path) -> str:
-    """A tilt wall of 2 degrees in the middle of 12 x 14 pixels, steps of 0.5 um."""
+    """A tilt wall of 2 degrees in the middle of 12 x 14 pixels, with steps of 0.5 um."""
     angles = np.zeros((12, 14, 3))
     angles[..., 0] = np.where(np.arange(14) < 7, 359.0, 1.0)
     return str(write(folder, ctf(angles), "wall.ctf"))
 
 
 def test_a_measured_grid(tmp_path) -> None:
-    """Torsion 1 everywhere: b is the area; json, picture and words."""
+    """Torsion 1 everywhere: b equals the area in JSON; the figure and the text are written."""
     path = str(grid(tmp_path, sigma=1e-3, unit="nm"))
     out = tmp_path / "o"
     found = data(path, "--loop", "plaquette 1,1:2,1", "--circle", "2,3:1.5", "-o", str(out))
@@ -234,7 +234,7 @@ def test_a_measured_grid(tmp_path) -> None:
 
 
 def test_a_measured_orientation_map(tmp_path) -> None:
-    """A circuit round a tilt wall: b/L = 2 sin(theta/2), in crystal and specimen axes."""
+    """A circuit around a tilt wall: b/L = 2 sin(theta/2), in crystal and specimen axes."""
     path = wall_file(tmp_path)
     found = data(path, "--loop", "plaquette 1,1:4,3", "--sigma", "0.01")["results"][0]
     assert found["magnitude"] == pytest.approx(6 * math.sin(math.radians(1)), rel=1e-6)
@@ -246,7 +246,7 @@ def test_a_measured_orientation_map(tmp_path) -> None:
 
 
 def test_measured_circuits_that_fail(tmp_path) -> None:
-    """Alone it is an error with pixels and a remedy; among others it is told in its place."""
+    """One failing circuit ends with code 2 and a remedy; among others it is one failed result."""
     path = wall_file(tmp_path)
     options = ("--threshold", "1.5", "--sigma", "0.01", "--loop", "circle 3.5,3:2")
     message = run(path, *options, code=2).stderr
@@ -259,7 +259,7 @@ def test_measured_circuits_that_fail(tmp_path) -> None:
 
 
 def test_a_file_of_loops_of_the_other_kind(tmp_path) -> None:
-    """What it says of a frame given by formulas is refused for measured fields, by its key."""
+    """A file that sets `accuracy` or `parameters` is refused for measured fields, by that key."""
     circle = {"circle": {"centre": [2, 3], "radius": 1.5}}
     for extra in ({"accuracy": 1e-3}, {"parameters": {"b": 2}}):
         given = json.dumps({"loops": [circle], **extra})
@@ -268,7 +268,7 @@ def test_a_file_of_loops_of_the_other_kind(tmp_path) -> None:
 
 
 def test_closed_forms_have_no_accuracy_in_files() -> None:
-    """It is refused there as it is on the command line."""
+    """--exact refuses an accuracy that a file of loops sets."""
     circle = {"circle": {"centre": [2, 3, 0], "radius": 1.5}}
     given = json.dumps({"loops": [circle], "accuracy": 0.1})
     said = run("heisenberg", "--exact", "--loops", "-", code=2, given=given).stderr
@@ -293,13 +293,13 @@ def test_closed_forms_have_no_accuracy_in_files() -> None:
     ],
 )
 def test_options_of_the_other_kind(tmp_path, source, options, words) -> None:
-    """They are refused by name."""
+    """An option of the other kind of source is refused by its name."""
     name = str(grid(tmp_path)) if source == "measured" else source
     assert words in run(name, "--circle", "0,0,0:1", *options, code=2).stderr
 
 
 def test_a_value_against_what_was_declared() -> None:
-    """Said in one line, by numbers and exactly."""
+    """A value that contradicts a declaration is refused, with numbers and with --exact."""
     for more in ((), ("--exact",)):
         result = run("s2", "--set", "R=-1", "--circle", "1,1:1/2", *more, code=2)
         assert (
@@ -309,7 +309,7 @@ def test_a_value_against_what_was_declared() -> None:
 
 
 def test_proved_prints_certain_digits() -> None:
-    """Past a core, where the numbers lose digits; as text and as data."""
+    """A circle close to the core has 15 certain digits, as text and as data; --exact is refused."""
     past = ("screw_dislocation", "--set", "b=1", "--circle", "1,0,0:1.000001", "--proved")
     assert "b3 = 1.00000000000000" in run(*past).stdout
     proof = data(*past)["results"][0]["proof"]
@@ -320,12 +320,12 @@ def test_proved_prints_certain_digits() -> None:
 
 
 def test_a_loop_that_cannot_be_proved_is_reported() -> None:
-    """A circle through the core: the proof is refused, as the number is."""
+    """A circle through the core ends with code 2, also with --proved."""
     assert run("screw_dislocation", "--set", "b=1", "--circle", "1,0,0:1", "--proved", code=2)
 
 
 def test_digits_end_where_the_error_begins():
-    """A component below its error is 0, and zero differences are never 0e+00."""
+    """A component below its error is 0, and a zero difference is never printed as 0e+00."""
     text = run("screw_dislocation", "--set", "b=1", "--circle", "0,0,0:1").stdout
     assert "b = (0, 0, 1) +- " in text
     assert "0e+00" not in run("heisenberg", "--plaquette", "0,0,0:1,1").stdout

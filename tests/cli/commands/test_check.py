@@ -1,4 +1,4 @@
-"""check: identities and known answers, and how it ends where one fails."""
+"""check: identities, known answers, and exit codes."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +11,7 @@ DATA = Path(__file__).parent.parent.parent / "data"
 
 
 def test_check_of_a_shipped_space():
-    """Identities of both connections and the known answers hold."""
+    """Identities of both connections and all known answers hold."""
     text = run("check", "so3").stdout
     for title in ("Cartan connection", "Levi-Civita connection", "Known answers"):
         assert f"{title}\n" in text
@@ -20,14 +20,14 @@ def test_check_of_a_shipped_space():
 
 
 def test_check_of_a_file_with_its_own_connection():
-    """The connection of the file is checked too."""
+    """The connection of the file is also checked."""
     text = run("check", str(DATA / "twisted.toml")).stdout
     assert "The space's own connection" in text
     assert text.count("second Bianchi") == 3
 
 
 def test_nonmetricity_is_no_failure(tmp_path):
-    """A connection that does not keep lengths is allowed to: metricity is no identity for it."""
+    """A connection need not preserve lengths: metricity has a dash and does not count as failed."""
     file = tmp_path / "bent.toml"
     file.write_text(
         'coordinates = ["x", "y"]\ncoframe = [[1, 0], [0, 1]]\nconnection = {"0,0,0" = "y"}\n'
@@ -38,7 +38,7 @@ def test_nonmetricity_is_no_failure(tmp_path):
 
 
 def test_check_ends_with_1_when_something_fails(monkeypatch):
-    """A known answer that is wrong is found, named and counted."""
+    """A wrong known answer is marked, named and counted; the command ends with 1."""
     space = replace(load("s2"), known=(KnownAnswer("scalar_curvature", 7),))
     monkeypatch.setattr("geomtorsion.cli.commands.check.open_space", lambda _: space)
     text = run("check", "s2", code=1).stdout
@@ -48,7 +48,7 @@ def test_check_ends_with_1_when_something_fails(monkeypatch):
 
 
 def test_an_attempt_at_code_does_nothing(tmp_path):
-    """The file is refused and its code is not run."""
+    """A file with code in an entry is refused, and the code does not run."""
     trace = tmp_path / "trace"
     file = tmp_path / "evil.toml"
     entry = f"__import__('pathlib').Path('{trace}').touch()"

@@ -1,4 +1,4 @@
-"""The command `crystal`: tables, files that others read, trajectories that go on, bad input."""
+"""The command `crystal`: tables, files for other programs, resumed trajectories, bad input."""
 
 import json
 import re
@@ -22,17 +22,17 @@ AXES = ("--lattice", "fcc", "--orient", "1,0,0;0,1,0;0,0,1", "--constant", "3.6"
 
 
 def run(*arguments: str, code: int = 0) -> Any:
-    """The result of `geomtorsion crystal` that has to end with a code."""
+    """Result of `geomtorsion crystal`, which must end with the given code."""
     return running.run("crystal", *arguments, code=code)
 
 
 def test_help_has_examples() -> None:
-    """The command explains itself."""
+    """The help shows an example."""
     assert "geomtorsion crystal cu_edge.xyz -o out" in run("--help").stdout
 
 
 def test_a_screw_in_given_axes(tmp_path: Path) -> None:
-    """b exactly, in both units, length and ends; a right-handed screw has b against its sense."""
+    """Exact b in both units, length and ends; a right-handed screw has b against its sense."""
     file = written(tmp_path, copper_screw())
     done = run(str(file), *AXES, "-o", str(tmp_path / "out"))
     assert re.search(r"0 +\(0, 0, -?1\) +\(0, 0, -?3\.6\) +<1 0 0> +14\.4 +periodic", done.stdout)
@@ -48,7 +48,7 @@ def test_a_screw_in_given_axes(tmp_path: Path) -> None:
 
 
 def test_signs_of_other_conventions(tmp_path: Path) -> None:
-    """FS/RH is minus, OVITO's the same; a name that is none is told with those that are."""
+    """SF/RH and OVITO give b, FS/RH gives -b; an unknown convention is refused."""
     file = written(tmp_path, copper_screw())
     found = {}
     for name in ("SF/RH", "FS/RH", "OVITO"):
@@ -60,7 +60,7 @@ def test_signs_of_other_conventions(tmp_path: Path) -> None:
 
 
 def test_files_for_others(tmp_path: Path) -> None:
-    """Lines for OVITO, ParaView and ParaDiS, a picture, and a page without any other."""
+    """Line files that OVITO, ParaView and ParaDiS read, a figure, and a page without links."""
     file, out = written(tmp_path, copper_screw()), tmp_path / "out"
     run(str(file), *AXES, "-o", str(out))
     for end in (".ca", ".data"):
@@ -73,13 +73,13 @@ def test_files_for_others(tmp_path: Path) -> None:
     assert (out / "crystal.png").stat().st_size > 10_000
     page = (out / "crystal.html").read_text("utf-8")
     assert "<canvas" in page
-    # The name of the language of pictures is no address.
+    # The name of the SVG language is not a link.
     assert "http" not in page.replace("http://www.w3.org/2000/svg", "")
 
 
 def test_grains_are_clusters_for_others(tmp_path: Path) -> None:
-    """A line in the second cluster, along its axes: b there is that of the table, in space that of
-    the line; the wall is a transition by its misorientation."""
+    """A line in the second cluster: b in the file is in the axes of its cluster, and reading the
+    file returns b in space; the wall is a transition with the misorientation of the table."""
     places, _, size = bicrystal("fcc", turned(40, (0, 0, 1)), (0.5, 0.5, 0), size=(11, 8, 2))
     file, out = written(tmp_path, 3.6 * (places + size / 2)), tmp_path / "out"
     run(str(file), "-o", str(out))
@@ -93,7 +93,7 @@ def test_grains_are_clusters_for_others(tmp_path: Path) -> None:
     assert [f"CLUSTER_SIZE {grain['atoms']}" in rows for grain in frame["grains"]] == [True, True]
     between = np.array(rows[rows.index("TRANSITION 0 1") + 1].split(), float).reshape(3, 3)
     scale = np.linalg.det(between) ** (1 / 3)
-    # In the variants nearest to each other the turn is the least.
+    # The rotation angle is smallest for the closest pair of variants.
     angle = np.degrees(np.arccos((np.trace(between / scale) - 1) / 2))
     assert angle == pytest.approx(frame["walls"][0]["degrees"], abs=1e-6)
     (back,) = DislocationNetwork.read(out / "lines.ca").polylines
@@ -102,8 +102,8 @@ def test_grains_are_clusters_for_others(tmp_path: Path) -> None:
 
 
 def test_families_of_hcp_for_others(tmp_path: Path) -> None:
-    """c and a screws with c/a of 1.58 stand in OVITO's units, where its neighbours are 1/sqrt(2)
-    apart and c/a is ideal; its families are named, and b comes back in space."""
+    """c and a screws at c/a = 1.58 are written in OVITO's units (neighbours 1/sqrt(2) apart,
+    ideal c/a); the families are named, and reading the file returns b in space."""
     for b, local in (((0, 0, 1.58), (0, 0, (4 / 3) ** 0.5)), ((1.0, 0, 0), (0.5**0.5, 0, 0))):
         sites, cell = block("hcp", (12, 7, 8))
         way = int(np.argmax(b))
@@ -135,7 +135,7 @@ def test_families_of_hcp_for_others(tmp_path: Path) -> None:
 def test_a_trajectory_that_is_stopped_goes_on_to_the_same_bits(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Lines keep their numbers; Ctrl-C in the third frame, --resume: all files byte by byte."""
+    """Tracks keep their numbers; after Ctrl-C in frame 3, --resume writes the same bytes."""
     frames = [copper_screw(shift, 0.04, seed) for seed, shift in enumerate((0, 1.5, 3, 4))]
     file = written(tmp_path, *frames)
     whole, parts = tmp_path / "whole", tmp_path / "parts"
@@ -184,16 +184,16 @@ def test_a_trajectory_that_is_stopped_goes_on_to_the_same_bits(
     ],
 )
 def test_wrong_options_are_told(tmp_path: Path, options: tuple[str, ...], message: str) -> None:
-    """Before anything is computed, without a traceback."""
+    """Each wrong option ends the command with code 2 and a message."""
     file = written(tmp_path, copper_screw()[:200])
     assert message in " ".join(run(str(file), *options, code=2).stderr.split())
 
 
 def test_what_is_no_crystal_is_told(tmp_path: Path) -> None:
-    """A gas, NaN, a file that ends, two atoms in one place, three atoms, a missing file."""
+    """A gas, NaN, three atoms, a truncated file and a missing file are refused."""
     rng = np.random.default_rng(0)
     good = copper_screw()
-    # No two of them nearer than 3.2, in a cell of 14.4 along z.
+    # No two atoms are closer than 3.2; the cell has 14.4 along z.
     gas = 7.2 * np.argwhere(np.ones((16, 16, 2)))
     cases = {
         "of only": gas + rng.uniform(-2, 2, gas.shape),
@@ -212,7 +212,7 @@ def test_what_is_no_crystal_is_told(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("name", "lines"), [("w_tilt_gb", 4), ("cu_perfect", 0)])
 def test_shared_files(name: str, lines: int) -> None:
-    """As many lines as were put in."""
+    """The perfect crystal has no line, the tilt boundary has four."""
     found = json.loads(run(str(real(f"crystal/{name}.xyz")), "--format", "json").stdout)
     assert [len(frame["lines"]) for frame in found["frames"]] == [lines]
     text = run(str(real("crystal/cu_perfect.xyz"))).stdout
@@ -223,7 +223,7 @@ ARRAY = ("--cell", "80,80,14.4", "--periodic", "z")
 
 
 def test_arrays_give_what_the_file_gives(tmp_path: Path) -> None:
-    """Positions with the cell in options or in the file: table, JSON, lines and pictures."""
+    """Arrays with a cell from options or from the file give the same bytes as the XYZ file."""
     places = copper_screw()
     np.save(tmp_path / "atoms.npy", places)
     np.savez(tmp_path / "atoms.npz", positions=places, cell=BOX, periodic=[False, False, True])
@@ -252,14 +252,14 @@ def test_arrays_give_what_the_file_gives(tmp_path: Path) -> None:
 def test_wrong_options_of_arrays_are_told(
     tmp_path: Path, options: tuple[str, ...], message: str
 ) -> None:
-    """A missing cell, and cells and edges that cannot be read."""
+    """A missing or unreadable cell and wrong periodic edges end with code 2 and a message."""
     np.save(tmp_path / "atoms.npy", copper_screw())
     found = run(str(tmp_path / "atoms.npy"), *options, code=2)
     assert message in " ".join(found.stderr.split())
 
 
 def test_damaged_arrays_are_told(tmp_path: Path) -> None:
-    """Cut, of another shape, without positions, missing."""
+    """Truncated, flat, object, unnamed and missing arrays: each message names the file."""
     np.save(tmp_path / "cut.npy", copper_screw())
     content = (tmp_path / "cut.npy").read_bytes()
     (tmp_path / "cut.npy").write_bytes(content[: len(content) // 2])
@@ -273,7 +273,7 @@ def test_damaged_arrays_are_told(tmp_path: Path) -> None:
 
 
 def test_grains_and_walls_are_told(tmp_path: Path) -> None:
-    """A bicrystal: grains, misorientation, and the grain of the line; the same in the file."""
+    """A bicrystal: grains, misorientation, and the grain of the line, in text and in JSON."""
     turn = np.array([[4, -3, 0], [3, 4, 0], [0, 0, 5]]) / 5
     places, _, size = bicrystal("fcc", turn, (0.5, 0.5, 0), size=(11, 8, 2))
     places = 3.6 * (places + np.array([15, 9, 2]))

@@ -1,4 +1,4 @@
-"""curve: tables, metadata and pictures of both motions, and clean refusals."""
+"""curve: tables, metadata and figures of geodesic and autoparallel, and refusals."""
 
 import csv
 import json
@@ -18,20 +18,20 @@ CHEAP = ("--engine", "rungekutta", "--accuracy", "1e-8", "--samples", "21")
 
 
 def table_of(folder: Path) -> dict[str, list[str]]:
-    """Columns of the table that was written."""
+    """Columns of the written table, by their names."""
     with (folder / "curve.csv").open(encoding="utf-8", newline="") as file:
         head, *rows = csv.reader(file)
     return dict(zip(head, map(list, zip(*rows, strict=True)), strict=True))
 
 
 def test_help_has_an_example():
-    """The command explains itself."""
+    """The help shows an example."""
     assert "geomtorsion curve s2" in run("curve", "--help").stdout
 
 
 @pytest.mark.parametrize("dimension", [4, 5])
 def test_up_to_four_coordinates_stand_side_by_side(dimension, tmp_path, no_pictures):
-    """Of both curves in one row; more of them below each other, each with a distance."""
+    """Up to four coordinates, both curves share a row; with five, each has its own table."""
     names = [f"x{k}" for k in range(dimension)]
     rows = [[int(k == m) for m in range(dimension)] for k in range(dimension)]
     file = tmp_path / "flat.toml"
@@ -43,7 +43,7 @@ def test_up_to_four_coordinates_stand_side_by_side(dimension, tmp_path, no_pictu
 
 @pytest.mark.parametrize("name", ["flat_polar", "so3"])
 def test_files_hold_what_the_library_computes(name, tmp_path, no_pictures):
-    """The table to the last digit; the metadata; all in a directory that was not there."""
+    """The table equals the library's numbers; a missing directory is created."""
     folder = tmp_path / "deep" / name
     text = run("curve", name, *CHEAP, "-o", str(folder)).stdout
     assert "(chosen)" in text
@@ -62,7 +62,7 @@ def test_files_hold_what_the_library_computes(name, tmp_path, no_pictures):
 
 @pytest.mark.parametrize("name", ["s2", str(DATA / "legs.toml")])
 def test_pictures_are_written(name, tmp_path):
-    """One file each, none empty, all listed in the metadata."""
+    """The figures are written and listed in the metadata; each has more than 5 kB."""
     pytest.importorskip("matplotlib")
     run("curve", name, *CHEAP, "-o", str(tmp_path), "--format", "svg")
     listed = json.loads((tmp_path / "curve.json").read_text("utf-8"))["pictures"]
@@ -72,7 +72,7 @@ def test_pictures_are_written(name, tmp_path):
 
 
 def test_what_is_given_is_used():
-    """Numbers with pi, parameters, moments; nothing is called chosen then."""
+    """Given values with pi, parameters and moments are used; the text does not call them chosen."""
     given = ("--start", "pi/2,0", "--velocity=0,-1/2", "--t", "pi", "--set", "R=2")
     text = run("curve", "s2", *given, *CHEAP).stdout
     assert "theta = 1.5708" in text
@@ -84,7 +84,7 @@ def test_what_is_given_is_used():
 
 
 def test_what_is_chosen_suits_what_is_given():
-    """A hole of a file, of a size of one's own: the start lies outside of its horizon."""
+    """For M = 3 the chosen start is outside the horizon r = 6 of a black hole from a file."""
     arguments = (str(DATA / "schwarzschild.toml"), "--set", "M=3", "--t", "1", *CHEAP)
     text = run("curve", *arguments).stdout
     assert float(text.partition(" r = ")[2].split(",")[0]) > 6
@@ -92,7 +92,7 @@ def test_what_is_chosen_suits_what_is_given():
 
 
 def test_a_motion_that_ends_early_ends_with_1(tmp_path, no_pictures):
-    """Where and why is said, and what was computed is written."""
+    """The message names the curve and the time of the stop; the computed part is written."""
     given = ("--start", "0.5,0", "--velocity=-0.2,1", "--t", "6", "-o", str(tmp_path))
     result = run("curve", "s2", *given, *CHEAP, code=1)
     assert "autoparallel: the motion stops at t = 2." in result.stderr
@@ -130,7 +130,7 @@ def test_a_motion_that_ends_early_ends_with_1(tmp_path, no_pictures):
     ],
 )
 def test_bad_input_is_refused(arguments, says):
-    """One clean message, code 2, no traceback."""
+    """A wrong argument ends the command with code 2 and one message, without a traceback."""
     result = run("curve", *arguments, code=2)
     assert says in result.stderr
     assert "Traceback" not in result.output
@@ -139,7 +139,7 @@ def test_bad_input_is_refused(arguments, says):
 
 @needs_heyoka
 def test_all_digits_of_an_accuracy_beyond_doubles(tmp_path, no_pictures):
-    """A straight line in the plane to 1e-25: the table holds r = sqrt(5)/2 to as many digits."""
+    """A straight line in the plane to 1e-25: the table holds r = sqrt(5)/2 to that accuracy."""
     motion = ("--start", "1,0", "--velocity", "0,1/2", "--t", "1", "--samples", "3")
     run("curve", "flat_polar", *motion, "--accuracy", "1e-25", "-o", str(tmp_path))
     last = table_of(tmp_path)["geodesic r"][-1]
@@ -148,7 +148,7 @@ def test_all_digits_of_an_accuracy_beyond_doubles(tmp_path, no_pictures):
 
 
 def test_proved_prints_certain_digits():
-    """Both motions with the digits that are certain, and whether their errors hold."""
+    """Both curves are printed with 15 certain digits, and both errors are proved."""
     text = run("curve", "s2", "--t", "2", "--accuracy", "1e-8", "--proved").stdout
     assert text.count("proved at t = 2, 15 digits") == 2
     assert text.count("holds: proved") == 2

@@ -1,4 +1,4 @@
-"""exercises: the list, an exercise, hints, checks, sheets and marks from the command line."""
+"""exercises: the list, statements, hints, checks, sheets and marks on the command line."""
 
 import csv
 
@@ -11,7 +11,7 @@ pytestmark = pytest.mark.usefixtures("one_pool")
 
 
 def test_the_list():
-    """Every number with its title, by chapter; help has examples."""
+    """The list shows each number with its title, and each chapter; the help shows an example."""
     text = run("exercises").stdout
     for number, title in exercises.titles().items():
         assert f"{number}  {title}" in text
@@ -23,7 +23,7 @@ def test_the_list():
 
 @pytest.mark.parametrize("number", ["1.2", "6.6", "7.2"])
 def test_show(number):
-    """Statement, questions, how to answer, where hints are; another seed is another text."""
+    """Statement, questions, answer format and hints are printed; another seed changes the text."""
     text = run("exercises", "show", number).stdout
     exercise = exercises.load(number)
     assert exercise.title in text
@@ -36,12 +36,12 @@ def test_show(number):
 
 
 def test_choices_are_listed():
-    """Each option on a line of its own."""
+    """Each option is on its own line."""
     assert "    geodesic: a geodesic of the metric" in run("exercises", "show", "6.6").stdout
 
 
 def test_hints_come_in_steps():
-    """One, then more; the last one says no more."""
+    """--step 2 adds a hint to the first; the last step does not offer another."""
     one, two = (
         run("exercises", "hint", "3.2").stdout,
         run("exercises", "hint", "3.2", "--step", "2").stdout,
@@ -52,13 +52,13 @@ def test_hints_come_in_steps():
 
 
 def test_a_right_answer():
-    """In the form of the issue and in others."""
+    """Two forms of the right answer are accepted."""
     for answer in ("cos(phi2)/sin(phi2)", "cot(φ2)"):
         assert "Right." in run("exercises", "check", "3.2", answer).stdout
 
 
 def test_a_wrong_answer():
-    """Named, and the end is 1."""
+    """A wrong sign and a factor 2 are named; a wrong answer ends with code 1."""
     text = run("exercises", "check", "3.2", "-cot(phi2)", code=1).stdout
     assert "[the sign]" in text
     assert "[a factor 2]" in run("exercises", "check", "3.2", "-(-2)*cot(phi2)", code=1).stdout
@@ -66,7 +66,7 @@ def test_a_wrong_answer():
 
 
 def test_several_answers():
-    """By name or in order; points are counted."""
+    """Answers are given by name or in order; the points of a missing answer are not counted."""
     solution = exercises.load("3.3", 1).answers()
     named = [f"{name}={text}" for name, text in solution.items()]
     assert "2 of 2 points" in run("exercises", "check", "3.3", *named, "--seed", "1").stdout
@@ -80,7 +80,7 @@ def test_several_answers():
 
 
 def test_answers_in_a_file(tmp_path):
-    """A whole submission, one exercise alone, and the seed in it."""
+    """A file holds a submission or one exercise; its seed applies unless --seed is given."""
     file = tmp_path / "answers.toml"
     solution = exercises.load("3.3", 3).answers()
     lines = "".join(f'{name} = "{text}"\n' for name, text in solution.items())
@@ -113,7 +113,7 @@ def test_answers_in_a_file(tmp_path):
     ],
 )
 def test_what_cannot_be_done_is_said(arguments, says, tmp_path, monkeypatch):
-    """One clean message, code 2, nothing written."""
+    """An impossible request ends with code 2 and a message; no file is written."""
     monkeypatch.chdir(tmp_path)
     result = run("exercises", *arguments, code=2)
     assert says in result.stderr.replace("\n", " ")
@@ -121,14 +121,14 @@ def test_what_cannot_be_done_is_said(arguments, says, tmp_path, monkeypatch):
 
 
 def test_sheets_are_written(tmp_path):
-    """Student files and, apart, the teacher's."""
+    """Four files are written; the solutions are in the folder of the teacher."""
     text = run("exercises", "sheet", "3", "-o", str(tmp_path / "out"), "--seed", "2").stdout
     assert text.count("wrote") == 4
     assert (tmp_path / "out" / "teacher" / "chapter3-seed2-solutions.html").stat().st_size > 5000
 
 
 def test_solution():
-    """Steps, with matrices in their rows, and the answers as they are checked."""
+    """The solution shows steps, matrices row by row, and the answers that the checker accepts."""
     text = run("exercises", "solution", "3.2", "--seed", "9").stdout
     assert "1. The metric is diagonal: g_11 = φ_2^2 exp(4φ_2), g_22 = 1." in text
     assert "christoffel: (2*phi2 + 1)/phi2" in text
@@ -136,7 +136,7 @@ def test_solution():
 
 
 def test_grade(tmp_path):
-    """Marks in a table; one bad file is reported and ends with 1; the second run keeps."""
+    """Marks are a table; a bad file is reported and ends with 1; a second run keeps the marks."""
     folder = tmp_path / "answers"
     folder.mkdir()
     (folder / "ada.toml").write_text('[answers]\n"3.2" = "cot(phi2)"\n', "utf-8")
@@ -168,7 +168,7 @@ def test_grade(tmp_path):
     ],
 )
 def test_export(to, file, says, tmp_path):
-    """Files, how many there are, and what to do with them."""
+    """The text gives the number of written files and the next step for the target system."""
     text = run("exercises", "export", "--to", to, "-o", str(tmp_path), "--only", "3.1").stdout
     assert (tmp_path / file).is_file()
     files = sum(path.is_file() for path in tmp_path.rglob("*"))
@@ -177,7 +177,7 @@ def test_export(to, file, says, tmp_path):
 
 
 def test_export_of_chosen_variants(tmp_path):
-    """Seeds are those asked for; what is none is named."""
+    """--seeds chooses the variants; a wrong seed and an unknown exercise are refused by name."""
     words = ("exercises", "export", "--to", "nbgrader", "-o", str(tmp_path), "--only", "3.1")
     run(*words, "--seeds", "4,5")
     assert (tmp_path / "source/chapter3-seed4/chapter3-seed4.ipynb").is_file()
@@ -187,7 +187,7 @@ def test_export_of_chosen_variants(tmp_path):
 
 
 def test_moodle_is_another_name_of_stack(tmp_path):
-    """The same file."""
+    """`moodle` and `stack` write equal bytes."""
     for name in ("moodle", "stack"):
         run("exercises", "export", "--to", name, "-o", str(tmp_path / name), "--only", "3.2")
     one, two = (next((tmp_path / name).iterdir()).read_bytes() for name in ("moodle", "stack"))
@@ -195,7 +195,7 @@ def test_moodle_is_another_name_of_stack(tmp_path):
 
 
 def test_what_cannot_be_read_is_neither_right_nor_wrong():
-    """No points are lost, and the question is named."""
+    """An unreadable answer costs no points, and its question is named."""
     text = run("exercises", "check", "3.2", "1/2 cot phi2/2", code=1).stdout
     assert "could not be read" in text
     assert "Not understood, at no cost of points: christoffel" in text

@@ -1,4 +1,4 @@
-"""geometry: the same components in five formats, each read back or run."""
+"""geometry: one set of components in five formats, each read back or run."""
 
 import json
 import math
@@ -19,12 +19,12 @@ SPACES = ("so3", "schwarzschild", "frw", "kerr_kinnersley", "s2")
 
 
 def shown(*arguments: str) -> str:
-    """Standard output of a command that has to end well."""
+    """Standard output of the command, which must end with code 0."""
     return run("geometry", *arguments).stdout
 
 
 def test_text_shows_only_what_does_not_vanish():
-    """Labels carry coordinate names, equals signs stand below each other, zeros are one line."""
+    """Labels have coordinate names, equals signs are aligned, a zero tensor takes one line."""
     text = shown("so3", "--only", "cartan_connection,torsion_vector,scalar_curvature")
     lines = text.splitlines()
     assert "  Γ_{φ1 φ3}^{φ2} = sin(φ2)" in lines
@@ -36,7 +36,7 @@ def test_text_shows_only_what_does_not_vanish():
 
 
 def test_text_says_what_symmetry_repeats():
-    """Independent components first; --every shows the others too."""
+    """Only independent components are printed; --every prints the others also."""
     short, long = shown("so3", "--only", "torsion"), shown("so3", "--only", "torsion", "--every")
     assert short.count("\n  S_") == 5
     assert "(5 more follow by symmetry)" in short
@@ -45,7 +45,7 @@ def test_text_says_what_symmetry_repeats():
 
 
 def test_text_in_the_frame():
-    """In the frame indices are numbers of legs, counted from 1 as in the paper."""
+    """In the frame, indices are numbers of legs, counted from 1 as in the paper."""
     text = shown("so3", "--only", "torsion", "--basis", "frame")
     assert "S_{12}^3 = -1/2" in text
     assert "counted from 1; in JSON and Python indices count from 0" in " ".join(
@@ -54,7 +54,7 @@ def test_text_in_the_frame():
 
 
 def test_everything_is_the_default():
-    """Without --only each quantity of a report stands there once, in reading order."""
+    """Without --only the quantities of a report are printed in reading order."""
     text = shown("s2")
     titles = ["Coframe", "Metric", "Torsion", "Contortion", "Riemann tensor", "Kretschmann scalar"]
     places = [text.index(f"\n{title}  ") for title in titles]
@@ -62,17 +62,17 @@ def test_everything_is_the_default():
 
 
 def test_no_quantity_is_not_every_quantity():
-    """A list of nothing but commas is refused."""
+    """A list that contains only commas is refused."""
     assert "expected at least one name" in run("geometry", "s2", "--only", ",", code=2).stderr
 
 
 def test_roots_are_stated():
-    """The branch of every root that was read stands in the heading."""
+    """The heading states the branch of each root that was read."""
     assert "read as" in shown("schwarzschild", "--only", "determinant")
 
 
 def test_names_of_a_file(tmp_path):
-    """Text and LaTeX are printed by the names of the file, and say what they are; JSON is not."""
+    """Text and LaTeX use the names of the file and define them; Python and JSON do not."""
     file = tmp_path / "disc.toml"
     file.write_text(
         'coordinates = ["r", "phi"]\ncoframe = [[1, 0], [0, "r*(1 + r**2)"]]\n'
@@ -91,7 +91,7 @@ def test_names_of_a_file(tmp_path):
 
 
 def test_a_terminal_without_greek():
-    """Letters are spelled out, and nothing is outside ASCII."""
+    """Greek letters are spelled out, and the text is ASCII."""
     space = load("kerr")
     text = text_of(space, chosen_quantities(space), greek=False)
     assert text.isascii()
@@ -100,7 +100,7 @@ def test_a_terminal_without_greek():
 
 
 def test_latex_is_balanced():
-    """One environment for each quantity, braces paired, index positions kept apart."""
+    """Environments and braces are balanced, and index positions are separate."""
     text = shown("so3", "--format", "latex")
     assert text.count(r"\begin{align*}") == text.count(r"\end{align*}") > 15
     assert text.count("{") == text.count("}")
@@ -110,7 +110,7 @@ def test_latex_is_balanced():
 
 @pytest.mark.parametrize("name", SPACES)
 def test_json_holds_the_components(name):
-    """Every component is read back from the JSON and equals the computed one."""
+    """Each component in the JSON equals the computed one when it is read back."""
     data = json.loads(shown(name, "--format", "json"))
     frame = load(name).frame
     symbols = {symbol.name: symbol for symbol in (*frame.coordinates, *frame.parameters)}
@@ -131,13 +131,13 @@ def test_json_holds_the_components(name):
 
 
 def test_json_alone_stands_on_standard_output():
-    """Nothing but the document, whatever is asked for."""
+    """Standard output is exactly one JSON document."""
     assert json.loads(shown("so3", "--format", "json", "--only", "ricci"))["name"] == "so3"
 
 
 @pytest.mark.parametrize("name", SPACES)
 def test_python_runs_and_agrees(name):
-    """The emitted NumPy code, executed, gives the exact values at a point, and broadcasts."""
+    """The emitted NumPy code gives the exact values at a point, and it broadcasts."""
     only = "metric,torsion,riemann,kretschmann"
     module: dict = {}
     exec(compile(shown(name, "--format", "python", "--only", only), name, "exec"), module)
@@ -165,7 +165,7 @@ def test_python_runs_and_agrees(name):
 
 
 def _number(expression, at, unknown):
-    """A sympy expression at a point, by sympy's own evaluation."""
+    """A sympy expression at a point, evaluated by sympy."""
     t = next(iter(at))
     a = sympy.Function("a")(t)
     jets = {a.diff(t, 2): "a_t_t", a.diff(t): "a_t", a: "a"}
@@ -176,7 +176,7 @@ def _number(expression, at, unknown):
 
 
 def test_python_words_are_no_trouble(tmp_path):
-    """Coordinates called lambda and result become arguments all the same."""
+    """Coordinates called lambda and result become arguments of the emitted functions."""
     file = tmp_path / "words.toml"
     file.write_text(
         'coordinates = ["lambda", "result", "x0"]\n'
@@ -189,7 +189,7 @@ def test_python_words_are_no_trouble(tmp_path):
 
 
 def test_mathematica_looks_right(tmp_path):
-    """Indices from 1, functions with capitals and square brackets, no taken names."""
+    """Indices start at 1, functions have capitals and brackets, reserved names are renamed."""
     text = shown("schwarzschild", "--format", "mathematica", "--only", "christoffel,kretschmann")
     assert "kretschmann = 48*M^2/r^6;" in text.replace(".", "")
     assert "{1, 2, 1} -> " in text
@@ -208,7 +208,7 @@ def test_mathematica_looks_right(tmp_path):
 
 
 def test_names_that_are_different_stay_so_in_mathematica(tmp_path):
-    """a_b lost its underscore and was ab, which is another; N[x] and p_q[x] meant something."""
+    """`a_b` and `ab` remain different names; `N` and `p_q` do not become Mathematica syntax."""
     file = tmp_path / "names.toml"
     file.write_text(
         'coordinates = ["x", "y"]\nparameters = {a_b = "positive", ab = "positive"}\n'
@@ -220,7 +220,7 @@ def test_names_that_are_different_stay_so_in_mathematica(tmp_path):
 
 
 def test_slopes_elsewhere_are_arguments_and_rules(tmp_path):
-    """The slope of f at 2*x: one argument in Python, which ran into a NameError, a rule for ->."""
+    """The slope of f at 2*x is one argument in Python and a replacement rule in Mathematica."""
     file = tmp_path / "elsewhere.toml"
     file.write_text(
         'coordinates = ["x", "y"]\nfunctions = {f = ["x"]}\nmetric = [["f(2*x)**2", 0], [0, 1]]\n'
@@ -235,7 +235,7 @@ def test_slopes_elsewhere_are_arguments_and_rules(tmp_path):
 
 
 def test_names_that_the_written_function_needs_itself(tmp_path):
-    """A parameter `shape` was overwritten by the shape of the result, `float` by a number."""
+    """Parameters called `shape` and `float` do not clash with names in the emitted function."""
     file = tmp_path / "own.toml"
     file.write_text(
         'coordinates = ["x", "y"]\nparameters = {shape = "positive", float = "positive"}\n'
@@ -258,7 +258,7 @@ def test_names_that_the_written_function_needs_itself(tmp_path):
     ],
 )
 def test_mistakes_end_with_2_and_one_message(arguments, message):
-    """No traceback: what is wrong, on standard error, and code 2."""
+    """A mistake ends with code 2 and a message on standard error, without a traceback."""
     result = run("geometry", *arguments, code=2)
     assert message in result.stderr
     assert "Traceback" not in result.output
@@ -266,7 +266,7 @@ def test_mistakes_end_with_2_and_one_message(arguments, message):
 
 
 def test_every_quantity_can_be_named():
-    """What a frame can compute the command can show; the Riemann tensor has --basis frame."""
+    """The command offers each quantity of a frame; --basis frame replaces `riemann_frame`."""
     missing = set(QUANTITIES) - {entry.name for entry in CATALOGUE}
     assert missing == {"riemann_frame"}
     text = run("geometry", "s3", "--only", "schouten,cotton").stdout

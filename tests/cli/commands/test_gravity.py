@@ -1,4 +1,4 @@
-"""gravity: field equations from one line."""
+"""gravity: field equations for a Lagrangian in one line."""
 
 import json
 
@@ -9,7 +9,7 @@ from tests.cli.running import run
 
 
 def test_equations_of_a_tetrad() -> None:
-    """f(T) of a cosmos: scalar, equations, antisymmetric part, identities."""
+    """A quadratic f(T) in a cosmology: the scalar, the equations and both Noether identities."""
     text = run("gravity", "frw", "-L", "T + c*T**2").stdout
     assert text.startswith("frw: L = T + c*T**2\nCartan connection\nT = ")
     assert "\nE_1^1 = " in text
@@ -26,20 +26,20 @@ def test_unknown_functions_are_named() -> None:
 
 
 def test_invariants_of_one_value_keep_apart() -> None:
-    """R = R6 = 0: a derivative of f(R, R) would not show its argument."""
+    """R = R6 = 0: a derivative of f(R, R) would not show which argument it differentiates."""
     text = run("gravity", "schwarzschild", "-c", "levi-civita", "-L", "f(R, R6)").stdout
     assert "E_1^1 = f(0, 0)" in text
 
 
 def test_a_solution_is_one_line() -> None:
-    """Kerr solves TEGR, Schwarzschild solves R + alpha GB."""
+    """E = 0 takes one line: Kerr solves TEGR, Schwarzschild solves R + alpha GB."""
     assert "\nE = 0\n" in run("gravity", "kerr").stdout
     made = run("gravity", "schwarzschild", "-c", "levi-civita", "-L", "R + alpha*GB")
     assert "\nE = 0\n" in made.stdout
 
 
 def test_two_connections_and_json() -> None:
-    """f(T, Rbar) as data that is read back."""
+    """Two connections with the Lagrangian T*Rbar; all equations in the JSON are readable."""
     made = run(
         *("gravity", "frw", "-c", "cartan", "-c", "levi-civita"),
         *("-L", "T*Rbar", "--format", "json"),
@@ -55,6 +55,6 @@ def test_two_connections_and_json() -> None:
 
 
 def test_refusals_of_the_command() -> None:
-    """An unknown name and a connection that does not fit end with 2 and a message."""
+    """An unknown name and a connection that does not fit end with code 2 and a message."""
     assert "Did you mean T1" in run("gravity", "s2", "-L", "t1", code=2).stderr
     assert "not flat" in run("gravity", "s2", "-L", "tegr", "-c", "levi-civita", code=2).stderr

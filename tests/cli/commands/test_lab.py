@@ -1,4 +1,4 @@
-"""The command for the classroom page: what it prints for other machines."""
+"""The command for the classroom page: its printed address, code and QR code."""
 
 import ipaddress
 import re
@@ -10,7 +10,7 @@ from tests.cli.running import run
 
 
 def printed(monkeypatch, *options: str) -> str:
-    """What the command prints when the page is ready; nothing is served."""
+    """Text that the command prints when the page is ready; nothing is served."""
 
     def served(address, ready, _sessions):
         ready(address.guarded().url(2718))
@@ -20,13 +20,13 @@ def printed(monkeypatch, *options: str) -> str:
 
 
 def test_this_machine_alone_needs_no_code(monkeypatch):
-    """One line."""
+    """Without --host the command prints one line with the address."""
     assert printed(monkeypatch) == "Torsion lab: http://127.0.0.1:2718/  (Ctrl-C ends it)\n"
 
 
 @pytest.mark.parametrize("host", ["0.0.0.0", "::"])
 def test_other_machines_get_address_and_code(monkeypatch, host):
-    """The address on the network and not the name of all interfaces, and a code of 8 letters."""
+    """The text has the network address, not the wildcard address, and a code of 8 letters."""
     text = printed(monkeypatch, "--host", host)
     found = re.search(r"Other machines: open http://([^:/]+):2718/ and type the code (\w+)", text)
     assert found is not None
@@ -38,7 +38,7 @@ def test_other_machines_get_address_and_code(monkeypatch, host):
 
 
 def test_the_code_is_drawn(monkeypatch):
-    """A square of half blocks, or how to get it."""
+    """A QR code of half blocks is printed, or the text names the extra that draws it."""
     monkeypatch.setattr(command, "shows_greek", lambda: True)
     text = printed(monkeypatch, "--host", "0.0.0.0")
     assert "█▀" in text or "pip install 'geomtorsion[lab]'" in text

@@ -1,4 +1,4 @@
-"""The command `map`: what it says and writes of grids and orientation maps, and what it refuses."""
+"""The command `map`: text and files for grids, orientation maps and images, and refusals."""
 
 import csv
 import json
@@ -16,7 +16,7 @@ from tests.real import real
 
 
 def run(*arguments: str, code: int = 0) -> Any:
-    """The result of `geomtorsion map` that has to end with a code."""
+    """Result of `geomtorsion map`, which must end with the given code."""
     return running.run("map", *arguments, code=code)
 
 
@@ -27,7 +27,7 @@ def wall(tmp_path):
 
 
 def test_a_grid_as_table_arrays_and_picture(tmp_path):
-    """Torsion 1 everywhere: |b| per area is 1; all files are there and agree."""
+    """Torsion 1 everywhere: |b| per area is 1 in each of the files."""
     said = run(str(grid(tmp_path, sigma=1e-3, unit="nm")), "--size", "2", "-o", str(tmp_path / "o"))
     assert "largest 1 1/nm" in said.stdout
     assert "99 circuits of 2 x 2 cells" in said.stdout
@@ -48,7 +48,7 @@ def test_a_grid_as_table_arrays_and_picture(tmp_path):
 
 
 def test_an_orientation_map(wall, tmp_path):
-    """The wall stands out of the noise: b per area is 2 sin(1 degree) / side."""
+    """The wall is above the noise: b per area is 2 sin(1 degree) / side."""
     said = run(str(wall), "--size", "8", "-o", str(tmp_path / "o"), "--format", "svg")
     assert "1 grain at 5 degrees" in said.stdout
     found = json.loads((tmp_path / "o/map.json").read_text())
@@ -68,7 +68,7 @@ def test_grains_are_not_crossed(wall):
 
 
 def test_without_matplotlib(tmp_path, no_pictures):
-    """Tables are written all the same."""
+    """The table is written, and the message names the missing extra."""
     said = run(str(grid(tmp_path)), "-o", str(tmp_path / "o"), "--size", "2")
     assert (tmp_path / "o/map.csv").is_file()
     assert "pip install 'geomtorsion[plots]'" in said.stderr
@@ -88,12 +88,12 @@ def test_without_matplotlib(tmp_path, no_pictures):
     ],
 )
 def test_wrong_options_are_named(wall, options, words):
-    """Each as it is typed."""
+    """Each message names the option as typed."""
     assert words in run(str(wall), *options, code=2).stderr
 
 
 def test_damaged_files_name_their_line(tmp_path):
-    """A truncated map and a missing one."""
+    """A truncated file is named, a bad value is reported with its line, missing ones fail."""
     path = write(tmp_path, ctf()[:-3], "cut.ctf")
     assert "cut.ctf" in run(str(path), code=2).stderr
     lines = ctf()
@@ -104,7 +104,7 @@ def test_damaged_files_name_their_line(tmp_path):
 
 
 def test_the_steel(tmp_path):
-    """144 grains at 3 degrees, and circuits within them."""
+    """144 grains at 3 degrees, and the number of circuits within them."""
     said = run(
         str(real("ebsd/sdss_ferrite_austenite.ang")), "--size", "4", "--threshold", "3"
     ).stdout
@@ -114,7 +114,7 @@ def test_the_steel(tmp_path):
 
 @pytest.fixture
 def scan(tmp_path):
-    """A bent crystal beside a grain that is turned by 30 degrees."""
+    """A bent crystal beside a grain that is rotated by 30 degrees."""
     angles = np.zeros((20, 30, 3))
     angles[..., 0] = 0.2 * np.arange(30)
     angles[:, 20:, 0] += 30
@@ -122,14 +122,14 @@ def scan(tmp_path):
 
 
 def test_data_of_a_bent_crystal(scan):
-    """The density of the bend; squares in the two grains."""
+    """The median density equals the bend; the known squares are those within one grain."""
     found = json.loads(run(scan, "--size", "4", "--sigma", "0.01", "--json").stdout)
     assert found["median"] == pytest.approx(np.radians(0.2) / 0.5, rel=1e-5)
     assert found["known"] == 16 * (16 + 6)
 
 
 def test_slip_systems(scan):
-    """Densities of a family make up the bend: at least |b| per area over |b| of one line."""
+    """The densities of a family sum to at least |b| per area over |b| of one line."""
     arguments = (scan, "--sigma", "0.01", "--circle", "4,4:2", "--slip", "fcc")
     (one,) = json.loads(run(*arguments, "--json").stdout)["circles"]
     (family,) = one["slip"]
@@ -141,7 +141,7 @@ def test_slip_systems(scan):
 
 
 def test_circles(scan, tmp_path):
-    """One within a grain; one across the boundary fails in its place, with pixels."""
+    """A circle within a grain has a result; one across the boundary fails and names its grain."""
     arguments = (scan, "--sigma", "0.01", "--circle", "4,4:2", "--circle", "10,4:2")
     found = json.loads(run(*arguments, "--json", "-o", str(tmp_path / "o"), code=1).stdout)
     good, bad = found["circles"]
@@ -165,13 +165,13 @@ def test_circles(scan, tmp_path):
     ],
 )
 def test_more_wrong_options(scan, arguments, message):
-    """Each is refused with what was needed."""
+    """Each wrong option ends with code 2 and its message."""
     assert message in " ".join(run(scan, *arguments, code=2).stderr.split())
 
 
 @pytest.fixture
 def lattice(tmp_path):
-    """Atoms 0.4 nm apart round an edge dislocation, as a TIFF file."""
+    """Atoms 0.4 nm apart around an edge dislocation, as a TIFF file."""
     tifffile = pytest.importorskip("tifffile")
     path = tmp_path / "lattice.tif"
     tifffile.imwrite(path, crystal(256, "square", turned=0.0).noisy(0.5, 1).astype("float32"))
@@ -179,7 +179,7 @@ def lattice(tmp_path):
 
 
 def test_an_image(lattice, tmp_path):
-    """Whole numbers round the core, in words, table and pictures."""
+    """b around the core is a whole lattice vector, in text and JSON; the figure is written."""
     options = ("--pixel", "0.05nm", "--size", "40", "--circle", "6.4,6.4:3")
     said = run(lattice, *options, "-o", str(tmp_path / "o")).stdout
     assert "b = (-1, 0) lattice vectors; the probability that noise changed it" in said
@@ -205,12 +205,12 @@ def test_an_image(lattice, tmp_path):
     ],
 )
 def test_wrong_options_of_images(lattice, arguments, message):
-    """Each is refused as it was typed."""
+    """Each message names the option as typed."""
     assert message in " ".join(run(lattice, *arguments, code=2).stderr.split())
 
 
 def masked(lines: list[str]) -> list[str]:
-    """A .ctf file in which nothing was indexed."""
+    """Lines of a .ctf file in which no pixel is indexed."""
     head = next(k for k, line in enumerate(lines) if line.startswith("Phase\t"))
     rest = ["0" + line[line.index("\t") :] for line in lines[head + 1 :]]
     return [*lines[: head + 1], *rest]
@@ -231,7 +231,7 @@ def masked(lines: list[str]) -> list[str]:
     ],
 )
 def test_bad_files_through_the_commands(tmp_path, command, name, said):
-    """Each is named with what is wrong; the commands end with 2."""
+    """Each message describes the defect; both commands end with 2."""
     lines, path = ctf(), tmp_path / name
     first = next(k for k, line in enumerate(lines) if line.startswith("Phase\t")) + 5
     x, y = np.arange(9.0), np.arange(8.0)
@@ -268,7 +268,7 @@ def test_bad_files_through_the_commands(tmp_path, command, name, said):
     ],
 )
 def test_loops_outside_through_the_commands(scan, lattice, tmp_path, loop, words):
-    """In every kind of file, and with a coordinate too many."""
+    """A loop outside the data or with an extra coordinate is refused for each kind of file."""
     for file in (scan, lattice, str(grid(tmp_path))):
         told = running.run("burgers", file, "--loop", loop, code=2).stderr
         assert any(word in told for word in words), told

@@ -1,4 +1,4 @@
-"""The command `network`: summary, node rule, circuits, files, and how it ends."""
+"""The command `network`: summary, node rule, circuits, files, and exit codes."""
 
 import json
 from pathlib import Path
@@ -15,17 +15,17 @@ TRIANGLE = Path(__file__).parents[2] / "data" / "triangle.data"
 
 
 def run(*arguments: str, code: int = 0) -> Any:
-    """The result of `geomtorsion network` that has to end with a code."""
+    """Result of `geomtorsion network`, which must end with the given code."""
     return running.run("network", *arguments, code=code)
 
 
 def test_help_has_examples() -> None:
-    """The command explains itself."""
+    """The help shows an example."""
     assert "geomtorsion network chains.data -o out" in run("--help").stdout
 
 
 def test_summary_of_rings(tmp_path: Path) -> None:
-    """Numbers are those of the network, per square metre where the unit is known."""
+    """The summary equals the network's numbers; --unit adds the density per square metre."""
     lines = rings(20, seed=6)
     file = tmp_path / "rings.data"
     DislocationNetwork.of_arrays(lines).save(file)
@@ -43,7 +43,7 @@ def test_summary_of_rings(tmp_path: Path) -> None:
 
 
 def test_circuits_in_lattice_vectors(tmp_path: Path) -> None:
-    """A circle about a side of the triangle, and a polygon through nothing; a picture of both."""
+    """A circle around a side of the triangle, an empty polygon, and a figure of both."""
     given = ("--circle", "0,-0.5,0:1/4:x,z", "--polygon", "0,0,0.5;0.1,0,0.5;0,0.1,0.5")
     done = run(str(TRIANGLE), *given, "--lattice", "sc", "-o", str(tmp_path / "out"))
     assert "b = (0, 0, 0) = [0, 0, 0] in lattice vectors, from 0 crossings" in done.stdout
@@ -56,7 +56,7 @@ def test_circuits_in_lattice_vectors(tmp_path: Path) -> None:
 
 
 def test_what_fails_is_reported_in_its_place(tmp_path: Path) -> None:
-    """A node that breaks the rule, and a circuit through a line: the command ends with 1."""
+    """A node that breaks the rule or a circuit through a line is reported; the code is 1."""
     lines = rings(2, seed=1)
     cut = LineArrays(lines.positions, lines.pairs[1:], lines.burgers[1:], lines.box)
     file = tmp_path / "cut.data"
@@ -69,7 +69,7 @@ def test_what_fails_is_reported_in_its_place(tmp_path: Path) -> None:
 
 
 def test_wrong_input_ends_with_two(tmp_path: Path) -> None:
-    """No file, a damaged one, a unit that is none, a lattice that is none."""
+    """A missing file, a damaged file, a negative unit and an unknown symmetry end with code 2."""
     assert "cannot be read" in run("nothing.data", code=2).stderr
     damaged = tmp_path / "damaged.data"
     damaged.write_text(TRIANGLE.read_text("utf-8").replace("1.5e0", "x"), "utf-8")
@@ -80,7 +80,7 @@ def test_wrong_input_ends_with_two(tmp_path: Path) -> None:
 
 
 def test_a_lattice_is_for_circuits() -> None:
-    """Without one it said nothing, whatever its name."""
+    """--lattice without a circuit is refused."""
     assert "--lattice: expected a circuit, got none" in run(
         str(TRIANGLE), "--lattice", "quasi", code=2
     ).stderr  # fmt: skip

@@ -15,7 +15,7 @@ def found():
 
 
 def test_text(found):
-    """Each statement with its verdict and formula; the last line counts."""
+    """Each statement has its verdict and formula; the last line counts them."""
     text = run("paper").stdout
     for statement in found:
         assert statement.says in text
@@ -25,12 +25,12 @@ def test_text(found):
 
 
 def test_json(found):
-    """JSON holds the same statements."""
+    """The JSON holds the same statements."""
     data = json.loads(run("paper", "--format", "json").stdout)
     assert [entry["equation"] for entry in data] == [one.equation for one in found]
     assert set(data[0]) == {"equation", "says", "verdict", "right", "note"}
 
 
 def test_unknown_format():
-    """A format that does not exist is refused, with those that do."""
+    """An unknown format is refused with the available ones."""
     assert "text or json" in run("paper", "--format", "xml", code=2).stderr

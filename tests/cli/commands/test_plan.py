@@ -1,10 +1,10 @@
-"""plan: what is computed for a quantity or a scene, and what is left out."""
+"""plan: the computed and the omitted steps of a quantity or a scene."""
 
 from tests.cli.running import run
 
 
 def test_plan_shows_what_is_left_out():
-    """The plan of the Ricci tensor has no torsion in it; --dot is a graph."""
+    """The plan of the Ricci tensor contains no torsion; --dot prints a graph."""
     text = run("plan", "so3", "ricci").stdout
     assert "christoffel" in text
     assert text.index("christoffel") < text.index("ricci", text.index("christoffel"))
@@ -15,7 +15,7 @@ def test_plan_shows_what_is_left_out():
 
 
 def test_plans_of_scenes(tmp_path):
-    """Text, graph and picture; a space still needs its quantity."""
+    """A scene has a plan as text, graph and figure; a space needs a quantity; typos get a hint."""
     text = run("plan", "lagrange_cusp", "--watch", "nutation").stdout
     assert "6 equations for nutation" in text
     assert "omitted" in text
@@ -33,7 +33,7 @@ def test_plans_of_scenes(tmp_path):
 
 
 def test_angles_at_the_start_are_said_in_both_units(tmp_path):
-    """A plain number in a scene file is radians; nobody has to guess."""
+    """A plain number in a scene file is radians; plan and run print radians and degrees."""
     file = tmp_path / "top.toml"
     text = """watch = ["nutation"]
 t = 0.01
@@ -52,7 +52,7 @@ euler = [0, 0.5, "90 deg"]
 
 
 def test_options_of_scenes_are_refused_for_spaces(tmp_path):
-    """A picture that was asked for, and never drawn, is worse than an error."""
+    """Options of scenes are refused for spaces, because the figure would never be drawn."""
     drawn = tmp_path / "plan.svg"
     assert "--output: expected a scene, got the space" in run(
         "plan", "so3", "ricci", "-o", str(drawn), code=2

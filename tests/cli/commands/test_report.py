@@ -1,4 +1,4 @@
-"""report: page and data, and where they cannot be written."""
+"""report: page and data, bases, field equations, and an unwritable directory."""
 
 import json
 from pathlib import Path
@@ -9,7 +9,7 @@ DATA = Path(__file__).parent.parent.parent / "data"
 
 
 def test_report_of_a_space_and_of_a_file(tmp_path, monkeypatch):
-    """Page and data are written; the directory is made, and named after the space by default."""
+    """The page and the data are written; the default directory has the name of the space."""
     monkeypatch.chdir(tmp_path)
     assert "so3: wrote" in run("report", "so3", "-o", "deep/so3").stdout
     assert json.loads((tmp_path / "deep/so3/geometry.json").read_text("utf-8"))["name"] == "so3"
@@ -18,7 +18,7 @@ def test_report_of_a_space_and_of_a_file(tmp_path, monkeypatch):
 
 
 def test_report_where_it_cannot_be_written(tmp_path):
-    """A file in the way of the directory is named."""
+    """The message names the file that has the name of the directory."""
     (tmp_path / "taken").write_text("")
     error = run("report", "s2", "-o", str(tmp_path / "taken"), code=2).stderr
     assert "taken" in error
@@ -26,7 +26,7 @@ def test_report_where_it_cannot_be_written(tmp_path):
 
 
 def test_report_in_a_basis(tmp_path):
-    """Indices refer to the basis that is asked for."""
+    """Indices refer to the requested basis."""
     run("report", "s2", "--no-pictures", "--basis", "frame", "-o", str(tmp_path / "frame"))
     run("report", "s2", "--no-pictures", "-o", str(tmp_path / "natural"))
     texts = [
@@ -38,7 +38,7 @@ def test_report_in_a_basis(tmp_path):
 
 
 def test_report_with_field_equations(tmp_path):
-    """With -L: the equations, their Noether identities and the same as data; motions stay."""
+    """With -L the page and the data have the equations and identities; motions remain."""
     out = tmp_path / "s2"
     run("report", "schwarzschild_isotropic", "-L", "f(T)", "-o", str(out))
     page = (out / "index.html").read_text("utf-8")

@@ -1,4 +1,4 @@
-"""run: files, refusals, and runs that are stopped."""
+"""run: files, refusals, and stopped runs."""
 
 import csv
 import json
@@ -32,7 +32,7 @@ omega = [0.5, 0.4, 1]
 
 
 def test_a_run_leaves_what_the_library_computes(tmp_path, no_pictures):
-    """Table and arrays to the last digit, facts, the scene itself, and no checkpoint."""
+    """The table equals the arrays to the last digit; facts and scene are written, no checkpoint."""
     folder = tmp_path / "deep" / "run"
     arguments = ("--watch", "nutation,omega", "--accuracy", "1e-9", "--t", "500 ms")
     text = run("run", "lagrange_cusp", *arguments, "--set", "gravity.g=1.62", "-o", str(folder))
@@ -57,7 +57,7 @@ def test_a_run_leaves_what_the_library_computes(tmp_path, no_pictures):
 
 
 def test_pictures_and_film(tmp_path, monkeypatch):
-    """They are written, listed, and not empty; the film also if the attitude was not watched."""
+    """Figures are written and listed; the animation also works if the attitude is not watched."""
     pytest.importorskip("matplotlib")
     quick = replace(scene_film.STYLE, rate=2)
     monkeypatch.setattr(scene_film, "STYLE", quick)
@@ -97,7 +97,7 @@ def test_pictures_and_film(tmp_path, monkeypatch):
     ],
 )
 def test_bad_input_is_refused(arguments, says):
-    """One clean message, code 2, no traceback."""
+    """A wrong argument ends the command with code 2 and one message, without a traceback."""
     result = run(*arguments, code=2)
     assert says in result.stderr
     assert result.stderr.startswith("geomtorsion: ")
@@ -105,7 +105,7 @@ def test_bad_input_is_refused(arguments, says):
 
 
 def test_watch_may_be_given_several_times(tmp_path, no_pictures):
-    """All of them are watched, in their order."""
+    """Quantities of several --watch are watched in their order."""
     arguments = ("--t", "0.1", "--watch", "matrix", "--watch", "energy,omega", "-o", str(tmp_path))
     run("run", "lagrange_cusp", *arguments)
     facts = json.loads((tmp_path / "run.json").read_text())
@@ -113,7 +113,7 @@ def test_watch_may_be_given_several_times(tmp_path, no_pictures):
 
 
 def test_a_stopped_run_may_be_begun_anew(tmp_path, no_pictures):
-    """--overwrite removes the checkpoint of another run, and the new one ends well."""
+    """--overwrite removes the checkpoint of another run, and the new run succeeds."""
     checkpoint = tmp_path / "checkpoint.npz"
     checkpoint.write_bytes(b"what another run had computed")
     arguments = ("lagrange_cusp", "--t", "0.1", "-o", str(tmp_path))
@@ -127,7 +127,7 @@ def test_a_stopped_run_may_be_begun_anew(tmp_path, no_pictures):
 
 @pytest.mark.parametrize("option", ["--resume", "--kept"])
 def test_nothing_to_go_on_with_is_no_new_run(option, tmp_path):
-    """A directory that holds no stopped run is refused, and not made."""
+    """--resume and --kept without a stopped run are refused, and no directory is created."""
     folder = tmp_path / "misspelt"
     refused = run("run", "lagrange_cusp", "--t", "0.1", option, "-o", str(folder), code=2)
     assert "expected a stopped run, got none. Omit --resume" in refused.stderr
@@ -135,14 +135,14 @@ def test_nothing_to_go_on_with_is_no_new_run(option, tmp_path):
 
 
 def test_errors_of_files_name_file_and_line(tmp_path):
-    """As a person sees it on the command line."""
+    """The message on the command line names the file, the line and the key."""
     file = tmp_path / "bad.toml"
     file.write_text(SLOW.replace("moments", "moment"))
     assert "bad.toml: line 5: body: unknown key 'moment'" in run("run", str(file), code=2).stderr
 
 
 def test_what_is_stuck_is_written_as_far_as_it_came(tmp_path, no_pictures):
-    """A pole at t = 1: a message, what came before it, code 1, and no checkpoint."""
+    """A pole at t = 1: a message, the computed part of the table, code 1, and no checkpoint."""
     file, out = tmp_path / "pole.toml", tmp_path / "out"
     file.write_text(POLE)
     result = run("run", str(file), "-o", str(out), code=1)
@@ -173,7 +173,7 @@ velocity = [1, 0, 0]
 
 
 class Started:
-    """`geomtorsion run SLOW` as a process of its own, with a directory for what it writes."""
+    """`geomtorsion run SLOW` in a process of its own, with a directory for its files."""
 
     def __init__(self, folder: Path, *more: str) -> None:
         self.out = folder / "out"
@@ -189,7 +189,7 @@ class Started:
         )
 
     def until_kept(self) -> None:
-        """Wait until some of the run is in the checkpoint."""
+        """Wait until the checkpoint exists."""
         deadline = time.monotonic() + 60
         while not (self.out / "checkpoint.npz").exists():
             assert time.monotonic() < deadline
@@ -197,17 +197,17 @@ class Started:
             time.sleep(0.005)
 
     def ended(self) -> tuple[int, str, str]:
-        """Code and what was said."""
+        """Exit code, standard output and standard error."""
         out, err = self.process.communicate(timeout=120)
         return self.process.returncode, out, err
 
 
-# Pictures take longer than the run; they are tested elsewhere.
+# Figures take longer than the run; other tests cover them.
 HIDING = "import sys; sys.modules['matplotlib'] = None; from geomtorsion.cli import main; main()"
 
 
 def test_stopped_runs_go_on_to_the_same_result(tmp_path, no_pictures):
-    """Killed, then interrupted, then resumed: bitwise what an uninterrupted run gives."""
+    """Killed, then interrupted, then resumed: the result equals an uninterrupted run bit by bit."""
     whole, parts = tmp_path / "whole", tmp_path / "parts"
     whole.mkdir()
     parts.mkdir()
@@ -260,7 +260,7 @@ def test_stopped_runs_go_on_to_the_same_result(tmp_path, no_pictures):
 
 
 def test_interrupted_while_writing(tmp_path, no_pictures, monkeypatch):
-    """Ctrl-C after the last step keeps the run; --resume only writes it."""
+    """Ctrl-C after the last step keeps the run; --resume only writes its files."""
     given = ("run", "lagrange_cusp", "-o", str(tmp_path / "out"))
 
     def interrupt(*_: object) -> None:
@@ -274,7 +274,7 @@ def test_interrupted_while_writing(tmp_path, no_pictures, monkeypatch):
 
 
 def test_proved_prints_certain_digits():
-    """The states at the end with the digits that are certain."""
+    """The states at the end are printed with 15 certain digits."""
     text = run("run", "dzhanibekov", "--t", "1", "--proved").stdout
     assert "proved at t = 1, 15 digits" in text
     assert "Omega2 = 0.9999" in text

@@ -1,11 +1,11 @@
-"""scenes: the list, and a file to start from."""
+"""scenes: the list, and a scene as a file."""
 
 from geomtorsion.scenes import load, names, read_file
 from tests.cli.running import run
 
 
 def test_scenes_are_listed_and_printed(tmp_path):
-    """Every name with its title; one of them as a file that is that scene."""
+    """Each name has a line; a printed scene, read as a file, equals the shipped scene."""
     lines = run("scenes").stdout.splitlines()
     assert [line.split()[0] for line in lines] == list(names())
     file = tmp_path / "dzhanibekov.toml"

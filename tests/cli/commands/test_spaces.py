@@ -5,6 +5,6 @@ from tests.cli.running import run
 
 
 def test_spaces_lists_all():
-    """One line for each space, its name first."""
+    """Each space has one line, which begins with its name."""
     lines = run("spaces").stdout.splitlines()
     assert [line.split()[0] for line in lines] == list(names())

@@ -1,4 +1,4 @@
-"""Forms: the same answer written in other ways, at random."""
+"""Forms: one answer written in different ways, at random."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from geomtorsion.teaching.exercises.question import Question, shown_name
 
 
 def another_form(question: Question, value, draw: Random) -> str:
-    """A value as an answer in another form than the library writes."""
+    """A value as an answer, in another form than the library writes."""
     if question.kind == "choice":
         key = value[()]
         return draw.choice((key, key.upper(), f" {key} ", question.options.get(key, key)))
@@ -40,7 +40,7 @@ def zero_component(question: Question) -> str:
 
 
 def expression_form(expr, question: Question, draw: Random) -> str:
-    """An expression rewritten once or twice, as text that sympy does not undo on reading."""
+    """An expression rewritten once or twice, as text that sympy does not simplify on reading."""
     expr = sp.sympify(expr)
     for _ in range(draw.randint(1, 2)):
         expr = draw.choice(REWRITES)(expr)
@@ -85,7 +85,7 @@ REWRITES = (lambda x: x, sp.expand, sp.together, tangents, halved, exponentials)
 
 
 def equations_form(question: Question, value, draw: Random) -> str:
-    """Rates as equations that are exchanged, scaled, turned round and combined."""
+    """Rates as equations that are swapped, scaled, reversed and combined."""
     lines = []
     for k, name in enumerate(question.unknowns):
         rate = expression_form(value.get((k,), sp.S.Zero), question, draw)

@@ -1,4 +1,4 @@
-"""Hard answers: right ones in six forms at which known graders fail, and wrong ones like them."""
+"""Hard answers: right ones in forms at which known graders fail, and similar wrong ones."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ MINUS, DASH, WIDE, RAISED = "\u2212", "\u2013", "\uff0d", "\u207b"
 
 @dataclass(frozen=True)
 class Hard:
-    """A solution with answers to it: those that are right, and those that are not."""
+    """A solution with right and wrong answers."""
 
     solution: object
     domain: Domain
@@ -33,7 +33,7 @@ class Hard:
     shape: tuple[int, ...] = ()
 
     def question(self) -> Question:
-        """The question whose solution it is."""
+        """The question with this solution."""
         return Question("q", self.kind, "?", lambda: self.solution, self.domain, shape=self.shape)
 
 

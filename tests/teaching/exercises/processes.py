@@ -1,4 +1,4 @@
-"""Processes: one pool for all examiners of a file, each of which would start its own."""
+"""Processes: one pool for all examiners of a file, because each would start its own."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from geomtorsion.teaching.exercises.worker_pool import Json, WorkerPool
 
 
 class Lent:
-    """A pool that whoever has it may close, and which stays open for the next."""
+    """A pool that its users may close; it stays open for the next user."""
 
     def __init__(self, function: str) -> None:
         self.pool = WorkerPool(function)
@@ -21,12 +21,12 @@ class Lent:
         return self.pool.ask(request, seconds)
 
     def close(self) -> None:
-        """The pool is closed at the end of the file."""
+        """Do nothing: the fixture closes the pool at the end of the file."""
 
 
 @pytest.fixture(scope="module")
 def one_pool() -> Iterator[None]:
-    """All examiners of this file ask the same processes, which start once for each function."""
+    """All examiners of this file share their processes, which start once for each function."""
     lent: dict[str, Lent] = {}
 
     def lend(function: str) -> Lent:

@@ -1,4 +1,4 @@
-"""Answers: read as students write them, and written as they are read."""
+"""Answers: read in the notation of students, and written so that they can be read again."""
 
 import pytest
 import sympy as sp
@@ -22,7 +22,7 @@ def question(kind="expression", **more) -> Question:
 
 
 def test_decimals_are_exact():
-    """0.1 is a tenth."""
+    """0.1 is read as exactly 1/10; a prime becomes a suffix of the name."""
     assert expression(question(), "0.1 + 2.5e-2*x", "q") == sp.Rational(1, 10) + x / 40
     assert expression(question(), "0.1*3 - 0.3", "q") == 0
     assert expression(question(), "x^0.5", "q") == sp.sqrt(x)
@@ -36,7 +36,7 @@ def test_decimals_are_exact():
      ("0,1,0", (-1, 0, -1))],
 )  # fmt: skip
 def test_indices(text, found):
-    """All ways to write an index."""
+    """All notations for an index are read."""
     assert index(question("components", shape=(2, 2, 2)), text, "q") == found
 
 
@@ -44,13 +44,13 @@ def test_indices(text, found):
     "text", ["1,2", "1,2,3", "1,2,9999", "a,b,c", "", "1,-2,1", "x", "1.5,1,1"]
 )
 def test_no_indices(text):
-    """What is no index is refused with an example."""
+    """A text that is not an index is refused with an example."""
     with pytest.raises(ExpressionError, match=r"Write 1,1,1 = \.\.\."):
         index(question("components", shape=(2, 2, 2)), text, "q")
 
 
 def test_components_are_counted():
-    """More entries than there can be are refused."""
+    """More entries than the limit are refused."""
     with pytest.raises(LimitError, match="expected at most 500 entries, got 600"):
         components(question("components", shape=(2, 2)), {f"1,{k}": 1 for k in ["1"] * 1} | {
             f"1,1{' ' * k}": 1 for k in range(600)
@@ -58,7 +58,7 @@ def test_components_are_counted():
 
 
 def test_answers_are_written_as_they_are_read():
-    """Texts that the library writes are read back as the same values."""
+    """Texts that the library writes are read as the same values."""
     value = {(0, 1): sp.sin(x) / y, (1, 1): -x}
     asked = question("components", shape=(2, 2))
     assert components(asked, answer_text(asked, value), "q") == value
@@ -71,7 +71,7 @@ def test_answers_are_written_as_they_are_read():
 
 
 def test_a_prime_at_the_end_of_an_entry_stays():
-    """In [v, r'] the last sign is no quote; quotes round an entry go."""
+    """In [v, r'] the last sign is a prime, not a quote; quotes around an entry are removed."""
     r, r_d = sp.symbols("r r_d", real=True)
     asked = Question("q", "components", "?", lambda: [r, r_d], Domain((r, r_d)), shape=(2,))
     for text in ("[r, r']", '["r", "r\'"]', "['r', \"r'\"]", "matrix([r, r'])"):

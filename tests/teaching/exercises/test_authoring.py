@@ -1,4 +1,4 @@
-"""Texts: statements say what is there, on the page, in the terminal and in every variant."""
+"""Texts of exercises: complete and correct on the page, in the terminal and in each variant."""
 
 import re
 
@@ -13,7 +13,7 @@ SEEDS = range(12)
 
 
 def texts(number: str, seed: int):
-    """All that a student reads of an exercise."""
+    """All texts of an exercise that a student reads."""
     exercise = exercises.load(number, seed)
     yield exercise.title
     yield exercise.statement
@@ -24,21 +24,21 @@ def texts(number: str, seed: int):
 
 @pytest.mark.parametrize("number", exercises.names())
 def test_no_text_needs_another_exercise(number):
-    """What is given stands in the exercise itself: it may be on a sheet without the others."""
+    """No text refers to another exercise, because a sheet may contain only this one."""
     for seed in SEEDS:
         for text in texts(number, seed):
             assert not re.search(r"exercises? [1-7]\.[0-9]", text), text
 
 
 def test_the_coframe_stands_where_it_is_needed():
-    """The loops in the rotations give it, where they once referred to exercise 1.2."""
+    """Exercises about loops in the rotations state the coframe."""
     for number in ("5.3", "7.2"):
         assert "pmatrix} 0 &" in exercises.load(number, 3).statement
 
 
 @pytest.mark.parametrize("number", ["2.1", "2.3", "3.1", "3.2", "3.3", "4.2", "4.3"])
 def test_no_surface_of_revolution_that_cannot_be_embedded(number):
-    """Circles that grow faster than the length across them are no surface in flat space."""
+    """No text claims a surface of revolution, because some of these metrics cannot be embedded."""
     for seed in SEEDS:
         for text in texts(number, seed):
             assert "revolution" not in text
@@ -46,7 +46,7 @@ def test_no_surface_of_revolution_that_cannot_be_embedded(number):
 
 
 def test_some_profiles_cannot_be_embedded():
-    """Why that is so: |f'| > 1 on a part of the domain."""
+    """Some variants have |f'| > 1 on a part of the domain, so they cannot be embedded."""
     x = sp.Symbol("x")
     steep = 0
     for seed in range(1, 30):
@@ -58,24 +58,24 @@ def test_some_profiles_cannot_be_embedded():
 
 
 def test_titles_fit_all_variants():
-    """A title names the rotations or a body only where every variant is about them."""
+    """A title names the rotations or a body only if each variant is about them."""
     named = {n for n, title in exercises.titles().items() if "rotations" in title}
     assert named == {"5.3"}
-    for seed in range(1, 7):  # here the forms are stretched
+    for seed in range(1, 7):  # The variants with stretched forms
         assert "rigid body" not in exercises.load("1.2", seed).statement
         assert "Body-fixed" not in exercises.load("2.4", seed).statement
     assert "rigid body" in exercises.load("1.2").statement
 
 
 def test_exponentials_in_the_terminal():
-    """phi_2 exp(3 phi_2), where the exponent was once torn apart."""
+    """An exponential in the terminal reads phi_2 exp(3 phi_2), with its exponent in brackets."""
     statements = [text_of(exercises.load("3.2", seed).statement) for seed in range(48)]
     assert any("φ_2 exp(3φ_2)" in text for text in statements)
     assert not any(re.search(r"e\^[0-9]φ", text) for text in statements)
 
 
 def test_the_teacher_gets_worked_solutions(tmp_path):
-    """Step by step in the teacher's page, in no other file."""
+    """The teacher's page has the worked solutions; the other files do not."""
     *students, teacher = write_sheet("4", tmp_path, seed=1)
     page = teacher.read_text("utf-8")
     assert page.count("Step by step") == 4

@@ -1,4 +1,4 @@
-"""Checking: every diagnosis that depends on the answer alone, and answers meant to do harm."""
+"""Checking: each diagnosis that depends only on the answer, and hostile answers."""
 
 import time
 
@@ -53,7 +53,7 @@ RIGHT_ON_A_PART = [
 
 @pytest.mark.parametrize(("right", "given"), RIGHT_ON_A_PART, ids=lambda case: str(case)[:30])
 def test_right_on_a_part_of_the_domain(right, given):
-    """A root with the wrong sign somewhere is neither right nor simply wrong."""
+    """A root with the wrong sign on a part of the domain has a diagnosis of its own."""
     assert code_of(asked(right), given) == "domain"
 
 
@@ -78,7 +78,7 @@ def test_right_on_a_part_of_the_domain(right, given):
     ids=lambda case: str(case)[:30],
 )
 def test_roots_that_are_right_everywhere(right, given):
-    """A form that agrees all over the domain is right; so is one that cancels twenty digits."""
+    """A form that agrees on the whole domain is right, also one that cancels twenty digits."""
     assert code_of(asked(right), given) == "right"
 
 
@@ -94,7 +94,7 @@ def test_roots_that_are_right_everywhere(right, given):
     ids=lambda case: str(case)[:30],
 )
 def test_nearly_right_is_wrong(right, given):
-    """Zero is decided: a difference far below every float is a difference."""
+    """Equality is decided exactly: a difference far below double precision is an error."""
     assert code_of(asked(right), given) != "right"
 
 
@@ -110,7 +110,7 @@ def test_nearly_right_is_wrong(right, given):
     ],
 )
 def test_signs_and_factors(given, code):
-    """What can go wrong with every expression."""
+    """A wrong sign and a factor 2 are recognised in expressions and in numbers."""
     assert code_of(asked(sp.sin(x)), given) == code
     assert code_of(number(0.5), given.replace("sin(x)", "0.5")) == code
 
@@ -155,12 +155,12 @@ def components(values, **more) -> Question:
     ],
 )
 def test_components(given, code):
-    """Tables, lists and texts are understood; what is wrong with the others is said."""
+    """Tables, lists and texts are read; other answers get a diagnosis."""
     assert code_of(components([[x, y], [0, 0]]), given) == code
 
 
 def test_half_of_a_symmetric_answer_is_enough():
-    """The other half follows; a wrong other half is not overlooked."""
+    """Half of a symmetric answer is completed; a wrong other half is noticed."""
     anti = components([[0, x], [-x, 0]], symmetry="antisymmetric")
     assert code_of(anti, "1,2 = x") == "right"
     assert code_of(anti, "2,1 = -x") == "right"
@@ -168,14 +168,14 @@ def test_half_of_a_symmetric_answer_is_enough():
     assert code_of(anti, "1,2 = -x") == "sign"
     both = components([[1, x], [x, 0]], symmetry="symmetric")
     assert code_of(both, "1,1 = 1; 2,1 = x") == "right"
-    # A zero that is written is no half that was left out.
+    # An explicit zero differs from an omitted component.
     assert code_of(anti, "1,2 = x; 2,1 = 0") == "incomplete"
     assert code_of(both, "[[1, x], [0, 0]]") == "incomplete"
     assert code_of(both, "[[1, x], [x, 0]]") == "right"
 
 
 def test_a_share_of_the_components_counts():
-    """The score is the share that is right; the message names what is not."""
+    """The score is the fraction of right components; the message names the wrong one."""
     said = check_question(components([[x, y], [1, 0]]), "1,1 = x; 1,2 = y; 2,1 = 5")
     assert said.score == pytest.approx(2 / 3, abs=1e-3)
     assert "[2,1]" in said.message
@@ -219,18 +219,18 @@ def number(value, **more) -> Question:
     ],
 )
 def test_numbers(given, code):
-    """Units are understood; degrees, signs, factors and rounding are told apart."""
+    """Units are read; degrees, signs, factors and rounding have different diagnoses."""
     assert code_of(number(0.78539816, unit="rad"), given) == code
 
 
 def test_angles_asked_in_degrees():
-    """The unit of the question is the one that counts."""
+    """A number without a unit is in the unit of the question."""
     assert code_of(number(45.0, unit="deg"), "pi/4 rad") == "right"
     assert code_of(number(45.0, unit="deg"), "0.7853982") == "degrees"
 
 
 def test_several_numbers():
-    """The tolerance is relative to the largest; those that are wrong are named."""
+    """The tolerance is relative to the largest number; the message names the wrong ones."""
     three = number([1.0, 2.0, 1e-9], shape=(3,), label="b")
     assert code_of(three, "[1, 2, 0]") == "right"
     assert code_of(three, [1, 2, 0]) == "right"
@@ -244,7 +244,7 @@ def test_several_numbers():
 
 
 def test_an_index_zero_is_explained_for_every_question():
-    """Also where the exercise expects no general mistake."""
+    """The message explains an index 0, also if the exercise expects no general mistake."""
     matrix = components([[x, 0], [0, y]], generic=())
     for answer, words in (("0,0 = x; 1,1 = y", "Indices are"), ("0,1 = x", "An index is 0: ")):
         said = check_question(matrix, answer)
@@ -282,12 +282,12 @@ RATES = Question(
     ],
 )
 def test_equations(given, code):
-    """Any equivalent set is right; sets that settle nothing are refused with the reason."""
+    """Any equivalent set is right; a set that does not determine the rates is refused."""
     assert code_of(RATES, given) == code
 
 
 def test_choices():
-    """Key or text, in any case; others are refused with a hint."""
+    """A key or its text is accepted in upper and lower case; a misspelt key gets a hint."""
     choice = asked("yes", kind="choice", options={"yes": "it does", "no": "it does not"})
     assert code_of(choice, "yes") == code_of(choice, " YES ") == code_of(choice, "it does")
     assert code_of(choice, "no") == ""
@@ -298,14 +298,14 @@ def test_choices():
 
 
 def test_a_choice_is_not_read_out_of_its_beginning():
-    """No may be no curvature, or the beginning of "not zero": it is neither."""
+    """The text "no" is refused: it could mean "no curvature" or begin "not zero"."""
     question = exercises.load("3.1").question("riemann")
     for text in ("no", "it does", "it", "not", ""):
         assert check_question(question, text).diagnosis in ("unreadable", "empty")
 
 
 def test_a_decimal_comma():
-    """It is said how to write the number."""
+    """The message shows how to write the number."""
     said = check_question(number(1.5), "1,5")
     assert said.message == "q: expected a number with a decimal point, got 1,5. Write 1.5."
 
@@ -352,7 +352,7 @@ HOSTILE = [
 @pytest.mark.parametrize("given", HOSTILE, ids=lambda text: repr(text[:24]))
 @pytest.mark.parametrize("kind", ["expression", "components", "equations", "number"])
 def test_hostile_answers_end_soon(kind, given):
-    """A message in a moment, whatever is written: no hang, no crash, no marks."""
+    """A hostile answer ends within 10 s of CPU time, with a message and without marks."""
     questions = {
         "expression": asked(sp.sin(x)),
         "components": components([[x, y], [0, 0]]),
@@ -380,7 +380,7 @@ def test_hostile_answers_end_soon(kind, given):
 )
 @pytest.mark.parametrize("kind", ["expression", "components", "equations"])
 def test_advice_is_for_those_who_answer(kind, given, says):
-    """Nothing can be declared in an answer: nobody is told to, and the names are named."""
+    """The advice does not mention parameters, because an answer cannot declare them."""
     question = {"expression": asked(x), "components": components([[x, 0], [0, 0]])}.get(kind)
     if question is None:
         question, given = asked({x: y}, kind="equations"), f"x = {given}"
@@ -393,12 +393,12 @@ def test_advice_is_for_those_who_answer(kind, given, says):
 
 
 def test_advice_where_no_names_occur():
-    """A number has none."""
+    """In a question for a number, the message states that no names occur."""
     assert "No names occur in this answer." in check_question(number(1.5), "radius").message
 
 
 def test_hostile_forms_of_the_right_answer_end_soon():
-    """Numerically right and monstrous: refused for its size, not multiplied out."""
+    """A huge form of the right answer is refused for its size, not multiplied out."""
     one = "*".join(f"(sin({k}*x)^2 + cos({k}*x)^2)" for k in range(1, 24))
     start = time.process_time()
     said = check_question(asked(sp.sin(x)), f"sin(x)*{one}")
@@ -420,7 +420,7 @@ def test_symbols_do_not_coincide_at_sample_points(number, name, answer):
 
 
 def test_answers_leave_no_trace():
-    """Each answer is read into a field of its own: the order of answers does not matter."""
+    """Each answer is read in a field of its own, so the order of answers does not matter."""
     exercise = exercises.load("3.2")
     first = exercise.check("cos(phi2)/sin(phi2)")
     exercise.check("sqrt(1 + phi1^2)*exp(phi2)*acos(phi2/9)")
@@ -428,7 +428,7 @@ def test_answers_leave_no_trace():
 
 
 def test_a_single_answer_and_unknown_names():
-    """One text counts for the first question; a misspelt name is pointed out."""
+    """A single text counts for the first question; a misspelt name gets a hint."""
     exercise = exercises.load("3.3")
     notes = exercise.check("[[1/R^2, 0], [0, sin(r/R)^2]]").notes
     assert "several questions" in notes[0]
@@ -444,7 +444,7 @@ def test_a_single_answer_and_unknown_names():
      ("1.1", "[[1, 0], [0"), ("3.1", {"cartan": "perhaps", "riemann": "zero", "torsion": "zero"})],
 )  # fmt: skip
 def test_what_cannot_be_read_costs_no_points(number, text):
-    """Neither right nor wrong: the points of the question are not counted."""
+    """An unreadable answer is neither right nor wrong: its question's points are not counted."""
     verdict = exercises.load(number).check(text)
     first, *others = verdict.questions
     assert first.state == "could not be read"
@@ -463,7 +463,7 @@ def test_what_cannot_be_read_costs_no_points(number, text):
      ("6.1", "I1 Omega1' = (I2 - I3) Omega2 Omega3; Omega2' = 0; Omega3' = 0", "Omega2*Omega3")],
 )  # fmt: skip
 def test_a_verdict_shows_how_the_answer_was_read(number, text, read_as):
-    """In the notation of solutions, right or wrong."""
+    """The verdict shows how the answer was read, in the notation of solutions."""
     verdict = exercises.load(number).check(text)
     assert read_as in verdict.questions[0].read_as
     assert f"Read as: {verdict.questions[0].read_as}." in str(verdict)

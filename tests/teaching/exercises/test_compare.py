@@ -1,4 +1,4 @@
-"""Compare: exact equality, agreement on a part of the domain, and what decides."""
+"""Compare: exact equality, agreement on a part of the domain, and the rule that decides."""
 
 import pytest
 import sympy as sp
@@ -30,12 +30,12 @@ def test_three_verdicts():
 
 
 def test_poles_do_not_count():
-    """Points at which one side has no value are left out."""
+    """Points at which one side has no value are skipped."""
     assert compare(DOMAIN, (x**2 - 1) / (x - 1), x + 1) == EQUAL
 
 
 def test_opaque_constants_are_decided_by_digits():
-    """Where exact arithmetic has no rule, a hundred digits at every point decide."""
+    """If exact arithmetic has no rule, a hundred digits at each point decide."""
     angle = sp.atan(sp.Rational(1, 2)) + sp.atan(sp.Rational(1, 3))
     assert compare(DOMAIN, angle * x, sp.pi / 4 * x) == EQUAL
     near = sp.Rational(str(sp.N(sp.pi / 4, 90)))
@@ -43,13 +43,13 @@ def test_opaque_constants_are_decided_by_digits():
 
 
 def test_special_functions_are_compared():
-    """A function that the library reads is compared, whether its zeros are decided or not."""
+    """A function that the library reads is compared, with or without a rule for its zeros."""
     assert compare(DOMAIN, sp.erf(x), sp.erf(x) + x) == DIFFERENT
     assert compare(DOMAIN, sp.erf(x) ** 2 - 1, (sp.erf(x) - 1) * (sp.erf(x) + 1)) == EQUAL
 
 
 def test_imaginary_answers_are_refused():
-    """The imaginary unit is not among the symbols of a real problem."""
+    """The imaginary unit is not a symbol of a real problem."""
     assert compare(DOMAIN, sp.I * x, x) == DIFFERENT
     waves = (sp.exp(sp.I * x) + sp.exp(-sp.I * x)) / 2
     with pytest.raises(ExpressionError, match="cannot be read exactly"):
@@ -59,14 +59,14 @@ def test_imaginary_answers_are_refused():
 
 
 def test_too_large_is_said():
-    """Equal at all points, but too large to be multiplied out."""
+    """A form that is too large to multiply out raises LimitError."""
     big = sp.Mul(*(sp.sin(k * x) ** 2 + sp.cos(k * x) ** 2 for k in range(1, 25)))
     with pytest.raises(LimitError, match="multiplied out"):
         compare(DOMAIN, big * x, x)
 
 
 def test_components_are_compared_one_by_one():
-    """Missing components are zero."""
+    """Components are compared one by one; a missing component is zero."""
     asked = Question("q", "components", "?", dict, DOMAIN, shape=(3,))
     states = agreement(asked, {(0,): x, (1,): p}, {(0,): x, (2,): 1})
     assert states == {(0,): EQUAL, (1,): DIFFERENT, (2,): DIFFERENT}
@@ -86,7 +86,7 @@ def test_numbers_agree_within_the_tolerance():
 
 @pytest.mark.parametrize("name", HARD)
 def test_forms_at_which_graders_fail(name):
-    """Sines, factored powers, lists in lists, x^(a/b), parts of the domain, other minus signs."""
+    """Sines, factored powers, nested lists, x^(a/b), parts of the domain, other minus signs."""
     hard = HARD[name]
     question = hard.question()
     for answer in hard.right:
@@ -99,7 +99,7 @@ def test_forms_at_which_graders_fail(name):
 
 
 def test_large_numbers_on_the_way_to_a_large_solution():
-    """High powers are compared exactly while they have few terms when multiplied out."""
+    """High powers are compared exactly if they have few terms when multiplied out."""
     power = (x + 10) ** 600
     assert compare(Domain((x,)), (x + 10) * (x + 10) ** 599, power) == EQUAL
     assert compare(Domain((x,)), power + 1, power) == DIFFERENT
@@ -121,7 +121,7 @@ def test_how_many_digits_may_cancel(power, taken):
 
 
 def test_rounding_on_the_way_decides_nothing():
-    """A quotient by a difference and a root of one lose more than the digits of their own size."""
+    """A quotient by a small difference and a root of one lose more digits than their own size."""
     quotient = 1 / ((x + 300) ** 2 - x**2 - 600 * x - 90000 + sp.Rational(1, 10**5))
     assert compare(DOMAIN, quotient, sp.Integer(10**5)) == EQUAL
     small = sp.Rational(1, 10**9) * (x + 3)

@@ -1,4 +1,4 @@
-"""Every exercise in five variants: solution, other forms of it, and mistakes that are expected."""
+"""All exercises in five variants: the solution, other forms of it, and expected mistakes."""
 
 import sys
 from collections import Counter
@@ -15,13 +15,13 @@ from tests.teaching.exercises.forms import another_form
 
 SEEDS = range(5)
 WRONG_ANSWERS = 20
-# Variants and answers of the normal run, and of the long one.
+# Numbers of wrong answers, and variants: for the normal run and for the slow run.
 FEW_AND_ALL = [3, pytest.param(WRONG_ANSWERS, marks=pytest.mark.slow)]
 FIRST_AND_ALL = [range(1), pytest.param(SEEDS, marks=pytest.mark.slow)]
-# Here one of the mistakes is that of a later variant.
+# One mistake of this exercise occurs only in a later variant.
 LATER = ("5.2",)
 NUMBERS = exercises.names()
-# Every diagnosis that an exercise can compute in advance.
+# Each diagnosis that an exercise can compute in advance.
 COMPUTED = {
     "factor", "sign", "permuted", "levi-civita", "cartan", "inverse", "basis", "direction", "axes",
     "degrees", "naive", "principle", "forgotten",
@@ -29,7 +29,7 @@ COMPUTED = {
 
 
 def wrong_answers(number: str, seeds=SEEDS):
-    """(question, code, value) of every expected mistake in some seeds, by code."""
+    """(question, code, value) of each expected mistake in some seeds, by code."""
     found: dict[str, list] = {}
     for seed in seeds:
         for question in exercises.load(number, seed).questions:
@@ -39,7 +39,7 @@ def wrong_answers(number: str, seeds=SEEDS):
 
 
 def test_there_are_enough():
-    """At least 24 in seven chapters, warm-ups and a project among them."""
+    """At least 24 exercises in seven chapters, with warm-ups and a project."""
     assert len(NUMBERS) >= 24
     assert {number.partition(".")[0] for number in NUMBERS} == set("1234567")
     assert len(exercises.CHAPTERS) == 7
@@ -50,7 +50,7 @@ def test_there_are_enough():
 @pytest.mark.parametrize("seeds", FIRST_AND_ALL, ids=len)
 @pytest.mark.parametrize("number", NUMBERS)
 def test_the_solution_is_right(number, seeds):
-    """What the library computes passes its own check, in each variant."""
+    """The library's solution passes the check in each variant."""
     for seed in seeds:
         exercise = exercises.load(number, seed)
         verdict = exercise.check(exercise.answers())
@@ -59,7 +59,7 @@ def test_the_solution_is_right(number, seeds):
 
 
 def test_heyoka_is_not_needed(monkeypatch):
-    """It comes with an extra, and not for every system; 77 is a variant of no other test."""
+    """Solutions do not need heyoka, an optional extra; no other test uses variant 77."""
     monkeypatch.setitem(sys.modules, "heyoka", None)
     for number in NUMBERS:
         exercise = exercises.load(number, 77)
@@ -69,7 +69,7 @@ def test_heyoka_is_not_needed(monkeypatch):
 @pytest.mark.parametrize("seeds", FIRST_AND_ALL, ids=len)
 @pytest.mark.parametrize("number", NUMBERS)
 def test_other_forms_are_right(number, seeds):
-    """A random equal form of every solution is right."""
+    """A random equal form of each solution is right."""
     draw = Random(f"right {number}")
     for seed in seeds:
         for question in exercises.load(number, seed).questions:
@@ -81,8 +81,8 @@ def test_other_forms_are_right(number, seeds):
 @pytest.mark.parametrize("count", FEW_AND_ALL)
 @pytest.mark.parametrize("number", NUMBERS)
 def test_mistakes_get_their_diagnosis(number, count):
-    """So many wrong answers of each kind that is expected, in random forms, are named; all kinds
-    in all variants in the long run."""
+    """Wrong answers of each expected kind, in random forms, get their diagnosis; the slow run
+    covers all kinds in all variants."""
     draw = Random(f"wrong {number}")
     seeds = SEEDS if count == WRONG_ANSWERS or number in LATER else range(1)
     for code, cases in wrong_answers(number, seeds).items():
@@ -96,7 +96,7 @@ def test_mistakes_get_their_diagnosis(number, count):
 
 
 def questions_of(kind: str):
-    """All questions of a kind with a solution that is not zero, in the first seeds."""
+    """All questions of a kind with a nonzero solution, in the first seeds."""
     for number in NUMBERS:
         for seed in range(2):
             for question in exercises.load(number, seed).questions:
@@ -105,7 +105,7 @@ def questions_of(kind: str):
 
 
 def test_counting_from_zero_is_noticed():
-    """Indices as programmers count them: named in every question with components."""
+    """Indices counted from 0 are recognised in each question with components."""
     asked = 0
     for question in questions_of("components"):
         text = "; ".join(
@@ -120,7 +120,7 @@ def test_counting_from_zero_is_noticed():
 
 
 def test_rounding_and_units_are_noticed():
-    """A number rounded too early, and one in a unit of something else."""
+    """A number that is rounded too early and a number with a wrong unit are recognised."""
     asked = 0
     for question in questions_of("number"):
         if question.tolerance < 1e-6 or question.tolerance > 1e-2:
@@ -138,7 +138,7 @@ def test_rounding_and_units_are_noticed():
 
 @pytest.mark.parametrize("seeds", FIRST_AND_ALL, ids=len)
 def test_every_diagnosis_occurs(seeds):
-    """Each kind of mistake is expected by some exercise, and has a name."""
+    """Each kind of mistake is expected in some exercise, and each has a title."""
     found = Counter(code for number in NUMBERS for code in wrong_answers(number, seeds))
     assert set(found) >= COMPUTED
     assert set(found) <= set(TITLES)
@@ -147,7 +147,7 @@ def test_every_diagnosis_occurs(seeds):
 @pytest.mark.parametrize("many", [16, pytest.param(48, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("number", NUMBERS)
 def test_different_seeds_are_different_tasks(number, many):
-    """Every seed has a statement or prompts of its own: a class gets as many tasks as students."""
+    """Each seed has its own statement or prompts, so a class gets as many tasks as students."""
 
     def read(seed):
         exercise = exercises.load(number, seed)
@@ -158,7 +158,7 @@ def test_different_seeds_are_different_tasks(number, many):
 
 @pytest.mark.parametrize("number", NUMBERS)
 def test_a_seed_is_a_seed(number):
-    """The same seed gives the same task again, from a fresh start."""
+    """A seed gives the same task again, also without the cache."""
     entry = next(entry for entry in registry.EXERCISES if entry[0] == number)
     before, after = exercises.load(number, 3), registry._loaded.__wrapped__(*entry, 3)
     assert before is not after
@@ -168,7 +168,7 @@ def test_a_seed_is_a_seed(number):
 
 @pytest.mark.parametrize("number", NUMBERS)
 def test_exercises_are_told_well(number):
-    """Each has a statement, hints in steps, and says how to answer; no answer is empty."""
+    """Each exercise has a statement, two hints, prompts and a nonempty answer."""
     exercise = exercises.load(number)
     assert len(exercise.statement) > 80
     assert len(exercise.hints) >= 2

@@ -1,4 +1,4 @@
-"""The examiner: checks in a process of its own, within a time."""
+"""The examiner: checks in a process of its own, with a time limit."""
 
 import pytest
 
@@ -9,13 +9,13 @@ from geomtorsion.teaching.exercises.worker_pool import Worker, WorkerPool
 
 
 def processes(examiner: Examiner) -> set[Worker]:
-    """The processes of an examiner, which a platform with processes has."""
+    """The processes of an examiner, on a platform that has them."""
     assert isinstance(examiner.pool, WorkerPool)
     return examiner.pool.workers
 
 
 def test_the_examiner_says_what_the_exercise_says():
-    """Another process, the same verdict; a single text counts for the first question."""
+    """The verdict of the process equals the verdict of the exercise."""
     with Examiner() as examiner:
         for answer in ("cot(phi2)", "-cot(phi2)", "sin("):
             there = examiner.check("3.2", answer)
@@ -23,11 +23,11 @@ def test_the_examiner_says_what_the_exercise_says():
 
 
 def test_an_answer_that_does_not_end_is_ended():
-    """The process is killed, the answer counts as too large, the next one is checked."""
+    """The process is killed, the answer counts as too large, and the next answer is checked."""
     with Examiner(seconds=30) as examiner:
         assert examiner.check("3.2", "cot(phi2)").right
         [first] = processes(examiner)
-        # As good as an answer that never ends: no reply is waited for.
+        # A time limit of 0 s has the effect of an endless answer.
         examiner.seconds = 0.0
         verdict = examiner.check("3.2", "cot(phi2)")
         assert verdict["christoffel"].diagnosis == "too large"
@@ -39,13 +39,13 @@ def test_an_answer_that_does_not_end_is_ended():
 
 
 class Slow:
-    """A pool whose replies come after so many seconds, which nobody waits for."""
+    """A pool that simulates the durations of replies without waiting."""
 
     def __init__(self, prepares, checks):
         self.prepares, self.checks = prepares, checks
 
     def ask(self, request, seconds):
-        """The reply, unless it comes too late."""
+        """The reply, unless its duration exceeds the limit."""
         if (self.checks if "answers" in request else self.prepares) > seconds:
             raise TimeoutError
         return reply(request)
@@ -56,13 +56,13 @@ class Slow:
     [(110, 9.5, "Right"), (130, 9.5, "the solution took too long"), (110, 10.5, "than 10 s")],
 )
 def test_how_long_is_waited(prepares, checks, said, monkeypatch):
-    """Two minutes for what is not the student's fault, ten seconds for what is."""
+    """Preparation has two minutes, which is not the student's fault; the check has ten seconds."""
     monkeypatch.setattr(module, "WorkerPool", lambda _: Slow(prepares, checks))
     assert said in Examiner().check("3.2", "cot(phi2)")["christoffel"].message
 
 
 def test_modules_among_the_answers_are_not_imported(tmp_path, monkeypatch):
-    """Graded from inside the folder, a sympy.py that somebody handed in stays a file."""
+    """A sympy.py in the folder of answers is not imported, although the grader runs there."""
     for name in ("sympy", "flint", "json", "geomtorsion"):
         (tmp_path / f"{name}.py").write_text(f"open('{tmp_path}/ran', 'w').write('x')", "utf-8")
     monkeypatch.chdir(tmp_path)
@@ -73,7 +73,7 @@ def test_modules_among_the_answers_are_not_imported(tmp_path, monkeypatch):
 
 
 def test_a_process_that_dies_costs_one_answer():
-    """Whatever ends it, the next answer is checked."""
+    """After a process is killed, the next answer is checked."""
     with Examiner() as examiner:
         assert examiner.check("3.2", "cot(phi2)").right
         [worker] = processes(examiner)

@@ -1,4 +1,4 @@
-"""Families of frames from which a seed takes one."""
+"""Families of frames from which a seed chooses."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from geomtorsion.teaching.exercises.families import SHIPPED, Body, bodies, matri
 @pytest.mark.parametrize("times", [(1, 1, 1), (2, 1, 1), (1, 3, 1), (1, 1, 2)])
 @pytest.mark.parametrize("axes", sorted(SHIPPED))
 def test_frames_belong_to_their_attitude(axes, times):
-    """R^T R' is the coframe applied to the rates, R' R^T that of the space-fixed frame."""
+    """R^T R' is the coframe applied to the rates; R' R^T is the space-fixed frame."""
     body = Body(axes, times)
     turn, angles = body.rotation(), body.frame.coordinates
     here = dict(zip(angles, (0.3, 1.1, -0.7), strict=True))
@@ -32,13 +32,13 @@ def test_frames_belong_to_their_attitude(axes, times):
 
 
 def test_the_space_fixed_frame_is_the_shipped_one():
-    """For the angles of the paper it is so3_right."""
+    """For the angles of the paper the space-fixed frame is so3_right."""
     shipped = spaces.load("so3_right").frame
     assert matrix_of(Body("zyz").space_frame.coframe) == matrix_of(shipped.coframe)
 
 
 def test_a_stretched_form_is_stretched_in_both_frames():
-    """One row of the coframe times its factor."""
+    """A stretch multiplies one row of both coframes."""
     body = next(body for body in bodies() if body.stretch == (1, 3))
     plain = Body(body.axes)
     for one, two in ((body.frame, plain.frame), (body.space_frame, plain.space_frame)):
@@ -49,7 +49,7 @@ def test_a_stretched_form_is_stretched_in_both_frames():
 
 @pytest.mark.parametrize("sizes", [(7,), (2, 3), (4, 3, 5), (2, 2, 2, 2)])
 def test_seeds_below_the_number_of_combinations_choose_differently(sizes):
-    """Every combination comes once; seed 0 takes the first of each."""
+    """Each combination occurs once; seed 0 takes the first of each."""
     taken = []
     for seed in range(int(np.prod(sizes))):
         draw = Draw(seed)
@@ -59,7 +59,7 @@ def test_seeds_below_the_number_of_combinations_choose_differently(sizes):
 
 
 def test_neighbouring_seeds_differ_in_every_choice():
-    """Not in the first alone: a class would compare answers."""
+    """Neighbouring seeds differ in each choice, because students of a class compare answers."""
     one, two = Draw(3), Draw(4)
     for size in (7, 5, 4):
         assert one.choice(range(size)) != two.choice(range(size))

@@ -1,4 +1,4 @@
-"""Grading: 200 students, one malformed and one hostile file, interruptions, an honest table."""
+"""Grading: 200 students, malformed and hostile files, interruptions, and the remarks of a row."""
 
 import csv
 import json
@@ -39,7 +39,7 @@ def handed_in(name: str, seed: int, answers) -> str:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """200 students who know more or less, and two files that are none."""
+    """200 students with different knowledge, a malformed and a hostile file."""
     place = tmp_path_factory.mktemp("answers")
     draw = Random("students")
     expected = {}
@@ -76,13 +76,13 @@ def folder(tmp_path_factory):
 
 
 def table_of(file) -> dict[str, dict[str, str]]:
-    """The rows of the table by file."""
+    """The rows of the table, by file."""
     with file.open(encoding="utf-8", newline="") as source:
         return {row["file"]: row for row in csv.DictReader(source)}
 
 
 def test_two_hundred_students(folder, tmp_path):
-    """Everybody gets what they earned; the two bad files are reported and cost no one else."""
+    """All students get the points they earned; the two bad files are reported and affect no one."""
     place, expected = folder
     seen = []
     marks = grade(place, tmp_path / "marks.csv", progress=lambda *step: seen.append(step))
@@ -93,7 +93,7 @@ def test_two_hundred_students(folder, tmp_path):
     for name, (earned, unread) in expected.items():
         assert float(rows[name]["earned"]) >= earned
         assert float(rows[name]["earned"]) <= earned + 2
-        # What could not be read costs no points, and a person has to look at it.
+        # An unreadable answer costs no points, and a person must read it.
         assert int(rows[name]["points"]) == whole - unread
         assert rows[name]["status"] == (PARTLY if unread else GRADED)
         assert ("could not be read" in rows[name]["remarks"]) == bool(unread)
@@ -113,12 +113,12 @@ def test_two_hundred_students(folder, tmp_path):
 
 
 def rows_in(file) -> int:
-    """How many students the table holds by now."""
+    """Number of students in the table so far."""
     return len(table_of(file)) if file.exists() else 0
 
 
 def some(folder, tmp_path, count: int = 6):
-    """A few of the students in a folder of their own."""
+    """The first files in a folder of their own."""
     place, _ = folder
     few = tmp_path / "few"
     few.mkdir()
@@ -128,7 +128,7 @@ def some(folder, tmp_path, count: int = 6):
 
 
 def test_interrupted_grading_loses_nothing(folder, tmp_path, monkeypatch):
-    """Ctrl-C in the middle: what is finished stands in the table, a second run goes on from it."""
+    """Ctrl-C keeps the finished rows in the table; a second run continues from them."""
     few, output = some(folder, tmp_path), tmp_path / "out" / "marks.csv"
     checked = []
     real = Examiner.check
@@ -159,7 +159,7 @@ def test_interrupted_grading_loses_nothing(folder, tmp_path, monkeypatch):
 
 
 def test_a_second_run_that_is_interrupted_loses_nothing(folder, tmp_path, monkeypatch):
-    """What the first run knew stays, even if the second stops before it gets there."""
+    """If the second run stops before a student, the row of the first run remains."""
     few, output = some(folder, tmp_path), tmp_path / "marks.csv"
     grade(few, output, ["3.2"])
     one = min(few.glob("student*.toml"))
@@ -175,7 +175,7 @@ def test_a_second_run_that_is_interrupted_loses_nothing(folder, tmp_path, monkey
 
 
 def test_a_changed_file_is_graded_again(folder, tmp_path):
-    """Only the one that changed; another task starts afresh; a strange table is replaced."""
+    """Only a changed file is graded again; another task, time limit or table regrades all."""
     few, output = some(folder, tmp_path, 3), tmp_path / "marks.csv"
     output.write_text("not,a,table\n", "utf-8")
     assert grade(few, output, NUMBERS).kept == 0
@@ -185,13 +185,13 @@ def test_a_changed_file_is_graded_again(folder, tmp_path):
     assert marks.kept == 2
     assert table_of(output)[one.name]["3.2"] == "1"
     assert grade(few, output, ["3.2"]).kept == 0
-    # More time may bring an answer that took too long to its end.
+    # With more time, an answer that took too long may succeed.
     assert grade(few, output, ["3.2"], seconds=20).kept == 0
     assert grade(few, output, ["3.2"], seconds=20).kept == 3
 
 
 def test_one_seed_for_all(folder, tmp_path):
-    """Who worked on another variant is reported, not graded."""
+    """A student with another variant is reported, not graded."""
     few, output = some(folder, tmp_path), tmp_path / "marks.csv"
     grade(few, output, ["3.2"], seed=2)
     for row in table_of(output).values():
@@ -201,7 +201,7 @@ def test_one_seed_for_all(folder, tmp_path):
 
 
 def test_unknown_exercises_and_empty_folders(tmp_path):
-    """Said before anything is graded."""
+    """An empty folder, an unknown exercise and an empty list are refused before grading."""
     with pytest.raises(FileFormatError, match="expected TOML files of answers, got none"):
         grade(tmp_path, tmp_path / "marks.csv")
     (tmp_path / "a.toml").write_text("", "utf-8")
@@ -212,7 +212,7 @@ def test_unknown_exercises_and_empty_folders(tmp_path):
 
 
 def test_rows_are_harmless_in_a_spreadsheet():
-    """No cell starts like a formula or breaks the line."""
+    """No cell begins like a formula or contains a line break."""
     for text in ("=1+1", "+1", "-1", "@x", "a\nb", "x" * 1000):
         shown = grading._harmless(text)
         assert shown[0] not in "=+-@"
@@ -221,7 +221,7 @@ def test_rows_are_harmless_in_a_spreadsheet():
 
 
 def test_a_name_in_another_encoding_costs_nobody_marks(tmp_path):
-    """A file name that is no UTF-8, as old archives unpack to: its row and all others are there."""
+    """A file name that is not UTF-8, as from old archives, keeps its row, and so do all others."""
     place = tmp_path / "answers"
     place.mkdir()
     right = '[answers]\n"3.2" = "1/tan(phi2)"\n'
@@ -241,7 +241,7 @@ def test_a_name_in_another_encoding_costs_nobody_marks(tmp_path):
 
 
 def graded(tmp_path, files, numbers=None, **more):
-    """The marks of files, as rows by name; the table may be CSV or JSON."""
+    """The rows for some files, by name; the table may be CSV or JSON."""
     place = tmp_path / "answers"
     place.mkdir(exist_ok=True)
     for name, text in files.items():
@@ -254,7 +254,7 @@ RIGHT = '[answers]\n"3.2" = "1/tan(phi2)"\n'
 
 
 def test_a_file_without_seed_is_said(tmp_path):
-    """Graded as the seed asked for, or 0, and its row says which."""
+    """A file without a seed is graded with the requested seed or 0, and its row states the seed."""
     files = {"ada.toml": RIGHT, "bob.toml": "seed = 0\n" + RIGHT}
     rows = graded(tmp_path, files)
     assert rows["ada.toml"]["remarks"] == "the file names no seed: graded as seed 0."
@@ -266,7 +266,7 @@ def test_a_file_without_seed_is_said(tmp_path):
 
 
 def test_an_unknown_part_is_said(tmp_path):
-    """A misspelt question, with one question or several, and a strange exercise."""
+    """A misspelt question and an unknown exercise are reported, also with several questions."""
     files = {
         "ada.toml": 'seed = 0\n[answers."2.1"]\nconection = "1,2,2 = 1/r"\n',
         "bob.toml": 'seed = 0\n[answers."3.3"]\nscalr = "2/R^2"\n[answers."9.9"]\nx = "1"\n',
@@ -284,7 +284,7 @@ def test_an_unknown_part_is_said(tmp_path):
 
 
 def test_what_stands_outside_of_the_answers_is_said(tmp_path):
-    """A table that was forgotten is looked at; a date is nobody's business."""
+    """A forgotten table makes the grading partial; a date does not."""
     files = {
         "ada.toml": 'seed = 0\n["3.2"]\nchristoffel = "cot(phi2)"\n',
         "bob.toml": "seed = 0\ndate = 2026-11-23\n" + RIGHT,
@@ -298,7 +298,7 @@ def test_what_stands_outside_of_the_answers_is_said(tmp_path):
 
 
 def test_two_files_of_one_student_are_said(tmp_path):
-    """In both rows, each with the other's name; a third file that comes later changes them."""
+    """Both rows name the other file; a later third file changes them."""
     files = {
         "a.toml": 'student = "Ada  Lovelace"\nseed = 0\n' + RIGHT,
         "b.toml": 'student = "ada lovelace"\nseed = 0\n' + RIGHT,
@@ -312,7 +312,7 @@ def test_two_files_of_one_student_are_said(tmp_path):
 
 
 def test_how_many_answers_make_up_the_percentage_is_said(tmp_path):
-    """One right answer is 100 % of what counts; the row says what counts and what is answered."""
+    """The row states which exercises count and how many questions are answered."""
     files = {"ada.toml": "seed = 0\n" + RIGHT}
     [row] = graded(tmp_path, files).values()
     assert (row["percent"], row["answered"]) == ("100.0", "1 of 1")
@@ -323,7 +323,7 @@ def test_how_many_answers_make_up_the_percentage_is_said(tmp_path):
 
 
 def test_the_table_as_json(tmp_path):
-    """The same rows, and what counts, for programs; a second run goes on from it."""
+    """The JSON has the same rows and the counted exercises; a second run continues from it."""
     files = {"ada.toml": RIGHT, "bob.toml": "seed = 0\n" + RIGHT}
     rows = graded(tmp_path, files, table="marks.json")
     data = json.loads((tmp_path / "marks.json").read_text("utf-8"))
@@ -349,7 +349,7 @@ def read(tmp_path, text: str | bytes, name: str = "ada.toml"):
 
 
 def test_all_ways_to_write_answers(tmp_path):
-    """Numbers with and without quotes, tables and single answers, a byte order mark."""
+    """Numbers with or without quotes, tables, single answers and a byte order mark are read."""
     found = read(
         tmp_path,
         '\ufeffstudent = "Ada  Lovelace"\nseed = 7\n[answers]\n"1.1" = "0"\n3.2 = "x"\n'
@@ -362,7 +362,7 @@ def test_all_ways_to_write_answers(tmp_path):
 
 
 def test_what_is_left_out(tmp_path):
-    """The file names the student, there may be no seed and no answers."""
+    """The file name replaces a missing student; seed and answers are optional."""
     found = read(tmp_path, "")
     assert (found.student, found.seed, dict(found.answers)) == ("ada", None, {})
     assert read(tmp_path, 'student = " "\n').student == "ada"
@@ -389,13 +389,13 @@ def test_what_is_left_out(tmp_path):
     ],
 )
 def test_bad_files(tmp_path, text, says):
-    """The message names the file, what was needed and what to write."""
+    """The message names the file, the expected value and the remedy."""
     with pytest.raises((FileFormatError, LimitError), match=f"ada.toml: .*({says})"):
         read(tmp_path, text)
 
 
 def test_large_files_and_no_files(tmp_path):
-    """Too long, missing, a directory, a pipe that would never end."""
+    """A file that is too long, a missing file, a directory and a pipe are refused."""
     with pytest.raises(LimitError, match="longer than the limit"):
         read(tmp_path, "#" * (MOST.file + 1))
     with pytest.raises(FileFormatError, match="cannot be read"):
@@ -409,7 +409,7 @@ def test_large_files_and_no_files(tmp_path):
 
 
 def test_an_exercise_that_is_named_twice_counts_once(tmp_path):
-    """Its points were counted twice and its marks once: half of what was earned."""
+    """A repeated number does not count its points twice."""
     (tmp_path / "ada.toml").write_text('seed = 0\n[answers]\n"3.2" = "cot(phi2)"\n', "utf-8")
     [row] = grade(tmp_path, tmp_path / "marks.csv", ["3.2", "3.2"]).rows
     assert (row["earned"], row["points"], row["percent"]) == ("1", "1", "100.0")

@@ -1,4 +1,4 @@
-"""Known: solutions against what is printed in the paper, in books, or follows by hand."""
+"""Known answers: solutions compared with the paper, with books, or with results by hand."""
 
 import math
 
@@ -60,7 +60,7 @@ def test_curvature_of_the_rotations():
 
 
 def test_the_sphere():
-    """cot on the unit sphere; R = 2 / R^2 on one of radius R."""
+    """cot on the unit sphere; the scalar is 2 / R^2 for radius R."""
     radius, r = sp.Symbol("R", positive=True), sp.Symbol("r", real=True)
     assert equal(solution("3.2", "christoffel"), {(): c2 / s2})
     assert equal(solution("3.3", "scalar"), {(): 2 / radius**2})
@@ -90,7 +90,7 @@ def test_sailing():
 
 
 def test_loops():
-    """- A on so3; - pi R^2 in Heisenberg's group; 2 b round a screw twice, nothing beside it."""
+    """-A on so3; -pi R^2 in Heisenberg's group; 2 b for two turns around a screw, 0 beside it."""
     area, radius = sp.Symbol("A", positive=True), sp.Symbol("R", positive=True)
     b = sp.Symbol("b", positive=True)
     assert equal(solution("5.1", "burgers"), {(2,): -area})
@@ -121,7 +121,7 @@ def test_a_circle_over_varying_torsion():
 
 
 def test_eulers_equations():
-    """Eq. (1): I1 Omega1' = (I2 - I3) Omega2 Omega3 and its rotations."""
+    """Eq. (1): I1 Omega1' = (I2 - I3) Omega2 Omega3 and its cyclic permutations."""
     a, b, c = sp.symbols("Omega1 Omega2 Omega3", real=True)
     i, j, k = sp.symbols("I1 I2 I3", positive=True)
     printed = {(0,): (j - k) / i * b * c, (1,): (k - i) / j * c * a, (2,): (i - j) / k * a * b}
@@ -129,7 +129,7 @@ def test_eulers_equations():
 
 
 def test_the_moment_is_a_cross_product():
-    """M = - W l x n with the vertical n seen from the body, in every variant."""
+    """M = - W l x n with the vertical n in body axes, in each variant."""
     weight = sp.Symbol("W", positive=True)
     s1, c1 = sp.sin(phi1), sp.cos(phi1)
     vertical = sp.Matrix([-c1 * s2, s1 * s2, c2])
@@ -170,7 +170,7 @@ def test_the_carried_velocity():
 
 
 def test_helix_and_line():
-    """Radius V/Omega; the gap between circle and tangent; a geodesic, not straightest."""
+    """Radius V/Omega; the gap between circle and tangent; the line is a geodesic."""
     assert solution("6.6", "torsion") == {(): -1}
     assert solution("6.6", "radius")[()] == pytest.approx(0.5, rel=1e-6)
     spin, time = 2.0, 1.0
@@ -182,7 +182,7 @@ def test_helix_and_line():
 
 
 def test_costs():
-    """Digits lost by a decade each; order two of chords; sinh growth; states by counting."""
+    """8 right digits of a sum over a tiny loop; order 2; growth by sinh; numbers of states."""
     assert solution("7.1", "line")[()] == pytest.approx(8, abs=0.8)
     assert solution("7.2", "order")[()] == pytest.approx(2, abs=1e-2)
     growth = math.sinh(3.5) / math.sinh(0.5)
@@ -192,7 +192,7 @@ def test_costs():
 
 
 def test_a_right_handed_screw_from_atom_to_atom():
-    """b = a/2 <111> against the line, as conventions.py has it: SF/RH is minus the textbook's."""
+    """b = a/2 <111> against the line, as in conventions.py: SF/RH is minus the textbook's b."""
     half = sp.Rational(1, 2)
     assert equal(solution("5.6", "burgers"), {(k,): -half for k in range(3)})
     assert solution("5.6", "length") == {(): sp.sqrt(3) / 2}
@@ -204,7 +204,7 @@ def test_a_right_handed_screw_from_atom_to_atom():
 
 
 def test_the_half_plane_lies_where_conventions_say():
-    """The textbook's b, minus that of SF/RH, turned by a right angle points to the half plane."""
+    """The textbook's b, minus the SF/RH b, rotated by 90 degrees, points to the half plane."""
     directions = {"above": (0, 1), "below": (0, -1), "left": (-1, 0), "right": (1, 0)}
     for seed in range(20):
         b = solution("5.7", "burgers", seed)

@@ -1,4 +1,4 @@
-"""Limits: what is too large is refused, what a person writes is not."""
+"""Limits: oversized answers are refused, usual ones are read."""
 
 from dataclasses import replace
 
@@ -39,7 +39,7 @@ def test_weights_bound_what_is_multiplied_out():
              "10^20*x", "pi^2/E", "1/3 - 1/2", "atan2(1, x)", "sin(", "", "x x"],
 )  # fmt: skip
 def test_constants_of_use(text):
-    """What a person writes passes; what is no expression is left to the parser."""
+    """Usual constants pass the limits; the parser refuses text that is not an expression."""
     try:
         read(text)
     except LimitError:
@@ -53,13 +53,13 @@ def test_constants_of_use(text):
     ["sin(10^20)", "sec(cosh(9999))", "exp(10^5)", "x^(10^3/7)", "tan(-10^9)", "cosh(1/10^-9)"],
 )
 def test_constants_beyond_use(text):
-    """Functions of huge constants are refused before sympy sees them."""
+    """Functions of huge constants are refused before sympy evaluates them."""
     with pytest.raises(LimitError, match="Write it shorter"):
         read(text)
 
 
 def test_limits_hold_on_both_sides():
-    """What is allowed passes, one more is refused: entries, equations, roots."""
+    """The limits of entries, equations and roots are accepted, one more is refused."""
     many = Question("q", "components", "?", lambda: 0, Domain((x,)), shape=(MOST.entries,))
     assert len(components(many, ["x"] * MOST.entries, "q")) == MOST.entries
     more = replace(many, shape=(MOST.entries + 1,))
@@ -79,7 +79,7 @@ def test_limits_hold_on_both_sides():
 
 @pytest.mark.parametrize(("power", "refused"), [("201/2", True), ("199/2", False), ("101", False)])
 def test_powers_that_are_no_whole_numbers(power, refused):
-    """Above 100 they are refused, before sympy sees them."""
+    """Fractional powers above 100 are refused before sympy evaluates them."""
     if refused:
         with pytest.raises(LimitError, match="a power above 100"):
             read(f"2^({power})")

@@ -1,6 +1,6 @@
-"""Notation: right answers in odd forms are right, or it is said exactly how to write them."""
+"""Notation: right answers in odd forms are accepted, or the message shows how to write them."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# Tests pass wrong types on purpose, as users do, and read attributes that may be missing.
 # pyright: reportOptionalMemberAccess=false, reportOptionalSubscript=false
 
 import contextlib
@@ -21,7 +21,7 @@ from geomtorsion.teaching.exercises.reading import read
 
 # Exercise, question, a right answer in an odd form.
 RIGHT = [
-    # Names as they are displayed, and near them.
+    # Names as displayed, and similar ones.
     ("3.2", "christoffel", "cot(phi_2)"),
     ("3.2", "christoffel", "cot(phi_{2})"),
     ("3.2", "christoffel", "cot(φ₂)"),
@@ -55,7 +55,7 @@ RIGHT = [
     ("3.2", "christoffel", r"\frac12 \sin(2\varphi_2) \cdot \frac{1}{\sin^{2}\phi_2}"),
     ("3.2", "christoffel", r"\frac{\cos\phi_2}{\sqrt{1-\cos^2\phi_2}}"),
     ("3.2", "christoffel", r"\operatorname{cot}\phi_2"),
-    # What it is, and signs round it.
+    # The name of the quantity, and extra signs.
     ("3.2", "christoffel", "Gamma_12^1 = cot(phi2)"),
     ("3.2", "christoffel", "= cot(phi2)"),
     ("3.2", "christoffel", "Γ̄_12^1 = cot(phi2)."),
@@ -162,7 +162,7 @@ RIGHT = [
     ("6.6", "law", "a geodesic of the metric"),
 ]  # fmt: skip
 
-# Texts that can be read in two ways, and what is said of how to write them.
+# Texts with two meanings, and the advice on how to write them.
 TWO_WAYS = [
     ("sin x/2", "Write sin(x)/2 or sin(x/2)."),
     ("sin x^2", "Write sin(x)^2 or sin(x^2)."),
@@ -179,13 +179,13 @@ TWO_WAYS = [
 
 
 def test_there_are_enough():
-    """At least as many as were tried when a quarter of them could not be read."""
+    """At least as many as in the trial in which a quarter could not be read."""
     assert len(RIGHT) >= 76
 
 
 @pytest.mark.parametrize(("number", "name", "answer"), RIGHT, ids=lambda case: str(case)[:40])
 def test_odd_forms_are_right(number, name, answer):
-    """Whatever a student writes that is right in one way only."""
+    """An answer with one meaning is accepted in each of these notations."""
     verdict = exercises.load(number).check({name: answer})[name]
     assert verdict.right, verdict.message
 
@@ -196,7 +196,7 @@ ASKED = Question("q", "expression", "?", lambda: x, Domain((x, y)))
 
 @pytest.mark.parametrize(("text", "advice"), TWO_WAYS)
 def test_two_ways_to_read(text, advice):
-    """Refused with both ways to write it; each of these is read."""
+    """The message gives both ways to write the text, and each of them is read differently."""
     said = check_question(ASKED, text)
     assert said.diagnosis == "unreadable"
     assert advice in said.message
@@ -226,13 +226,13 @@ def test_two_ways_to_read(text, advice):
     ],
 )  # fmt: skip
 def test_products_and_brackets(text, value):
-    """What is left out is put in as in a book."""
+    """Omitted signs and brackets are added as in a book."""
     assert sp.simplify(read(ASKED, text)[()] - value) == 0
 
 
 @pytest.mark.parametrize("text", ["0.25*x + zz", "0.25x + zz", "1.5e-3 + zz"])
 def test_decimals_are_shown_as_they_were_written(text):
-    """The message holds the student's own number, no fraction of it."""
+    """The message holds the student's number, not a fraction."""
     message = check_question(ASKED, text).message
     assert re.match(r"[\d.e-]+", text)[0] in message
     assert "/" not in message
@@ -283,7 +283,7 @@ HOSTILE = [
 
 @pytest.mark.parametrize("text", HOSTILE, ids=lambda text: repr(text[:12]))
 def test_hostile_notation_ends_soon(text):
-    """No pattern takes long, whatever is repeated."""
+    """Each hostile text, with many repeated signs, is refused within 3 s of CPU time."""
     matrix = Question("q", "components", "?", lambda: [[x, 0], [0, y]], Domain((x, y)),
                       shape=(2, 2))  # fmt: skip
     rates = Question("q", "equations", "?", lambda: [x], Domain((x, y)), unknowns=("x'",))
@@ -294,7 +294,7 @@ def test_hostile_notation_ends_soon(text):
 
 
 def test_nothing_foreign_is_raised():
-    """All prefixes of odd forms: read, or refused by an error of our own."""
+    """A prefix of an odd form is read, or refused with an error of our own."""
     for number, name, answer in RIGHT:
         if isinstance(answer, str):
             question = exercises.load(number).question(name)
@@ -304,7 +304,7 @@ def test_nothing_foreign_is_raised():
 
 
 def sparse(text: str, draw: Random) -> str:
-    """A text with signs and brackets left out at random."""
+    """A text from which signs and brackets are removed at random."""
     signs = ("*", " ", "", "·", " * ")
     text = re.sub(r"\*(?!\*)", lambda _: draw.choice(signs), text)
     text = re.sub(
@@ -319,7 +319,7 @@ def sparse(text: str, draw: Random) -> str:
 
 @pytest.mark.parametrize("number", exercises.names())
 def test_what_is_left_out_is_never_put_in_wrongly(number):
-    """A right answer with signs left out is right, or refused as having two readings."""
+    """A right answer without some signs is right, or refused as having two readings."""
     draw = Random(f"sparse {number}")
     for seed in range(3):
         exercise = exercises.load(number, seed)
@@ -346,5 +346,5 @@ def test_what_is_left_out_is_never_put_in_wrongly(number):
     ],
 )
 def test_maxima_and_sizes(text, meant):
-    """Constants of Maxima, and |x| as the root of its square."""
+    """Constants of Maxima are read; |x| is the root of its square."""
     assert read(ASKED, text)[()] == parse_expression(meant, {"x": x, "y": y})

@@ -1,4 +1,4 @@
-"""Prose: formulas as text, and the little Markdown there is."""
+"""Prose: formulas as text, and the small subset of Markdown."""
 
 from xml.etree import ElementTree
 
@@ -12,7 +12,7 @@ from geomtorsion.teaching.exercises.verdict import MESSAGES
 
 
 def texts(number: str, seed: int) -> list[str]:
-    """Everything that an exercise may show."""
+    """All texts that an exercise may show."""
     exercise = exercises.load(number, seed)
     found = [exercise.statement, *exercise.hints]
     for question in exercise.questions:
@@ -24,7 +24,7 @@ def texts(number: str, seed: int) -> list[str]:
 
 @pytest.mark.parametrize("number", exercises.names())
 def test_everything_can_be_shown(number):
-    """Well-formed HTML without a stray dollar or backslash, and text likewise."""
+    """Well-formed HTML and text, without a stray dollar sign or backslash."""
     for seed in range(2):
         for text in texts(number, seed):
             html = html_of(text)
@@ -39,7 +39,7 @@ def test_everything_can_be_shown(number):
 
 
 def test_messages_can_be_shown():
-    """What is said of each diagnosis has no mark-up that is left over."""
+    """No message of a diagnosis keeps a dollar sign in the terminal."""
     for text in MESSAGES.values():
         assert "$" not in text_of(text)
 
@@ -65,7 +65,7 @@ def test_messages_can_be_shown():
     ],
 )
 def test_formulas_as_text(latex, plain):
-    """One line that can be read."""
+    """A formula becomes one readable line."""
     assert plain_of(latex) == plain
 
 
@@ -77,7 +77,7 @@ def test_exponentials_can_be_told_from_one_forms():
 
 
 def test_markdown():
-    """Paragraphs, lists, bold text round a formula, code that is not a formula."""
+    """Paragraphs, lists, bold text around a formula, and code, which is not a formula."""
     html = html_of("One **bold $x$ text**.\n\n- first `a<b`\n- second\n\n$$y.$$")
     assert "<strong>bold <math><mi>x</mi></math> text</strong>" in html
     assert "<li>first <code>a&lt;b</code></li><li>second</li>" in html
@@ -86,7 +86,7 @@ def test_markdown():
 
 
 def test_prose_as_latex():
-    """What LaTeX takes for its own is escaped outside of formulas, and left inside them."""
+    """Special characters of LaTeX are escaped outside of formulas and kept inside them."""
     assert latex_of("50 % of `r_1` & {x}:\n\n$$a_1 & b$$") == (
         "50 \\% of \\texttt{r\\_1} \\& \\{x\\}:\n\n\\[a_1 & b\\]"
     )

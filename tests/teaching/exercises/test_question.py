@@ -1,4 +1,4 @@
-"""Questions: tolerances, and the mistakes that are expected."""
+"""Questions: expected mistakes and permutations of components."""
 
 import numpy as np
 import sympy as sp
@@ -18,7 +18,7 @@ x, y = sp.symbols("x y", real=True)
 
 
 def test_mistakes_never_equal_the_solution():
-    """A permuted symmetric tensor, a doubled zero: these are no mistakes."""
+    """A permuted symmetric tensor or a doubled zero equals the solution: it is not a mistake."""
     symmetric = Question(
         "q", "components", "?", lambda: [[1, 2], [2, 3]], Domain((x,)),
         lambda: [Mistake("inverse", [[1, 2], [2, 3]])], shape=(2, 2),

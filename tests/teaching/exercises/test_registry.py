@@ -1,4 +1,4 @@
-"""The list of exercises: loads nothing, solves nothing, says what there is."""
+"""The list of exercises: it loads nothing, solves nothing, and names the available exercises."""
 
 import pytest
 
@@ -10,13 +10,13 @@ from geomtorsion.teaching.exercises.question import (
 
 
 def test_listing_loads_nothing(monkeypatch):
-    """Numbers and titles come without any exercise."""
+    """Numbers and titles are listed without loading an exercise."""
     monkeypatch.setattr(registry, "import_module", None)
     assert len(registry.names()) == len(registry.titles()) >= 24
 
 
 def test_loading_solves_nothing(monkeypatch):
-    """An exercise is stated without its solution."""
+    """An exercise is stated without computing its solution."""
 
     def refuse(question):
         raise AssertionError("a solution was computed")
@@ -37,14 +37,14 @@ def test_loading_solves_nothing(monkeypatch):
      ("1.1", 10**12, "whole number")],
 )  # fmt: skip
 def test_unknown_exercises(number, seed, says):
-    """What there is, is said."""
+    """The message names the available exercises or the allowed seeds."""
     with pytest.raises(UnknownNameError, match=says):
         registry.load(number, seed)
 
 
 @pytest.mark.parametrize("name", [3, None, ["christoffel"], "cristoffel"])
 def test_unknown_questions(name):
-    """What is no name of a question is refused by name, whatever it is."""
+    """Anything that is not the name of a question is refused, and the names are listed."""
     with pytest.raises(
         UnknownNameError, match=r"3.2: expected .* a question \(christoffel\), got "
     ):

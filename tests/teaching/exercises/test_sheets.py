@@ -14,7 +14,7 @@ from geomtorsion.teaching.exercises.sheets import write_sheet
 
 
 class Outline(HTMLParser):
-    """Checks that elements pair up and that nothing is fetched."""
+    """Parser that checks that elements pair up and that the page loads nothing."""
 
     VOID = ("meta", "br", "mspace")
 
@@ -39,7 +39,7 @@ class Outline(HTMLParser):
 
 @pytest.mark.parametrize("chapter", ["2", "3"])
 def test_a_chapter(chapter, tmp_path):
-    """Four files; solutions only in the teacher's."""
+    """A chapter has four files; only the teacher's file has solutions."""
     written = write_sheet(chapter, tmp_path / "sheets", seed=1)
     assert [path.name for path in written] == [
         f"chapter{chapter}-seed1.html",
@@ -69,7 +69,7 @@ def test_a_chapter(chapter, tmp_path):
 
 
 def test_the_notebook_runs(tmp_path):
-    """Valid nbformat 4.5; every code cell runs, the check misses answers, hints are readable."""
+    """Valid nbformat 4.5; code cells run, the check reports missing answers, hints are printed."""
     [file] = [path for path in write_sheet("3", tmp_path) if path.suffix == ".ipynb"]
     notebook = json.loads(file.read_text("utf-8"))
     assert (notebook["nbformat"], notebook["nbformat_minor"]) == (4, 5)
@@ -86,13 +86,13 @@ def test_the_notebook_runs(tmp_path):
     checks, hints = said[::2], said[1::2]
     assert len(checks) == len(numbers)
     assert "no answer" in checks[0]
-    # As a value of a cell each backslash would be shown twice.
+    # If the hint were the value of the cell, each backslash would be shown twice.
     assert hints == [exercises.load(number).hints[0] for number in numbers]
     assert any("\\" in hint for hint in hints)
 
 
 def test_the_form_is_a_file_of_answers(tmp_path):
-    """It is read as it stands, and every question is in it."""
+    """The form is readable without changes, and it has all questions."""
     [file] = [path for path in write_sheet("6", tmp_path, seed=2) if path.suffix == ".toml"]
     data = tomllib.loads(file.read_text("utf-8"))
     for number in (number for number in exercises.names() if number.startswith("6.")):
@@ -103,6 +103,6 @@ def test_the_form_is_a_file_of_answers(tmp_path):
 
 @pytest.mark.parametrize("chapter", ["8", 1])
 def test_no_such_chapter(chapter, tmp_path):
-    """The chapters are listed."""
+    """The message lists the chapters."""
     with pytest.raises(UnknownNameError, match=r"1 \(Frames and anholonomy\)"):
         write_sheet(chapter, tmp_path)

@@ -1,4 +1,4 @@
-"""Diagnoses: which of them can apply to which question, and why."""
+"""Diagnoses: which of them applies to which question, and its message."""
 
 import pytest
 import sympy as sp
@@ -78,25 +78,25 @@ MISTAKES = {
     ("7.4", "quaternion"): "forgotten",
     ("7.4", "straightest"): "levi-civita",
 }
-# Questions about torsion: only here is spoken of the index that differentiates and of S = T/2.
+# Only in these questions a message mentions the index that differentiates and S = T/2.
 ABOUT_TORSION = {
     ("1.3", "anholonomy"), ("2.3", "torsion"), ("2.3", "vector"), ("2.4", "torsion"),
     ("4.2", "force"), ("6.6", "torsion"), ("6.6", "force"),
 }  # fmt: skip
-# Mistake -> the chapters or exercises in which it makes sense, as they ask for what is confused.
+# Mistake -> the chapters or exercises that contain the two notions that it confuses.
 WHERE = {
-    # Two connections of one frame, or the lines that belong to them.
+    # Two connections of one frame, or their autoparallels.
     "levi-civita": ("2", "3.1", "4", "5.5", "7.4"),
     "cartan": ("3", "4.4", "5.5"),
     # A frame and coordinates, and components that differ in them.
     "basis": ("1.3", "2.3", "2.4", "3.3", "3.4", "4.1", "4.2", "5.3", "6.2", "7.3"),
-    # A loop is run through.
+    # A loop has a direction.
     "direction": ("5",),
-    # A body turns, seen from itself or from space.
+    # A body rotates, described in body axes or in space axes.
     "axes": ("1.4", "2.4", "6.1", "6.2", "6.3", "6.4", "6.5"),
     "naive": ("6",),
     "principle": ("6",),
-    # The coframe or the metric is used, whose inverse could be meant.
+    # The coframe or the metric is used, and its inverse could be confused with it.
     "inverse": ("1.1", "1.2", "1.4", "2.1", "2.2", "3.2", "4.2", "6.2"),
 }
 
@@ -108,7 +108,7 @@ def questions(number: str, seed: int = 0):
 
 @pytest.fixture(scope="module")
 def found():
-    """(number, question) -> its mistakes in all seeds, with the question each belongs to."""
+    """(number, question) -> its mistakes in all seeds, each with its question."""
     table: dict[tuple[str, str], list] = {}
     for number in NUMBERS:
         for seed in SEEDS:
@@ -119,7 +119,7 @@ def found():
 
 
 def test_the_table_is_whole(found):
-    """Every question of every exercise, with exactly these mistakes."""
+    """Each question of each exercise has exactly these mistakes."""
     assert {key: set(text.split()) for key, text in MISTAKES.items()} == {
         key: {mistake.code for _, mistake in cases} for key, cases in found.items()
     }
@@ -127,7 +127,7 @@ def test_the_table_is_whole(found):
 
 
 def test_each_mistake_makes_sense_where_it_is_looked_for(found):
-    """Angles can be in degrees, loops can be run the other way, and so on; each has a title."""
+    """Each mistake has a title and fits its question, such as degrees for an angle."""
     counted = 0
     for (number, name), cases in found.items():
         for question, mistake in cases:
@@ -147,12 +147,12 @@ def test_each_mistake_makes_sense_where_it_is_looked_for(found):
 
 
 def said(question, mistake) -> str:
-    """What is said about a mistake, if it is the only one that fits."""
+    """The message for a mistake, if it is the only one that fits."""
     return mistake.message or message_of(mistake.code, question.remarks)
 
 
 def test_torsion_is_spoken_of_where_it_is_asked_for(found):
-    """The derivative index and S = T/2: in seven questions; not at a metric or a radius."""
+    """Seven questions mention the derivative index and S = T/2; metrics and radii do not."""
     spoken = set()
     for key, cases in found.items():
         for question, mistake in cases:
@@ -183,13 +183,13 @@ def test_torsion_is_spoken_of_where_it_is_asked_for(found):
     ],
 )
 def test_the_reason_is_that_of_the_question(number, name, answer, message):
-    """Word by word, for the questions where another reason was given once."""
+    """The message equals the text for this question word by word."""
     assert exercises.load(number).check({name: answer})[name].message == message
 
 
 @pytest.mark.parametrize("number", [n for n in NUMBERS if n[0] in "1234" or n in ("5.1", "6.4")])
 def test_roots_are_named_only_where_there_are_roots(number):
-    """Answers in another symbol, or by another number: wrong, but not on a part of the domain."""
+    """An answer in another symbol or by another number is wrong, not "right on a part"."""
     for question in (*questions(number), *questions(number, 1)):
         if question.kind in ("expression", "components") and question.solution:
             key, right = min(question.solution.items())
@@ -202,7 +202,7 @@ def test_roots_are_named_only_where_there_are_roots(number):
 
 
 def others(right, symbols):
-    """Expressions that are like another one, but not equal to it."""
+    """Expressions similar to the right one, but not equal to it."""
     first = symbols[0] if symbols else sp.S.One
     found = [right.xreplace({x: y, y: x}) for x in symbols for y in symbols]
     found += [f(x) for x in symbols for f in (lambda x: x / 3, sp.cot)]
@@ -210,7 +210,7 @@ def others(right, symbols):
 
 
 def test_what_is_said_where_a_branch_differs():
-    """Of a root, that its sign is wrong; of an inverse function, that it has one value."""
+    """The message blames the sign of a root, or the single value of an inverse function."""
     exercise = exercises.load("1.1")
     roots = {"1,1": "sqrt(cos(phi)^2)", "1,2": "sin(phi)", "2,1": "-sin(phi)/r",
              "2,2": "cos(phi)/r"}  # fmt: skip
@@ -224,7 +224,7 @@ def test_what_is_said_where_a_branch_differs():
 
 @pytest.mark.parametrize("name", ["ricc", "", None, 3, ["ricci"]])
 def test_a_verdict_on_nothing_is_refused(name):
-    """By name; an iteration that stops would end the loop that asks."""
+    """An unknown name is refused; with StopIteration, a loop of the caller would end silently."""
     verdict = exercises.check("3.3", {"scalar": "2/R^2"})
     assert verdict["scalar"].right
     with pytest.raises(UnknownNameError, match=r"exercise 3.3: .* Known are ricci, scalar"):
@@ -232,7 +232,7 @@ def test_a_verdict_on_nothing_is_refused(name):
 
 
 def test_rounding_is_not_blamed_for_estimates():
-    """Where a rough number will do, one that is far off was not rounded."""
+    """An estimate that is far off gets no diagnosis of rounding."""
     for answer, code in (("20", ""), ("8.1", "right")):
         told = exercises.load("7.1").check({"line": answer})["line"]
         assert ("right" if told.right else told.diagnosis) == code
@@ -240,7 +240,7 @@ def test_rounding_is_not_blamed_for_estimates():
 
 
 def test_numbers_counted_from_zero():
-    """Several numbers may be given by their indices; those that start at 0 are noticed."""
+    """Several numbers may be given by indices; indices that start at 0 are recognised."""
     vector = exercises.load("5.3").solution()["burgers"]
     text = "; ".join(f"{key[0]} = {float(x):.6f}" for key, x in vector.items())
     assert exercises.load("5.3").check({"burgers": text})["burgers"].diagnosis == "counted"

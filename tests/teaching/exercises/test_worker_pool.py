@@ -1,4 +1,4 @@
-"""Worker pool: processes within limits of time and memory, each replaced when it ends."""
+"""Worker pool: processes with limits of time and memory, each replaced when it ends."""
 
 import io
 import json
@@ -20,9 +20,9 @@ PARENT_LIVES = 0.5
 
 
 def sleepy(request):
-    """What the workers of these tests do: sleep, take memory, recurse or say who they are."""
+    """Task of the workers in these tests: sleep, allocate, recurse, or return the process id."""
     time.sleep(request.get("sleep", 0.0))
-    # Address space alone: nothing is written.
+    # Only address space is allocated: nothing is written.
     taken = np.empty(request.get("bytes", 0), dtype=np.uint8)
     if request.get("deep"):
         return sleepy(request)
@@ -31,7 +31,7 @@ def sleepy(request):
 
 @pytest.fixture(scope="module")
 def pool():
-    """One for all tests, whatever one of them does to its worker."""
+    """One pool for all tests; it replaces a worker that a test ends."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PYTHONPATH", str(ROOT))
         with WorkerPool(f"{__name__}:sleepy", patience=0.2) as made:
@@ -40,13 +40,13 @@ def pool():
 
 
 def test_one_process_answers_all(pool):
-    """A worker is kept as long as it answers in time, and is another process."""
+    """A worker remains while it answers in time, and it is another process."""
     first = pool.ask({}, 60)["pid"]
     assert first == pool.ask({}, 60)["pid"] != os.getpid()
 
 
 def test_a_worker_begins_without_a_word(capfd, monkeypatch):
-    """Who starts the page sees nothing of how its workers are started."""
+    """A worker prints nothing at its start."""
     monkeypatch.setenv("PYTHONPATH", str(ROOT))
     with WorkerPool(f"{__name__}:sleepy", errors_shown=True) as made:
         made.ask({}, 60)
@@ -54,7 +54,7 @@ def test_a_worker_begins_without_a_word(capfd, monkeypatch):
 
 
 def test_what_takes_too_long_is_ended_and_replaced(pool):
-    """The process is gone at once, and the next request has another."""
+    """The process ends at once, and the next request gets another one."""
     first = pool.ask({}, 60)["pid"]
     [worker] = pool.workers
     with pytest.raises(TimeoutError):
@@ -64,7 +64,7 @@ def test_what_takes_too_long_is_ended_and_replaced(pool):
 
 
 def test_who_waits_too_long_is_told(pool):
-    """One worker, busy: the next one is told to come back."""
+    """A request to a busy worker raises PoolBusyError after the waiting time."""
     busy = threading.Thread(target=pool.ask, args=({"sleep": 1.0}, 60))
     busy.start()
     time.sleep(0.1)
@@ -75,14 +75,14 @@ def test_who_waits_too_long_is_told(pool):
 
 @pytest.mark.skipif(sys.platform != "linux", reason="address space is bounded on Linux")
 def test_memory_is_limited(pool):
-    """More than the bound is refused, and the worker goes on."""
+    """A request above the memory limit is refused, and the worker continues."""
     assert pool.ask({"bytes": 5 * 2**30}, 60)["bytes"] == 5 * 2**30
     assert pool.ask({"bytes": 6 * 2**30}, 60) == {"exceeded": "memory"}
     assert pool.ask({}, 60)["bytes"] == 0
 
 
 def test_depth_is_limited():
-    """A recursion without end is a reply; the next request is answered."""
+    """An endless recursion gives a reply, and the next request is answered."""
     replies = io.StringIO()
     serve(sleepy, io.StringIO('{"deep": 1}\n{"bytes": 3}\n'), replies)
     ready, deep, shallow = replies.getvalue().splitlines()
@@ -93,7 +93,7 @@ def test_depth_is_limited():
 
 @pytest.mark.skipif(sys.platform == "win32", reason="parents are not seen to end there")
 def test_a_worker_ends_with_its_parent():
-    """Whoever starts workers and is killed leaves none behind, even one that is at work."""
+    """After a parent is killed, its workers end, also a busy one."""
     code = (
         "from geomtorsion.teaching.exercises.worker_pool import Worker\n"
         f"w = Worker('{__name__}:sleepy')\n"

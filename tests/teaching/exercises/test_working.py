@@ -1,6 +1,6 @@
-"""Worked solutions: each question is answered by a step, in a way apart from the library's."""
+"""Worked solutions: each question is answered by a step, with a method apart from the library's."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# Tests pass wrong types on purpose, as users do, and read attributes that may be missing.
 # pyright: reportOperatorIssue=false
 
 import re
@@ -15,9 +15,9 @@ from geomtorsion.teaching.exercises.prose import html_of, text_of
 from geomtorsion.teaching.exercises.question import normal
 
 NUMBERS = exercises.names()
-# Variants of the normal run, and of the long one.
+# Variants of the normal run, and of the slow one.
 SEEDS = [range(1), pytest.param(range(1, 12), marks=pytest.mark.slow)]
-# One of those that take longest, and all others in the long run.
+# The normal run measures one of the slowest exercises, the slow run all others.
 LONG = "1.4"
 FEW_AND_ALL = [x if x == LONG else pytest.param(x, marks=pytest.mark.slow) for x in NUMBERS]
 
@@ -25,7 +25,7 @@ FEW_AND_ALL = [x if x == LONG else pytest.param(x, marks=pytest.mark.slow) for x
 @pytest.mark.parametrize("seeds", SEEDS, ids=len)
 @pytest.mark.parametrize("number", NUMBERS)
 def test_the_way_by_hand_leads_to_the_solution(number, seeds):
-    """Every question once, in order, with the value that the library computes another way."""
+    """The steps answer each question once, with a value that the checker accepts."""
     for seed in seeds:
         exercise = exercises.load(number, seed)
         steps = exercise.worked
@@ -48,7 +48,7 @@ def test_the_way_by_hand_leads_to_the_solution(number, seeds):
 @pytest.mark.parametrize("seeds", SEEDS, ids=len)
 @pytest.mark.parametrize("number", NUMBERS)
 def test_steps_can_be_read(number, seeds):
-    """As a page and in a terminal: whole sentences, no LaTeX left over, nothing undefined."""
+    """Page and terminal show whole sentences, without LaTeX and without undefined values."""
     for seed in seeds:
         for step in exercises.load(number, seed).worked:
             assert "<math" in html_of(step.text) or "$" not in step.text
@@ -59,14 +59,14 @@ def test_steps_can_be_read(number, seeds):
 
 @pytest.mark.parametrize("number", FEW_AND_ALL)
 def test_steps_are_made_soon(number):
-    """A teacher waits for a sheet, but not long."""
+    """A worked solution takes less than 20 s of CPU time."""
     start = time.process_time()
     _ = exercises.load(number, 20).worked
     assert time.process_time() - start < 20
 
 
 def test_a_wrong_step_would_be_noticed():
-    """The check of this file can fail: another exercise's answer is none of this one's."""
+    """This check can fail: the value of the step is right, its negative is wrong."""
     exercise = exercises.load("3.2")
     question = exercise.question("christoffel")
     [value] = [step.value for step in exercise.worked if step.question]

@@ -1,4 +1,4 @@
-"""Maps for tests of the page: bytes of files with known Burgers vectors, and damaged ones."""
+"""Maps for tests of the page: file contents with known Burgers vectors, and damaged files."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ STEP = 0.5
 
 
 def twisted(shape: tuple[int, int] = (24, 20), hole: bool = False) -> SampledFrame:
-    """A coframe of even torsion: every circuit has TWIST times its area."""
+    """A coframe of even torsion: b of each circuit is TWIST times its area."""
     axes = [STEP * np.arange(n) - 1.0 for n in shape]
     x, y = np.meshgrid(*axes, indexing="ij")
     values = TWIST / 2 * np.array([[-y, x]])
@@ -29,7 +29,7 @@ def twisted(shape: tuple[int, int] = (24, 20), hole: bool = False) -> SampledFra
 
 
 def saved(frame: SampledFrame, folder: Path, end: str) -> bytes:
-    """The bytes of a file of it."""
+    """Content of a file of the frame."""
     path = folder / f"map{end}"
     frame.save(path)
     return path.read_bytes()
@@ -53,7 +53,7 @@ def wall_ctf(rows: int = 20, columns: int = 24) -> bytes:
 
 
 def bomb() -> bytes:
-    """A small archive that says it holds a large array of zeros."""
+    """A small archive that unpacks to a large array of zeros."""
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("coframe.npy", bytes(100_000_000))
@@ -61,7 +61,7 @@ def bomb() -> bytes:
 
 
 def atoms(end: str) -> bytes:
-    """Atoms 8 pixels apart round an edge dislocation in the middle, as a picture of 256 x 256."""
+    """Atoms 8 pixels apart around an edge dislocation in the middle, as an image of 256 x 256."""
     values = crystal(256, "square", turned=0.0).noisy(0.3, 1)
     grey = np.rint(np.interp(values, (values.min(), values.max()), (0, 255))).astype(np.uint8)
     stream = io.BytesIO()

@@ -1,4 +1,4 @@
-"""A served page for tests: a process of its own, ended with the fixture that started it."""
+"""A served page for tests: a process of its own, which ends with its fixture."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from contextlib import contextmanager
 from pathlib import Path
 
 ROOT = Path(__file__).parents[3]
-# Seconds until a server on a loaded machine must have said where it is.
+# Seconds within which a server on a loaded machine must print its address.
 STARTING = 60
 
 
 @contextmanager
 def served(*options: str) -> Iterator[str]:
-    """The address of a page that is served as a user would serve it."""
+    """The address of a page that is served by the command line."""
     environment = os.environ | {"PYTHONPATH": str(ROOT), "PYTHONUNBUFFERED": "1"}
     process = subprocess.Popen(
         [sys.executable, "-m", "geomtorsion", "lab", "--port", "0", *options],

@@ -1,4 +1,4 @@
-"""A session of the page without a browser: what a browser sends, and what comes back."""
+"""A session of the page without a browser: requests that a browser sends, and the replies."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from typing import Any, TypeVar
 from websockets.asyncio.client import connect
 
 Result = TypeVar("Result")
-# Seconds that one answer may take when thirty ask at once.
+# Seconds for one answer while thirty sessions wait.
 PATIENCE = 60.0
 
 
 def run(work: Coroutine[Any, Any, Result]) -> Result:
-    """What a coroutine gives, run in a thread: Playwright keeps a loop running in the first one."""
+    """Result of a coroutine, run in a thread, because Playwright runs a loop in the main thread."""
     with ThreadPoolExecutor(1) as pool:
         return pool.submit(asyncio.run, work).result()
 
 
 class Session:
-    """One open page. `outputs` holds what each cell shows, by the cell's name."""
+    """One open page. `outputs` holds the content of each cell, by the cell's name."""
 
     def __init__(self, url: str) -> None:
         self.url = url.rstrip("/")
@@ -75,12 +75,12 @@ class Session:
             assert reply.status == 200
 
     async def set(self, element: str, value: Any) -> None:
-        """Move a control."""
+        """Set the value of a control."""
         content = {"objectIds": [element], "values": [value]}
         await asyncio.to_thread(self._post, "/api/kernel/set_ui_element_value", content)
 
     async def shown(self, pattern: str) -> re.Match[str]:
-        """Wait until some cell shows this."""
+        """Wait until a cell contains a match of the pattern."""
         async with asyncio.timeout(PATIENCE):
             while True:
                 for text in self.outputs.values():
@@ -90,7 +90,7 @@ class Session:
                 await self._next()
 
     async def _next(self) -> None:
-        """Take in one message."""
+        """Receive one message and store its output."""
         message = json.loads(await self.socket.recv())
         data = message.get("data", {})
         if message.get("op") == "cell-op" and data.get("output"):

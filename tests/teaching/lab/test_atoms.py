@@ -1,4 +1,4 @@
-"""A crystal on the page: circuits that are clicked, and the b that the library has for them."""
+"""A crystal on the page: circuits made by clicks, and the library's b for them."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from tests.browser import Watched
 
 
 def corners(name: str, low: tuple[float, float], high: tuple[float, float]) -> list[int]:
-    """The atoms nearest to the corners of a rectangle, right-handed, the first one again."""
+    """Atoms nearest to the corners of a rectangle, anticlockwise; the first one is repeated."""
     places = np.array(crystal(name)["atoms"])
     around = [low, (high[0], low[1]), high, (low[0], high[1]), low]
     return [int(np.linalg.norm(places - one, axis=1).argmin()) for one in around]
 
 
 def ring(name: str, low: tuple[float, float], high: tuple[float, float]) -> list[int]:
-    """A closed path along bonds about a rectangle of the crystal."""
+    """A closed path along bonds around a rectangle of the crystal."""
     graph = nx.Graph([bond[:2] for bond in crystal(name)["bonds"]])
     path: list[int] = []
     for one, two in pairwise(corners(name, low, high)):
@@ -32,7 +32,7 @@ def ring(name: str, low: tuple[float, float], high: tuple[float, float]) -> list
 
 @pytest.mark.parametrize("name", CRYSTALS)
 def test_circuits_miss_what_was_put_in(name: str):
-    """b is minus the integral of du: the lines inside count, the others do not."""
+    """b is minus the integral of du: only the lines inside the circuit count."""
     for low, high in (((-6, -3), (6, 3)), ((-6, -3), (1, 3)), ((-6, -5), (6, -1.5))):
         inside = [b for x, y, b in CRYSTALS[name] if low[0] < x < high[0] and low[1] < y < high[1]]
         assert closure(name, ring(name, low, high)) == [-sum(inside), 0], (low, high)
@@ -40,7 +40,7 @@ def test_circuits_miss_what_was_put_in(name: str):
 
 @pytest.mark.parametrize("name", CRYSTALS)
 def test_bonds_are_neighbours(name: str):
-    """Each bond is about as long as its lattice vector, and atoms inside have three or four."""
+    """Each bond has about the length of its lattice vector; inner atoms have 3 to 5 bonds."""
     made = crystal(name)
     places = np.array(made["atoms"])
     first, second, *steps = np.array(made["bonds"]).T
@@ -52,7 +52,7 @@ def test_bonds_are_neighbours(name: str):
 
 
 def test_a_crystal_is_clicked(standing: Watched):
-    """In a browser: a circuit of one's own by four clicks and by arrow keys; it fits a phone."""
+    """In a browser, clicks and arrow keys make a circuit, and the crystal fits a phone."""
     page = standing.tab("Loops")
     frame: Any = page.frame_locator("#atoms iframe")
     said = frame.locator("#result")

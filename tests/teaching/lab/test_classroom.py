@@ -1,4 +1,4 @@
-"""The teacher's guide is executed: its commands end as it says and print what it shows."""
+"""The teacher's guide is executed: its commands have the stated exit codes and outputs."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ EXPECTED_COMMANDS = 20
 
 
 def commands(block: str) -> list[tuple[list[str], int]]:
-    """Each command with the code it ends with."""
+    """Each command with its exit code."""
     found = []
     for line in block.splitlines():
         text, _, remark = line.partition("  # ends with ")
@@ -28,7 +28,7 @@ def commands(block: str) -> list[tuple[list[str], int]]:
 
 
 def test_there_is_enough_to_run():
-    """The guide has the commands it should have, in all of its parts."""
+    """The guide has at least 20 commands, and each of them is a geomtorsion command."""
     every = [
         one
         for part in PARTS
@@ -41,7 +41,7 @@ def test_there_is_enough_to_run():
 
 
 def test_the_minutes_add_up():
-    """Ninety minutes without a gap."""
+    """The parts cover ninety minutes without a gap."""
     times = re.findall(r"^(\d+) to (\d+) minutes", "\n".join(PARTS), re.MULTILINE)
     assert times[0][0] == "0"
     assert times[-1][1] == "90"

@@ -1,4 +1,4 @@
-"""Fields of one case know nothing of those of the case before."""
+"""Fields of one case take nothing from the fields of the previous case."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def first_number(chosen: object) -> int:
 
 
 def test_numbers_of_cases_that_follow_each_other_are_apart():
-    """Four fields and their copies in a dictionary, and it: nine numbers that no neighbour has."""
+    """Neighbouring cases differ by nine numbers or more: two per field, one for the dictionary."""
     firsts = [first_number(chosen) for chosen in CASES]
     for k in range(len(CASES) - 3):
         ordered = sorted(firsts[k : k + 4])
@@ -29,7 +29,7 @@ def test_numbers_of_cases_that_follow_each_other_are_apart():
 
 
 def test_another_case_has_another_tag():
-    """Texts, numbers and what is no text are told apart; equal cases are not."""
+    """A number and its text have different tags; equal cases have equal tags."""
     tags = {keyed("", *case) for case in (("so3",), ("so3", 3), ("so33",), (3,), ("3",))}
     assert len(tags) == 5
     assert keyed("<b>x</b>", "so3", 3) == keyed("<b>x</b>", "so3", 3)

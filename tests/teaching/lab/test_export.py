@@ -1,4 +1,4 @@
-"""Pages without a server: whole, quiet, and of a width that fits a phone."""
+"""Pages without a server: complete, without requests, and narrow enough for a phone."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ def pages(tmp_path_factory: Any) -> tuple[Path, ...]:
 
 
 def test_a_page_for_each_tab(pages: tuple[Path, ...]):
-    """An index and six pages, each linked from it."""
+    """An index links to each of the other pages."""
     assert len(pages) == 8
     index = pages[0].read_text("utf-8")
     assert all(f'href="{page.name}"' in index for page in pages)
 
 
 def test_the_pages_need_nothing(pages: tuple[Path, ...]):
-    """No page refers to anything but the pages beside it."""
+    """A page refers only to the pages beside it."""
     names = {page.name for page in pages}
     for page in pages:
         text = page.read_text("utf-8")
@@ -39,7 +39,7 @@ def test_the_pages_need_nothing(pages: tuple[Path, ...]):
 
 
 def test_every_exercise_is_there(pages: tuple[Path, ...]):
-    """Statements, prompts and hints of all exercises, but no solution."""
+    """Statements, prompts and hints of all exercises are in the page, but no solution."""
     [page] = [page for page in pages if page.name == "exercises.html"]
     text = page.read_text("utf-8")
     for number in exercises.names():
@@ -49,7 +49,7 @@ def test_every_exercise_is_there(pages: tuple[Path, ...]):
 
 @pytest.mark.parametrize("place", range(7))
 def test_a_page_in_the_browser(watched: Watched, pages: tuple[Path, ...], place: int):
-    """Without a server: no error, nothing asked for but the file, narrow windows included."""
+    """Without a server a page loads only its file, and it fits a window of 400 pixels."""
     page = watched.page
     page.goto(pages[place].as_uri())
     page.wait_for_load_state()
@@ -59,7 +59,7 @@ def test_a_page_in_the_browser(watched: Watched, pages: tuple[Path, ...], place:
 
 
 def test_the_slider_of_a_page_works(watched: Watched, pages: tuple[Path, ...]):
-    """The radius is chosen without a server."""
+    """The slider changes the radius without a server."""
     page = watched.page
     [loops] = [page for page in pages if page.name == "loops.html"]
     page.goto(loops.as_uri())

@@ -1,4 +1,4 @@
-"""Circuits in maps that are given to the page: known Burgers vectors, errors apart, pictures."""
+"""Circuits in uploaded maps: known Burgers vectors, separate errors, figures."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from tests.teaching.lab.maps import STEP, TILT, TWIST, atoms, saved, twisted, wa
 @pytest.mark.parametrize("end", [".npz", ".csv"])
 @pytest.mark.parametrize("side", [1, 4, 7])
 def test_a_circuit_in_a_frame_of_even_torsion(tmp_path: Path, end: str, side: int):
-    """b is the torsion times the area, with a table and a picture."""
+    """b is the torsion times the area, with a sentence and a figure."""
     found = map_circuit(saved(twisted(), tmp_path, end), "a", [10, 9], side)
     assert found["b"] == pytest.approx([TWIST * (side * STEP) ** 2], abs=1e-9)
     assert found["unit"] == "um"
@@ -31,7 +31,7 @@ def test_a_circuit_in_a_frame_of_even_torsion(tmp_path: Path, end: str, side: in
 
 
 def test_noise_and_interpolation_stand_apart(tmp_path: Path):
-    """The noise told is the scatter of b over many circuits, and not the interpolation's."""
+    """The stated noise is the scatter of b over many circuits, without the interpolation error."""
     rng = np.random.default_rng(5)
     exact, sigma = twisted((60, 60)), 0.01
     noisy = SampledFrame(
@@ -46,7 +46,7 @@ def test_noise_and_interpolation_stand_apart(tmp_path: Path):
 
 
 def test_a_descending_axis_changes_nothing(tmp_path: Path):
-    """The same map, listed backwards along y."""
+    """A map listed backwards along y gives the same b and the same image."""
     frame = twisted()
     x, y = frame.axes
     back = SampledFrame([x, y[::-1]], frame.coframe[..., ::-1], unit="um")
@@ -65,7 +65,7 @@ def test_a_descending_axis_changes_nothing(tmp_path: Path):
 
 
 def test_a_tilt_wall_of_a_map_of_orientations():
-    """b of a circuit across the wall is 2 sin(theta/2) times its length; beside it zero."""
+    """b of a circuit across the wall is 2 sin(theta/2) times its length; beside it b is zero."""
     content = wall_ctf()
     facts = map_facts(content, "wall.ctf")
     assert facts["shape"] == [24, 20]
@@ -78,7 +78,7 @@ def test_a_tilt_wall_of_a_map_of_orientations():
 
 
 def test_a_circuit_that_leaves_the_map_is_refused_with_a_picture(tmp_path: Path):
-    """The reason is a sentence, and the circuit is drawn where it was asked for."""
+    """The reason is a sentence, and the figure shows the requested circuit."""
     for content in (saved(twisted(), tmp_path, ".npz"), wall_ctf()):
         found = map_circuit(content, "a", [0, 0], 6)
         assert "b" not in found
@@ -92,7 +92,7 @@ def test_a_circuit_that_leaves_the_map_is_refused_with_a_picture(tmp_path: Path)
 
 
 def test_a_hole_is_grey_and_refused_where_it_is_touched(tmp_path: Path):
-    """A circuit whose side runs through the hole is told the place; round it there is a b."""
+    """A side through the hole is refused with the reason; a circuit around the hole has a b."""
     content = saved(twisted(hole=True), tmp_path, ".npz")
     assert "holes: 1" in map_facts(content, "a")["sentence"]
     assert "hole" in map_circuit(content, "a", [4, 5], 2)["refused"]
@@ -101,14 +101,14 @@ def test_a_hole_is_grey_and_refused_where_it_is_touched(tmp_path: Path):
 
 
 def test_a_side_that_is_no_side_is_refused(tmp_path: Path):
-    """Larger than the map, or none."""
+    """A side of zero, or larger than the map, is refused."""
     for side in (0, 500):
         with pytest.raises(GeomtorsionError):
             map_circuit(saved(twisted(), tmp_path, ".npz"), "a", [5, 5], side)
 
 
 def test_three_axes_are_seen_in_their_middle(tmp_path: Path):
-    """A volume: the plane of its first two axes in the middle of the third."""
+    """In a volume, the plane of the first two axes in the middle of the third is used."""
     axes = [np.arange(8.0), np.arange(9.0), np.arange(7.0)]
     x, y, z = np.meshgrid(*axes, indexing="ij")
     volume = SampledFrame(axes, np.array([[-y * z, x * z, 0 * z]]) / 2)
@@ -118,7 +118,7 @@ def test_three_axes_are_seen_in_their_middle(tmp_path: Path):
 
 
 def test_whole_numbers_of_a_picture():
-    """Round the core (-1, 0), beside it nothing, whatever the size; outside a refusal."""
+    """b is (-1, 0) around the core and zero beside it, for each size; outside it is refused."""
     content = atoms(".npy")
     facts = map_facts(content, "atoms.npy")
     assert (facts["shape"], facts["least"], facts["settings"]) == ([256, 256], 2, {})
@@ -129,13 +129,13 @@ def test_whole_numbers_of_a_picture():
         assert "exactly" in found["sentence"]
         assert map_circuit(content, "a", [60, 190], side)["b"] == [0, 0]
     assert "leaves the image" in map_circuit(content, "a", [3, 3], 40)["refused"]
-    # Through the core: a hole.
+    # Through the core, which is a hole.
     assert "hole" in map_circuit(content, "a", [148, 128], 40)["refused"]
     assert "hole, boundary or edge" not in found["picture"]
 
 
 def test_choices_about_orientations():
-    """A threshold, a Laue group for all phases or one, and the phase that is shown."""
+    """A threshold, a Laue group for all phases or one, and the shown phase can be chosen."""
     content = wall_ctf()
     known = map_facts(content, "a")["settings"]
     assert known["phases"] == [[1, "Nickel"]]
@@ -148,7 +148,7 @@ def test_choices_about_orientations():
 
 
 def test_a_file_without_a_symmetry_asks_for_one():
-    """What can be read is told, with the remedy of the page; with a group all is well."""
+    """Readable facts are shown with the remedy of the page; a chosen group solves the problem."""
     content = wall_ctf().replace(b"Nickel\t11", b"Nickel\t0")
     facts = map_facts(content, "wall.ctf")
     assert "Choose a Laue group below" in facts["problem"]

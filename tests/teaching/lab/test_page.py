@@ -1,4 +1,4 @@
-"""The page in a real browser: every tab, what is typed, moved, switched and answered."""
+"""The page in a real browser: tabs, typed entries, sliders, switches and answers."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from geomtorsion.teaching.lab.space_info import space_form, typable
 from geomtorsion.teaching.lab.views import TABS
 from tests.browser import PATIENCE, Watched
 
-# What each tab shows when it is ready.
+# The element that each tab shows when it is ready.
 READY = {
     "The compass": "#compass iframe",
     "Any tetrad": "#torsion math",
@@ -30,12 +30,12 @@ READY = {
 
 
 def number(text: str) -> float:
-    """A number as the page writes it."""
+    """A number in the notation of the page."""
     return float(text.replace("−", "-"))
 
 
 def blank(lab: Watched) -> Any:
-    """The tab for tetrads with an empty one of two coordinates, computed."""
+    """The tab for tetrads with a blank tetrad of two coordinates, computed."""
     page = lab.tab("Any tetrad")
     page.get_by_label("start from").select_option(label="blank, 2 coordinates")
     page.wait_for_selector("#torsion .zero")
@@ -44,14 +44,14 @@ def blank(lab: Watched) -> Any:
 
 
 def as_at_first(standing: Watched) -> None:
-    """Choose the first tetrad again, and wait until the address tells of nothing else."""
+    """Choose the first tetrad again, and wait until the address holds only the tab."""
     page = standing.tab("Any tetrad")
     page.get_by_label("start from").select_option(label=next(iter(typable())))
     page.wait_for_url(lambda url: parse_qs(urlsplit(url).query).keys() <= {"tab"})
 
 
 def too_wide(page: Any) -> list[Any]:
-    """Which of the page, its scrolling part and all that stands in it is wider than the window."""
+    """Names of the page or its scrolling part, if they are wider than the window."""
     return page.evaluate(
         """() => [document.documentElement, document.querySelector("#App")]
             .filter((e) => e.scrollWidth > e.clientWidth).map((e) => e.tagName + e.id)"""
@@ -59,7 +59,7 @@ def too_wide(page: Any) -> list[Any]:
 
 
 def test_tabs_load_and_fit_a_phone(standing: Watched):
-    """Each tab shows itself, asks for nothing but the server, and needs no more than 320 pixels."""
+    """Each tab loads, sends requests only to the server, and fits 320 pixels."""
     page = standing.page
     for name in TABS:
         page.set_viewport_size({"width": 1200, "height": 900})
@@ -71,7 +71,7 @@ def test_tabs_load_and_fit_a_phone(standing: Watched):
         box = page.get_by_role("tab", name="Exercises").bounding_box()
         assert box["x"] >= 0
         assert box["x"] + box["width"] <= 400
-    # The arrow keys go from tab to tab too.
+    # The arrow keys also move from tab to tab.
     page.get_by_role("tab", name="The compass").focus()
     page.keyboard.press("ArrowRight")
     page.wait_for_selector(READY["Loops"])
@@ -81,20 +81,20 @@ def test_tabs_load_and_fit_a_phone(standing: Watched):
 
 
 def test_a_tetrad_is_typed(standing: Watched):
-    """Polar coordinates over a blank tetrad: the torsion is the library's; then a singular one."""
+    """Typed polar coordinates give the library's torsion; a singular coframe is reported."""
     page = blank(standing)
     fraction = page.locator("#torsion mfrac").first
     standing.typed({"coordinates": "r, phi", "row 2, dφ": "r"}, fraction)
     r, phi = (spaces.load("flat_polar").frame.coordinates[k] for k in (0, 1))
     assert str(Frame([r, phi], [[1, 0], [0, r]]).quantity("torsion")[0, 1, 1]) == "1/(2*r)"
     assert fraction.evaluate("e => [...e.children].map(x => x.textContent)") == ["1", "2r"]
-    # What is no single entry's fault stands above the result.
+    # A fault of the whole coframe is shown above the result.
     standing.typed({"row 2, dφ": "0"}, page.get_by_text("coframe is singular"))
     as_at_first(standing)
 
 
 def test_a_bad_tetrad_shows_its_error(standing: Watched):
-    """The reason stands beside the entry at fault, and goes when it is mended."""
+    """The reason is beside the wrong entry, and disappears after the correction."""
     page = standing.tab("Any tetrad")
     page.get_by_label("row 1, dφ2").wait_for()
     fault = page.locator(".fault")
@@ -110,7 +110,7 @@ def test_a_bad_tetrad_shows_its_error(standing: Watched):
 
 
 def test_a_slider_moves_the_loop(standing: Watched):
-    """The radius moved by key: new numbers, and they are the library's."""
+    """Arrow keys change the radius; the numbers are the library's."""
     page = standing.tab("Loops")
     page.wait_for_selector("#loop svg")
     slider = page.get_by_role("slider").first
@@ -120,7 +120,7 @@ def test_a_slider_moves_the_loop(standing: Watched):
     frame = spaces.load("so3").frame
     b = burgers_vector(frame, Loop.circle((0.3, 1.0, 0.2), 0.45, (0, 1)))
     standing.says("#loop-result", f"|b| = {b.magnitude:.6g}")
-    # The table is drawn after what is said.
+    # The table is drawn after the sentence.
     standing.says("table.numbers tbody", f"{b.vector[0]:.6g}")
     cells = page.locator("table.numbers tbody tr td:nth-child(2)").all_inner_texts()
     assert np.allclose([number(text) for text in cells], b.vector, atol=1e-6)
@@ -130,7 +130,7 @@ def test_a_slider_moves_the_loop(standing: Watched):
 
 
 def test_the_curves_can_be_turned(standing: Watched):
-    """Arrow keys turn the picture in space; the film runs to its end."""
+    """Arrow keys rotate the figure in space, and the slider sets the time of the animation."""
     page = standing.tab("Straightest and shortest")
     standing.says("#paths-result", "separate by at most")
     frame = page.frame_locator("iframe")
@@ -146,7 +146,7 @@ def test_the_curves_can_be_turned(standing: Watched):
 
 
 def test_a_reload_keeps_tab_and_input(standing: Watched):
-    """Tab, space, radius, entries and a sent answer stand in the address; nothing else does."""
+    """The address stores tab, space, radius, entries and a sent answer, and nothing else."""
     page = standing.tab("Loops")
     page.wait_for_selector("#loop svg")
     page.wait_for_url(lambda url: urlsplit(url).query == "tab=Loops")
@@ -172,7 +172,7 @@ def test_a_reload_keeps_tab_and_input(standing: Watched):
     page.wait_for_selector("#statement")
     assert page.get_by_role("tab", name="Exercises").get_attribute("aria-selected") == "true"
     assert page.get_by_label("legs").input_value() == "1,1 = 17"
-    # What is being typed and was never sent is not lost either; a verdict comes when asked for.
+    # Typed text that was not sent is also kept; a verdict appears only after a click.
     assert page.locator("#verdict").count() == 0
     page.get_by_label("legs").fill("2,2 = 18")
     page.wait_for_url("**18*")
@@ -189,7 +189,7 @@ def test_a_reload_keeps_tab_and_input(standing: Watched):
 
 
 def test_back_leaves_the_lab(watched: Watched, address: str):
-    """However much was changed on it: the address alone would go back, the page would not."""
+    """Back leaves the page after many changes, because changes replace the address."""
     page = watched.page
     page.goto("about:blank")
     page.goto(address)
@@ -205,7 +205,7 @@ def test_back_leaves_the_lab(watched: Watched, address: str):
 
 
 def test_answers_stay_while_another_exercise_is_looked_at(standing: Watched):
-    """What was typed in one exercise is there when it is opened again."""
+    """An answer typed in one exercise is present when the exercise is opened again."""
     page = standing.tab("Exercises")
     listed = page.get_by_label("exercise", exact=True)
     page.get_by_label("legs").fill("1,1 = 17")
@@ -223,7 +223,7 @@ def test_answers_stay_while_another_exercise_is_looked_at(standing: Watched):
 
 
 def test_a_blank_tetrad_is_blank_after_a_reload_too(standing: Watched):
-    """An address brings its tetrad back once; whoever starts from a blank one again gets that."""
+    """An address restores its tetrad once; the choice of a blank tetrad then gives a blank one."""
     page = blank(standing)
     standing.typed({"row 2, dy": "x"}, page.locator("#torsion mfrac").first)
     page.wait_for_url("**coframe*")
@@ -239,7 +239,7 @@ def test_a_blank_tetrad_is_blank_after_a_reload_too(standing: Watched):
 
 
 def test_a_link_with_nonsense_opens_the_page(watched: Watched, address: str):
-    """What somebody else wrote into an address is text, or nothing: no script, no odd number."""
+    """Foreign text in an address is shown as text or ignored: no script, no odd number."""
     attack = "<img src=x onerror=alert(1)>"
     query = {
         "tab": "nowhere", "loop": "nobody", "radius": "nan", "centre": "1e999,0", "omega": attack,
@@ -260,7 +260,7 @@ def test_a_link_with_nonsense_opens_the_page(watched: Watched, address: str):
 
 
 def test_labels_follow_the_coordinates(standing: Watched):
-    """Coordinates with other names: each field has its new label, and keeps what was typed."""
+    """With renamed coordinates each field has its new label and keeps its text."""
     page = blank(standing)
     standing.typed({"row 1, dx": "2"}, page.locator("#metric mn", has_text="4"))
     field = page.get_by_label("coordinates", exact=True)
@@ -268,7 +268,7 @@ def test_labels_follow_the_coordinates(standing: Watched):
     page.get_by_label("row 3, dw", exact=True).wait_for()
     assert page.get_by_label("row 1, du", exact=True).input_value().strip() == "2"
     assert page.get_by_label("row 1, dx", exact=True).count() == 0
-    # The field in which one types keeps the focus.
+    # The field in use keeps the focus.
     field.click()
     page.keyboard.type("1")
     page.get_by_label("row 3, dw1", exact=True).wait_for()
@@ -278,7 +278,7 @@ def test_labels_follow_the_coordinates(standing: Watched):
 
 
 def test_a_case_takes_nothing_from_the_one_before(standing: Watched):
-    """Chosen before the page has told what was typed, and gone through by keys: its own fields."""
+    """A case chosen before the typed text is sent, or passed by keys, has its own fields."""
     page = blank(standing)
     start = page.get_by_label("start from")
     so3, *_, last = typable()
@@ -305,7 +305,7 @@ def test_a_case_takes_nothing_from_the_one_before(standing: Watched):
 
 
 def own_address(url: str, title: str) -> bool:
-    """Whether an address tells of a tetrad of the list, and of nothing that was typed."""
+    """Whether an address names a tetrad of the list and holds no typed text."""
     first, name = next(iter(typable().values())), typable()[title]
     query = parse_qs(urlsplit(url).query)
     query.pop("tab", None)
@@ -320,14 +320,14 @@ def holds(title: str) -> tuple[str, str, list[str]]:
 
 
 def held(page: Any) -> tuple[str, str, list[str]]:
-    """What the fields hold."""
+    """Coordinates, signature and entries that the fields contain."""
     names = [page.get_by_label(name, exact=True) for name in ("coordinates", "signature")]
     entries = page.locator(".tetrad input").evaluate_all("es => es.map(e => e.value)")
     return (*(name.input_value() for name in names), entries)
 
 
 def test_unknown_functions_have_a_field(standing: Watched):
-    """The universe with an unknown a(t) is offered; one that is not declared is asked for."""
+    """An undeclared function is reported; the expanding universe with a(t) is offered."""
     page = blank(standing)
     standing.typed(
         {"row 2, dy": "f(x)"}, page.locator(".fault", has_text="eclare it as an unknown")
@@ -343,7 +343,7 @@ def test_unknown_functions_have_a_field(standing: Watched):
 
 
 def test_latex_is_copied(standing: Watched):
-    """The button puts the equations of its card onto the clipboard."""
+    """The button copies the equations of its card to the clipboard."""
     page = standing.tab("Any tetrad")
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     page.get_by_role("button", name="Copy LaTeX: Scalar curvature").click()
@@ -354,7 +354,7 @@ def test_latex_is_copied(standing: Watched):
 
 
 def test_latex_of_an_exercise_is_copied(standing: Watched):
-    """Statement and questions, the hints taken, and what is said of an answer."""
+    """The statement with its questions and the shown hints can be copied."""
     page = standing.tab("Exercises")
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     posed = exercises.load("1.1")
@@ -375,7 +375,7 @@ def test_latex_of_an_exercise_is_copied(standing: Watched):
 
 
 def test_a_variant_that_there_is_not_is_refused(standing: Watched):
-    """It stays in its field, and no other one is shown in its place."""
+    """A wrong variant remains in its field, and no other variant is shown."""
     page = standing.tab("Exercises")
     page.wait_for_selector(READY["Exercises"])
     field = page.get_by_role("textbox", name="variant", exact=True)
@@ -393,7 +393,7 @@ def test_a_variant_that_there_is_not_is_refused(standing: Watched):
 
 
 def focused(page: Any) -> tuple[str, str]:
-    """Role and text of what has the focus, through shadow trees."""
+    """Role and text of the focused element, also inside shadow trees."""
     return page.evaluate(
         """() => { let e = document.activeElement;
             while (e.shadowRoot?.activeElement) e = e.shadowRoot.activeElement;
@@ -402,7 +402,7 @@ def focused(page: Any) -> tuple[str, str]:
 
 
 def test_the_keyboard_alone(lab: Watched):
-    """Tab comes to the open tab and leaves it open; arrows change it; Shift and Tab come back."""
+    """Tab reaches the open tab without a change, arrows change it, Shift and Tab go back."""
     page = lab.page
     page.keyboard.press("Tab")
     assert focused(page) == ["tab", "The compass"]
@@ -424,7 +424,7 @@ def test_the_keyboard_alone(lab: Watched):
 
 
 def test_names_and_values_for_readers(standing: Watched):
-    """A slider says its value and unit; no name holds markup; every picture has one."""
+    """A slider has its value and unit; no name contains markup; the animation has a title."""
     page = standing.tab("Loops")
     page.wait_for_selector("#loop svg")
     radius = page.get_by_role("slider", name="radius")
@@ -452,7 +452,7 @@ def test_names_and_values_for_readers(standing: Watched):
 
 
 def test_dark_and_narrow(standing: Watched):
-    """By night everything is dark; on a phone picture and sliders are in sight together."""
+    """In dark mode all parts are dark; on a phone, animation and controls are visible together."""
     from playwright.sync_api import expect
 
     page = standing.page
@@ -468,16 +468,16 @@ def test_dark_and_narrow(standing: Watched):
     light = "(e) => Math.min(...getComputedStyle(e).color.match(/[0-9]+/g).map(Number)) > 150"
     assert page.locator("#top-result").evaluate(light)
     assert "invert" in page.locator("iframe").evaluate("(e) => getComputedStyle(e).filter")
-    # Parts come one by one: the film may be there before what stood in its place is gone.
+    # Parts appear one by one: the animation may be present before the old content is removed.
     expect(page.locator("iframe")).to_be_in_viewport(timeout=PATIENCE)
     film = page.locator("iframe").bounding_box()
-    # What moves the picture stays in sight below it while one looks at the picture.
+    # The control of the figure remains visible below it.
     watch = page.get_by_label("quantity in the chart")
     expect(watch).to_be_in_viewport()
     plan = page.locator("#top-plan").bounding_box()
     assert film["y"] < 800
     assert film["y"] < watch.bounding_box()["y"] < plan["y"]
-    # Also while the page is scrolled and a finger is on the picture.
+    # This also holds while the page is scrolled with the pointer on the figure.
     page.mouse.move(200, film["y"] + 20)
     page.mouse.wheel(0, 300)
     on_top = """e => { const box = e.getBoundingClientRect();
@@ -491,7 +491,7 @@ def test_dark_and_narrow(standing: Watched):
 
 
 def test_what_is_watched_is_drawn(standing: Watched):
-    """Another choice of what to watch changes the graph as well as the plan."""
+    """Another watched quantity changes the chart and the plan."""
     page = standing.tab("The top")
     page.get_by_label("nutation angle over time, by both laws").wait_for()
     page.get_by_label("quantity in the chart").select_option(label="energy")
@@ -502,7 +502,7 @@ def test_what_is_watched_is_drawn(standing: Watched):
 
 
 def test_effects_are_switched(standing: Watched):
-    """Gravity alone changes nothing that is watched; with a fixed point it is in the equations."""
+    """Gravity without a fixed point is omitted from the equations; with one it is included."""
     page = standing.tab("The top")
     plan = page.locator("#top-plan")
     plan.get_by_text("needed for the nutation angle: 6").wait_for()
@@ -518,7 +518,7 @@ def test_effects_are_switched(standing: Watched):
 
 
 def test_another_space_and_what_it_costs(standing: Watched):
-    """A chosen space brings its own coordinates and its loop; this case is the one measured."""
+    """A chosen space has its own coordinates and loop, and the tab of costs measures this case."""
     page = standing.tab("Loops")
     page.wait_for_selector("#loop svg")
     spaces_offered = page.get_by_label("space", exact=True)
@@ -536,7 +536,7 @@ def test_another_space_and_what_it_costs(standing: Watched):
 
 
 def test_an_exercise_is_answered(standing: Watched):
-    """Wrong with its diagnosis, then right; a hint is taken."""
+    """A wrong answer and a right one have their verdicts; a hint is shown."""
     page = standing.tab("Exercises")
     page.get_by_label("exercise", exact=True).select_option(
         label=f"2.1 {exercises.titles()['2.1']}"
@@ -562,7 +562,7 @@ def test_an_exercise_is_answered(standing: Watched):
 
 @pytest.mark.parametrize("kind", ["svg", "png"])
 def test_every_picture_can_be_saved(standing: Watched, kind: str):
-    """The globe, a chart and a crystal, as a file that an image viewer opens."""
+    """The globe and a chart are saved as files in the format of the button."""
     page = standing.tab("The compass")
     places = {
         "The compass": page.frame_locator("#compass iframe"),
@@ -583,7 +583,7 @@ def test_every_picture_can_be_saved(standing: Watched, kind: str):
 
 
 def test_each_picture_has_its_buttons(standing: Watched):
-    """No chart of a tab is without them."""
+    """Each chart has a button to save it."""
     for tab in ("Loops", "Straightest and shortest", "The top", "What accuracy costs"):
         page = standing.tab(tab)
         page.wait_for_selector(READY[tab])
@@ -593,7 +593,7 @@ def test_each_picture_has_its_buttons(standing: Watched):
 
 
 def test_the_course_moves_the_ships(standing: Watched):
-    """Another course is another picture, and the address tells it."""
+    """Another course changes the figure and the address."""
     page = standing.tab("The compass")
     page.wait_for_selector(READY["The compass"])
     before = page.locator("#compass iframe").get_attribute("srcdoc")
@@ -609,7 +609,7 @@ def test_the_course_moves_the_ships(standing: Watched):
 
 
 def test_sliders_of_a_moving_body_say_what_they_do(standing: Watched):
-    """Which turns, which moves, and in which unit."""
+    """The label names the axis, rotation or motion, and the unit."""
     page = standing.tab("Straightest and shortest")
     page.wait_for_selector(READY["Straightest and shortest"])
     for name in ("turn about axis 1: u1 in rad/time", "move along axis 3: u6 in length/time"):

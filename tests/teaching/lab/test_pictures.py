@@ -1,4 +1,4 @@
-"""Loops, curves, costs and tops: what the page says against closed forms and the library."""
+"""Loops, curves, costs and tops: the page compared with closed forms and the library."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def test_a_loop_in_the_heisenberg_group():
 
 @pytest.mark.parametrize("radius", [1e-12, 1e-3, 0.3, 1.0])
 def test_an_exact_estimate_misses_nothing(radius):
-    """Where torsion is constant 2 S A is b: rounding is no difference."""
+    """With constant torsion 2 S A equals b; rounding is not reported as a difference."""
     said = closure_failure("heisenberg", [0.3, -0.2, 0.1], radius, [0, 1])["sentence"]
     assert "2 S A agrees with b within its error" in said
     assert "differs" not in said
@@ -40,7 +40,7 @@ def test_an_exact_estimate_misses_nothing(radius):
 
 
 def test_colours_have_one_meaning_on_a_page():
-    """No colour of the film of the top is one of its chart; nor are those of two paths."""
+    """Animation and chart of the top share no colour, nor do figure and chart of two paths."""
     found = top([1, 1, 1.8], [1, 0, 2], 0.3, 5.0)
     film = re.search(r'id="data">(.*?)</script>', found["space"], re.DOTALL)
     assert film is not None
@@ -55,7 +55,7 @@ def test_colours_have_one_meaning_on_a_page():
 
 
 def test_the_plane_has_a_sense():
-    """A loop in the plane (n, m) runs the other way: every number changes its sign."""
+    """A loop in the plane (n, m) has the opposite sense, so each number changes its sign."""
     one = closure_failure("so3", [0.3, 1.0, 0.2], 0.2, [0, 1])
     two = closure_failure("so3", [0.3, 1.0, 0.2], 0.2, [1, 0])
     assert np.allclose(one["expected"], -np.array(two["expected"]), rtol=1e-14, atol=0)
@@ -63,7 +63,7 @@ def test_the_plane_has_a_sense():
 
 
 def test_two_s_a_is_the_limit_of_small_loops():
-    """b and 2 S A at the centre differ by an order of two in the radius."""
+    """The relative difference of b and 2 S A at the centre is of second order in the radius."""
     apart = []
     for radius in (0.2, 0.1):
         found = closure_failure("so3", [0.3, 1.0, 0.2], radius, [0, 1])
@@ -73,7 +73,7 @@ def test_two_s_a_is_the_limit_of_small_loops():
 
 
 def test_the_table_shows_the_library():
-    """What stands in the table is the Burgers vector of the library."""
+    """The table shows the Burgers vector of the library."""
     found = closure_failure("so3", [0.3, 1.0, 0.2], 0.45, [0, 1])
     frame = spaces.load("so3").frame
     b = burgers_vector(frame, Loop.circle((0.3, 1.0, 0.2), 0.45, (0, 1)))
@@ -83,7 +83,7 @@ def test_the_table_shows_the_library():
 
 @pytest.mark.parametrize("name", one_in(3, list(drawable().values())))
 def test_every_offered_space_has_a_loop_and_a_path(name):
-    """No space of the list leads to an error where the page begins."""
+    """The initial loop and path of each offered space are computed without an error."""
     known = space_info(name)
     for low, high, step in known["ranges"]:
         assert low <= high
@@ -96,10 +96,10 @@ def test_every_offered_space_has_a_loop_and_a_path(name):
 
 
 def test_curves_of_the_plane():
-    """Straightest from r = 1 with u = (0, 1) circles; shortest goes straight: known distance."""
+    """From r = 1 with u = (0, 1), the autoparallel is a circle and the geodesic a straight line."""
     found = paths("flat_polar", [0.0, 1.0], 1.0)
     circle, line = np.array([math.cos(1), math.sin(1)]), np.array([1.0, 1.0])
-    # Distances are measured with the metric half-way, not along the straight line between.
+    # Distances use the metric half-way, not the straight line between the points.
     assert found["largest"] == pytest.approx(float(np.linalg.norm(circle - line)), rel=0.01)
 
 
@@ -108,7 +108,7 @@ def test_curves_of_the_plane():
     [("screw_dislocation", 2), ("edge_dislocation", 0), ("edge_dislocation_elastic", 0)],
 )
 def test_the_first_loop_goes_round_the_line(name, component):
-    """Where the page begins, the whole Burgers vector of a dislocation is seen, at every radius."""
+    """The initial loop shows the whole Burgers vector of a dislocation, at each radius."""
     known = space_info(name)
     b = known["values"]["b"]
     for radius in (0.3, 1.0):
@@ -120,14 +120,14 @@ def test_the_first_loop_goes_round_the_line(name, component):
 
 @pytest.mark.parametrize("name", ["wedge_disclination", "wedge_disclination_periodic"])
 def test_the_first_loop_goes_round_the_axis_of_a_disclination(name):
-    """Legs turned by 2 pi alpha: the image of a circle is a part of a circle, whose chord is b."""
+    """Legs rotate by 2 pi alpha: the image of a circle is an arc, and b is its chord."""
     known = space_info(name)
     alpha = known["values"]["alpha"]
     found = closure_failure(name, known["loop_centre"], 0.3, known["planes"][0])
     assert len(found["pictures"]) == 2
     if name == "wedge_disclination":
         turn = 2 * math.pi * alpha
-        # Seen in the legs with which the loop comes back, which are those of its start turned.
+        # b is in the legs at the end of the loop, which are the rotated legs of its start.
         assert math.hypot(*found["b"]) == pytest.approx(2 * 0.3 * abs(math.sin(turn / 2)))
         angle = abs((turn + math.pi) % (2 * math.pi) - math.pi)
         assert f"turned by {angle:.6g} rad" in found["sentence"]
@@ -135,7 +135,7 @@ def test_the_first_loop_goes_round_the_axis_of_a_disclination(name):
     else:
         assert found["b"] == pytest.approx([0, 0, 0], abs=1e-12)
         assert "The legs come back unchanged" in found["sentence"]
-    # Beside the axis a loop is a circle in the coordinates, as elsewhere, and both are regular.
+    # Beside the axis a loop is a circle in the coordinates, and the frame is regular there.
     assert known["loop_ranges"][0][0] == 0
     beside = closure_failure(name, [1.0, 1.0, 0.0], 0.3, known["planes"][0])
     assert beside["error"] < 1e-10
@@ -147,7 +147,7 @@ def test_the_first_loop_goes_round_the_axis_of_a_disclination(name):
      ("edge_dislocation", [0.3, 0.1, 0.2], "2*pi*(x**2 + y**2) > b*y")],
 )  # fmt: skip
 def test_a_loop_that_leaves_the_coordinates_is_told(name, centre, condition):
-    """What is integrated beyond the domain is no coframe of the space any more."""
+    """The sentence reports a loop beyond the domain, because the coframe is not valid there."""
     outside = closure_failure(name, centre, 0.3, [0, 1])["sentence"]
     assert f"leaves these coordinates (the domain is {condition})" in outside
     inside = closure_failure(name, [1.0, 1.0, 1.0][: len(centre)], 0.3, [0, 1])["sentence"]
@@ -155,14 +155,14 @@ def test_a_loop_that_leaves_the_coordinates_is_told(name, centre, condition):
 
 
 def test_a_path_that_ends_is_named():
-    """Which of the two the sentence is about, and why it ends."""
+    """The sentence names the curve that ends and the time of its end."""
     said = paths("s2", [1.0, 1.0], 5.0)["sentence"]
     assert "The straightest curve: the motion stops at t = 1.24159" in said
     assert "The shortest curve:" not in said
 
 
 def test_a_core_is_seen_from_its_middle():
-    """b r^2 / (r^2 + c^2) round the axis of a smooth core."""
+    """b r^2 / (r^2 + c^2) around the axis of a smooth core."""
     known = space_info("screw_core")
     b, core = known["values"]["b"], known["values"]["c"]
     found = closure_failure("screw_core", known["loop_centre"], 0.3, known["planes"][0])
@@ -170,7 +170,7 @@ def test_a_core_is_seen_from_its_middle():
 
 
 def test_components_are_counted_from_one():
-    """Rows of the table and axes of the picture: 1, 2, 3 as in the paper."""
+    """Rows of the table and axes of the figure are counted from 1, as in the paper."""
     found = closure_failure("so3", [0.3, 1.0, 0.2], 0.3, [0, 1])
     assert re.findall(r'scope="row">(b.)<', found["table"]) == ["b¹", "b²", "b³"]
     assert "X⁰" not in found["pictures"][1]
@@ -178,7 +178,7 @@ def test_components_are_counted_from_one():
 
 @pytest.mark.parametrize("watch", list(WATCHED))
 def test_the_graph_shows_what_is_watched(watch):
-    """Each choice has a graph of its own, with its unit."""
+    """Each watched quantity has its own chart with its unit."""
     found = top([1, 2, 3], [0.1, 2, 0.1], 0.3, 3.0, ["gravity"], [watch])["compared"]
     unit = {"nutation": "rad", "energy": "J", "position": "m", "matrix": ""}.get(watch, "rad/s")
     [label] = re.findall(r'aria-label="([^"]*) over time', found)
@@ -186,7 +186,7 @@ def test_the_graph_shows_what_is_watched(watch):
 
 
 def test_equal_moments_make_one_curve_of_two():
-    """On SO(3) straightest and shortest agree for equal moments, and part for unequal ones."""
+    """On SO(3) autoparallel and geodesic agree for equal moments and separate for unequal ones."""
     velocity = [0.4, 0.3, 1.0]
     assert paths("so3", velocity, 5.0)["largest"] < 1e-9
     assert "curve coincide here" in paths("so3", velocity, 5.0, [2, 2, 2])["sentence"]
@@ -194,7 +194,7 @@ def test_equal_moments_make_one_curve_of_two():
 
 
 def test_the_document_of_a_picture_is_whole():
-    """The turnable picture holds its data as JSON and refers to nothing."""
+    """The figure contains its data as JSON and refers to no other file."""
     document = paths("s2", [-0.2, 1.0], 6.0)["space"]
     text = re.search(r'id="data">(.*?)</script>', document, re.DOTALL)
     assert text
@@ -202,13 +202,13 @@ def test_the_document_of_a_picture_is_whole():
     points = np.array(data["curves"][0]["points"])
     assert np.allclose(np.linalg.norm(points, axis=1), 1, atol=1e-4)
     assert len(data["times"]) == len(points)
-    # Names of the language of pictures are no addresses.
+    # The name of the SVG language is not a link.
     bare = document.replace("http://www.w3.org/2000/svg", "")
     assert not re.search(r"(src|href)=|https?:|@import|url\(", bare)
 
 
 def test_costs_are_measured():
-    """Each row has an error and a time; accuracy asked for is reached."""
+    """Each row has an error and a time; the requested accuracy is reached."""
     case = {"space": "so3", "velocity": [0.4, 0.3, 1.0], "t": 2.0, "moments": [1, 2, 3]}
     found = costs("shortest", case)
     assert len(found["rows"]) >= 4
@@ -219,7 +219,7 @@ def test_costs_are_measured():
 
 
 def test_costs_of_the_top():
-    """The case of the top is measured too, on its own equations."""
+    """The case of the top is measured on its own equations."""
     case = {"moments": [1, 2, 3], "omega": [0.1, 2, 0.1], "tilt": 0.3, "t": 3.0}
     found = costs("top", case | {"watch": ["omega"]})
     assert found["truth"] == "the closed form"
@@ -227,7 +227,7 @@ def test_costs_of_the_top():
 
 
 def test_a_symmetric_top_precesses():
-    """Omega_1 and Omega_2 of a free symmetric body turn with (I3 - I1) Omega_3 / I1."""
+    """Omega_1 and Omega_2 of a free symmetric body rotate with (I3 - I1) Omega_3 / I1."""
     found = top([1, 1, 1.8], [1, 0, 2], 0.3, 5.0)
     rate = 0.8 * 2 * 5.0
     assert np.allclose(found["omega"], [math.cos(rate), math.sin(rate), 2], atol=1e-7)
@@ -235,7 +235,7 @@ def test_a_symmetric_top_precesses():
 
 
 def test_the_naive_law_is_right_for_equal_moments():
-    """Where all moments are equal both laws agree."""
+    """Both laws agree if all moments are equal."""
     assert "Both laws agree here" in top([2, 2, 2], [0.5, 1, 2], 0.3, 5.0)["sentence"]
 
 
@@ -254,7 +254,7 @@ def test_the_plan_follows_the_switches():
 
 
 def test_what_cannot_be_is_refused():
-    """An impossible body and effects that contradict each other are told."""
+    """An impossible body and contradictory effects are refused."""
     with pytest.raises(GeomtorsionError, match="are impossible"):
         top([1, 1, 3], [0, 0, 1], 0.3, 1.0)
     with pytest.raises(GeomtorsionError, match="contradict"):

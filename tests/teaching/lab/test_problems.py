@@ -1,4 +1,4 @@
-"""Exercises as the page shows them, and what it says about answers."""
+"""Exercises on the page, and replies to answers."""
 
 import pytest
 
@@ -10,7 +10,7 @@ from geomtorsion.teaching.lab.settings import PAGE
 
 @pytest.mark.parametrize("number", exercises.names()[::5])
 def test_an_exercise_right_and_wrong(number):
-    """Its own solution is right; hints and prompts come as HTML with mathematics."""
+    """The solution is right, other text is wrong; statements come as HTML with mathematics."""
     posed = exercises.load(number)
     shown = statement(number)
     assert "$" not in shown["statement"]
@@ -28,6 +28,6 @@ def test_an_exercise_right_and_wrong(number):
 
 
 def test_an_endless_answer_is_refused():
-    """An answer is no novel."""
+    """An answer longer than the limit is refused."""
     with pytest.raises(ValueError, match="enough for every exercise"):
         answer("1.1", 0, {"legs": "1" * (PAGE.answer + 1)})

@@ -1,4 +1,4 @@
-"""What is computed before anybody asks: exactly what the tabs ask for when they are opened."""
+"""The server: prepared answers, access control, tokens, ports and routes."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ from tests.teaching.lab.session import run
 
 
 def test_the_first_requests_are_those_of_the_tabs():
-    """Equal as text, since that is by what an answer is kept."""
+    """Two prepared requests equal the tabs' first requests as text, which is the cache key."""
     query = Query()
     facts = space_info(controls.FIRST_LOOP)
-    # What controls hold has no type of its own in marimo.
+    # marimo has no type for the value of a control.
     place: Any = controls.place(marimo, facts, query).value
     body: Any = controls.top(marimo, query).value
     loop = controls.loop_case(facts, place, controls.radius(marimo, query).value)
@@ -53,7 +53,7 @@ OPEN = ("default-src 'self'", "connect-src 'self'")
 
 
 async def inner(scope: Any, receive: Any, send: Any) -> None:
-    """An application that reads what it is sent and says hello."""
+    """An application that reads the request and answers with hello."""
     more = True
     while more:
         message = await receive()
@@ -71,7 +71,7 @@ def ask(
     path: str = "/",
     bodies: Any = (b"",),
 ) -> tuple[int, dict[str, str]]:
-    """Status and headers of what the access control answers; 0 if it hangs up."""
+    """Status and headers of the reply of the access control; 0 if it closes the connection."""
     sent: list[dict[str, Any]] = []
     parts = list(bodies)
 
@@ -99,7 +99,7 @@ USED = "/api/kernel/set_ui_element_value"
 
 
 def test_the_usual_visitor_comes_in():
-    """A browser on this machine gets the page, with the order to load nothing else."""
+    """A browser on this machine gets the page with a policy that forbids other sources."""
     status, headers = ask(AccessControl(inner), HOST | {"origin": "http://127.0.0.1:2718"})
     assert status == 200
     for rule in OPEN:
@@ -123,12 +123,12 @@ def test_the_usual_visitor_comes_in():
     ],
 )
 def test_others_stay_outside(headers, status):
-    """Other names (DNS rebinding), pages of other sites and long bodies are refused."""
+    """Other host names (DNS rebinding), other origins and long bodies are refused."""
     assert ask(AccessControl(inner), headers, "POST", USED)[0] == status
 
 
 def test_only_where_files_arrive_requests_may_be_long():
-    """A file fits into the request that brings values of controls, and into no other."""
+    """A file fits into the request that sends values of controls, and into no other request."""
     for path, status in ((USED, 200), ("/auth/login", 413)):
         headers = HOST | {"content-length": str(PAGE.body + 1)}
         assert ask(AccessControl(inner), headers, "POST", path)[0] == status
@@ -138,7 +138,7 @@ def test_only_where_files_arrive_requests_may_be_long():
 
 
 def test_a_body_without_a_length_ends_where_it_is_too_long():
-    """Whatever the header says, no more than the limit is read."""
+    """A body without a declared length is read only up to the limit."""
     status, _ = ask(
         AccessControl(inner), HOST, "POST", "/auth/login", [b"x" * 200_000, b"x" * 200_000, b"x"]
     )
@@ -146,7 +146,7 @@ def test_a_body_without_a_length_ends_where_it_is_too_long():
 
 
 def test_who_needs_a_token():
-    """This machine alone: no token; anybody else: a code that can be typed, not guessed."""
+    """This machine needs no token; others need a code that can be typed but not guessed."""
     assert Address().guarded().token == ""
     assert Address("::1").guarded().token == ""
     guarded = Address("0.0.0.0").guarded()
@@ -158,7 +158,7 @@ def test_who_needs_a_token():
 
 
 def test_a_port_that_is_taken_is_told():
-    """The message says what to do."""
+    """The message gives the remedy: --port 0."""
     taken = _socket(Address(port=0))
     try:
         with pytest.raises(LimitError, match="--port 0"):
@@ -169,13 +169,13 @@ def test_a_port_that_is_taken_is_told():
 
 @pytest.mark.parametrize("port", [-1, 65536])
 def test_a_port_that_is_none_is_told(port: int):
-    """Python raises an OverflowError for these, which went through as a traceback."""
+    """Python raises OverflowError for these ports, which was once shown as a traceback."""
     with pytest.raises(LimitError, match=f"port {port} cannot be used"):
         _socket(Address(port=port))
 
 
 def test_without_the_token_nobody_comes_in():
-    """Bound to all interfaces, the page asks for its token: none, a wrong one, the right one."""
+    """Bound to all interfaces, the page opens only with the right token."""
     with served("--host", "0.0.0.0") as url:
         parts = urllib.parse.urlsplit(url)
         port = parts.port
@@ -214,7 +214,7 @@ def test_the_page_runs_no_code_of_its_visitors(address: str):
 
 
 def registered(routes: Any, prefix: str = "") -> Iterator[tuple[str, str]]:
-    """Method and path of everything that an application of Starlette answers, within mounts too."""
+    """Method and path of each route of a Starlette application, also inside mounts."""
     for route in routes:
         path = prefix + route.path
         inside = getattr(route, "routes", None)
@@ -230,14 +230,14 @@ def registered(routes: Any, prefix: str = "") -> Iterator[tuple[str, str]]:
 
 
 def test_only_what_the_page_uses_is_answered():
-    """Each route of marimo is on the list with its use, or answers 404 whatever it is sent."""
+    """Each route of marimo is on the list with its use, or answers 404."""
     control = application(Address())
     every = set(registered(control.app.routes))
-    # marimo 0.25 has 108; where far fewer are found, this test looks in the wrong place.
+    # marimo 0.25 has 108 routes; if far fewer are found, this test looks in the wrong place.
     assert len(every) > 80
     assert ("POST", "/api/home/workspace_files") in every
     assert ("POST", "/api/export/html") in every
-    # The last one answers whatever else there is: icons are on the list by their own names.
+    # The last route answers all other paths: icons are on the list with their own names.
     assert ("GET", "/{path:path}") in every
     others = {one for one in every if one not in ROUTES and one[0] != "HEAD"}
     assert len(every) - len(others) < 40
@@ -253,7 +253,7 @@ def test_only_what_the_page_uses_is_answered():
 
 @pytest.mark.parametrize("path", ["/ws/../terminal/ws", "/terminal/ws", "/ws_sync", "/"])
 def test_only_the_session_has_a_socket(path: str):
-    """Any other socket is closed before it is opened."""
+    """Any other socket is closed before it opens."""
     sent: list[Any] = []
 
     async def receive() -> dict[str, Any]:
@@ -268,7 +268,7 @@ def test_only_the_session_has_a_socket(path: str):
 
 
 def test_no_path_of_this_machine_is_told(address: str):
-    """What answered without need: no file names, no export of the page as a file."""
+    """These routes answer 404, without a file name of this machine."""
     headers = {"Content-Type": "application/json", "Marimo-Session-Id": "s_000000"}
     for path in ("api/home/workspace_files", "api/export/html", "api/status", "api/sessions"):
         for body in (b"{}", None):
@@ -281,7 +281,7 @@ def test_no_path_of_this_machine_is_told(address: str):
 
 
 def test_importing_the_command_is_light():
-    """The command line does not load marimo before the page is asked for."""
+    """The command line does not load marimo before the page is requested."""
     code = "import sys, geomtorsion.cli.app; print('marimo' in sys.modules)"
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT

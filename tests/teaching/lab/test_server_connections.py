@@ -1,4 +1,4 @@
-"""Connections that harm others: one that never reads, one without an origin, one that takes all."""
+"""Harmful connections: clients that never read, that have no origin, or that open many sessions."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from tests.teaching.lab.serving import served
 from tests.teaching.lab.session import run
 
 HOST = (b"host", b"127.0.0.1:2718")
-# Seconds after which a page that does not come counts as stopped; it takes one.
+# Seconds after which a page counts as stopped; it takes one.
 SOON = 30
 
 
@@ -30,7 +30,7 @@ def scope_of(kind: str, path: str, client: str = "10.0.0.1", *more: tuple[bytes,
 
 
 async def page(scope: Any, receive: Any, send: Any) -> None:
-    """An application with a page, and sessions that begin, show a message and go on."""
+    """An application with a page, and sessions that show a message and remain open."""
     await receive()
     if scope["type"] == "websocket":
         await send({"type": "websocket.accept"})
@@ -41,7 +41,7 @@ async def page(scope: Any, receive: Any, send: Any) -> None:
 
 
 class Client:
-    """A client that reads, or never does."""
+    """A client that reads, or one that never reads."""
 
     def __init__(self, *, reads: bool = True) -> None:
         self.reads = reads
@@ -58,7 +58,7 @@ class Client:
 
 @pytest.mark.parametrize(("kind", "path"), [("http", "/"), ("websocket", "/ws")])
 def test_a_client_that_never_reads_delays_nobody(kind: str, path: str):
-    """The lock of the page is free while an answer is on its way."""
+    """The lock of the page is free while an answer is being sent."""
 
     async def both() -> list[str]:
         control, other = AccessControl(page), Client()
@@ -84,7 +84,7 @@ def test_a_client_that_never_reads_delays_nobody(kind: str, path: str):
     ],
 )
 def test_sessions_of_pages_without_a_name(origin: bytes, message: str):
-    """A page from a file, or in a frame of another site, has the origin null."""
+    """The origin null, of a local file or a frame of another site, is refused."""
 
     async def opened() -> str:
         client = Client()
@@ -99,7 +99,7 @@ def test_sessions_of_pages_without_a_name(origin: bytes, message: str):
 
 
 def test_one_client_cannot_fill_the_lab():
-    """The last places are for others, who have fewer; one that leaves makes room again."""
+    """The last places are reserved for other clients; a session that closes frees a place."""
 
     async def filled() -> list[str]:
         control = AccessControl(page, sessions=8, reserve=2)
@@ -129,7 +129,7 @@ def test_one_client_cannot_fill_the_lab():
 
 @pytest.mark.parametrize(("sessions", "alone"), [(1, 1), (2, 2), (40, 32), (64, 56)])
 def test_a_class_behind_one_router(sessions: int, alone: int):
-    """One address on the network gets all places but a few."""
+    """One network address gets all places except a few."""
 
     async def filled() -> int:
         control, tasks, count = AccessControl(page, sessions=sessions), [], 0
@@ -148,7 +148,7 @@ def test_a_class_behind_one_router(sessions: int, alone: int):
 
 
 def unread(host: str, port: int, request: bytes) -> socket.socket:
-    """A connection with little room that sends a request and never reads what comes."""
+    """A connection with a small buffer that sends a request and never reads the reply."""
     link = socket.socket()
     link.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1024)
     link.connect((host, port))
@@ -163,19 +163,19 @@ def comes_soon(port: int, query: str) -> bool:
 
 
 def test_real_pages_that_are_not_read():
-    """So many on one connection that the buffers of the system are full and an answer waits."""
+    """Sixty requests on one connection fill the buffers of the system, so an answer waits."""
     with served() as url:
         port = urllib.parse.urlsplit(url).port
         assert port
         wanted = f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n".encode() * 60
         with unread("127.0.0.1", port, wanted):
-            # A page of 126 kB takes 0.3 s, and the system keeps 2.6 MB of them.
+            # A page of 126 kB takes 0.3 s, and the system stores 2.6 MB of them.
             time.sleep(12)
             assert comes_soon(port, "")
 
 
 def test_real_sessions_that_are_not_read():
-    """With the token and without it, and a page whose body never comes."""
+    """Unread sessions with and without the token, and requests whose body never arrives."""
     with served("--host", "0.0.0.0") as url, contextlib.ExitStack() as links:
         parts = urllib.parse.urlsplit(url)
         assert parts.port

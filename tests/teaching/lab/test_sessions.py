@@ -1,4 +1,4 @@
-"""Many students at once: each asks for something else, each gets the right answer."""
+"""Many students at once: each sends another request, and each gets the right answer."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from geomtorsion.teaching.lab.controls import RADII
 from tests.teaching.lab.serving import served
 from tests.teaching.lab.session import Session, run
 
-# More than there are workers to answer them.
+# The larger number exceeds the number of workers.
 STUDENTS = [4, pytest.param(30, marks=pytest.mark.slow)]
-# Seconds for all of them together, on two loaded cores.
+# Seconds for all sessions together, on two loaded cores.
 LIMIT = 120.0
 
 
 async def student(url: str, place: int) -> float:
-    """Open the page, go to the loops, choose a radius: |b| as it is shown."""
+    """Open the page, go to the loops, choose a radius, and return the shown |b|."""
     async with Session(url) as session:
         await session.shown('id="compass"')
         await session.set(session.element("marimo-tabs"), "1")
@@ -36,7 +36,7 @@ async def all_of_them(url: str, count: int) -> list[float]:
 
 @pytest.mark.parametrize("count", STUDENTS)
 def test_many_sessions_are_answered(count, address):
-    """Many open pages at once, each with a slider moved: all get their number in time."""
+    """Many sessions move a slider at once, and each gets its number in time."""
     sizes = run(asyncio.wait_for(all_of_them(address, count), LIMIT))
     assert len(sizes) == count
     frame = spaces.load("so3").frame
@@ -46,7 +46,7 @@ def test_many_sessions_are_answered(count, address):
 
 
 def test_one_session_too_many_is_told():
-    """Where two pages may be open, the third is told that the lab is full."""
+    """If two pages may be open, the third one gets the message that the lab is full."""
 
     async def three(url: str) -> tuple[int, str]:
         async with Session(url) as one, Session(url) as two:

@@ -1,4 +1,4 @@
-"""Tasks of the page: done elsewhere, within limits, and one failure is nobody else's."""
+"""Tasks of the page: run in other processes, within limits, with isolated failures."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.tasks import TASKS, TaskRunner
 from tests.teaching.lab.maps import bomb, wall_ctf
 
-# A metric of four unrelated functions of everything takes far longer than its limit here.
+# A metric of four unrelated functions of all coordinates takes far longer than its limit here.
 SLOW = {
     "coordinates": "a b c d",
     "entries": [
@@ -28,21 +28,21 @@ SLOW = {
 
 @pytest.fixture(scope="module")
 def runner() -> Iterator[TaskRunner]:
-    """One for all tests, whatever one of them does to its worker."""
+    """One runner for all tests; it replaces a worker that a test ends."""
     found = TaskRunner(workers=1, patience=20.0, limits={"tetrad": 2.0})
     yield found
     found.close()
 
 
 def test_a_request_is_answered_and_kept(runner: TaskRunner):
-    """The second of two equal requests is the same answer, not a second computation."""
+    """The second of two equal requests gets the stored answer."""
     one = runner.ask("space_info", space="s2")
     assert one["coordinates"] == ["theta", "phi"]
     assert runner.ask("space_info", space="s2") is one
 
 
 def test_a_request_that_takes_too_long_is_stopped(runner: TaskRunner):
-    """After its time the worker is ended; the next request is answered by another."""
+    """After its time limit the worker ends, and another worker answers the next request."""
     runner.ask("space_info", space="s2")
     assert isinstance(runner.pool, WorkerPool)
     [worker] = runner.pool.workers
@@ -52,7 +52,7 @@ def test_a_request_that_takes_too_long_is_stopped(runner: TaskRunner):
 
 
 def test_nothing_that_lies_about_is_imported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """A folder with a module named like one that is needed does not mislead a worker."""
+    """A worker does not import modules from its folder."""
     (tmp_path / "json.py").write_text("raise SystemExit", "utf-8")
     (tmp_path / "sympy.py").write_text("raise SystemExit", "utf-8")
     monkeypatch.chdir(tmp_path)
@@ -64,7 +64,7 @@ def test_nothing_that_lies_about_is_imported(tmp_path: Path, monkeypatch: pytest
 
 
 def test_warming_up_leaves_a_worker_free():
-    """While one worker practises, the other answers; what was practised is kept."""
+    """While one worker prepares answers, the other one is free; prepared answers are stored."""
     runner = TaskRunner(workers=2, patience=30.0)
     try:
         runner.warm([("space_info", {"space": "heisenberg"})])
@@ -82,7 +82,7 @@ def test_warming_up_leaves_a_worker_free():
 
 
 def test_errors_come_as_messages(runner: TaskRunner):
-    """An error of the package is a message, and is not kept."""
+    """An error of the package becomes a message."""
     case = {"centre": [1, 2, 3], "radius": 1, "plane": [0, 1]}
     assert "has" in runner.ask("loop", space="s2", **case)["problem"]
     assert "nobody" in runner.ask("space_info", space="nobody")["problem"]
@@ -90,13 +90,13 @@ def test_errors_come_as_messages(runner: TaskRunner):
 
 
 def test_a_request_that_is_too_long_is_refused(runner: TaskRunner):
-    """Long texts do not even reach a worker."""
+    """A text beyond the limit is refused before it reaches a worker."""
     found = runner.ask("tetrad", coordinates="r", entries=[["1" * PAGE.request]])
     assert "24,000" in found["problem"]
 
 
 def test_a_file_is_looked_into_by_a_worker_only(runner: TaskRunner):
-    """Query by its digest; too long a file, and a damaged one, are told; the page goes on."""
+    """A file is stored by its digest; a long or damaged one is refused, the next one is read."""
     content = wall_ctf()
     one = runner.ask("map_facts", content, name="wall.ctf")
     assert one["shape"] == [24, 20]
@@ -110,13 +110,13 @@ def test_a_file_is_looked_into_by_a_worker_only(runner: TaskRunner):
 
 
 def test_a_worker_that_dies_is_replaced(runner: TaskRunner):
-    """What goes wrong in one worker is told to whoever asked, and to nobody else."""
+    """The failure of a worker is reported to its request, and the next request succeeds."""
     assert "ended unexpectedly" in runner.ask("space_info", wrong="argument")["problem"]
     assert runner.ask("space_info", space="s2")["name"] == "s2"
 
 
 def test_a_crowd_that_waits_too_long_is_told():
-    """One worker, busy: the next in the queue is told to come back, and is not lost."""
+    """A request that waits too long for the only worker gets a message."""
     runner = TaskRunner(workers=1, patience=0.2, limits={"tetrad": 1.0})
     busy = threading.Thread(target=lambda: runner.ask("tetrad", **SLOW))
     busy.start()
@@ -132,7 +132,7 @@ def test_a_crowd_that_waits_too_long_is_told():
 
 
 def test_every_task_can_be_found():
-    """The list names functions that are there."""
+    """Each task names an existing function."""
     assert len(TASKS) > 8
     for task in TASKS.values():
         assert callable(getattr(import_module(task.module), task.function))

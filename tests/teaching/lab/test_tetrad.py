@@ -1,4 +1,4 @@
-"""Typed tetrads: what is shown is what the library finds, what is wrong is told at its entry."""
+"""Typed tetrads: shown quantities equal the library's, and errors are at their entries."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ POLAR = {"coordinates": "r, phi", "entries": [["1", "0"], ["0", "r"]]}
 
 
 def test_a_shipped_tetrad_typed_again_gives_the_same_cards():
-    """The coframe of so3, typed as text, gives the same mathematics as the shipped space."""
+    """The coframe of so3, typed as text, gives the mathematics of the shipped space."""
     known = space_info("so3")
     found = tetrad(", ".join(known["coordinates"]), known["coframe"], signature=known["signature"])
     shipped = spaces.load("so3")
@@ -31,7 +31,7 @@ def test_a_shipped_tetrad_typed_again_gives_the_same_cards():
 
 @pytest.mark.parametrize("name", one_in(3, list(drawable().values())))
 def test_every_offered_space_can_be_typed(name):
-    """The facts about a space are enough to type its tetrad again."""
+    """The facts about a space are enough to type its tetrad."""
     known = space_info(name)
     found = tetrad(
         ", ".join(known["coordinates"]),
@@ -46,7 +46,7 @@ def test_every_offered_space_can_be_typed(name):
 
 
 def test_only_what_is_asked_for_is_shown():
-    """Nothing is computed that nobody asked for."""
+    """Only the requested quantity is shown."""
     found = tetrad(**POLAR, show=["torsion"])
     assert found["html"].count('<section class="card"') == 1
     assert set(OFFERED) > {"torsion", "riemann"}
@@ -67,7 +67,7 @@ def test_only_what_is_asked_for_is_shown():
     ],
 )
 def test_what_is_wrong_stands_at_its_entry(entry, message):
-    """Every refusal names the entry and nothing else."""
+    """The message belongs to the wrong entry, and to no other."""
     found = tetrad("r, phi", [["1", "0"], ["0", entry]])
     assert list(found["errors"]) == ["1,1"]
     assert message in found["errors"]["1,1"]
@@ -75,7 +75,7 @@ def test_what_is_wrong_stands_at_its_entry(entry, message):
 
 
 def test_several_faults_at_once():
-    """All entries at fault are told, not the first alone."""
+    """All wrong entries are reported."""
     found = tetrad("r, phi", [["oops", "0"], ["0", "rr"]])
     assert list(found["errors"]) == ["0,0", "1,1"]
 
@@ -93,14 +93,14 @@ def test_several_faults_at_once():
     ],
 )
 def test_what_is_wrong_with_the_whole(changes, message):
-    """What is no single entry's fault is told as a problem."""
+    """A fault that belongs to no single entry is reported as a problem."""
     found = tetrad(**(POLAR | changes))
     assert message in found["problem"]
     assert found["html"] == ""
 
 
 def test_unknown_functions():
-    """What is shown of a(t) is what the library finds for it."""
+    """Quantities of a space with a(t) equal the library's."""
     known = space_info("frw")
     found = tetrad(
         ", ".join(known["coordinates"]),
@@ -128,7 +128,7 @@ def test_unknown_functions():
     ],
 )
 def test_odd_functions_are_refused(functions, message):
-    """What is no unknown function is told, with what to write."""
+    """A text that is not an unknown function is refused with a remedy."""
     assert re.search(message, tetrad(**POLAR, functions=functions)["problem"])
 
 
@@ -136,7 +136,7 @@ def test_odd_functions_are_refused(functions, message):
     "entry", ["r", "2r/2", "r √(R²)/R", "½ 2r", "r sin²φ + r cos^2 phi", r"\frac{r^2}{r}", "R r/R"]
 )
 def test_entries_as_on_paper(entry):
-    """Products without a sign, functions without brackets, signs of other keys, LaTeX."""
+    """Products without a sign, functions without brackets, other signs, and LaTeX are read."""
     assert tetrad("r, phi", [["1", "0"], ["0", entry]], "R") == tetrad(**POLAR, parameters="R")
 
 
@@ -152,7 +152,7 @@ def test_entries_as_on_paper(entry):
     ],
 )
 def test_what_cannot_be_read_on_paper_either(entry, message):
-    """Told as it was typed; what can be read in two ways with both."""
+    """The message quotes the typed text; an ambiguous text gets both readings."""
     found = tetrad("r, phi", [["1", "0"], ["0", entry]])
     assert message in found["errors"]["1,1"]
     assert "complex=True" not in found["errors"]["1,1"]
@@ -164,7 +164,7 @@ def test_what_cannot_be_read_on_paper_either(entry, message):
      ("2 diff(f(r), r) r", "2*diff(f(r), r)*r")],
 )  # fmt: skip
 def test_unknown_functions_as_on_paper(typed, plain):
-    """A declared function may stand without its arguments, and in products without a sign."""
+    """A declared function may be typed without its arguments, and in products without a sign."""
     one, two = (
         tetrad("r, phi", [["1", "0"], ["0", entry]], functions="f(r)") for entry in (typed, plain)
     )
@@ -176,32 +176,32 @@ def test_unknown_functions_as_on_paper(typed, plain):
     "text", ["-+", "− +", "-1, 1", "[-1, 1]", "(-,+)", "-1 1", "－＋", "-1 +1"]
 )
 def test_signs_as_people_write_them(text):
-    """As in a tetrad file, as in books, and with other minus signs."""
+    """Signs are read in the notation of tetrad files and books, with other minus signs also."""
     assert signs_of(text, 2) == (-1, 1)
 
 
 @pytest.mark.parametrize("text", ["1", "-", "+-+", "-1, 1, 1", "x", "0 1", "11 -1", "±+", "-2 1"])
 def test_signs_that_are_none(text):
-    """Too few, too many, or something else."""
+    """Too few signs, too many signs, or other text are refused."""
     with pytest.raises(SignatureError, match="2 signs"):
         signs_of(text, 2)
 
 
 def test_rows_are_counted_from_one():
-    """The page says row 1 for the first row, in messages too."""
+    """A message calls the first row row 1, as the page does."""
     found = tetrad("r, phi", [["1", "r"], ["2", "2*r"]])
     assert "Row 2 equals (2) * row 1." in found["problem"]
     assert "from 0" not in found["problem"]
 
 
 def test_frame_indices_are_counted_from_one():
-    """Numbers with a hat are those of the rows, as in the paper."""
+    """Frame indices with a hat are counted from 1, as in the paper."""
     shown = tetrad(**POLAR, show=["anholonomy"])["html"]
     assert set(re.findall(r"<mn>(\d)</mn><mo[^>]*>ˆ", shown)) == {"1", "2"}
 
 
 def test_each_card_has_its_latex():
-    """What the button copies are the nonzero components, one line each."""
+    """The button copies the nonzero components, one line each."""
     shown = tetrad(**POLAR, show=["torsion"])["html"]
     [latex] = re.findall(r'data-latex="([^"]*)"', shown)
     assert unescape(latex).count("&=") == 1
@@ -209,5 +209,5 @@ def test_each_card_has_its_latex():
 
 
 def test_a_blank_entry_is_zero():
-    """An entry left empty is read as zero."""
+    """An empty entry is read as zero."""
     assert tetrad("r, phi", [["1", ""], [" ", "r"]]) == tetrad(**POLAR)

@@ -1,4 +1,4 @@
-"""Turning: pictures in space in a real browser: a film that runs, keys that turn it."""
+"""Rotating figures in space in a real browser: an animation that runs, keys that rotate it."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from geomtorsion.teaching.lab.turning import Curve, Film, turnable
 from tests.browser import WINDOW
 
 TIMES = 241
-# Where the film is after half of its time: a picture more or less at the edge of one.
+# The frame of the animation after half of its time, within one frame.
 HALF = range(TIMES // 2 - 1, TIMES // 2 + 2)
 INK = "e => [...e.getContext('2d').getImageData(0, 0, e.width, e.height).data].join()"
 
 
 @pytest.fixture
 def film(browser: Any, tmp_path: Path) -> Iterator[Any]:
-    """A page with a film whose time is given by the test, in a window of its own."""
+    """A page with an animation whose clock the test sets, in a window of its own."""
     points = [(k / 10, k % 7, k % 5) for k in range(TIMES)]
     scene = Film("a", "A film", ("x", "y", "z"), (Curve(points, SERIES[0]),), times=range(TIMES))
     (tmp_path / "film.html").write_text(turnable(scene), "utf-8")
@@ -40,12 +40,12 @@ def film(browser: Any, tmp_path: Path) -> Iterator[Any]:
 
 
 def picture(page: Any) -> int:
-    """Which picture of the film is shown."""
+    """Number of the shown frame of the animation."""
     return int(page.locator("#time").input_value())
 
 
 def test_a_film_takes_its_time(film: Any):
-    """Half of it in half of the time, though pictures do not fall on those of the screen."""
+    """After half of the time, half of the animation is shown, although screen frames differ."""
     play = film.locator("#play")
     play.click()
     assert play.inner_text() == "Pause"
@@ -61,14 +61,14 @@ def test_a_film_takes_its_time(film: Any):
 
 
 def test_a_film_that_is_begun_again_runs_once(film: Any):
-    """However often the button was pressed before a picture was drawn."""
+    """Many clicks before the first frame start the animation once."""
     film.locator("#play").evaluate("e => { for (let k = 0; k < 7; k++) e.click(); }")
     film.clock.run_for(500 * PAGE.duration)
     assert picture(film) in HALF
 
 
 def test_keys_of_the_browser_stay_its_own(film: Any):
-    """Arrows turn the picture and plus makes it larger, but not with a second key."""
+    """Arrows rotate the figure and plus enlarges it, but not with Control, Alt or Meta."""
     canvas = film.locator("#space")
     canvas.focus()
     shown = canvas.evaluate(INK)
@@ -94,7 +94,7 @@ def test_a_cone_is_filled_once(browser: Any, tmp_path: Path):
         ink = page.locator("#space").evaluate(
             "e => [...e.getContext('2d').getImageData(0, 0, e.width, e.height).data]"
         )
-        # A pixel of the surface only: 18 % of full opacity.
+        # Pixels of the surface only: 18 % of full opacity.
         shades.append(np.count_nonzero(np.array(ink[3::4]) == round(0.18 * 255)))
         page.close()
     assert shades[0] > 5000

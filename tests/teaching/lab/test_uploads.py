@@ -1,6 +1,6 @@
-"""Files that are given to the page: recognised by content, read, or refused in a sentence."""
+"""Files that a user uploads: recognised by content, read, or refused with a sentence."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# Tests pass wrong types on purpose, as users do, and read attributes that may be missing.
 # pyright: reportArgumentType=false
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ from tests.real import real
 from tests.teaching.lab.maps import STEP, TILT, TWIST, atoms, bomb, saved, twisted, wall_ctf
 from tests.teaching.lab.session import Session, run
 
-# Of a phone and of a screen.
+# Width of a phone and of a screen, in pixels.
 NARROW, BROAD = 400, 1280
-# How wide an element is, and whether nothing is wider than the window.
+# Width of an element, and whether nothing is wider than the window.
 WIDTH = "e => e.getBoundingClientRect().width"
 WIDE = "() => document.documentElement.scrollWidth <= document.documentElement.clientWidth"
 
@@ -44,7 +44,7 @@ def fits(page: Any) -> bool:
 
 
 class Trap:
-    """What runs when it is unpickled."""
+    """An object that fails the test when it is unpickled."""
 
     def __reduce__(self):
         return (pytest.fail, ("a file was unpickled",))
@@ -66,7 +66,7 @@ def nowhere() -> bytes:
 
 
 def npy(array: np.ndarray) -> bytes:
-    """An array as the bytes of an .npy file."""
+    """Content of an .npy file with the array."""
     stream = io.BytesIO()
     np.save(stream, array)
     return stream.getvalue()
@@ -74,7 +74,7 @@ def npy(array: np.ndarray) -> bytes:
 
 @pytest.mark.parametrize("end", [".npz", ".csv"])
 def test_a_sampled_frame_is_read_whatever_its_name(tmp_path: Path, end: str):
-    """Both formats in which frames are saved, under the name of neither."""
+    """Both formats of saved frames are recognised, although the file has another name."""
     frame = twisted()
     content = saved(frame, tmp_path, end)
     assert kind_of(content) == end
@@ -86,7 +86,7 @@ def test_a_sampled_frame_is_read_whatever_its_name(tmp_path: Path, end: str):
 
 
 def test_an_orientation_map_is_read():
-    """A .ctf file by its first line."""
+    """A .ctf file is recognised by its first line."""
     found = read_map(wall_ctf(), "table.csv")
     assert isinstance(found, OrientationMap)
     assert found.shape == (20, 24)
@@ -129,7 +129,7 @@ def test_an_orientation_map_is_read():
     ids=range(27),
 )
 def test_hostile_and_damaged_files_are_refused(content: bytes, said: str):
-    """An error of our own that says what is wrong, and no path of this machine."""
+    """An error of our own names the problem and no path of this machine."""
     with pytest.raises(GeomtorsionError) as told:
         read_map(content, "map.npz")
     assert said in str(told.value)
@@ -139,7 +139,7 @@ def test_hostile_and_damaged_files_are_refused(content: bytes, said: str):
 
 @pytest.mark.parametrize("end", [".npz", ".csv", ".ctf"])
 def test_a_file_cut_anywhere_is_refused_or_read(tmp_path: Path, end: str):
-    """Cut after any hundredth: a map that is complete, or an error of our own."""
+    """A file cut at any of 40 places is a readable map or raises an error of our own."""
     content = wall_ctf() if end == ".ctf" else saved(twisted((9, 8)), tmp_path, end)
     refused = 0
     for k in range(0, len(content), max(1, len(content) // 40)):
@@ -147,20 +147,20 @@ def test_a_file_cut_anywhere_is_refused_or_read(tmp_path: Path, end: str):
             read_map(content[:k], "map")
         except GeomtorsionError:
             refused += 1
-    # A table of nodes is a table of fewer nodes, with holes, wherever a line ends.
+    # A table cut at the end of a line is a smaller table, with holes, so fewer cuts are refused.
     assert refused >= (20 if end != ".csv" else 5)
 
 
 @pytest.mark.parametrize("end", [".npy", ".png", ".tif"])
 def test_a_picture_of_a_lattice_is_read(end: str):
-    """In every format, with its lattice, whatever its name."""
+    """An image of a lattice is read in each format, with its lattice, under any name."""
     found = read_map(atoms(end), "data.csv")
     assert isinstance(found, LatticePhases)
     assert np.hypot(*found.lattice.T) == pytest.approx([8, 8], rel=0.01)
 
 
 def test_a_map_with_too_many_nodes_is_refused():
-    """One node more than the page takes; as many as it takes are read."""
+    """A map with the maximal number of nodes is read; a larger one is refused."""
     most = PAGE.nodes
     stream = io.BytesIO()
     for extra in (0, 1):
@@ -176,19 +176,19 @@ def test_a_map_with_too_many_nodes_is_refused():
 
 
 def test_a_damaged_archive_says_so():
-    """The last byte of an archive is missing."""
+    """An archive without its last 30 bytes is refused as incomplete."""
     with pytest.raises(FileFormatError, match="complete"):
         read_map(bomb()[:-30], "map")
 
 
 async def give(session: Session, field: str, name: str, content: bytes) -> None:
-    """Put a file into the field, as the browser does; what was shown before is forgotten."""
+    """Upload a file as a browser does; forget the shown outputs."""
     session.outputs.clear()
     await session.set(field, [[name, base64.b64encode(content).decode()]])
 
 
 def test_a_session_gives_good_maps_and_bad_ones(tmp_path: Path, address: str):
-    """A frame, then what is none, then an orientation map: each answered, none stops the page."""
+    """A frame, bad files, an image and a map: each gets an answer, and none stops the page."""
     frame = saved(twisted(), tmp_path, ".npz")
 
     async def visit(url: str) -> dict[str, str]:
@@ -210,7 +210,7 @@ def test_a_session_gives_good_maps_and_bad_ones(tmp_path: Path, address: str):
                 await session.shown(said)
                 assert not any("<b>x</b>" in text for text in session.outputs.values())
                 assert not any("Traceback" in text for text in session.outputs.values())
-            # What no browser sends: the page goes on as if nothing had come.
+            # Values that no browser sends are ignored.
             for odd in (5, [["a", "no base64"]], [[1, 2]], [[]]):
                 await session.set(field, odd)
             await give(session, field, "atoms.png", atoms(".png"))
@@ -225,19 +225,19 @@ def test_a_session_gives_good_maps_and_bad_ones(tmp_path: Path, address: str):
     # The first circuit has an eighth of the shorter side.
     assert float(seen["frame"]) == pytest.approx(TWIST * (2 * STEP) ** 2)
     assert seen["wall"]
-    # The first circuit runs through the middle of the picture, round the core.
+    # The first circuit runs through the middle of the image, around the core.
     assert seen["whole"] == "−1, 0"
 
 
 @pytest.mark.parametrize("name", ["si_wafer.ctf", "sdss_ferrite_austenite.ang"])
 def test_measured_maps_are_read(name: str):
-    """The real files, where they are."""
+    """The measured maps are read, if the files are available."""
     assert isinstance(read_map(real(f"ebsd/{name}").read_bytes(), "given"), OrientationMap)
 
 
 @pytest.fixture(scope="module")
 def file_page(context: Any, address: str) -> Iterator[Watched]:
-    """A page of its own for files, loaded once: whatever is given takes the place of the last."""
+    """A page for files, loaded once: each upload replaces the previous one."""
     seen = loaded(opened(context), address)
     seen.page.set_viewport_size({"width": NARROW, "height": 900})
     seen.tab("Loops")
@@ -248,13 +248,13 @@ def file_page(context: Any, address: str) -> Iterator[Watched]:
 
 @pytest.fixture
 def loops_tab(file_page: Watched) -> Iterator[Watched]:
-    """The same; what it logs as an error fails the test."""
+    """The page for files; a logged error fails the test."""
     yield file_page
     assert file_page.errors == []
 
 
 def test_a_picture_of_a_lattice_in_a_browser(loops_tab: Watched, tmp_path: Path):
-    """The file chosen, the circuit moved off the core: other whole numbers."""
+    """An uploaded image shows whole lattice vectors; a circuit outside the image is refused."""
     page: Any = loops_tab.page
     file = tmp_path / "atoms.png"
     file.write_bytes(atoms(".png"))
@@ -271,7 +271,7 @@ def test_a_picture_of_a_lattice_in_a_browser(loops_tab: Watched, tmp_path: Path)
 
 
 def test_grains_and_symmetry_are_chosen_in_a_browser(loops_tab: Watched, tmp_path: Path):
-    """A finer threshold splits the wall; another Laue group does too; the circuit stays."""
+    """A finer threshold or another Laue group splits the wall; the circuit remains."""
     page: Any = loops_tab.page
     file = tmp_path / "wall.ctf"
     file.write_bytes(wall_ctf())
@@ -294,7 +294,7 @@ def test_grains_and_symmetry_are_chosen_in_a_browser(loops_tab: Watched, tmp_pat
 
 
 def test_a_map_in_a_browser(loops_tab: Watched, tmp_path: Path):
-    """The file chosen, the circuit moved: numbers, picture, and nothing wider than the window."""
+    """An uploaded map shows numbers and a figure, the side can be changed, and the page fits."""
     page: Any = loops_tab.page
     file = tmp_path / "wall.ctf"
     file.write_bytes(wall_ctf())

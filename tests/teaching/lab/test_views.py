@@ -1,4 +1,4 @@
-"""What each tab says of itself: a few sentences, and its words explained where they appear."""
+"""Guide of each tab: a few sentences, and explanations of its terms."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ TERMS = {
 
 @pytest.mark.parametrize("tab", TABS)
 def test_a_tab_says_what_one_sees_and_what_to_try(tab: str):
-    """One sentence for each, and not a page."""
+    """A guide has one sentence about the view and one about a trial, 100 to 400 letters in all."""
     guide = GUIDES[tab]
     text = f"{guide.seen} {guide.tried}"
     for sentence in (guide.seen, guide.tried):
@@ -31,7 +31,7 @@ def test_a_tab_says_what_one_sees_and_what_to_try(tab: str):
 
 @pytest.mark.parametrize(("tab", "terms"), TERMS.items())
 def test_words_are_explained_where_they_appear(tab: str, terms: tuple[str, ...]):
-    """The words that nobody knows who sees them for the first time."""
+    """Terms that a beginner does not know are explained on their tab."""
     shown = words(tab)
     for term in terms:
         assert f"<dt>{term}</dt>" in shown
@@ -39,7 +39,7 @@ def test_words_are_explained_where_they_appear(tab: str, terms: tuple[str, ...])
 
 
 def test_spaces_that_are_named_are_there():
-    """A guide sends nobody to a space that is not on the list."""
+    """Each space that a guide names is on the list."""
     named = {"flat_polar", "screw_dislocation", "so3"}
     text = " ".join(guide.tried for guide in GUIDES.values())
     assert all(name in text for name in named)
@@ -47,7 +47,7 @@ def test_spaces_that_are_named_are_there():
 
 
 def test_the_page_begins_with_a_picture():
-    """The compass first, the tab for readers of tensors last but one."""
+    """The compass is the first tab, the tab for typed tetrads the last but one."""
     tabs = list(TABS)
     assert tabs[0] == "The compass"
     assert tabs[-2] == "Any tetrad"

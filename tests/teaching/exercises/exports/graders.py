@@ -1,4 +1,4 @@
-"""Graders: the commands of nbgrader, run for real."""
+"""Graders: the real commands of nbgrader."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pathlib import Path
 
 import geomtorsion
 
-# Loads a program once, which takes longer than most of its commands, and forks for each of them.
+# Loads a program once, because loading takes longer than most commands, and forks per command.
 SERVES = """
 import json, os, signal, sys, tempfile
 from importlib import import_module
@@ -36,11 +36,11 @@ for line in sys.stdin:
 
 @contextmanager
 def command(module: str, name: str, folder: Path) -> Iterator[Callable[..., None]]:
-    """Runs commands of a program in a folder, each in a process of its own; they have to end well.
+    """Yield a function that runs commands of a program in a folder; each must end with code 0.
 
-    module, name: where the function is that the program calls.
+    module, name: the module and the name of the program's main function.
     """
-    # They start the kernel and alembic by their names, which stand beside the interpreter.
+    # The commands start the kernel and alembic by name; both are beside the interpreter.
     settings = os.environ | {
         "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
         "PYTHONPATH": str(Path(geomtorsion.__file__).parents[1]),

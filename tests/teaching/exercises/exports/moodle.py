@@ -1,4 +1,4 @@
-"""Moodle: questions of STACK read back from XML, and answers of Maxima as students write them."""
+"""Moodle: STACK questions read from XML, and answers of Maxima as students write them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from geomtorsion.teaching.exercises.question import Question, shown_name
 
 
 def text_of(parent: ET.Element, tag: str) -> str:
-    """The text in an element, or in the text element inside it."""
+    """The text of an element, or of the text element inside it."""
     found = parent.find(tag)
     assert found is not None, tag
     inner = found.find("text")
@@ -34,7 +34,7 @@ class StackQuestion:
 
     @cached_property
     def variables(self) -> Mapping[str, str]:
-        """Name -> what stands after the colon."""
+        """Name -> the text after the colon."""
         lines = text_of(self.element, "questionvariables").splitlines()
         return dict(line.rstrip(";").split(": ", 1) for line in lines if ": " in line)
 
@@ -62,7 +62,7 @@ def stack_questions(text: str) -> list[StackQuestion]:
 
 
 def as_answered(question: Question, text: str, options: str = "") -> str:
-    """A value of Maxima as a student writes it: names with primes, rows of three indices apart."""
+    """A Maxima value in a student's notation: names with primes, three indices as nested lists."""
     names = {maxima_name(x.name): shown_name(x.name) for x in question.domain.symbols}
     text = re.sub(r"[A-Za-z]\w*", lambda match: names.get(match[0], match[0]), text)
     if question.kind == "choice":

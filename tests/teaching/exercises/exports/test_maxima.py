@@ -1,4 +1,4 @@
-"""Maxima: what is written is read back by the reader of answers as the same expression."""
+"""Maxima: the reader of answers reads exported text as the same expression."""
 
 import pytest
 import sympy as sp
@@ -25,13 +25,13 @@ DOMAIN = Domain((r, phi))
     ids=str,
 )
 def test_expressions(expr):
-    """Constants with a sign of percent, powers with ^, fractions as they are."""
+    """Constants with a percent sign, powers with ^, and fractions are read unchanged."""
     question = Question("q", "expression", "?", lambda: expr, DOMAIN)
     assert check_question(question, maxima_text(expr)).right
 
 
 def test_components():
-    """A matrix of Maxima is a matrix to the reader; lists stand in a row."""
+    """A matrix of Maxima is read as a matrix; a list contains all components in order."""
     value = {(0, 0): r, (1, 0): 1 / r, (1, 1): sp.pi}
     question = Question("q", "components", "?", lambda: value, DOMAIN, shape=(2, 2))
     assert check_question(question, maxima_matrix(value, (2, 2))).right

@@ -1,4 +1,4 @@
-"""nbgrader: notebooks read back and graded by their hidden tests, and by nbgrader itself."""
+"""nbgrader: notebooks graded by their hidden tests, and by nbgrader itself."""
 
 import ast
 import csv
@@ -34,7 +34,7 @@ def exported(number: str) -> dict:
 
 
 def graded(test: str, name: str, answer: str) -> tuple[float, str]:
-    """Points and message that a hidden test gives, run as a notebook runs it."""
+    """Points and message that a hidden test gives, run as in a notebook."""
     said: list[str] = []
     scope: dict = {"print": said.append, name: answer}
     exec("import geomtorsion as gt", scope)
@@ -49,7 +49,7 @@ def graded(test: str, name: str, answer: str) -> tuple[float, str]:
 
 @pytest.mark.parametrize("number", NUMBERS)
 def test_round_trip(number):
-    """The solution in the notebook earns all points; each mistake is told as that mistake."""
+    """The notebook's solution earns all points; each mistake gets its own message and score."""
     cells = {cell["id"]: cell for cell in exported(number)["cells"]}
     asked = exercises.load(number, SEED).questions
     for question in asked:
@@ -86,7 +86,7 @@ def test_cells_are_marked(number):
 
 
 def test_a_chapter_and_its_variants():
-    """One assignment for each chapter and variant."""
+    """Each chapter has one assignment per variant."""
     files = course_files(tasks(["3.1", "3.2", "7.1"], [0, 5]))
     assert list(files) == [
         "nbgrader_config.py",
@@ -98,7 +98,7 @@ def test_a_chapter_and_its_variants():
 
 
 def test_nbgrader_validates_the_cells():
-    """nbgrader's own reader takes a notebook, and finds a graded cell for each question."""
+    """The reader of nbgrader accepts a notebook and finds a graded cell for each question."""
     formats = pytest.importorskip("nbgrader.nbgraderformat")
     [text] = list(course_files(tasks(["3.3"], [0])).values())[1:]
     read = formats.reads(text, as_version=4)
@@ -106,7 +106,7 @@ def test_nbgrader_validates_the_cells():
 
 
 def filled(release: dict, answers: dict[str, dict[str, str]]) -> dict:
-    """A released notebook with answers, as a student hands it in."""
+    """A released notebook with answers, as a student submits it."""
     handed = json.loads(json.dumps(release))
     for cell in handed["cells"]:
         found = re.fullmatch(r"answer-([0-9])-([0-9])-(\w+)", cell["id"])
@@ -116,7 +116,7 @@ def filled(release: dict, answers: dict[str, dict[str, str]]) -> dict:
     return handed
 
 
-# bob is right once, leaves out an exercise, makes a mistake, and half of a table; ada answers all.
+# bob omits 3.1, has a mistake in 3.2, half a table and a right answer in 3.3; ada answers all.
 NUMBERS_ASKED = ("3.1", "3.2", "3.3")
 PARTLY = {
     "3.2": {"christoffel": "-cot(phi2)"},
@@ -131,7 +131,7 @@ def answers_of(student: str) -> dict[str, dict[str, str]]:
 
 
 def run(cells: list) -> None:
-    """Run cells one after the other, and write what they give where a kernel writes it."""
+    """Run cells in order, and store their results where a kernel stores them."""
     formats = pytest.importorskip("nbformat.v4")
     scope: dict = {}
     for cell in cells:
@@ -155,7 +155,7 @@ def run(cells: list) -> None:
 
 @pytest.mark.parametrize("student", ["bob", "ada"])
 def test_nbgrader_takes_it_apart(student):
-    """What nbgrader's own steps take out for students, and what its marks are of what came back."""
+    """nbgrader's steps remove solutions and tests from the release and give the library's marks."""
     steps = pytest.importorskip("nbgrader.preprocessors")
     formats = pytest.importorskip("nbgrader.nbgraderformat")
     utils = pytest.importorskip("nbgrader.utils")
@@ -169,7 +169,7 @@ def test_nbgrader_takes_it_apart(student):
     assert "BEGIN SOLUTION" not in text
     answers = answers_of(student)
     handed = formats.reads(json.dumps(filled(released, answers)), as_version=4)
-    # The tests come back from the teacher's notebook before it is run.
+    # nbgrader restores the tests from the teacher's notebook before it runs the cells.
     tests = {cell.id: cell for cell in teacher.cells if utils.is_grade(cell)}
     cells = [tests.get(cell.id, cell) for cell in handed.cells if cell.cell_type == "code"]
     run(cells)
@@ -185,11 +185,11 @@ def test_nbgrader_takes_it_apart(student):
     assert ("The sign is wrong." in json.dumps(tests)) == (student == "bob")
 
 
-# What is read in one process stands for it above.
+# The normal run covers grading by the test above, in one process.
 @pytest.mark.slow
 @pytest.mark.parametrize("student", ["bob", "ada"])
 def test_nbgrader_grades(student, tmp_path):
-    """generate_assignment takes out solutions and tests; autograde puts the tests back."""
+    """generate_assignment removes solutions and tests; autograde restores the tests."""
     pytest.importorskip("nbgrader")
 
     def write(path: Path, text: str) -> None:

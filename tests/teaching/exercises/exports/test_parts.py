@@ -1,11 +1,11 @@
-"""Parts: mistakes of several variants side by side, and answers that are half given."""
+"""Parts: mistakes of several variants side by side, and answers with half of the components."""
 
 from geomtorsion import exercises
 from geomtorsion.teaching.exercises.exports.parts import MISSING, parts_of
 
 
 def test_mistakes_stand_side_by_side():
-    """By code and number; where a variant lacks one, nothing is equal to it, nor is it tested."""
+    """A slot has one mistake per variant; a slot that a variant lacks is MISSING and not tested."""
     group = [exercises.load("1.1", seed) for seed in range(4)]
     [part] = parts_of(group)
     tables = dict(part.variables())
@@ -20,7 +20,7 @@ def test_mistakes_stand_side_by_side():
 
 
 def test_half_of_a_symmetric_answer():
-    """Zeros are filled in from the other half; mistakes without symmetry count as typed."""
+    """Zeros are filled in from the other half; mistakes without symmetry are compared as typed."""
     [part] = parts_of([exercises.load("2.3")])[:1]
     assert part.given == "full1"
     assert "-given1" in "".join(part.feedback_variables())
@@ -30,7 +30,7 @@ def test_half_of_a_symmetric_answer():
 
 
 def test_fields():
-    """One for each unknown, one for each first index of three, one for a matrix."""
+    """One field for each unknown, for each first index of three, and for a matrix."""
     fields = {
         number: [part.inputs for part in parts_of([exercises.load(number)])]
         for number in ("4.3", "1.3", "1.2", "3.1")

@@ -1,4 +1,4 @@
-"""STACK: what is in the XML, read back and graded; and what Maxima makes of it."""
+"""STACK: the XML is read and graded again, and Maxima runs its question tests."""
 
 import re
 import shutil
@@ -25,7 +25,7 @@ from tests.teaching.exercises.exports.moodle import (
 
 NUMBERS = exercises.names()
 SEEDS = (0, 1)
-# What Moodle's importer of the question type looks for; all else has a default.
+# Fields that Moodle's importer of the question type requires; all others have a default.
 NEEDED = (
     "name", "questiontext", "generalfeedback", "defaultgrade", "penalty", "questionvariables",
     "specificfeedback", "questionnote", "questionsimplify", "prtcorrect", "prtincorrect",
@@ -46,7 +46,7 @@ def exported(number: str) -> list[StackQuestion]:
 
 @pytest.mark.parametrize("number", NUMBERS)
 def test_moodle_finds_what_it_needs(number):
-    """Fields, inputs, trees and tests name one another, and no node leads into the void."""
+    """Fields, inputs, trees and tests refer to each other; each node leads to an existing one."""
     for found in exported(number):
         question = found.element
         assert not [tag for tag in NEEDED if question.find(tag) is None]
@@ -80,7 +80,7 @@ def test_moodle_finds_what_it_needs(number):
 
 @pytest.mark.parametrize("number", NUMBERS)
 def test_variants_are_deployed(number):
-    """Every seed of the library is a variant of one question; seeds of STACK count from 1."""
+    """Each seed of the library is a variant of a question; seeds of STACK count from 1."""
     questions = exported(number)
     assert sorted(seed for found in questions for seed in found.seeds) == list(SEEDS)
     for found in questions:
@@ -92,7 +92,7 @@ def test_variants_are_deployed(number):
 
 @pytest.mark.parametrize("number", NUMBERS)
 def test_round_trip(number):
-    """Solutions and mistakes read back from the XML are right, and those mistakes."""
+    """Solutions from the XML are right; mistakes from the XML get their own diagnosis."""
     for found in exported(number):
         for variant, seed in enumerate(found.seeds):
             asked = exercises.load(number, seed).questions
@@ -121,7 +121,7 @@ def test_round_trip(number):
 
 
 def test_points_and_symbols():
-    """Parts weigh what their questions do; what may be typed is said and allowed."""
+    """A part has the weight of its question; allowed symbols are listed and explained."""
     [found] = exported("1.4")
     assert [text_of(tree, "value") for tree in found.trees] == ["2", "1"]
     assert text_of(found.element, "defaultgrade") == "3"
@@ -134,7 +134,7 @@ def test_points_and_symbols():
 
 
 def test_one_variant_needs_no_seed():
-    """Without variants nothing depends on the seed, and no text on the variant."""
+    """With a single variant, no text and no variable depends on the seed."""
     text = stack_quiz(tasks(["2.1"], [4]))
     assert "stack_seed" not in text
     assert "variant]" not in text
@@ -143,7 +143,7 @@ def test_one_variant_needs_no_seed():
 
 
 def test_other_dimensions_are_other_questions():
-    """2.3 is asked in two and in three dimensions: two questions of STACK."""
+    """Exercise 2.3 in two and in three dimensions gives two questions of STACK."""
     questions = stack_questions(stack_quiz(tasks(["2.3"], [0, 1, 2])))
     assert len(questions) == 2
     assert all("(seeds " in text_of(found.element, "name") for found in questions)
@@ -151,7 +151,7 @@ def test_other_dimensions_are_other_questions():
 
 # -- in Maxima -------------------------------------------------------------------------------------
 
-# What STACK's tests do, in a few words: a difference vanishes, in exponentials; numbers are near.
+# A short form of STACK's tests: a difference vanishes in exponentials; numbers are close.
 PRELUDE = """\
 kill(all)$ reset()$ display2d:false$ linel:1000000$
 vanishes(d) := if atom(d) or not (matrixp(d) or listp(d)) then is(radcan(exponentialize(d))=0)
@@ -165,7 +165,7 @@ at_numabsolute(a,b,o) := if listp(a) then (listp(b) and every(lambda([u,v],near(
 
 
 def script(found: StackQuestion, mark: str) -> str:
-    """The tests of a question in each variant, as Maxima runs them; mark: begins each line."""
+    """Maxima code for a question's tests in each variant; mark: the start of each output line."""
     question, lines = found.element, [PRELUDE]
     for variant in range(1, len(found.seeds) + 1):
         lines += ["kill(facts)$", f"stack_seed:{variant}$"]
@@ -195,7 +195,7 @@ def script(found: StackQuestion, mark: str) -> str:
 
 
 def count(found: StackQuestion) -> int:
-    """How many ends the tests of a question have, in all of its variants."""
+    """Number of end nodes that the tests of a question reach, in all variants."""
     tests = sum(len(x.findall("expected")) for x in found.element.findall("qtest"))
     return tests * len(found.seeds)
 
@@ -204,7 +204,7 @@ HALVES = ("1.2", "1.3", "2.3", "3.4")
 
 
 def half(number: str) -> StackQuestion:
-    """A question whose one test answers with the components i <= j alone."""
+    """A question with one test, which answers only with the components i <= j."""
     question = exercises.load(number).questions[0]
     given = {key: x for key, x in question.solution.items() if key[0] <= key[1]}
     assert len(given) < len(question.solution) or question.symmetry == "symmetric"
@@ -227,9 +227,9 @@ def half(number: str) -> StackQuestion:
 
 @pytest.fixture(scope="module")
 def ends(tmp_path_factory) -> dict[str, list[tuple[str, str]]]:
-    """Where each question test ends in Maxima, and where it should, by what was marked.
+    """For each mark, the reached and the expected end node of each question test in Maxima.
 
-    All in one process, which takes longer to start than most questions to run.
+    All questions share one process, which takes longer to start than most questions to run.
     """
     settings = environment()
     if settings is None:
@@ -256,14 +256,14 @@ def ends(tmp_path_factory) -> dict[str, list[tuple[str, str]]]:
 
 @pytest.mark.parametrize("number", NUMBERS)
 def test_maxima_ends_where_the_tests_say(number, ends):
-    """Each question test, in each variant, ends at its node."""
+    """Each question test of each variant ends at its expected node."""
     assert len(ends[number]) == sum(map(count, exported(number))) > 0
     assert not [row for row in ends[number] if row[0] != row[1]]
 
 
 @pytest.mark.parametrize("number", HALVES)
 def test_half_of_a_symmetric_answer_in_maxima(number, ends):
-    """Components with i <= j alone are right, as they are to the library."""
+    """Components with i <= j are enough for a right answer, as in the library."""
     trees = len(half(number).trees)
     assert set(ends[f"half of {number}"]) == {
         (f"prt{k}-right", f"prt{k}-right") for k in range(1, trees + 1)
@@ -271,7 +271,7 @@ def test_half_of_a_symmetric_answer_in_maxima(number, ends):
 
 
 def test_the_export_is_xml_of_one_kind():
-    """It is declared as UTF-8, and parsed by any reader."""
+    """The file is declared as UTF-8, and an XML parser reads it."""
     text = stack_quiz(tasks(["3.1"], [0]))
     assert text.startswith('<?xml version="1.0" encoding="UTF-8"?>')
     assert ET.fromstring(text).tag == "quiz"

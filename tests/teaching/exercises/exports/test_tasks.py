@@ -1,4 +1,4 @@
-"""Tasks: exercises in variants, and what may be asked for."""
+"""Tasks: exercises in variants, and refused requests."""
 
 import pytest
 
@@ -8,7 +8,7 @@ from geomtorsion.teaching.exercises.exports.tasks import tasks
 
 
 def test_all_exercises():
-    """Without numbers all, in order; folders have names of their own."""
+    """Without numbers, all exercises are taken in order; their folders have different names."""
     found = tasks(None, [0])
     assert [task.number for task in found] == list(exercises.names())
     assert len({task.slug for task in found}) == len(found)
@@ -44,6 +44,6 @@ def test_all_exercises():
     ],
 )
 def test_what_is_refused(numbers, seeds, error, says):
-    """Unknown, double, and none at all."""
+    """Unknown, repeated and missing numbers or seeds are refused."""
     with pytest.raises(error, match=says):
         tasks(numbers, seeds)

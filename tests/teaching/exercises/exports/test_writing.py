@@ -1,4 +1,4 @@
-"""Writing: files of each format, the same ones each time."""
+"""Writing: files of each format, with equal bytes each time."""
 
 import pytest
 
@@ -13,13 +13,13 @@ FILES = {
 
 
 def test_all_formats_are_here():
-    """Each has its files below."""
+    """The table of files covers all formats."""
     assert set(FILES) == set(FORMATS)
 
 
 @pytest.mark.parametrize("to", FORMATS)
 def test_files(to, tmp_path):
-    """They stand where they should, say what to do, and have the same bits the next time."""
+    """Files have the expected paths and equal bytes each time; a note explains their use."""
     done = exercises.export(to, tmp_path / "one", ["3.1"])
     assert {path.relative_to(tmp_path / "one").as_posix() for path in done.files} == FILES[to]
     again = exercises.export(to, tmp_path / "two", ["3.1"])
@@ -30,7 +30,7 @@ def test_files(to, tmp_path):
 
 
 def test_progress_and_seeds(tmp_path):
-    """Each exercise is named before it is solved; seeds are those asked for."""
+    """Each exercise is reported in order; the requested seeds are exported."""
     seen: list[str] = []
     done = exercises.export("nbgrader", tmp_path, ["3.1", "7.4"], [3, 4], seen.append)
     assert seen == ["3.1", "7.4"]
@@ -41,6 +41,6 @@ def test_progress_and_seeds(tmp_path):
 
 
 def test_no_such_format(tmp_path):
-    """The formats are listed."""
+    """The message lists the formats."""
     with pytest.raises(ArgumentError, match="to: expected one of stack, nbgrader"):
         exercises.export("moodle", tmp_path)
