@@ -1,1 +1,1 @@
-"""Golden answers: what public calls gave before the house was rebuilt."""
+"""Golden answers: results of public calls, recorded before the package was rebuilt."""

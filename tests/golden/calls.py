@@ -1,7 +1,7 @@
-"""Public calls whose answers are frozen: name -> (tolerance, call).
+"""Public calls with frozen answers: name -> (tolerance, call).
 
 A call gives a number, a text, or lists and mappings of them. The tolerance is relative to the
-largest number of a list. Names that the package exports are taken from it in one place, below.
+largest number of a list. Exported names that may be renamed are collected below.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from typer.testing import CliRunner
 import geomtorsion as gt
 from geomtorsion.cli.app import app
 
-# Exported names: a renamed one is renamed here.
+# Exported names: if one is renamed, change it here.
 log_map = gt.log_map
 develop_period = gt.develop_period
 ode = gt.ODE.of
 
-# What is computed exactly and then evaluated may differ by the roundings of its writing.
+# Exactly computed values may differ by the rounding errors of their evaluation.
 EXACT = 1e-13
-# Two answers to 1e-10 are apart by no more than both errors.
+# Two answers with errors of 1e-10 differ by at most the sum of both errors.
 SOLVED = 2e-10
 
 x, y, z, r, s = sp.symbols("x y z r s", positive=True)
@@ -63,18 +63,18 @@ def at(tensor: Any) -> Any:
 
 
 def polar() -> gt.Frame:
-    """The plane with the compass of its polar coordinates."""
+    """The plane with the orthonormal frame of its polar coordinates."""
     theta = sp.Symbol("theta", real=True)
     return gt.Frame([r, theta], [[1, 0], [0, r]])
 
 
 def circle(radius: float = 0.5, plane: tuple[int, int] = (0, 1)) -> gt.Loop:
-    """About the start on so3."""
+    """A circle around the start on so3."""
     return gt.Loop.circle(centre=START, radius=radius, plane=plane)
 
 
 def half() -> gt.Connection:
-    """A third of the way from Levi-Civita's to Cartan's connection of so3."""
+    """The connection a third of the way from Levi-Civita's to Cartan's on so3."""
     return gt.blend(gt.levi_civita(so3), gt.cartan(so3), sp.Rational(1, 3))
 
 
@@ -84,7 +84,7 @@ def states(solution: Any) -> Any:
 
 
 def place(solution: Any) -> dict[str, Any]:
-    """Where a curve is at its end."""
+    """Position and velocity at the end of a curve."""
     return {
         "coordinates": solution.coordinates[-1],
         "velocity": solution.velocity[-1],
@@ -93,7 +93,7 @@ def place(solution: Any) -> dict[str, Any]:
 
 
 def lines(*arguments: str) -> list[str]:
-    """What a command prints, line by line."""
+    """The printed lines of a command."""
     result = CliRunner().invoke(app, list(arguments))
     assert result.exit_code == 0, result.output
     return result.stdout.rstrip().splitlines()
@@ -105,7 +105,7 @@ def stone(**more: Any) -> Any:
 
 
 def pushed() -> Any:
-    """An oscillator with friction, pushed from 1/3 to 1/2 and stopped dead at 2."""
+    """An oscillator with friction, pushed from 1/3 to 1/2 and stopped at 2."""
     switches = [(1 / 3, {"a": 3}), (0.5, {"a": 0}), (2, {"v": 0})]
     return ode(
         {"x": "v", "v": "-x - v/10 + a"},
@@ -142,39 +142,39 @@ def heavy_top(**more: Any) -> gt.Scene:
 
 
 def scene(name: str, t: float) -> dict[str, Any]:
-    """What is watched at the end of a shipped scene."""
+    """Final values of the watched quantities of a shipped scene."""
     result = gt.scenes.load(name).with_values(t=t).run()
     return {key: np.asarray(result[key])[-1] for key in result.values}
 
 
 def carried(solution: Any) -> Any:
-    """Vectors carried along a curve, at its end."""
+    """Vectors transported along a curve, at its end."""
     return solution.transported[-1]
 
 
 def top_action(**more: Any) -> Any:
-    """A top on so3, from its energy."""
+    """Equations of motion of a top on so3, from its energy."""
     spin = sp.symbols("u1 u2 u3")
     energy = sum(i * u**2 for i, u in zip(sp.symbols("I1 I2 I3"), spin, strict=True)) / 2
     return gt.equations_of_motion(so3, energy, **more)
 
 
 def motion_of_action() -> Any:
-    """The same top, moving."""
+    """The final state of the same top."""
     start = {"phi1": 0, "phi2": 1, "phi3": 0, "u1": 0.1, "u2": 2, "u3": 0}
     numbers = {"I1": 1, "I2": 2, "I3": 3}
     return states(gt.solve(ode(top_action(), start, parameters=numbers), 10.0, 1e-10))
 
 
 def sampled() -> Any:
-    """A loop in a frame that is known on a grid only."""
+    """b of a loop in a frame that is known only on a grid."""
     axes = [np.linspace(0.5, 1.5, 13)] * 3
     grid = gt.SampledFrame.from_frame(wavy(), axes, 6)
     return grid.burgers(gt.Loop.circle([1.0, 1.0, 1.0], 0.3)).vector
 
 
 def network() -> Any:
-    """Loops of a small graph about two screws."""
+    """b of two loops of a small graph around two screws."""
     nodes = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0], [3, 1, 0], [3, -1, 0]])
     edges = np.array([[0, 1], [1, 2], [2, 3], [3, 0], [2, 4], [4, 5], [5, 1]])
     screws = gt.parallel_screws([(0, 0), (2, 0)], [1, "1/3"])
@@ -183,7 +183,7 @@ def network() -> Any:
 
 
 def verdict(number: str, answers: Any) -> dict[str, Any]:
-    """What an exercise says of answers."""
+    """The verdict of an exercise on these answers."""
     said = gt.exercises.load(number, seed=0).check(answers)
     return {q.name: [q.right, q.score, q.diagnosis, q.message] for q in said.questions}
 

@@ -1,7 +1,7 @@
-"""Write frozen answers anew: python -m tests.golden.record NAME ..., or "public names".
+"""Record frozen answers: python -m tests.golden.record NAME ..., or "public names".
 
-Only for a change that is meant, with its reason in the commit. A message that has another text than
-at first keeps the first one beside it, and `may_change` has to say why.
+Run it only for an intended change, and give the reason in the commit. A message with a new text
+keeps its first text beside it, and `may_change` must give the reason.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ VALUES_FILE, MESSAGES_FILE, NAMES_FILE = (
 
 
 def plain(value: Any) -> Any:
-    """Numbers, texts, lists and mappings only."""
+    """The value with only numbers, texts, lists and mappings."""
     if isinstance(value, dict):
         return {str(key): plain(part) for key, part in value.items()}
     if isinstance(value, np.ndarray | np.generic):
@@ -36,12 +36,12 @@ def plain(value: Any) -> Any:
 
 
 def read(file: Path) -> Any:
-    """What a data file holds."""
+    """The content of a data file."""
     return json.loads(file.read_text("utf-8"))
 
 
 def shown(value: Any, margin: str = "") -> str:
-    """JSON with one number, one list of numbers or one text a line."""
+    """JSON with one number, one list of numbers or one text per line."""
     inner = margin + " "
     if isinstance(value, dict) and value:
         rows = [f"{inner}{json.dumps(k)}: {shown(v, inner)}" for k, v in value.items()]
@@ -53,7 +53,7 @@ def shown(value: Any, margin: str = "") -> str:
 
 
 def message(name: str, call: Any, old: dict[str, Any]) -> dict[str, Any]:
-    """Class and text of an error; where the text is another than at first, the first one too."""
+    """Class and text of an error; if the text differs from the first one, the first one as well."""
     found = refused(call)
     if "may_change" in old:
         found["may_change"] = old["may_change"]
@@ -64,7 +64,7 @@ def message(name: str, call: Any, old: dict[str, Any]) -> dict[str, Any]:
 
 
 def same_words(name: str, one: str, two: str) -> bool:
-    """Whether two texts are equal; of some, the numbers do not count."""
+    """Whether two texts are equal; for some names numbers are ignored."""
     if name in WORDS_ONLY:
         one, two = (re.sub(r"[-+]?\d[\d.]*(e[-+]?\d+)?", "#", text) for text in (one, two))
     return one == two

@@ -30,7 +30,7 @@ from tests.golden.calls import (
     y,
 )
 
-# Their numbers are roundings, or how far the steps came: only the words are compared.
+# Their numbers are rounding errors or depend on the steps, so only the words are compared.
 WORDS_ONLY = {
     "accuracy out of reach",
     "end of the chart",
@@ -41,12 +41,12 @@ WORDS_ONLY = {
 NAN = float("nan")
 ONES = [[1, 0], [0, 1]]
 TOP = sum(u**2 for u in sp.symbols("u1 u2 u3"))
-# Without types, for what is wrong on purpose.
+# Without types, for calls that are wrong on purpose.
 wrong: Any = gt
 
 
 def refused(call: Callable[[], Any]) -> dict[str, str]:
-    """Class and text of the error that a call ends with."""
+    """Class and text of the error that a call raises."""
     try:
         call()
     except gt.GeomtorsionError as error:
@@ -60,7 +60,7 @@ def line() -> Any:
 
 
 def solved() -> Any:
-    """It, solved."""
+    """The same geodesic, solved."""
     return gt.solve(line(), 1.0)
 
 

@@ -1,4 +1,4 @@
-"""What public calls give and say is what they gave and said before."""
+"""Public calls return the same values and raise the same messages as before."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FROZEN, MESSAGES = read(VALUES_FILE), read(MESSAGES_FILE)
 
 
 def gap(found: Any, frozen: Any) -> float:
-    """Largest difference, relative to the largest number of its list; texts are equal or not."""
+    """Largest difference, relative to the largest number of its list; texts must be equal."""
     if isinstance(frozen, dict):
         assert found.keys() == frozen.keys()
         return max(gap(found[key], part) for key, part in frozen.items())
@@ -32,7 +32,7 @@ def gap(found: Any, frozen: Any) -> float:
 
 
 def test_enough_is_frozen():
-    """Neither the calls nor the data have lost one."""
+    """Neither a call nor a frozen answer is missing."""
     assert FROZEN.keys() == VALUES.keys()
     assert MESSAGES.keys() == REFUSALS.keys()
     assert len(VALUES) >= 75
@@ -41,7 +41,7 @@ def test_enough_is_frozen():
 
 @pytest.mark.parametrize("name", VALUES)
 def test_value(name):
-    """Equal to the frozen one, as far as both are known."""
+    """The value equals the frozen value within the tolerance."""
     tolerance, call = VALUES[name]
     assert tolerance == FROZEN[name]["tolerance"]
     assert gap(plain(call()), FROZEN[name]["value"]) <= tolerance
@@ -49,7 +49,7 @@ def test_value(name):
 
 @pytest.mark.parametrize("name", REFUSALS)
 def test_message(name):
-    """Class and text as frozen; a text that is not the first one says why."""
+    """Class and text are as frozen; a text that differs from the first one has a reason."""
     frozen = MESSAGES[name]
     found = refused(REFUSALS[name])
     assert found["error"] == frozen["error"]
@@ -58,7 +58,7 @@ def test_message(name):
 
 
 def test_differences_are_seen():
-    """The comparison can fail: other numbers, shapes and words."""
+    """The comparison fails for other numbers, shapes and words."""
     assert gap([1.0, 2.0], [1.0, 2.2]) == pytest.approx(0.2 / 2.2)
     assert gap({"a": [[1.0], [1.0, 3.0]]}, {"a": [[1.0], [1.0, 2.0]]}) == 0.5
     with pytest.raises(AssertionError):
@@ -71,5 +71,5 @@ def test_differences_are_seen():
 
 
 def test_public_names():
-    """What `import geomtorsion` offers is what the list says."""
+    """`import geomtorsion` exports exactly the recorded names."""
     assert sorted(gt.__all__) == read(NAMES_FILE)

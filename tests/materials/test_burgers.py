@@ -8,14 +8,14 @@ from geomtorsion.materials.burgers import noise_level, significances
 
 @pytest.mark.parametrize("rows", [1, 2, 3])
 def test_noise_passes_the_level_once_in_a_thousand(rows):
-    """Counted on a million normal vectors, to five standard deviations of the count."""
+    """Counted on a million normal vectors, within five standard deviations of the count."""
     lengths = np.linalg.norm(np.random.default_rng(rows).normal(size=(rows, 10**6)), axis=0)
     assert abs((lengths > noise_level(rows)).sum() - 1000) < 5 * np.sqrt(1000)
 
 
 @pytest.mark.parametrize("rows", [1, 2, 3, 4])
 def test_significance_is_the_length_in_units_of_errors(rows):
-    """sqrt(b C^-1 b) by the inverse of C, systematic errors on its diagonal."""
+    """sqrt(b C^-1 b) by the inverse of C, with systematic errors on its diagonal."""
     rng = np.random.default_rng(rows)
     roots = rng.normal(size=(40, rows, rows))
     table, other = roots @ roots.swapaxes(1, 2), rng.uniform(0, 2, 40)
@@ -28,7 +28,7 @@ def test_significance_is_the_length_in_units_of_errors(rows):
 
 
 def test_a_direction_without_error():
-    """Noise along one direction alone: infinite for b across it, whatever rounding leaves."""
+    """With noise in only one direction, b across it is infinitely significant, despite rounding."""
     along = np.array([0.1, 0.2, 0.3])
     table = np.outer(along, along)
     pairs = {(i, j): table[i, j] for i in range(3) for j in range(i, 3)}

@@ -1,6 +1,6 @@
-"""Readers: files are told by name and content; options that do not belong are named."""
+"""Readers: files are recognised by name and content; foreign options are named."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# The tests pass what users pass, including wrong types, and read optional values.
 # pyright: reportAttributeAccessIssue=false, reportArgumentType=false
 
 import gzip
@@ -36,7 +36,7 @@ def grid(folder, name="field.npz", **options):
 
 @pytest.mark.parametrize("name", ["a.npz", "a.nc", "a.csv"])
 def test_grids_of_every_kind(tmp_path, name):
-    """What is saved is opened; its noise is that of the file."""
+    """A saved grid opens with its unit and its noise."""
     field = open_source(grid(tmp_path, name, sigma=0.25, unit="nm"))
     assert isinstance(field, SampledFrame)
     assert field.unit == "nm"
@@ -44,7 +44,7 @@ def test_grids_of_every_kind(tmp_path, name):
 
 
 def test_noise_is_given_or_estimated(tmp_path):
-    """Without noise in the file it is estimated, and said so; a given value wins."""
+    """Without noise in the file it is estimated, as the description states; a given value wins."""
     path = grid(tmp_path)
     assert "median of sixth differences" in open_source(path).description[1]
     assert open_source(path, sigma=0.5).sigma.max() == 0.5
@@ -61,7 +61,7 @@ def test_orientation_maps(tmp_path):
 
 
 def test_content_against_name(tmp_path):
-    """A renamed file is told by its first bytes, with the remedy."""
+    """A renamed file is recognised by its first bytes, and the error gives the remedy."""
     path = grid(tmp_path).rename(tmp_path / "map.ctf")
     with pytest.raises(
         FileFormatError, match=re.escape("ending in .npz, to match the content, got '.ctf'")
@@ -74,7 +74,7 @@ def test_content_against_name(tmp_path):
 
 
 def test_names_that_mean_nothing(tmp_path):
-    """Spaces are none, and unknown ends are refused."""
+    """Names of spaces are not sources, and unknown endings are refused."""
     assert not is_source("so3")
     (tmp_path / "a.doc").write_text("nothing")
     with pytest.raises(FileFormatError, match="a name ending in"):
@@ -82,7 +82,7 @@ def test_names_that_mean_nothing(tmp_path):
 
 
 def test_options_that_do_not_belong(tmp_path):
-    """Each is named, with what to do."""
+    """Each foreign option is named; some errors also give the remedy."""
     with pytest.raises(GridError, match="threshold: expected a file of orientation maps.*Omit the"):
         open_source(grid(tmp_path), threshold=3)
     with pytest.raises(
@@ -94,7 +94,7 @@ def test_options_that_do_not_belong(tmp_path):
 
 
 def test_images(tmp_path):
-    """An array of grey values becomes phases; what belongs to others is refused."""
+    """An array of grey values becomes phases; options of other sources are refused."""
     image = crystal(96, "square", dislocated=False)
     path = tmp_path / "atoms.npy"
     np.save(path, image.values)
@@ -113,7 +113,7 @@ def test_images(tmp_path):
 
 
 def test_hdf5_is_told_by_what_is_in_it(tmp_path):
-    """A sampled frame by its data set; anything else is asked of orix."""
+    """A file with the data set is a sampled frame; any other file goes to orix."""
     h5py = pytest.importorskip("h5py")
     assert isinstance(open_source(grid(tmp_path, "field.h5")), SampledFrame)
     with h5py.File(tmp_path / "other.h5", "w") as file:
@@ -123,7 +123,7 @@ def test_hdf5_is_told_by_what_is_in_it(tmp_path):
 
 
 def test_orientations_in_hdf5(tmp_path):
-    """A map that orix writes is an orientation map."""
+    """A map written by orix is an orientation map."""
     io = pytest.importorskip("orix.io")
     path = write(tmp_path, ctf(), "a.ctf")
     io.save(str(tmp_path / "a.h5"), io.load(str(path)))
@@ -145,7 +145,7 @@ def test_sizes_of_pixels_and_names_of_files(tmp_path):
 
 @pytest.mark.parametrize("name", ["a.csv", "a.txt", "a.csv.gz"])
 def test_endings_that_maps_and_fields_share(tmp_path, name):
-    """A table of angles is a map, by its row of names; one of a coframe a field."""
+    """A table with columns of angles is a map, a table of a coframe is a field."""
     rows = ["phi1,Phi,phi2,x,y", *(f"1,2,{c},{c},{r}" for r in range(5) for c in range(6))]
     path = tmp_path / name
     content = "\n".join(rows).encode()
@@ -161,7 +161,7 @@ def test_endings_that_maps_and_fields_share(tmp_path, name):
 
 
 def test_packed_and_new_maps(tmp_path):
-    """A map packed by gzip, and one of Oxford's HDF5, by their endings."""
+    """A gzip-packed map and a map in Oxford's HDF5 are recognised by their endings."""
     text = "\n".join(ctf()) + "\n"
     (tmp_path / "a.ctf.gz").write_bytes(gzip.compress(text.encode()))
     assert isinstance(open_source(tmp_path / "a.ctf.gz", sigma=0.1), OrientationMap)
@@ -169,7 +169,7 @@ def test_packed_and_new_maps(tmp_path):
 
 
 def test_tables_are_told_by_their_columns(tmp_path):
-    """Text ending in .csv holds a sampled frame, or an orientation map."""
+    """Text ending in .csv is a sampled frame or an orientation map."""
     assert isinstance(open_source(grid(tmp_path, "a.csv")), SampledFrame)
     rows = ["phi1,Phi,phi2,phase,x,y"]
     rows += [f"{0.1 * x},20,30,1,{x},{y}" for y in range(8) for x in range(9)]

@@ -1,4 +1,4 @@
-"""Sources: whatever measured b, one circuit and the survey agree, and both can be shown."""
+"""Sources: for all kinds of data single circuits and surveys agree, and both can be drawn."""
 
 import pickle
 
@@ -16,7 +16,7 @@ X, Y = np.meshgrid(*LINES, indexing="ij")
 
 
 def twist(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """A coframe of torsion 1 in its first row, bent."""
+    """A coframe with torsion 1 + x / 9 in its first row and -cos(y) / 2 in its second."""
     return np.array([[-y, x + x**2 / 9], [np.sin(y), 0 * x]]) / 2
 
 
@@ -30,7 +30,7 @@ def displaced() -> gt.SampledFrame:
 
 
 def scattered(dimension: int = 2) -> gt.ScatteredFrame:
-    """Points of a twist in the plane, or in space."""
+    """Points of a twist in the plane or in space."""
     points = np.random.default_rng(0).uniform(0, 5, (300, dimension))
     values = twist(*points.T[:2])
     if dimension == 3:
@@ -52,12 +52,12 @@ SOURCES = {
 
 @pytest.fixture(scope="module", params=SOURCES)
 def source(request: pytest.FixtureRequest) -> Source:
-    """One of each kind."""
+    """One source of each kind."""
     return SOURCES[request.param]()
 
 
 def single(source: Source, survey: Survey, place: tuple[int, ...]):
-    """The circuit of a survey at a place, on its own."""
+    """The circuit of a survey at one position, computed separately."""
     if isinstance(source, gt.ScatteredFrame):
         row = source.mesh.complex.boundary(1).tocsr()[[place[0]]].tocoo()
         chain = dict(zip(row.coords[1].tolist(), row.data.tolist(), strict=True))
@@ -71,7 +71,7 @@ def single(source: Source, survey: Survey, place: tuple[int, ...]):
 
 
 def test_a_survey_holds_what_each_circuit_gives(source):
-    """b, its noise, its other errors and its significance, at places drawn by lot."""
+    """b, its noise, its systematic error and its significance agree at random positions."""
     scatter = isinstance(source, gt.ScatteredFrame)
     survey = source.burgers_map(0 if scatter else 4)
     places = np.argwhere(survey.known)
@@ -85,7 +85,7 @@ def test_a_survey_holds_what_each_circuit_gives(source):
         else:
             assert survey.noise[place] == pytest.approx(b.noise, rel=1e-6)
             assert survey.sigmas[at] == pytest.approx(b.sigmas, rel=1e-6)
-        # Grids take their other rule along lines of nodes, circuits along the curve.
+        # The error estimate uses a second rule: along grid lines for maps, along curves for loops.
         assert survey.systematic_error[place] == pytest.approx(
             b.systematic_error, rel=0.5, abs=1e-3 * scale
         )
@@ -96,7 +96,7 @@ def test_a_survey_holds_what_each_circuit_gives(source):
 
 
 def test_results_are_plain_data(source):
-    """Lines of text, a summary, a table, arrays; a copy by pickle gives the same bits."""
+    """A pickled copy has the same bits; summary and description are numbers and text."""
     scatter = isinstance(source, gt.ScatteredFrame)
     survey = source.burgers_map(0 if scatter else 4)
     again = pickle.loads(pickle.dumps(survey))
@@ -108,7 +108,7 @@ def test_results_are_plain_data(source):
 
 
 def test_every_source_can_be_drawn(source):
-    """A survey in two panels; circuits on what lies below them."""
+    """A survey is drawn in two panels, and circuits on their backdrop."""
     scatter = isinstance(source, gt.ScatteredFrame)
     survey = source.burgers_map(2 if scatter else 4)
     assert len(draw_survey(survey).axes) == 4
@@ -121,7 +121,7 @@ def test_every_source_can_be_drawn(source):
 
 
 def test_points_in_space():
-    """Circuits lie in the plane of their largest area; faces near it are below them."""
+    """Circuits are drawn in the plane of their largest area, with nearby faces as the backdrop."""
     source = scattered(3)
     b = source.burgers(gt.Loop.circle([2.5, 2.5, 2.5], 1.5, plane=(1, 2)))
     assert b.section.plane == (1, 2)
@@ -134,7 +134,7 @@ def test_points_in_space():
 
 
 def test_tables_of_scattered_points(tmp_path):
-    """Each circuit is a line with its middle; numbers come back as the same doubles."""
+    """Each circuit is a row with its centre, and numbers read back as the same doubles."""
     survey = scattered().burgers_map(1)
     survey.write_table(tmp_path / "t.csv")
     text = (tmp_path / "t.csv").read_text().splitlines()

@@ -10,7 +10,7 @@ from tests.materials.fields.test_sampled_source import field
 
 
 def test_tables_leave_out_what_is_not_known(tmp_path):
-    """Values come back as the same doubles."""
+    """Tables omit unknown circuits, and values read back as the same doubles."""
     mask = np.zeros((11, 13), dtype=bool)
     mask[5, 6] = True
     survey = field(mask=mask, sigma=0.01).burgers_map(1)
@@ -36,7 +36,7 @@ def test_layers_are_told(tmp_path):
 
 
 def test_nothing_known_is_none(tmp_path):
-    """A survey without circuits has no numbers, and can be written."""
+    """A survey without known circuits has no largest value, and can be written."""
     mask = np.zeros((11, 13), dtype=bool)
     mask[::2, ::2] = True
     survey = field(mask=mask, sigma=0.1, order=2).burgers_map(3)
@@ -51,5 +51,5 @@ def test_nothing_known_is_none(tmp_path):
     ("unit", "other", "expected"), [("nm", "", "1/nm"), ("um", "nm", "nm/um^2"), ("", "", "")]
 )
 def test_units_of_the_density(unit, other, expected):
-    """b per area."""
+    """The unit of the density is b per area."""
     assert field(sigma=0.1, unit=unit, vector_unit=other).burgers_map(1).density_unit == expected

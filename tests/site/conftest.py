@@ -1,4 +1,4 @@
-"""The built site: the one in build/site where it is of these sources, or else built here."""
+"""The built site: build/site if it belongs to these sources, otherwise a new build."""
 
 import subprocess
 import sys
@@ -12,9 +12,9 @@ sys.path.append(str(SITE / "extensions"))
 
 @pytest.fixture(scope="session")
 def built(tmp_path_factory) -> Path:
-    """The folder with the pages; building them fails on any warning, as the README's command."""
+    """The folder with the pages; the build fails on any warning, as the README's command does."""
     pytest.importorskip("myst_nb", reason="the extra docs is not installed")
-    import sources  # found on the path above
+    import sources  # on the path that is added above
 
     kept = SITE.parents[1] / "build" / "site"
     note = kept / "sources.txt"

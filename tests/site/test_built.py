@@ -1,4 +1,4 @@
-"""The site as a reader has it: complete, closed, every cell run, every link good."""
+"""The site as readers see it: complete and self-contained, with run cells and valid links."""
 
 import html
 import re
@@ -36,7 +36,7 @@ OTHERS = (
 
 
 def test_pages_are_there(built):
-    """Tutorials, tasks, examples and what is looked up."""
+    """Tutorials, tasks and reference pages exist."""
     names = [
         *OTHERS,
         *(f"tutorials/{one}" for one in TUTORIALS),
@@ -47,7 +47,7 @@ def test_pages_are_there(built):
 
 
 def test_every_example_has_a_page_and_a_picture(built):
-    """What it printed stands on its page, and the gallery leads there."""
+    """The page of each example shows its output, and the gallery links to it."""
     gallery = (built / "gallery" / "index.html").read_text("utf-8")
     scripts = [*EXAMPLES.glob("*.py"), *(EXAMPLES / "scenes").glob("*.py")]
     assert len(scripts) >= 32
@@ -59,7 +59,7 @@ def test_every_example_has_a_page_and_a_picture(built):
 
 
 def test_home_shows_the_page_of_a_class(built):
-    """An exercise with a wrong and a right answer, each with what is said about it."""
+    """The home page has an exercise with a wrong and a right answer, and the verdict on each."""
     text = (built / "index.html").read_text("utf-8")
     [shown] = re.findall(r'<div class="classroom".*?</template></div>', text, re.DOTALL)
     said = re.findall(r'<div class="(wrong|right)" role="status"><strong>(.*?)</strong>', shown)
@@ -69,7 +69,7 @@ def test_home_shows_the_page_of_a_class(built):
 
 
 def test_pages_that_errors_name_are_there(built):
-    """`error.page` leads somewhere, for every error of the package."""
+    """For each error of the package `error.page` is a page of the site."""
     kinds = [one for one in vars(errors).values() if isinstance(one, type)]
     pages = {one.page for one in kinds if issubclass(one, errors.GeomtorsionError)}
     assert len(pages) >= 6
@@ -77,7 +77,7 @@ def test_pages_that_errors_name_are_there(built):
 
 
 def test_help_names_pages_by_their_titles(built):
-    """Each title in quotes in `help(geomtorsion)` is the title of a page."""
+    """Each quoted title in `help(geomtorsion)` is the title of a page."""
     titles = {
         html.unescape(title)
         for page in built.rglob("*.html")
@@ -90,7 +90,7 @@ def test_help_names_pages_by_their_titles(built):
 
 @pytest.mark.parametrize("name", TASKS)
 def test_a_task_is_really_done(built, name):
-    """Cells ran and assert what they claim."""
+    """The cells of a task ran without an error, and some of them assert or raise."""
     text = (built / f"howto/{name}.html").read_text("utf-8")
     assert re.search(r'<span class="k">(assert|raise)</span>', text)
     assert '<div class="cell_output' in text
@@ -98,7 +98,7 @@ def test_a_task_is_really_done(built, name):
 
 
 def test_pages_are_clean(built):
-    """No bars that moved, no places in memory, no LaTeX that was left as it is written."""
+    """The output has no progress bars, no memory addresses and no raw LaTeX."""
     pages = [built / f"tutorials/{name}.html" for name in TUTORIALS]
     pages += [built / f"howto/{name}.html" for name in TASKS]
     for path in [*pages, built / "errors.html"]:
@@ -110,7 +110,7 @@ def test_pages_are_clean(built):
 
 
 def test_versions_are_those_of_this_checkout(built):
-    """What to cite has the version, in both forms; licences name what is needed."""
+    """The citation has the version in both forms, and the licences name the dependencies."""
     text = (built / "cite.html").read_text("utf-8")
     assert text.count(geomtorsion.__version__) >= 2
     assert "cff-version" in text
@@ -125,7 +125,7 @@ def test_versions_are_those_of_this_checkout(built):
 
 
 def test_nothing_is_asked_of_other_hosts_and_links_lead_somewhere(built):
-    """No script, style, picture or font comes from elsewhere; every link within is good."""
+    """Scripts, styles, images and fonts are all local, and all internal links are valid."""
     laws = pytest.importorskip("laws")
     wrong, outside = laws.faults(built.resolve())
     assert not wrong
@@ -133,7 +133,7 @@ def test_nothing_is_asked_of_other_hosts_and_links_lead_somewhere(built):
 
 
 def test_every_public_name_has_an_entry(built):
-    """The inventory that Sphinx writes lists what the packages export."""
+    """The inventory of Sphinx lists all names that the packages export."""
     laws = pytest.importorskip("laws")
     inventory = pytest.importorskip("sphinx.util.inventory").InventoryFile
     with (built / "objects.inv").open("rb") as file:
@@ -146,7 +146,7 @@ def test_every_public_name_has_an_entry(built):
 
 @pytest.mark.parametrize("name", TUTORIALS)
 def test_a_tutorial_ends_in_a_check(built, name):
-    """Its cells ran without an error, its formulas are MathML, and an answer is there to open."""
+    """Its cells ran without an error, its formulas are MathML, and it has an answer to open."""
     text = (built / f"tutorials/{name}.html").read_text("utf-8")
     assert "<math" in text
     # Commas and full stops of prose stay with the formula before them.

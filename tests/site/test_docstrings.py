@@ -30,7 +30,7 @@ Examples
 
 
 def test_a_docstring_becomes_a_page():
-    """Each section in its own way."""
+    """Each section is converted in its own way."""
     found = "\n".join(docstrings.converted(TEXT.split("\n")))
     assert r"\*torsion\* per \|mass\|" in found
     assert "    f^{c} = 2\\,S_{a}{}^{c}{}_{b}\\,q'^{a}\\,q'^{b}" in found
@@ -42,7 +42,7 @@ def test_a_docstring_becomes_a_page():
 
 
 def test_fields_of_a_class_become_a_list():
-    """Lines that begin with a name and a colon; others go on with the one before."""
+    """A line with a name and a colon starts a field; other lines continue it."""
     found = docstrings.converted(
         ["A thing.", "", "size: of it, in m;", "in all.", "kind: its own."]
     )

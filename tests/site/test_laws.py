@@ -1,4 +1,4 @@
-"""What the build refuses: made pages with one fault each."""
+"""Faults that the build refuses: synthetic pages with one fault each."""
 
 import pytest
 
@@ -22,7 +22,7 @@ SOUND = '<p id="here">see <a href="b.html#there">b</a>, <a href="#here">above</a
     ],
 )
 def test_a_fault_is_found(tmp_path, text, fault):
-    """It alone, and not before it is there."""
+    """The fault is the only one found, and only after it is added."""
     (tmp_path / "b.html").write_text('<h1 id="there">b</h1>', "utf-8")
     page = tmp_path / "a.html"
     page.write_text(SOUND, "utf-8")
@@ -33,13 +33,13 @@ def test_a_fault_is_found(tmp_path, text, fault):
 
 
 def test_links_to_other_hosts_are_listed(tmp_path):
-    """They may be there; nobody follows them while building."""
+    """External links are allowed, and the build does not open them."""
     (tmp_path / "a.html").write_text('<a href="https://example.org/">x</a>', "utf-8")
     assert laws.faults(tmp_path) == ([], ["https://example.org/"])
 
 
 def test_a_style_sheet_may_load_nothing_either(tmp_path):
-    """Fonts come in the sheet itself."""
+    """Fonts must be embedded in the sheet."""
     sheet = tmp_path / "a.css"
     sheet.write_text("x { src: url('data:font/woff2;base64,AA') }", "utf-8")
     assert laws.faults(tmp_path) == ([], [])

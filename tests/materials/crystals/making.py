@@ -1,4 +1,4 @@
-"""Making: crystals with known dislocations, by hand."""
+"""Crystals with known dislocations, built by hand for the tests."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ BOX = np.diag([80.0, 80.0, 14.4])
 def copper_screw(shift: float = 0.0, noise: float = 0.0, seed: int = 0) -> np.ndarray:
     """A right-handed screw of b = a [0 0 1] in a cylinder of copper, a = 3.6, periodic along z.
 
-    shift: of the line along x. The axes of the crystal are those of space.
+    shift: position of the line along x. The crystal axes are the axes of space.
     """
     sites = np.argwhere(np.ones((32, 32, 8))) - [16, 16, 0]
     places = 1.8 * sites[sites.sum(axis=1) % 2 == 0] + [0.4, 0.6, 0]
@@ -23,7 +23,7 @@ def copper_screw(shift: float = 0.0, noise: float = 0.0, seed: int = 0) -> np.nd
 
 
 def xyz(*frames: np.ndarray, periodic: str = "F F T") -> str:
-    """Frames as extended XYZ, every number to the last digit."""
+    """Frames as extended XYZ text, each number with all its digits."""
     rows = []
     for places in frames:
         edges = " ".join(map(str, BOX.ravel().tolist()))
@@ -36,7 +36,7 @@ def xyz(*frames: np.ndarray, periodic: str = "F F T") -> str:
 
 
 def written(folder: Path, *frames: np.ndarray) -> Path:
-    """The file of such frames."""
+    """Write these frames to a file and return its path."""
     path = folder / "atoms.xyz"
     path.write_text(xyz(*frames), "utf-8")
     return path

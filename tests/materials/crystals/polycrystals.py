@@ -1,4 +1,4 @@
-"""Polycrystals: Voronoi cells filled with crystals of known orientation, made by the tests."""
+"""Polycrystals: Voronoi cells filled with crystals of known orientation."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from tests.materials.crystals.synthetic import CELLS, LATTICE_SITES, displaced
 
 
 def turned(degrees: float, axis: Sequence[float]) -> np.ndarray:
-    """The matrix of a turn about an axis."""
+    """The matrix of a rotation about an axis."""
     unit = np.array(axis) / np.linalg.norm(axis)
     return Rotation.from_rotvec(np.radians(degrees) * unit).as_matrix()
 
 
 def filled(lattice: str, turn: np.ndarray, reach: float, constant: float = 1.0) -> np.ndarray:
-    """Atoms of a crystal in a ball about the origin; turn: crystal to specimen."""
+    """Atoms of a crystal in a ball around the origin; turn: rotation from crystal to specimen."""
     cells = CELLS[lattice] * constant
     count = np.ceil(reach / cells).astype(int) + 1
     steps = np.stack(np.meshgrid(*[np.arange(-n, n) for n in count], indexing="ij"), axis=-1)
@@ -37,10 +37,10 @@ def polycrystal(
     burgers: Sequence[float] | None = None,
     apart: float = 0.7,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """A periodic cube of Voronoi grains about seeds, and to which of them each atom belongs.
+    """A periodic cube of Voronoi grains around seeds, and the grain number of each atom.
 
-    burgers: of a Volterra line along z through the middle of grain 0, in the specimen.
-    apart: least distance of atoms of two grains, neighbour distances of fcc.
+    burgers: b of a Volterra line along z through the middle of grain 0, in specimen axes.
+    apart: least distance between atoms of two grains, in neighbour distances of fcc.
     """
     images = np.stack(np.meshgrid(*[[-1, 0, 1]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
     every = (seeds[:, None] + images * size).reshape(-1, 3)
@@ -54,7 +54,7 @@ def polycrystal(
             atoms = displaced(atoms, np.array([0.131, 0.077]), burgers)
         atoms = atoms + seeds[k]
         nearest = tree.query(atoms)[1]
-        # The cell about the seed itself, not about one of its images.
+        # Only the cell around the seed itself, not a cell around one of its images.
         own = np.linalg.norm(every[nearest] - seeds[k], axis=1) < 1e-9
         mine = own & (owner[nearest] == k)
         places.append(atoms[mine] % size)
@@ -77,10 +77,11 @@ def bicrystal(
     size: tuple[float, float, float] = (13, 10, 6),
     both: bool = False,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Two crystals that meet in the plane x = 0 (or z = 0, axis 2), within +-size, open.
+    """Two crystals that meet in the plane x = 0 (or z = 0 for axis 2), within +-size, open.
 
-    The first is not turned. burgers: of a line in it along z, at x = -6 (or x = 0). both: whether
-    there is one at x = 6, too, along the same axes of the other; the turn is then about z.
+    The first crystal is not turned. burgers: b of a line in it along z, at x = -6 (or x = 0).
+    both: whether the second crystal has the same line at x = 6, with b along the same crystal
+    axes; the rotation is then about z.
     """
     reach = float(np.linalg.norm(size)) + 2
     below, above = filled(lattice, np.eye(3), reach), filled(lattice, turn, reach)
@@ -93,7 +94,7 @@ def bicrystal(
     number = np.repeat([0, 1], [(below[:, axis] < 0).sum(), (above[:, axis] >= 0).sum()])
     inside = (np.abs(places) < np.array(size) - 1e-6).all(axis=1)
     places, number = places[inside], number[inside]
-    # Neighbours are 0.43 apart in diamond, 0.71 or more in others.
+    # Neighbours are 0.43 apart in diamond and at least 0.71 apart in the other lattices.
     margin = 0.3 if lattice == "diamond" else 0.45
     pairs = cKDTree(places).query_pairs(margin, output_type="ndarray")
     kept = np.ones(len(places), dtype=bool)
@@ -103,7 +104,7 @@ def bicrystal(
 
 @cache
 def amorphous(size: float, density: float) -> np.ndarray:
-    """Atoms without order in a cube about the origin: random ones pushed apart until they fit."""
+    """Atoms without order in a cube around the origin: random positions, then pushed apart."""
     rng = np.random.default_rng(0)
     places = rng.uniform(-size / 2, size / 2, (round(density * size**3), 3))
     least = 0.95 * (2**0.5 / density) ** (1 / 3)
@@ -116,6 +117,6 @@ def amorphous(size: float, density: float) -> np.ndarray:
         np.add.at(places, pairs[:, 1], push)
         np.add.at(places, pairs[:, 0], -push)
     places = (places + size / 2) % size - size / 2
-    # One for all tests.
+    # All tests share this array.
     places.flags.writeable = False
     return places

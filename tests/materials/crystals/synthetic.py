@@ -1,4 +1,4 @@
-"""Synthetic: crystals with Volterra dislocations whose lines and Burgers vectors are known."""
+"""Synthetic crystals with Volterra dislocations whose lines and Burgers vectors are known."""
 
 from functools import cache
 
@@ -37,7 +37,7 @@ def block(lattice, repeats):
 def displaced(places, centre, burgers, poisson=0.3):
     """Isotropic Volterra field of a straight dislocation along z through a centre (x, y).
 
-    The edge part is that of [HirthLothe1982] for b along x, turned to where b points.
+    The edge part is the field of [HirthLothe1982] for b along x, turned to the direction of b.
     """
     b = np.array(burgers, dtype=float)
     x, y = (places[:, :2] - centre).T
@@ -65,10 +65,10 @@ def displaced(places, centre, burgers, poisson=0.3):
 def with_line(lattice, burgers, repeats=(12, 12, 4), margin=0.35):
     """A crystal with a straight line along z, open across it, and its cell.
 
-    Atoms that the cut has brought upon each other are made one.
+    The cut moves some atoms onto others; one atom of each such pair is removed.
     """
     places, cell = block(lattice, repeats)
-    # Between atoms, and off every plane of them.
+    # The line is between atoms and off each lattice plane.
     centre = cell[:2] / 2 + np.array([0.131, 0.077])
     moved = displaced(places, centre, burgers)
     wrapped = moved.copy()
@@ -83,12 +83,12 @@ def with_line(lattice, burgers, repeats=(12, 12, 4), margin=0.35):
 
 
 def quadrupole(lattice, repeats, burgers):
-    """Two screws and two opposite ones on a square, periodic in all directions, and the cell."""
+    """Two screws and two opposite screws on a square, periodic in all directions, and the cell."""
     places, cell = block(lattice, repeats)
     moved = places.copy()
     for sx, sy in ((0.25, 0.25), (0.25, 0.75), (0.75, 0.25), (0.75, 0.75)):
         sign = 1 if (sx < 0.5) == (sy < 0.5) else -1
-        # The fields of all images of a quadrupole add up; those of the nearest ones suffice.
+        # The fields of all images of a quadrupole add up; the nearest images suffice.
         for m in (-1, 0, 1):
             for n in (-1, 0, 1):
                 centre = np.array([sx + m + 0.0131, sy + n + 0.0077]) * cell[:2]
@@ -98,8 +98,8 @@ def quadrupole(lattice, repeats, burgers):
 
 
 def twisted(repeats, height):
-    """fcc with two twist walls across z, its halves turned by atan(1 / repeats) to either side, and
-    the cell; height: of each half."""
+    """fcc with two twist walls across z, and the cell. The halves are turned by
+    +-atan(1 / repeats); height: height of each half."""
     side = np.hypot(repeats, 1)
     sites, _ = block("fcc", (2 * repeats + 2, 2 * repeats + 2, height))
     sites -= [repeats + 1, repeats + 1, 0]
@@ -108,7 +108,7 @@ def twisted(repeats, height):
         c, s = repeats / side, sign / side
         x, y, z = sites.T
         places = np.stack([c * x + s * y, c * y - s * x, z + start], axis=1)
-        # A face of the cell belongs to it at one side.
+        # Only the lower one of two opposite faces belongs to the cell.
         across = places[:, :2]
         halves.append(places[((across > -1e-9) & (across < side - 1e-9)).all(axis=1)])
     return np.concatenate(halves), np.array([side, side, 2 * height])
@@ -131,15 +131,15 @@ def solid_angle(points, ring):
 
 @cache
 def interstitial_loop(radius):
-    """bcc with z along [1 1 1] and a disc of interstitials, its cell, and how many they are.
+    """bcc with z along [1 1 1] and a disc of interstitials, its cell, and their number.
 
-    Atoms move away from the disc by b/(4 pi) of its solid angle; a layer of it fills the gap.
+    Atoms move away from the disc by b/(4 pi) times its solid angle; one more layer fills the gap.
     """
     axes = np.array([[1, 1, -2] / np.sqrt(6), [-1, 1, 0] / np.sqrt(2), [1, 1, 1] / np.sqrt(3)])
     cell = np.sqrt([6, 2, 0.75]) * [6, 10, 16]
     sites, _ = block("bcc", (40, 40, 40))
     places = (sites - 20) @ axes.T + cell / 2
-    # A face of the cell belongs to it at one side.
+    # Only the lower one of two opposite faces belongs to the cell.
     places = places[((places > -1e-6) & (places < cell - 1e-6)).all(axis=1)]
     centre, b = cell / 2 + [0.11, 0.07, 0.21], np.sqrt(0.75)
     turn = np.linspace(0, 2 * np.pi, 48, endpoint=False)
@@ -151,14 +151,14 @@ def interstitial_loop(radius):
     disc = np.hypot(*(places[:, :2] - centre[:2]).T) < radius
     layer = disc & ~above & (places[:, 2] > centre[2] - b)
     found = np.concatenate([moved, moved[layer] + [0, 0, b]])
-    # One for all tests.
+    # All tests share these arrays.
     found.flags.writeable = cell.flags.writeable = False
     return found, cell, int(layer.sum())
 
 
 def cylinder(lattice, axes, period, radius, ratio=None, centre=(0.117, 0.093, 0.071)):
-    """A cylinder of crystal along z, with a = 1: axes are those of space along the crystal's, as
-    rows; centre: crystal coordinates of its axis, over the cell; ratio: c/a of hcp."""
+    """A cylinder of crystal along z, with a = 1. axes: the axes of space in crystal axes, as rows;
+    centre: crystal coordinates of the cylinder's axis, in cell edges; ratio: c/a of hcp."""
     edges = CELLS[lattice] * ([1, 1, 1] if ratio is None else [1, 1, ratio / np.sqrt(8 / 3)])
     count = np.ceil((radius + period) / edges).astype(int) + 1
     cells = np.stack(np.meshgrid(*[np.arange(-n, n) for n in count], indexing="ij"), axis=-1)
@@ -169,17 +169,17 @@ def cylinder(lattice, axes, period, radius, ratio=None, centre=(0.117, 0.093, 0.
 
 
 def torn(places, lines):
-    """Places moved by the fields of lines (position in x and y, b); all cuts go towards -x."""
+    """Positions moved by the fields of lines (position in x and y, b); all cuts go towards -x."""
     moved = places.copy()
     for centre, b in lines:
-        # The cut of `displaced` goes against the edge part of b.
+        # The cut of `displaced` points against the edge part of b.
         sense = 1 if b[0] >= 0 else -1
         moved += sense * (displaced(places, np.array(centre), sense * np.array(b)) - places)
     return moved
 
 
-# Axes of space along those of hcp, z along a line in the basal plane, y along the axis c; and the
-# period along that line.
+# The axes of space in hcp axes, with z along a line in the basal plane and y along the axis c,
+# and the period along that line.
 BASAL = {
     "edge": (np.array([[-1, 0, 0], [0, 0, 1], [0, 1, 0]]), np.sqrt(3)),
     "screw": (np.array([[0, 1, 0], [0, 0, 1], [1, 0, 0]]), 1.0),
@@ -188,24 +188,25 @@ PERIODS = {"edge": 3, "screw": 5}
 
 
 def basal_partials(line, width=4.0, ratio=1.623, periods=None):
-    """A dislocation 1/3[2 -1 -1 0] of hcp in two partials, its period, and both with their b.
+    """A dislocation 1/3[2 -1 -1 0] of hcp split into two partials, its period, and both partials
+    with their b.
 
-    The fault of type I2 lies between them in the plane y = 0.
+    The fault of type I2 is between them in the plane y = 0.
     """
     axes, period = BASAL[line]
     period *= periods or PERIODS[line]
-    # Layers lie at a quarter and three quarters of c.
+    # The layers are at a quarter and three quarters of c.
     sites = cylinder("hcp", axes, period, 9, ratio, centre=(0.117, 0.093, 0.25))
-    # In this order layers are nowhere above each other.
+    # In this order the layers are never directly above each other.
     parts = [axes @ np.array([0.5, s / np.sqrt(12), 0]) for s in (1, -1)]
     lines = [((x + 0.03, 0.0), b) for x, b in zip((-width, width), parts, strict=True)]
     return torn(sites, lines), period, lines
 
 
 def frank_partials(line, ratio=1.623):
-    """Two opposite Frank partials of hcp with a layer less between them, their period and b.
+    """Two opposite Frank partials of hcp around a missing layer, their period and their b.
 
-    The fault of type I1 lies between them: ABABCBCB.
+    The fault of type I1 is between them: ABABCBCB.
     """
     axes, period = BASAL[line]
     period *= PERIODS[line]
@@ -217,8 +218,8 @@ def frank_partials(line, ratio=1.623):
 
 
 def stacked(layers, repeats=(9, 5), ratio=1.623):
-    """Close-packed layers such as "ABABCACA", each of so many cells a by sqrt(3) a, and the cell
-    with two layers left free above."""
+    """Close-packed layers such as "ABABCACA", each of repeats[0] by repeats[1] cells of a by
+    sqrt(3) a, and the cell with two empty layers on top."""
     cells = np.stack(np.meshgrid(*map(np.arange, repeats), indexing="ij"), axis=-1)
     sites = cells.reshape(-1, 1, 2) + np.array([[0, 0], [0.5, 0.5]])
     x, y = (sites.reshape(-1, 2) * [1, np.sqrt(3)]).T
@@ -231,8 +232,8 @@ def stacked(layers, repeats=(9, 5), ratio=1.623):
 
 
 def vacancy_disc(radius, ratio=1.623):
-    """hcp without a disc of one basal layer, closed with the shear of a Frank loop, its cell, and
-    how many atoms are missing."""
+    """hcp without a disc of one basal layer, closed with the shear of a Frank loop; its cell, and
+    the number of missing atoms."""
     repeats = (2 * radius + 5, radius + 4, 8)
     sites, cell = block("hcp", repeats)
     sites, cell = (x * [1, 1, ratio / np.sqrt(8 / 3)] for x in (sites, cell))

@@ -1,6 +1,6 @@
-"""Atom files: formats that ase reads, damage named by its line, and formats that are refused."""
+"""Atom files: formats read through ase, damaged files, and refused formats."""
 
-# Tests give what users give, wrong things included.
+# The tests pass what users pass, including wrong types.
 # pyright: reportArgumentType=false
 
 import pickle
@@ -18,7 +18,7 @@ ase_io = pytest.importorskip("ase.io")
 
 
 def copper(shake: float = 0.0):
-    """A small crystal of copper."""
+    """A small crystal of copper; shake: standard deviation of random shifts of the atoms."""
     atoms = ase_build.bulk("Cu", "fcc", a=3.6, cubic=True) * (4, 4, 4)
     atoms.positions += shake * np.random.default_rng(3).normal(size=atoms.positions.shape)
     return atoms
@@ -47,7 +47,7 @@ def dump(atoms) -> str:
     "name", ["a.xyz", "POSCAR", "a.cfg", "a.cif", "a.xsf", "a.gro", "a.pdb", "b.lmp", "a.nc"]
 )
 def test_what_ase_writes_is_read(tmp_path: Path, name: str):
-    """The same crystal from each format, with its species."""
+    """Each format gives the same crystal, and its species where the format has symbols."""
     if name == "a.nc":
         pytest.importorskip("netCDF4")
     form = {"b.lmp": "lammps-data", "a.nc": "netcdftrajectory"}.get(name)
@@ -62,7 +62,7 @@ def test_what_ase_writes_is_read(tmp_path: Path, name: str):
 
 
 def test_a_lammps_dump_of_several_frames(tmp_path: Path):
-    """Frames one after another, atoms in the order of their ids, the lattice frame kept."""
+    """Frames come in order, with atoms sorted by id and one common lattice frame."""
     texts = [dump(copper(shake)) for shake in (0.0, 0.05, 0.08)]
     path = tmp_path / "run.dump"
     path.write_text("".join(texts))
@@ -75,14 +75,14 @@ def test_a_lammps_dump_of_several_frames(tmp_path: Path):
     assert read(path, frame=2).positions == pytest.approx(found[2].positions)
     with pytest.raises(FileFormatError, match="frame: expected a number from 0 to 2, got 3"):
         read(path, frame=3)
-    # Names that say nothing: the beginning does.
+    # The name gives no hint, so the reader recognises the format by its first lines.
     path.rename(tmp_path / "run.0")
     assert len(list(atom_frames(tmp_path / "run.0"))) == 3
 
 
 @pytest.mark.parametrize("name", ["a.traj", "a.json", "a.db", "a.pckl", "a.py", "a.gpw"])
 def test_formats_that_may_run_something_are_refused(tmp_path: Path, name: str):
-    """Before anything in them is looked at: nothing is unpickled, nothing is run."""
+    """Such files are refused before their content is interpreted: no unpickling, no code is run."""
     marker = tmp_path / "ran"
 
     class Payload:
@@ -126,7 +126,7 @@ def text_of(tmp_path: Path) -> list[str]:
     ],
 )  # fmt: skip
 def test_damage_is_named_by_its_line(tmp_path: Path, line: int, new: str, message: str):
-    """Counts that lie, rows that are short or no numbers, boxes without edges, NaN."""
+    """Wrong counts, short rows, words for numbers, boxes without edges and NaN are refused."""
     rows = text_of(tmp_path)
     rows[line - 1] = new
     (tmp_path / "a.xyz").write_text("\n".join(rows) + "\n")
@@ -146,7 +146,7 @@ def test_damage_is_named_by_its_line(tmp_path: Path, line: int, new: str, messag
     ],
 )
 def test_damaged_dumps_are_named(tmp_path: Path, old: str, new: str, message: str):
-    """The same for LAMMPS dumps."""
+    """Damaged LAMMPS dumps are refused with the line and the reason."""
     text = dump(copper())
     assert old in text
     path = tmp_path / "a.dump"
@@ -156,7 +156,7 @@ def test_damaged_dumps_are_named(tmp_path: Path, old: str, new: str, message: st
 
 
 def test_what_is_no_file_is_told(tmp_path: Path):
-    """Missing, a folder, empty, packed, no name at all."""
+    """A missing file, a folder, and empty, packed or unknown files are refused."""
     (tmp_path / "empty.xyz").write_text("")
     (tmp_path / "a.xyz.gz").write_bytes(b"\x1f\x8b")
     (tmp_path / "a.unknown").write_text("hello\n")
@@ -177,7 +177,7 @@ def test_what_is_no_file_is_told(tmp_path: Path):
 
 
 def test_a_slab_needs_no_third_edge(tmp_path: Path):
-    """Edges along which nothing repeats may be missing."""
+    """Edges along directions without periodicity may be missing."""
     atoms = copper()
     atoms.cell[2] = 0
     atoms.pbc = (True, True, False)
@@ -189,7 +189,7 @@ def test_a_slab_needs_no_third_edge(tmp_path: Path):
 
 @pytest.mark.parametrize("name", ["a.xyz", "a.dump"])
 def test_a_mark_of_the_byte_order_is_no_part_of_a_number(tmp_path: Path, name: str):
-    """Some editors put one in front of every file; an atom too many is told by `read`, too."""
+    """Files with a byte order mark are read, and one atom too many in them is still refused."""
     text = dump(copper()) if name == "a.dump" else "\n".join(text_of(tmp_path))
     path = tmp_path / name
     path.write_bytes(text.encode("utf-8-sig"))
@@ -202,7 +202,7 @@ def test_a_mark_of_the_byte_order_is_no_part_of_a_number(tmp_path: Path, name: s
 
 
 def test_the_length_of_a_cfg_file_counts(tmp_path: Path):
-    """Cells stand in units of A, which ase takes for 1; what is no length is refused."""
+    """Cells are in units of A, which ase ignores; an A that is not a positive length is refused."""
     path = tmp_path / "a.cfg"
     ase_io.write(path, copper())
     text = path.read_text()
@@ -219,7 +219,7 @@ def test_the_length_of_a_cfg_file_counts(tmp_path: Path):
 
 
 def test_a_gro_file_that_is_cut_is_refused(tmp_path: Path):
-    """ase takes its last row for the cell, whatever it is; and any number of atoms."""
+    """A .gro file with a wrong atom count is refused; ase would read any last row as the cell."""
     path = tmp_path / "a.gro"
     ase_io.write(path, copper())
     rows = path.read_text().splitlines()
@@ -233,7 +233,7 @@ def test_a_gro_file_that_is_cut_is_refused(tmp_path: Path):
 @pytest.mark.parametrize("odd", ["1_8", "1_8.5", "1_0e-1", "\N{FULLWIDTH DIGIT ONE}.8"])
 @pytest.mark.parametrize("name", ["a.xyz", "a.dump", "POSCAR", "a.xsf", "b.lmp"])
 def test_what_only_python_takes_for_a_number_is_refused(tmp_path: Path, name: str, odd: str):
-    """1_8 is 18 to it, and to ase; the title and the comments may hold what they like."""
+    """Python and ase read 1_8 as 18; geomtorsion refuses it, but not in titles and comments."""
     path = tmp_path / name
     if name == "a.dump":
         path.write_text(dump(copper()))
@@ -255,7 +255,7 @@ def test_what_only_python_takes_for_a_number_is_refused(tmp_path: Path, name: st
 
 
 def test_a_lammps_data_file_counts_its_atoms(tmp_path: Path):
-    """ase drops those that come beyond the number, and what it says of too few helps nobody."""
+    """Counts that differ from the rows are refused: ase drops surplus atoms without a message."""
     path = tmp_path / "a.lmp"
     ase_io.write(path, copper(), format="lammps-data")
     text = path.read_text()

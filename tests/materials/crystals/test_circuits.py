@@ -1,6 +1,6 @@
-"""Circuits from atom to atom: exact sums of lattice vectors, against what was put in."""
+"""Circuits from atom to atom: exact sums of lattice vectors, compared with known dislocations."""
 
-# Tests give what users give, wrong things included.
+# The tests pass what users pass, including wrong types.
 # pyright: reportArgumentType=false
 
 from fractions import Fraction
@@ -19,9 +19,9 @@ HALF = Fraction(1, 2)
 def screw(
     name: str, a: float = 3.0, radius: float = 12.0
 ) -> tuple[Crystal, np.ndarray, np.ndarray]:
-    """A crystal with a right-handed screw along z, b its vector in the crystal, and the axes.
+    """A crystal with a right-handed screw along z, its b in crystal axes, and a point on the line.
 
-    u_z = |b| angle / (2 pi), by hand: sites of a lattice within a cylinder, periodic along z.
+    u_z = |b| angle / (2 pi), by hand: lattice sites within a cylinder, periodic along z.
     """
     lattice = LATTICES[name]
     units = np.array(lattice.units) * a
@@ -52,7 +52,7 @@ def screw(
 
 @pytest.mark.parametrize("name", ["fcc", "bcc", "diamond", "hcp"])
 def test_round_a_screw(name: str):
-    """SF/RH: a right-handed screw has b against its sense; turned round, along it."""
+    """SF/RH: b of a right-handed screw points against the normal; the reversed circuit has -b."""
     crystal, b, centre = screw(name)
     found = crystal.circuit.around(centre, [0, 0, 1], 6.0)
     assert found.vector == pytest.approx(-(crystal.orient.T @ b), abs=1e-9)
@@ -64,7 +64,7 @@ def test_round_a_screw(name: str):
 
 
 def test_through_atoms_by_number():
-    """The same atoms again, the other way round, and only some of them."""
+    """The same atoms give the same b, reversed atoms give -b, and every fourth atom suffices."""
     crystal, _, centre = screw("bcc")
     found = crystal.circuit.around(centre, [0, 0, 1], 6.0)
     assert found.burgers_lattice == (-HALF, -HALF, -HALF)
@@ -78,7 +78,7 @@ def test_through_atoms_by_number():
 
 
 def test_labels_sum_to_what_the_steps_are():
-    """Steps are those that `crystal.labels` reads, images of the given positions included."""
+    """The steps of a circuit equal `crystal.labels` for its pairs of atoms and their images."""
     crystal, _, centre = screw("diamond")
     found = crystal.circuit.around(centre, [0, 0, 1], 6.0)
     pairs = np.array([found.atoms[:-1], found.atoms[1:]]).T
@@ -87,7 +87,7 @@ def test_labels_sum_to_what_the_steps_are():
 
 
 def test_positions_outside_the_cell_change_nothing():
-    """Atoms given in other images: the same circuit, the images of which are told."""
+    """Atoms given in other periodic images have the same circuit, and it reports their images."""
     crystal, _, centre = screw("fcc")
     assert crystal.cell is not None
     found = crystal.circuit.around(centre, [0, 0, 1], 6.0)
@@ -102,7 +102,7 @@ def test_positions_outside_the_cell_change_nothing():
 
 
 def test_wrong_circuits_are_told():
-    """Too few atoms, none such, round the cell, through the core, no direction, too small."""
+    """Refused are too few or unknown atoms, a loop through the cell, a bad centre or radius."""
     crystal, _, centre = screw("bcc")
     atoms = len(crystal.positions)
     column = np.flatnonzero(
@@ -130,7 +130,7 @@ def test_wrong_circuits_are_told():
 
 @pytest.mark.parametrize("name", ["cu_edge110", "w_edge100", "w_screw111_relax", "al_edge_dipole"])
 def test_circuits_agree_with_lines(name: str):
-    """On shared files: an explicit circuit round each line misses the b of the line, exactly."""
+    """On shared files the b of a circuit around each line equals the b of the line exactly."""
     pytest.importorskip("ase")
     crystal = read(real(f"crystal/{name}.xyz"))
     for line in crystal.dislocations().lines:
@@ -140,7 +140,7 @@ def test_circuits_agree_with_lines(name: str):
 
 
 def test_the_nearest_image_in_an_oblique_cell():
-    """Cells that repeat alike give the same circuits: shares of oblique edges mislead."""
+    """Two cells of one lattice have the same circuits, also where fractions of edges mislead."""
     places = np.array([x for x in product(range(16), repeat=3) if sum(x) % 2 == 0]) * 1.8
     edge = 28.8
     oblique = np.array([[1, 0, 0], [2, 1, 0], [0, 0, 1]]) * edge

@@ -1,6 +1,6 @@
 """Crystals: lattice, labels, torsion and dislocation lines of atoms."""
 
-# Tests give what users give, wrong things included.
+# The tests pass what users pass, including wrong types.
 # pyright: reportArgumentType=false
 
 import json
@@ -52,7 +52,7 @@ def atoms_of(name):
     return found.get_positions(), found.cell.array, found.pbc.tolist()
 
 
-# What was relaxed stands for what it was relaxed from, the most noise for less.
+# In quick runs, relaxed files replace their unrelaxed versions, and the noisiest file the others.
 SLOW_NAMES = ("w_perfect", "w_noise05", "w_screw111", "cu_edge110", "w_vac1pct")
 
 
@@ -60,11 +60,11 @@ SLOW_NAMES = ("w_perfect", "w_noise05", "w_screw111", "cu_edge110", "w_vac1pct")
     "name", [pytest.param(x, marks=pytest.mark.slow) if x in SLOW_NAMES else x for x in NAMES]
 )
 def test_shared_files_give_their_lines(name):
-    """Number, family, length and sum of the lines are those that were put in."""
+    """Number, family, length and |b| of the lines agree with the construction."""
     truth = json.loads(real(TRUTH).read_text())[name]
     crystal = Crystal(*atoms_of(name))
     assert crystal.lattice == truth["structure"]
-    # A cell under strain, or with noise, has another mean lattice constant.
+    # The mean lattice constant changes in a strained or noisy cell.
     assert crystal.constant == pytest.approx(truth["a"], rel=0.01)
     net = crystal.dislocations()
     assert len(net.lines) == truth["nlines"]
@@ -84,7 +84,7 @@ def test_shared_files_give_their_lines(name):
 
 
 def test_torsion_has_no_boundary_in_cores_either():
-    """d d = 0 on every tetrahedron."""
+    """d d = 0 on each tetrahedron, cores included."""
     crystal = Crystal(*atoms_of("w_screw111"), lattice="bcc")
     torsion = crystal.torsion
     mesh = torsion.mesh
@@ -102,7 +102,7 @@ def test_torsion_has_no_boundary_in_cores_either():
 
 
 def test_a_prismatic_loop_is_one_closed_line():
-    """One line that ends where it begins, in its plane."""
+    """The loop is one closed line, and its Nye tensor is zero."""
     net = Crystal(*atoms_of("w_vac_loop111")).dislocations()
     (line,) = net.lines
     assert line.is_closed
@@ -137,7 +137,7 @@ LINES = (
     ("hexagonal diamond", (0, 0, (8 / 3) ** 0.5), "<0 0 0 1>"),
 )
 SIZES = {"hcp": (14, 8, 4), "diamond": (9, 9, 3), "hexagonal diamond": (12, 7, 3)}
-# An edge or a mixed line and a screw of each lattice; the others lie along other axes of it.
+# One edge or mixed line and one screw per lattice; the other cases use other axes.
 SHARP_LINES = (0, 3, 5, 8, 9, 10, 12)
 
 
@@ -153,14 +153,14 @@ def line_of(lattice, burgers):
      for k, x in enumerate(LINES)],
 )  # fmt: skip
 def test_synthetic_lines_come_out_as_they_were_put_in(lattice, burgers, family):
-    """Edges, screws and mixed lines in four lattices: b exact, sign minus that of du."""
+    """Edge, screw and mixed lines are found in each lattice: b is exact, with the sign of -du."""
     places, cell = line_of(lattice, burgers)
     crystal = Crystal(places, cell, (False, False, True), orient=np.eye(3), lattice=lattice)
     (line,) = crystal.dislocations().lines
     assert (line.family, line.kind) == (family, "periodic")
     assert line.length == pytest.approx(cell[2], rel=0.01)
     b = np.sign(line.image[2]) * np.array(line.burgers, float) / crystal.constant
-    # c/a of hexagonal lattices is found from neighbours under strain.
+    # c/a of hexagonal lattices is estimated from strained neighbours.
     hexagonal = LATTICES[lattice].is_hexagonal
     assert b == pytest.approx(-np.array(burgers), abs=1e-5 if hexagonal else 1e-9)
     assert Crystal(places, cell, (False, False, True)).lattice == lattice
@@ -168,7 +168,7 @@ def test_synthetic_lines_come_out_as_they_were_put_in(lattice, burgers, family):
 
 @pytest.mark.parametrize(("which", "noise"), [(LINES[0], 0.08), (LINES[3], 0.05), (LINES[6], 0)])
 def test_laws_hold_whatever_is_done_to_the_specimen(which, noise):
-    """Rotated, moved, permuted, wrapped, doubled, with noise: the same line; no sum at nodes."""
+    """Rotation, shift, permutation, wrapping, doubling and noise keep the line and its b."""
     check_laws(noise, 7, which)
 
 
@@ -180,12 +180,12 @@ def test_laws_hold_whatever_is_done_to_the_specimen(which, noise):
 )
 @settings(max_examples=12, deadline=None)
 def test_laws_hold_in_any_specimen(noise, seed, which):
-    """The same of random ones."""
+    """The same laws hold for random lines, noise and rotations."""
     check_laws(noise, seed, which)
 
 
 def check_laws(noise, seed, which):
-    """The line that was put in is found, whatever is done to the atoms."""
+    """The known line is found after each of these changes to the atoms."""
     lattice, burgers, family = which
     places, cell = line_of(lattice, burgers)
     rng = np.random.default_rng(seed)
@@ -209,7 +209,7 @@ def check_laws(noise, seed, which):
     assert along == pytest.approx(-np.array(burgers), abs=0.03)
 
 
-# The most noise always, and least of all once; four screws and no line stand in tests/hard.
+# Quick runs cover the most noise, and the least noise once; tests/hard has four screws and no line.
 NOISY = [
     (name, noise)
     if (name, noise) in (("screw", 4), ("screw", 12), ("edge", 12))
@@ -222,7 +222,7 @@ NOISY = [
 @pytest.mark.parametrize("seeds", [range(1), pytest.param(range(1, 3), marks=pytest.mark.slow)])
 @pytest.mark.parametrize(("name", "percent"), NOISY)
 def test_noise_adds_no_line_and_takes_none(name, percent, seeds):
-    """Gaussian noise on each coordinate, as share of the neighbour distance."""
+    """Gaussian noise on each coordinate, in percent of the neighbour distance, adds no line."""
     if name == "quadrupole":
         places, cell = quadrupole("bcc", (12, 12, 4), (0, 0, 1))
         periodic, count = (True, True, True), 4
@@ -240,7 +240,7 @@ def test_noise_adds_no_line_and_takes_none(name, percent, seeds):
 
 
 def test_a_prismatic_loop_encloses_the_vacancies_that_were_put_in():
-    """b . A over the volume of an atom is the number of atoms that are missing, within 1 %."""
+    """b . A over the volume of an atom is the number of missing atoms, within 1 %."""
     places, cell, periodic = atoms_of("w_vac_loop111")
     crystal = Crystal(places, cell, periodic)
     (line,) = crystal.dislocations().lines
@@ -254,7 +254,7 @@ def test_a_prismatic_loop_encloses_the_vacancies_that_were_put_in():
 
 @pytest.mark.parametrize("radius", [3, pytest.param(4, marks=pytest.mark.slow), 5])
 def test_a_loop_encloses_the_interstitials_that_were_put_in(radius):
-    """b . A over the volume of an atom is the number of atoms put in, within 1 %, with its sign."""
+    """b . A over the volume of an atom is the signed number of inserted atoms, within 1 %."""
     places, cell, inserted = interstitial_loop(radius)
     crystal = Crystal(places, cell)
     (line,) = crystal.dislocations().lines
@@ -264,7 +264,7 @@ def test_a_loop_encloses_the_interstitials_that_were_put_in(radius):
 
 
 def test_bonds_are_an_integer_cochain():
-    """Labels of given bonds are those of the cochain, odd in their sense, wherever atoms lie."""
+    """Labels of given bonds equal the cochain's values and change sign with the bond's sense."""
     places, cell = block("fcc", (3, 3, 3))
     moved = places + np.random.default_rng(0).integers(-1, 2, places.shape) * cell
     crystal = Crystal(moved, cell)
@@ -303,7 +303,7 @@ REFUSED = {
 
 @pytest.mark.parametrize("name", REFUSED)
 def test_bad_input_is_refused(name):
-    """An error of the package names the expected and the given value."""
+    """Each refusal is a CrystalError that names the expected and the given value."""
     make, words = REFUSED[name]
     with pytest.raises(CrystalError, match=words):
         make().dislocations()
@@ -311,7 +311,7 @@ def test_bad_input_is_refused(name):
 
 @pytest.mark.parametrize("lattice", ["fcc", "bcc"])
 def test_a_given_constant_is_that_of_the_atoms_but_for_strain(lattice):
-    """14 % more or less are taken, 16 % are told."""
+    """A constant 14 % off the estimate is accepted, a constant 16 % off is refused."""
     places, cell = block(lattice, (6, 6, 6))
     for share in (0.86, 1.14):
         crystal = Crystal(places, cell, constant=1 / share)
@@ -322,7 +322,7 @@ def test_a_given_constant_is_that_of_the_atoms_but_for_strain(lattice):
 
 
 def test_what_is_unusual_is_told_not_refused():
-    """Left-handed cells, open boxes without a cell, two species, mixed phases."""
+    """Left-handed cells, open boxes without a cell, two species and mixed phases are accepted."""
     assert Crystal(X * [1, 1, -1], np.diag(CELL * [1, 1, -1])).share == 1
     alloy = Crystal(X, CELL, species=["Cu", "Ni"] * 250)
     assert (alloy.lattice, alloy.share) == ("fcc", 1)
@@ -333,14 +333,14 @@ def test_what_is_unusual_is_told_not_refused():
 
 
 def test_atoms_far_from_all_others_change_nothing():
-    """All neighbours of the far one seem to lie on one line."""
+    """A single atom at a distance of 1e30 changes neither the lattice nor the lines."""
     crystal = Crystal(np.concatenate([X, [[1e30, 2, 2]]]))
     assert (crystal.lattice, crystal.constant) == ("fcc", pytest.approx(1))
     assert crystal.dislocations().lines == ()
 
 
 def test_noise_leaves_the_lattice_where_hardly_an_atom_fits():
-    """Of 12 % in diamond the mean of all neighbours is still at their places."""
+    """Under 12 % noise in diamond, the neighbours' mean positions still show the lattice."""
     places, cell = block("diamond", (5, 5, 5))
     noise = 0.12 * LATTICES["diamond"].nearest * np.random.default_rng(0).normal(size=places.shape)
     crystal = Crystal(places + noise, cell)
@@ -348,7 +348,7 @@ def test_noise_leaves_the_lattice_where_hardly_an_atom_fits():
 
 
 def test_empty_layers_of_the_cell_take_no_memory():
-    """Neighbours are looked for as far away as atoms are apart, not as wide as the cell is."""
+    """The neighbour search depends on distances between atoms, not on the width of the cell."""
     tracemalloc.start()
     crystal = Crystal(X, [*CELL[:2], 1e6])
     assert (crystal.lattice, crystal.dislocations().lines) == ("fcc", ())
@@ -358,7 +358,7 @@ def test_empty_layers_of_the_cell_take_no_memory():
 
 
 def test_a_crystal_may_turn_in_time_out_of_the_axes_that_it_began_with():
-    """Its axes are found anew, those next to the ones before: b stays the same along them."""
+    """Each frame takes the crystal axes nearest the previous ones, so b along them is constant."""
     places, cell = line_of("bcc", (0.5, 0.5, 0.5))
     places, crystal, seen = places - places.mean(axis=0), None, []
     for degrees in (0, 12, 24, 36, 48):
@@ -372,17 +372,17 @@ def test_a_crystal_may_turn_in_time_out_of_the_axes_that_it_began_with():
 
 @pytest.mark.parametrize("quarters", [pytest.param(0, marks=pytest.mark.slow), 1])
 def test_a_net_of_screws_is_the_same_along_any_axes(quarters):
-    """A twist wall is a square net of b = a/2 [1 1 0] and a/2 [1 -1 0]: no line of it parts."""
+    """A twist wall is a square net of b = a/2 [1 1 0] and a/2 [1 -1 0]; no line in it splits."""
     places, cell = twisted(8, 3)
     orient = Rotation.from_euler("x", 90 * quarters, degrees=True).as_matrix()
     net = Crystal(places, cell, orient=orient).dislocations()
     assert [line.family for line in net.lines] == ["1/2<1 1 0>"] * 32
-    # Both walls: lines that are the edge of the cell over 2 sin(7.125 degrees) / b apart.
+    # Both walls: the lines are spaced by (edge of the cell) / (2 sin(7.125 degrees) / b).
     assert sum(line.length for line in net.lines) == pytest.approx(92, rel=0.01)
 
 
 def test_tetrahedra_take_whole_numbers_of_four_bytes():
-    """Under noise there are six for each atom, and all are kept: 46 numbers each, edges and faces
+    """Under noise each atom has about six tetrahedra; each one keeps 46 numbers, edges and faces
     included."""
     places, cell = block("bcc", (8, 8, 8))
     crystal = Crystal(places + 0.08 * np.random.default_rng(0).normal(size=places.shape), cell)

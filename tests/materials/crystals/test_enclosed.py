@@ -1,4 +1,4 @@
-"""Enclosed: atoms of closed lines are counted wherever good crystal lies all about them."""
+"""Enclosed atoms: a closed line in good crystal reports how many atoms it adds or removes."""
 
 import numpy as np
 import pytest
@@ -12,19 +12,19 @@ LOOPS = ((0, 3), (0, 4), (4, 4), (0, 5))
 
 
 def counted(crystal, partials=False):
-    """How many atoms each closed line has between its half planes, and that no error is told."""
+    """Number of atoms that each closed line encloses; all reported errors must be zero."""
     lines = crystal.dislocations(partials).lines
     assert all(line.is_closed and inserted_error(line, crystal) == 0 for line in lines)
     return sorted(round(inserted_atoms(line, crystal)) for line in lines)
 
 
-# Without noise a small loop in an open box stands in test_reports.py.
+# test_reports.py has the case without noise, a small loop in an open box.
 @pytest.mark.parametrize(
     ("percent", "radius"),
     [(4, 3), (4, 5), *(pytest.param(*x, marks=pytest.mark.slow) for x in LOOPS)],
 )
 def test_interstitials_in_an_open_box(percent, radius):
-    """As many as were put in, though bonds across the line flip a good way inside of it."""
+    """The count is exact, though noise changes bonds across the line well inside the loop."""
     places, cell, put_in = interstitial_loop(radius)
     noise = np.random.default_rng(radius).normal(size=places.shape)
     crystal = Crystal(places + percent / 100 * np.sqrt(0.75) * noise, cell, OPEN)
@@ -33,16 +33,16 @@ def test_interstitials_in_an_open_box(percent, radius):
     assert line.length == pytest.approx(2 * np.pi * radius, rel=0.03)
 
 
-# The larger one stands in test_reports.py, too.
+# test_reports.py also has the larger loop.
 @pytest.mark.parametrize("radius", [4, pytest.param(5, marks=pytest.mark.slow)])
 def test_a_slab_in_which_the_loop_nearly_meets_its_images(radius):
-    """Good crystal about it is seen in other images of the atoms, too."""
+    """The good crystal around the loop is found across periodic boundaries."""
     places, cell, put_in = interstitial_loop(radius)
     assert counted(Crystal(places, cell, (True, True, False))) == [put_in]
 
 
 def test_each_of_several_loops():
-    """Two in one box, one of them turned round, and a vacancy that belongs to none."""
+    """Two loops in one box are counted separately, and a vacancy outside both is not counted."""
     first, cell, many = interstitial_loop(4)
     second, _, few = interstitial_loop(3)
     places = np.concatenate([first, second + np.array([cell[0], 0, 0])])
@@ -53,7 +53,7 @@ def test_each_of_several_loops():
 
 @pytest.mark.parametrize("height", [0, 1.8, 2.6])
 def test_a_vacancy_next_to_a_loop_takes_nothing_from_it(height):
-    """Inside of the surface on which sites are counted, and where that surface itself has it."""
+    """The vacancy may be inside the surface on which sites are counted, or on that surface."""
     places, cell, put_in = interstitial_loop(3)
     gone = np.linalg.norm(places - cell / 2 - [0, 0, height], axis=1).argmin()
     assert counted(Crystal(np.delete(places, gone, axis=0), cell, OPEN)) == [put_in]
@@ -61,13 +61,13 @@ def test_a_vacancy_next_to_a_loop_takes_nothing_from_it(height):
 
 @pytest.mark.parametrize("radius", [3, 5])
 def test_vacancies_of_a_frank_loop_in_an_open_box(radius):
-    """The fault that it encloses takes nothing from the count: all about it the crystal is good."""
+    """The enclosed fault does not change the count, since good crystal surrounds the loop."""
     places, cell, missing = vacancy_disc(radius)
     assert counted(Crystal(places, cell, OPEN), partials=True) == [-missing]
 
 
 def test_what_has_no_good_crystal_about_it_is_told_with_an_error():
-    """In the most noise not all bonds tell their sites: the line alone tells, and how well."""
+    """Under strong noise the count comes from the line, within its nonzero reported error."""
     places, cell, put_in = interstitial_loop(4)
     noise = 0.12 * np.sqrt(0.75) * np.random.default_rng(0).normal(size=places.shape)
     crystal = Crystal(places + noise, cell, OPEN)

@@ -10,7 +10,7 @@ from tests.materials.crystals.test_crystal import atoms_of
 
 
 def test_relaxed_copper_has_two_partials_of_one_sum():
-    """Two lines 1/6<1 1 2> with partials, and without their sum 1/2<1 1 0>."""
+    """With partials there are two lines 1/6<1 1 2>, without partials their sum 1/2<1 1 0>."""
     crystal = Crystal(*atoms_of("cu_edge110_relax"))
     (whole,) = crystal.dislocations().lines
     parts = crystal.dislocations(partials=True).lines
@@ -24,7 +24,7 @@ def test_relaxed_copper_has_two_partials_of_one_sum():
 
 @pytest.mark.parametrize("name", ["al_edge_dipole_relax", "cu_perfect", "cu_edge110"])
 def test_no_line_appears_by_the_option(name):
-    """A fault through the whole cell ends nowhere; what is not split stays one line."""
+    """A fault across the whole cell adds no line, and an unsplit line stays one line."""
     crystal = Crystal(*atoms_of(name))
     for partials in (False, True):
         lines = crystal.dislocations(partials).lines
@@ -32,7 +32,7 @@ def test_no_line_appears_by_the_option(name):
 
 
 def test_a_fault_put_in_is_no_line():
-    """Half of a crystal shifted by 1/6[1 1 -2] over (111), periodic in the plane."""
+    """Half of a crystal shifted by 1/6[1 1 -2] over (111), periodic in the plane, has no line."""
     turn = np.array([[1, -1, 0] / np.sqrt(2), [1, 1, -2] / np.sqrt(6), [1, 1, 1] / np.sqrt(3)])
     places, _ = block("fcc", (14, 14, 14))
     turned = (places - 7) @ turn.T
@@ -48,8 +48,8 @@ def test_a_fault_put_in_is_no_line():
 
 @pytest.mark.parametrize(("lattice", "height"), [("fcc", 0.5), ("diamond", -0.125)])
 def test_partials_that_are_put_in_come_out(lattice, height):
-    """Two opposite 1/6[1 1 -2] with a fault in (111), of diamond in its glide set: no whole line,
-    and each partial where it is, with a sum of nothing."""
+    """Two opposite 1/6[1 1 -2] bound a fault in (111), in diamond in its glide set: no whole line,
+    each partial at its position, and the sum of both is zero."""
     z, y = np.array([1, -1, 0]) / 2**0.5, np.ones(3) / 3**0.5
     turn = np.array([np.cross(y, z), y, z])
     sites = (filled(lattice, np.eye(3), 11) - 0.117) @ turn.T
@@ -72,15 +72,15 @@ def test_partials_that_are_put_in_come_out(lattice, height):
     assert sum(each) == pytest.approx(np.zeros(3), abs=1e-9)
     for line, found in zip(lines, each, strict=True):
         assert line.length == pytest.approx(period, rel=0.03)
-        # Minus the closed integral of du.
+        # b is minus the closed integral of du.
         assert found == pytest.approx(np.sign(line.path[:, 0].mean()) * b, abs=0.01)
 
 
-# b of two partials along [1 -1 0] in the plane (1 1 1), in sixths of a: leading one last.
+# b of two partials along [1 -1 0] in the plane (1 1 1), in sixths of a; the leading one is last.
 PAIRS = {"screw": ((2, -1, -1), (1, -2, 1)), "sixty": ((2, -1, -1), (1, 1, -2))}
 
 
-# The most noise of each lattice always, and both pairs in one of them.
+# Quick runs cover the most noise of each lattice, and each pair in one lattice.
 SHARP = (("fcc", "screw", 8), ("diamond", "sixty", 8))
 PARTED = [
     one if one in SHARP else pytest.param(*one, marks=pytest.mark.slow)
@@ -93,8 +93,8 @@ PARTED = [
 
 @pytest.mark.parametrize(("lattice", "line", "percent"), PARTED)
 def test_a_dislocation_is_two_partials(lattice, line, percent):
-    """A screw in two partials of 30 degrees, one of 60 degrees in those of 30 and 90; of diamond
-    in its glide set. Each with its b where it was put; without the option one line, the sum."""
+    """A screw splits into two 30 degree partials, a 60 degree line into partials of 30 and 90; in
+    diamond in its glide set. Each has its b and position; without the option they are one line."""
     z, y = np.array([1, -1, 0]) / 2**0.5, np.ones(3) / 3**0.5
     axes = np.array([np.cross(y, z), y, z])
     period, height = 4 / 2**0.5, {"fcc": 0.5, "diamond": -0.125}[lattice] / 3**0.5
@@ -105,7 +105,7 @@ def test_a_dislocation_is_two_partials(lattice, line, percent):
     ]
     noise = percent / 100 * LATTICES[lattice].nearest
     places = torn(sites, put_in) + noise * np.random.default_rng(0).normal(size=sites.shape)
-    # In the axes as they were put in, b is exact.
+    # b is exact in the crystal axes of the construction.
     crystal = Crystal(places, [60, 60, period], (False, False, True), lattice, axes.T, 1.0)
     (whole,) = crystal.dislocations().lines
     assert whole.family == "1/2<1 1 0>"
@@ -115,7 +115,7 @@ def test_a_dislocation_is_two_partials(lattice, line, percent):
     for part, ((x, _), b) in zip(parts, put_in, strict=True):
         assert part.path[:, 0].mean() == pytest.approx(x, abs=0.6)
         assert part.length == pytest.approx(period, rel=0.03)
-        # Minus the closed integral of du.
+        # b is minus the closed integral of du.
         assert np.sign(part.image[2]) * np.array(part.burgers, float) == pytest.approx(-b)
     total = sum(b for _, b in put_in)
     assert np.sign(whole.image[2]) * np.array(whole.burgers, float) == pytest.approx(-total)

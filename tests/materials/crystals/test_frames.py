@@ -1,7 +1,7 @@
 """Frames: the mean deformation of a crystal, and its Burgers vectors in the coordinates of the file
 and along the crystal axes."""
 
-# A vector of a line is a tuple of numbers, exact or not.
+# b of a line is a tuple of numbers, exact or floating.
 # pyright: reportArgumentType=false
 
 import numpy as np
@@ -30,7 +30,7 @@ SPECIMENS = {
 
 
 def off(line, b):
-    """By how much b of a line is not this vector or its opposite, over its length."""
+    """Distance of b of a line from this vector or its opposite, relative to its length."""
     found = np.array(line.burgers)
     return min(np.linalg.norm(found - sign * b) for sign in (1, -1)) / np.linalg.norm(b)
 
@@ -38,8 +38,8 @@ def off(line, b):
 @pytest.mark.parametrize("how", DEFORMATIONS)
 @pytest.mark.parametrize("lattice", SPECIMENS)
 def test_b_is_deformed_as_the_crystal_is(lattice, how):
-    """Four screws along z: b in the coordinates of the file is the deformed lattice vector; along
-    the crystal axes it is the lattice vector itself."""
+    """Four screws along z: b in the coordinates of the file is the deformed lattice vector, and b
+    along the crystal axes is the lattice vector itself."""
     repeats, length = SPECIMENS[lattice]
     places, cell = quadrupole(lattice, repeats, (0, 0, length))
     deformation = DEFORMATIONS[how]
@@ -60,7 +60,7 @@ def test_b_is_deformed_as_the_crystal_is(lattice, how):
 
 @pytest.mark.parametrize(("size", "right"), [((0.85, 1, 1), 3.3), ((1, 1, 1.15), 3.795)])
 def test_the_length_of_b_is_that_along_the_line(size, right):
-    """bcc of a = 3.3 with screws along z, with any constant and orientation given."""
+    """bcc of a = 3.3 with screws along z; a given constant or orientation does not change |b|."""
     places, cell = quadrupole("bcc", (14, 14, 3), (0, 0, 1))
     atoms, edges = 3.3 * places * size, 3.3 * cell * size
     for given in ({}, {"constant": 3.3}, {"orient": np.eye(3), "constant": 3.3}):
@@ -70,7 +70,7 @@ def test_the_length_of_b_is_that_along_the_line(size, right):
 
 @pytest.mark.parametrize("ratio", [1.35, 1.86, 2.0])
 def test_hcp_of_any_ratio_is_deformed(ratio):
-    """c/a and a strain in the plane: b along c and the report's ratio."""
+    """b along c follows c/a, with a strain in the basal plane."""
     places, cell = quadrupole("hcp", (14, 8, 3), (0, 0, (8 / 3) ** 0.5))
     size = np.array([1.08, 0.95, ratio / (8 / 3) ** 0.5])
     crystal = Crystal(places * size, cell * size)
@@ -81,7 +81,7 @@ def test_hcp_of_any_ratio_is_deformed(ratio):
 
 @pytest.mark.parametrize("how", ["longer along z", "all of it, turned"])
 def test_grains_are_deformed(how):
-    """An edge in one of two grains under one deformation."""
+    """An edge in one of two grains under one deformation has the deformed b."""
     places, _, size = bicrystal("fcc", SIGMA5, (0.5, 0.5, 0), size=(11, 8, 3))
     deformation = DEFORMATIONS[how]
     cell = np.diag([60, 60, size[2]]) @ deformation.T
@@ -93,8 +93,8 @@ def test_grains_are_deformed(how):
 
 
 def test_b_follows_the_strain_of_a_trajectory():
-    """A frame that is stretched after the first: the same lattice vector, b as long as it is there;
-    noise alone changes neither."""
+    """A frame stretched after the first has the same lattice vector and a longer b in space; noise
+    changes neither."""
     places, cell = quadrupole("fcc", (12, 12, 3), (0, 0, 1))
     first = Crystal(places, cell)
     stretch = np.array([1, 1, 1.1])
@@ -110,7 +110,7 @@ def test_b_follows_the_strain_of_a_trajectory():
 
 
 def test_atoms_of_a_strained_loop_are_counted():
-    """The volume of an atom is that in the strained crystal."""
+    """The count uses the volume of an atom in the strained crystal."""
     places, cell, put_in = interstitial_loop(4)
     size = np.array([1.06, 1, 0.97])
     crystal = Crystal(places * size, cell * size)
@@ -120,8 +120,8 @@ def test_atoms_of_a_strained_loop_are_counted():
 
 @pytest.mark.parametrize(("strain", "is_found"), [(4, False), (6, True)])
 def test_a_strain_below_its_error_is_none(strain, is_found):
-    """A perfect crystal with 2 % noise, longer along x and shorter along y by a number of standard
-    errors: too few are no deformation, so that b of a crystal at rest is a lattice vector."""
+    """A perfect crystal with 2 % noise, stretched along x and shortened along y by 4 or 6 standard
+    errors: 4 count as no deformation, so that b of an unstrained crystal is a lattice vector."""
     places, cell = block("fcc", (8, 8, 8))
     noisy = places + 0.02 * np.random.default_rng(0).normal(size=places.shape)
     at_rest = Crystal(noisy, cell)

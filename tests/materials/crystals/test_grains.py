@@ -1,4 +1,4 @@
-"""Grains: polycrystals made by the tests, their misorientations, walls and dislocation lines."""
+"""Grains: synthetic polycrystals, their misorientations, walls and dislocation lines."""
 
 from functools import cache
 
@@ -20,7 +20,7 @@ OPEN = (False, False, False)
 
 @cache
 def ending_line():
-    """A screw of bcc that ends at a wall: the places, and the crystal."""
+    """A screw of bcc that ends at a wall: its atoms, and the crystal."""
     places, _, _ = bicrystal("bcc", TURN, (0, 0, 1), axis=2, size=(6, 6, 7))
     return places, Crystal(places)
 
@@ -37,14 +37,14 @@ def least_angle(one, other):
     ("lattice", "noise"),
     [
         pytest.param("fcc", 0, marks=pytest.mark.slow),
-        # Three grains of bcc stand in test_known_grains.py.
+        # test_known_grains.py has three grains of bcc.
         pytest.param("bcc", 0, marks=pytest.mark.slow),
         ("fcc", 0.05),
         pytest.param("bcc", 0.05, marks=pytest.mark.slow),
     ],
 )
 def test_grains_of_a_polycrystal_lie_as_they_were_made(lattice, noise):
-    """Voronoi grains, periodic: atoms, orientations, misorientations of all walls."""
+    """Periodic Voronoi grains have the known atoms, orientations and misorientations at walls."""
     turns = [turned(0, (0, 0, 1)), TURN, turned(45, (1, 0, 0)), turned(40, (-1, 1, 3))]
     seeds = np.array([[2, 2, 2], [9, 8, 3], [3, 9, 9], [9, 2, 9.0]])
     constants = [1.0 if lattice == "fcc" else 0.8] * 4
@@ -59,7 +59,7 @@ def test_grains_of_a_polycrystal_lie_as_they_were_made(lattice, noise):
         counts = np.bincount(own[grain.atoms])
         made.append(int(counts.argmax()))
         assert counts.max() > 0.99 * counts.sum()
-        # Under noise atoms of the mean orientation add up: a tenth of a degree is much.
+        # The mean orientation averages over many atoms, so noise changes it only a little.
         assert least_angle(grain.orient.T, turns[made[-1]]) < 0.3
     assert sorted(made) == [0, 1, 2, 3]
     assert {wall.grains for wall in grains.walls} == {(a, b) for b in range(4) for a in range(b)}
@@ -71,7 +71,7 @@ def test_grains_of_a_polycrystal_lie_as_they_were_made(lattice, noise):
 
 
 def test_the_misorientation_has_its_axis_in_the_standard_triangle():
-    """Sigma 5, and the twin of fcc, Sigma 3."""
+    """Checked for Sigma 5 and for Sigma 3, the twin of fcc."""
     places, _, _ = bicrystal("fcc", SIGMA5, size=(5, 5, 4))
     (wall,) = Crystal(places).grains.walls
     assert wall.degrees == pytest.approx(36.87, abs=0.1)
@@ -93,7 +93,7 @@ def test_the_misorientation_has_its_axis_in_the_standard_triangle():
     ],
 )
 def test_a_line_in_a_grain_comes_out_as_it_was_put_in(lattice, burgers, family):
-    """An edge in one grain of a bicrystal that is periodic along it."""
+    """An edge in one grain of a bicrystal, periodic along it, has the known b and position."""
     places, own, size = bicrystal(lattice, SIGMA5, burgers, size=(11, 8, 3))
     crystal = Crystal(places, [60, 60, size[2]], (False, False, True))
     (line,) = crystal.dislocations().lines
@@ -111,7 +111,7 @@ def test_a_line_in_a_grain_comes_out_as_it_was_put_in(lattice, burgers, family):
     [pytest.param("fcc", (0.5, 0.5, 0), marks=pytest.mark.slow), ("bcc", (0, 0, 1))],
 )
 def test_a_line_ends_at_the_wall(lattice, burgers):
-    """From a free surface to the wall, through half of the specimen."""
+    """The line runs from a free surface to the wall, through half of the specimen."""
     if lattice == "bcc":
         crystal = ending_line()[1]
     else:
@@ -126,7 +126,7 @@ def test_a_line_ends_at_the_wall(lattice, burgers):
 
 
 def test_nothing_depends_on_where_it_lies_and_how_atoms_are_numbered():
-    """Turned, moved and permuted: the same atoms in grains, walls and lines."""
+    """A rotated, moved and permuted specimen has the same grains, wall and line."""
     places, crystal = ending_line()
     order = np.random.default_rng(0).permutation(len(places))
     turn = Rotation.random(random_state=7).as_matrix()
@@ -137,14 +137,14 @@ def test_nothing_depends_on_where_it_lies_and_how_atoms_are_numbered():
     sets = [{frozenset(grain.atoms.tolist()) for grain in crystal.grains}]
     sets += [{frozenset(order[grain.atoms].tolist()) for grain in moved.grains}]
     for atoms in sets[0]:
-        # Which of the atoms at a wall fits may hang on the last digit.
+        # Rounding may decide whether an atom at a wall belongs to a grain.
         assert max(len(atoms & x) / len(atoms | x) for x in sets[1]) > 0.99
     angles = [x.grains.walls[0].degrees for x in (crystal, moved)]
     assert angles[0] == pytest.approx(angles[1], abs=0.1)
 
 
 def test_circuits_stop_at_walls():
-    """Within a grain b is exact; through the wall the error names both grains and the angle."""
+    """b is exact within a grain; a circuit through the wall is refused with grains and angle."""
     _, crystal = ending_line()
     (line,) = crystal.dislocations().lines
     circuit = crystal.circuit.around([0, 0, -4], [0, 0, 1], 4)
@@ -171,14 +171,14 @@ def tilt_wall(n):
         sites = filled("bcc", np.eye(3), 24) - 0.117
         places = sites[(sites[:, 2] > -1e-6) & (sites[:, 2] < 4 - 1e-6)] @ turn.T
         inside = (places[:, 1] > -1e-6) & (places[:, 1] < period - 1e-6)
-        # Atoms in the plane of the wall are those of the first half.
+        # Atoms in the plane of the wall belong to the first half.
         inside &= (sense * places[:, 0] > -1e-6 * sense) & (np.abs(places[:, 0]) < 15)
         halves.append(places[inside])
     return np.concatenate(halves), [60, period, 4], 2 * np.degrees(angle)
 
 
 def test_low_angle_walls_are_their_dislocations():
-    """Below 15 degrees one crystal with a line for each step of the wall, above a wall."""
+    """A wall below 15 degrees is a row of lines in one crystal; a wall above separates grains."""
     crystal = Crystal(*atoms_of("w_tilt_gb"))
     assert crystal.grains.is_single
     assert [line.family for line in crystal.dislocations().lines] == ["<1 0 0>"] * 4
@@ -188,7 +188,7 @@ def test_low_angle_walls_are_their_dislocations():
         lines = crystal.dislocations().lines
         assert len(crystal.grains) == count, angle
         if count == 1:
-            # As many as 2 sin(angle / 2) times the length of the wall.
+            # The number of lines is 2 sin(angle / 2) times the length of the wall.
             assert [line.family for line in lines] == ["<1 0 0>"] * 4
         else:
             (wall,) = crystal.grains.walls
@@ -200,13 +200,13 @@ def test_low_angle_walls_are_their_dislocations():
     ("lattice", "constant"),
     [
         pytest.param("bcc", 0.8, marks=pytest.mark.slow),
-        # As many neighbours, as far away as those of the lattice about it.
+        # This hcp has as many neighbours at the same distance as the fcc lattice around it.
         ("hcp", 0.707),
         pytest.param("diamond", 1.5, marks=pytest.mark.slow),
     ],
 )
 def test_phases_are_told_with_their_shares(lattice, constant):
-    """A ball of another lattice in fcc."""
+    """A ball of another lattice in fcc is a grain with its own share."""
     around = filled("fcc", np.eye(3), 9)
     ball = filled(lattice, turned(20, (1, 2, 0)), 5, constant)
     sizes = np.linalg.norm(around, axis=1)
@@ -220,14 +220,14 @@ def test_phases_are_told_with_their_shares(lattice, constant):
 
 
 def test_a_region_without_a_lattice_is_told():
-    """A ball of glass in fcc: its share, no line in it; a glass alone is no crystal."""
+    """A ball of glass in fcc has a share and no line; a specimen of only glass is refused."""
     glass = amorphous(10, 4.0)
     ball = glass[np.linalg.norm(glass, axis=1) < 4.6]
     around = filled("fcc", np.eye(3), 6.8)
     places = np.concatenate([around[np.linalg.norm(around, axis=1) > 5.0], ball])
     crystal = Crystal(places)
     assert crystal.lattice == "fcc"
-    # The layer of the crystal that touches it lacks neighbours, too.
+    # Atoms in the crystal layer next to the glass also lack neighbours.
     with_layer = (np.linalg.norm(places, axis=1) < 5.8).sum()
     assert len(ball) < crystal.grains.shares["none"] * len(places) < with_layer
     assert crystal.dislocations().lines == ()
@@ -236,7 +236,7 @@ def test_a_region_without_a_lattice_is_told():
 
 
 def test_a_single_crystal_is_one_grain():
-    """Vacancies, faults, noise, lines and surfaces make no grain."""
+    """Vacancies, faults, noise, lines and surfaces add no grain."""
     places, cell = with_line("bcc", (1, 0, 0))
     crystal = Crystal(places, cell, (False, False, True))
     assert (repr(crystal.grains), crystal.grains.walls) == ("Grains(1 grain: bcc 100.0%)", ())
@@ -251,7 +251,7 @@ def test_a_single_crystal_is_one_grain():
 
 
 def test_a_grain_is_a_crystal_of_its_own():
-    """Its atoms in its frame; numbers of grains are checked."""
+    """`crystal.grain` returns the atoms in the grain's frame; wrong grain numbers are refused."""
     places, _, _ = bicrystal("fcc", SIGMA5, size=(5, 5, 4))
     crystal = Crystal(places, species=["Cu"] * len(places))
     grains = crystal.grains
@@ -268,7 +268,7 @@ def test_a_grain_is_a_crystal_of_its_own():
 
 
 def test_a_small_grain_is_found():
-    """A turned cylinder in a periodic sheet, less than a quarter of its atoms."""
+    """A turned cylinder in a periodic sheet, with less than a quarter of its atoms, is a grain."""
     places, cell = block("fcc", (16, 8, 4))
     inside = np.hypot(*(places - cell / 2)[:, :2].T) < 2.9
     middle = (places - cell / 2) @ turned(37, [0, 0, 1]).T + cell / 2

@@ -1,4 +1,4 @@
-"""Known grains: numbers and frames of grains that stay as they are from frame to frame."""
+"""Known grains: grains keep their numbers and frames from frame to frame."""
 
 import json
 from itertools import islice
@@ -18,12 +18,12 @@ TURNS = [turned(0, (0, 0, 1)), turned(40, (0, 0, 1)), turned(45, (1, 0, 0))]
 
 
 def grains_about(*seeds):
-    """A polycrystal of bcc about seeds, one grain after another."""
+    """A polycrystal of bcc with one grain around each seed."""
     return polycrystal(["bcc"] * 3, TURNS, np.array(seeds) * SIZE / 10, SIZE, [0.8] * 3)
 
 
 def test_all_grains_keep_numbers_and_frames_while_sizes_change():
-    """The second and the third grain change their order by size: each keeps its number, its frame
+    """The second and the third grain exchange their order by size: each keeps its number, its frame
     to the last bit, and the misorientations of its walls."""
     first, own = grains_about([2, 2, 2.0], [7.4, 6.4, 2.5], [3, 7, 7.5])
     later, _ = grains_about([2, 2, 2.0], [8, 6.4, 2.5], [4.2, 8, 7])
@@ -56,30 +56,30 @@ CELL, AXES = [80.0, 80.0, 14.4], (False, False, True)
 
 
 def two_grains():
-    """Atoms of a bicrystal of fcc, a = 3.6, periodic along z, as many as `one_grain` has."""
+    """Atoms of a bicrystal of fcc, a = 3.6, periodic along z; `one_grain` has as many atoms."""
     places, _, size = bicrystal("fcc", SIGMA5, (0.5, 0.5, 0), size=(9, 6, 2))
     return 3.6 * (places + size / 2)
 
 
 def one_grain(count):
-    """Atoms of the turned grain alone, its lattice all over the specimen."""
+    """Atoms of the turned grain, whose lattice fills the whole specimen."""
     sites = filled("fcc", SIGMA5, 20)
     inside = sites[(np.abs(sites) < [9.5, 6, 2]).all(axis=1)]
     order = np.argsort(np.abs(inside[:, 0]), kind="stable")
-    # As few at one end as are too many.
+    # The surplus atoms are removed at both ends in x.
     return 3.6 * (inside[order][:count] + np.array([9, 6, 2]))
 
 
 def trajectory():
-    """Two grains, the same shaken, one of them alone, and both again."""
+    """Two grains, the same with noise, the turned grain only, and both grains again."""
     first = two_grains()
     shaken = first + 0.03 * np.random.default_rng(1).normal(size=first.shape)
     return first, shaken, one_grain(len(first)), shaken
 
 
 def test_lines_keep_b_and_grains_that_vanish_are_told(tmp_path):
-    """b of a line in a grain is the same to the last bit; a grain that comes after one has vanished
-    has a new number."""
+    """b of a line in a grain is the same to the last bit; a grain that appears after another has
+    vanished gets a new number."""
     pytest.importorskip("ase")
     frames = trajectory()
     assert {len(places) for places in frames} == {len(frames[0])}
@@ -99,7 +99,7 @@ def test_lines_keep_b_and_grains_that_vanish_are_told(tmp_path):
     assert (one["track"], one["burgers"]) == (two["track"], two["burgers"])
     with pytest.raises(CrystalError, match=rf"expected the number of a grain \({alone}, 2\)"):
         crystals[3].grain(1 - alone)
-    # A run that ends after two frames is taken up again, and gives the same to the last bit.
+    # A run that ends after two frames is resumed, and gives the same reports to the last bit.
     folder = tmp_path / "frames"
     next(islice(reports(path, Wanted(), folder), 1, None))
     assert sorted(one.name for one in folder.glob("0*.json")) == ["000000.json", "000001.json"]

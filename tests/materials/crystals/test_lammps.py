@@ -1,6 +1,6 @@
-"""LAMMPS and XYZ as programs write them: dumps, data files, numbers for species, packed files."""
+"""LAMMPS and XYZ files of real programs: dumps, data files, species by number, packed files."""
 
-# Tests give what users give, wrong things included.
+# The tests pass what users pass, including wrong types.
 # pyright: reportArgumentType=false
 
 import bz2
@@ -24,13 +24,13 @@ SITES = np.array([
     for site in ((0, 0, 0), (0, 0.5, 0.5), (0.5, 0, 0.5), (0.5, 0.5, 0))
 ]) * 3.6  # fmt: skip
 SIZE = 4 * 3.6
-# Type 1 is fcc, type 2 its octahedral holes: rock salt, in which one sublattice alone is a crystal.
+# Type 1 is fcc and type 2 fills its octahedral holes (rock salt): each sublattice is a crystal.
 SALT = np.concatenate([SITES, SITES + np.array([1.8, 0, 0])])
 KINDS = np.repeat([1, 2], len(SITES))
 
 
 def rows_of(form: str, places: np.ndarray = SITES, kinds: np.ndarray | None = None) -> str:
-    """Rows of atoms, the last first; {k} {t} {x} {y} {z} stand for its number, type and place."""
+    """Rows of atoms in reverse order; {k} {t} {x} {y} {z} become number, type and position."""
     types = np.ones(len(places), dtype=int) if kinds is None else kinds
     made = [
         form.format(k=k + 1, t=types[k], x=x, y=y, z=z)
@@ -70,7 +70,7 @@ DUMPS = {
 @pytest.mark.parametrize("name", DUMPS)
 @pytest.mark.parametrize("frames", [1, 2])
 def test_dumps(name: str, frames: int, tmp_path: Path):
-    """Every variant that LAMMPS writes gives the crystal, frame by frame, without ase."""
+    """Each variant that LAMMPS writes gives the crystal in each frame, without ase."""
     path = tmp_path / "dump.100"
     path.write_text(DUMPS[name] * frames)
     found = list(read_all(path))
@@ -86,7 +86,7 @@ def test_dumps(name: str, frames: int, tmp_path: Path):
 
 @pytest.mark.parametrize("general", [False, True])
 def test_a_tilted_dump(general: bool, tmp_path: Path):
-    """Bounds of a tilted box are those round it; scaled positions are shares of its edges."""
+    """The bounds of a tilted box enclose it; scaled positions are fractions of its edges."""
     cell = np.array([[SIZE, 0, 0], [3.6, SIZE, 0], [-3.6, 3.6, SIZE]])
     shares = SITES @ np.linalg.inv(cell) % 1.0
     box = f" xy xz yz pp pp pp\n-3.6 {SIZE + 3.6} 3.6\n0 {SIZE + 3.6} -3.6\n0 {SIZE} 3.6"
@@ -101,7 +101,7 @@ def test_a_tilted_dump(general: bool, tmp_path: Path):
 
 
 HEAD = "made\n\n{count} atoms\n{types} atom types\n0 {s} xlo xhi\n0 {s} ylo yhi\n0 {s} zlo zhi\n"
-# Style -> a row of it, and what may stand behind it.
+# Style -> one row of it; image flags or a comment may follow.
 STYLES = {
     "atomic": "{k} {t} {x} {y} {z}",
     "charge": "{k} {t} 0.5 {x} {y} {z}",
@@ -123,8 +123,8 @@ def data(form: str, style: str = "", extra: str = "") -> str:
 @pytest.mark.parametrize("flags", ["", " 0 0 -1", " # Cu"])
 @pytest.mark.parametrize("named", [True, False])
 def test_data_files(style: str, flags: str, named: bool, tmp_path: Path):
-    """Any style that is named is read, the usual ones are seen from their columns, whatever the
-    name of the file; others say what to write."""
+    """Each named style is read, and the usual ones are recognised by their columns, whatever the
+    file's name; for other styles the error states what to write."""
     path = tmp_path / "copper.data"
     path.write_text(data(STYLES[style] + flags, f" # {style}" if named else ""))
     if not named and style in ("sphere", "dipole", "spin"):
@@ -137,7 +137,7 @@ def test_data_files(style: str, flags: str, named: bool, tmp_path: Path):
 
 
 def test_labels_of_types(tmp_path: Path):
-    """Species are labels where a file has some."""
+    """Species are the labels of the types if the file has labels."""
     for extra in ("\nMasses\n\n1 63.546 # Cu\n", "\nAtom Type Labels\n\n1 Cu\n", ""):
         path = tmp_path / "data.copper"
         path.write_text(data(STYLES["atomic"], "", extra))
@@ -154,7 +154,7 @@ XYZ = {
 
 @pytest.mark.parametrize("name", XYZ)
 def test_species_by_number(name: str, tmp_path: Path):
-    """LAMMPS and OVITO write numbers of types; a sublattice is chosen by one."""
+    """LAMMPS and OVITO write types as numbers; `species` selects a sublattice by such a number."""
     path = tmp_path / "a.xyz"
     path.write_text(f"{len(SALT)}\n{XYZ[name]}\n{rows_of('{t} {x} {y} {z}', SALT, KINDS)}\n")
     crystal = read(path, species=2)
@@ -173,7 +173,7 @@ def test_species_by_number(name: str, tmp_path: Path):
 
 
 def test_species_on_the_command_line(tmp_path: Path):
-    """As in Python, for a single file and with its numbers."""
+    """`--species` selects a sublattice as in Python and refuses a species that the file lacks."""
     path = tmp_path / "salt.data"
     text = HEAD.format(count=512, types=2, s=SIZE)
     path.write_text(f"{text}\nAtoms # charge\n\n{rows_of('{k} {t} 1 {x} {y} {z}', SALT, KINDS)}\n")
@@ -187,7 +187,7 @@ def test_species_on_the_command_line(tmp_path: Path):
 
 @pytest.mark.parametrize("pack", [gzip.compress, bz2.compress])
 def test_packed_files(pack, tmp_path: Path):
-    """Atoms and networks are unpacked while they are read; damage and bombs are refused."""
+    """Packed atoms and networks are unpacked while reading; damage and bombs are refused."""
     end = {gzip.compress: ".gz", bz2.compress: ".bz2"}[pack]
     for name, text in (
         ("a.dump", DUMPS["plain"]),
@@ -247,7 +247,7 @@ REFUSED = [
 
 @pytest.mark.parametrize(("name", "content", "words"), REFUSED, ids=[x[0] for x in REFUSED])
 def test_refusals(name: str, content: str | bytes, words: str, tmp_path: Path):
-    """What the file is, what was expected, and what reads it."""
+    """The message names the kind of file, the expected content, and what can read it."""
     path = tmp_path / name
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
     with pytest.raises(FileFormatError, match=words):
@@ -256,7 +256,7 @@ def test_refusals(name: str, content: str | bytes, words: str, tmp_path: Path):
 
 @pytest.mark.parametrize("distance", [0.2, 0.0])
 def test_overlapping_atoms_are_reported(distance: float, tmp_path: Path):
-    """They end nothing: the crystal is found, with its line, and the pair is named."""
+    """Overlapping atoms do not stop the analysis: the lattice is found and the pair is reported."""
     twice = np.append(SITES, SITES[99:100] + np.array([distance, 0, 0]), axis=0)
     path = tmp_path / "a.dump"
     path.write_text(dump("id type x y z", "{k} {t} {x} {y} {z}", places=twice))
@@ -271,7 +271,7 @@ def test_overlapping_atoms_are_reported(distance: float, tmp_path: Path):
 
 
 def test_axes_are_those_nearest_the_file():
-    """An aligned crystal has the axes of the file; a turned one the nearest of its 24 variants."""
+    """An aligned crystal has the axes of the file, a turned one the nearest of its 24 variants."""
     assert Crystal(SITES, [SIZE] * 3).orient == pytest.approx(np.eye(3), abs=1e-9)
     for angle in (10.0, 35.0, -44.0, 100.0):
         turn = np.radians(angle)
@@ -284,7 +284,7 @@ def test_axes_are_those_nearest_the_file():
 
 
 def test_without_ase(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """XYZ and LAMMPS are read without it; other formats name it and its extra."""
+    """XYZ and LAMMPS files are read without ase; for other formats the error names the extra."""
     for name in ("ase", "ase.io", "ase.io.formats"):
         monkeypatch.setitem(sys.modules, name, None)
     for name, text in (

@@ -1,7 +1,7 @@
-"""Lattices: the decoder gives the nearest lattice vector, and v and -v opposite ones. Which lattice
-atoms have: that into which most fit, or a refusal that names those that are known."""
+"""Lattices: the decoder returns the nearest lattice vector, with opposite labels for v and -v. A
+crystal has the lattice that most atoms fit; if none fits, the error names the known lattices."""
 
-# A vector of a line is a tuple of numbers, exact or not.
+# b of a line is a tuple of numbers, exact or floating.
 # pyright: reportArgumentType=false
 
 import re
@@ -26,7 +26,7 @@ ROWS = arrays(float, (5, 3), elements=st.floats(-9, 9))
 @pytest.mark.parametrize("name", LATTICES)
 @given(values=ROWS)
 def test_the_label_is_nearest(name, values):
-    """No lattice vector among all near ones is nearer."""
+    """No other nearby lattice vector is nearer."""
     lattice = LATTICES[name]
     found = lattice.decode(values)
     around = np.stack(np.meshgrid(*[range(-4, 5)] * 3), axis=-1).reshape(-1, 3)
@@ -41,7 +41,7 @@ def test_the_label_is_nearest(name, values):
 @pytest.mark.parametrize("name", LATTICES)
 @given(values=arrays(float, (5, 3), elements=st.integers(-9, 9).map(lambda n: n / 2)))
 def test_labels_are_odd_in_ties_too(name, values):
-    """label(ji) = -label(ij), on points as far from several lattice vectors, and for any kinds."""
+    """label(ji) = -label(ij), also for points equally far from several lattice vectors."""
     lattice = LATTICES[name]
     shift = np.array([1, -1, 0, 1, -1])
     assert (lattice.decode(-values) == -lattice.decode(values)).all()
@@ -49,7 +49,7 @@ def test_labels_are_odd_in_ties_too(name, values):
 
 
 def test_neighbours_and_volumes_are_those_of_textbooks():
-    """Numbers of nearest neighbours, their distance, and atoms in a cell."""
+    """Number and distance of nearest neighbours, and atoms per cell, agree with textbooks."""
     nearest = {
         "fcc": (12, 0.5**0.5),
         "bcc": (8, 0.75**0.5),
@@ -71,7 +71,7 @@ def test_neighbours_and_volumes_are_those_of_textbooks():
 
 @pytest.mark.parametrize("name", LATTICES)
 def test_neighbours_of_each_kind_are_all_near_sites(name):
-    """By hand: all sites of the crystal about one of each kind, and the kinds that decode knows."""
+    """By hand: the nearest sites around one site of each kind, and the kinds in `decode`."""
     lattice = LATTICES[name]
     around = np.stack(np.meshgrid(*[range(-3, 4)] * 3), axis=-1).reshape(-1, 3)
     net = around @ lattice.translations
@@ -86,20 +86,20 @@ def test_neighbours_of_each_kind_are_all_near_sites(name):
 
 
 def test_an_unknown_lattice_is_refused():
-    """The message names those that there are."""
+    """The message names the known lattices."""
     with pytest.raises(CrystalError, match="expected one of fcc, bcc, hcp, diamond, hex"):
         lattice_named("sc")
 
 
 def cubic(basis, repeats, constant=1.0):
-    """Atoms of a cubic cell with a basis, and the edges of so many of them."""
+    """Atoms of a cubic cell with a basis, and the edges of the repeated cell."""
     cells = np.stack(np.meshgrid(*map(np.arange, repeats), indexing="ij"), axis=-1)
     places = (cells.reshape(-1, 1, 3) + np.array(basis)).reshape(-1, 3)
     return constant * places, constant * np.array(repeats, dtype=float)
 
 
 def screws(places, cell, burgers):
-    """Two opposite screws along z, with the fields of their next images, and the cell."""
+    """Two opposite screws along z, with the fields of their nearest images, and the cell."""
     moved = places.copy()
     for share, sign in ((0.25, 1), (0.75, -1)):
         for m in range(-3, 4):
@@ -141,7 +141,7 @@ OTHERS = {
 
 @pytest.mark.parametrize("name", OTHERS)
 def test_other_lattices_are_refused(name):
-    """In words that name those that are known, and not after a long time."""
+    """The message names the known lattices, and the refusal takes less than 20 s of CPU time."""
     places, cell = OTHERS[name]()
     start = time.process_time()
     with pytest.raises(CrystalError, match=", ".join(LATTICES)):
@@ -150,7 +150,7 @@ def test_other_lattices_are_refused(name):
 
 
 def test_a_dense_lattice_is_no_noise_in_a_sparse_one():
-    """All places of diamond are taken in fluorite, and between them others are."""
+    """Fluorite occupies each site of diamond and others between them, so diamond is refused."""
     with pytest.raises(CrystalError, match=r"expected a crystal \(diamond\)"):
         _ = Crystal(*OTHERS["fluorite"](), lattice="diamond").share
 
@@ -159,7 +159,7 @@ def test_a_dense_lattice_is_no_noise_in_a_sparse_one():
     ("ratio", "height"), [((8 / 3) ** 0.5, 3 / 8), (5.19 / 3.19, 0.377)], ids=["ideal", "GaN"]
 )
 def test_screws_of_hexagonal_diamond(ratio, height):
-    """Wurtzite with screws along c: the lattice, its ratio, and b = c."""
+    """Wurtzite with screws along c has the right lattice, c/a, and b = c."""
     places, cell = block("hcp", (16, 9, 2))
     both = np.concatenate([places, places + np.array([0, 0, height * (8 / 3) ** 0.5])])
     size = 3.19 * np.array([1, 1, ratio / (8 / 3) ** 0.5])
@@ -173,7 +173,7 @@ def test_screws_of_hexagonal_diamond(ratio, height):
 
 
 def test_screws_of_hexagonal_diamond_in_its_plane():
-    """Two along a."""
+    """Two screws along a have b = 1/3<1 1 -2 0>."""
     places, cell = block("hexagonal diamond", (3, 8, 9))
     order = [1, 2, 0]
     places, cell = places[:, order], cell[order]
@@ -184,7 +184,7 @@ def test_screws_of_hexagonal_diamond_in_its_plane():
 
 @pytest.mark.parametrize("lattice", ["hcp", "hexagonal diamond"])
 def test_hexagonal_lines_go_to_ovito(lattice, tmp_path):
-    """And come back with the b of each and their lattice; what was read is written as it was."""
+    """Lines read back keep b and their lattice; a file that was read is written unchanged."""
     places, cell = quadrupole(lattice, (14, 8, 2), (0, 0, (8 / 3) ** 0.5))
     net = Crystal(places, cell).dislocations()
     net.save(tmp_path / "lines.ca")
@@ -203,7 +203,7 @@ def test_hexagonal_lines_go_to_ovito(lattice, tmp_path):
 
 
 def test_five_twins_of_fcc_are_fcc():
-    """A decahedron, whose atoms fit into fcc in five frames."""
+    """A decahedron, whose atoms fit fcc in five frames, is fcc with five grains."""
     cluster = pytest.importorskip("ase.cluster")
     places = cluster.Decahedron("Cu", 8, 6, 1, latticeconstant=3.6).positions
     crystal = Crystal(places, periodic=OPEN)
@@ -213,7 +213,7 @@ def test_five_twins_of_fcc_are_fcc():
 
 @pytest.mark.parametrize("shells", [3, 4, 5])
 def test_small_icosahedra_are_refused(shells):
-    """55, 147 and 309 atoms: twenty twins without an inside."""
+    """Clusters of 55, 147 and 309 atoms: twenty twins without interior atoms."""
     cluster = pytest.importorskip("ase.cluster")
     places = cluster.Icosahedron("Cu", shells, latticeconstant=3.6).positions
     with pytest.raises(CrystalError, match="expected a crystal"):
@@ -222,7 +222,7 @@ def test_small_icosahedra_are_refused(shells):
 
 @pytest.mark.parametrize(("length", "cutoff"), [(5, 2), (7, 3)])
 def test_small_crystals_are_found(length, cutoff):
-    """Cuboctahedra of 55 and 147 atoms, most of them at the surface."""
+    """Cuboctahedra of 55 and 147 atoms, most of them at the surface, are fcc."""
     cluster = pytest.importorskip("ase.cluster")
     places = cluster.Octahedron("Cu", length, cutoff, latticeconstant=3.6).positions
     crystal = Crystal(places, periodic=OPEN)
@@ -234,7 +234,7 @@ def test_small_crystals_are_found(length, cutoff):
     ("layers", "lattice"), [("ABCABCABABCABCABC", "fcc"), ("ABABABABCACACACAC", "hcp")]
 )
 def test_faults_do_not_change_the_lattice(layers, lattice):
-    """Most layers tell."""
+    """The lattice is the one of most layers."""
     places, cell = stacked(layers, ratio=(8 / 3) ** 0.5)
     crystal = Crystal(places, cell, (True, True, False))
     assert (crystal.lattice, len(crystal.grains)) == (lattice, 1)
@@ -242,7 +242,7 @@ def test_faults_do_not_change_the_lattice(layers, lattice):
 
 @pytest.mark.parametrize("seed", range(8))
 def test_a_gas_is_refused(seed):
-    """Neighbours at most places are chance: up to 14 % of its atoms have them in hcp."""
+    """Occupied neighbour sites can be chance: in a gas up to 14 % of the atoms fit hcp this way."""
     rng = np.random.default_rng(seed)
     sites = 7.2 * np.argwhere(np.ones((16, 16, 2)))
     crystal = Crystal(
@@ -253,7 +253,7 @@ def test_a_gas_is_refused(seed):
 
 
 def test_diamond_under_noise_is_found():
-    """With 12 % of the neighbour distance hardly an atom fits, but most places are occupied."""
+    """Under noise of 12 % of the neighbour distance few atoms fit, but most sites are occupied."""
     cell = np.array([[0, 0, 0], [0, 2, 2], [2, 0, 2], [2, 2, 0]], dtype=float)
     cell = np.concatenate([cell, cell + 1]) * 5.43 / 4
     sites = (cell[None] + 5.43 * np.argwhere(np.ones((6, 6, 6)))[:, None]).reshape(-1, 3)

@@ -1,4 +1,4 @@
-"""Reading: crystals of files with given and found frames of axes, stable over a trajectory."""
+"""Reading: crystals from files, with given or found crystal axes, stable over a trajectory."""
 
 from pathlib import Path
 
@@ -13,7 +13,7 @@ ase_io = pytest.importorskip("ase.io")
 
 
 def test_axes_that_are_given_are_taken():
-    """b in the axes of the cell as the file's truth has them, with the sign of the conventions."""
+    """b in the given crystal axes agrees with the truth file, with the sign of the conventions."""
     axes = np.array([[1, -1, 0], [1, 1, 1], [-1, -1, 2]], dtype=float)
     orient = (axes / np.linalg.norm(axes, axis=1)[:, None]).T
     path = real("crystal/cu_edge110.xyz")
@@ -27,7 +27,7 @@ def test_axes_that_are_given_are_taken():
 
 
 def test_b_is_the_same_in_all_frames(tmp_path: Path):
-    """A trajectory of noise: one orientation, one b, whatever each frame alone would choose."""
+    """All frames of a noisy trajectory have one b, since they share one orientation."""
     start = ase_io.read(real("crystal/w_screw111.xyz"))
     rng = np.random.default_rng(5)
     images = []
@@ -46,7 +46,7 @@ def test_b_is_the_same_in_all_frames(tmp_path: Path):
 
 
 def test_what_is_no_crystal_is_told_with_its_file(tmp_path: Path):
-    """Random atoms, and the wrong lattice."""
+    """The error for random atoms or a wrong lattice names the file."""
     from ase import Atoms
 
     rng = np.random.default_rng(0)

@@ -1,4 +1,4 @@
-"""Reports: what is enclosed by closed lines, and lines that keep their numbers in time."""
+"""Reports: atoms enclosed by closed lines, and lines that keep their numbers in time."""
 
 import json
 
@@ -14,7 +14,7 @@ from tests.real import real
 
 
 def line(b: str, place: float, turned: bool = False) -> dict:
-    """A straight line along z of a report; turned round, b has the other sign."""
+    """A straight line along z of a report; if reversed, b has the opposite sign."""
     path = [[place, 1.0, z] for z in (0.0, 2.0, 4.0)]
     exact = b.split()
     if turned:
@@ -26,13 +26,13 @@ def line(b: str, place: float, turned: bool = False) -> dict:
 
 
 def frame(*lines: dict) -> dict:
-    """A report of lines in a periodic cell."""
+    """A report of these lines in a periodic cell."""
     cell = [[20.0, 0, 0], [0, 20.0, 0], [0, 0, 4.0]]
     return {"lines": list(lines), "cell": cell, "periodic": [True, True, True]}
 
 
 def test_lines_keep_their_numbers():
-    """Two of one b that move, in another order and sense; across the face of the cell."""
+    """Lines keep their numbers when they move across a cell face, change order or are reversed."""
     one, two, other = line("1/2 1/2 0", 3), line("1/2 1/2 0", 12), line("0 0 1", 4)
     later = [
         line("1/2 1/2 0", 13.5, turned=True), line("0 0 1", 2), line("1/2 1/2 0", 19.5),
@@ -41,7 +41,7 @@ def test_lines_keep_their_numbers():
 
 
 def test_b_of_a_track_is_one_vector():
-    """A line that is found with the other sense is turned round, with its path and both its b."""
+    """A line found in the opposite sense is reversed, with its path and both forms of its b."""
     one = line("1/2 -1/2 0", 3)
     first, second = followed([frame(one), frame(line("1/2 -1/2 0", 3.5, turned=True))])
     assert first["lines"] == [{"track": 0, **one}]
@@ -52,7 +52,7 @@ def test_b_of_a_track_is_one_vector():
 
 
 def test_lines_begin_and_end():
-    """A line of another b is another line, and a number is never given twice."""
+    """A line with another b is a new line, and each number is used only once."""
     first, second = line("1/2 1/2 0", 3), line("1/2 -1/2 0", 3)
     assert tracks([frame(first), frame(second), frame(second, first), frame()]) == [
         [0], [1], [1, 2], [],
@@ -61,7 +61,7 @@ def test_lines_begin_and_end():
 
 
 def test_a_report_is_plain_data():
-    """It comes back from JSON as it was, and b is that of the network."""
+    """A report survives JSON unchanged, and its b equals the network's b."""
     crystal = Crystal(copper_screw(), BOX, (False, False, True), "fcc")
     net = crystal.dislocations()
     found = crystal_report(crystal, net)
@@ -73,7 +73,7 @@ def test_a_report_is_plain_data():
 
 
 def test_lines_of_a_crystal_come_back_from_vtk(tmp_path):
-    """Another program reads points, lines and b as they were written, bit by bit."""
+    """meshio reads points, lines and b bit for bit as they were written."""
     meshio = pytest.importorskip("meshio")
     net = Crystal(copper_screw(), BOX, (False, False, True), "fcc").dislocations()
     net.save(tmp_path / "lines.vtk")
@@ -87,7 +87,7 @@ def test_lines_of_a_crystal_come_back_from_vtk(tmp_path):
 
 
 def test_a_loop_of_vacancies_encloses_vacancies():
-    """b . A over the volume of an atom is what was taken out, within one percent."""
+    """b . A over the volume of an atom is the number of removed atoms, within one percent."""
     crystal = read(real("crystal/w_vac_loop111.xyz"))
     assert crystal.cell is not None
     (one,) = crystal_report(crystal, crystal.dislocations())["lines"]
@@ -98,7 +98,7 @@ def test_a_loop_of_vacancies_encloses_vacancies():
     assert one["kind"] == "closed"
 
 
-# Others of them stand in test_crystal.py and test_enclosed.py.
+# test_crystal.py and test_enclosed.py have further loops.
 COUNTED = [
     pytest.param(radius, periodic, marks=() if sharp else pytest.mark.slow)
     for radius, periodic, sharp in (
@@ -114,7 +114,7 @@ COUNTED = [
 
 @pytest.mark.parametrize(("radius", "periodic"), COUNTED)
 def test_atoms_of_a_loop_are_counted(radius, periodic):
-    """Exact with no error, in a cell that repeats and in one that is open."""
+    """The count is exact with zero error, in periodic and in open boxes."""
     places, cell, put_in = interstitial_loop(radius)
     crystal = Crystal(places, cell, periodic)
     (one,) = crystal_report(crystal, crystal.dislocations())["lines"]
@@ -124,7 +124,7 @@ def test_atoms_of_a_loop_are_counted(radius, periodic):
 
 
 def test_atoms_of_a_loop_are_counted_in_its_own_grain():
-    """By the volume of an atom there, not in grain 0."""
+    """The count uses the volume of an atom in the loop's own grain, not in grain 0."""
     places, _, put_in = interstitial_loop(3)
     other = filled("bcc", turned(30, [1, 1, 1]), 12, 1.3)
     other = other - other.min(axis=0) + [places[:, 0].max() + 3, 0, 0]

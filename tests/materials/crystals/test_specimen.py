@@ -1,4 +1,4 @@
-"""Specimen: which lattices the atoms of a crystal, a glass, or a mixture lie in."""
+"""Specimen: the lattices of the atoms in a crystal, a glass, or a mixture."""
 
 import re
 
@@ -16,7 +16,7 @@ from tests.materials.crystals.synthetic import with_line
 
 
 def shares(places, size):
-    """Share of each lattice among a sample, and how many atoms were looked at for it."""
+    """Share of each lattice in a sample, and the number of atoms examined."""
     cell, asked = Cell(size * np.eye(3), np.ones(3, dtype=bool)), []
     all_of_them = Places(places, cell, 3.0)
 
@@ -28,10 +28,10 @@ def shares(places, size):
 
 
 def test_a_glass_is_refused_by_a_few_of_its_atoms():
-    """Some atoms have neighbours as in a crystal, but none lie alike; the message has their share.
+    """Some atoms have neighbours as in a crystal, but no common lattice; the error has their share.
 
-    It is 0.9 %: an atom fits if all its neighbours are less than half the neighbour distance from
-    places of their own. At any distance from these places 4.9 % would fit.
+    It is 0.9 %: an atom fits if all its neighbours are within half the neighbour distance of
+    distinct lattice sites. Without this limit 4.9 % would fit.
     """
     places = amorphous(10, 4.0)
     found, asked = shares(places + 5, 10.0)
@@ -45,20 +45,20 @@ def test_a_glass_is_refused_by_a_few_of_its_atoms():
 
 
 def test_a_crystal_in_a_glass_is_counted():
-    """A ball of fcc with a fifth of all atoms: its share, and no other lattice's."""
+    """A ball of fcc with a fifth of all atoms has its share, and other lattices have none."""
     glass, ball = amorphous(10, 4.0), filled("fcc", np.eye(3), 3.6)
     places = np.concatenate([glass[np.linalg.norm(glass, axis=1) > 3.9], ball])
     found, asked = shares(places + 5, 10.0)
     assert asked > 2000
-    # Those at its surface lack neighbours.
+    # Atoms at the ball's surface lack neighbours.
     inside = (np.linalg.norm(ball, axis=1) < 2.9).sum()
     assert inside < found["fcc"] * len(places) < 1.1 * len(ball)
     assert max(found[name] for name in ("bcc", "diamond")) < 0.02
 
 
 def test_noise_is_no_region_without_a_lattice():
-    """In diamond with 8 % noise few atoms fit: their third shell mixes with the second. All places
-    of neighbours are occupied still, and the screw in it is found."""
+    """In diamond with 8 % noise few atoms fit, because their third shell mixes with the second. All
+    neighbour sites are still occupied, and the screw is found."""
     places, cell = with_line("diamond", (0.5, 0.5, 0), (9, 9, 3), 0.3)
     noise = np.random.default_rng(0).normal(size=places.shape)
     moved = places + 0.08 * LATTICES["diamond"].nearest * noise

@@ -23,17 +23,17 @@ def upwards(line):
 
 
 def noisy(places, percent, seed=0):
-    """Gaussian noise on each coordinate, as share of the neighbour distance."""
+    """Add Gaussian noise to each coordinate, in percent of the neighbour distance."""
     return places + percent / 100 * np.random.default_rng(seed).normal(size=places.shape)
 
 
-# In percent of the neighbour distance: the most, and less in the long run.
+# In percent of the neighbour distance: quick runs use the largest, slow runs all.
 NOISE = [*(pytest.param(x, marks=pytest.mark.slow) for x in (0, 4)), 8]
 
 
 @pytest.mark.parametrize(("line", "ratio"), one_in(3, ["edge", "screw"], [IDEAL, 1.623, 1.58]))
 def test_a_basal_dislocation_is_two_partials(line, ratio):
-    """1/3<1 -1 0 0> each, where it was put, with its b; their sum is the one line without."""
+    """Each partial is 1/3<1 -1 0 0> at its position, and their sum is the line without partials."""
     places, period, put_in = basal_partials(line, ratio=ratio)
     crystal = Crystal(places, [60, 60, period], OPEN)
     (whole,) = crystal.dislocations().lines
@@ -43,9 +43,9 @@ def test_a_basal_dislocation_is_two_partials(line, ratio):
     for part, ((x, y), b) in zip(parts, put_in, strict=True):
         assert part.path[:, :2].mean(axis=0) == pytest.approx([x, y], abs=0.6)
         assert part.length == pytest.approx(period, rel=0.01)
-        # Minus the closed integral of du; a and c/a are found among atoms under strain.
+        # b is minus the closed integral of du; a and c/a are estimated from strained atoms.
         assert upwards(part) == pytest.approx(-b, abs=0.01)
-    # Fractions: the sum is exact, that of the one line and of a circuit about both.
+    # In fractions the sum is exact: it equals b of the one line and of a circuit around both.
     each = [int(np.sign(part.image[2])) * np.array(part.burgers_lattice) for part in parts]
     total = each[0] + each[1]
     assert {x.denominator for x in total} == {1}
@@ -56,7 +56,7 @@ def test_a_basal_dislocation_is_two_partials(line, ratio):
 @pytest.mark.parametrize("percent", [pytest.param(4, marks=pytest.mark.slow), 8])
 @pytest.mark.parametrize("line", ["edge", "screw"])
 def test_noise_leaves_both_partials(line, percent):
-    """No piece more, none less, at wide and at narrow faults."""
+    """Noise neither adds nor removes a partial, at wide and at narrow faults."""
     for width in (1.5, 4):
         places, period, put_in = basal_partials(line, width)
         crystal = Crystal(noisy(places, percent), [60, 60, period], OPEN)
@@ -72,7 +72,7 @@ def test_noise_leaves_both_partials(line, percent):
     one_in(3, ["ABABABABABAB", "ABABABCACACA", "ABABABCBCBCB", "ABABABCBCBCBABABAB"], (0, 4, 8)),
 )
 def test_layers_that_end_nowhere_are_no_line(layers, percent):
-    """None, I2, I1 and two of I1, through the whole cell."""
+    """No fault, I2, I1 and two I1 across the whole cell have no lines."""
     places, cell = stacked(layers)
     crystal = Crystal(noisy(places, percent), cell, (True, True, False))
     for partials in (False, True):
@@ -81,7 +81,7 @@ def test_layers_that_end_nowhere_are_no_line(layers, percent):
 
 @pytest.mark.parametrize("percent", NOISE)
 def test_an_extrinsic_fault_is_no_line_and_no_grain(percent):
-    """ABABCABAB: three cubic layers, between good crystal on either side."""
+    """ABABCABAB: three cubic layers between good crystal on both sides."""
     places, cell = stacked("ABABABABCABABABAB")
     crystal = Crystal(noisy(places, percent), cell, (True, True, False))
     assert crystal.grains.is_single
@@ -91,7 +91,7 @@ def test_an_extrinsic_fault_is_no_line_and_no_grain(percent):
 
 @pytest.mark.parametrize(("line", "percent"), one_in(2, ["edge", "screw"], [0, 6]))
 def test_a_layer_less_is_two_frank_partials(line, percent):
-    """1/6<2 0 -2 3> at both ends of a fault of type I1; no whole line."""
+    """A fault of type I1 has 1/6<2 0 -2 3> at both ends, and no whole line."""
     places, period, ((_, b), _) = frank_partials(line)
     crystal = Crystal(noisy(places, percent), [60, 60, period], OPEN)
     assert crystal.dislocations().lines == ()
@@ -107,7 +107,7 @@ def test_a_layer_less_is_two_frank_partials(line, percent):
     ("burgers", "percent"), one_in(2, [(1, 0, 0), (0.5, 0.75**0.5, 0), (0, 0, IDEAL)], [0, 6])
 )
 def test_what_is_not_split_stays_one_line(burgers, percent):
-    """Lines along c, of a and of c: none lies in a basal plane."""
+    """Lines along c with b = a and b = c, which are not in a basal plane, do not split."""
     places, cell = line_of("hcp", burgers)
     crystal = Crystal(noisy(places, percent), cell, OPEN)
     (one,), (other,) = (crystal.dislocations(partials).lines for partials in (False, True))
@@ -120,7 +120,7 @@ def test_what_is_not_split_stays_one_line(burgers, percent):
 )
 @settings(max_examples=2, deadline=None)
 def test_partials_are_the_same_however_the_specimen_lies(noise, seed, line):
-    """Rotated, moved, permuted, wrapped: both lines, and nothing left over at the nodes."""
+    """A rotated, shifted, permuted or wrapped specimen has the same lines and no sum at nodes."""
     places, period, put_in = basal_partials(line)
     rng = np.random.default_rng(seed)
     vectors = np.diag([60, 60, period])
@@ -135,7 +135,7 @@ def test_partials_are_the_same_however_the_specimen_lies(noise, seed, line):
 
 
 def test_ovito_names_the_partials():
-    """Both are what it calls 1/3<1-100>: of its lattice constant 1/sqrt(6), as its own are."""
+    """OVITO calls both 1/3<1-100>: b = 1/sqrt(6) in its lattice constant, as for its own lines."""
     places, period, _ = basal_partials("edge")
     crystal = Crystal(places, [60, 60, period], OPEN)
     net = crystal.dislocations(partials=True)
@@ -151,7 +151,7 @@ def test_ovito_names_the_partials():
 
 @pytest.mark.parametrize("radius", [3, 5])
 def test_a_frank_loop_encloses_the_vacancies(radius):
-    """b . A of the one closed line is the number of atoms that are missing, within 1 %."""
+    """b . A of the one closed line is the number of missing atoms, within 1 %."""
     places, cell, missing = vacancy_disc(radius)
     crystal = Crystal(places, cell)
     assert crystal.dislocations().lines == ()
@@ -162,7 +162,7 @@ def test_a_frank_loop_encloses_the_vacancies(radius):
 
 
 def test_a_cell_a_few_atoms_long_has_the_same_partials():
-    """Along the line an atom is a neighbour of its own images."""
+    """In a short cell an atom along the line is a neighbour of its own images."""
     places, period, put_in = basal_partials("screw", periods=2)
     crystal = Crystal(places, [60, 60, period], OPEN)
     parts = sorted(crystal.dislocations(partials=True).lines, key=lambda x: x.path[:, 0].mean())

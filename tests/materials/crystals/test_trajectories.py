@@ -1,4 +1,4 @@
-"""Trajectories: reports that are kept, one file a frame, and what else lies in their folder."""
+"""Trajectories: stored reports, one file per frame, and other files in their folder."""
 
 import json
 import subprocess
@@ -19,7 +19,7 @@ WANTED = Wanted(lattice="fcc", constant=3.6)
 
 
 def test_kept_frames_are_taken_as_they_are(tmp_path: Path):
-    """Nothing is computed again: a report that somebody changed comes back changed."""
+    """Stored reports are not computed again: an edited report is returned as edited."""
     file, folder = written(tmp_path, copper_screw(), copper_screw(1.5)), tmp_path / "frames"
     done: list[tuple[float, int, str]] = []
     first = [one for one, _ in reports(file, WANTED, folder, lambda *x: done.append(x))]
@@ -33,12 +33,12 @@ def test_kept_frames_are_taken_as_they_are(tmp_path: Path):
     kept.write_text(json.dumps({**first[1], "share": 0.5}))
     again = list(reports(file, WANTED, folder))
     assert [one["share"] for one, _ in again] == [first[0]["share"], 0.5]
-    # Lines are there all the same.
+    # The lines can still be computed.
     assert len(again[1][1]().lines) == 1
 
 
 def test_other_settings_or_files_are_refused(tmp_path: Path):
-    """A folder belongs to one file and one set of options; damage in it is told."""
+    """A folder belongs to one file and one set of options; damaged reports are refused."""
     file, folder = written(tmp_path, copper_screw()), tmp_path / "frames"
     list(reports(file, WANTED, folder))
     with pytest.raises(CheckpointError, match="other settings"):
@@ -55,7 +55,7 @@ def test_other_settings_or_files_are_refused(tmp_path: Path):
 
 
 def test_a_run_without_a_frame_leaves_nothing(tmp_path: Path):
-    """Where the first frame is in error, the file that was mended begins anew by itself."""
+    """If the first frame fails, nothing is stored, and the corrected file starts a new run."""
     folder = tmp_path / "frames"
     broken = copper_screw()
     broken[1::2] = broken[::2][: len(broken[1::2])]
@@ -68,7 +68,7 @@ def test_a_run_without_a_frame_leaves_nothing(tmp_path: Path):
 
 
 def test_forgetting_leaves_what_is_not_ours(tmp_path: Path):
-    """Reports are removed, other files stay and are told."""
+    """Reports are removed, other files stay and are named in the error."""
     file, folder = written(tmp_path, copper_screw()), tmp_path / "frames"
     list(reports(file, WANTED, folder))
     (folder / "notes.txt").write_text("mine")
@@ -79,10 +79,10 @@ def test_forgetting_leaves_what_is_not_ours(tmp_path: Path):
 
 
 def thermal(frames: int) -> list[np.ndarray]:
-    """A screw that glides by half a neighbour distance a frame, in atoms that shake.
+    """A screw that glides by half a neighbour distance per frame, in vibrating atoms.
 
-    Their displacements forget themselves in some frames, as of springs in a heat bath [Uhlenbeck
-    and Ornstein], with a standard deviation of 6 % of the neighbour distance.
+    The displacements decorrelate over a few frames, as for springs in a heat bath [Uhlenbeck and
+    Ornstein]; their standard deviation is 6 % of the neighbour distance.
     """
     rng = np.random.default_rng(2)
     sigma, kept = 0.06 * 3.6 / np.sqrt(2), 0.8
@@ -111,8 +111,8 @@ main()
 
 
 def test_a_trajectory_keeps_its_axes_and_its_line_and_survives_a_kill(tmp_path: Path):
-    """One frame of axes, one b, one track that moves; SIGKILL in the third frame, --resume: all
-    files are those of a run that nobody stopped, byte by byte."""
+    """One set of axes, one b and one moving track in all frames. After SIGKILL in the third frame,
+    --resume writes the same files, byte for byte, as an uninterrupted run."""
     file = written(tmp_path, *thermal(4))
     whole, parts = tmp_path / "whole", tmp_path / "parts"
     run("crystal", str(file), "-o", str(whole))
@@ -124,7 +124,7 @@ def test_a_trajectory_keeps_its_axes_and_its_line_and_survives_a_kill(tmp_path: 
     assert [line["track"] for line in lines] == [0] * 4
     assert len({tuple(line["burgers_lattice"]) for line in lines}) == 1
     places = [np.mean(line["path"], axis=0)[0] for line in lines]
-    # As far as it was moved, within a core.
+    # The line moved as far as in the construction, within a core width.
     assert places[-1] - places[0] == pytest.approx(3 * 1.3, abs=3)
     dying = [sys.executable, "-c", KILLED, str(file), "-o", str(parts)]
     done = subprocess.run(dying, cwd=ROOT, timeout=300, check=False, capture_output=True)

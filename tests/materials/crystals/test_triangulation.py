@@ -1,4 +1,4 @@
-"""Triangulation: the same of some atoms as of all, in a few kilobytes an atom."""
+"""Triangulation: some atoms have the tetrahedra of the full mesh, in a few kilobytes per atom."""
 
 import tracemalloc
 
@@ -11,7 +11,7 @@ from tests.materials.crystals.synthetic import block
 
 
 def test_lines_in_much_noise_take_little_memory():
-    """Under 10 % noise every atom has its tetrahedra: NumPy needs less than 3.5 kB for each."""
+    """Under 10 % noise all atoms need tetrahedra; NumPy uses less than 3.5 kB per atom."""
     places, cell = block("bcc", (14, 14, 14))
     noise = 0.1 * np.sqrt(0.75) * np.random.default_rng(0).normal(size=places.shape)
     crystal = Crystal(places + noise, cell, lattice="bcc")
@@ -27,7 +27,7 @@ def test_lines_in_much_noise_take_little_memory():
 
 @pytest.mark.parametrize("periodic", [(True, True, True), (True, False, False), (False,) * 3])
 def test_tetrahedra_of_some_atoms_are_those_of_all(periodic):
-    """Each once, with its first corner in the cell: those that have one of these atoms."""
+    """Each tetrahedron with one of these atoms appears once, with its first corner in the cell."""
     places, edges = block("bcc", (7, 6, 5))
     places = places + 0.1 * np.random.default_rng(1).normal(size=places.shape)
     cell = Cell(np.diag(edges), np.array(periodic))
@@ -39,7 +39,7 @@ def test_tetrahedra_of_some_atoms_are_those_of_all(periodic):
     for name in ("corners", "offsets", "senses"):
         assert (getattr(every, name)[chosen] == getattr(some, name)).all()
     if all(periodic):
-        # They fill the cell.
+        # The tetrahedra fill the cell.
         ends = places[every.corners] + cell.shifts(every.offsets.reshape(-1, 3)).reshape(-1, 4, 3)
         volumes = np.abs(np.linalg.det(ends[:, 1:] - ends[:, :1])) / 6
         assert volumes.sum() == pytest.approx(np.prod(edges))

@@ -1,4 +1,4 @@
-"""Blocked fields: the same map as at once; killed and resumed, the same bits."""
+"""Blocked fields: the same map as in one piece, and equal bits after a kill and resume."""
 
 # dask does not declare its types.
 # pyright: reportPrivateImportUsage=false
@@ -47,7 +47,7 @@ def chunks(folder: Path) -> list[Path]:
 
 @pytest.mark.parametrize("turned", [False, True])
 def test_a_map_in_blocks_is_that_at_once(tmp_path, turned):
-    """Values, places, units, the largest and the counts; axes that descend as well."""
+    """Values, positions, units, maximum and counts agree, also for descending axes."""
     axes = [0.5 * np.arange(60.0), 0.5 * np.arange(50.0)]
     whole = values()
     if turned:
@@ -65,7 +65,7 @@ def test_a_map_in_blocks_is_that_at_once(tmp_path, turned):
 
 
 def noisy(n: int, defects: bool) -> np.ndarray:
-    """The identity with white noise, unlike in each component; with defects, five of b = 0.2."""
+    """The identity with unequal white noise in each component; with defects, five of b = 0.2."""
     rng = np.random.default_rng(7)
     found = np.eye(2)[:, :, None, None] + np.array([[1e-3, 2e-3], [1e-5, 4e-5]])[
         ..., None, None
@@ -80,7 +80,7 @@ def noisy(n: int, defects: bool) -> np.ndarray:
 
 @pytest.mark.parametrize(("n", "defects"), [(300, False), (200, True), (620, False)])
 def test_noise_is_estimated_as_at_once(tmp_path, n, defects):
-    """Noise alone passes in 0.1 % of all circuits, by either route; defects stand out in both.
+    """Noise passes in 0.1 % of all circuits in both maps; defects are significant in both.
 
     The larger field has more nodes than the sample from which its noise is estimated.
     """
@@ -89,7 +89,7 @@ def test_noise_is_estimated_as_at_once(tmp_path, n, defects):
     survey, numbers = run(tmp_path / "field.npy", tmp_path / "o", 100, size=8).survey()
     SampledFrame([np.arange(float(n))] * 2, whole).save(tmp_path / "field.npz")
     once = open_source(tmp_path / "field.npz").burgers_map(8)
-    # The sample gives each sigma within two per cent, a small field the very same.
+    # The sample gives each sigma within two percent; a small field is used completely.
     exact = n < 500
     assert survey.significance == pytest.approx(once.significance, rel=1e-6 if exact else 0.1)
     assert survey.noise == pytest.approx(once.noise, rel=1e-9 if exact else 0.02)
@@ -108,7 +108,7 @@ def test_noise_is_estimated_as_at_once(tmp_path, n, defects):
 
 
 def test_noise_of_a_volume_is_estimated_from_a_sample(tmp_path):
-    """Three axes, of which one is short, with a hole over a half: each sigma within 3 per cent."""
+    """Three axes, one of them short, with a hole over one half: each sigma is within 3 percent."""
     sigma = np.array([[1e-3, 2e-3, 3e-3]])
     whole = sigma[..., None, None, None] * np.random.default_rng(3).standard_normal(
         (1, 3, 9, 200, 190)
@@ -121,7 +121,7 @@ def test_noise_of_a_volume_is_estimated_from_a_sample(tmp_path):
 
 
 def test_a_volume_and_its_strongest_layer(tmp_path):
-    """A plane of a grid of three axes: the picture is of the layer in which b is largest."""
+    """For a plane of a grid of three axes, the survey has the layer with the largest b."""
     axes = [np.arange(9.0), np.arange(10.0), np.arange(7.0)]
     x, y, z = np.meshgrid(*axes, indexing="ij")
     SampledFrame(axes, np.array([[-y * z, x * z, 0 * z]]) / 2, sigma=0.1).save(tmp_path / "v.npz")
@@ -131,10 +131,10 @@ def test_a_volume_and_its_strongest_layer(tmp_path):
     assert numbers["circuits"] == 7 * 8 * 7
 
 
-# Both kinds of arrays are killed; the second in longer campaigns.
+# Slow runs also kill a zarr map.
 @pytest.mark.parametrize("end", [".npy", pytest.param(".zarr", marks=pytest.mark.slow)])
 def test_killed_and_taken_up_again(tmp_path, end):
-    """The command, killed while it works, then --resume: bit by bit the map of one run."""
+    """The command, killed while it works and resumed, gives the map of one run bit for bit."""
     path = tmp_path / f"field{end}"
     if end == ".npy":
         np.save(path, values((100, 80)))
@@ -163,7 +163,7 @@ def test_killed_and_taken_up_again(tmp_path, end):
 
 
 def test_stopped_by_hand(tmp_path):
-    """Ctrl-C: what is done is counted, how to go on is said, and the command ends with 130."""
+    """Ctrl-C: finished blocks are kept, the message names --resume, and the exit code is 130."""
     np.save(tmp_path / "field.npy", values((100, 80)))
     command = [sys.executable, "-m", "geomtorsion", "map", str(tmp_path / "field.npy"), "--blocks",
                "8", "-o", str(tmp_path / "out")]  # fmt: skip
@@ -180,7 +180,7 @@ def test_stopped_by_hand(tmp_path):
 
 
 def test_a_run_is_resumed_as_it_was(tmp_path, monkeypatch):
-    """A map that was stopped is refused without a word what to do; so are another file and size."""
+    """A stopped map needs resume or overwrite; another file, size or block is refused."""
     path, out = grid(tmp_path, sigma=0.1), tmp_path / "o"
     with pytest.raises(CheckpointError, match="expected a stopped map, got none"):
         run(path, out, 5, resume=True)
@@ -211,7 +211,7 @@ def test_a_run_is_resumed_as_it_was(tmp_path, monkeypatch):
     found = run(path, out, None, resume=True)
     assert found.result.block == (5, 5)
     assert [file.stat().st_mtime_ns for file in kept] == times
-    # What is complete stays where the next map is refused, and is replaced by one that is not.
+    # A refused request leaves the finished map, an accepted request replaces it.
     with pytest.raises(GridError, match="size"):
         run(path, out, 5, size=400)
     assert [file.stat().st_mtime_ns for file in kept] == times
@@ -219,7 +219,7 @@ def test_a_run_is_resumed_as_it_was(tmp_path, monkeypatch):
 
 
 def test_what_cannot_be_done_leaves_nothing_to_resume(tmp_path):
-    """An infinite value ends the first run; with the file mended, the next one begins."""
+    """An infinite value ends the first run; after the file is corrected, a new run starts."""
     whole = np.where(np.isnan(values()), 1.0, values())
     whole[0, 0, 3, 3] = np.inf
     np.save(tmp_path / "field.npy", whole)
@@ -233,7 +233,7 @@ def test_what_cannot_be_done_leaves_nothing_to_resume(tmp_path):
 
 
 def test_what_is_no_field_is_refused(tmp_path):
-    """Pictures, noise that differs from place to place, missing files, steps that are known."""
+    """Images, unequal noise, missing files and redundant steps are refused."""
     np.save(tmp_path / "image.npy", np.zeros((40, 40)))
     assert not is_array(tmp_path / "image.npy")
     np.save(tmp_path / "field.npy", values())

@@ -1,4 +1,4 @@
-"""Blocked map: the same bits whatever the size of blocks, after a kill, and on any scheduler."""
+"""Blocked map: equal bits for any block size, after a kill, and on any scheduler."""
 
 # dask does not declare its types.
 # pyright: reportPrivateImportUsage=false, reportArgumentType=false
@@ -34,7 +34,7 @@ def screws(rows, columns):
 
 
 class Listed:
-    """An array that lists which nodes are read."""
+    """An array that records which nodes are read."""
 
     def __init__(self, values):
         self.values, self.shape, self.dtype = values, values.shape, values.dtype
@@ -50,7 +50,7 @@ class Listed:
     one_in(2, [0, 1, (3, 5), 12], [2, 4, 8], ["flat", "holes", "periodic", "noise"]),
 )
 def test_any_block_size_gives_the_same_bits(tmp_path, size, order, kind):
-    """One block, rows, columns, tiny ones: equal to the last bit; and to the grid in memory."""
+    """One block, rows, columns and tiny blocks give equal bits, close to the grid in memory."""
     source = HOLED if kind in ("holes", "noise") else FLAT
     options = {"periodic": kind == "periodic", "sigma": 0.01 if kind == "noise" else 0.0}
     found = [
@@ -74,7 +74,7 @@ def test_any_block_size_gives_the_same_bits(tmp_path, size, order, kind):
 
 
 def test_three_axes(tmp_path):
-    """Blocks in depth too, in another plane."""
+    """Blocks also divide the depth, in another plane."""
     one, two = (
         blocked_map(SOLID, tmp_path / str(b), (1, 1, 1), b, 2, (2, 0)).read() for b in (99, 4)
     )
@@ -85,7 +85,7 @@ def test_three_axes(tmp_path):
 
 @pytest.mark.parametrize("size", [0, (2, 3)])
 def test_places_apart(tmp_path, size):
-    """Every so many nodes: the same bits as all of them, for any size of blocks."""
+    """A stride gives the same bits as the full map, for any block size."""
     every = blocked_map(HOLED, tmp_path / "every", STEPS, 50, size).read()
     for k, block in enumerate([50, 4, (3, 2)]):
         some = blocked_map(HOLED, tmp_path / str(k), STEPS, block, size, stride=(4, 3)).read()
@@ -99,7 +99,7 @@ def test_places_apart(tmp_path, size):
 def test_halos_are_no_wider_than_stencils(tmp_path, circuits, width, holes):
     """order / 2 nodes for torsion, one less for circuits; more only in blocks with holes.
 
-    Order 2 is compared with order 4, and needs what that needs.
+    Order 2 is compared with order 4, and needs the halo of order 4.
     """
     (size, less), (order, halo) = circuits, width
     values = screws(100, 100)
@@ -109,7 +109,7 @@ def test_halos_are_no_wider_than_stencils(tmp_path, circuits, width, holes):
     with dask.config.set(scheduler="synchronous"):
         blocked_map(source, tmp_path / "a", (1, 1), 10, size, order=order, plane=(1, 0))
     sides, wide = (5, 3) if size else (0, 0), halo - less
-    # At an end of the grid, and beside a hole, a stencil may lie on one side.
+    # At an end of the grid and beside a hole, a stencil may be one-sided.
     more = max(order, 4) - 2 * less if holes else wide
     assert [(0, 10 + side + more) for side in sides] in source.asked
     around = [
@@ -121,7 +121,7 @@ def test_halos_are_no_wider_than_stencils(tmp_path, circuits, width, holes):
 
 
 def test_nothing_is_read_across_the_plane(tmp_path):
-    """Layers of a solid are apart."""
+    """Layers of a solid are read separately."""
     source = Listed(SOLID)
     with dask.config.set(scheduler="synchronous"):
         blocked_map(source, tmp_path / "a", (1, 1, 1), (99, 99, 1), 2)
@@ -130,14 +130,14 @@ def test_nothing_is_read_across_the_plane(tmp_path):
 
 
 def test_killed_and_resumed(tmp_path):
-    """A process that ends in the middle: what is done stays, the rest follows, the same bits."""
+    """After the process ends in the middle, finished blocks stay and the rest has the same bits."""
     code = (
         "import os, dask\n"
         "from geomtorsion.materials.fields import blocked_map\n"
         "from tests.materials.fields.test_blocked_map import Listed, screws\n"
         "class Ending(Listed):\n"
         "    def __getitem__(self, index):\n"
-        # One call is for the reference, and three see whose blocks these are.
+        # One read is for the reference, and three are for the digest.
         "        if len(self.asked) > 8: os._exit(9)\n"
         "        return super().__getitem__(index)\n"
         "dask.config.set(scheduler='synchronous')\n"
@@ -154,7 +154,7 @@ def test_killed_and_resumed(tmp_path):
     assert all(file.stat().st_mtime_ns == time for file, time in before.items())
     whole = blocked_map(source, tmp_path / "b", (1, 1), 100, 3)
     assert np.array_equal(again.read(), whole.read())
-    # A block that was cut is computed again, at the edge too; what a killed process wrote goes.
+    # A truncated block is computed again, also at the edge; partial files are removed.
     for number in (again.numbers[0], again.numbers[-1]):
         chunk = again.file(number)
         chunk.write_bytes(chunk.read_bytes()[:100])
@@ -167,7 +167,7 @@ def test_killed_and_resumed(tmp_path):
 
 
 def test_a_block_of_holes_is_done(tmp_path):
-    """Nothing is known in it, and it is not computed again."""
+    """A block of holes counts as finished and is not computed again."""
     values = FLAT.copy()
     values[..., :20, :20] = np.nan
     one = blocked_map(values, tmp_path / "a", STEPS, 10)
@@ -180,7 +180,7 @@ def test_a_block_of_holes_is_done(tmp_path):
 )
 @pytest.mark.parametrize("kind", ["path", "dask"])
 def test_any_scheduler_gives_the_same_bits(tmp_path, scheduler, kind):
-    """Blocks run where dask is set to run them."""
+    """Blocks run on the scheduler that dask is set to."""
     np.save(tmp_path / "source.npy", HOLED)
     source = da.from_array(HOLED, chunks=9) if kind == "dask" else tmp_path / "source.npy"
     one = blocked_map(HOLED, tmp_path / "one", STEPS, 100, 4).read()
@@ -190,7 +190,7 @@ def test_any_scheduler_gives_the_same_bits(tmp_path, scheduler, kind):
 
 
 def test_a_dask_cluster(tmp_path):
-    """One task for each block on two workers: the same bits."""
+    """One task per block on two workers gives the same bits."""
     distributed = pytest.importorskip("dask.distributed")
     one = blocked_map(HOLED, tmp_path / "one", STEPS, 100, 4).read()
     options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
@@ -200,7 +200,7 @@ def test_a_dask_cluster(tmp_path):
 
 
 def test_zarr(tmp_path):
-    """An array, and the array of a group; a packing that would run its content is refused."""
+    """An array in two format versions is read; a codec that would run its content is refused."""
     zarr = pytest.importorskip("zarr")
     one = blocked_map(HOLED, tmp_path / "one", STEPS, 100, 4).read()
     for version in (2, 3):
@@ -232,7 +232,7 @@ def zarr_array(path: Path, version: int, **options: object) -> list[Path]:
 
 @pytest.mark.parametrize("version", [2, 3])
 def test_missing_chunks_of_zarr_are_refused_or_holes(tmp_path, version):
-    """They were read as zeros, which gave significant circuits; with NaN as fill value, holes."""
+    """Missing chunks are refused, not read as zeros; with NaN as fill value they are holes."""
     path = tmp_path / "a.zarr"
     zarr_array(path, version)[5].unlink()
     with pytest.raises(FileFormatError, match=r"expected 16 chunks, got 15; .* read as"):
@@ -248,7 +248,7 @@ def test_missing_chunks_of_zarr_are_refused_or_holes(tmp_path, version):
         shards = zarr_array(path, 3, shards=(2, 2, 20, 16))
         found = blocked_map(path, tmp_path / "shards", STEPS, 11, 4).read()
         assert np.array_equal(found, whole)
-        # Other files, and chunks that are none of this array, do not stand for one.
+        # Other files and foreign chunks do not replace a missing chunk.
         shards[1].rename(path / "c" / "9")
         (path / "README").write_text("")
         with pytest.raises(FileFormatError, match="expected 4 chunks, got 3"):
@@ -260,7 +260,7 @@ def test_missing_chunks_of_zarr_are_refused_or_holes(tmp_path, version):
 @pytest.mark.parametrize("value", [0, -3, 10**9, 10**30, "a", 2.5, None])
 @pytest.mark.parametrize("fill", [0.0, "NaN"])
 def test_declared_sizes_of_zarr_are_checked(tmp_path, version, key, value, fill):
-    """Shapes and chunks that are none, or larger than anything: errors of ours, at once."""
+    """Wrong or huge shapes and chunks raise our own errors at once."""
     path = tmp_path / "a.zarr"
     zarr_array(path, version)
     file = path / (".zarray" if version == 2 else "zarr.json")
@@ -278,7 +278,7 @@ def test_declared_sizes_of_zarr_are_checked(tmp_path, version, key, value, fill)
 @pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("content", [b"", b"garbage", None])
 def test_damaged_chunks_of_zarr_are_errors_of_ours(tmp_path, version, content):
-    """Empty, something else, or cut."""
+    """Empty, foreign and truncated chunks raise our own errors."""
     path = tmp_path / "a.zarr"
     chunk = zarr_array(path, version)[5]
     chunk.write_bytes(chunk.read_bytes()[:100] if content is None else content)
@@ -290,12 +290,12 @@ def test_damaged_chunks_of_zarr_are_errors_of_ours(tmp_path, version, content):
 
 
 def wide(side):
-    """A constant field of so many nodes a side, which takes no memory."""
+    """A constant field with so many nodes per side, which takes no memory."""
     return np.broadcast_to(np.float64(1.0), (1, 2, side, side))
 
 
 def test_a_map_that_finds_no_room_is_refused(tmp_path):
-    """Before the first block is computed: too many blocks, or more bytes than the disk has."""
+    """Too many blocks or more bytes than the free disk space are refused before the first block."""
     for side, block, message in (
         (10**5, 100, "at most 100,000 blocks, got 1,000,000"),
         (10**6, 5000, "expected .* free bytes for the blocks of the map"),
@@ -307,7 +307,7 @@ def test_a_map_that_finds_no_room_is_refused(tmp_path):
 
 
 def test_an_array_of_another_run_is_refused(tmp_path):
-    """The message names what differs; so is what is no map."""
+    """The message names the difference; a path without a map is refused as well."""
     path = tmp_path / "a"
     blocked_map(FLAT, path, STEPS, 20, 2)
     for arguments, word in (((STEPS, 20, 3), "size"), ((STEPS, 10, 2), "block"),
@@ -333,7 +333,7 @@ def test_an_array_of_another_run_is_refused(tmp_path):
 
 @pytest.mark.parametrize("kind", ["array", "dask", "file"])
 def test_other_values_of_the_same_size_are_another_field(tmp_path, kind):
-    """Refused where one value differs."""
+    """A difference in one value is refused."""
     other = FLAT.copy()
     other[1, 1, 20, 3] += 1e-9
 
@@ -380,7 +380,7 @@ COMPLEX = da.from_array(FLAT, chunks=10).map_blocks(lambda x: x + 1j, dtype=floa
     ],
 )
 def test_maps_that_there_are_not(tmp_path, source, options, message):
-    """Each with its own message."""
+    """Each wrong argument has its own message."""
     arguments = {"steps": STEPS, "block": 10} | options
     with pytest.raises((GridError, FileFormatError), match=message):
         blocked_map(source, tmp_path / "a", **arguments)

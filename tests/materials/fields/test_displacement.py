@@ -1,4 +1,4 @@
-"""Displacements: their jumps are taken out before differences are formed."""
+"""Displacements: jumps are removed before differences are formed."""
 
 # pyright: reportArgumentType=false, reportPossiblyUnboundVariable=false
 
@@ -25,7 +25,7 @@ def edge(x: np.ndarray, y: np.ndarray, b: float = B) -> np.ndarray:
 
 
 def test_what_differences_across_the_cut_would_give():
-    """The integral of np.gradient closes: nothing is left of the dislocation."""
+    """np.gradient across the cut loses the dislocation: its closed integral is nearly zero."""
     beta = np.array([np.gradient(part, AXIS, AXIS) for part in edge(X, Y)])
     found = SampledFrame.from_distortion([AXIS, AXIS], beta).burgers(Loop.circle([0, 0], 2))
     assert abs(found.vector[0]) < 0.1 * B
@@ -33,11 +33,11 @@ def test_what_differences_across_the_cut_would_give():
 
 @pytest.mark.parametrize("branch", ["find", B, [[B, 0]], [B, 0], [[B, 0], [B / 2, B * 3**0.5 / 2]]])
 def test_an_edge_dislocation(branch):
-    """b = (0.286, 0) on every circuit, within the error told, and nothing beside the core."""
+    """b = (0.286, 0) on each circuit, within the reported error, and zero beside the core."""
     grid = SampledFrame.from_displacement([AXIS, AXIS], edge(X, Y), branch=branch)
     for loop in (Loop.circle([0, 0], 2), Loop.circle([0.4, -0.3], 1.5), grid_square(1.7)):
         found = grid.burgers(loop)
-        # The found jump is known as well as the field is smooth across the cut.
+        # A found jump is as accurate as the field is smooth across the cut.
         assert np.abs(found.vector - [B, 0]).max() < found.error + (2e-4 if branch == "find" else 0)
         assert found.error < 0.01 * B
     beside = grid.burgers(Loop.circle([1, 1], 0.7))
@@ -50,7 +50,7 @@ def grid_square(half: float) -> Loop:
 
 
 def test_cuts_in_strongly_bent_fields_are_found():
-    """A smooth part that changes by more than b from node to node hides no jump."""
+    """A smooth part with steps of more than 0.6 b between nodes hides no jump."""
     smooth = np.array([4 * X + X**2 / 5 + Y * X / 9, X - 2 * Y])
     assert np.abs(np.diff(smooth[0], axis=0)).min() > 0.6 * B
     for branch in ("find", [B, 0]):
@@ -60,7 +60,7 @@ def test_cuts_in_strongly_bent_fields_are_found():
 
 
 def test_cuts_in_short_waves_are_found():
-    """Waves of eight steps, as high as b: steps farther away say nothing of what is smooth."""
+    """In waves of eight steps and height b, only nearby steps predict the smooth part."""
     wave = np.array([B * np.sin(2 * np.pi * Y / (8 * (AXIS[1] - AXIS[0]))), 0 * X])
     grid = SampledFrame.from_displacement([AXIS, AXIS], edge(X, Y) + wave, branch="find")
     found = grid.burgers(Loop.circle([0, 0], 2))
@@ -68,7 +68,7 @@ def test_cuts_in_short_waves_are_found():
 
 
 def test_two_cuts_of_different_vectors():
-    """Two dislocations with jumps of their own: both circuits, and the one round both."""
+    """Two dislocations with different jumps: each circuit has its b, a common one the sum."""
     u = edge(X - 1.31, Y - 0.9) + edge(X + 1.2, Y + 1.1, 0.4)[::-1]
     grid = SampledFrame.from_displacement([AXIS, AXIS], u, branch="find")
     one = grid.burgers(Loop.circle([1.31, 0.9], 1.0))
@@ -81,7 +81,7 @@ def test_two_cuts_of_different_vectors():
 
 
 def test_noise_and_strain_are_no_cuts():
-    """Nothing stands out: no jumps, and circuits close."""
+    """Noise and smooth fields have no jumps."""
     rng = np.random.default_rng(0)
     for u in (
         rng.standard_normal((2, *X.shape)),
@@ -95,7 +95,7 @@ def test_noise_and_strain_are_no_cuts():
 
 @pytest.mark.parametrize("share", [pytest.param(0.01, marks=pytest.mark.slow), 0.04])
 def test_noisy_displacements(share):
-    """Some per cent of a lattice vector: declared jumps are whole, found ones scatter."""
+    """With noise of a few percent of b, declared jumps give the exact b and found jumps scatter."""
     rng = np.random.default_rng(1)
     loop = Loop.circle([0, 0], 2)
     found, errors = [], []
@@ -119,14 +119,14 @@ def test_noisy_displacements(share):
 
 
 def bands(places: list[np.ndarray], rng: np.random.Generator) -> np.ndarray:
-    """Slip bands of some px, half a px to two wide, that fade along their length."""
+    """Slip bands of a few px, half a px to two wide, that fade along their length."""
     u = np.zeros((len(places), *places[0].shape))
     middle = [x.mean() for x in places]
     for _ in range(4):
         normal, slip = rng.normal(size=(2, len(places)))
         normal /= np.linalg.norm(normal)
         if rng.random() < 0.3:
-            # Along the grid, as it is in steels that are cut to their bands.
+            # Some bands are along the grid, as in steel specimens cut along their bands.
             normal = np.eye(len(places))[rng.integers(len(places))]
         slip -= normal * (normal @ slip)
         slip *= rng.uniform(0.5, 3) / np.linalg.norm(slip)
@@ -144,7 +144,7 @@ def bands(places: list[np.ndarray], rng: np.random.Generator) -> np.ndarray:
 )
 @pytest.mark.parametrize("holes", [False, True])
 def test_one_value_at_each_place_has_no_burgers_vector(seed, shape, noise, holes):
-    """b is zero, however steep slip bands are: on all circuits, loops, cells, and round holes."""
+    """b is zero however steep slip bands are: for maps, loops, cells, and around holes."""
     rng = np.random.default_rng(seed)
     axes = [np.arange(float(n)) * step for n, step in zip(shape, (1, -1, 1), strict=False)]
     places = np.meshgrid(*axes, indexing="ij")
@@ -175,14 +175,14 @@ def test_one_value_at_each_place_has_no_burgers_vector(seed, shape, noise, holes
     assert not np.nan_to_num(error).any()
     if not holes:
         assert np.abs(grid.cochain.coboundary().values).max() < 1e-12
-    # A closed chain of edges that go anywhere between the nodes.
+    # A closed chain of edges with arbitrary corners between the nodes.
     corners = np.array(middle) + rng.uniform(-1, 1, (6, len(shape)))
     sides = grid.along_edges(corners, np.roll(corners, -1, axis=0))
     assert np.abs(sides.vectors.sum(axis=0)).max() < 1e-12
 
 
 def test_what_may_be_a_jump_is_said():
-    """Without a declaration b is zero, and `source` names the steps that stand out."""
+    """Without a declaration b is zero, and `source` names the large steps."""
     grid = SampledFrame.from_displacement([AXIS, AXIS], edge(X, Y))
     assert not grid.burgers(Loop.circle([0, 0], 2)).vector.any()
     assert "none declared. Steps of (0.28" in grid.source
@@ -190,7 +190,7 @@ def test_what_may_be_a_jump_is_said():
 
 
 def test_declared_jumps_are_those_of_scattered_points():
-    """Dislocations of three vectors, noise and a hole: every loop has the same whole b by both."""
+    """With three dislocations, noise and a hole, each loop has the same exact b by both classes."""
     rng = np.random.default_rng(4)
     line = np.linspace(-3, 3, 61) + 0.013
     x, y = np.meshgrid(line, line, indexing="ij")
@@ -215,7 +215,7 @@ def test_declared_jumps_are_those_of_scattered_points():
 
 
 def test_a_screw_in_space():
-    """A declared jump in three dimensions: circuits of the plane, on edges and between nodes."""
+    """A declared jump in three dimensions: in maps, on loops, and on edges between nodes."""
     axes = [np.arange(12.0), np.arange(11.0), np.arange(5.0)]
     x, y, _ = np.meshgrid(*axes, indexing="ij")
     u = np.zeros((3, *x.shape))
@@ -234,7 +234,7 @@ def test_a_screw_in_space():
 
 
 def test_another_coframe_is_not_that_of_the_displacement():
-    """A frame whose values are replaced would have the circuits of those before."""
+    """A replaced coframe would keep the circuits of the old one, so it is refused."""
     grid = SampledFrame.from_displacement([AXIS, AXIS], edge(X, Y), branch=B)
     assert replace(grid, unit="nm").burgers(Loop.circle([0, 0], 2)).unit == "nm"
     with pytest.raises(GridError, match="expected the coframe of the displacement, got another"):
@@ -242,7 +242,7 @@ def test_another_coframe_is_not_that_of_the_displacement():
 
 
 def test_noise_that_spoils_a_jump_is_a_hole():
-    """A quarter of a lattice vector: many cells do not close, and no number is given there."""
+    """With noise of a quarter of b many cells do not close and become holes."""
     rng = np.random.default_rng(2)
     u = edge(X, Y) + 0.25 * B * rng.standard_normal((2, *X.shape))
     grid = SampledFrame.from_displacement([AXIS, AXIS], u, branch=B)
@@ -252,7 +252,7 @@ def test_noise_that_spoils_a_jump_is_a_hole():
 
 
 def test_holes_and_periods():
-    """An unseen core; a displacement that a period adds a strain to."""
+    """A core inside a hole has its b; a periodic displacement may be given modulo its period."""
     u = edge(X, Y)
     u[0, np.hypot(X, Y) < 0.6] = np.nan
     grid = SampledFrame.from_displacement([AXIS, AXIS], u, branch="find")
@@ -265,7 +265,7 @@ def test_holes_and_periods():
     ring = SampledFrame.from_displacement([line, line], u[None], periodic=True, branch=1.0)
     assert np.abs(ring.plaquettes().vectors).max() < 2e-4
     assert ring.coframe[0, 0] == pytest.approx(1 + 0.1 * np.cos(x + 2 * y), abs=2e-3)
-    # A displacement modulo the period, as a phase is.
+    # This displacement is given modulo its period, like a phase.
     shear = SampledFrame.from_displacement([line, line], x[None], periodic=True, branch=2 * np.pi)
     assert shear.coframe[0, 0] == pytest.approx(np.full((n, n), 2), abs=1e-12)
 
@@ -289,7 +289,7 @@ def test_holes_and_periods():
     ],
 )
 def test_displacements_that_are_none(u, options, message):
-    """Each with its own message."""
+    """Each wrong argument has its own message."""
     with pytest.raises(GridError, match=message):
         SampledFrame.from_displacement([AXIS, AXIS], u, **options)
 
@@ -297,7 +297,7 @@ def test_displacements_that_are_none(u, options, message):
 @pytest.mark.parametrize("branch", [None, "find", B, [[B, 0]]])
 @pytest.mark.parametrize("sigma", [None, "estimate", 0.01])
 def test_a_file_keeps_the_displacement(tmp_path, branch, sigma):
-    """What is read has the same circuits, bit by bit, with the same errors and holes."""
+    """A file read back has the same circuits bit for bit, with the same errors and holes."""
     u = edge(X, Y) + 0.005 * np.random.default_rng(0).standard_normal((2, *X.shape))
     u[:, 50:53, 10:14] = np.nan
     made = SampledFrame.from_displacement(

@@ -1,4 +1,4 @@
-"""Displacement tables: CSV with x, y, u, v, texts of DaVis and of Tecplot, and what is refused."""
+"""Displacement tables: CSV with x, y, u, v, texts of DaVis and Tecplot, and refused tables."""
 
 import gzip
 from pathlib import Path
@@ -16,7 +16,7 @@ U, V = 0.01 * X + 0.002 * Y**2, -0.02 * X * Y
 
 
 def rows(split: str = ",", mark: str = ".", order: int = 1) -> list[str]:
-    """One row for each node, x fastest; DaVis begins with the largest y."""
+    """One row per node, x fastest; DaVis begins with the largest y."""
     picked = sorted(range(len(X)), key=lambda k: (order * Y[k], X[k]))
     return [
         split.join(f"{v:.9f}".replace(".", mark) for v in (X[k], Y[k], U[k], V[k])) for k in picked
@@ -47,7 +47,7 @@ def written(folder: Path, name: str, lines: list[str]) -> Path:
 
 @pytest.mark.parametrize("name", TABLES)
 def test_displacements(tmp_path: Path, name: str):
-    """The values at the nodes of the grid, whatever the order, the marks and the decimals."""
+    """The values at the nodes are the same for any row order, separator and decimal mark."""
     for path in (
         written(tmp_path, name, TABLES[name]), written(tmp_path, f"{name}.gz", TABLES[name]),
     ):  # fmt: skip
@@ -66,7 +66,7 @@ def test_displacements(tmp_path: Path, name: str):
 
 
 def test_rows_that_are_left_out(tmp_path: Path):
-    """They are holes, like values without a number."""
+    """Omitted rows and missing numbers are holes."""
     lines = TABLES["a.csv"].copy()
     lines[10] = lines[10].rsplit(",", 1)[0] + ","
     del lines[30]
@@ -90,21 +90,21 @@ REFUSED = {
 
 @pytest.mark.parametrize("name", REFUSED)
 def test_refusals(tmp_path: Path, name: str):
-    """The line, what was expected, and what to do."""
+    """The message names the line, the expected content, and the remedy."""
     lines, words = REFUSED[name]
     with pytest.raises(FileFormatError, match=words):
         SampledFrame.read(written(tmp_path, name, lines))
 
 
 def test_few_nodes_far_apart(tmp_path: Path):
-    """A diagonal of 4,000 nodes would make a grid of 16 million."""
+    """A diagonal of 4,000 nodes would need a grid of 16 million."""
     lines = ["x,y,u,v", *(f"{k},{k},0,0" for k in range(4000))]
     with pytest.raises(LimitError, match="expected a grid of at most"):
         SampledFrame.read(written(tmp_path, "far.csv", lines))
 
 
 def test_such_files_are_read_only(tmp_path: Path):
-    """Another format is named for writing."""
+    """The message names a format for writing."""
     field = SampledFrame.read(written(tmp_path, "a.csv", TABLES["a.csv"]))
     with pytest.raises(GridError, match=r"read-only. Save the data as .npz or .csv"):
         field.save(tmp_path / "a.txt")
@@ -112,7 +112,7 @@ def test_such_files_are_read_only(tmp_path: Path):
 
 @pytest.mark.parametrize("word", ["1_8", "١", "0x10"])
 def test_words_that_python_reads_as_numbers_are_refused(tmp_path, word):
-    """Only numbers as files of measurements hold them."""
+    """Numbers that only Python accepts are refused."""
     path = tmp_path / "field.csv"
     rows = [f"{x},{y},0.1,{word if (x, y) == (2, 3) else 0}" for y in range(6) for x in range(6)]
     path.write_text("x,y,u,v\n" + "\n".join(rows), "utf-8")

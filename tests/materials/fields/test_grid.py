@@ -15,7 +15,7 @@ WAVES = np.array([[np.cos(X + Y), np.sin(X) * np.cos(Y)], [np.sin(2 * Y), np.cos
 
 @pytest.mark.parametrize("order", [2, 4, 6, 8])
 def test_a_periodic_axis_is_an_endless_one(order):
-    """The same as the middle of three periods side by side."""
+    """A periodic grid gives the same as the middle of three copies side by side."""
     long = np.concatenate([AXIS - 2 * np.pi, AXIS, AXIS + 2 * np.pi])
     tiled = SampledFrame([long, long], np.tile(WAVES, (1, 1, 3, 3)), order)
     grid = SampledFrame([AXIS, AXIS], WAVES, order, periodic=True)
@@ -33,7 +33,7 @@ def test_a_periodic_axis_is_an_endless_one(order):
 
 
 def test_one_axis_may_be_periodic():
-    """By name or by truth values; the other one still ends."""
+    """A name or truth values select the periodic axis; the other axis still ends."""
     by_name = SampledFrame([AXIS, AXIS], WAVES, periodic="y")
     assert by_name.periodic == (False, True)
     assert by_name.plaquettes().vectors.shape == (2, N - 1, N)
@@ -47,7 +47,7 @@ def test_one_axis_may_be_periodic():
 
 
 def test_loops_round_a_period():
-    """Round a torus: the mean of the coframe counts; grid and loop must have the same period."""
+    """Around a torus the mean of the coframe gives b; grid and loop need the same period."""
     values = np.array([[1 + 0.1 * np.cos(X), 0.2 * np.sin(Y)]])
     loop = Loop.parametric(["s", "1"], interval=(0, "2*pi"), periods={0: "2*pi"})
     grid = SampledFrame([AXIS, AXIS], values, periodic=True)
@@ -62,13 +62,13 @@ def test_loops_round_a_period():
 
 @pytest.mark.parametrize("periodic", ["z", [True], ["x", 1], 3, ("x", "z")])
 def test_periods_that_are_none(periodic):
-    """Truth values or names of axes."""
+    """Only truth values or names of axes are accepted."""
     with pytest.raises(GridError, match="periodic"):
         SampledFrame([AXIS, AXIS], WAVES, periodic=periodic)
 
 
 def test_units_are_kept_and_shown():
-    """Of lengths and of b; with results, maps and in files."""
+    """Results, grids and maps show the units of lengths and of b."""
     grid = SampledFrame([AXIS, AXIS], WAVES, unit="um", vector_unit="a/um um")
     b = grid.burgers(Loop.circle([3, 3], 1))
     assert b.unit == "a/um um"
@@ -81,7 +81,7 @@ def test_units_are_kept_and_shown():
 
 
 def test_everything_comes_back_from_a_file(tmp_path):
-    """Holes, noise, periods, units; under the very name that was given."""
+    """Holes, noise, periods and units read back, and the file has the given name."""
     mask = np.hypot(X - 3, Y - 3) < 0.5
     sigma = np.abs(WAVES) + 0.1
     grid = SampledFrame(
@@ -97,7 +97,7 @@ def test_everything_comes_back_from_a_file(tmp_path):
 
 
 def test_plane_maps_may_have_three_columns():
-    """All nine values of a distortion on a plane: the third column enters no circuit."""
+    """In a plane map with three columns, the third column enters no circuit."""
     three = np.concatenate([WAVES, np.full((2, 1, N, N), np.nan)], axis=1)
     three = np.concatenate([three, three[:1]])
     grid = SampledFrame.from_distortion([AXIS, AXIS], three)
@@ -110,7 +110,7 @@ def test_plane_maps_may_have_three_columns():
 
 
 def test_descending_axes_give_the_same_circuits():
-    """Turned round, the grid has the same Burgers vectors at the same places."""
+    """A reversed axis gives the same Burgers vectors at the same positions."""
     grid = SampledFrame([AXIS, AXIS], WAVES)
     turned = SampledFrame([AXIS[::-1], AXIS], WAVES[:, :, ::-1])
     assert turned.plaquettes().area > 0
@@ -125,7 +125,7 @@ def test_descending_axes_give_the_same_circuits():
 
 @pytest.mark.parametrize(("off", "taken"), [(5e-5, True), (5e-4, False)])
 def test_how_equal_steps_have_to_be(off, taken):
-    """32-bit floats keep a step to 1e-4 of itself; what is farther off is no regular grid."""
+    """32-bit floats keep a step to 1e-4 of itself; larger deviations are refused."""
     axis = np.arange(12.0)
     axis[5:] += off
     values = np.broadcast_to(np.eye(2)[:, :, None, None], (2, 2, 12, 12))
@@ -140,7 +140,7 @@ def test_how_equal_steps_have_to_be(off, taken):
 
 @pytest.mark.parametrize(("beyond", "taken"), [(1e-9, True), (1e-6, False)])
 def test_what_is_rounding_of_a_place(beyond, taken):
-    """Half of the digits of a step may be lost far from the origin; farther out is outside."""
+    """Far from the origin half of a step's digits may be lost; a larger excess leaves the grid."""
     axis = 1e6 + np.arange(12.0)
     values = np.broadcast_to(np.eye(2)[:, :, None, None], (2, 2, 12, 12))
     grid = SampledFrame([axis, axis], values)

@@ -1,4 +1,4 @@
-"""Formats: what is written comes back, what is broken is refused by line and reason."""
+"""Formats: saved grids read back, and broken files are refused with line and reason."""
 
 import subprocess
 import sys
@@ -40,14 +40,14 @@ def full() -> SampledFrame:
 
 @pytest.mark.parametrize("end", ENDS)
 def test_what_is_saved_comes_back(tmp_path, end):
-    """The same values and holes, noise, periods and units; under the name that was given."""
+    """Values, holes, noise, periods and units read back, and the file has the given name."""
     if end in NEEDS:
         pytest.importorskip(NEEDS[end])
     path, grid = tmp_path / f"a.b{end}", full()
     grid.save(path)
     assert [file.name for file in tmp_path.iterdir()] == [f"a.b{end}"]
     again = SampledFrame.read(path)
-    # Tables do not say which way an axis is listed: it increases.
+    # Tables do not store the direction of an axis, which then increases.
     turned = (slice(None),) * 3 + (slice(None, None, -1),) if again.axes[1][0] < 2.5 else ...
     assert np.array_equal(again.coframe, grid.coframe[turned], equal_nan=True)
     known = np.isfinite(grid.coframe)
@@ -61,7 +61,7 @@ def test_what_is_saved_comes_back(tmp_path, end):
 @pytest.mark.parametrize("by_node", [False, True])
 @pytest.mark.parametrize("end", ENDS)
 def test_covariances_come_back(tmp_path, end, by_node):
-    """Whole, or from tables as standard deviations."""
+    """Covariances read back, or from tables only the standard deviations."""
     if end in NEEDS:
         pytest.importorskip(NEEDS[end])
     root = np.random.default_rng(0).normal(size=(4, 4))
@@ -80,7 +80,7 @@ def test_covariances_come_back(tmp_path, end, by_node):
 
 @pytest.mark.parametrize("end", ENDS)
 def test_a_plain_grid_of_three_axes_comes_back(tmp_path, end):
-    """Without noise and units, three axes, one row."""
+    """A grid without noise and units, with three axes and one row, reads back."""
     if end in NEEDS:
         pytest.importorskip(NEEDS[end])
     axes = [np.arange(6.0), np.arange(7.0) / 3, np.arange(6.0) - 2]
@@ -92,7 +92,7 @@ def test_a_plain_grid_of_three_axes_comes_back(tmp_path, end):
 
 
 def test_ends_that_are_not_known(tmp_path):
-    """Neither read nor written; without an end it becomes .npz."""
+    """An unknown suffix is refused; a name without a suffix becomes .npz."""
     with pytest.raises(GridError, match=r"expected a name ending in \.npz or \.nc .*got '\.doc'"):
         full().save(tmp_path / "a.doc")
     full().save(tmp_path / "plain")
@@ -105,7 +105,7 @@ ROWS = "".join(f"{x},{y},{x * y / 9},\n" if x == y == 2 else f"{x},{y},{x * y / 
 
 
 def test_a_table_by_hand(tmp_path):
-    """A distortion, lines in any order, a missing number and a missing line: two holes."""
+    """A distortion with rows in any order; a missing number and a missing row are two holes."""
     path = tmp_path / "t.csv"
     lines = ROWS.splitlines()
     path.write_text(HEAD + "\n".join(lines[::-1]) + "\n")
@@ -139,7 +139,7 @@ def test_a_table_by_hand(tmp_path):
     ],
 )
 def test_tables_that_are_none(tmp_path, text, message):
-    """Each by its line."""
+    """Each fault has its own message, with the line if there is one."""
     path = tmp_path / "t.csv"
     path.write_text(text)
     with pytest.raises(FileFormatError, match=message):
@@ -148,7 +148,7 @@ def test_tables_that_are_none(tmp_path, text, message):
 
 @pytest.mark.parametrize("end", [e for e in ENDS if e != ".npz"])
 def test_truncated_and_foreign_files(tmp_path, end):
-    """Cut anywhere, or something else: an error of ours, or what is left is a grid."""
+    """Truncated or foreign files raise our own errors, or the rest is a valid grid."""
     if end in NEEDS:
         pytest.importorskip(NEEDS[end])
     path = tmp_path / f"a{end}"
@@ -173,7 +173,7 @@ def test_truncated_and_foreign_files(tmp_path, end):
 
 
 def test_links_in_hdf5_are_not_followed(tmp_path):
-    """A data set that lies in another file, or behind a link, is none."""
+    """A data set that is a link, also into another file, is refused."""
     h5py = pytest.importorskip("h5py")
     full().save(tmp_path / "whole.h5")
     for name, link, message in (
@@ -191,7 +191,7 @@ def test_links_in_hdf5_are_not_followed(tmp_path):
 
 
 def test_a_missing_library_is_named(tmp_path):
-    """Without h5py and meshio the message says which extra brings them."""
+    """Without h5py and meshio the message names the extra that installs them."""
     code = (
         "import sys; sys.modules['h5py'] = None; sys.modules['meshio'] = None\n"
         "import numpy as np, geomtorsion as gt\n"
@@ -207,7 +207,7 @@ def test_a_missing_library_is_named(tmp_path):
 
 @pytest.mark.parametrize("name", ["h5py", "meshio", "zarr"])
 def test_the_extra_that_is_named_brings_the_library(name, monkeypatch):
-    """As pyproject.toml has it."""
+    """In pyproject.toml the named extra lists the library."""
     project = tomllib.loads((Path(__file__).parents[3] / "pyproject.toml").read_text("utf-8"))
     monkeypatch.setitem(sys.modules, name, None)
     with pytest.raises(MissingExtraError) as caught:
@@ -218,7 +218,7 @@ def test_the_extra_that_is_named_brings_the_library(name, monkeypatch):
 
 
 def marked(path, dtype, scale, **said):
-    """A NetCDF file of torsion 1 in which a node has the value that says that nothing is known."""
+    """A NetCDF file of torsion 1, in which one node has the fill value."""
     x, y = np.arange(7.0), np.arange(8.0) / 2
     values = np.array([[-np.tile(y, (7, 1)), np.tile(x[:, None], 8)]]) / 2 / scale
     values[0, 0, 3, 3] = -999
@@ -240,7 +240,7 @@ def marked(path, dtype, scale, **said):
 @pytest.mark.parametrize("mark", ["_FillValue", "missing_value"])
 @pytest.mark.parametrize(("dtype", "scale"), [("d", 1.0), ("h", 0.25)])
 def test_marks_and_scales_of_netcdf_count(tmp_path, monkeypatch, reader, mark, dtype, scale):
-    """Whichever library reads: a mark is a hole, packed numbers are unpacked, times are numbers."""
+    """With either library marks are holes, packed numbers are unpacked, and times are numbers."""
     if reader == "scipy":
         monkeypatch.setitem(sys.modules, "xarray", None)
     else:
@@ -256,7 +256,7 @@ def test_marks_and_scales_of_netcdf_count(tmp_path, monkeypatch, reader, mark, d
 
 @pytest.mark.parametrize("end", ["npz", "h5", "nc"])
 def test_a_mask_in_a_file_counts(tmp_path, end):
-    """Where it is True, or 1 in a format without truth values; other numbers are refused."""
+    """A node is masked by True, or by 1 in formats without truth values; 2 is refused."""
     axes = {"axis_x": np.arange(7.0), "axis_y": np.arange(8.0)}
     mask = np.zeros((7, 8), dtype=bool)
     mask[2, 3] = True
@@ -289,7 +289,7 @@ def test_a_mask_in_a_file_counts(tmp_path, end):
 
 
 def square(path, **more):
-    """An HDF5 file of torsion 1 on 8 x 8 nodes, and what else is given; x and y are no names."""
+    """An HDF5 file of torsion 1 on 8 x 8 nodes with changed data sets, without `names`."""
     h5py = pytest.importorskip("h5py")
     x, y = np.meshgrid(np.arange(8.0), np.arange(8.0), indexing="ij")
     every = {"coframe": np.array([[-y, x]]) / 2, "axis_x": x[:, 0], "axis_y": y[0], **more}
@@ -302,7 +302,7 @@ def square(path, **more):
 
 @pytest.mark.parametrize("name", ["scale_factor", "add_offset", "_FillValue", "missing_value"])
 def test_packed_numbers_of_hdf5_are_refused(tmp_path, name):
-    """What NetCDF says of numbers is not passed over there; nan says nothing."""
+    """Attributes that only NetCDF defines are refused, not ignored; nan is accepted."""
     with square(tmp_path / "a.h5") as file:
         file["coframe"].attrs[name] = np.nan
     assert SampledFrame.read(tmp_path / "a.h5").coframe[0, 1, 7, 0] == 3.5
@@ -316,7 +316,7 @@ def test_packed_numbers_of_hdf5_are_refused(tmp_path, name):
 
 
 def test_texts_of_hdf5_may_be_bytes_and_lists(tmp_path):
-    """Names, periods and units, however they were written; numbers are none."""
+    """Names, periods and units may be bytes or lists; numbers are refused."""
     with square(tmp_path / "a.h5") as file:
         file.attrs.update(unit=np.bytes_(b"nm"), names=["x", "y"], periodic=np.bytes_([b"y"]))
     found = SampledFrame.read(tmp_path / "a.h5")
@@ -328,7 +328,7 @@ def test_texts_of_hdf5_may_be_bytes_and_lists(tmp_path):
 
 
 def test_axes_of_hdf5_have_an_order(tmp_path):
-    """That of `names`; without it x, y, ..., since the alphabet says nothing about r and phi."""
+    """`names` gives the order; without it only x, y, ... are accepted, not phi and r."""
     lines = {"axis_x": None, "axis_y": None, "axis_r": np.arange(8.0), "axis_phi": np.arange(8.0)}
     with square(tmp_path / "a.h5", **lines) as file:
         file.attrs["names"] = "r phi"
@@ -341,7 +341,7 @@ def test_axes_of_hdf5_have_an_order(tmp_path):
 
 
 def test_data_sets_of_hdf5_that_hold_nothing(tmp_path):
-    """Without a size, and written in part: nothing is read as zeros."""
+    """Empty and partly written data sets are refused, not read as zeros."""
     h5py = pytest.importorskip("h5py")
     square(tmp_path / "a.h5", coframe=h5py.Empty("f8")).close()
     with pytest.raises(FileFormatError, match="coframe: expected real numbers, got nothing"):
@@ -354,12 +354,12 @@ def test_data_sets_of_hdf5_that_hold_nothing(tmp_path):
 
 
 def test_arrays_are_too_large_all_together(tmp_path):
-    """Each of them would do."""
+    """Each array is within the limit, but the sum is not."""
     h5py = pytest.importorskip("h5py")
     third = LARGEST_ARRAYS // 8 // 3 + 1
     with square(tmp_path / "a.h5", axis_x=None, axis_y=None, coframe=None) as file:
         for name in ("axis_x", "axis_y", "coframe"):
-            # Of one byte each, and packed: the file itself stays small.
+            # One byte per entry, and packed: the file stays small.
             options = {"dtype": "i1", "chunks": (third,), "compression": "gzip"}
             file.create_dataset(name, shape=(third,), **options)
             file[name].id.write_direct_chunk((0,), zlib.compress(bytes(third)))
@@ -380,7 +380,7 @@ def test_arrays_are_too_large_all_together(tmp_path):
     ],
 )
 def test_dimensions_of_netcdf_in_another_order(tmp_path, monkeypatch, reader, name, dimensions):
-    """Of equal lengths they would be read in the place of each other."""
+    """Dimensions of equal lengths in another order would be exchanged, so they are refused."""
     if reader == "scipy":
         monkeypatch.setitem(sys.modules, "xarray", None)
     else:
@@ -398,7 +398,7 @@ def test_dimensions_of_netcdf_in_another_order(tmp_path, monkeypatch, reader, na
 
 
 def test_links_in_netcdf_are_not_followed(tmp_path):
-    """A file of version 4 is one of HDF5."""
+    """A NetCDF file of version 4 is an HDF5 file, so its links are refused as well."""
     h5py, xarray = pytest.importorskip("h5py"), pytest.importorskip("xarray")
     pytest.importorskip("h5netcdf")
     lines = {"x": np.arange(8.0), "y": np.arange(8.0)}
@@ -414,7 +414,7 @@ def test_links_in_netcdf_are_not_followed(tmp_path):
 
 
 def test_two_marks_of_netcdf_are_not_passed_over(tmp_path, monkeypatch):
-    """scipy compares with one."""
+    """scipy compares with only one mark, so two marks are refused."""
     monkeypatch.setitem(sys.modules, "xarray", None)
     marked(tmp_path / "a.nc", "d", 1.0, missing_value=np.array([-999.0, -998.0]))
     with pytest.raises(

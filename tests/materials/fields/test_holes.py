@@ -1,4 +1,4 @@
-"""Holes: circuits surround them, nothing reads them, messages name their nodes."""
+"""Holes: circuits surround them, their values are ignored, and messages name their nodes."""
 
 import numpy as np
 import pytest
@@ -18,12 +18,12 @@ def screw_plane() -> np.ndarray:
 
 
 def smooth() -> np.ndarray:
-    """A field in which everything matters; torsion x cos y + sin x."""
+    """Each component depends on x and y; the torsion of row 0 is x cos y - y^2 / 3."""
     return np.array([[np.cos(X) + Y**3 / 9, X**2 / 2 * np.cos(Y)], [X * Y, np.sin(X * Y)]])
 
 
 def test_a_core_that_is_not_seen():
-    """Round the masked core of a screw there is its b, on each circuit, within the error."""
+    """Each circuit around the masked core of a screw has its b, within the error."""
     grid = SampledFrame(AXES, screw_plane(), mask=np.hypot(X, Y) < 0.3)
     assert len(grid.holes) == 1
     for margin in (1, 3, 6):
@@ -37,7 +37,7 @@ def test_a_core_that_is_not_seen():
 
 
 def test_a_nan_is_a_hole_and_values_in_holes_do_not_matter():
-    """NaN and mask mean the same, whatever stands in the hole."""
+    """NaN and mask mean the same, whatever the values in the hole."""
     hole = np.hypot(X - 0.1, Y) < 0.2
     values = smooth()
     filled, empty = values.copy(), values.copy()
@@ -53,7 +53,7 @@ def test_a_nan_is_a_hole_and_values_in_holes_do_not_matter():
 
 
 def test_what_touches_a_hole_is_refused_and_named():
-    """A loop into the hole, by its nodes; a loop along its rim is none."""
+    """A loop into the hole is refused with its node; a loop along the rim is accepted."""
     hole = np.zeros(X.shape, bool)
     hole[20:23, 30:32] = True
     grid = SampledFrame(AXES, smooth(), mask=hole)
@@ -65,13 +65,13 @@ def test_what_touches_a_hole_is_refused_and_named():
     rim = Loop.plaquette([AXES[0][19], AXES[1][29]], (4 * step, 3 * grid.steps[1]))
     assert grid.burgers(rim).error < 1e-4
     with pytest.raises(GridError, match="touches a hole"):
-        # Half a step inwards it needs nodes of the hole.
+        # Half a step inwards the loop needs nodes of the hole.
         grid.burgers(Loop.plaquette([AXES[0][19] + step / 2, AXES[1][29]], (3 * step, 3 * step)))
 
 
 @pytest.mark.parametrize("order", [2, 4, 6, 8])
 def test_near_holes_values_are_right_within_their_errors(order):
-    """Random holes: every cell that touches none is right, every other one is NaN."""
+    """With random holes, cells that touch a hole are NaN and all others are right."""
     rng = np.random.default_rng(1)
     hole = rng.random(X.shape) < 0.08
     grid = SampledFrame(AXES, smooth(), order, mask=hole)
@@ -82,7 +82,7 @@ def test_near_holes_values_are_right_within_their_errors(order):
     assert (np.isnan(cells.vectors).any(axis=0) == touched).all()
     assert touched.sum() > 300
     missed = np.abs(cells.vectors - exact)[:, cells.known].max(axis=0)
-    # Errors are measured, and may miss by chance where two of them cancel.
+    # Errors are estimates, which are too small where two of them cancel by chance.
     assert (missed <= 2 * cells.errors[cells.known] + 1e-8).mean() > 0.99
     assert missed.max() < 3 * cells.errors[cells.known].max()
     alpha, known = grid.nye, np.isfinite(grid.nye[0, 0])
@@ -93,7 +93,7 @@ def test_near_holes_values_are_right_within_their_errors(order):
 
 
 def test_stencils_near_a_hole_keep_their_order():
-    """With room beside the hole they are one-sided, of the same order: halving divides by 16."""
+    """Beside a hole stencils are one-sided: halving the step divides the error by more than 8."""
     errors = []
     for count in (21, 41):
         axis = np.linspace(-1, 1, count)
@@ -110,7 +110,7 @@ def test_stencils_near_a_hole_keep_their_order():
 
 
 def test_holes_are_numbered_and_counted():
-    """Neighbours by corners are one hole; over a periodic seam too; in three dimensions too."""
+    """Neighbours by corners are one hole, also over a periodic seam."""
     mask = np.zeros((12, 10), bool)
     mask[2, 3] = mask[3, 4] = mask[8, 8] = True
     mask[0, 5] = mask[11, 6] = True
@@ -128,7 +128,7 @@ def test_holes_are_numbered_and_counted():
 
 
 def test_circuits_in_three_dimensions_surround_tubes():
-    """A masked tube along z: in every plane z the same b; other planes are told apart."""
+    """Each plane across a masked tube along z has the same b; a plane along it is refused."""
     axes = [np.linspace(-1, 1, 21), np.linspace(-1, 1, 21), np.linspace(0, 1, 7)]
     x, y, _ = np.meshgrid(*axes, indexing="ij")
     with np.errstate(all="ignore"):
@@ -154,7 +154,7 @@ def test_circuits_in_three_dimensions_surround_tubes():
     ],
 )
 def test_circuits_that_there_are_not(call, message):
-    """Each with its own message."""
+    """Each wrong call has its own message."""
     mask = np.zeros(X.shape, bool)
     mask[22, 22] = mask[30, 21] = True
     with pytest.raises(GridError, match=message):
@@ -167,13 +167,13 @@ def test_circuits_that_there_are_not(call, message):
     "mask", [np.zeros((3, 3), bool), np.zeros(X.shape), "no", [[True], [1, 2]]]
 )
 def test_masks_that_are_none(mask):
-    """Truth values of the shape of the grid, and nothing else."""
+    """Only truth values with the shape of the grid are accepted."""
     with pytest.raises(GridError, match="mask: expected truth values of shape"):
         SampledFrame(AXES, smooth(), mask=mask)
 
 
 def test_a_masked_frame_of_three_rows_agrees_with_the_exact_one():
-    """From a frame given by formulas, with the core cut out."""
+    """b of a sampled analytic frame with a masked core agrees within the error."""
     frame = parallel_screws([(0, 0)], [2])
     axes = [np.linspace(-1, 1, 30), np.linspace(-1, 1, 30), np.linspace(0, 1, 5)]
     x, y, _ = np.meshgrid(*axes, indexing="ij")

@@ -1,4 +1,4 @@
-"""Noise: what is told of it against the scatter of many noisy fields, and against all weights."""
+"""Noise: reported errors against the scatter of many noisy fields, and against all weights."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ SEEDS = 200
 
 
 def smooth() -> np.ndarray:
-    """A distortion of some percent and its torsion."""
+    """A coframe with small distortion and torsion."""
     return np.array([[np.cos(X) + Y / 9, X / 20], [X * Y / 30, 1 + np.sin(X * Y) / 20]])
 
 
@@ -26,7 +26,7 @@ LOOPS = {
 }
 
 
-# The others are less than this one: once round, with straight sides, or bent elsewhere.
+# The other loops test less than `twice`, so only slow runs include them.
 @pytest.mark.parametrize(
     "loop",
     [
@@ -36,7 +36,7 @@ LOOPS = {
 )
 @pytest.mark.parametrize("sigma", [pytest.param(0.01, marks=pytest.mark.slow), 0.1])
 def test_the_error_told_is_the_scatter(loop, sigma):
-    """Two hundred noisy fields: the mean error is the scatter within 20 per cent."""
+    """Over two hundred noisy fields the mean error is the scatter within 20 percent."""
     rng = np.random.default_rng(5)
     found, told = [], []
     for _ in range(SEEDS):
@@ -56,7 +56,7 @@ KINDS = ({}, {"periodic": True}, {"mask": np.hypot(X, Y - 1) < 0.2})
     ("size", "order", "options"), one_in(3, (1, 3, (4, 7), 14), (2, 4, 8), KINDS)
 )
 def test_sigmas_are_the_sum_over_all_weights(size, order, options):
-    """b is linear in the values: each node moved by one gives its weight, and these the sigma."""
+    """b is linear in the values: moving each value by its sigma gives its part of the noise."""
     axes = [np.linspace(0, 1, 16), np.linspace(0, 3, 15)]
     shape = (16, 15)
     rng = np.random.default_rng(2)
@@ -67,7 +67,7 @@ def test_sigmas_are_the_sum_over_all_weights(size, order, options):
     sigma = rng.random((1, 2, *shape))
     grid = SampledFrame(axes, rng.random((1, 2, *shape)), order, mask=mask, sigma=sigma, **kinds)
     found = grid.burgers_map(size)
-    # b of a row follows from this row alone: all of them at once, with one value moved in each.
+    # b of a row depends only on this row, so each row moves one value.
     nodes = np.argwhere(~np.broadcast_to(mask, (2, *shape)))
     moved = np.zeros((len(nodes), 2, *shape))
     moved[np.arange(len(nodes)), *nodes.T] = sigma[0][tuple(nodes.T)]
@@ -89,7 +89,7 @@ def test_sigmas_are_the_sum_over_all_weights(size, order, options):
 
 
 def correlated(shape=(2, 2)) -> np.ndarray:
-    """A covariance of all components with each other, of some thousandths."""
+    """A covariance between all components, of a few thousandths."""
     n = int(np.prod(shape))
     root = np.random.default_rng(9).normal(size=(n, n))
     return 1e-4 * (root @ root.T + np.eye(n))
@@ -109,7 +109,7 @@ HOLES[6, 5:8] = HOLES[2, 9] = HOLES[11, 3] = True
     ),
 )
 def test_covariances_are_the_sum_over_all_weights(size_order, options, by_node):
-    """Each component of each node moved by one gives its weight; these and the covariance, C_b."""
+    """Moving each component of each node by one gives its weight, and the weights give C_b."""
     size, order = size_order
     axes = [np.linspace(0, 1, 13), np.linspace(3, 0, 12)]
     rng = np.random.default_rng(4)
@@ -152,7 +152,7 @@ def test_covariances_are_the_sum_over_all_weights(size_order, options, by_node):
 
 @pytest.mark.parametrize("options", [{}, {"periodic": True}, {"mask": HOLES}])
 def test_noise_of_displacements_cancels_round_circuits(options):
-    """Differences cancel: the noise of b is the chance that it has changed a jump, and no more."""
+    """Differences cancel around circuits: the noise of b is only the chance of a wrong jump."""
     axes = [np.arange(13) / 4, np.arange(12) / 3]
     rng = np.random.default_rng(5)
     u = 0.02 * rng.standard_normal((1, 13, 12))
@@ -162,7 +162,7 @@ def test_noise_of_displacements_cancels_round_circuits(options):
     loop = Loop.circle([2.3, 2.7], 0.4)
     assert frame.burgers(loop).noise == 0
     assert np.nan_to_num(frame.nye_noise).max() == 0
-    # A difference of 0, of sigma sqrt(2) 0.02: with which chance it was one lattice vector.
+    # A difference of 0 with sigma sqrt(2) 0.02: the chance that it was a lattice vector.
     loud = SampledFrame.from_displacement(axes, 0 * u, sigma=0.02, branch=0.2, **options)
     edge = 0.2 * np.exp(-((0.2 / 0.02) ** 2) / 8)
     assert loud.burgers_map(1).sigmas[0, 2, 2] == pytest.approx(2 * edge, rel=1e-6)
@@ -171,7 +171,7 @@ def test_noise_of_displacements_cancels_round_circuits(options):
 
 @pytest.mark.parametrize("made", ["covariance", "displacement"])
 def test_noise_of_single_edges(made):
-    """Edges of the grid and edges through it: each value moved by one gives its weight."""
+    """For edges of the grid and edges through it, moving each value by one gives its weight."""
     axes, rng = [np.arange(8) / 4, np.arange(9) / 3], np.random.default_rng(7)
     starts, ends = np.array([[0.1, 0.2], [1.0, 2.0]]), np.array([[1.3, 1.9], [0.3, 0.4]])
     if made == "covariance":
@@ -203,7 +203,7 @@ def test_noise_of_single_edges(made):
 
 
 def test_covariances_are_estimated_from_the_data():
-    """Every pair of components within some per cent, whatever the smooth field; stated how."""
+    """On a smooth field all covariances are estimated within 8 %, and the method is named."""
     rng = np.random.default_rng(6)
     put_in, axes = correlated(), [np.linspace(0, 1, 90), np.linspace(0, 1, 100)]
     noise = rng.multivariate_normal(np.zeros(4), put_in, (90, 100))
@@ -216,7 +216,7 @@ def test_covariances_are_estimated_from_the_data():
 
 
 def test_correlated_noise_is_told():
-    """Two hundred fields whose components scatter together: b scatters as its covariance says."""
+    """Over two hundred fields with correlated noise, b scatters as its reported covariance."""
     rng = np.random.default_rng(8)
     found, told = [], None
     for _ in range(SEEDS):
@@ -242,7 +242,7 @@ def test_correlated_noise_is_told():
     ],
 )
 def test_covariances_that_are_none(covariance, message):
-    """Each with its own message; and not both."""
+    """Each wrong covariance has its own message; sigma and covariance together are refused."""
     with pytest.raises(GridError, match=message):
         SampledFrame(AXES, smooth(), covariance=covariance)
     with pytest.raises(GridError, match="expected either sigma or covariance, got both"):
@@ -250,7 +250,7 @@ def test_covariances_that_are_none(covariance, message):
 
 
 def test_maps_tell_the_scatter():
-    """Squares of eight cells, Nye tensor and density of dislocations, over two hundred fields."""
+    """Squares of eight cells, Nye tensor and dislocation density over two hundred fields."""
     rng = np.random.default_rng(7)
     maps, alphas, errors = [], [], []
     grid = SampledFrame(AXES, smooth(), sigma=0.03)
@@ -263,7 +263,7 @@ def test_maps_tell_the_scatter():
         errors.append(found.errors)
         alphas.append(grid.nye)
     scatter = np.std(maps, axis=0)
-    # A standard deviation of 200 is known to 5 per cent; the worst of many places to 20.
+    # 200 samples give a standard deviation to 5 percent, at the worst of many nodes to 20.
     assert (scatter / found.sigmas).mean() == pytest.approx(1, abs=0.02)
     assert np.abs(scatter / found.sigmas - 1).max() < 0.25
     assert np.mean(errors) / np.linalg.norm(scatter, axis=0).mean() == pytest.approx(1, abs=0.2)
@@ -275,7 +275,7 @@ def test_maps_tell_the_scatter():
 
 
 def test_both_parts_are_shown_apart():
-    """Interpolation alone without sigma; with it both, and the sum of squares."""
+    """Without sigma the error is only interpolation; with sigma it is the root of both squares."""
     quiet, noisy = SampledFrame(AXES, smooth()), SampledFrame(AXES, smooth(), sigma=0.01)
     loop = LOOPS["circle"]
     a, b = quiet.burgers(loop), noisy.burgers(loop)
@@ -289,7 +289,7 @@ def test_both_parts_are_shown_apart():
 
 
 def test_noise_is_estimated_from_the_data():
-    """Each component by itself, whatever the smooth field, cores and holes are; stated how."""
+    """Each component is estimated by itself, despite field, core and holes; the method is named."""
     rng = np.random.default_rng(3)
     levels = np.array([[0.01, 0.02], [0.05, 0.1]])[:, :, None, None]
     values = smooth() + levels * rng.standard_normal((2, 2, *X.shape))
@@ -303,7 +303,7 @@ def test_noise_is_estimated_from_the_data():
 
 
 def test_sigma_of_nodes_may_differ():
-    """By node, by component, by both; holes are not asked."""
+    """sigma may differ by node, by component, or by both; values in holes are ignored."""
     loop, mask = LOOPS["square"], X < -0.9
     one = SampledFrame(AXES, smooth(), sigma=0.02).burgers(loop).sigmas
     by_node = np.full(X.shape, 0.02)
@@ -328,6 +328,6 @@ def test_sigma_of_nodes_may_differ():
     ],
 )
 def test_sigmas_that_are_none(sigma, message):
-    """Each with its own message."""
+    """Each wrong sigma has its own message."""
     with pytest.raises(GridError, match=message):
         SampledFrame(AXES, smooth(), sigma=sigma)

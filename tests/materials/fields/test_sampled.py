@@ -1,6 +1,6 @@
-"""Sampled frames: orders, errors that hold, Nye tensor, files."""
+"""Sampled frames: orders, reliable errors, Nye tensor, files."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# The tests pass what users pass, including wrong types, and read optional values.
 # pyright: reportArgumentType=false, reportCallIssue=false
 
 from typing import Any
@@ -30,7 +30,7 @@ x, y, z = sp.symbols("x y z", real=True)
 
 @pytest.fixture(scope="module")
 def wavy() -> Frame:
-    """A smooth frame in which every coordinate matters."""
+    """A smooth frame that depends on all coordinates."""
     return Frame(
         [x, y, z],
         [
@@ -62,7 +62,7 @@ def test_loops_converge_with_their_order_and_errors_hold(wavy, order):
 
 @pytest.mark.parametrize("order", ORDERS)
 def test_plaquettes_are_small_loops(wavy, order):
-    """Each cell against the loop round it, in every plane, within its error; and the order."""
+    """Each cell agrees with the loop around it, in each plane, within its error and order."""
     worst = {}
     for count in (11, 21):
         grid = sampled(wavy, count, order)
@@ -74,14 +74,14 @@ def test_plaquettes_are_small_loops(wavy, order):
                 steps = (grid.steps[plane[0]], grid.steps[plane[1]])
                 exact = burgers_vector(wavy, Loop.plaquette(corner, steps, plane)).vector
                 missed = np.abs(cells.vectors[(slice(None), *place)] - exact).max()
-                # One-sided stencils at the edge may be a little worse than their comparison.
+                # One-sided stencils at the edge may be slightly worse than their comparison.
                 assert missed <= 2 * cells.errors[place] + 1e-17
                 worst[count] = max(worst[count], missed / cells.area)
     assert np.log2(worst[11] / worst[21]) > order - 1.2
 
 
 def test_cells_sum_to_the_loop_round_them(wavy):
-    """Neighbouring cells share edges: a block of cells is the loop round the block."""
+    """Neighbouring cells share edges, so a block of cells sums to the loop around the block."""
     grid = sampled(wavy, 15, 6)
     block = grid.plaquettes((0, 1)).vectors[:, 2:9, 3:12, 7].sum(axis=(1, 2))
     corner = [float(grid.axes[0][2]), float(grid.axes[1][3]), float(grid.axes[2][7])]
@@ -93,7 +93,7 @@ def test_cells_sum_to_the_loop_round_them(wavy):
 
 @pytest.mark.parametrize("order", ORDERS)
 def test_torsion_and_nye_tensor(wavy, order):
-    """Differences against the exact curl; alpha^{ik} = eps^{kab} d_a e^i_b."""
+    """Differences agree with the exact curl; alpha^{ik} = eps^{kab} d_a e^i_b."""
     worst = []
     for count in (11, 21):
         grid = sampled(wavy, count, order)
@@ -123,7 +123,7 @@ def test_torsion_and_nye_tensor(wavy, order):
 
 
 def test_screw_dislocation_between_nodes():
-    """A line between the nodes: one cell has b, to second order; a loop about it too."""
+    """With a line between nodes the cells sum to b, the core is the largest, and a loop has b."""
     frame = parallel_screws([(0, 0)], [1])
     axes = [np.linspace(-1, 1, 40), np.linspace(-1, 1, 40), np.linspace(0, 1, 5)]
     grid = SampledFrame.from_frame(frame, axes, order=2)
@@ -137,7 +137,7 @@ def test_screw_dislocation_between_nodes():
 
 
 def test_distortion_is_the_coframe_less_one():
-    """e = 1 + beta; a gradient closes, whatever the order; decreasing axes count as they stand."""
+    """e = 1 + beta; a gradient closes for any order; decreasing axes are used as given."""
     axes = [np.linspace(2, -2, 21), np.linspace(-1, 1, 17)]
     X, Y = np.meshgrid(*axes, indexing="ij")
     gradient = np.array([[2 * X * Y, X**2], [np.cos(Y) * 0, -np.sin(Y)]]) / 10
@@ -155,7 +155,7 @@ def test_distortion_is_the_coframe_less_one():
 
 
 def test_npz_and_netcdf_come_back(tmp_path, wavy):
-    """Written and read again, the same grid; distortion files too."""
+    """Grids read back unchanged, and so do distortion files."""
     grid = sampled(wavy, 9, 4)
     grid.save(tmp_path / "grid.npz")
     again = SampledFrame.read(tmp_path / "grid.npz")
@@ -176,7 +176,7 @@ def test_npz_and_netcdf_come_back(tmp_path, wavy):
 
 
 def test_broken_files_are_refused(tmp_path, wavy):
-    """Missing, truncated, malformed, incomplete, pickled: errors of ours, never another."""
+    """Missing, truncated, malformed, incomplete and pickled files raise only our own errors."""
     grid = sampled(wavy, 9, 4)
     whole = tmp_path / "grid.npz"
     grid.save(whole)
@@ -281,7 +281,7 @@ def test_loops_that_leave_the_grid_are_refused(wavy):
 
 
 def test_burgers_vector_of_a_grid():
-    """The function for loops takes a sampled frame, too, and refuses what is none."""
+    """`burgers_vector` accepts a sampled frame and refuses a loop of another type."""
     axes = [np.linspace(-1, 1, 9), np.linspace(-1, 1, 11)]
     x, y = np.meshgrid(*axes, indexing="ij")
     grid = SampledFrame(axes, np.array([[-y, x]]) / 2)
@@ -296,7 +296,7 @@ def test_burgers_vector_of_a_grid():
 
 @pytest.mark.parametrize("signs", [(1, 1), (-1, 1), (1, -1), (-1, -1)])
 def test_cells_turn_the_same_way_on_decreasing_axes(signs):
-    """b of a right-handed circuit, whichever way the axes are listed; so does their sum."""
+    """Cells have b of a right-handed circuit for increasing and decreasing axes."""
     axes = [sign * np.linspace(-1, 1, 9) for sign in signs]
     x, y = np.meshgrid(*axes, indexing="ij")
     cells = SampledFrame(axes, np.array([[-y, x]]) / 2).plaquettes()
@@ -306,7 +306,7 @@ def test_cells_turn_the_same_way_on_decreasing_axes(signs):
 
 
 def test_edges_of_a_grid_are_a_cochain(wavy):
-    """Its coboundary holds all plaquettes of all planes, and their sums over cells vanish."""
+    """The coboundary contains all plaquettes of all planes, and their sums over cells vanish."""
     grid = sampled(wavy, 9, 4)
     torsion = grid.cochain.coboundary()
     start = 0
@@ -321,7 +321,7 @@ def test_edges_of_a_grid_are_a_cochain(wavy):
 
 
 def test_samples_where_a_frame_was_asked_for(wavy):
-    """burgers_vector and Network take samples; development says what to use."""
+    """`burgers_vector` and `Network` accept samples; `develop` names the function to use."""
     grid = sampled(wavy, 33, 6)
     loop = Loop.circle([0.1, 0.2, 0.3], 0.4)
     assert (burgers_vector(grid, loop).vector == grid.burgers(loop).vector).all()
@@ -342,7 +342,7 @@ def test_samples_where_a_frame_was_asked_for(wavy):
 
 
 def test_masked_nodes_are_holes(tmp_path):
-    """What lies under the mask of an array is nothing that was measured: a hole, as NaN is."""
+    """Masked values of an array are holes, as NaN is."""
     y, x = np.mgrid[:12, :10].astype(float)
     values = np.ma.array([[-x, y]], mask=False)
     values[0, 0, 5, 5] = 1e9

@@ -1,6 +1,6 @@
 """Sampled frames as sources: circuits and surveys of grids against closed forms."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# The tests pass what users pass, including wrong types, and read optional values.
 # pyright: reportOptionalMemberAccess=false
 
 import numpy as np
@@ -13,13 +13,13 @@ AXES = [np.linspace(0, 5, 11), np.linspace(0, 6, 13)]
 
 
 def field(**options):
-    """Torsion 1 everywhere: b is the enclosed area."""
+    """Torsion 2 in both rows: b is (2, 2) times the enclosed area."""
     x, y = np.meshgrid(*AXES, indexing="ij")
     return SampledFrame(AXES, np.array([[-y, x], [0 * x, 2 * x]]), **options)
 
 
 def test_a_circle_encloses_its_area():
-    """b = (2, 2) times the area; the arrow is b, and noise is the norm of both components."""
+    """b = (2, 2) times the area, and the arrow is b."""
     found = field(sigma=0.01, unit="nm").burgers(Loop.circle([2, 3], 1.5))
     area = np.pi * 1.5**2
     assert found.vector == pytest.approx([2 * area] * 2)
@@ -32,7 +32,7 @@ def test_a_circle_encloses_its_area():
 
 
 def test_surveys_stand_at_the_middles():
-    """Circuits of 2 x 2 cells of 0.5: the first is round (0.5, 0.5)."""
+    """Circuits of 2 x 2 cells of 0.5: the first is around (0.5, 0.5)."""
     found = field(sigma=0.01).burgers_map(2)
     assert found.vectors.shape == (2, 9, 11)
     assert found.vectors == pytest.approx(2.0)
@@ -42,7 +42,7 @@ def test_surveys_stand_at_the_middles():
 
 
 def test_noise_alone_is_hardly_ever_significant():
-    """A flat field with noise: about one circuit in a thousand is called significant."""
+    """In a flat field with noise about one circuit in a thousand is significant."""
     rng = np.random.default_rng(7)
     values = rng.normal(0, 0.1, (2, 2, 150, 150))
     flat = SampledFrame([np.arange(150.0)] * 2, values, 2, sigma=0.1)
@@ -51,7 +51,7 @@ def test_noise_alone_is_hardly_ever_significant():
 
 
 def test_layers_of_three_axes():
-    """Layers lie across the plane, in the order of the third axis; torsion z there."""
+    """Layers are across the plane, in the order of the third axis, with the torsion at their z."""
     axes = [np.arange(7.0), np.arange(8.0), np.arange(6.0)]
     x, _y, z = np.meshgrid(*axes, indexing="ij")
     cube = SampledFrame(axes, np.array([[0 * x, x * z, 0 * x]]), sigma=0.01)
@@ -67,7 +67,7 @@ def test_layers_of_three_axes():
 
 
 def test_circuits_in_three_axes_lie_on_a_section():
-    """The plane of the largest area through the middle of the circuit, next to its layer."""
+    """The section is the plane of largest area through the circuit's middle, near its layer."""
     axes = [np.arange(7.0), np.arange(8.0), np.arange(6.0)]
     x, y, z = np.meshgrid(*axes, indexing="ij")
     values = np.array([[0 * x, x * z, 0 * x], [y, 0 * x, 0 * x], [0 * x, -z * x, 0 * x]])
@@ -83,12 +83,12 @@ def test_circuits_in_three_axes_lie_on_a_section():
     assert "x = 4" in below.title
     assert below.values.shape == (7, 5)
     assert below.values == pytest.approx(np.sqrt(2) * 4)
-    # Without a section the middle of the third axis.
+    # Without a section the backdrop is the middle of the third axis.
     assert "z = 2" in cube.backdrop().title
 
 
 def test_holes_stay_blank():
-    """Circuits on a hole are not known, in the survey and below circuits."""
+    """Circuits that touch a hole are unknown in the survey and in the backdrop."""
     hole = np.zeros((11, 13), dtype=bool)
     hole[5, 6] = True
     found = field(mask=hole, sigma=0.01)
@@ -97,6 +97,6 @@ def test_holes_stay_blank():
 
 
 def test_which_way_y_runs():
-    """Upwards in pictures of grids."""
+    """y runs upwards in figures of grids."""
     assert not field().burgers_map(2).down
     assert not field().backdrop().down

@@ -1,4 +1,4 @@
-"""Strain and rotation: what diffraction gives, as a distortion."""
+"""Strain and rotation: distortions from results of diffraction."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ R2, B = X**2 + Y**2, 0.25
 
 
 def test_strain_and_rotation_of_an_edge_dislocation():
-    """Taken apart and put together: b on a circuit, with the mask over its core."""
+    """Strain and rotation recombine to the distortion, and b around the masked core is right."""
     beta, core = distortion(X, Y, B), R2 < 0.2
     strain, rotation = (beta + beta.swapaxes(0, 1)) / 2, (beta - beta.swapaxes(0, 1)) / 2
     for turned in (rotation, rotation[1, 0]):
@@ -25,7 +25,7 @@ def test_strain_and_rotation_of_an_edge_dislocation():
 
 
 def test_rotations_of_space():
-    """The vector w turns as u = w x r: a map of three columns, and the matrix of it."""
+    """The vector w rotates by u = w x r: it gives the same three columns as its matrix."""
     w = np.array([X / 10, Y / 20, X * Y / 30])
     eps = np.zeros((3, 3, 3))
     eps[0, 1, 2] = eps[1, 2, 0] = eps[2, 0, 1] = 1
@@ -61,6 +61,6 @@ ODD[0, 1, 3, 4] = 0.5
     ],
 )
 def test_tables_that_are_none(strain, rotation, message):
-    """Each with its own message."""
+    """Each wrong table has its own message."""
     with pytest.raises(GridError, match=message):
         SampledFrame.from_strain_rotation([AXIS, AXIS], strain, rotation)

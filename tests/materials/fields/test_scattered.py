@@ -10,7 +10,7 @@ from tests.loops.edge_dislocation import displacement, distortion
 
 B = 0.25
 RNG = np.random.default_rng(1)
-# Jittered nodes of a hexagonal lattice, as tracked particles lie.
+# Jittered nodes of a hexagonal lattice, like the positions of tracked particles.
 ROW, COLUMN = np.mgrid[-20:21, -20:21].reshape(2, -1)
 POINTS = np.stack([COLUMN + ROW % 2 / 2, ROW * np.sqrt(3) / 2], axis=1) / 10
 POINTS = POINTS + RNG.uniform(-0.02, 0.02, POINTS.shape) + [0.03, 0.01]
@@ -28,7 +28,7 @@ TIMES = {"circle": 1, "backwards": -1, "twice": 2, "square": 1, "elsewhere": 0}
 
 @pytest.mark.parametrize("branch", [B, [B, 0], [[B, 0], [B / 2, B * 3**0.5 / 2]]], ids=str)
 def test_displacements_of_an_edge_dislocation(branch):
-    """Whole lattice vectors round the core, and in the one triangle that holds it."""
+    """b is a whole lattice vector around the core, and in the one triangle that contains it."""
     frame = ScatteredFrame.from_displacement(POINTS, displacement(X, Y, B), branch=branch)
     for name, loop in LOOPS.items():
         b = frame.burgers(loop)
@@ -42,7 +42,7 @@ def test_displacements_of_an_edge_dislocation(branch):
 
 @pytest.mark.parametrize("order", [2, 4])
 def test_distortions_of_an_edge_dislocation(order):
-    """Round its unseen core b is right within the error told, by every circuit; far off, none."""
+    """b around the unseen core is right within the reported error; a distant circuit has none."""
     frame = ScatteredFrame.from_distortion(
         POINTS, distortion(X, Y, B), mask=R < 0.35, order=order, unit="nm"
     )
@@ -67,7 +67,7 @@ def test_distortions_of_an_edge_dislocation(order):
 
 
 def test_slopes_at_the_points_make_it_finer():
-    """A differential closes: what is left of a circuit falls with the order."""
+    """A differential closes: the remainder on a circuit falls with the order."""
     left = {2: [], 4: []}
     for count in (20, 40, 80):
         line = (np.arange(count) + 0.5) / count
@@ -77,7 +77,7 @@ def test_slopes_at_the_points_make_it_finer():
         for order, found in left.items():
             frame = ScatteredFrame.from_coframe(np.stack([x, y], axis=1), e, order=order)
             found.append(abs(frame.burgers(Loop.circle([0.5, 0.5], 0.3)).vector[0]))
-    # Spacings of 1, 1/2, 1/4: trapezoids have the order two, and four with slopes.
+    # Spacings of 1, 1/2, 1/4: trapezoids have order two, and order four with slopes.
     assert left[2][0] / left[2][2] > 10
     assert left[4][0] / left[4][2] > 40
     assert left[4][2] < left[2][2] / 10
@@ -93,7 +93,7 @@ def test_a_loop_is_the_sum_of_its_triangles():
     edges, senses = frame.cochain.complex.steps(nodes[:-1], nodes[1:])
     chain = {int(e): int(s) for e, s in zip(edges, senses, strict=True)}
     assert frame.burgers(chain).vector == pytest.approx(one.vector, abs=1e-15)
-    # Triangles inside are those round whose middles the walk turns.
+    # The triangles inside are those around whose middles the path winds.
     way = POINTS[nodes]
     a, b = (way[:, None] - triangles.places.T for way in (way[:-1], way[1:]))
     angle = np.arctan2(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0], (a * b).sum(axis=-1))
@@ -116,7 +116,7 @@ def linear_noise(frame_of, size, circuit):
 
 
 def test_noise_is_the_sum_over_all_weights():
-    """Each component of each point moved by one gives its weight; these and the covariance, C_b."""
+    """Moving each component of each point by one gives its weight, and the weights give C_b."""
     rng = np.random.default_rng(3)
     points = rng.uniform(-1, 1, (24, 2))
     size, loop = (2, 2, 24), Loop.circle([0, 0], 0.4)
@@ -142,7 +142,7 @@ def test_noise_is_the_sum_over_all_weights():
     ],
 )
 def test_the_error_told_is_the_scatter(order, sigma, count):
-    """Many noisy fields: within 20 per cent, on loops and for squares of a map."""
+    """Over many noisy fields the error is right within 20 percent, on loops and in maps."""
     rng = np.random.default_rng(5)
     keep = R < 0.8
     points, beta = POINTS[keep], distortion(X, Y, B)[..., keep]
@@ -164,7 +164,7 @@ def test_the_error_told_is_the_scatter(order, sigma, count):
 
 
 def test_noise_is_estimated_from_the_data():
-    """Component by component, or all of them with each other; stated how."""
+    """Sigmas and covariances are estimated from the data, and the method is named."""
     rng = np.random.default_rng(7)
     put_in = np.array([[4.0, 1, 0, 0], [1, 2, 0, 0], [0, 0, 1, -0.5], [0, 0, -0.5, 9]]) * 1e-4
     noise = rng.multivariate_normal(np.zeros(4), put_in, len(X)).T.reshape(2, 2, -1)
@@ -180,7 +180,7 @@ def test_noise_is_estimated_from_the_data():
 
 
 def test_noise_of_displacements():
-    """A wrong jump changes b by a lattice vector: how often is told, and not too seldom."""
+    """A wrong jump changes b by a lattice vector; the reported noise covers such jumps."""
     rng = np.random.default_rng(2)
     keep = R < 0.7
     points, u = POINTS[keep], displacement(X[keep], Y[keep], B)
@@ -194,7 +194,7 @@ def test_noise_of_displacements():
         told.append(b.sigmas)
     scatter = np.sqrt(np.mean(np.square(found), axis=0))
     assert scatter.min() > 0.02 * B
-    # Wrong jumps on both sides of one point cancel, so that it is somewhat less.
+    # Wrong jumps on both sides of a point cancel, so the scatter is somewhat smaller.
     ratio = np.sqrt(np.mean(np.square(told), axis=0)) / scatter
     assert (ratio > 0.9).all()
     assert (ratio < 1.6).all()
@@ -209,7 +209,7 @@ def test_noise_of_displacements():
 
 
 def test_holes_by_length_and_by_boundary():
-    """Points that are simply not there, and a region with a window in it."""
+    """Holes come from missing points, from a window in the boundary, and from masks."""
     beta = distortion(X, Y, B)
     gone = R < 0.4
     frame = ScatteredFrame.from_distortion(POINTS[~gone], beta[..., ~gone], longest=0.25)
@@ -231,7 +231,7 @@ def test_holes_by_length_and_by_boundary():
 
 
 def solid():
-    """Points in space, and the distortion of a screw along z with a tube cut out."""
+    """Points in space, the distortion of a screw along z, and the distances from its line."""
     points = np.random.default_rng(4).uniform(-1, 1, (2000, 3))
     x, y, _ = points.T
     r2 = x**2 + y**2
@@ -241,7 +241,7 @@ def solid():
 
 
 def test_a_screw_in_space():
-    """Loops round the tube, by distortions and by displacements; faces of tetrahedra close."""
+    """Loops around the tube by distortions and displacements; faces of tetrahedra close."""
     points, beta, r = solid()
     frame = ScatteredFrame.from_distortion(points, beta, mask=r < 0.3)
     assert "tetrahedra" in repr(frame)
@@ -272,7 +272,7 @@ def test_a_screw_in_space():
 
 
 def test_points_of_a_square_grid():
-    """Four points as near to a loop: it goes on by way of one of them."""
+    """Where four points are equally near to a loop, the path goes through one of them."""
     x, y = (p.ravel() for p in np.mgrid[:9, :9].astype(float))
     frame = ScatteredFrame.from_coframe(np.stack([x, y], axis=1), np.array([[-y, x]]) / 2)
     assert frame.burgers(Loop.polygon([[1, 1], [5, 1], [5, 5], [1, 5]])).vector == pytest.approx(
@@ -351,7 +351,7 @@ FLAT = np.ones((1, 2, len(X)))
     ids=range(19),
 )
 def test_points_that_are_none(make, message):
-    """Each with its own message."""
+    """Each wrong argument has its own message."""
     with pytest.raises(GeomtorsionError, match=message):
         make()
 
@@ -373,7 +373,7 @@ def test_points_that_are_none(make, message):
     ],
 )
 def test_circuits_that_there_are_not(circuit, message):
-    """Each with its own message."""
+    """Each wrong circuit has its own message."""
     frame = ScatteredFrame.from_coframe(POINTS, FLAT, mask=R < 0.35)
     with pytest.raises(GeomtorsionError, match=message):
         frame.burgers(circuit)

@@ -1,4 +1,4 @@
-"""Atoms: images of crystals made column by column, with a dislocation of known Burgers vector."""
+"""Synthetic images of crystals, column by column, with a dislocation of known Burgers vector."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ def edge_strain_xx(x: np.ndarray, y: np.ndarray, b: float) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Crystal:
-    """An image with what is known of it, lengths in pixels.
+    """An image and its known properties, lengths in pixels.
 
-    values: rows from the top. vectors: g_1, g_2 by rows, cycles per pixel. b: integral of du along
-    a right-handed circuit, in x to the right and y upwards. centre: of the dislocation.
+    values: rows from the top. vectors: g_1, g_2 as rows, cycles per pixel. b: integral of du along
+    a right-handed circuit, x to the right and y upwards. centre: position of the dislocation.
     """
 
     values: np.ndarray
@@ -39,7 +39,7 @@ class Crystal:
     centre: tuple[float, float]
 
     def noisy(self, level: float, seed: int) -> np.ndarray:
-        """The image with white noise, whose deviation is so many times the peak of an atom."""
+        """The image with white noise; level: standard deviation over the peak height of an atom."""
         return self.values + level * np.random.default_rng(seed).normal(size=self.values.shape)
 
 
@@ -51,7 +51,7 @@ def crystal(
     basis = spacing * np.array(rows)
     count = int(2 * size / spacing)
     numbers = np.stack(np.meshgrid(*2 * [np.arange(-count, count)], indexing="ij"), axis=-1)
-    # The core lies between atoms.
+    # The core is between atoms.
     places = numbers.reshape(-1, 2) @ basis + np.array([0.31, 0.47]) * spacing
     places = places[(np.abs(places) < size).all(axis=1)]
     if dislocated:

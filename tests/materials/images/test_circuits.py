@@ -1,6 +1,6 @@
-"""Circuits: exact whole numbers, and never a confident wrong one."""
+"""Circuits: b is exact in whole numbers, or the image is refused."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# The tests pass what users pass, including wrong types, and read optional values.
 # pyright: reportArgumentType=false
 
 from functools import cache
@@ -26,7 +26,7 @@ def truth(image, phases: gt.LatticePhases) -> list[int]:
 
 @pytest.mark.parametrize(("level", "size", "kind"), one_in(2, (0, 1, 2), SIZES, KINDS))
 def test_whole_numbers_are_exact_up_to_twice_the_peak_of_an_atom(size, kind, level):
-    """In six of six seeds, and spots are found by themselves."""
+    """Six noisy images of six give the exact b with automatically found spots."""
     image = made(size, kind)
     circuit = gt.Loop.circle(image.centre, 0.3 * size)
     for seed in range(6 if level else 1):
@@ -40,9 +40,9 @@ def test_whole_numbers_are_exact_up_to_twice_the_peak_of_an_atom(size, kind, lev
 @pytest.mark.parametrize("kind", ["square", "hexagonal"])
 @pytest.mark.parametrize("level", [3, 4, 5, 7])
 def test_beyond_nothing_wrong_is_told_with_confidence(kind, level):
-    """Spots given, so that no image is refused for them: what is told is right, the rest refused.
+    """With given spots, each reported b is right; the other images are refused.
 
-    At five times the peak nothing is told any more.
+    At five times the peak or more, all images are refused.
     """
     image = made(256, kind)
     circuit = gt.Loop.circle(image.centre, 0.15 * 256)
@@ -60,7 +60,7 @@ def test_beyond_nothing_wrong_is_told_with_confidence(kind, level):
 
 
 def test_the_chance_told_is_not_below_what_happens():
-    """Of many circuits in strong noise, told to be wrong with chance p, at most p are wrong."""
+    """In strong noise there are at most as many wrong circuits as the sum of reported chances."""
     image = made(256, "hexagonal")
     circuit = gt.Loop.circle(image.centre, 0.15 * 256)
     told, wrong = [], 0
@@ -77,9 +77,9 @@ def test_the_chance_told_is_not_below_what_happens():
 
 
 def test_circuits_follow_the_signs_of_the_house():
-    """b is the integral of e: minus that of du, and minus it backwards, twice it when run twice."""
+    """b is minus the integral of du; a reversed loop has -b and a double loop 2 b."""
     y, x = np.mgrid[199:-1:-1, 0:200] - 99.6
-    # u_x = 8 / (2 pi) times the angle: b_0 = 8 along x, once the period of the first wave.
+    # u_x = 8 / (2 pi) times the angle: b_0 = 8 along x, one period of the first wave.
     waves = np.cos(2 * np.pi * x / 8 - np.arctan2(y, x)) + np.cos(2 * np.pi * y / 7)
     phases = gt.LatticeImage(waves, step=0.5, unit="nm").phases()
     circuit = gt.Loop.circle([49.8, 49.8], 25)
@@ -95,7 +95,7 @@ def test_circuits_follow_the_signs_of_the_house():
 
 
 def test_a_circuit_is_the_sum_of_its_squares_and_of_its_steps():
-    """Stokes, exactly: residues, the cochain and the path give the same whole numbers."""
+    """Stokes' theorem holds exactly: residues, cochain and path give the same whole numbers."""
     image = made(256, "square")
     phases = gt.LatticeImage(image.noisy(1, 0)[64:192, 64:192]).phases(image.vectors)
     square = gt.Loop.polygon([[20, 20], [100, 20], [100, 100], [20, 100]])
@@ -111,7 +111,7 @@ def test_a_circuit_is_the_sum_of_its_squares_and_of_its_steps():
 
 
 def test_two_dislocations_add_up():
-    """Whole numbers of a circuit round both are the sum of those round each."""
+    """b of a circuit around both dislocations is the sum of b around each."""
     y, x = np.mgrid[255:-1:-1, 0:256] - 127.5
     one, two = np.arctan2(y, x - 40), np.arctan2(y, x + 40)
     waves = np.cos(2 * np.pi * x / 8 - one) + np.cos(2 * np.pi * y / 8 + 2 * two)
@@ -124,7 +124,7 @@ def test_two_dislocations_add_up():
 
 
 def test_a_circuit_through_a_hole_is_refused():
-    """A core and a place without atoms; a circuit round them is not."""
+    """A circuit through a core or an empty region is refused; a circuit around the core is not."""
     image = made(256, "square")
     values = image.values.copy()
     values[140:200, 30:90] = 0
@@ -138,7 +138,7 @@ def test_a_circuit_through_a_hole_is_refused():
 
 
 def test_spots_where_there_is_no_lattice_give_no_number():
-    """Given by hand, at the wrong place: a hole or noise, not a whole number."""
+    """Given spots that the image lacks lead to a hole or to noise, not to a whole number."""
     image = made(256, "square")
     noise = np.random.default_rng(0).normal(size=(256, 256))
     circuit = gt.Loop.circle(image.centre, 77)
@@ -151,7 +151,7 @@ def test_spots_where_there_is_no_lattice_give_no_number():
 
 
 def test_circuits_that_are_none_are_refused():
-    """Outside, tiny, endless, in space, or with a risk that is none."""
+    """A loop outside the image, a tiny, too long or spatial loop, and a bad risk are refused."""
     phases = gt.LatticeImage(made(256, "square").values).phases()
     with pytest.raises(ImageError, match=r"leaves the image at .* 0 to 255 in x"):
         phases.burgers(gt.Loop.circle([200, 128], 60))

@@ -1,6 +1,6 @@
-"""Image files: TIFF and PNG come back as they were; what is damaged is refused in our words."""
+"""Image files: TIFF and PNG files read back unchanged; damaged files raise our own errors."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# The tests pass what users pass, including wrong types, and read optional values.
 # pyright: reportAttributeAccessIssue=false
 
 import builtins
@@ -26,14 +26,14 @@ GREY = (np.add.outer(7 * np.arange(40), np.arange(50)) % 251).astype(np.uint8)
 @pytest.mark.parametrize("dtype", ["uint8", "uint16", "int16", "float32", "float64"])
 @pytest.mark.parametrize("suffix", [".tif", ".TIFF"])
 def test_tiff_comes_back(tmp_path, dtype, suffix):
-    """In every depth that microscopes write."""
+    """Checked for each bit depth that microscopes write."""
     path = tmp_path / f"image{suffix}"
     tifffile.imwrite(path, GREY.astype(dtype))
     assert (gt.LatticeImage.read(path).values == GREY).all()
 
 
 def test_pages_of_a_tiff_are_chosen(tmp_path):
-    """The first if nothing is said; one too far is refused."""
+    """The default is the first page; a page beyond the last is refused."""
     path = tmp_path / "stack.tif"
     tifffile.imwrite(path, np.stack([GREY, GREY[::-1]]), photometric="minisblack")
     assert (gt.LatticeImage.read(path, page=1).values == GREY[::-1]).all()
@@ -43,7 +43,7 @@ def test_pages_of_a_tiff_are_chosen(tmp_path):
 
 @pytest.mark.parametrize("dtype", ["uint8", "uint16"])
 def test_png_comes_back(tmp_path, dtype):
-    """Eight and sixteen bits."""
+    """Checked for eight and sixteen bits."""
     path = tmp_path / "image.png"
     scale = 1 if dtype == "uint8" else 256
     PIL.fromarray((GREY.astype(int) * scale).astype(dtype)).save(path)
@@ -51,7 +51,7 @@ def test_png_comes_back(tmp_path, dtype):
 
 
 def test_colours_become_grey(tmp_path):
-    """The mean of three channels; opacity counts for nothing."""
+    """Grey is the mean of three channels; opacity is ignored."""
     colours = np.stack([GREY, GREY, np.zeros_like(GREY), np.full_like(GREY, 9)], axis=2)
     PIL.fromarray(colours).save(tmp_path / "image.png")
     found = gt.LatticeImage.read(tmp_path / "image.png").values
@@ -59,7 +59,7 @@ def test_colours_become_grey(tmp_path):
 
 
 def huge_png() -> bytes:
-    """A header that claims 100,000 by 100,000 pixels."""
+    """A PNG header that claims 100,000 by 100,000 pixels."""
 
     def chunk(kind: bytes, data: bytes) -> bytes:
         body = kind + data
@@ -81,7 +81,7 @@ def huge_png() -> bytes:
     ],
 )
 def test_files_that_are_no_images_are_refused(tmp_path, name, content):
-    """By name, by content, by what their header claims."""
+    """A file with a wrong name or without image content is refused with its name."""
     path = tmp_path / name
     path.write_bytes(content)
     with pytest.raises(FileFormatError, match=name):
@@ -89,7 +89,7 @@ def test_files_that_are_no_images_are_refused(tmp_path, name, content):
 
 
 def test_a_file_that_claims_too_much_is_refused(tmp_path):
-    """Before memory is taken for it."""
+    """An image with a header of 100,000 by 100,000 pixels is refused."""
     path = tmp_path / "huge.png"
     path.write_bytes(huge_png())
     with pytest.raises((LimitError, FileFormatError), match="huge.png"):
@@ -98,7 +98,7 @@ def test_a_file_that_claims_too_much_is_refused(tmp_path):
 
 @pytest.mark.parametrize("kind", ["tif", "png"])
 def test_damaged_files_are_refused_or_read(tmp_path, kind):
-    """Cut off anywhere, or with wrong bytes: never a foreign error."""
+    """Truncated or corrupted files raise only errors of this package."""
     whole = tmp_path / f"whole.{kind}"
     if kind == "tif":
         tifffile.imwrite(whole, GREY, compression="zlib")
@@ -124,7 +124,7 @@ def test_damaged_files_are_refused_or_read(tmp_path, kind):
 
 
 def test_a_missing_file_and_a_missing_library_are_named(tmp_path, monkeypatch):
-    """The extra that brings it is told."""
+    """The error names the missing file, or the extra that installs the library."""
     with pytest.raises(FileFormatError, match="there is no such file"):
         gt.LatticeImage.read(tmp_path / "nothing.tif")
     path = tmp_path / "image.tif"
@@ -136,7 +136,7 @@ def test_a_missing_file_and_a_missing_library_are_named(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("path", [3, None, b"image.tif"])
 def test_what_is_no_name_of_a_file_is_refused(path):
-    """In our own words."""
+    """The error is our own and names the argument."""
     with pytest.raises(ImageError, match="path: expected the name of a file"):
         gt.LatticeImage.read(path)
 
@@ -146,7 +146,7 @@ class Axis(types.SimpleNamespace):
 
 
 class Signal:
-    """What we use of a hyperspy signal."""
+    """The part of a hyperspy signal that the package uses."""
 
     def __init__(self, data, *steps, navigation=0):
         self.data = data
@@ -155,9 +155,9 @@ class Signal:
 
 
 def test_signals_bring_their_scale():
-    """And are refused where they are no single image of square pixels.
+    """A signal keeps its scale; a signal that is not one image of square pixels is refused.
 
-    Our class has the attributes of a hyperspy signal; hyperspy itself is tried below.
+    `Signal` has the attributes of a hyperspy signal; a test below uses hyperspy itself.
     """
     image = gt.LatticeImage.of_signal(Signal(GREY, 0.05, 0.05))
     assert (image.step, image.unit, image.values.shape) == (0.05, "nm", GREY.shape)
@@ -173,7 +173,7 @@ def test_signals_bring_their_scale():
 
 
 def test_signals_have_the_sign_of_a_known_dislocation():
-    """b = - integral of du round an edge dislocation, known in closed form; lengths in nm."""
+    """b = - integral of du around an edge dislocation, known in closed form; lengths in nm."""
     image = crystal(256, "square")
     phases = gt.LatticeImage.of_signal(Signal(image.values, 0.05, 0.05)).phases()
     found = phases.burgers(gt.Loop.circle(0.05 * np.array(image.centre), 0.05 * 77))
@@ -183,13 +183,13 @@ def test_signals_have_the_sign_of_a_known_dislocation():
 
 @pytest.mark.parametrize("given", [GREY, None, "signal", object(), Signal])
 def test_what_is_no_signal_is_refused(given):
-    """Arrays, and a class in the place of a signal."""
+    """Arrays, None, text, objects and a class instead of an instance are refused."""
     with pytest.raises(ImageError, match="expected a hyperspy signal"):
         gt.LatticeImage.of_signal(given)
 
 
 def test_signals_with_odd_contents_are_refused():
-    """Text in the place of pixels and of scales."""
+    """Text instead of scales or pixels is refused."""
     with pytest.raises(ImageError, match="scale: expected a number"):
         gt.LatticeImage.of_signal(Signal(GREY, "x", "x"))
     with pytest.raises(ImageError, match="signal.data: expected an array of real numbers"):
@@ -197,7 +197,7 @@ def test_signals_with_odd_contents_are_refused():
 
 
 def test_signals_of_hyperspy():
-    """The real ones, where hyperspy is installed; its scale and unit are kept."""
+    """Real hyperspy signals keep their scale and unit, if hyperspy is installed."""
     signals = pytest.importorskip("hyperspy.signals")
     signal = signals.Signal2D(GREY.astype(float))
     assert gt.LatticeImage.of_signal(signal).unit == "px"
@@ -212,7 +212,7 @@ def test_signals_of_hyperspy():
 
 @pytest.mark.parametrize("dtype", ["uint8", "int32", "float32", "float64"])
 def test_arrays_come_back(tmp_path, dtype):
-    """NPY files, of one image or of a stack."""
+    """NPY files with one image or a stack are read."""
     np.save(tmp_path / "image.npy", GREY.astype(dtype))
     assert (gt.LatticeImage.read(tmp_path / "image.npy").values == GREY).all()
     np.save(tmp_path / "stack.npy", np.stack([GREY, GREY[::-1]]))
@@ -225,14 +225,14 @@ def test_arrays_come_back(tmp_path, dtype):
     "array", [np.array([{}]), np.array("text"), np.zeros(5), np.zeros((40, 40), complex)]
 )
 def test_arrays_that_are_no_images_are_refused(tmp_path, array):
-    """Objects, which would have to be unpickled, text, a line, complex numbers."""
+    """Object arrays (which need unpickling), text, one row and complex numbers are refused."""
     np.save(tmp_path / "odd.npy", array)
     with pytest.raises(FileFormatError, match=r"odd\.npy"):
         gt.LatticeImage.read(tmp_path / "odd.npy")
 
 
 def test_nothing_is_unpickled(tmp_path, monkeypatch):
-    """Neither pickle nor eval is called while a file is read."""
+    """The reader calls neither pickle nor eval."""
     path = tmp_path / "image.tif"
     tifffile.imwrite(path, GREY, description="__import__('os')")
 
@@ -245,7 +245,7 @@ def test_nothing_is_unpickled(tmp_path, monkeypatch):
 
 
 def test_complex_colours_are_refused(tmp_path):
-    """Their imaginary parts were left out without a word."""
+    """Complex colours are refused, so that no imaginary part is dropped silently."""
     path = tmp_path / "a.npy"
     np.save(path, np.ones((40, 40, 3)) * (1 + 1j))
     with pytest.raises(FileFormatError, match="expected grey values of shape .* got complex128"):
@@ -253,7 +253,7 @@ def test_complex_colours_are_refused(tmp_path):
 
 
 def test_colours_of_a_palette_become_grey(tmp_path):
-    """Pixels of such a TIFF file are numbers of colours, in any order."""
+    """The reader looks up grey values in the palette of a TIFF file, whose order is arbitrary."""
     order = np.random.default_rng(0).permutation(256)
     palette = np.repeat(order.astype(np.uint16)[None], 3, axis=0)
     path = tmp_path / "palette.tif"
@@ -264,7 +264,7 @@ def test_colours_of_a_palette_become_grey(tmp_path):
 
 @pytest.mark.parametrize("orientation", [1, 2, 6])
 def test_images_that_are_to_be_mirrored_or_turned_are_refused(tmp_path, orientation):
-    """Viewers differ in what they make of them, and in a mirror b has another sign."""
+    """Viewers treat orientation tags differently, and a mirror changes the sign of b."""
     said = PIL.Exif()
     said[274] = orientation
     PIL.fromarray(GREY).save(tmp_path / "a.png", exif=said)

@@ -1,4 +1,4 @@
-"""Files of microscopes, read by rosettasciio, and strain from a region of reference."""
+"""Microscope files, read by rosettasciio, and strain relative to a reference region."""
 
 import struct
 import sys
@@ -22,14 +22,14 @@ ENDS = (".dm3", ".dm4", ".emd", ".mrc", ".ser", ".hspy")
 
 
 def mrc(images: np.ndarray, count: int | None = None) -> bytes:
-    """A file of floats, with a header of 1024 bytes."""
+    """An .mrc file of floats, with a header of 1024 bytes."""
     pages, rows, columns = images.shape
     head = struct.pack("<4i", columns, rows, pages if count is None else count, 2)
     return head.ljust(1024, b"\0") + images.tobytes()
 
 
 def ser(image: np.ndarray, columns: int | None = None) -> bytes:
-    """A file of one image, whose rows TIA writes from the bottom."""
+    """A .ser file of one image; TIA writes its rows from the bottom."""
     rows, wide = image.shape
     head = struct.pack("<hhhiiii", 0x4949, 0x0197, 0x0210, 0x4122, 0x4152, 1, 1)
     axis = struct.pack("<iddi", 1, 0.0, 1.0, 0) + struct.pack("<i", 6) + b"Number"
@@ -44,7 +44,7 @@ def ser(image: np.ndarray, columns: int | None = None) -> bytes:
 
 
 def dm3(image: np.ndarray, columns: int | None = None) -> bytes:
-    """A file of one image: groups of tags, whose numbers are little-endian."""
+    """A .dm3 file of one image: groups of tags with little-endian numbers."""
     rows, wide = image.shape
 
     def tag(name: str, kinds: list[int], content: bytes) -> bytes:
@@ -79,7 +79,7 @@ def dm3(image: np.ndarray, columns: int | None = None) -> bytes:
 
 
 def hspy(path: Path, image: np.ndarray) -> None:
-    """As hyperspy saves a signal."""
+    """Write a file as hyperspy saves a signal."""
     h5py = pytest.importorskip("h5py")
     with h5py.File(path, "w") as file:
         file.attrs["file_format"], file.attrs["file_format_version"] = "HyperSpy", "3.3"
@@ -96,7 +96,7 @@ def hspy(path: Path, image: np.ndarray) -> None:
 
 
 def emd(path: Path, image: np.ndarray) -> None:
-    """As Berkeley's version of the format has an image."""
+    """Write an image in the Berkeley version of the EMD format."""
     h5py = pytest.importorskip("h5py")
     with h5py.File(path, "w") as file:
         file.attrs["version_major"], file.attrs["version_minor"] = 0, 2
@@ -120,7 +120,7 @@ MADE: dict[str, Callable[[Path], object]] = {
 
 @pytest.mark.parametrize("name", MADE)
 def test_images_of_microscopes(tmp_path: Path, name: str):
-    """The pixels as they were, rows from the top, and the lattice in them."""
+    """Pixels are unchanged, rows start at the top, and the lattice is found."""
     pytest.importorskip("rsciio")
     path = tmp_path / name
     MADE[name](path)
@@ -136,7 +136,7 @@ def test_images_of_microscopes(tmp_path: Path, name: str):
 
 
 def test_pages_of_a_stack(tmp_path: Path):
-    """Images of a stack are counted one after another."""
+    """Pages count the images of a stack."""
     pytest.importorskip("rsciio")
     path = tmp_path / "stack.mrc"
     path.write_bytes(mrc(np.stack([IMAGE, IMAGE[::-1]])))
@@ -158,7 +158,7 @@ def test_pages_of_a_stack(tmp_path: Path):
     ],
 )
 def test_files_that_lie_are_refused(tmp_path: Path, name: str, content: bytes):
-    """What is declared and not there, and what is no such file, in words of our own."""
+    """Headers that declare too many pixels, and files of other kinds, raise our own errors."""
     pytest.importorskip("rsciio")
     path = tmp_path / name
     path.write_bytes(content)
@@ -178,7 +178,7 @@ def test_without_the_library(tmp_path: Path, end: str, monkeypatch: pytest.Monke
 
 
 def stepped(strain: float = 0.02, turn: float = 0.0, noise: float = 0.0) -> gt.LatticeImage:
-    """A lattice whose right half has larger spacings along x, and is sheared."""
+    """A lattice whose right half is stretched along x and sheared."""
     y, x = np.mgrid[159:-1:-1, 0:320].astype(float)
     right = np.maximum(x - 160, 0)
     u = right * strain / (1 + strain)
@@ -193,7 +193,7 @@ LEFT = ((1.0, 6.5), (1.0, 6.9))
 
 @pytest.mark.parametrize("noise", [0.0, 0.3])
 def test_strain_from_a_region(noise: float):
-    """A step of 2 % is 0 and 0.0196 (per deformed length), not half of it on either side."""
+    """A strain step of 2 % reads 0 and 0.0196 (per deformed length), not half on each side."""
     image = stepped(noise=noise)
     before, after = image.phases(), image.phases(reference=LEFT)
     left, right = (slice(30, 130), slice(30, 130)), (slice(190, 290), slice(30, 130))
@@ -205,7 +205,7 @@ def test_strain_from_a_region(noise: float):
 
 
 def test_shear_and_rotation_from_a_region():
-    """Both are counted from there as well; a mask is a region, too."""
+    """Shear and rotation are relative to the region as well; a mask also selects a region."""
     image = stepped(0.0, 0.03)
     mask = np.zeros((320, 160), dtype=bool)
     mask[20:130, 20:138] = True
@@ -230,6 +230,6 @@ def test_shear_and_rotation_from_a_region():
     ],
 )
 def test_regions_that_are_none(region, words: str):
-    """Outside, too narrow, of another shape, or empty."""
+    """A region outside the image, too narrow, of another shape or empty is refused."""
     with pytest.raises(ImageError, match=words):
         stepped().phases(reference=region)

@@ -1,4 +1,4 @@
-"""LatticeImage: arrays that are images, and those that are none."""
+"""LatticeImage: accepted and refused arrays."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from geomtorsion.errors import ImageError
 
 
 def test_coordinates_run_to_the_right_and_upwards():
-    """The first row is on top; axes are in units."""
+    """The first row is at the top; axes are in units of length."""
     values = np.arange(40 * 50, dtype=float).reshape(40, 50)
     image = gt.LatticeImage(values, step=0.5, unit="nm")
     assert image.field[0, 0] == values[39, 0]
@@ -36,13 +36,13 @@ def test_coordinates_run_to_the_right_and_upwards():
     ],
 )
 def test_arrays_that_are_no_images_are_refused(values, match):
-    """With what was needed."""
+    """The error states what the image needs."""
     with pytest.raises(ImageError, match=match):
         gt.LatticeImage(values)
 
 
 @pytest.mark.parametrize("step", [0, -1, np.nan, "1", 1e-300, 1e300])
 def test_steps_that_are_none_are_refused(step):
-    """A pixel has a size."""
+    """The size of a pixel is a positive number of ordinary magnitude."""
     with pytest.raises(ImageError, match="step"):
         gt.LatticeImage(np.eye(64), step)

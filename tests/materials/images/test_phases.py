@@ -1,6 +1,6 @@
-"""Phases: coframe, strain and rotation of images whose fields are known."""
+"""Phases: coframe, strain and rotation of images with known fields."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# The tests pass what users pass, including wrong types, and read optional values.
 # pyright: reportPossiblyUnboundVariable=false
 
 from functools import cache
@@ -17,7 +17,7 @@ made = cache(crystal)
 
 @pytest.mark.parametrize("size", [256, 512])
 def test_the_edge_field_of_one_nanometre_is_found_to_a_percent(size):
-    """b by whole numbers, and by the integral of the field; strain against the closed form."""
+    """b from whole numbers and from the integral of the field; strain against the closed form."""
     image = crystal(size, "square", 10.0, turned=0.0)
     picture = gt.LatticeImage(image.values, step=0.1, unit="nm")
     phases = picture.phases()
@@ -34,20 +34,20 @@ def test_the_edge_field_of_one_nanometre_is_found_to_a_percent(size):
     x, y = np.meshgrid(x, y, indexing="ij")
     ring = (np.hypot(x, y) > 0.015 * size) & (np.hypot(x, y) < 0.04 * size)
     expected = edge_strain_xx(x, y, 1.0)[ring]
-    # The closed form counts places in the perfect crystal: the rest falls as b / r.
+    # The closed form uses positions in the perfect crystal, so the difference falls as b / r.
     rest = phases.strain[0, 0][ring] - expected
     assert np.sqrt((rest**2).mean()) < 0.1 * 256 / size * np.sqrt((expected**2).mean())
 
 
 def strained(beta: np.ndarray, size: int = 200) -> gt.LatticeImage:
-    """A square lattice of 8 pixels with a constant distortion."""
+    """A square lattice with a spacing of 8 pixels and a constant distortion."""
     y, x = np.mgrid[size - 1 : -1 : -1, 0:size]
     X = np.einsum("ab,b...->a...", np.eye(2) - beta, np.array([x, y]))
     return gt.LatticeImage(np.cos(2 * np.pi * X[0] / 8) + np.cos(2 * np.pi * X[1] / 8))
 
 
 def test_a_constant_strain_and_rotation_are_seen_everywhere():
-    """Against a reference, the spots of the perfect lattice; and signs of both."""
+    """Distortion relative to the spots of the perfect lattice is constant, with the right signs."""
     beta = np.array([[0.02, -0.03], [0.01, -0.01]])
     phases = strained(beta).phases([[1 / 8, 0], [0, 1 / 8]])
     keep = slice(2 * phases.margin, -2 * phases.margin)
@@ -61,7 +61,7 @@ def test_a_constant_strain_and_rotation_are_seen_everywhere():
 
 
 def test_a_lattice_turned_to_the_left_has_a_positive_rotation():
-    """What stands on the screen: rows run from the top, angles anticlockwise."""
+    """On the screen rows run from the top, and angles are anticlockwise."""
     angle = 0.03
     turned = crystal(200, "square", 8.0, angle, dislocated=False)
     phases = gt.LatticeImage(turned.values).phases([[1 / 8, 0], [0, 1 / 8]])
@@ -69,7 +69,7 @@ def test_a_lattice_turned_to_the_left_has_a_positive_rotation():
 
 
 def test_coframe_is_that_of_the_sampled_frame():
-    """e in lattice coordinates and in lengths; a perfect lattice has no torsion."""
+    """e is in lattice coordinates or in lengths; a perfect lattice has no torsion."""
     phases = strained(np.zeros((2, 2))).phases()
     frame = phases.sampled()
     assert frame.coframe.mean(axis=(2, 3)) == pytest.approx(np.eye(2) / 8, abs=2e-5)
@@ -81,7 +81,7 @@ def test_coframe_is_that_of_the_sampled_frame():
 
 
 def test_a_core_is_a_hole_of_the_sampled_frame():
-    """It lies where the dislocation is, and the loop round it has the Burgers vector."""
+    """The hole is at the dislocation, and the loop around it has the Burgers vector."""
     image = made(256, "square")
     phases = gt.LatticeImage(image.values, 0.1, "nm").phases()
     frame = phases.sampled()
@@ -90,7 +90,7 @@ def test_a_core_is_a_hole_of_the_sampled_frame():
     assert np.hypot(*(middle - image.centre)) < 2
     found = frame.burgers(frame.loop_around(hole, margin=60))
     whole = -np.rint(image.vectors @ image.b)
-    # The spots found may be another basis than the one that was given.
+    # The found spots may be another basis than the given vectors.
     whole = np.rint(phases.spots * 0.1 @ np.linalg.inv(image.vectors)) @ whole
     assert found.vector == pytest.approx(whole, abs=2e-3)
     density = frame.burgers_map(60).vectors
@@ -101,21 +101,21 @@ def test_a_core_is_a_hole_of_the_sampled_frame():
 
 @pytest.mark.parametrize("order", [3, "4", 4.5, -2, None])
 def test_orders_that_are_none_are_refused(order):
-    """As everywhere else."""
+    """`sampled` accepts the same orders as all grids."""
     phases = strained(np.zeros((2, 2))).phases()
     with pytest.raises(GridError, match="order"):
         phases.sampled(order)
 
 
 def test_margins_that_leave_nothing_are_refused():
-    """With the remedy."""
+    """The error suggests a finer resolution."""
     phases = gt.LatticeImage(made(256, "square").values).phases(resolution=64)
     with pytest.raises(GridError, match="Choose a finer resolution than 64 px"):
         phases.sampled()
 
 
 def test_noise_told_is_the_scatter_of_the_waves():
-    """Over seeds, in the middle and at the border."""
+    """The reported noise is the scatter over seeds, in the middle and at the border."""
     y, x = np.mgrid[199:-1:-1, 0:200]
     waves = np.cos(2 * np.pi * x / 8) + np.cos(2 * np.pi * y / 7)
     spots = [[1 / 8, 0], [0, 1 / 7]]
@@ -131,7 +131,7 @@ def test_noise_told_is_the_scatter_of_the_waves():
 
 
 def test_resolution_is_one_spacing_and_grows_with_noise():
-    """And is what the user says if it is given."""
+    """The default is one lattice spacing, more under noise; a given resolution is kept."""
     image = made(256, "square")
     clean, noisy = (gt.LatticeImage(image.noisy(level, 0)).phases() for level in (0, 1))
     assert clean.resolution == pytest.approx(8, rel=0.01)
@@ -141,7 +141,7 @@ def test_resolution_is_one_spacing_and_grows_with_noise():
 
 @pytest.mark.slow
 def test_a_megapixel():
-    """Spots, phases, coframe and a circuit; what it costs stands in the benchmarks."""
+    """Spots, phases, coframe and a circuit of a large image; benchmarks measure the time."""
     image = made(512, "square")
     picture = gt.LatticeImage(np.kron(np.ones((2, 2)), image.values))
     phases = picture.phases()
@@ -151,7 +151,7 @@ def test_a_megapixel():
 
 
 def test_equal_calls_give_equal_bits():
-    """Twice the same image."""
+    """Two calls on the same image give equal arrays."""
     values = made(256, "square").noisy(1, 0)
     one, two = (gt.LatticeImage(values).phases() for _ in range(2))
     assert (one.waves == two.waves).all()
@@ -171,7 +171,7 @@ def test_equal_calls_give_equal_bits():
     ],
 )
 def test_spots_that_are_none_are_refused(spots, match):
-    """With what would have been right."""
+    """The error states the allowed spots."""
     image = gt.LatticeImage(made(256, "square").values)
     with pytest.raises(ImageError, match=match):
         image.phases(spots)
@@ -179,14 +179,14 @@ def test_spots_that_are_none_are_refused(spots, match):
 
 @pytest.mark.parametrize("resolution", [0, -3, 0.1, 100, np.inf, "8"])
 def test_resolutions_that_are_none_are_refused(resolution):
-    """Not positive, finer than a pixel, or as large as the image."""
+    """A resolution that is not positive, finer than a pixel or as large as the image is refused."""
     with pytest.raises(ImageError, match="resolution"):
         gt.LatticeImage(made(256, "square").values).phases(resolution=resolution)
 
 
 @pytest.mark.parametrize("lengths", [False, True])
 def test_sigma_of_a_sampled_frame_is_the_scatter_of_its_values(lengths):
-    """Over seeds, node by node; and circuits scatter far less than their noise told."""
+    """sigma of a component is its scatter over seeds; circuits scatter less than their noise."""
     y, x = np.mgrid[159:-1:-1, 0:160]
     waves = np.cos(2 * np.pi * x / 8) + np.cos(2 * np.pi * (y / 7 + x / 60))
     spots = np.array([[1 / 8, 0], [1 / 60, 1 / 7]]) / 0.1

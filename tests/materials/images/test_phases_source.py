@@ -15,7 +15,7 @@ STEP = 0.05
 
 @pytest.fixture(scope="module")
 def field(tmp_path_factory) -> LatticePhases:
-    """Atoms 0.4 nm apart with an edge dislocation, and noise of half an atom."""
+    """Atoms 0.4 nm apart with an edge dislocation, and noise of half an atom's peak."""
     path = tmp_path_factory.mktemp("images") / "atoms.npy"
     np.save(path, IMAGE.noisy(0.5, 1))
     found = open_source(path, pixel=(STEP, "nm"))
@@ -24,7 +24,7 @@ def field(tmp_path_factory) -> LatticePhases:
 
 
 def test_a_circuit_has_whole_numbers(field):
-    """b is minus the integral of du, 0.4 nm; beside the core nothing."""
+    """b is minus the integral of du, 0.4 nm; beside the core it is zero."""
     middle = [STEP * x for x in IMAGE.centre]
     found = field.burgers(Loop.circle(middle, 3.0))
     assert found.facts["whole"] == [-1, 0]
@@ -37,7 +37,7 @@ def test_a_circuit_has_whole_numbers(field):
 
 
 def test_a_survey_holds_the_dislocation_where_it_is(field):
-    """Squares round the core have b, all others nothing; what touches it is left out."""
+    """Squares around the core have b, others have zero, and squares that touch it are unknown."""
     survey = field.burgers_map(40)
     assert survey.density_unit == "1/nm"
     places = np.argwhere(survey.significant & survey.known)
@@ -56,7 +56,7 @@ def test_a_survey_holds_the_dislocation_where_it_is(field):
 
 
 def test_what_lies_below_is_the_picture(field):
-    """Grey values with x to the right and y upwards."""
+    """The backdrop has grey values with x to the right and y upwards."""
     backdrop = field.backdrop()
     assert backdrop.kind == "image"
     assert (backdrop.values == IMAGE.noisy(0.5, 1)[::-1].T).all()

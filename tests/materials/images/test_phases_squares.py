@@ -1,6 +1,6 @@
-"""Squares: the whole numbers of every circuit of a size, as each single circuit gives them."""
+"""Squares: all circuits of one size have the same whole numbers as single circuits."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# The tests pass what users pass, including wrong types, and read optional values.
 # pyright: reportArgumentType=false
 
 from functools import cache
@@ -22,7 +22,7 @@ def square(x: int, y: int, size: int) -> gt.Loop:
 
 @pytest.mark.parametrize("size", [7, 60])
 def test_every_square_is_what_its_circuit_is(size):
-    """Numbers and chances at places drawn by lot, holes included."""
+    """Whole numbers and chances agree at random positions, holes included."""
     image = made(256, "hexagonal")
     phases = gt.LatticeImage(image.noisy(1, 0), 0.5, "nm").phases(2 * image.vectors)
     found = phases.burgers_map(size)
@@ -54,7 +54,7 @@ def test_every_square_is_what_its_circuit_is(size):
 
 @pytest.mark.parametrize("size", [1, 256, 2.5, "8", True])
 def test_sizes_that_are_none_are_refused(size):
-    """With the range of those that are."""
+    """The error states the allowed range."""
     phases = gt.LatticeImage(made(256, "square").values).phases()
     with pytest.raises(ImageError, match="size: expected a whole number from 2 to 255"):
         phases.burgers_map(size)

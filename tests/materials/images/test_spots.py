@@ -1,4 +1,4 @@
-"""Spots: found to a third of a pixel of the transform, and not where there is no lattice."""
+"""Spots: found to a third of a pixel of the transform, and refused where there is no lattice."""
 
 from functools import cache
 
@@ -14,7 +14,7 @@ made = cache(crystal)
 
 
 def distance(found: np.ndarray, known: np.ndarray, size: int) -> float:
-    """The largest distance in pixels from whole multiples of the known vectors; these span all."""
+    """Largest distance in pixels from combinations of the known vectors, which must be a basis."""
     multiples = np.round(found @ np.linalg.inv(known))
     assert abs(round(np.linalg.det(multiples))) == 1
     return float(np.hypot(*(found - multiples @ known).T).max()) * size
@@ -24,7 +24,7 @@ def distance(found: np.ndarray, known: np.ndarray, size: int) -> float:
     ("kind", "size", "dislocated"), one_in(2, ("square", "hexagonal"), (256, 512), (False, True))
 )
 def test_spots_are_found_to_a_third_of_a_pixel(kind, size, dislocated):
-    """With and without a dislocation, which splits a spot; and a basis of the whole lattice."""
+    """With and without a dislocation, which splits a spot, the spots are a basis of the lattice."""
     image = made(size, kind, dislocated=dislocated)
     for seed in range(3):
         found = gt.LatticeImage(image.noisy(0.5, seed)).spots.vectors
@@ -34,20 +34,20 @@ def test_spots_are_found_to_a_third_of_a_pixel(kind, size, dislocated):
 
 @pytest.mark.parametrize("turned", [-1.3, -0.4, 0.0, 0.7, 1.5])
 def test_spots_do_not_depend_on_how_the_lattice_lies(turned):
-    """In every direction, and with a spacing that is no whole number of pixels."""
+    """Checked for several directions and a spacing that is not a whole number of pixels."""
     image = crystal(200, "hexagonal", 9.37, turned, dislocated=False)
     assert distance(gt.LatticeImage(image.values).spots.vectors, image.vectors, 200) < 0.1
 
 
 def test_oblong_images_have_their_spots_where_they_are():
-    """Pixels of the transform are not square then."""
+    """The pixels of the transform of an oblong image are not square."""
     part = made(512, "square").values[:160]
     found = gt.LatticeImage(part).spots.vectors
     assert distance(found, made(512, "square").vectors, 160) < 1 / 3
 
 
 def test_the_whole_lattice_is_spanned():
-    """Strong diagonal spots and weak ones of half the area: the weak ones are needed."""
+    """Strong diagonal spots span a sublattice of double area; weak spots span the lattice."""
     y, x = np.mgrid[200:0:-1, 0:200] / 10.0
     one, two = 2 * np.pi * (x + y), 2 * np.pi * (x - y)
     weak = np.cos(2 * np.pi * x) + np.cos(2 * np.pi * y)
@@ -56,7 +56,7 @@ def test_the_whole_lattice_is_spanned():
 
 
 def test_noise_and_amplitude_are_those_of_the_image():
-    """White noise of 0.5 is seen as such, and the waves as strong as they are."""
+    """White noise of 0.5 and the amplitudes of the waves are estimated."""
     y, x = np.mgrid[256:0:-1, 0:256]
     waves = 0.6 * np.cos(2 * np.pi * x / 8) + 0.4 * np.cos(2 * np.pi * y / 7)
     image = gt.LatticeImage(waves + 0.5 * np.random.default_rng(0).normal(size=x.shape))
@@ -65,7 +65,7 @@ def test_noise_and_amplitude_are_those_of_the_image():
 
 
 def without_lattice() -> dict[str, np.ndarray]:
-    """Pictures of other things, by name."""
+    """Images of other things, by name."""
     size = 200
     y, x = np.mgrid[:size, :size] / size
     noise = np.random.default_rng(3).normal(size=(size, size))
@@ -86,7 +86,7 @@ def without_lattice() -> dict[str, np.ndarray]:
 
 @pytest.mark.parametrize("name", without_lattice())
 def test_an_image_without_lattice_says_so(name):
-    """Noise, clouds, glass, edges, blots, rings."""
+    """Noise, clouds, glass, edges, blots and rings are refused."""
     image = gt.LatticeImage(without_lattice()[name])
     with pytest.raises(ImageError, match="the image has no visible lattice"):
         image.phases()
@@ -94,7 +94,7 @@ def test_an_image_without_lattice_says_so(name):
 
 @pytest.mark.parametrize("sharp", [False, True])
 def test_fringes_are_no_lattice(sharp):
-    """One direction only, harmonics included, and those folded back at the end of an axis."""
+    """Fringes in one direction are refused, also with harmonics folded back by aliasing."""
     y, x = np.mgrid[:200, :200]
     fringes = np.cos(2 * np.pi * (x + 0.3 * y) / 9.0)
     noise = 0.1 * np.random.default_rng(0).normal(size=x.shape)
@@ -104,7 +104,7 @@ def test_fringes_are_no_lattice(sharp):
 
 
 def test_noise_is_hardly_ever_taken_for_a_lattice():
-    """Never in two hundred images; the rule says once in 10,000."""
+    """None of two hundred noise images is accepted; the rule accepts one in 10,000."""
     for seed in range(200):
         noise = np.random.default_rng(seed).normal(size=(64, 64))
         with pytest.raises(ImageError, match="no visible lattice"):

@@ -4,12 +4,12 @@ import numpy as np
 
 from geomtorsion.materials.lines import Box, LineArrays
 
-# A measured one, beside the project.
+# A simulated network, stored outside the project.
 REAL = "networks/180chains_16.10e.data"
 
 
 def rings(count: int, seed: int, size: float = 10.0, sides: int = 12) -> LineArrays:
-    """Closed polygons in random planes of a periodic cube, b one of the fcc kind."""
+    """Closed polygons in random planes of a periodic cube, with b of the fcc kind."""
     rng = np.random.default_rng(seed)
     angles = 2 * np.pi * np.arange(sides) / sides
     places, pairs, vectors = [], [], []
@@ -22,14 +22,14 @@ def rings(count: int, seed: int, size: float = 10.0, sides: int = 12) -> LineArr
         pairs.append(np.stack([nodes, np.roll(nodes, -1)], axis=1))
         b = rng.permutation([1.0, rng.choice([-1.0, 1.0]), 0.0]) / np.sqrt(2)
         vectors.append(np.repeat(b[None], sides, axis=0))
-    # Nodes lie in the box, as simulations write them: lines leave it on one side and come back.
+    # Nodes are in the box, as simulations write them: lines leave on one side and come back.
     wrapped = np.mod(np.concatenate(places), size)
     box = Box.of_bounds([0, 0, 0], [size] * 3)
     return LineArrays(wrapped, np.concatenate(pairs), np.concatenate(vectors), box)
 
 
 def straight(places, vectors, height: float = 4.0, periodic=(False, False, True)) -> LineArrays:
-    """Lines along z through (x, y), two nodes each, periodic along z."""
+    """Straight lines along z through (x, y), three nodes each, periodic along z."""
     box = Box.of_bounds([-50, -50, 0], [50, 50, height], periodic)
     nodes = [[x, y, z * height] for x, y in places for z in (0.1, 0.45, 0.8)]
     pairs = [[3 * k + j, 3 * k + (j + 1) % 3] for k in range(len(places)) for j in range(3)]

@@ -1,6 +1,6 @@
-"""Boxes: volume, nearest images, and what is refused."""
+"""Boxes: volume, nearest images, and refused boxes."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# The tests pass what users pass, including wrong types, and read optional values.
 # pyright: reportArgumentType=false
 
 import numpy as np
@@ -11,7 +11,7 @@ from geomtorsion.materials.lines import Box
 
 
 def test_volume_and_images_of_a_skew_box():
-    """The images make each step the shortest; edges that are not periodic have none."""
+    """The images make each step shortest; open edges have no images."""
     box = Box([[4, 0, 0], [1, 4, 0], [0, 1, 4]], periodic=(True, True, False))
     assert box.volume == 64
     rng = np.random.default_rng(2)
@@ -22,7 +22,7 @@ def test_volume_and_images_of_a_skew_box():
 
 
 def test_bad_boxes_are_refused():
-    """Flat, upside down, not finite, wrong flags, and units that cannot fit."""
+    """Flat and infinite boxes, wrong shapes and flags, and positions in other units are refused."""
     for call, message in (
         (lambda: Box([[1, 0, 0], [0, 1, 0], [1, 1, 0]]), "span a finite volume"),
         (lambda: Box(1e200 * np.eye(3)), "span a finite volume"),

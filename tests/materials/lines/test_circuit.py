@@ -1,6 +1,6 @@
-"""Circuits round lines of networks: exact sums, lattices, and lines that end."""
+"""Circuits around lines of networks: exact sums, lattices, and lines that end."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# The tests pass what users pass, including wrong types, and read optional values.
 # pyright: reportArgumentType=false, reportOptionalIterable=false
 
 from fractions import Fraction as F
@@ -20,7 +20,7 @@ LINES = [("a", "j", (F(1, 3), 0, 0)), ("b", "j", (F(2, 3), 1, 0)), ("j", "c", (1
 
 
 def test_exact_vectors_stay_exact():
-    """Thirds sum to one; a circuit round the junction as a whole has none."""
+    """Thirds sum to one, and a loop that links no line has b = 0."""
     net = DislocationNetwork.of_lines(LINES, surface="abc", positions=PLACES)
     about = Loop.circle([0, -2, 0], 2.5, (2, 0))
     found = net.burgers(about)
@@ -33,7 +33,7 @@ def test_exact_vectors_stay_exact():
 
 
 def test_circuits_in_whole_lattice_vectors():
-    """Floats of a simulation give whole numbers, and the same b."""
+    """Floating-point b of a simulation give whole numbers and the same vector."""
     lines = rings(12, seed=8)
     net = DislocationNetwork.of_arrays(lines)
     found = net.burgers(Loop.circle([5, 5, 5], 6), "fcc")
@@ -49,7 +49,7 @@ def test_circuits_in_whole_lattice_vectors():
 
 
 def test_lines_that_end_leave_no_answer():
-    """Where b is not conserved near the loop, two surfaces differ; far from it they agree."""
+    """If b is not conserved near the loop, two surfaces disagree; far from there they agree."""
     ended = LineArrays([[0, 0, -9], [0, 0, 0.05]], [[0, 1]], [[0, 0, 1.0]])
     net = DislocationNetwork.of_arrays(ended)
     assert [one.node for one in net.node_rule()] == [0, 1]
@@ -61,7 +61,7 @@ def test_lines_that_end_leave_no_answer():
 
 
 def test_a_circuit_needs_positions_and_a_loop():
-    """Refusals in our own words."""
+    """Each refusal is an error of our own."""
     bare = DislocationNetwork.of_lines(LINES, surface="abc")
     with pytest.raises(NetworkError, match="node 'a': expected a position, got none"):
         bare.burgers(Loop.circle([0, 0, 0], 1))
@@ -73,7 +73,7 @@ def test_a_circuit_needs_positions_and_a_loop():
 
 
 def test_changes_keep_images_and_box():
-    """A line turned round, split or zipped links as before."""
+    """A reversed, split or zipped line links the loop as before."""
     box = Box.of_bounds([0, 0, 0], [4, 4, 4])
     corners = [[1, 1, 2], [3, 1, 2], [3, 3, 2], [1, 3, 2]]
     sides = [[0, 1], [1, 2], [2, 3], [3, 0]]
@@ -90,7 +90,7 @@ def test_changes_keep_images_and_box():
 
 
 def test_images_are_all_given_or_none():
-    """An edge without image among others is named; without a box there are none."""
+    """An edge without an image among others is refused, and so are images without a box."""
     graph = nx.MultiDiGraph()
     for node, place in enumerate([(0, 0, 0), (1, 0, 0)]):
         graph.add_node(node, position=place)
@@ -105,7 +105,7 @@ def test_images_are_all_given_or_none():
 
 
 def test_a_network_without_lines():
-    """Nodes alone: nothing is missing, nothing is linked."""
+    """A network with only a node has no violations, families or density, and no circuits."""
     empty = DislocationNetwork.of_arrays(
         LineArrays([[0, 0, 0]], np.zeros((0, 2), int), np.zeros((0, 3)), BOX)
     )

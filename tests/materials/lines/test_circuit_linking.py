@@ -1,6 +1,6 @@
 """Linking: crossings with spanning surfaces against closed forms, Gauss's integral and periods."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# The tests read optional values.
 # pyright: reportOptionalMemberAccess=false
 
 from itertools import islice
@@ -22,7 +22,7 @@ VECTORS = [(0.0, 0.0, 1.0), (0.5, -0.25, 0.0), (1.0, 2.0, -3.0)]
 
 
 def linked(lines: LineArrays, loop: Loop) -> np.ndarray:
-    """b round a loop from the first surface, which the second has to repeat."""
+    """b around a loop from the first surface; the second surface must agree."""
     one, two = (
         sum((x.count * lines.burgers[x.line] for x in found), np.zeros(3))
         for found in islice(crossings(lines, loop), 2)
@@ -58,7 +58,7 @@ def gauss(one: np.ndarray, two: np.ndarray) -> float:
     ids=lambda loop: loop.name,
 )
 def test_straight_lines_as_the_loop_integral_has_them(loop):
-    """Signs and sizes are those of the closed integral of e in the frame of the same lines."""
+    """b agrees with the closed integral of e in the coframe of the same lines."""
     frame = parallel_dislocations(PLACES, VECTORS)
     wanted = burgers_vector(frame, loop, 1e-9).vector
     assert linked(straight(PLACES, VECTORS), loop) == pytest.approx(wanted, abs=1e-7)
@@ -75,7 +75,7 @@ def test_a_right_handed_circuit_has_plus_b():
 
 
 def test_random_polygons_as_gauss_has_them():
-    """Closed polygons in space without a box: the linking number of Gauss's integral."""
+    """Closed polygons in space without a box have the linking number of Gauss's integral."""
     rng = np.random.default_rng(11)
     seen = set()
     for _ in range(40):
@@ -91,7 +91,7 @@ def test_random_polygons_as_gauss_has_them():
 
 
 def test_images_count_as_lines_of_their_own():
-    """A loop larger than the box links with images; the same lines copied by hand agree."""
+    """A loop larger than the box links images; the same lines copied by hand agree."""
     lines = rings(4, seed=5)
     shifts = 10.0 * np.array(
         [[i, j, k] for i in (-1, 0, 1) for j in (-1, 0, 1) for k in (-1, 0, 1)]
@@ -115,7 +115,7 @@ def test_images_count_as_lines_of_their_own():
 
 
 def face(lines: LineArrays, corner: list[float], axis: int) -> tuple[np.ndarray, np.ndarray]:
-    """b round a face of the box by linking, and by what all steps bring through it."""
+    """b around a face of the box by linking, and from the steps of all lines through it."""
     vectors = np.asarray(lines.box.vectors)
     one, two = vectors[(axis + 1) % 3], vectors[(axis + 2) % 3]
     loop = Loop.plaquette(corner, (1, 1), (one, two))
@@ -124,10 +124,10 @@ def face(lines: LineArrays, corner: list[float], axis: int) -> tuple[np.ndarray,
 
 
 def test_a_face_of_the_box_is_pierced_as_often_as_lines_wind_round_it():
-    """Nets that thread a skew box: b round a face is the sum of steps over the period."""
+    """For nets across a skew box, b around a face is the sum of all steps over the period."""
     rng = np.random.default_rng(4)
     box = Box([[6, 0, 0], [1, 5, 0], [0.5, -1, 7]])
-    # Closed walks of six nodes that end some periods from where they begin.
+    # Closed walks of six nodes that end some periods away from their start.
     pairs, images, vectors = [], [], []
     for k in range(8):
         nodes = 6 * k + np.arange(6)
@@ -155,7 +155,7 @@ def test_the_faces_of_the_real_network():
 
 @pytest.mark.parametrize("gap", [10.0**-k for k in range(1, 12)])
 def test_however_near_a_line_comes(gap):
-    """Inside and outside of a circle whose arc passes a line at a billionth of its radius."""
+    """Lines just inside and just outside a circle, down to 1e-11 of its radius."""
     for where, wanted in ((1 - gap, 1.0), (1 + gap, 0.0)):
         angle = 0.7
         lines = straight([(where * np.cos(angle), where * np.sin(angle))], [(0.0, 0.0, 1.0)])
@@ -163,7 +163,7 @@ def test_however_near_a_line_comes(gap):
 
 
 def test_symmetry_puts_no_node_into_the_surface():
-    """Nodes in the plane of the loop, lines in it, and a line through its centre."""
+    """Nodes in the plane of the loop, lines in it, and a line through its centre are exact."""
     square = [[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]]
     ring = [[0, 1], [1, 2], [2, 3], [3, 0]]
     lines = LineArrays(square, ring, [[0, 0, 1]] * 4)
@@ -176,7 +176,7 @@ def test_symmetry_puts_no_node_into_the_surface():
 
 
 def test_a_tiny_loop_far_from_the_origin():
-    """The centre is taken off first: nothing is lost at 1e-6 of a coordinate of a million."""
+    """The centre is subtracted first, so a loop of radius 1e-6 at coordinates of 1e6 is exact."""
     place = (1e6 + 0.5, 2e6)
     line = LineArrays([[*place, -3], [*place, 3]], [[0, 1]], [[0, 0, 1.0]])
     assert linked(line, Loop.circle([*place, 0], 1e-6))[2] == 1
@@ -184,7 +184,7 @@ def test_a_tiny_loop_far_from_the_origin():
 
 
 def test_what_has_no_answer_is_refused():
-    """Through a line, at a node, in two dimensions, modulo periods, with symbols."""
+    """Loops through a line or node, in two dimensions, with periods or symbols are refused."""
     lines = straight([(1, 0)], [(0.0, 0.0, 1.0)])
     for loop in (Loop.circle([0, 0, 1], 1), Loop.polygon([[1, -1, 1], [1, 1, 1], [0, 0, 1]])):
         with pytest.raises(SingularPointError, match=r"meets the line .* near \(1, .*Lead it past"):

@@ -1,6 +1,6 @@
-"""Crystal Analysis files: what OVITO wrote is read; damage is named by its line."""
+"""Crystal Analysis files: files of OVITO are read; damage is named by its line."""
 
-# Networks take any names of nodes; checkers know no mapping with just some of them.
+# Networks accept any node names; type checkers cannot express a mapping with some of them.
 # pyright: reportArgumentType=false, reportCallIssue=false
 
 from pathlib import Path
@@ -17,7 +17,7 @@ FILE = Path(__file__).parents[2] / "data" / "partials.ca"
 
 
 def test_a_file_of_ovito():
-    """Its own lengths and Burgers vectors in space; the sum is that of the perfect dislocation."""
+    """Lengths and b in space agree with OVITO; the sum of b is the perfect dislocation's."""
     net = DislocationNetwork.read(FILE)
     one, two = net.polylines
     assert [one.ends, two.ends] == ["periodic", "periodic"]
@@ -31,7 +31,7 @@ def test_a_file_of_ovito():
 
 
 def test_units_of_the_lattice_and_families(tmp_path: Path):
-    """b in units of the lattice stands in the file, with the matrix that leads back to space."""
+    """The file stores b in lattice units, with the matrix that maps it to space."""
     matrix = 3.615 * np.linalg.qr(np.arange(9.0).reshape(3, 3) ** 2 + np.eye(3))[0]
     box = Box.of_bounds([0, 0, 0], [9, 9, 9])
     b = matrix @ [0.5, -0.5, 0]
@@ -47,7 +47,7 @@ def test_units_of_the_lattice_and_families(tmp_path: Path):
 
 
 def test_three_lines_at_a_node_and_an_end_at_a_surface(tmp_path: Path):
-    """A ring of three ends is a junction, one of itself alone an end at a surface."""
+    """A ring of three ends is a junction; a ring with only one end is an end at a surface."""
     places = {"j": (2, 2, 2), "a": (1, 1, 1), "b": (3, 1, 1), "c": (2, 3, 3)}
     lines = [("a", "j", (1, 0, 0)), ("b", "j", (0, 1, 0)), ("j", "c", (1, 1, 0))]
     graph = DislocationNetwork.of_lines(lines, surface="abc", positions=places).to_networkx()
@@ -84,7 +84,7 @@ def test_three_lines_at_a_node_and_an_end_at_a_surface(tmp_path: Path):
     ],
 )  # fmt: skip
 def test_damage_is_named(tmp_path: Path, old: str, new: str, message: str):
-    """An error of our own that names the file and, where there is one, the line."""
+    """The error is our own and names the file, and the line if there is one."""
     text = FILE.read_text()
     assert old in text
     (tmp_path / "a.ca").write_text(text.replace(old, new, 1))
@@ -93,7 +93,7 @@ def test_damage_is_named(tmp_path: Path, old: str, new: str, message: str):
 
 
 def test_a_matrix_or_a_lattice_that_is_none():
-    """Singular, or of a name that OVITO does not know."""
+    """A singular matrix and a lattice that OVITO lacks are refused."""
     with pytest.raises(NetworkError, match="in one plane"):
         Cluster("fcc", np.ones((3, 3)))
     with pytest.raises(NetworkError, match="lattice: expected one of"):
@@ -101,8 +101,8 @@ def test_a_matrix_or_a_lattice_that_is_none():
 
 
 def test_clusters_have_their_own_axes(tmp_path: Path):
-    """Two lines in two grains: b of each in the units of its grain, back in space to the last
-    digits; the transition takes the one description of a vector to the other."""
+    """Two lines in two grains: b is stored in the units of its grain and read back in space to the
+    last digits; the transition maps the components of a vector from one grain to the other."""
     turn = np.array([[0.8, -0.6, 0], [0.6, 0.8, 0], [0, 0, 1]])
     matrices = [3.6 * np.eye(3), 2.9 * turn]
     b = [matrices[0] @ [0.5, -0.5, 0], matrices[1] @ [0.5, 0.5, -0.5]]
@@ -131,7 +131,7 @@ def test_clusters_have_their_own_axes(tmp_path: Path):
 
 
 def test_grains_keep_their_numbers(tmp_path: Path):
-    """Those of a file with several clusters, and what is known of these, come back as written."""
+    """Grain numbers and clusters of a file with several clusters read back unchanged."""
     turn = np.array([[0.8, -0.6, 0], [0.6, 0.8, 0], [0, 0, 1]])
     clusters = {0: Cluster("fcc", 3.6 * np.eye(3), 70), 2: Cluster("bcc", 2.9 * turn, 50)}
     box = Box.of_bounds([0, 0, 0], [9, 9, 9])
@@ -169,7 +169,7 @@ def test_one_cluster_is_no_grain_but_keeps_its_lattice(tmp_path: Path):
 
 
 def test_a_transition_to_no_cluster_is_refused(tmp_path: Path):
-    """It is told with its line."""
+    """The error names the line."""
     box = Box.of_bounds([0, 0, 0], [9, 9, 9])
     clusters = {0: Cluster("fcc"), 1: Cluster("fcc")}
     lines = LineArrays(

@@ -20,7 +20,7 @@ def star() -> DislocationNetwork:
 
 
 def test_node_rule_counts_in_and_out(star):
-    """Balanced inside; surface nodes are free; an unbalanced node is shown with its excess."""
+    """Inner nodes balance, surface nodes are free, and an unbalanced node shows its excess."""
     assert star.node_rule() == ()
     assert star.checked() is star
     assert star.junctions == ("j",)
@@ -47,7 +47,7 @@ def test_exact_and_floating_vectors():
 
 
 def test_sense_and_burgers_vector_turn_together(star):
-    """Reversing a line turns b round; the rule does not notice."""
+    """A reversed line has the opposite b, and the node rule still holds."""
     turned = star.reversed(("a", "j", 0))
     assert ("j", "a", 0, (-1, 0, 0)) in turned.lines
     assert turned.node_rule() == ()
@@ -55,7 +55,7 @@ def test_sense_and_burgers_vector_turn_together(star):
 
 
 def test_lines_split_and_zip(star):
-    """Dissociation between the same nodes; two lines that join as far as a new junction."""
+    """A line dissociates between its nodes; two lines join up to a new junction."""
     split = star.split(("j", "c", 0), [(1, 0, 0), (0, 1, 0)])
     assert split.node_rule() == ()
     assert len(split.lines) == 4
@@ -78,7 +78,7 @@ def test_lines_split_and_zip(star):
 
 
 def test_reactions_conserve_b_and_follow_frank():
-    """The textbook split of an fcc dislocation; a sum that fails; a reaction uphill."""
+    """The textbook split of an fcc dislocation, a sum that fails, and an unfavourable reaction."""
     split = Reaction([PERFECT], SHOCKLEY)
     assert split.energy_change == F(-1, 6)
     assert split.is_favourable
@@ -96,7 +96,7 @@ def test_reactions_conserve_b_and_follow_frank():
 
 
 def test_bad_networks_are_refused():
-    """Wrong kind of graph, missing, zero, unequal or wrong vectors."""
+    """A wrong kind of graph, and missing, zero, unequal or wrong vectors are refused."""
     with pytest.raises(NetworkError, match="MultiDiGraph"):
         DislocationNetwork(nx.Graph())  # type: ignore[arg-type]
     graph = nx.MultiDiGraph()
@@ -120,7 +120,7 @@ def test_bad_networks_are_refused():
 
 
 def test_the_network_keeps_its_own_graph():
-    """Changing the graph that was handed in, or the one inside, changes no network."""
+    """A later change of the given graph changes no network, and the inner graph is frozen."""
     graph = nx.MultiDiGraph()
     graph.add_edge(0, 1, burgers=(1, 0))
     net = DislocationNetwork(graph)

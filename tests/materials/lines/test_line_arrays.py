@@ -1,6 +1,6 @@
-"""Lines as arrays: images, lengths, character, sums at nodes, and what is refused."""
+"""Lines as arrays: images, lengths, character, sums at nodes, and refused arrays."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# The tests pass what users pass, including wrong types, and read optional values.
 # pyright: reportArgumentType=false
 
 import numpy as np
@@ -33,7 +33,7 @@ def test_rings_have_their_length_and_close():
 
 
 def test_the_excess_is_what_leaves_less_what_arrives():
-    """One line: all of b is too much at its start, and missing at its end."""
+    """A single line has an excess of b at its start and of -b at its end."""
     lines = LineArrays([[0, 0, 0], [1, 0, 0]], [[0, 1]], [[0.0, 1, 2]])
     assert lines.excess.tolist() == [[0, 1, 2], [0, -1, -2]]
 

@@ -19,7 +19,7 @@ def bowed(image=(0, 0, 0)):
 
 
 def test_a_line_knows_its_path():
-    """Length, kind and area are those of the points along it."""
+    """Length, kind and area follow from the points along the line."""
     (line,) = bowed().lines
     assert (line.kind, line.is_closed, line.length, line.family) == ("closed", True, 8, "<1 0 0>")
     assert line.area.tolist() == [0, 0, 4]
@@ -29,7 +29,7 @@ def test_a_line_knows_its_path():
 
 
 def test_pieces_have_the_same_sums():
-    """Density, Nye tensor and circuits see the path, not the straight line."""
+    """Density, Nye tensor and circuits use the path, not the straight line."""
     net = bowed()
     assert net.density == 8 / 64
     assert net.arrays.lengths.tolist() == [2, 2, 2, 2]
@@ -40,7 +40,7 @@ def test_pieces_have_the_same_sums():
 
 
 def test_lines_without_positions_say_so():
-    """Kinds are known without places, lengths are not."""
+    """Kinds are available without positions, lengths are not."""
     net = DislocationNetwork.of_lines([("a", "b", (1, 0))], surface="a")
     assert net.lines[0].kind == "surface"
     with pytest.raises(NetworkError, match="expected positions of its nodes, got none"):

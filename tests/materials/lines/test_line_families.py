@@ -1,6 +1,6 @@
 """Families of Burgers vectors, and whole multiples of lattice vectors."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# The tests pass what users pass, including wrong types, and read optional values.
 # pyright: reportOperatorIssue=false
 
 from itertools import permutations, product
@@ -23,7 +23,7 @@ def network(vectors, steps) -> DislocationNetwork:
 
 
 def test_the_twelve_vectors_of_fcc_are_one_family():
-    """All <110>, signs and orders; <100> and <112> stand apart; without symmetry six pairs."""
+    """All <110> are one family, <100> and <112> others; without symmetry <110> has six pairs."""
     glide = {
         tuple(s * x for s, x in zip(signs, row, strict=True))
         for row in permutations((1.0, 1.0, 0.0)) for signs in product((1, -1), repeat=3)
@@ -38,7 +38,7 @@ def test_the_twelve_vectors_of_fcc_are_one_family():
 
 
 def test_densities_add_up_and_characters_are_known():
-    """Length over volume; screw along, edge across, and a half of each at 45 degrees."""
+    """Densities are length over volume; a line at 45 degrees to b is half screw, half edge."""
     net = network([[1, 0, 0], [0, 1, 0], [2, 0, 0]], [[2, 0, 0], [3, 0, 0], [1, 1, 0]])
     long, short = net.families()
     assert (long.name, long.lines, long.length) == ("1 <1 0 0>", 2, 5)
@@ -49,14 +49,14 @@ def test_densities_add_up_and_characters_are_known():
 
 
 def test_the_mean_nye_tensor_of_one_line():
-    """b on the first index, the line on the second."""
+    """The first index is b, the second the line."""
     net = network([[1, 2, 3]], [[0, 0, 4]])
     assert net.nye.tolist() == pytest.approx(np.outer([1, 2, 3], [0, 0, 0.004]))
 
 
 @pytest.mark.parametrize("name", list(LATTICES))
 def test_whole_multiples_of_lattice_vectors(name):
-    """Random lattice vectors come back; shortest ones have length one."""
+    """Random lattice vectors read back; the shortest vectors have length one."""
     assert np.linalg.norm(LATTICES[name], axis=1).min() == pytest.approx(1)
     wanted = np.random.default_rng(3).integers(-4, 5, (40, 3))
     found = lattice_coordinates(wanted @ LATTICES[name], name, 1e-9)
@@ -64,7 +64,7 @@ def test_whole_multiples_of_lattice_vectors(name):
 
 
 def test_what_is_no_lattice_vector_is_refused():
-    """A partial, a flat lattice, a name that is none, a symmetry that is none."""
+    """A partial, a flat lattice, an unknown lattice and unknown or wrong symmetries fail."""
     with pytest.raises(NetworkError, match=r"nearest to b = .* away.*units of b"):
         lattice_coordinates(np.array([[0.5, 0.5, 0]]), "sc", 1e-9)
     with pytest.raises(NetworkError, match="lattice: expected independent vectors"):
@@ -78,7 +78,7 @@ def test_what_is_no_lattice_vector_is_refused():
 
 
 def test_families_of_bcc():
-    """All <111>/2 and all <100>, in units of the shortest, with a density each."""
+    """All <111>/2 and all <100>, in units of the shortest, each with its density."""
     glide = np.array(list(product((1, -1), repeat=3))) / np.sqrt(3)
     cubes = np.concatenate([np.eye(3), -np.eye(3)]) * 2 / np.sqrt(3)
     net = network(np.concatenate([glide, cubes]), [[0, 0, 2]] * 14)
@@ -90,7 +90,7 @@ def test_families_of_bcc():
 
 
 def test_families_of_hcp():
-    """<a>, <c> and <c + a> stand apart; a cubic symmetry would mix and split them."""
+    """<a>, <c> and <c + a> are three families; a cubic symmetry would mix and split them."""
     turns = np.radians(60 * np.arange(6))
     a = np.stack([np.cos(turns), np.sin(turns), 0 * turns], axis=1)
     c = np.array([[0, 0, 1.59], [0, 0, -1.59]])
@@ -104,7 +104,7 @@ def test_families_of_hcp():
     assert longest[12].burgers == pytest.approx((1, 0, 1.59))
     assert longest[6].name == "1 <1 0 0>"
     assert len(net.families()) > 3
-    # The same by matrices: a turn by 60 degrees, its powers, and mirrors.
+    # The same group as matrices: a rotation by 60 degrees, its powers, and mirrors.
     turn = np.array([[0.5, -np.sqrt(0.75), 0], [np.sqrt(0.75), 0.5, 0], [0, 0, 1]])
     matrices = [np.linalg.matrix_power(turn, k) for k in range(6)]
     matrices += [m @ np.diag([1, -1, 1]) for m in matrices]

@@ -1,6 +1,6 @@
 """Line files: networks in other formats read back, and other programs read them."""
 
-# Tests give what users give, wrong things included.
+# The tests pass what users pass, including wrong types.
 # pyright: reportArgumentType=false, reportOptionalMemberAccess=false
 
 from fractions import Fraction
@@ -41,7 +41,7 @@ NETWORKS = {
 
 
 def told(net: DislocationNetwork) -> list[tuple[object, ...]]:
-    """What any description of a network says alike: b, length, ends and Nye tensor of each line."""
+    """Properties that do not depend on the format: b, length and ends of each line."""
     return sorted(
         (tuple(round(float(x), 9) for x in one.burgers), round(one.length, 9), one.ends)
         for one in net.polylines
@@ -51,7 +51,7 @@ def told(net: DislocationNetwork) -> list[tuple[object, ...]]:
 @pytest.mark.parametrize("kind", [".json", ".ca"])
 @pytest.mark.parametrize("name", NETWORKS)
 def test_what_is_written_reads_back(tmp_path: Path, name: str, kind: str) -> None:
-    """The same lines, junctions, box and Nye tensor."""
+    """Lines, junctions, box and Nye tensor are the same."""
     net = NETWORKS[name]()
     net.save(tmp_path / f"a{kind}")
     back = DislocationNetwork.read(tmp_path / f"a{kind}")
@@ -65,7 +65,7 @@ def test_what_is_written_reads_back(tmp_path: Path, name: str, kind: str) -> Non
 
 @pytest.mark.parametrize("name", NETWORKS)
 def test_json_keeps_every_bit(tmp_path: Path, name: str) -> None:
-    """Exact fractions, names of nodes, images; twice the same bytes."""
+    """Fractions, node names and images are exact, and saving twice gives the same bytes."""
     net = NETWORKS[name]()
     net.save(tmp_path / "a.json")
     back = DislocationNetwork.read(tmp_path / "a.json")
@@ -80,7 +80,7 @@ def test_json_keeps_every_bit(tmp_path: Path, name: str) -> None:
 
 @pytest.mark.parametrize("name", ["junctions", "rings", "straight"])
 def test_meshio_reads_the_vtk_file(tmp_path: Path, name: str) -> None:
-    """Another program finds the lengths of all lines, and their b."""
+    """meshio finds the points, lengths and b of all lines."""
     meshio = pytest.importorskip("meshio")
     net = NETWORKS[name]()
     net.save(tmp_path / "a.vtk")
@@ -97,7 +97,7 @@ def test_meshio_reads_the_vtk_file(tmp_path: Path, name: str) -> None:
 
 
 def test_names_decide_and_others_are_paradis(tmp_path: Path) -> None:
-    """The end of the name in any case; a VTK file, which has no box, is not read."""
+    """The suffix, in any case, selects the format; a VTK file, which has no box, is refused."""
     net = NETWORKS["rings"]()
     net.save(tmp_path / "a.JSON")
     assert (tmp_path / "a.JSON").read_text().startswith("{")
@@ -111,7 +111,7 @@ def test_names_decide_and_others_are_paradis(tmp_path: Path) -> None:
 
 
 def test_what_a_file_cannot_hold_is_refused(tmp_path: Path) -> None:
-    """No box for .ca, two components for .vtk, an irrational exact b or an odd name for .json."""
+    """A .ca file needs a box, .vtk three components, and .json rational b and plain node names."""
     import sympy as sp
 
     places = {"a": (0, 0, 0), "b": (1, 0, 0)}
@@ -143,7 +143,7 @@ def test_what_a_file_cannot_hold_is_refused(tmp_path: Path) -> None:
     ],
 )
 def test_damage_is_named(tmp_path: Path, old: str, new: str, message: str) -> None:
-    """An error of our own that names the file, whatever was done to it."""
+    """Each kind of damage raises our own error with the file's name."""
     path = tmp_path / "a.json"
     junctions().save(path)
     text = path.read_text()

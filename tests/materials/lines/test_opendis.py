@@ -1,6 +1,6 @@
-"""OpenDiS arrays: there and back, and what is refused."""
+"""OpenDiS arrays: round trips and refusals."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# The tests pass what users pass, including wrong types, and read optional values.
 # pyright: reportArgumentType=false, reportAttributeAccessIssue=false, reportOptionalMemberAccess=false
 
 import numpy as np
@@ -11,7 +11,7 @@ from geomtorsion.loops import Loop
 from geomtorsion.materials.lines import DislocationNetwork
 from tests.materials.lines.synthetic_networks import rings
 
-# A binary junction as ExaDiS exports it, pinned ends, no periods; columns of h are the edges.
+# A binary junction as ExaDiS exports it, pinned ends, not periodic; columns of h are the edges.
 JUNCTION = {
     "cell": {"h": 8 * np.eye(3), "origin": np.zeros(3), "is_periodic": [0, 0, 0]},
     "nodes": {
@@ -28,7 +28,7 @@ JUNCTION = {
 
 
 def test_a_junction_there_and_back():
-    """Tags are the names; every array comes back as it was."""
+    """Tags are the node names; cell, nodes and lines come back unchanged."""
     net = DislocationNetwork.of_opendis(JUNCTION)
     assert net.excess((0, 9)) == (0, 0, 0)
     assert [one.constraint for one in net.node_rule()] == [7] * 4
@@ -52,7 +52,7 @@ def test_a_skew_cell_has_its_edges_as_columns():
 
 
 def test_rings_keep_their_images():
-    """A periodic network comes back with the same lines and lengths."""
+    """A periodic network comes back with the same lengths and images."""
     lines = rings(9, seed=2)
     back = DislocationNetwork.of_opendis(DislocationNetwork.of_arrays(lines).opendis()).arrays
     assert np.array_equal(back.lengths, lines.lengths)
@@ -76,13 +76,13 @@ def test_rings_keep_their_images():
     ],
 )
 def test_bad_tables_are_refused(table, change, message):
-    """Missing or misshapen arrays."""
+    """Missing or misshapen arrays are refused."""
     with pytest.raises(NetworkError, match=message):
         DislocationNetwork.of_opendis({**JUNCTION, table: {**JUNCTION[table], **change}})
 
 
 def test_no_tables_no_network():
-    """What is no mapping, or lacks a table."""
+    """A list and mappings with missing tables are refused."""
     for data in ([], {"cell": 1}, {"nodes": {}}):
         with pytest.raises(NetworkError, match="expected .*, got a table without"):
             DislocationNetwork.of_opendis(data)

@@ -1,6 +1,6 @@
-"""ParaDiS files: what is written reads back; the real network; damage is named by its line."""
+"""ParaDiS files: round trips, a simulated network, and damage named by its line."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# The tests pass what users pass, including wrong types, and read optional values.
 # pyright: reportArgumentType=false, reportCallIssue=false, reportOptionalMemberAccess=false
 
 from pathlib import Path
@@ -30,7 +30,7 @@ def small(tmp_path):
 
 
 def test_a_file_by_hand(small):
-    """Nodes, lines once each with the b of their first node, constraints, planes, box."""
+    """Nodes, lines (each once, with b of its first node), constraints, planes and box are read."""
     net = small()
     assert net.lines == (
         ((0, 0), (0, 1), 0, (0.0, 0.0, 1.0)), ((0, 0), (0, 7), 0, (0.0, 0.0, -1.0)),
@@ -45,7 +45,7 @@ def test_a_file_by_hand(small):
 
 
 def test_pinned_and_surface_nodes(small):
-    """A line that ends at a pinned node is a violation that says so; at a surface it may end."""
+    """A line may end at a surface node; an end at a pinned node is a violation marked as pinned."""
     one = SMALL.replace("nodeCount = 3", "nodeCount = 2").split(" 0,0 -1")[0]
     ends = " 0,0 -1 0 0 1 7\n 0,1 0 0 1 0 0 1\n 0,1 1 0 0 1 8\n 0,0 0 0 -1 0 0 1\n"
     (violation,) = small(one + ends).node_rule()
@@ -54,7 +54,7 @@ def test_pinned_and_surface_nodes(small):
 
 
 def test_what_is_written_reads_back_to_the_last_digit(tmp_path):
-    """Positions, lines, Burgers vectors, images, constraints and box; twice the same bytes."""
+    """Positions, lines, b, images, constraints and box; saving twice gives the same bytes."""
     lines = rings(15, seed=3, size=7.3)
     net = DislocationNetwork.of_arrays(lines)
     net.save(tmp_path / "a.data")
@@ -68,7 +68,7 @@ def test_what_is_written_reads_back_to_the_last_digit(tmp_path):
 
 
 def described(lines: LineArrays) -> set[tuple[float, ...]]:
-    """Every line from its lower node to its higher: nodes, b and image."""
+    """Each line from its lower node to its higher: nodes, b and image."""
     rows = zip(lines.pairs.tolist(), lines.burgers.tolist(), lines.image_list, strict=True)
     return {
         (a, b, *vector, *image) if a < b else (b, a, *(-x for x in vector), *(-x for x in image))
@@ -77,7 +77,7 @@ def described(lines: LineArrays) -> set[tuple[float, ...]]:
 
 
 def test_what_such_a_file_cannot_hold_is_refused(tmp_path):
-    """No box, a skew one, a line of more than half a period, two components."""
+    """No box, a skew box, a line longer than half a period, and two components are refused."""
     box = Box.of_bounds([0, 0, 0], [4, 4, 4])
     places, pair = [[0, 0, 0], [3, 0, 0]], [[0, 1]]
     for lines, message in (
@@ -139,7 +139,7 @@ def test_the_real_network(tmp_path):
     ],
 )
 def test_damage_is_named_by_its_line(small, old, new, later, message):
-    """File, line, the expected and the given value."""
+    """The error names file, line, and the expected and given value."""
     line = SMALL[: SMALL.index(old)].count("\n") + 1 + later
     with pytest.raises(FileFormatError, match=rf"small.data: line {line}: .*({message})"):
         small(SMALL.replace(old, new, 1))
@@ -156,7 +156,7 @@ def test_damage_is_named_by_its_line(small, old, new, later, message):
     ],
 )
 def test_a_damaged_head_is_named(small, old, new, message):
-    """Keys that are missing, turned round or cut."""
+    """Missing, wrong or truncated keys are refused."""
     with pytest.raises(FileFormatError, match=rf"small.data: .*({message})"):
         small(SMALL.replace(old, new, 1))
 
@@ -172,7 +172,7 @@ def arms_in_one_line(text: str) -> str:
 
 
 def test_usual_and_odd_files_read_alike(tmp_path, small):
-    """What is read all at once is what is read line by line, to the last bit."""
+    """Files read as a whole and files read line by line give equal bits."""
     DislocationNetwork.of_arrays(rings(30, seed=5)).save(tmp_path / "usual.data")
     text = (tmp_path / "usual.data").read_text()
     odd = arms_in_one_line(text)
@@ -184,7 +184,7 @@ def test_usual_and_odd_files_read_alike(tmp_path, small):
 
 
 def test_two_lines_between_the_same_nodes(tmp_path):
-    """They cannot be told by their ends alone."""
+    """Their end nodes do not distinguish the two lines, but both b are kept."""
     box = Box.of_bounds([0, 0, 0], [4, 4, 4])
     vectors = [[1, 0, 0], [0, 1, 0]]
     lines = LineArrays([[1, 1, 1], [2, 1, 1]], [[0, 1], [0, 1]], vectors, box)
@@ -203,7 +203,7 @@ def test_two_lines_between_the_same_nodes(tmp_path):
     ],
 )
 def test_numbers_are_read_strictly(tmp_path, small, old, new, said):
-    """Also where all else is usual."""
+    """Numbers are read strictly, also in otherwise usual files."""
     box = Box.of_bounds([0, 0, 0], [4, 4, 4])
     corners = [[1, 1, 2], [3, 1, 2], [3, 3, 2]]
     lines = LineArrays(corners, [[0, 1], [1, 2], [2, 0]], [[0, 0, 1]] * 3, box)
@@ -218,7 +218,7 @@ def test_numbers_are_read_strictly(tmp_path, small, old, new, said):
 
 
 def test_a_network_without_nodes(tmp_path: Path):
-    """What simulations write before the first line nucleates: an empty network, not an error."""
+    """A simulation before the first line nucleates writes an empty network, which is accepted."""
     head, _, _ = SMALL.partition("nodeCount")
     path = tmp_path / "empty.data"
     path.write_text(f"{head}nodeCount = 0\nnodalData =\n")
@@ -236,6 +236,6 @@ def test_a_network_without_nodes(tmp_path: Path):
 
 
 def test_a_packed_name_is_not_written(small, tmp_path: Path):
-    """Plain text under a packed name could be read by nobody."""
+    """Plain text under the name of a packed file would be unreadable."""
     with pytest.raises(NetworkError, match=r"expected the name of a plain file"):
         small().save(tmp_path / "lines.data.gz")

@@ -1,6 +1,6 @@
-"""Polylines: lines between junctions, put together from pieces of either sense."""
+"""Polylines: lines between junctions, joined from pieces of either sense."""
 
-# Networks take any names of nodes; checkers know no mapping with just some of them.
+# Networks accept any node names; type checkers cannot express a mapping with some of them.
 # pyright: reportArgumentType=false
 
 import numpy as np
@@ -11,7 +11,7 @@ from tests.materials.lines.synthetic_networks import rings, straight
 
 
 def test_rings_are_closed_lines():
-    """Each polygon is one closed line of its own perimeter, also across faces of the box."""
+    """Each polygon is one closed line with its own perimeter, also across faces of the box."""
     lines = rings(15, seed=3, size=7.3)
     curves = DislocationNetwork.of_arrays(lines).polylines
     assert len(curves) == 15
@@ -23,7 +23,7 @@ def test_rings_are_closed_lines():
 
 
 def test_straight_lines_are_periodic():
-    """A line through the box ends in another image, one period on; its character is told."""
+    """A line through the box ends one period further, and its character is reported."""
     net = DislocationNetwork.of_arrays(straight([(0, 0), (9, 3)], [[0, 0, 1], [1, 0, 0]]))
     screw, edge = net.polylines
     assert [one.ends for one in (screw, edge)] == ["periodic", "periodic"]
@@ -34,7 +34,7 @@ def test_straight_lines_are_periodic():
 
 
 def test_pieces_of_either_sense_are_one_line():
-    """Turning pieces round changes nothing but the description."""
+    """Reversed pieces give the same lines."""
     lines = rings(5, seed=8)
     net = DislocationNetwork.of_arrays(lines)
     turned = net
@@ -46,7 +46,7 @@ def test_pieces_of_either_sense_are_one_line():
 
 
 def test_a_line_to_itself_in_the_next_image():
-    """One node and one piece: it does not cancel with its image."""
+    """One node and one piece: the line does not cancel with its image."""
     box = Box.of_bounds([0, 0, 0], [4, 4, 4])
     net = DislocationNetwork.of_arrays(
         LineArrays([[1, 1, 1]], [[0, 0]], [[0, 0, 1]], box, [[0, 0, 1]])
@@ -63,7 +63,7 @@ def test_lines_end_at_junctions_surfaces_and_where_b_changes():
         ("a", "b", (1, 0, 0)), ("d", "b", (0, 1, 0)), ("b", "c", (1, 1, 0)), ("c", "e", (1, 0, 0)),
     ]  # fmt: skip
     net = DislocationNetwork.of_lines(lines, surface="ad", positions=places)
-    # What follows a node that does not conserve b is another line.
+    # A new line starts at a node that does not conserve b.
     assert [one.ends for one in net.polylines] == [
         "surface, junction", "junction", "surface, junction", "junction, nothing",
     ]  # fmt: skip

@@ -1,4 +1,4 @@
-"""Line table: what print shows of a network."""
+"""Line table: the printed form of a network."""
 
 import networkx as nx
 
@@ -7,7 +7,7 @@ from tests.materials.lines.synthetic_networks import rings
 
 
 def test_a_row_for_each_line_up_to_a_screen():
-    """Counts above, columns in line, and how many are not shown."""
+    """The first row has counts, columns are aligned, and the last row counts omitted lines."""
     shown = str(DislocationNetwork.of_arrays(rings(43, seed=1)))
     rows = shown.splitlines()
     assert rows[0].startswith("43 dislocation lines, no junctions, length ")
@@ -18,7 +18,7 @@ def test_a_row_for_each_line_up_to_a_screen():
 
 
 def test_without_places_and_without_lines():
-    """Nodes and b alone; and a network of no lines says so."""
+    """Without positions the table has nodes and b; an empty network is one row."""
     net = DislocationNetwork.of_lines([("a", "b", (1, 0, 0))], surface="ab")
     assert str(net).splitlines()[-1] == "  a     b   (1, 0, 0)"
     assert (
@@ -27,7 +27,7 @@ def test_without_places_and_without_lines():
 
 
 def test_families_of_a_crystal_are_named_as_there():
-    """Lines that know their family keep its name; b in coordinates alone would not tell it."""
+    """Lines with a family keep its name, which b in coordinates does not determine."""
     graph = nx.MultiDiGraph()
     graph.add_node("a", position=(0, 0, 0), surface=True)
     graph.add_node("b", position=(0, 0, 2), surface=True)

@@ -1,4 +1,4 @@
-"""Synthetic: orientation maps with known answers."""
+"""Synthetic orientation maps with known answers."""
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -7,7 +7,7 @@ from geomtorsion.materials.maps import OrientationMap, Phase
 
 
 def euler(rotations: Rotation, shape: tuple[int, int]) -> np.ndarray:
-    """Bunge's angles in degrees of turns from crystal to specimen."""
+    """Bunge's angles in degrees of rotations from crystal to specimen."""
     with np.errstate(all="ignore"):
         return rotations.as_euler("ZXZ", degrees=True).reshape(*shape, 3)
 
@@ -40,7 +40,7 @@ def wall(degrees: float, shape: tuple[int, int], step: float, **more) -> Orienta
 
 
 def noisy_wall(degrees: float, shape: tuple[int, int], noise: float, seed: int) -> np.ndarray:
-    """Angles of a wall whose pixels are turned at random, about each axis by `noise` degrees."""
+    """Angles of a wall with random rotations of each pixel, `noise` degrees about each axis."""
     rng = np.random.default_rng(seed)
     sign = np.where(np.arange(shape[1]) < shape[1] // 2, -1.0, 1.0) * degrees / 2
     turns = np.zeros((*shape, 3))

@@ -1,4 +1,4 @@
-"""Circuits: boundaries of cells, ways through pixels, windings of polygons."""
+"""Circuits: boundaries of cells, paths through pixels, windings of polygons."""
 
 from typing import Any
 
@@ -42,13 +42,13 @@ def test_every_pixel_is_left_as_often_as_it_is_reached():
 
 @pytest.mark.parametrize("made", [list, tuple, np.array])
 def test_cells_as_truth_values_are_cells_once_round(made):
-    """In lists as in arrays."""
+    """Truth values work the same in lists, tuples and arrays."""
     rows = [[True, False], [True, True]]
     assert chain(Circuit.of_cells(made(rows))) == chain(Circuit.of_cells([[1, 0], [1, 1]]))
 
 
 def test_windings_are_those_of_the_loop():
-    """Against Loop.winding, point by point, for a curve that runs round some points twice."""
+    """Windings agree with Loop.winding at each point, for a curve that winds twice around some."""
     loop = Loop.spline([[1, 1], [5, 1], [5, 4], [2, 4], [2, 2], [4, 2], [4, 5], [1, 5]])
     xs, ys = np.arange(0.25, 6, 0.7), np.arange(0.3, 6, 0.6)
     corners = loop.points(4000)

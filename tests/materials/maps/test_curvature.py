@@ -14,7 +14,7 @@ BASE = quaternion_from_rotation_vector([0.3, -0.7, 0.4])
 
 
 def bent(kappa: np.ndarray, shift: float = 0.0, shape=(9, 11), noise: float = 0.0):
-    """A map that turns by kappa_ij x_j (small angles), from an orientation of its own."""
+    """A map that rotates by kappa_ij x_j (small angles), starting from a general orientation."""
     rows, columns = np.indices(shape)
     x = STEP * (columns + shift * (rows % 2)) - 2.0
     y = STEP * rows - 2.0
@@ -30,7 +30,7 @@ def bent(kappa: np.ndarray, shift: float = 0.0, shape=(9, 11), noise: float = 0.
 @pytest.mark.parametrize("shift", [0.0, 0.5, -0.5])
 @pytest.mark.parametrize("component", range(6))
 def test_a_bent_crystal(component: int, shift: float):
-    """Each component of the curvature is found everywhere, and the Nye tensor is its own."""
+    """Each component of the curvature is found at all inner pixels, with its Nye tensor."""
     kappa = np.zeros((3, 2))
     kappa.ravel()[component] = RATE
     made = bent(kappa, shift)
@@ -46,12 +46,12 @@ def test_a_bent_crystal(component: int, shift: float):
     density, floor = made.gnd_density(0.25e-3)
     assert density[4, 5] == pytest.approx(RATE / 0.25e-3, rel=1e-6)
     assert (floor[1:-1, 1:-1] == 0).all()
-    # On hexagonal grids corners have but one neighbour in the next row.
+    # On hexagonal grids a corner has only one neighbour in the next row.
     assert np.isfinite(density).all() or shift
 
 
 def test_the_density_of_a_known_bend():
-    """About y along x by 0.02 degrees per um, b = 0.25 nm: 1.396 per um^2, which a frame misses."""
+    """About y along x by 0.02 degrees per um, b = 0.25 nm: 1.396 per um^2, unseen by `frame`."""
     made = bent(np.array([[0, 0], [np.radians(0.02), 0], [0, 0]]))
     density, _ = made.gnd_density(0.25e-3)
     assert density == pytest.approx(np.full(density.shape, 1.396), abs=5e-4)
@@ -59,7 +59,7 @@ def test_the_density_of_a_known_bend():
 
 
 def test_the_nye_tensor_is_that_of_the_coframe():
-    """Lines across the map: curvature and the curl of the coframe agree, to first order."""
+    """For lines across the map, curvature and the curl of the coframe agree to first order."""
     kappa = 1e-3 * np.array([[1.0, -2.0], [0.5, 3.0], [4.0, -1.5]])
     made = bent(kappa)
     crystal = made.frame(0).nye[:, 0, 5, 4]
@@ -70,7 +70,7 @@ def test_the_nye_tensor_is_that_of_the_coframe():
 
 
 def test_noise_alone_reaches_its_floor():
-    """The root mean square of the density of a straight crystal is the floor that is told."""
+    """The root mean square of the density of a straight crystal is the reported floor."""
     made = bent(np.zeros((3, 2)), shape=(40, 50), noise=1e-3)
     density, floor = made.gnd_density(0.25e-3)
     inner = (slice(1, -1), slice(1, -1))
@@ -80,14 +80,14 @@ def test_noise_alone_reaches_its_floor():
 
 
 def test_walls_are_no_curvature():
-    """Neighbours across a wall do not count; a pixel without any has no density."""
+    """Neighbours across a wall do not count; a pixel without any neighbour has no density."""
     angles = np.zeros((5, 6, 3))
     angles[:, 3:, 0] = 20.0
     angles[2, 1] = np.nan
     made = OrientationMap.from_euler(angles, 1.0, "m-3m", sigma=0)
     density, _ = made.gnd_density(1e-3)
     known = np.isfinite(angles[..., 0])
-    # Beside the gap, these two have no neighbour along x: a surface and the wall.
+    # Beside the gap, these two pixels have no neighbour along x: a surface and the wall.
     known[2, [0, 2]] = False
     assert (density[known] == 0).all()
     assert np.isnan(density[~known]).all()
@@ -96,7 +96,7 @@ def test_walls_are_no_curvature():
 
 
 def test_real_maps():
-    """Grains print as one line; the wafer of silicon is hardly bent."""
+    """Grains print as one line; the silicon wafer is hardly bent."""
     made = OrientationMap.read(real("ebsd/si_wafer.ctf"))
     density, floor = made.gnd_density(0.384e-3)
     assert np.nanmedian(density) < 2 * np.nanmedian(floor)

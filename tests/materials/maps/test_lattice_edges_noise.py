@@ -1,4 +1,4 @@
-"""Noise: the estimate against noise that was put in, with walls and anisotropy."""
+"""Noise: the estimate against known noise, with walls and anisotropy."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from tests.materials.maps.synthetic import bent, euler
 
 
 def test_the_covariance_is_found():
-    """Anisotropic, correlated noise on a bent crystal with a wall: within 10 % of what went in."""
+    """Anisotropic, correlated noise on a bent crystal with a wall is estimated within 10 %."""
     shape = (120, 120)
     put_in = np.array([[4.0, 1.5, 0], [1.5, 2.0, -0.5], [0, -0.5, 9.0]]) * 1e-6
     rng = np.random.default_rng(3)
@@ -25,7 +25,7 @@ def test_the_covariance_is_found():
 
 
 def test_a_perfect_map_has_no_noise():
-    """An even bend leaves nothing."""
+    """An even bend has no noise."""
     found = OrientationMap.from_euler(bent((20, 20), 0.05), 1.0, "m-3m").noise[1]
     assert np.sqrt(found.trace()) < 1e-9
 
@@ -40,7 +40,7 @@ def test_given_noise():
 
 
 def test_told_covariance_against_scatter():
-    """200 seeds of anisotropic noise: each component of b scatters as its covariance says."""
+    """200 seeds of anisotropic noise: each component of b scatters as its reported covariance."""
     shape, found = (9, 9), []
     rng = np.random.default_rng(11)
     for _ in range(200):

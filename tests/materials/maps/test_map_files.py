@@ -1,4 +1,4 @@
-"""Map files: what is written is read; what is damaged is refused with its line and a remedy."""
+"""Map files: written maps read back; damaged maps are refused with their line and a remedy."""
 
 from typing import Any
 
@@ -60,7 +60,7 @@ def write(folder, lines, name):
     ("lines", "name"), [(ctf(), "a.ctf"), (ang(), "a.ang"), (ctf(mark=","), "a.CTF")]
 )
 def test_what_is_written_is_read(tmp_path, lines, name):
-    """Angles, steps, phase and lattice, with points and with commas."""
+    """Angles, steps, phase and lattice read back, with decimal points and with commas."""
     found = read_map_file(write(tmp_path, lines, name))
     assert np.degrees(found.euler) == pytest.approx(ANGLES, abs=1e-9)
     assert found.steps == (0.5, 0.5)
@@ -79,7 +79,7 @@ def test_latin_letters_in_a_header(tmp_path):
 
 
 def test_points_that_were_not_indexed(tmp_path):
-    """Phase 0 in .ctf; 4 pi, or a confidence of -1, in .ang."""
+    """They have phase 0 in .ctf, and 4 pi or a confidence of -1 in .ang."""
     lines = ctf()
     lines[-1] = "0" + lines[-1][1:]
     assert read_map_file(write(tmp_path, lines, "a.ctf")).phase[-1].tolist() == [1, 1, 1, 1, 0]
@@ -90,7 +90,7 @@ def test_points_that_were_not_indexed(tmp_path):
 
 
 def test_one_phase_may_be_numbered_zero(tmp_path):
-    """EDAX leaves the column of phases empty where there is but one."""
+    """EDAX writes 0 in the phase column of a map with a single phase."""
     assert (read_map_file(write(tmp_path, ang(phase=0), "a.ang")).phase == 1).all()
 
 
@@ -107,7 +107,7 @@ def replaced(lines, old, new):
     return [line.replace(old, new) for line in lines]
 
 
-# The third point of the second row, which stands in line 23.
+# The third point of the second row, in line 23.
 POINT = "1\t1.0000\t0.5000"
 BAD = {
     "truncated.ctf": (ctf()[:-3], "line 32: expected 20 points in 4 rows .* got 17"),
@@ -151,7 +151,7 @@ BAD = {
 
 @pytest.mark.parametrize("name", sorted(BAD))
 def test_damaged_files_are_refused(tmp_path, name):
-    """Each message names the file, the line and what to do."""
+    """Each message names the file, the line and the remedy."""
     lines, message = BAD[name]
     with pytest.raises(FileFormatError, match=message) as caught:
         read_map_file(write(tmp_path, lines, name))
@@ -159,20 +159,20 @@ def test_damaged_files_are_refused(tmp_path, name):
 
 
 def test_a_user_may_say_the_symmetry(tmp_path):
-    """Where the file does not know it."""
+    """A given symmetry is used if the file has none."""
     path = write(tmp_path, ctf(laue=44), "a.ctf")
     assert OrientationMap.read(path, laue={1: "m-3m"}).phases[1].laue == "m-3m"
 
 
 def test_a_group_of_every_phase(tmp_path):
-    """0, which is no phase, stands for all that have no group of their own there."""
+    """0, which is not a phase number, gives the group of all phases without their own entry."""
     path = write(tmp_path, ctf(laue=44), "a.ctf")
     assert OrientationMap.read(path, laue={0: "mmm"}).phases[1].laue == "mmm"
     assert OrientationMap.read(path, laue={0: "mmm", 1: "m-3m"}).phases[1].laue == "m-3m"
 
 
 def test_groups_of_phases_that_are_not_there(tmp_path):
-    """What a user says about the symmetry is not left out without a word."""
+    """A given symmetry for an absent phase is refused, not ignored."""
     path = write(tmp_path, ctf(), "a.ctf")
     given: list[Any] = [{2: "6/mmm"}, {"1": "6/mmm"}]
     for laue in given:
@@ -186,7 +186,7 @@ def test_groups_of_phases_that_are_not_there(tmp_path):
 
 
 def test_commas_behind_a_point_without_an_orientation(tmp_path):
-    """Instruments write plain zeros there."""
+    """Such points have plain zeros, also in files with decimal commas."""
     lines = ctf(mark=",")
     start = next(k for k, row in enumerate(lines) if row.startswith("Phase\t")) + 1
     lines[start] = "\t".join(["0"] * 11)
@@ -196,7 +196,7 @@ def test_commas_behind_a_point_without_an_orientation(tmp_path):
 
 
 def test_real_files():
-    """Their sizes, phases and steps, as their headers say."""
+    """Sizes, phases and steps agree with the headers."""
     silicon = read_map_file(real("ebsd/si_wafer.ctf"))
     assert silicon.phase.shape == (35, 48)
     assert silicon.steps == (2.0, 2.0)
@@ -209,7 +209,7 @@ def test_real_files():
 
 @pytest.mark.parametrize("name", ["a.ang", "a.ctf"])
 def test_angles_of_another_unit_are_refused(tmp_path, name):
-    """Of more than two turns: those above 12.57 passed for points that were not indexed."""
+    """Angles above two turns are refused; they would pass for points without an orientation."""
     made, much, unit = (ang, 57.3, "radians") if name == "a.ang" else (ctf, 1e3, "degrees")
     angles = ANGLES + 1.0
     angles[1, 2] = 7.0, 3.0, 355.0
@@ -221,8 +221,8 @@ def test_angles_of_another_unit_are_refused(tmp_path, name):
 
 
 def test_letters_that_break_lines_elsewhere(tmp_path):
-    """The three dots of Windows in a name; ends of lines of every system; what Python alone takes
-    for a number."""
+    """A Windows ellipsis in a name and the line ends of all systems are read; numbers that only
+    Python accepts are refused."""
     text = "\n".join(ctf()).replace("Nickel", "Ni\x85 and more") + "\n"
     path = tmp_path / "a.ctf"
     for end in ("\n", "\r\n", "\r"):

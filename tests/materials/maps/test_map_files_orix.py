@@ -1,4 +1,4 @@
-"""Orix files: a map that orix wrote, where it is installed; what is said where it is not."""
+"""Orix files: a map written by orix, where installed; the error where it is not."""
 
 import sys
 
@@ -12,7 +12,7 @@ from tests.materials.maps.test_map_files import ang, write
 
 
 def test_without_orix(tmp_path, monkeypatch):
-    """The message names the extra, and another way."""
+    """The message names the extra and the other formats."""
     monkeypatch.setitem(sys.modules, "orix.io", None)
     with pytest.raises(MissingExtraError, match=r"geomtorsion\[ebsd\].*\.ctf or \.ang"):
         OrientationMap.read(tmp_path / "a.h5")
@@ -20,7 +20,7 @@ def test_without_orix(tmp_path, monkeypatch):
 
 @pytest.mark.filterwarnings("ignore")
 def test_both_readers_agree(tmp_path):
-    """An .ang file read by orix, written as HDF5 and read back, against our own reader."""
+    """An .ang file read by orix, written as HDF5 and read back agrees with our own reader."""
     orix = pytest.importorskip("orix.io")
     path = write(tmp_path, ang(bent((12, 14), 0.1)), "a.ang")
     orix.save(str(tmp_path / "a.h5"), orix.load(str(path)))
@@ -40,7 +40,7 @@ def test_both_readers_agree(tmp_path):
 
 @pytest.mark.filterwarnings("ignore")
 def test_lengths_are_read_in_their_unit(tmp_path):
-    """A map whose steps stand in nm is a thousand times smaller than one in um."""
+    """A map with steps in nm is a thousand times smaller than a map in um."""
     orix = pytest.importorskip("orix.io")
     path = write(tmp_path, ang(bent((12, 14), 0.1)), "a.ang")
     xmap = orix.load(str(path))
@@ -53,7 +53,7 @@ def test_lengths_are_read_in_their_unit(tmp_path):
 
 
 def changed(path, name, values):
-    """A file of orix in which one data set is another."""
+    """Replace one data set in an orix file."""
     h5py = pytest.importorskip("h5py")
     with h5py.File(path, "a") as file:
         given = values(file[name][()]) if callable(values) else values
@@ -62,7 +62,7 @@ def changed(path, name, values):
 
 
 def by_columns(path):
-    """A file of orix whose points stand column by column."""
+    """Sort the points of an orix file by columns."""
     h5py = pytest.importorskip("h5py")
     with h5py.File(path, "a") as file:
         data = file["crystal_map/data"]
@@ -90,7 +90,7 @@ DATA = "crystal_map/data/"
     ],
 )
 def test_maps_that_would_be_read_wrongly(tmp_path, change, message):
-    """Points in another order, angles in degrees, steps of no length, files of somebody else."""
+    """Points in another order, angles in degrees, steps without a length and other files fail."""
     orix = pytest.importorskip("orix.io")
     path = write(tmp_path, ang(bent((12, 14), 0.1)), "a.ang")
     orix.save(str(tmp_path / "a.h5"), orix.load(str(path)))

@@ -1,6 +1,6 @@
-"""Map points: what x and y say, whatever the header says; tables, ASTAR, Channel 5 and .h5oina."""
+"""Map points: x and y decide against a wrong header; tables, ASTAR, Channel 5 and .h5oina."""
 
-# Tests give what users give, wrong things included.
+# The tests pass what users pass, including wrong types.
 # pyright: reportArgumentType=false
 
 import gzip
@@ -27,7 +27,7 @@ def without(lines: list[str], *numbers: int, head: int = HEAD) -> list[str]:
 
 
 def of_points(found, gaps=()):
-    """Whether a map has the angles in all pixels but some."""
+    """Check that a map has the angles in all pixels except some."""
     known = np.ones(found.phase.shape, dtype=bool)
     known.ravel()[list(gaps)] = False
     assert (found.phase > 0).tolist() == known.tolist()
@@ -37,7 +37,7 @@ def of_points(found, gaps=()):
 @pytest.mark.parametrize("gaps", [(0,), (8, 9, 20), (41,), (3, 41), (0, 7, 14, 15, 16, 17, 18)])
 @pytest.mark.parametrize("make", [ang, ctf])
 def test_points_that_are_left_out(tmp_path: Path, gaps, make):
-    """They are pixels of which nothing is known; a file that merely ends early is refused."""
+    """Omitted points are pixels without an orientation; a file that ends early is refused."""
     head = HEAD if make is ang else 15
     path = write(tmp_path, without(make(ANGLES), *gaps, head=head), f"a.{make.__name__}")
     if gaps == (41,):
@@ -69,7 +69,7 @@ WRONG = {
 
 @pytest.mark.parametrize("name", WRONG)
 def test_x_and_y_decide(tmp_path: Path, name: str):
-    """Over counts, steps, kind of grid and order of a header that is wrong or missing."""
+    """x and y decide if counts, steps, grid or order in the header are wrong or missing."""
     lines = [line.replace(": x", ": 6") for line in WRONG[name](ang(ANGLES))]
     found = read_map_file(write(tmp_path, lines, "a.ang"))
     of_points(found)
@@ -78,7 +78,7 @@ def test_x_and_y_decide(tmp_path: Path, name: str):
 
 
 def test_a_step_that_is_rounded_in_the_header(tmp_path: Path):
-    """Over many columns the points know it better; where both fit, the header has more digits."""
+    """Over many columns the points give a more exact step; if both fit, the header's is used."""
     angles = bent((3, 200), 0.1)
     for written, expected in ((0.3, 0.303), (0.303, 0.303)):
         lines = ang(angles, step=0.303)
@@ -91,7 +91,7 @@ def test_a_step_that_is_rounded_in_the_header(tmp_path: Path):
 @pytest.mark.parametrize("even", [6, 7, 8])
 @pytest.mark.parametrize("gaps", [(), (0,), (7, 20), (5, 6)])
 def test_hexagonal_grids_with_points_left_out(tmp_path: Path, even: int, gaps):
-    """Which rows are shifted is seen from x."""
+    """The x coordinates show which rows are shifted."""
     wide = bent((6, 8), 0.5)
     whole = ang(wide[:, :7] if even < 8 else wide, grid="HexGrid", even=even)
     if even == 8:
@@ -115,7 +115,7 @@ def test_hexagonal_grids_with_points_left_out(tmp_path: Path, even: int, gaps):
 
 
 def astar(columns: int, phases: int = 1, angles=ANGLES) -> list[str]:
-    """The lines of a file of ASTAR, whose phases have no number and whose lengths are in nm."""
+    """The lines of an ASTAR file, with phases without numbers and lengths in nm."""
     phase = [
         "# MaterialName      cu", "# Formula", "# Symmetry          43",
         "# LatticeConstants  3.610  3.610  3.610  90.000  90.000  90.000", "# NumberFamilies    0",
@@ -137,7 +137,7 @@ def astar(columns: int, phases: int = 1, angles=ANGLES) -> list[str]:
 
 @pytest.mark.parametrize(("columns", "phases"), [(5, 1), (6, 1), (7, 1), (8, 1), (9, 1), (9, 2)])
 def test_files_of_astar(tmp_path: Path, columns: int, phases: int):
-    """Without a column of phases all points are of the only one; steps in nm become um."""
+    """Without a phase column all points have the only phase; steps in nm become um."""
     found = read_map_file(write(tmp_path, astar(columns, phases), "a.ang"))
     of_points(found)
     assert found.steps == pytest.approx((0.005, 0.005))
@@ -148,7 +148,7 @@ def test_files_of_astar(tmp_path: Path, columns: int, phases: int):
 def table(
     head: str = "phi1 Phi phi2 phase x y", split: str = " ", factor: float = 1.0, phase: str = "1"
 ) -> list[str]:
-    """A text table in the order of its names."""
+    """A text table with columns in the order of its names."""
     rows = [head]
     for (r, c), numbers in zip(np.ndindex(6, 7), factor * ANGLES.reshape(-1, 3), strict=True):
         values = [*(f"{v:.9f}" for v in numbers), phase, f"{0.5 * c:.4f}", f"{0.5 * r:.4f}"]
@@ -172,7 +172,7 @@ TABLES = {
 
 @pytest.mark.parametrize("name", TABLES)
 def test_text_tables(tmp_path: Path, name: str):
-    """Columns by their names, in any order, with any mark between them."""
+    """Columns are found by their names, with any separator between them, also in packed files."""
     path = write(tmp_path, TABLES[name], name)
     of_points(read_map_file(path, {0: "m-3m"}))
     with pytest.raises(FileFormatError, match=r"phase 1 .*its symmetry is not known. Give it"):
@@ -183,7 +183,7 @@ def test_text_tables(tmp_path: Path, name: str):
 
 
 def test_gaps_and_phases_of_tables(tmp_path: Path):
-    """nan or phase 0 where nothing is known, rows that are left out, a table without phases."""
+    """nan, phase 0 and omitted rows are gaps; a table without phases has one phase."""
     rows = table()
     rows[4] = "nan nan nan 1 1.5 0.0"
     rows[6] = rows[6].replace(" 1 ", " 0 ")
@@ -197,7 +197,7 @@ def channel5(
     folder: Path, change: Callable[[str], str] = str, fields: tuple[int, ...] = (3, 4, 5, 6, 7, 8),
     phase: int = 1,
 ) -> Path:  # fmt: skip
-    """A .cpr file with the .crc beside it."""
+    """A .cpr file with its .crc file."""
     kinds = {6: "<f4", 7: "u1", 8: "u1", 10: "u1", 12: "<f4", 40: "<f4", 1: "<f4", 2: "<f4"}
     names = {3: "a", 4: "b", 5: "c", 1: "x", 2: "y"}
     kind = np.dtype([
@@ -223,7 +223,7 @@ def channel5(
 
 @pytest.mark.parametrize("fields", [(3, 4, 5), (3, 4, 5, 6, 7, 8, 10, 12), (40, 7, 5, 4, 3)])
 def test_channel_5(tmp_path: Path, fields):
-    """Either file may be named; fields come in the order in which the text lists them."""
+    """Either file may be given; the text lists the order of the fields."""
     path = channel5(tmp_path, fields=fields)
     for end in (".cpr", ".crc"):
         found = read_map_file(path.with_suffix(end))
@@ -249,13 +249,13 @@ def test_channel_5(tmp_path: Path, fields):
     ],
 )
 def test_refusals_of_channel_5(tmp_path: Path, old: str, new: str, words: str):
-    """Sizes that are declared are compared with the file before anything is read."""
+    """The declared sizes are compared with the file before the data are read."""
     with pytest.raises(FileFormatError, match=words):
         read_map_file(channel5(tmp_path, lambda text: text.replace(old, new)))
 
 
 def test_one_of_two_files(tmp_path: Path):
-    """The message names both, and what is missing."""
+    """The message names both files and the missing one."""
     path = channel5(tmp_path)
     path.with_suffix(".crc").unlink()
     with pytest.raises(FileFormatError, match=r"two files, map.cpr and map.crc, got no map.crc"):
@@ -263,7 +263,7 @@ def test_one_of_two_files(tmp_path: Path):
 
 
 def h5oina(path: Path, **changes: object) -> Path:
-    """A file as AZtec writes it."""
+    """Write a file as AZtec does."""
     h5py = pytest.importorskip("h5py")
     row, column = np.divmod(np.arange(42), 7)
     euler = np.radians(ANGLES.reshape(-1, 3)).astype("f4")
@@ -293,7 +293,7 @@ def h5oina(path: Path, **changes: object) -> Path:
 
 
 def test_h5oina(tmp_path: Path):
-    """By the published specification, with places or without; orix is not needed."""
+    """Files by the published specification are read with or without X and Y, and without orix."""
     for changes in ({}, {"1__EBSD__Data__X": None, "1__EBSD__Data__Y": None}):
         found = read_map_file(h5oina(tmp_path / "a.h5oina", **changes))
         assert np.degrees(found.euler) == pytest.approx(ANGLES, abs=1e-4)
@@ -321,7 +321,7 @@ def test_h5oina(tmp_path: Path):
     ],
 )
 def test_refusals_of_h5oina(tmp_path: Path, changes: dict[str, object], words: str):
-    """Groups that are missing, counts that lie, phases that nobody describes."""
+    """Missing groups, wrong counts and undescribed phases are refused."""
     with pytest.raises(FileFormatError, match=words):
         read_map_file(h5oina(tmp_path / "a.h5oina", **changes))
 
@@ -351,13 +351,13 @@ REFUSED = {
 
 @pytest.mark.parametrize("name", REFUSED)
 def test_refusals(tmp_path: Path, name: str):
-    """What the file is, what was expected, and what to do."""
+    """The message names the fault, the expected content and the remedy."""
     lines, words = REFUSED[name]
     with pytest.raises(FileFormatError, match=words):
         read_map_file(write(tmp_path, lines, name), {} if name.endswith("g") else {0: "m-3m"})
 
 
 def test_few_points_far_apart(tmp_path: Path):
-    """They would make a grid of 4e10 pixels."""
+    """Such points would need a grid of 4e10 pixels."""
     with pytest.raises(LimitError, match="expected a grid of at most"):
         read_map_file(write(tmp_path, FAR, "far.txt"), {0: "m-3m"})

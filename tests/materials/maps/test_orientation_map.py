@@ -1,4 +1,4 @@
-"""Orientation map: tilt walls, variants, grains, circuits, and the measured maps."""
+"""Orientation map: tilt walls, variants, grains, circuits, and measured maps."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ from tests.real import real
 
 @pytest.mark.parametrize("degrees", [1, 5, 15])
 def test_a_tilt_wall(degrees):
-    """b / L = 2 sin(theta / 2), normal to the wall (Frank 1950), to 1e-6; here to rounding."""
+    """b / L = 2 sin(theta / 2), normal to the wall (Frank 1950), to rounding."""
     found = wall(degrees, (33, 40), 0.5, threshold=20, sigma=0).burgers(
         Circuit.rectangle((0, 10), 32, 20)
     )
@@ -32,7 +32,7 @@ def test_a_tilt_wall(degrees):
 
 
 def test_the_sense_of_b():
-    """One line more on the side that is turned ahead: a hand count of the integral of R dl."""
+    """The side that is turned ahead has one more line: a count by hand of the integral of R dl."""
     angles = np.zeros((2, 2, 3))
     angles[:, 1, 0] = 2.0
     found = OrientationMap.from_euler(angles, 1.0, "-1", sigma=0).burgers(Circuit.square((0, 0), 1))
@@ -43,7 +43,7 @@ def test_the_sense_of_b():
 
 
 def test_noise_of_a_wall():
-    """0.5 degrees about each axis on each pixel leave 1e-3 of b / L over 16 um; sigma is told."""
+    """Noise of 0.5 degrees per axis and pixel leaves 1e-3 of b / L over 16 um, as reported."""
     shape, step, errors, told = (321, 12), 0.05, [], []
     for seed in range(60):
         angles = noisy_wall(5.0, shape, 0.5, seed)
@@ -59,7 +59,7 @@ def test_noise_of_a_wall():
 
 @pytest.mark.parametrize("name", LAUE_GROUPS)
 def test_variants_do_not_matter(name):
-    """Each pixel in a variant at random: the same b in specimen axes."""
+    """With a random variant in each pixel, b in specimen axes is the same."""
     angles = bent((12, 14), 0.3)
     plain = OrientationMap.from_euler(angles, 1.0, "-1", sigma=0)
     group = laue_group(name)
@@ -77,7 +77,7 @@ def test_variants_do_not_matter(name):
 
 
 def test_a_loop_is_the_sum_of_its_cells():
-    """To 1e-12: squares, other shapes, and all cells of the map at once."""
+    """b of squares, other shapes and the whole map is the sum over their cells, to 1e-12."""
     crystal = OrientationMap.from_euler(bent((40, 50), 0.05), 0.5, "m-3m", sigma=0)
     cells = crystal.burgers_map(1).vectors.T
     for n in (2, 7, 39):
@@ -109,7 +109,7 @@ def test_density_of_a_bent_crystal():
 
 
 def test_sign_of_the_weighted_burgers_vector():
-    """The stencil by which MTEX sums round a pixel, specimen axes, written anew: the same sign.
+    """The stencil with which MTEX sums around a pixel, rewritten in specimen axes: the same sign.
 
     Wheeler et al. (2009), as in weightedBurgersVec with its integral method.
     """
@@ -132,7 +132,7 @@ def test_sign_of_the_weighted_burgers_vector():
 
 
 def test_the_cochain_closes_as_circuits_do():
-    """The steps as a cochain: a chain round a circuit has its Burgers vector."""
+    """The steps form a cochain: a chain around a circuit has the circuit's Burgers vector."""
     crystal = OrientationMap.from_euler(bent((6, 7), 0.2), 1.0, "m-3m", sigma=0)
     ring = [(1, 1), (1, 2), (1, 3), (2, 3), (3, 3), (3, 2), (3, 1), (2, 1)]
     found = crystal.cochain.around([7 * r + c for r, c in ring])
@@ -150,7 +150,7 @@ def two_grains():
 
 
 def test_boundaries_are_not_crossed():
-    """The message names pixels and grains, and what to do."""
+    """The message names pixels and grains, and the remedy."""
     crystal = two_grains()
     assert crystal.grains.count == 2
     assert crystal.grain[2, 2] == -1
@@ -160,7 +160,7 @@ def test_boundaries_are_not_crossed():
         crystal.burgers(Circuit.square((3, 3), 3))
     with pytest.raises(OrientationError, match=r"pixel \(2, 2\) has no orientation"):
         crystal.burgers(Circuit.square((2, 1), 2))
-    # Round the hole a circuit is fine.
+    # A circuit around the hole is accepted.
     assert crystal.burgers(Circuit.square((1, 1), 2)).magnitude < 1e-12
     clean = crystal.burgers_map(2).known.T
     assert clean.shape == (6, 8)
@@ -172,10 +172,10 @@ def test_boundaries_are_not_crossed():
 
 
 def test_a_wall_within_a_grain_is_a_boundary():
-    """A step above the threshold between pixels that are joined elsewhere is not crossed either."""
+    """A step above the threshold is not crossed, even if its pixels are joined elsewhere."""
     angles = np.zeros((40, 40, 3))
     rows, columns = np.indices((40, 40))
-    # A wall that grows from nothing: 1 degree per row, spread over the columns at its lower end.
+    # A wall that grows from zero by 0.5 degrees per row.
     angles[..., 0] = np.where(columns < 20, 0, np.minimum(rows * 0.5, 15))
     crystal = OrientationMap.from_euler(angles, 1.0, "-1", sigma=0)
     assert crystal.grains.count == 1
@@ -186,7 +186,7 @@ def test_a_wall_within_a_grain_is_a_boundary():
 
 
 def test_phases_are_apart():
-    """Pixels of two phases never join, however they are turned."""
+    """Pixels of two phases never join, even with equal orientations."""
     phase = np.ones((4, 6), dtype=int)
     phase[:, 3:] = 2
     q = np.zeros((4, 6, 4))
@@ -197,7 +197,7 @@ def test_phases_are_apart():
 
 
 def test_circuits_of_loops():
-    """A loop in coordinates surrounds cells; its b is that of a bent crystal times its area."""
+    """A loop in coordinates becomes cells; its b is the bend times its area."""
     angles = np.zeros((60, 60, 3))
     angles[..., 0] = 0.01 * np.arange(60)
     crystal = OrientationMap.from_euler(angles, 0.5, "m-3m", sigma=0)
@@ -215,7 +215,7 @@ def test_circuits_of_loops():
 
 
 def test_hexagonal_grids():
-    """The same crystal on a hexagonal grid has the same density."""
+    """A crystal on a hexagonal grid has the density of the same crystal on a square grid."""
     rows, columns = np.indices((30, 40))
     x = columns + 0.5 * (rows % 2)
     turns = np.zeros((30, 40, 3))
@@ -232,7 +232,7 @@ def test_hexagonal_grids():
 
 
 def curved(shape, shift, bend):
-    """Turns about an axis that is tilted, by an angle that grows with the third power."""
+    """Rotations about a tilted axis, by an angle that grows with the third power."""
     rows, columns = np.indices(shape)
     height = 0.75**0.5 if shift else 1.0
     x, y = columns + shift * (rows % 2), height * rows
@@ -244,7 +244,7 @@ def curved(shape, shift, bend):
 
 @pytest.mark.parametrize("shift", [0.0, 0.5, -0.5])
 def test_the_error_of_trapezoids_is_told(shift):
-    """Steps cut in four say what the trapezoids lack, and the error told is that, noise apart."""
+    """The reported error of trapezoids is their difference from Gauss quadrature, without noise."""
     q, height = curved((30, 40), shift, 1e-5)
     phases = {1: NICKEL}
     crystal = OrientationMap(q, np.ones((30, 40)), phases, (1.0, height), shift, sigma=0)
@@ -277,7 +277,7 @@ def test_the_error_of_trapezoids_is_told(shift):
 
 
 def test_noise_is_no_error_of_trapezoids():
-    """With noise that is told, hardly anything is left for the trapezoids; both stand apart."""
+    """With given noise the trapezoid error is small, and both errors are reported separately."""
     rng = np.random.default_rng(2)
     turns = np.radians(0.3) * rng.standard_normal((900, 3))
     q = np.roll(Rotation.from_rotvec(turns).as_quat(), 1, axis=1).reshape(30, 30, 4)
@@ -288,7 +288,7 @@ def test_noise_is_no_error_of_trapezoids():
 
 
 def test_edges_of_grains_tell_no_error():
-    """Bends that are known on one side alone stand for both; a grain of one step tells nothing."""
+    """At grain edges the bend of one side serves for both, so the trapezoid error is unchanged."""
     q, _ = curved((12, 30), 0.0, 1e-5)
     split = Rotation.from_euler("ZXZ", [20, 20, 0], degrees=True) * Rotation.from_quat(
         np.roll(q[:, 15:].reshape(-1, 4), -1, axis=1)
@@ -303,7 +303,7 @@ def test_edges_of_grains_tell_no_error():
 
 
 def test_a_grain_as_a_sampled_frame():
-    """The same squares by both; the boundary is refused by both."""
+    """Both have the same squares, and neither crosses the boundary."""
     angles = bent((12, 15), 0.1)
     angles[:, 9:, 0] += 30
     crystal = OrientationMap.from_euler(angles, 0.5, "m-3m", sigma=0)
@@ -326,7 +326,7 @@ def test_a_grain_as_a_sampled_frame():
 
 @pytest.mark.parametrize("shift", [0.5, -0.5])
 def test_every_circuit_of_a_hexagonal_map(shift):
-    """Noise and interpolation of circuits from even and from odd rows, as one by one."""
+    """Noise and interpolation errors, from even and odd rows, agree with single circuits."""
     q, height = curved((12, 14), shift, 1e-5)
     crystal = OrientationMap(
         q, np.ones((12, 14)), {1: NICKEL}, (1.0, height), shift, sigma=(0.01, 0.05, 0.02)
@@ -340,7 +340,7 @@ def test_every_circuit_of_a_hexagonal_map(shift):
 
 
 def test_where_a_hexagonal_map_begins_and_ends():
-    """Odd rows that begin before even ones end before them, and no grid has another shift."""
+    """With shift -1/2 odd rows start and end before even rows; a shift of 1/4 is refused."""
     q, height = curved((12, 14), -0.5, 1e-5)
     crystal = OrientationMap(q, np.ones((12, 14)), {1: NICKEL}, (1.0, height), -0.5, sigma=0)
     assert len(crystal.circuit(Loop.polygon([[-0.4, 0], [3, 0], [3, 3], [-0.4, 3]])).starts) > 8
@@ -353,7 +353,7 @@ def test_where_a_hexagonal_map_begins_and_ends():
 
 
 def test_parts_of_a_circuit_in_several_grains():
-    """A sum over crystals that lie differently is no Burgers vector, even if no step crosses."""
+    """Crystals of different orientation have no common Burgers vector, even if no step crosses."""
     angles = bent((4, 8), 0.1)
     angles[:, 4:, 0] += 30
     crystal = OrientationMap.from_euler(angles, 1.0, NICKEL, sigma=0)
@@ -367,7 +367,7 @@ def test_parts_of_a_circuit_in_several_grains():
 
 
 def test_axes_of_the_angles(tmp_path):
-    """Angles that refer to other axes than those of the map: e = g times the turn between them."""
+    """The angles may refer to other axes than the map: e = g times the rotation between them."""
     angles = bent((5, 6), 0.3)
     path = write(tmp_path, ctf(angles), "a.ctf")
     turn = np.array([[0, 1, 0], [1, 0, 0], [0, 0, -1]])
@@ -378,7 +378,7 @@ def test_axes_of_the_angles(tmp_path):
 
 
 def test_silicon():
-    """A wafer without dislocations: noise falls with the size; sigma is its scatter."""
+    """A wafer without dislocations: noise falls with the size, and sigma is its scatter."""
     wafer = OrientationMap.read(real("ebsd/si_wafer.ctf"))
     assert wafer.grains.count == 1
     published = {2: 3.4e-4, 4: 1.3e-4, 8: 5.5e-5, 16: 2.1e-5, 30: 1.7e-5}
@@ -394,7 +394,7 @@ def test_silicon():
 
 
 def test_steel():
-    """144 grains at 3 degrees; the clean circuits of each large one agree with single ones."""
+    """144 grains at 3 degrees; the circuits of each large grain agree with single circuits."""
     steel = OrientationMap.read(real("ebsd/sdss_ferrite_austenite.ang"), threshold=3)
     assert steel.grains.count == 144
     found = steel.burgers_map(5)
@@ -411,7 +411,7 @@ def test_steel():
             done += 1
     assert done > 1000
     assert done > 0.9 * found.known.sum()
-    # Where the map says no, the single circuit says why.
+    # Circuits that the map marks as unknown raise an error with the reason.
     for r, c in np.argwhere(~found.known.T)[::200]:
         with pytest.raises(OrientationError, match="crosses a boundary"):
             steel.burgers(Circuit.square((r, c), 5))
@@ -446,7 +446,7 @@ def test_bad_maps_are_refused(message):
 
 
 def test_sizes_and_places_are_checked():
-    """A circuit larger than the map, or outside of it."""
+    """Circuits larger than the map or outside it, and maps too small for a noise estimate, fail."""
     crystal = two_grains()
     with pytest.raises(OrientationError, match="size: expected a whole number from 1 to 7"):
         crystal.burgers_map(8)

@@ -1,6 +1,6 @@
 """Orientation maps as sources: tilt walls and real maps."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# The tests pass what users pass, including wrong types, and read optional values.
 # pyright: reportOptionalIterable=false, reportOptionalMemberAccess=false
 # pyright: reportArgumentType=false
 
@@ -15,7 +15,7 @@ from tests.real import real
 
 
 def test_a_tilt_wall():
-    """b/L = 2 sin(theta/2), by a circuit and by the survey, at the place of the wall."""
+    """b/L = 2 sin(theta/2), by a circuit and by the survey, at the position of the wall."""
     field = wall(2.0, (20, 30), 0.5, sigma=0.01)
     expected = 2 * np.sin(np.radians(1.0))
     found = field.burgers(Loop.plaquette([4, 2], [5, 4]))
@@ -32,13 +32,13 @@ def test_a_tilt_wall():
 
 
 def test_a_plane_is_refused():
-    """A map has one plane."""
+    """A map has only one plane."""
     with pytest.raises(OrientationError, match="plane: expected x and y, the only plane"):
         wall(2.0, (20, 30), 0.5, sigma=0).burgers_map(2, (1, 0))
 
 
 def test_silicon_shows_nothing_but_noise():
-    """The wafer: at 8 pixels at most 6e-5 per um, and no circuit is significant."""
+    """On the wafer the rms of b at 8 pixels is below 6.5e-5 per um; no circuit is significant."""
     field = open_source(real("ebsd/si_wafer.ctf"))
     survey = field.burgers_map(8)
     assert np.sqrt(np.mean(survey.per_area**2)) < 6.5e-5
@@ -47,7 +47,7 @@ def test_silicon_shows_nothing_but_noise():
 
 
 def test_which_way_y_runs_and_a_plane_as_a_list():
-    """Downwards in pictures, as instruments show maps."""
+    """y runs downwards in figures, as instruments show maps."""
     crystal = wall(1, (8, 9), 0.5, sigma=0)
     assert crystal.burgers_map(2, [0, 1]).down
     assert crystal.backdrop().down

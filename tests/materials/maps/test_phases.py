@@ -1,4 +1,4 @@
-"""Phases: lattices, families by symmetry, and what is no lattice."""
+"""Phases: lattices, families by symmetry, and refused lattices."""
 
 import mpmath
 import numpy as np
@@ -22,7 +22,7 @@ def test_families():
 
 
 def test_lattices():
-    """Lengths and angles come back; b lies along y where the file says so."""
+    """The lattice has the given lengths and angles; b is along y for horizontal axis y."""
     for horizontal in "xy":
         lattice = Phase("zinc", "6/mmm", *ZINC, horizontal).lattice
         assert np.linalg.norm(lattice, axis=0) == pytest.approx(ZINC[0])
@@ -35,7 +35,7 @@ def test_lattices():
 
 
 def test_what_is_no_lattice():
-    """Angles that close no cell, negative lengths, unknown constants."""
+    """Angles that close no cell, negative lengths and missing constants are refused."""
     with pytest.raises(OrientationError, match="expected angles of a cell with a volume"):
         Phase("a", "-1", (1, 1, 1), (30, 30, 170))
     with pytest.raises(OrientationError, match="positive lengths"):
@@ -53,14 +53,14 @@ FLAT = [(60, 60, 120), (30, 30, 60), (120, 120, 120), (80, 50, 130), (40.1, 50.2
 
 @pytest.mark.parametrize("angles", FLAT)
 def test_edges_in_one_plane_are_no_lattice(angles):
-    """Up to rounding, too: what is flat was no error, or one of NumPy."""
+    """Angles of a flat cell are refused, also if rounding makes its volume nonzero."""
     with pytest.raises(OrientationError, match="expected angles of a cell with a volume"):
         Phase("flat", "-1", (3, 4, 5), angles)
 
 
 @pytest.mark.parametrize("angles", [(60, 60, 120), (40.1, 50.2, 90.3), (120, 120, 120)])
 def test_nearly_flat_cells_keep_their_digits(angles):
-    """Next to what is no lattice: the height against 50 digits, 1e-9 degrees from none."""
+    """At 1e-9 degrees from a flat cell, the height agrees with 50 digits."""
     last = angles[2] - 1e-9
     with mpmath.workdps(50):
         alpha, beta, gamma = (mpmath.radians(mpmath.mpf(repr(x))) for x in (*angles[:2], last))
@@ -71,7 +71,7 @@ def test_nearly_flat_cells_keep_their_digits(angles):
 
 
 def test_a_lattice_without_the_symmetry_of_its_group():
-    """Of zinc without its angles nothing that is turned by 60 degrees is a lattice vector."""
+    """In zinc with right angles, <a> turned by 60 degrees is not a lattice vector."""
     odd = Phase("zinc", "6/mmm", ZINC[0])
     for ask in (lambda: odd.family((1, 0, 0)), lambda: slip_families(odd, "hcp")):
         with pytest.raises(OrientationError, match="expected a lattice of the symmetry 6/mmm"):
@@ -84,7 +84,7 @@ def test_a_lattice_without_the_symmetry_of_its_group():
     ("edge", "angle", "fits"), [(1.24, 90, True), (1.26, 90, False), (1, 83, True), (1, 75, False)]
 )
 def test_what_is_nearer_to_a_lattice_vector_than_to_none_is_one(edge, angle, fits):
-    """A cube that is drawn along one edge, or sheared, by a quarter of an edge at most."""
+    """A cube stretched along one edge or sheared fits up to a quarter of an edge."""
     phase = Phase("drawn", "m-3m", (1, 1, edge), (90, 90, angle))
     if fits:
         assert len(phase.family((1, 0, 0))) == 3

@@ -16,23 +16,23 @@ def wall(sigma=0.0):
 
 
 def test_lines_add_up():
-    """A wall of 2 degrees over 2 um: 2 theta / a lines of [100], or twice as many of <110>/2."""
+    """A 2 degree wall of 2 um has 2 um theta / a lines of [100], or twice as many of <110>/2."""
     b = wall()
     expected = 2e4 * 2 * np.sin(np.radians(1)) / 3.52
     (whole,) = b.lines((1, 0, 0))
-    # b is turned by a degree from [100]: the lines of [010] that this needs are few.
+    # b is turned by a degree from [100], which needs only a few lines of [010].
     assert whole.total == pytest.approx(expected, rel=0.03)
     (half,) = b.lines((0.5, 0.5, 0))
     assert half.numbers @ half.vectors == pytest.approx(b.vector * 1e4, rel=1e-9)
     assert half.total == pytest.approx(2 * expected, rel=0.03)
     assert b.indices == pytest.approx(b.vector * 1e4 / 3.52)
-    # With both at hand the shorter sum is taken: one [100] is shorter than two <110>/2.
+    # With both families the shorter sum is chosen: one [100] is shorter than two <110>/2.
     both = b.lines((1, 0, 0), (0.5, 0.5, 0))
     assert both[0].total == pytest.approx(whole.total, rel=0.05)
 
 
 def test_families_that_do_not_span():
-    """An orthorhombic [100] alone cannot make up a vector in another direction."""
+    """An orthorhombic [100] cannot make up a vector in another direction."""
     from geomtorsion.materials.maps import Phase
 
     angles = np.zeros((6, 6, 3))
@@ -46,7 +46,7 @@ def test_families_that_do_not_span():
 
 
 def test_significance():
-    """Noise alone gives sqrt(3) or so; a wall in the same noise far more; no noise: infinite."""
+    """Noise has a significance near sqrt(3), a wall in it far more, a wall without it infinity."""
     noise = OrientationMap.from_euler(noisy_wall(0.0, (60, 60), 0.3, 1), 0.1, NICKEL)
     found = noise.burgers_map(6)
     assert np.sqrt((found.significance**2).mean()) == pytest.approx(np.sqrt(3), rel=0.1)
@@ -55,12 +55,12 @@ def test_significance():
 
 
 def test_conventions():
-    """FS/RH has the other sign; what MTEX calls the weighted Burgers vector has the same."""
+    """FS/RH has the opposite sign; SF/RH has the same sign."""
     b = wall()
     assert b.in_convention("FS/RH").tolist() == (-b.vector).tolist()
     assert b.in_convention("SF/RH").tolist() == b.vector.tolist()
 
 
 def test_repr():
-    """In one line: the vector, its noise, grain and phase."""
+    """The repr has one line: the vector, its noise, grain and phase."""
     assert "crystal axes, noise 0.0e+00, grain 0, nickel" in repr(wall())

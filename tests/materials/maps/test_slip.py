@@ -28,7 +28,7 @@ ZINC = Phase("zinc", "6/mmm", (2.66, 2.66, 4.95), (90, 90, 120))
     ],
 )
 def test_numbers_of_systems(phase, structure, counts):
-    """Those of Hirth and Lothe; each vector in its plane, all of one length."""
+    """The numbers are from Hirth and Lothe; each vector is in its plane, all of one length."""
     found = slip_families(phase, structure)
     assert [len(one.normals) for one in found] == counts
     for one in found:
@@ -49,7 +49,7 @@ def test_first_order_pyramidal_slip():
 
 @pytest.mark.parametrize(("phase", "structure"), [(NICKEL, "fcc"), (IRON, "bcc"), (ZINC, "hcp")])
 def test_densities_make_up_b(phase, structure):
-    """Of a bent crystal: edges and screws through the circuit have b again, and no more lines."""
+    """In a bent crystal edges and screws through the circuit add up to b, with minimal length."""
     crystal = OrientationMap.from_euler(bent((12, 12), 0.1), 0.5, phase, sigma=0)
     b = crystal.burgers(Circuit.square((1, 1), 8))
     normal = b.rotation[2]
@@ -67,7 +67,7 @@ def test_densities_make_up_b(phase, structure):
             total += (getattr(one, kind) * (lines @ normal)) @ one.family.vectors
         length += one.total
     assert total / 1e4 == pytest.approx(b.per_area, rel=1e-6)
-    # No line does more than |b| of it, and the least of all vectors is the shortest.
+    # A line contributes at most the length of its b, so |b| over the longest b is the least length.
     longest = max(np.linalg.norm(one.vectors[0]) for one in families)
     assert length >= np.linalg.norm(b.per_area) * 1e4 / longest * (1 - 1e-9)
     more = b.slip(*families, SlipFamily.of(phase, (1, 0, 0), (0, 1, 0)))
@@ -75,7 +75,7 @@ def test_densities_make_up_b(phase, structure):
 
 
 def test_what_is_no_slip_system():
-    """A vector out of the plane, four indices of a cube, none at all, a family that is none."""
+    """A vector out of the plane, wrong indices, an unknown structure and too few families fail."""
     with pytest.raises(OrientationError, match=r"which is not in it. Give u, v, w with h u \+ k v"):
         SlipFamily.of(IRON, (1, 1, 0), (1, 1, 0))
     with pytest.raises(OrientationError, match="only in a hexagonal or trigonal cell.* for m-3m"):
@@ -97,7 +97,7 @@ def test_what_is_no_slip_system():
 
 
 def test_planes_and_vectors_of_zero_are_refused():
-    """They have no direction; systems were not a number."""
+    """Indices that are all 0 have no direction."""
     with pytest.raises(OrientationError, match="plane: expected indices that are not all 0"):
         SlipFamily.of(IRON, (0, 0, 0), (1, 0, 0))
     with pytest.raises(
@@ -107,7 +107,7 @@ def test_planes_and_vectors_of_zero_are_refused():
 
 
 def test_a_circuit_without_an_area_has_no_density():
-    """Cells run round in opposite senses leave none, to the last digit, on any grid."""
+    """Cells with opposite senses cancel to the last digit, on any grid."""
     for step in (1.0, 0.3):
         crystal = OrientationMap.from_euler(bent((5, 8), 0.5), step, IRON, sigma=0)
         found = crystal.burgers(Circuit.of_cells([[1, 0, 0], [0, 1, -2]], (1, 1)))

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from geomtorsion.errors import OrientationError
 from geomtorsion.materials.maps import LAUE_GROUPS, laue_group
 
-# Schoenflies names of the rotations in scipy; where it has them, about z.
+# Schoenflies names of the groups that scipy has; their axis is z.
 SCIPY = {
     "-1": "C1", "mmm": "D2", "4/m": "C4", "4/mmm": "D4", "-3": "C3", "-3m": "D3", "6/m": "C6",
     "6/mmm": "D6", "m-3": "T", "m-3m": "O",
@@ -15,7 +15,7 @@ SCIPY = {
 
 
 def scalar_last(q):
-    """Ours to scipy's order of components."""
+    """Quaternions in scipy's order of components."""
     return Rotation.from_quat(np.roll(q, -1, axis=-1))
 
 
@@ -25,7 +25,7 @@ def random_quaternions(count, seed):
 
 @pytest.mark.parametrize("name", sorted(SCIPY))
 def test_groups_are_those_of_scipy(name):
-    """The same rotations, found from two generators at most."""
+    """The same rotations, generated from at most two generators."""
     ours = laue_group(name).quaternions
     theirs = np.roll(Rotation.create_group(SCIPY[name]).as_quat(), 1, axis=-1)
     assert len(ours) == len(theirs)
@@ -38,7 +38,7 @@ def test_monoclinic_turns_about_b():
 
 
 def test_horizontal_axis_of_trigonal_crystals():
-    """The two-fold axis of -3m lies along x or y, as asked for."""
+    """The two-fold axis of -3m is along x or y, as requested."""
     for axis, k in (("x", 1), ("y", 2)):
         halves = laue_group("-3m", axis).quaternions
         assert np.abs(halves[:, k]).max() == pytest.approx(1)
@@ -47,7 +47,7 @@ def test_horizontal_axis_of_trigonal_crystals():
 
 @pytest.mark.parametrize("name", LAUE_GROUPS)
 def test_disorientation_is_the_smallest_of_all(name):
-    """Against all pairs of variants by scipy; symmetric; no variant changes it."""
+    """The disorientation is the least over all variants, symmetric, and the same for each."""
     group = laue_group(name)
     p, q = random_quaternions(40, 1), random_quaternions(40, 2)
     found = group.disorientation(p, q)
@@ -68,7 +68,7 @@ def test_disorientation_is_the_smallest_of_all(name):
 
 
 def test_cubic_axes_lie_in_the_standard_triangle():
-    """Their components fall: z >= x >= y >= 0; no angle is above 62.8 degrees (Mackenzie 1958)."""
+    """Components satisfy z >= x >= y >= 0; no angle exceeds 62.8 degrees (Mackenzie 1958)."""
     found = laue_group("m-3m").disorientation(
         random_quaternions(2000, 4), random_quaternions(2000, 5)
     )
@@ -80,6 +80,6 @@ def test_cubic_axes_lie_in_the_standard_triangle():
 
 
 def test_unknown_group():
-    """The message lists what is known."""
+    """The message lists the known groups."""
     with pytest.raises(OrientationError, match="'m3m' is not known.*m-3m"):
         laue_group("m3m")
