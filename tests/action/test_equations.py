@@ -119,7 +119,7 @@ def test_torsion_force_is_minus_that_of_the_connection():
 
 
 def test_principles_told_apart_on_so3():
-    """Equal moments of inertia: all three agree. Else only Hamilton's has the gyroscopic term."""
+    """Equal moments of inertia: all three agree; else only Hamilton's has a gyroscopic term."""
     frame = spaces.load("so3").frame
     equal_moments = SPIN.subs(dict.fromkeys(MOMENTS, MOMENTS[0]))
     names = ("closed_in_coordinates", "closed_in_image", "naive")

@@ -25,7 +25,7 @@ ZEROS = {
     "Ramanujan": sqrt(cbrt(5) - cbrt(4)) - (cbrt(2) + cbrt(20) - cbrt(25)) / 3,
     "fifth root": sp.root((11 + 5 * sqrt(5)) / 2, 5) - golden,
 }  # fmt: skip
-# Each is a zero above with another root of the same polynomial equation, so it is not zero.
+# Zeros from above with another root of the same polynomial equation: these are not zero.
 NOT_ZERO = {
     "conjugate of the golden cube root": w**2 + w * golden + golden**2,
     "Gauss with a minus": 16 * cos(2 * pi / 17) + 1 - sqrt(17) - inner + 2 * GAUSS,

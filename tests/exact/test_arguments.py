@@ -27,7 +27,7 @@ def random_vector(rng: random.Random, field: Field) -> list:
 
 @pytest.mark.parametrize("seed", range(20))
 def test_a_combination_is_found(seed: int) -> None:
-    """The coefficients of a combination are found, also for a vector that shares no pole."""
+    """The coefficients of a combination are found, also for a vector with a pole of its own."""
     rng = random.Random(seed)
     field = Field([x, y])
     basis = [random_vector(rng, field) for _ in range(5)]

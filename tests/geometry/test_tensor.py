@@ -78,7 +78,7 @@ def test_lorentzian_frame_index() -> None:
 
 
 def test_coefficients_of_a_connection_are_no_tensor(frame: Frame) -> None:
-    """They cannot be converted to the frame; the error names the spin connection instead."""
+    """Connection coefficients have no frame form; the error names the spin connection."""
     with pytest.raises(TensorIndexError, match="spin_connection"):
         cartan(frame).coefficients.in_frame()
     with pytest.raises(TensorIndexError, match="expected a tensor in all its indices"):
@@ -244,7 +244,7 @@ def test_notation(frame: Frame) -> None:
 )
 @pytest.mark.parametrize("symbol", ["M", "r", "theta"])
 def test_no_number_is_refused_by_name_at_once(bad: object, symbol: str) -> None:
-    """Otherwise an evaluation to more digits would not end and would leave its precision set."""
+    """A value that is not finite is refused by name, because its evaluation would never end."""
     black_hole = load("schwarzschild").frame
     point = {"t": 0, "r": 5, "theta": 1, "phi": 0, "M": 1, symbol: bad}
     before, began = mpmath.mp.prec, time.perf_counter()

@@ -13,7 +13,7 @@ COORDINATES = sp.symbols("x0 x1 x2 x3 x4", real=True)
 
 
 def sample_frame(n: int, seed: int) -> gt.Frame:
-    """A coframe whose determinant is one factor, in a signature with one minus."""
+    """A random coframe, polynomial in the coordinates, in a signature with one minus."""
     chosen = random.Random(seed)
     q = COORDINATES[:n]
     matrix = sp.eye(n)

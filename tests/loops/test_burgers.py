@@ -72,7 +72,7 @@ def test_screw_has_b_for_every_turn(loop: Loop) -> None:
 
 
 def test_no_turn_no_burgers_vector() -> None:
-    """A loop beside the axis has exactly zero: the torsion vanishes identically."""
+    """A loop beside the axis has exactly b = 0, because the torsion vanishes identically."""
     frame = load("screw_dislocation").frame
     b = burgers_vector(frame, Loop.circle([3, 0, 0], 1), parameters={"b": 1})
     assert b.vector.tolist() == [0, 0, 0]

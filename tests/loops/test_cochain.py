@@ -208,7 +208,7 @@ def test_whole_numbers_never_leave_their_bits():
 
 
 def test_parallel_edges_are_named_by_number():
-    """Edges of different values between two nodes are named by number; equal ones need not."""
+    """Two edges of different values between the same nodes are distinguished by number."""
     pairs = [[0, 1], [1, 0], [1, 2], [2, 0]]
     steps = Cochain.of_edges(pairs, [[1], [5], [1], [1]])
     with pytest.raises(NetworkError, match="edges of different values join 0 and 1"):

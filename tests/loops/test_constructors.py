@@ -53,7 +53,7 @@ def test_torsion_inside_the_strip_counts() -> None:
 
 
 def test_development_round_a_cone() -> None:
-    """A cone lacks a sixth of a turn, for loops of any shape, as on a straight path."""
+    """A cone has the angle of 60 degrees for loops of any shape, as on a straight path."""
     cone = levi_civita(load("wedge_disclination").frame)
     values = {"alpha": 5 / 6}
     straight = develop_period(
@@ -70,7 +70,7 @@ def test_development_round_a_cone() -> None:
 
 
 def test_what_does_not_close_is_refused() -> None:
-    """Refused: a gap, another period than the frame's, a winding number, bad periods."""
+    """Refused: a gap, a period that the frame does not have, a winding number, bad periods."""
     with pytest.raises(LoopError, match=r"does not close: .* \(0, 0, 6.28319\) beside whole"):
         Loop.parametric(["2", "s", "s"], **ROUND)
     with pytest.raises(LoopError, match="does not close"):

@@ -21,7 +21,7 @@ X, Y = sp.symbols("x y")
 
 
 def test_rounding_is_estimated_from_both_sides() -> None:
-    """Far from the origin coordinates have few digits: both errors hold, and not by luck.
+    """Far from the origin coordinates have few digits, and both error estimates hold.
 
     The largest error of 12 loops is between 1 % and 40 % of its estimate; a probe sixteen times
     smaller or larger would fail.
