@@ -1,4 +1,4 @@
-"""accuracy_cost: measured errors, times, a recommendation."""
+"""accuracy_cost: measured errors, times and a recommendation."""
 
 import json
 import sys
@@ -20,7 +20,7 @@ TOP = geodesic(SO3, frame_velocity=[1.0, 0.2, 0.1], metric=[1, 2, 3])
 
 
 def test_errors_are_measured():
-    """Against the closed form; every accuracy asked for is kept."""
+    """Errors are measured against the closed form, and each requested accuracy is reached."""
     table = accuracy_cost(TURN, 5.0, accuracies=[1e-4, 1e-8])
     assert table.truth == "the closed form"
     assert len(table.rows) == (4 if is_available() else 2)
@@ -33,7 +33,7 @@ def test_errors_are_measured():
 
 
 def test_what_cannot_be_had_stands_in_the_table():
-    """Runge-Kutta at 1e-17 is a row with a note."""
+    """Runge-Kutta at 1e-17 fails, which is a row with a note."""
     table = accuracy_cost(TOP, 5.0, [RungeKutta()], [1e-6, 1e-17])
     assert [row.holds for row in table.rows] == [True, False]
     assert "gets to" in table.rows[1].note
@@ -43,7 +43,7 @@ def test_what_cannot_be_had_stands_in_the_table():
 
 
 def test_json():
-    """The table is plain data."""
+    """The table converts to plain data."""
     table = accuracy_cost(TOP, 1.0, [RungeKutta()], [1e-6])
     data = json.loads(json.dumps(table.to_json()))
     assert data["rows"][0]["engine"] == "RungeKutta"
@@ -52,7 +52,7 @@ def test_json():
 
 @pytest.mark.parametrize(("lasts", "repeats"), [(0.009, 3), (0.011, 2), (0.019, 2), (0.021, 1)])
 def test_what_is_quick_is_repeated(lasts, repeats, monkeypatch):
-    """Until twenty milliseconds are over, besides the first solution, which may compile."""
+    """A solution is repeated for twenty milliseconds, after a first one that may compile."""
     found, clock, count = cost.solve(TOP, 1.0, 1e-6, RungeKutta()), [0.0], [0]
 
     def solve(*_):
@@ -68,7 +68,7 @@ def test_what_is_quick_is_repeated(lasts, repeats, monkeypatch):
 
 
 def test_refused():
-    """No accuracy, or none that is positive."""
+    """An empty list of accuracies and a negative accuracy are refused."""
     with pytest.raises(AccuracyError, match="no accuracy was given"):
         accuracy_cost(TOP, 1.0, [RungeKutta()], [])
     with pytest.raises(AccuracyError, match="positive"):
@@ -76,7 +76,7 @@ def test_refused():
 
 
 def test_picture(monkeypatch):
-    """A figure where matplotlib is there; else an error that names the extra."""
+    """plot gives a figure; without matplotlib an error names the extra to install."""
     table = accuracy_cost(TOP, 1.0, [RungeKutta()], [1e-4, 1e-6])
     pytest.importorskip("matplotlib")
     (axes,) = table.plot().axes
@@ -88,7 +88,7 @@ def test_picture(monkeypatch):
 
 
 def test_a_proof_has_its_price():
-    """A row says what a proof costs, and whether the finest estimate holds."""
+    """The table contains the cost of a proof, and whether the finest estimate holds."""
     table = accuracy_cost(TOP, 1.0, [RungeKutta()], [1e-6, 1e-9], proved=True)
     assert table.proof is not None
     assert table.proof.holds
@@ -99,7 +99,7 @@ def test_a_proof_has_its_price():
 
 
 def test_no_proof_has_a_note(monkeypatch):
-    """Where nothing is proved the row says why."""
+    """If nothing is proved, the table states the reason."""
 
     def refused(*_):
         raise ProofError("the motion touches the stop. Move it.")

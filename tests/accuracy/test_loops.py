@@ -1,4 +1,4 @@
-"""What accuracy costs on loops: errors are measured, and are those that theory says."""
+"""Accuracy on loops: measured errors agree with theory."""
 
 import mpmath
 import numpy as np
@@ -19,7 +19,7 @@ def errors(costs, rule: str) -> dict[int, float]:
 
 
 def test_rules_on_a_circle() -> None:
-    """The trapezoid needs 16 points where Gauss needs 24 and Clenshaw and Curtis 32."""
+    """The trapezoid rule needs 16 points where Gauss needs 24 and Clenshaw-Curtis 32."""
     costs = loop_costs(FRAME, Loop.circle(CENTRE, 0.3), points=(8, 16, 24, 32))
     assert errors(costs, "trapezoid")[16] < 1e-14 < errors(costs, "Gauss")[16]
     assert errors(costs, "Gauss")[24] < 1e-13 < errors(costs, "Clenshaw-Curtis")[24]
@@ -37,7 +37,7 @@ def test_rules_on_a_circle() -> None:
 
 
 def test_the_direct_sum_loses_a_digit_for_every_decade() -> None:
-    """Slope of log error against log radius: -1 along the line, 0 for the flux."""
+    """Slope of log error over decades of the radius: 1 for the line integral, 0 for the flux."""
     decades = (3, 5, 7, 9)
     lines, fluxes = [], []
     for decade in decades:
@@ -50,7 +50,7 @@ def test_the_direct_sum_loses_a_digit_for_every_decade() -> None:
 
 
 def test_polygons() -> None:
-    """Six Gauss points a side are enough; equidistant points are not."""
+    """Six Gauss points per side are enough; equidistant points are not."""
     triangle = Loop.polygon([CENTRE, [0.4, 1, 0.2], [0.4, 1.1, 0.2]])
     costs = loop_costs(FRAME, triangle, rules=["trapezoid", "Gauss", "flux"], points=(6, 12))
     assert errors(costs, "Gauss")[18] < 1e-13
@@ -60,7 +60,7 @@ def test_polygons() -> None:
 
 
 def test_the_reference_has_its_digits() -> None:
-    """Fifty of them: against a Bessel function."""
+    """The reference has 45 right digits, compared with a Bessel function."""
     found = reference(FRAME, Loop.circle(CENTRE, 0.5))
     with mpmath.workdps(50):
         half, place = mpmath.mpf(1) / 2, mpmath.mpf(3) / 10
@@ -69,12 +69,12 @@ def test_the_reference_has_its_digits() -> None:
 
 
 def test_bad_requests() -> None:
-    """Unknown rules, loops without a relative error, loops known by numbers only."""
+    """Unknown rules, loops without a relative error and loops from numbers only are refused."""
     with pytest.raises(LoopError, match="no rule 'Simpson'"):
         loop_costs(FRAME, Loop.circle(CENTRE, 1), rules=["Simpson"])
     with pytest.raises(LoopError, match="vanishes"):
         loop_costs(load("flat_polar").frame, Loop.polygon([[1, 0], [1, 2], [1, 1]]))
-    # Its digits leave 1e-55 of nothing.
+    # At fifty digits a vanishing vector is about 1e-55.
     with pytest.raises(LoopError, match="vanishes"):
         loop_costs(load("heisenberg").frame, Loop.circle([0, 0, 0], 0.3, (1, 2)))
     with pytest.raises(LoopError, match="known by numbers only"):

@@ -1,4 +1,4 @@
-"""Bad input: each refusal is an error of ours that names the value and the remedy."""
+"""Bad input: each refusal is our own error and names the value and the remedy."""
 
 import pytest
 import sympy as sp
@@ -31,13 +31,13 @@ SPIN = (U1**2 + 2 * U2**2 + 3 * U3**2) / 2
     ],
 )
 def test_unknown_symbols(lagrangian, words):
-    """Symbols that can be no parameter are refused, with the nearest that is known."""
+    """Symbols that cannot be parameters are refused, with the nearest known name."""
     with pytest.raises(LagrangianError, match=words):
         gt.equations_of_motion(SO3, lagrangian)
 
 
 def test_listed_parameters_bind():
-    """Once parameters are listed, any other symbol is refused."""
+    """If parameters are listed, any other symbol is refused."""
     gravity = SPIN - sp.Symbol("mgl") * sp.cos(SO3.coordinates[1])
     assert gt.equations_of_motion(SO3, gravity, parameters=["mgl"]).agrees is True
     with pytest.raises(LagrangianError, match=r"got mgl.*Did you mean mgL\?.*List mgl"):
@@ -47,7 +47,7 @@ def test_listed_parameters_bind():
 
 
 def test_functions_of_time_are_no_coordinates():
-    """phi1(t), as sympy.physics.mechanics writes coordinates, would silently be a given drive."""
+    """phi1(t), as in sympy.physics.mechanics, would silently count as a given drive."""
     t = sp.Symbol("t")
     with pytest.raises(
         LagrangianError, match=r"expected the symbol phi2, got the function phi2\(t\)"
@@ -60,7 +60,7 @@ def test_functions_of_time_are_no_coordinates():
 
 
 def test_parameters_may_be_one_text():
-    """As coordinates of a frame may; names of changes are none."""
+    """Parameters may be one text, like coordinates; names of changes are refused."""
     found = gt.equations_of_motion(SO3, "I1*(u1**2 + u2**2) + I3*u3**2", parameters="I1, I3")
     assert {symbol.name for symbol in found.lagrangian.free_symbols} > {"I1", "I3"}
     with pytest.raises(LagrangianError, match="parameters: expected .*, got phi1dot"):
@@ -68,7 +68,7 @@ def test_parameters_may_be_one_text():
 
 
 def test_names_that_the_frame_has_taken():
-    """A coordinate xdot and a parameter b1: changes and gaps then get other names."""
+    """With a coordinate xdot and a parameter b1, changes and gaps get other names."""
     x, xdot, b1, d1 = sp.symbols("x xdot b1 dPhi1")
     frame = gt.Frame([x, xdot], [[1, b1 * xdot], [d1, 1 + x]])
     found = gt.equations_of_motion(frame, (U1**2 + U2**2) / 2 - x * xdot)
@@ -81,7 +81,7 @@ def test_names_that_the_frame_has_taken():
 
 
 def test_texts_are_read_by_the_whitelist():
-    """Names must be declared, numbers exact, and code is no expression."""
+    """Names must be declared and numbers exact; code is not an expression."""
     with pytest.raises(ExpressionError, match="I1 is neither a coordinate nor a declared"):
         gt.equations_of_motion(SO3, "I1*u1**2/2")
     with pytest.raises(ExpressionError, match=r"0\.5 is a decimal number"):
@@ -91,7 +91,7 @@ def test_texts_are_read_by_the_whitelist():
 
 
 def test_floats_are_refused_with_the_place():
-    """A float has no exact value: the entry is named."""
+    """A float has no exact value, and the error names the entry."""
     with pytest.raises(ExpressionError, match=r"forces\[2\]"):
         gt.equations_of_motion(SO3, SPIN, [0, 0, 0.1 * U1])
 
@@ -106,13 +106,13 @@ def test_floats_are_refused_with_the_place():
     ],
 )
 def test_singular_kinetic_matrix(lagrangian, words):
-    """Accelerations that are not determined are refused at once, with the velocity at fault."""
+    """Accelerations that are not determined are refused, and the velocity is named."""
     with pytest.raises(KineticMatrixError, match=words):
         gt.equations_of_motion(SO3, lagrangian)
 
 
 def test_constrained_velocity_may_have_no_energy():
-    """What is held needs no kinetic energy."""
+    """A velocity that a constraint fixes needs no kinetic energy."""
     found = gt.equations_of_motion(SO3, U1**2 + U2**2, constraints=[U3])
     assert found.accelerations == (0, 0)
 
@@ -128,13 +128,13 @@ def test_constrained_velocity_may_have_no_energy():
     ],
 )
 def test_wrong_number_of_forces(forces, words):
-    """Lists are as long as the frame, mappings count from zero."""
+    """A list of forces has one entry per leg; keys of a mapping count from zero."""
     with pytest.raises(ShapeError, match=words):
         gt.equations_of_motion(SO3, SPIN, forces)
 
 
 def test_constraints_must_be_a_list():
-    """A single text is no list of constraints."""
+    """A single text is refused as a list of constraints."""
     with pytest.raises(ShapeError, match="Put it in brackets"):
         gt.equations_of_motion(SO3, SPIN, constraints="u1")
 
@@ -148,13 +148,13 @@ def test_constraints_must_be_a_list():
     ],
 )
 def test_unknown_principle(principle, near):
-    """The nearest name is said, and all of them."""
+    """The error for an unknown principle names the nearest, or all of them."""
     with pytest.raises(UnknownNameError, match=near):
         gt.equations_of_motion(SO3, SPIN, principle=principle)
 
 
 def test_connection_of_another_frame():
-    """A torsion that belongs elsewhere cannot be taken off here."""
+    """The connection of another frame is refused."""
     with pytest.raises(ShapeError, match="another frame"):
         gt.equations_of_motion(
             SO3, SPIN, principle="closed_in_image",
@@ -163,7 +163,7 @@ def test_connection_of_another_frame():
 
 
 def test_complex_frames_do_not_move():
-    """A null tetrad is refused in words; its variations are algebra and stay."""
+    """A null tetrad is refused for motion, but its variations are algebra and work."""
     frame = spaces.load("kerr_kinnersley").frame
     with pytest.raises(LagrangianError, match="complex"):
         gt.equations_of_motion(frame, "u1*u2")
@@ -171,7 +171,7 @@ def test_complex_frames_do_not_move():
 
 
 def test_all_refusals_are_ours():
-    """One base class catches them."""
+    """All errors derive from one base class, and from ValueError."""
     for error in (LagrangianError, KineticMatrixError, CoordinateError, ShapeError):
         assert issubclass(error, GeomtorsionError)
         assert issubclass(error, ValueError)

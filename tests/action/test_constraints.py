@@ -1,4 +1,4 @@
-"""Constraints linear in the velocities: the classics, in published form and with reactions."""
+"""Constraints linear in the velocities: published solutions, and reactions."""
 
 import pytest
 import sympy as sp
@@ -42,7 +42,7 @@ def test_chaplygin_sleigh():
 
 
 def test_knife_edge_in_coordinates_says_the_same():
-    """The sleigh with its blade written as sin(theta) x' - cos(theta) y' = 0 over dx, dy."""
+    """The blade as sin(theta) x' - cos(theta) y' = 0 over dx, dy gives the same motion."""
     plain = gt.Frame([X, Y, THETA], sp.eye(3).tolist())
     turn = {
         U1: sp.cos(THETA) * U1 + sp.sin(THETA) * U2,
@@ -58,7 +58,7 @@ def test_knife_edge_in_coordinates_says_the_same():
 
 
 def test_reaction_on_an_inclined_knife_edge():
-    """The force that a multiplier has in LagrangesMethod is the reaction along the blade's form."""
+    """The force by the multiplier of LagrangesMethod is the reaction along the blade's form."""
     slope = sp.Symbol("s")
     lagrangian = M * (U1**2 + U2**2) / 2 + MOMENT * U3**2 / 2 - M * G * slope * X
     found = gt.equations_of_motion(SLEDGE, lagrangian, constraints=[U2])
@@ -77,10 +77,10 @@ def test_reaction_on_an_inclined_knife_edge():
     def here(expression):
         return sp.simplify(expression.subs(speeds).subs(names).subs(sp.Derivative(x, t), 0))
 
-    # sympy's multiplier stands on the left: m q'' + lambda a = Q or m q'' - lambda a = Q.
+    # sympy's multiplier is on the left: m q'' + lambda a = Q or m q'' - lambda a = Q.
     force = here(solved[6])
     assert sp.simplify(force**2 - found.reactions["u2"] ** 2) == 0
-    # By Newton: mass times sideways acceleration, less what the slope pulls sideways.
+    # By Newton: mass times sideways acceleration, minus the sideways part of the weight.
     newton = M * U1 * U3 - M * G * slope * sp.sin(THETA)
     assert sp.expand(found.reactions["u2"] - newton) == 0
     forward = here(solved[3] * sp.cos(theta) + solved[4] * sp.sin(theta))
@@ -89,7 +89,7 @@ def test_reaction_on_an_inclined_knife_edge():
 
 
 def disc_equations():
-    """A thin disc rolling on a table, velocities along the leaning axes as in sympy's manual."""
+    """A thin disc rolling on a table, with velocities along the leaning axes of sympy's manual."""
     q1, q2, q3 = sp.symbols("q1 q2 q3", real=True)
     place = sp.symbols("x1 x2 x3", real=True)
     turn = sp.rot_ccw_axis3(q1) * sp.rot_ccw_axis1(q2)
@@ -123,7 +123,7 @@ def test_rolling_disc_as_in_the_manual_of_sympy():
 
 
 def test_rolling_disc_by_kane():
-    """The same by Kane's method, from bodies and points instead of a frame of forms."""
+    """The same equations by Kane's method, from bodies and points instead of a frame of forms."""
     q1, q2, q3, u1, u2, u3 = dynamicsymbols("q1 q2 q3 u1 u2 u3")
     q1d, q2d, q3d = dynamicsymbols("q1 q2 q3", 1)
     space = ReferenceFrame("N")
@@ -136,7 +136,7 @@ def test_rolling_disc_by_kane():
     centre = contact.locatenew("D", R * lean.z)
     centre.v2pt_theory(contact, space, disc)
     dyad = inertia(lean, M * R**2 / 4, M * R**2 / 2, M * R**2 / 4)
-    # The chain rule of the angles gives the rates that the lean frame turns with.
+    # The chain rule of the angles gives the angular velocity of the leaning frame.
     lean.set_ang_vel(space, q2d * lean.x + q1d * sp.sin(q2) * lean.y + q1d * sp.cos(q2) * lean.z)
     lean.set_ang_acc(space, lean.ang_vel_in(space).dt(space))
     body = RigidBody("disc", centre, disc, M, (dyad, centre))
@@ -151,7 +151,7 @@ def test_rolling_disc_by_kane():
 
 
 def test_steady_motions_of_the_disc():
-    """Upright and straight on; and the circles of tan(lean) that balance: u1' = u2' = u3' = 0."""
+    """The upright disc, and circles with the balanced tan(lean): u1' = u2' = u3' = 0."""
     found, u, lean = disc_equations()
     upright = {lean: 0, u[0]: 0, u[2]: 0}
     assert [value.subs(upright) for value in found.accelerations] == [0, 0, 0]
@@ -160,7 +160,7 @@ def test_steady_motions_of_the_disc():
 
 
 def test_one_constraint_may_be_given_in_text():
-    """Text and expressions say the same; coefficients may contain coordinates."""
+    """Text and expressions give the same equations; coefficients may contain coordinates."""
     one = gt.equations_of_motion(SLEDGE, SLEIGH, constraints=["u2"])
     two = gt.equations_of_motion(SLEDGE, SLEIGH, constraints=["(2 + cos(theta))*u2"])
     assert {k: sp.simplify(v) for k, v in one.rates.items()} == {
@@ -183,13 +183,13 @@ def test_one_constraint_may_be_given_in_text():
     ],
 )
 def test_bad_constraints(constraints, words):
-    """What is not linear, or says nothing new, is refused by name."""
+    """A constraint that is not linear, or follows from others, is refused by its index."""
     with pytest.raises(ConstraintError, match=words):
         gt.equations_of_motion(SLEDGE, SLEIGH, constraints=constraints)
 
 
 def test_particle_on_a_rotating_line_is_free_where_it_should_be():
-    """A constraint that is integrable gives the motion of the reduced system."""
+    """An integrable constraint gives the motion of the reduced system."""
     x, y = sp.symbols("x y", real=True)
     frame = gt.Frame([x, y], [[1, 0], [0, 1]])
     slope = sp.Symbol("k", positive=True)
@@ -201,7 +201,7 @@ def test_particle_on_a_rotating_line_is_free_where_it_should_be():
 
 
 def test_forces_under_constraints():
-    """A force along what is held acts through what moves: F_1 + k F_2 on a line of slope k."""
+    """A force along a fixed velocity acts through the free ones: F_1 + k F_2 on a line."""
     x, y = sp.symbols("x y", real=True)
     frame = gt.Frame([x, y], [[1, 0], [0, 1]])
     slope, drag = sp.symbols("k c", positive=True)
@@ -228,14 +228,14 @@ def test_forces_under_constraints():
     ],
 )
 def test_which_velocity_goes(constraint, left):
-    """One with a constant coefficient if there is any, of several the last."""
+    """A velocity with a constant coefficient is eliminated; of several, the last one."""
     found = gt.equations_of_motion(SLEDGE, SLEIGH, constraints=[constraint])
     assert tuple(symbol.name for symbol in found.velocities) == left
     assert found.agrees is True
 
 
 def test_ball_on_a_turntable():
-    """The centre of a homogeneous ball goes in circles at 2/7 of the table's rate."""
+    """The centre of a homogeneous ball moves in circles at 2/7 of the table's rate."""
     spin = gt.spaces.load("so3_right").frame
     x, y = sp.symbols("x y", real=True)
     forms = sp.diag(spin.coframe.to_sympy().tomatrix(), sp.eye(2))
@@ -243,7 +243,7 @@ def test_ball_on_a_turntable():
     u = sp.symbols("u1:6")
     table = sp.Symbol("Omega")
     energy = M * (u[3] ** 2 + u[4] ** 2) / 2 + M * R**2 * sum(w**2 for w in u[:3]) / 5
-    # Where it touches, the ball goes with the table: v - r z x w = Omega z x (x, y).
+    # At the contact the ball moves with the table: v - r z x w = Omega z x (x, y).
     rolling = [u[3] - R * u[1] + table * y, u[4] + R * u[0] - table * x]
     found = gt.equations_of_motion(frame, energy, constraints=rolling)
     assert found.velocities == u[:3]
@@ -257,7 +257,7 @@ def test_ball_on_a_turntable():
 
 
 def test_driven_wheel():
-    """A bead on a rod that turns as it is told: r'' = w(t)^2 r, and the torque that this needs."""
+    """A bead on a rod of given angular velocity: r'' = w(t)^2 r, with the torque for that."""
     frame = gt.spaces.load("flat_polar").frame
     radius, t = frame.coordinates[0], sp.Symbol("t")
     drive = sp.Function("w")(t)

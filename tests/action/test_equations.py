@@ -1,4 +1,4 @@
-"""Equations of motion: Euler's, autoparallels and geodesics out of one derivation."""
+"""Equations of motion: Euler's equations, autoparallels and geodesics from one derivation."""
 
 import pytest
 import sympy as sp
@@ -16,7 +16,7 @@ FLIGHT = SPIN + MASS * (U[3] ** 2 + U[4] ** 2 + U[5] ** 2) / 2
 
 
 def equal(found, expected):
-    """Whether two sequences of expressions are the same, term by term."""
+    """Whether two sequences of expressions are equal, term by term."""
     assert len(found) == len(expected)
     return all(
         sp.expand(one - two) == 0 for one, two in zip(found, map(sp.sympify, expected), strict=True)
@@ -24,7 +24,7 @@ def equal(found, expected):
 
 
 def test_euler_equations_on_so3():
-    """Equation (1) of the paper without moments: I_i u'^i + (u x I u)^i = 0."""
+    """Equation (1) of the paper without torques: I_i u'^i + (u x I u)^i = 0."""
     found = gt.equations_of_motion(spaces.load("so3").frame, SPIN)
     omega = sp.Matrix(U[:3])
     momentum = sp.Matrix([i * u for i, u in zip(MOMENTS, U[:3], strict=True)])
@@ -37,7 +37,7 @@ def test_euler_equations_on_so3():
 
 
 def test_euler_equations_with_moments_of_force():
-    """Equation (1) with moments that depend on q, u, t and a parameter."""
+    """Equation (1) with torques that depend on q, u, t and a parameter."""
     frame = spaces.load("so3").frame
     phi2, t, k = frame.coordinates[1], sp.Symbol("t"), sp.Symbol("k")
     forces = [sp.sin(phi2), -k * U[1], sp.cos(3 * t)]
@@ -51,7 +51,7 @@ def test_euler_equations_with_moments_of_force():
 
 
 def test_missile_on_r3xso3():
-    """Equations (1) and (2): M V' + Omega x M V = F beside Euler's, in one 6-frame."""
+    """Equations (1) and (2): M V' + Omega x M V = F and Euler's equations, in one 6-frame."""
     force = sp.symbols("F1:7")
     found = gt.equations_of_motion(spaces.load("r3xso3").frame, FLIGHT, force)
     omega, speed = sp.Matrix(U[:3]), sp.Matrix(U[3:])
@@ -92,7 +92,7 @@ def test_closed_in_coordinates_gives_geodesics(name):
 
 
 def same_rates(equations, problem):
-    """Whether the rates are those of a problem of curves/, exactly."""
+    """Whether the rates equal the rates of a problem of curves/, exactly."""
     written = problem.equations()
     letters = {s.name: s for s in (*equations.frame.coordinates, *equations.velocities)}
     compared = 0
@@ -104,7 +104,7 @@ def same_rates(equations, problem):
 
 
 def test_torsion_force_is_minus_that_of_the_connection():
-    """With p = u the torsion force of the frame, lowered: - 2 S_a^c_b q'^a q'^b."""
+    """With p = u it is minus the torsion force of the connection, 2 S_a^c_b q'^a q'^b lowered."""
     frame = spaces.load("r3xso3").frame
     found = gt.equations_of_motion(frame, sum(u**2 for u in U) / 2)
     rates = [found.rates[q.name] for q in frame.coordinates]
@@ -119,7 +119,7 @@ def test_torsion_force_is_minus_that_of_the_connection():
 
 
 def test_principles_told_apart_on_so3():
-    """Equal moments: all three agree. Unequal: only Hamilton's has the gyroscopic term."""
+    """Equal moments of inertia: all three agree; else only Hamilton's has a gyroscopic term."""
     frame = spaces.load("so3").frame
     equal_moments = SPIN.subs(dict.fromkeys(MOMENTS, MOMENTS[0]))
     names = ("closed_in_coordinates", "closed_in_image", "naive")
@@ -131,7 +131,7 @@ def test_principles_told_apart_on_so3():
 
 
 def test_screws_and_flights_on_r3xso3():
-    """Autoparallels are screws, V constant in the body; geodesics fly straight in space."""
+    """Autoparallels are screws, with V constant in the body; geodesics are straight in space."""
     frame = spaces.load("r3xso3").frame
     screw = gt.equations_of_motion(frame, FLIGHT, principle="closed_in_image")
     flight = gt.equations_of_motion(frame, FLIGHT)
@@ -142,7 +142,7 @@ def test_screws_and_flights_on_r3xso3():
 
 
 def test_reduced_equations():
-    """On a group the velocities stand alone, with what they keep; under gravity they do not."""
+    """On a group the velocities have their own equations and invariants; gravity is refused."""
     frame = spaces.load("so3").frame
     alone = gt.equations_of_motion(frame, SPIN).reduced
     assert set(alone.rates) == {"u1", "u2", "u3"}
@@ -155,7 +155,7 @@ def test_reduced_equations():
 
 
 def test_text_and_latex():
-    """One line for each state; LaTeX dots its letters; the time is said."""
+    """Text has one line per state, and LaTeX dots its letters."""
     found = gt.equations_of_motion(spaces.load("so3").frame, SPIN)
     lines = found.text.splitlines()
     assert [line.split("'")[0] for line in lines] == list(found.rates)
@@ -180,7 +180,7 @@ def test_text_is_read_like_expressions():
 
 
 def test_the_frame_of_the_user_is_left_alone():
-    """Mechanics adds no symbol to the frame that it is asked about."""
+    """Mechanics adds no symbol to the frame of the user."""
     x, y = sp.symbols("x y", positive=True)
     frame = gt.Frame([x, y], [[1, 0], [0, x]])
     before = frame.field.symbols
@@ -200,7 +200,7 @@ def test_other_letters_where_the_frame_has_taken_them():
 
 
 def test_values_against_what_was_declared():
-    """Equations of motion know what was declared of the parameters of a Lagrangian."""
+    """A value against the assumptions of a parameter of the Lagrangian is refused."""
     m, x = sp.Symbol("m", positive=True), sp.Symbol("x", real=True)
     u = sp.Symbol("u1", real=True)
     found = gt.equations_of_motion(gt.Frame([x], [[1]]), u**2 / 2 - sp.sqrt(m**2) * x**2)

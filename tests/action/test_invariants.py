@@ -1,6 +1,6 @@
-"""Invariants: Killing fields and Casimirs that are found, against those that books list."""
+"""Invariants: the Killing fields and Casimirs that are found agree with books."""
 
-# Sums of expressions that start at the number 0.
+# Sums of expressions that start with the number 0.
 # pyright: reportAttributeAccessIssue=false
 
 import pytest
@@ -15,12 +15,12 @@ from tests.action.test_equations import FLIGHT, MASS, MOMENTS, SPIN, U
 
 
 def kinetic(frame):
-    """Half the square of the velocity, of unit mass."""
+    """Kinetic energy of unit mass."""
     return sum(frame.eta[k, k] * u**2 for k, u in enumerate(U[: frame.dimension])) / 2
 
 
 def momenta(found):
-    """What is linear in the velocities."""
+    """Names of the invariants that are linear in the velocities."""
     return [
         name
         for name in found
@@ -30,7 +30,7 @@ def momenta(found):
 
 
 def test_how_many_candidates_are_tried():
-    """Of 1, q, cos q, sin q in three directions there are 192; in four 1 and q remain."""
+    """Three directions have 192 candidates from 1, q, cos q, sin q; four use only 1 and q."""
     q = sp.symbols("x y z t")
     flat = gt.Frame(q[:3], sp.eye(3))
     found, words = ansatz_functions(flat, fitting_functions(flat, []))
@@ -53,7 +53,7 @@ def test_how_many_candidates_are_tried():
         ("s2", 3),
         ("so3", 6),
         ("so3_zxz", 6),
-        # The helical one counts once more: kappa is an unknown, and no number of a combination.
+        # The helical combination counts once more: its coefficient kappa is not a number.
         ("twisted_bar", 7),
         ("schwarzschild", 4),
         ("schwarzschild_isotropic", 4),
@@ -71,7 +71,7 @@ def test_number_of_killing_fields(name, number):
 
 
 def test_free_body_keeps_its_momentum_in_space():
-    """so3 with unequal moments: R L, all three, and L.L in the body."""
+    """so3 with unequal moments of inertia: all components of R L, and L.L in the body."""
     frame = spaces.load("so3").frame
     found = gt.conserved_quantities(frame, SPIN)
     assert set(found) == {
@@ -87,7 +87,7 @@ def test_free_body_keeps_its_momentum_in_space():
 
 
 def test_free_flight_keeps_twelve():
-    """r3xso3: energy, momentum, spin, orbital angular momentum and the two Casimirs of se(3)."""
+    """r3xso3: momenta P, R L and x cross P, and the two Casimirs of se(3)."""
     found = gt.conserved_quantities(spaces.load("r3xso3").frame, FLIGHT)
     assert len(momenta(found)) == 9, "R L, x cross P and P, three of each"
     spin = sum(i * u * v for i, u, v in zip(MOMENTS, U[:3], U[3:], strict=True))
@@ -109,7 +109,7 @@ def test_falling_body():
 
 
 def test_almost_symmetric_is_not_symmetric():
-    """Zero is decided: moments that differ in the fortieth place keep no p_psi."""
+    """Zero is decided exactly: moments that differ in the fortieth digit keep no p_psi."""
     frame = spaces.load("so3").frame
     weight = sp.cos(frame.coordinates[1])
     close = {MOMENTS[0]: 1, MOMENTS[1]: 1 + sp.Rational(1, 10**40), MOMENTS[2]: 2}
@@ -119,7 +119,7 @@ def test_almost_symmetric_is_not_symmetric():
 
 
 def test_helical_symmetry_is_a_combination():
-    """A potential of phi - 2 z keeps 2 p_phi + p_z and neither alone."""
+    """A potential of phi - 2 z keeps 2 p_phi + p_z, but neither of the two."""
     frame = spaces.load("flat_cylindrical").frame
     _, phi, z = frame.coordinates
     found = gt.conserved_quantities(frame, kinetic(frame) - sp.cos(phi - 2 * z))
@@ -129,7 +129,7 @@ def test_helical_symmetry_is_a_combination():
 
 
 def test_forces_and_time_take_invariants_away():
-    """Drag leaves nothing; a force along z leaves what has no z in it."""
+    """Drag leaves no invariant; a radial force leaves the momentum of phi."""
     frame = spaces.load("flat_polar").frame
     drag = [-sp.Symbol("c") * u for u in U[:2]]
     assert gt.conserved_quantities(frame, kinetic(frame), drag) == {}
@@ -138,7 +138,7 @@ def test_forces_and_time_take_invariants_away():
 
 
 def test_gyroscopic_force_keeps_the_energy():
-    """F = B x u does no work: found although it is a force."""
+    """F = B x u does no work, so that the energy is found, although there is a force."""
     frame = spaces.load("flat_polar").frame
     field = sp.Symbol("B")
     found = gt.conserved_quantities(frame, kinetic(frame), [field * U[1], -field * U[0]])
@@ -147,7 +147,7 @@ def test_gyroscopic_force_keeps_the_energy():
 
 @pytest.mark.parametrize("name", ["so3", "heisenberg", "ax_plus_b", "sl2r", "r3xso3", "sol"])
 def test_right_invariant_fields_commute_with_the_legs(name):
-    """[E_k, xi] = 0, by sympy's own derivatives at a point, to 30 digits."""
+    """[E_k, xi] = 0 to 30 digits, by sympy's derivatives at a point."""
     frame = spaces.load(name).frame
     found = right_invariant(frame)
     assert found is not None
@@ -165,12 +165,12 @@ def test_right_invariant_fields_commute_with_the_legs(name):
 
 
 def test_no_right_invariant_fields_off_groups():
-    """A sphere is no group; a quaternion chart needs no such fields to be refused quietly."""
+    """A sphere is not a group, so that no such fields exist."""
     assert right_invariant(spaces.load("s2").frame) is None
 
 
 def test_relations_over_the_rationals():
-    """Combinations are found exactly; parameters are no numbers."""
+    """Combinations are found exactly; coefficients are numbers and contain no parameters."""
     x, k = sp.symbols("x k")
     field = Field([x, k])
     values = [field.read(v) for v in (sp.sin(x) ** 2, sp.cos(x) ** 2, 1 / x, k / x, sp.Integer(3))]
@@ -183,7 +183,7 @@ def test_relations_over_the_rationals():
 
 
 def test_flow_gets_the_invariants():
-    """gt.ODE.of takes the equations as they are, and gt.solve measures how well they are kept."""
+    """gt.ODE.of accepts the equations directly, and gt.solve measures the drift of invariants."""
     frame = spaces.load("so3").frame
     found = gt.equations_of_motion(frame, SPIN - sp.Symbol("w") * sp.cos(frame.coordinates[1]))
     start = {"phi1": 0, "phi2": 1, "phi3": 0, "u1": 0.1, "u2": 0, "u3": 5}
@@ -195,9 +195,9 @@ def test_flow_gets_the_invariants():
 
 
 def test_lines_that_begin_where_their_integral_is_not_zero():
-    """dx/x^2 from x = 1: the fields on the right commute with the legs, and are momenta.
+    """dx/x^2 from x = 1: the right-invariant fields commute with the legs and are momenta.
 
-    With -1/x in place of 1 - 1/x one of them was none, and its momentum was not found.
+    With -1/x instead of 1 - 1/x one field would be wrong, and its momentum would be missing.
     """
     x, y = sp.symbols("x y", positive=True)
     frame = gt.Frame([x, y], [[1 / x**2, 0], [0, sp.exp(1 / x)]])
@@ -219,7 +219,7 @@ K = sp.Symbol("k", positive=True)
 
 
 def verified(frame, lagrangian, found):
-    """Whether each quantity is constant along the solved motion, from a start of no symmetry."""
+    """Whether each quantity is constant along the motion, at a point without symmetry."""
     equations = gt.equations_of_motion(frame, lagrangian)
     numbers = [sp.Rational(k, 7) for k in (9, 4, 5, -3, 2, -6, 8, 1)]
     names = [*frame.coordinates, *equations.velocities]
@@ -244,13 +244,13 @@ def verified(frame, lagrangian, found):
     ],
 )
 def test_angular_momentum_in_cartesian_coordinates(place, potential, number):
-    """Oscillators, Kepler and the free particle keep what they keep in any coordinates."""
+    """Oscillators, Kepler and the free particle have the same number as in any coordinates."""
     frame = gt.Frame(place, sp.eye(len(place)))
     lagrangian = kinetic(frame) - potential
     found = gt.conserved_quantities(frame, lagrangian)
     assert len(momenta(found)) == number
     assert verified(frame, lagrangian, found)
-    # The angular momentum about z is a combination of what was found.
+    # The angular momentum about z is a combination of these momenta.
     values = [value for name, value in found.items() if name in momenta(found)]
     field = Field([*place, *U[:3], K])
     turning = field.read(place[0] * U[1] - place[1] * U[0])
@@ -274,7 +274,7 @@ def test_minkowski_has_ten():
 
 @pytest.mark.parametrize("name", ["kerr", "kerr_newman"])
 def test_carters_constant(name):
-    """K = r^2 (u3^2 + u4^2) + a^2 cos^2 (u1^2 - u2^2) [Carter 1968], where nothing else is left."""
+    """K = r^2 (u3^2 + u4^2) + a^2 cos^2 (u1^2 - u2^2) [Carter 1968] is found for Kerr."""
     q = sp.symbols("t r theta phi", real=True)
     _, r, theta, _ = q
     mass, a, charge = sp.symbols("M a Q", positive=True)
@@ -294,7 +294,7 @@ def test_carters_constant(name):
     u = U[:4]
     published = r**2 * (u[2] ** 2 + u[3] ** 2) + a**2 * c**2 * (u[0] ** 2 - u[1] ** 2)
     assert sp.expand(found["killing tensor 1"] - published) == 0
-    # (L - a E)^2 + Q, with the constant Q of Boyer-Lindquist coordinates.
+    # (L - a E)^2 + Q, with Carter's constant Q of Boyer-Lindquist coordinates.
     energy, turn = -found["momentum of t"], found["momentum of phi"]
     square = -2 * found["energy"]
     carter = (long * u[2]) ** 2 + c**2 * (a**2 * (square - energy**2) + turn**2 / s**2)
@@ -307,7 +307,7 @@ def test_carters_constant(name):
 
 
 def test_curved_spaces_in_cartesian_coordinates():
-    """A sphere seen from its pole, and the half plane: three fields, quadratic in coordinates."""
+    """A sphere from its pole and the half plane have three fields, quadratic in coordinates."""
     for factor in (2 / (1 + X**2 + Y**2), 1 / Y):
         frame = gt.Frame((X, Y), factor * sp.eye(2))
         found = gt.conserved_quantities(frame, kinetic(frame))
@@ -316,7 +316,7 @@ def test_curved_spaces_in_cartesian_coordinates():
 
 
 def test_the_ansatz_is_reported():
-    """What was searched is printed with what was found, also where nothing was found."""
+    """The searched ansatz is printed with the result, also if nothing was found."""
     frame = gt.Frame((X, Y), sp.eye(2))
     found = gt.conserved_quantities(frame, kinetic(frame) - K * (X**2 + X * Y**3))
     assert list(found) == ["energy"]

@@ -1,4 +1,4 @@
-"""Lagrangians of other books: tops, charges, relativity, time, Lorentzian frames."""
+"""Lagrangians of textbooks: tops, charges, relativity, time, Lorentzian frames."""
 
 import pytest
 import sympy as sp
@@ -10,7 +10,7 @@ from tests.action.test_equations import MASS, MOMENTS, SPIN, U, equal
 
 
 def test_heavy_top_by_lagranges_method():
-    """A heavy symmetric top: accelerations of the angles as sympy.physics.mechanics has them."""
+    """Accelerations of a heavy top agree with sympy.physics.mechanics."""
     angles = dynamicsymbols("phi1 phi2 phi3")
     rates = dynamicsymbols("phi1 phi2 phi3", 1)
     frame = spaces.load("so3").frame
@@ -22,7 +22,7 @@ def test_heavy_top_by_lagranges_method():
     method = LagrangesMethod(kinetic - weight * sp.cos(angles[1]), list(angles))
     method.form_lagranges_equations()
     found = gt.equations_of_motion(frame, SPIN - weight * sp.cos(frame.coordinates[1]))
-    # Quasi-accelerations: d/dt (e q') with q'' from the other program, at a point in 40 digits.
+    # Quasi-accelerations: d/dt (e q') with q'' from sympy, at a point to 40 digits.
     place = dict(
         zip(angles, (sp.Rational(1, 3), sp.Rational(7, 5), sp.Rational(2, 9)), strict=True)
     )
@@ -45,7 +45,7 @@ def test_heavy_top_by_lagranges_method():
 
 
 def test_lagrange_top_has_its_three_integrals():
-    """Energy, p_phi and p_psi of the symmetric heavy top; of an unsymmetric one p_psi is lost."""
+    """Energy, p_phi and p_psi of a symmetric heavy top; without symmetry p_psi is not constant."""
     frame = spaces.load("so3").frame
     weight, tilt = sp.Symbol("w"), frame.coordinates[1]
     lagrangian = SPIN - weight * sp.cos(tilt)
@@ -59,7 +59,7 @@ def test_lagrange_top_has_its_three_integrals():
 
 
 def test_charge_in_a_magnetic_field():
-    """L = m u^2/2 + A_i u^i: the Lorentz force B x u of the field B = curl A, in polar forms."""
+    """L = m u^2/2 + A_i u^i: the Lorentz force B x u for B = curl A, in polar coordinates."""
     frame = spaces.load("flat_polar").frame
     radius = frame.coordinates[0]
     field = sp.Symbol("B")
@@ -90,7 +90,7 @@ def test_relativistic_particle():
 
 
 def test_time_in_the_lagrangian():
-    """A pendulum whose support shakes: the energy is no invariant; the equation is Mathieu's."""
+    """A pendulum with a shaking support: Mathieu's equation, and the energy is not constant."""
     angle, t = sp.Symbol("theta", real=True), sp.Symbol("t")
     length, shake = sp.Symbol("l", positive=True), sp.Function("z")(t)
     frame = gt.Frame([angle], [[1]])
@@ -106,7 +106,7 @@ def test_time_in_the_lagrangian():
 
 @pytest.mark.parametrize("name", ["kerr", "schwarzschild_isotropic"])
 def test_lorentzian_geodesics(name):
-    """L = eta_ij u^i u^j / 2 gives gt.geodesic's equations; t is a coordinate, time gets a name."""
+    """L = eta_ij u^i u^j / 2 gives geodesics; if t is a coordinate, time gets another name."""
     frame = spaces.load(name).frame
     signs = [frame.eta[i, i] for i in range(4)]
     found = gt.equations_of_motion(frame, sum(s * u**2 for s, u in zip(signs, U, strict=False)) / 2)
@@ -156,7 +156,7 @@ def somewhere(found):
 
 @pytest.mark.parametrize("links", [2, 4])
 def test_chain_of_pendulums(links):
-    """Accelerations solve M u' = f; of long chains they stay quotients, and all is still proved."""
+    """Accelerations solve M u' = f; for long chains they stay quotients and are still proved."""
     frame, energy = pendulum(links)
     found = gt.equations_of_motion(frame, energy)
     assert found.agrees is True
@@ -170,7 +170,7 @@ def test_chain_of_pendulums(links):
 
 
 def test_a_long_chain_under_a_constraint():
-    """The reaction on a held angle is what is left of its Euler-Lagrange equation."""
+    """The reaction on a fixed angle is the residue of its Euler-Lagrange equation."""
     frame, energy = pendulum(5)
     found = gt.equations_of_motion(frame, energy, constraints=["u5"])
     assert found.hamel.accelerations is None

@@ -1,6 +1,6 @@
-"""Linearized: steady motions against slopes of the rates, and a bicycle against its benchmark."""
+"""Linearized: steady motions agree with derivatives of the rates; a bicycle with its benchmark."""
 
-# Complex arrays, and names that are text or symbols.
+# Complex arrays, and names that are texts or symbols.
 # pyright: reportAttributeAccessIssue=false, reportArgumentType=false
 
 import numpy as np
@@ -26,7 +26,7 @@ LINE = gt.Frame([Q], [[1]])
 
 
 def slopes(equations, found, at):
-    """The matrix by differentiation of the rates, which are written out."""
+    """The matrix by differentiation of the written rates."""
     names = {
         s.name: s
         for s in (*equations.frame.coordinates, *equations.hamel.bundle.symbols.velocities)
@@ -38,7 +38,7 @@ def slopes(equations, found, at):
 
 
 def test_critical_speed_of_a_disc():
-    """A rolling disc stands upright where W^2 > g / (3 r): 1/sqrt(3) for unit numbers."""
+    """A rolling disc stays upright for W^2 > g / (3 r): W > 1/sqrt(3) in unit numbers."""
     equations, _, _ = disc_equations()
     found = equations.linearized(at={"q2": 0, "u2": W})
     assert found.states == ("q2", "u1", "u2", "u3")
@@ -53,7 +53,7 @@ def test_critical_speed_of_a_disc():
 
 
 def steady_cases():
-    """Equations with a steady motion of each."""
+    """Equations, each with a steady motion."""
     yield gt.equations_of_motion(gt.spaces.load("so3").frame, SPIN), {"u2": W}
     yield (
         gt.equations_of_motion(gt.spaces.load("so3").frame, SPIN, principle="closed_in_image"),
@@ -79,7 +79,7 @@ def steady_cases():
 
 @pytest.mark.parametrize("case", range(8))
 def test_slopes_of_the_rates(case):
-    """Expanded at the state, and differentiated after all is written: the same matrix, exactly."""
+    """Expansion at the state and differentiation of the written rates give the same matrix."""
     equations, at = list(steady_cases())[case]
     found = equations.linearized(at=at)
     zero = dict.fromkeys((u.name for u in equations.velocities), sp.S.Zero)
@@ -98,7 +98,7 @@ def test_a_kepler_orbit_turns_once_per_turn():
 
 
 def test_eigenvalues_keep_their_digits():
-    """A triple zero stays zero, where eigenvalues in doubles come out at 1e-5."""
+    """A triple zero stays zero, where eigenvalues in doubles would be about 1e-5."""
     chain = "u1**2/2 + u2**2/2"
     plane = gt.Frame(sp.symbols("x y"), sp.eye(2))
     found = gt.linearized(plane, chain, ["y", "0"], at={"y": 0})
@@ -117,7 +117,7 @@ SPRING = np.array([[0, 76.59734589573222], [0, 2.65431523794604]])
 
 
 def turn(axis, angle):
-    """The matrix of a turn about an axis."""
+    """The matrix of a rotation about an axis."""
     c, s = sp.cos(angle), sp.sin(angle)
     i, j = {"x": (1, 2), "y": (2, 0), "z": (0, 1)}[axis]
     matrix = sp.eye(3)
@@ -169,7 +169,7 @@ def bicycle():
 
 @pytest.fixture(scope="module")
 def ridden():
-    """The bicycle that runs straight on, with its speed v as parameter."""
+    """The bicycle that runs straight on, with its speed v as a parameter."""
     frame, energy, ties = bicycle()
     upright = dict.fromkeys(("yaw", "lean", "pitch", "steer"), 0)
     at = upright | {"u7": -sp.Symbol("v") / sp.Rational(3, 10)}
@@ -178,7 +178,7 @@ def ridden():
 
 @pytest.mark.parametrize("speed", [0.5, 3, 5, 8])
 def test_bicycle_benchmark(ridden, speed):
-    """Four eigenvalues of the paper, and zeros of yaw, pitch and the forward speed."""
+    """Four eigenvalues agree with the paper; yaw, pitch and forward speed give zeros."""
     pulled = np.linalg.solve(MASS, 9.81 * WEIGHT + speed**2 * SPRING)
     held = np.linalg.solve(MASS, speed * DAMPING)
     published = np.linalg.eigvals(np.block([[np.zeros((2, 2)), np.eye(2)], [-pulled, -held]]))
@@ -198,7 +198,7 @@ def test_critical_speeds_of_the_bicycle(ridden):
 
 
 def test_the_bicycle_cannot_be_written_out_and_says_what_to_do():
-    """The refusal of the whole equations names the function that expands them."""
+    """The error for the full equations names the function that expands them."""
     frame, energy, ties = bicycle()
     numbers = [tie.subs(sp.sqrt(5), sp.Symbol("s", positive=True)) for tie in ties]
     with pytest.raises(LimitError, match=r"gt.linearized\(..., at="):
@@ -268,6 +268,6 @@ def test_the_bicycle_cannot_be_written_out_and_says_what_to_do():
     ],
 )
 def test_refusals(call, error, words):
-    """What has no linearisation is refused, with the reason."""
+    """A state or system without a linearisation is refused with the reason."""
     with pytest.raises(error, match=words):
         call()

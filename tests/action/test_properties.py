@@ -1,4 +1,4 @@
-"""Properties: over random frames both derivations agree, and what is kept is kept."""
+"""Properties: over random frames both derivations agree, and invariants are constant."""
 
 import sympy as sp
 from hypothesis import HealthCheck, given, settings
@@ -33,7 +33,7 @@ def cases(draw, *, rheonomic=True):
 
 
 def pushes(draw, frame):
-    """Forces that depend on everything that they may depend on."""
+    """Forces that depend on coordinates, velocities, time and a parameter."""
     symbol = st.sampled_from(frame.coordinates)
     return [
         draw(st.sampled_from([0, T, U[k] ** 2, sp.Symbol("c") * U[0]])) * draw(symbol)
@@ -54,7 +54,7 @@ def test_quasi_velocities_and_coordinates_agree(data, principle):
 @QUIET
 @given(cases(rheonomic=False))
 def test_energy_is_kept_without_time_and_forces(case):
-    """p u - L is always among the invariants, and its derivative vanishes at numbers too."""
+    """p u - L is always among the invariants, and invariants are constant also numerically."""
     frame, lagrangian = case
     found = gt.equations_of_motion(frame, lagrangian)
     assert "energy" in found.invariants
@@ -65,7 +65,7 @@ def test_energy_is_kept_without_time_and_forces(case):
 
 
 def drift(found, value):
-    """d/dt of an expression along the motion at one point, to 30 digits, by sympy alone."""
+    """d/dt of an expression along the motion at one point, to 30 digits, by sympy only."""
     symbols = {s.name: s for s in value.free_symbols}
     change = sp.diff(value, T)
     for name, rate in found.rates.items():
@@ -93,7 +93,7 @@ def test_power_of_forces_changes_the_energy(data):
 @QUIET
 @given(data=st.data())
 def test_a_constraint_takes_its_velocity_away(data):
-    """A random linear constraint: both derivations agree, energy stays, the constraint holds."""
+    """With a random constraint both derivations agree, and the rates satisfy the constraint."""
     frame, lagrangian = data.draw(cases(rheonomic=False))
     n = frame.dimension
     symbol = data.draw(st.sampled_from(frame.coordinates))
@@ -114,7 +114,7 @@ def test_a_constraint_takes_its_velocity_away(data):
 @QUIET
 @given(frames(largest=3))
 def test_variations_follow_from_the_path(frame):
-    """delta-bar u^i by the chain rule, over any frame; naive only where nothing is anholonomic."""
+    """delta-bar u^i by the chain rule over any frame; naive only if the frame is holonomic."""
     assert gt.variation(frame).proved is True
     assert gt.variation(frame, "closed_in_image").proved is True
     holonomic = frame.anholonomy.is_zero
@@ -124,7 +124,7 @@ def test_variations_follow_from_the_path(frame):
 @QUIET
 @given(cases())
 def test_image_of_another_connection(case):
-    """With the Levi-Civita connection nothing goes off; halfway, half of the torsion force does."""
+    """Levi-Civita changes nothing; a half blend removes half of the torsion force."""
     frame, lagrangian = case
     right = gt.equations_of_motion(frame, lagrangian)
     bar = gt.levi_civita(frame)

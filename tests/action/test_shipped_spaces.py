@@ -1,4 +1,4 @@
-"""Shipped spaces: over each of them both principles give the curves that motion/ solves."""
+"""Shipped spaces: in each both principles give the curves that motion/ solves."""
 
 import pytest
 import sympy as sp
@@ -11,7 +11,7 @@ NAMES = [name for name in gt.spaces.names() if not gt.spaces.load(name).frame.co
 
 
 def test_there_are_enough():
-    """Nearly all spaces are real."""
+    """At least 45 shipped spaces are real."""
     assert len(NAMES) >= 45
 
 

@@ -1,4 +1,4 @@
-"""Variations: (15) on so3 and the corrected (23) on r3xso3 come out of the same code."""
+"""Variations: (15) on so3 and the corrected (23) on r3xso3 follow from the same code."""
 
 from itertools import product
 
@@ -47,7 +47,7 @@ def test_corrected_equation_23_on_r3xso3():
 
 @pytest.mark.parametrize("name", ["so3", "so3_zxz", "r3xso3", "s2", "flat_polar", "sl2r", "kerr"])
 def test_variations_are_proved_by_the_chain_rule(name):
-    """Closed in coordinates and closed in the image are variations of a path; naive is none."""
+    """Closed in coordinates and closed in the image are variations of a path; naive is not."""
     frame = spaces.load(name).frame
     assert gt.variation(frame).proved is True
     assert gt.variation(frame, "closed_in_image").proved is True
@@ -55,7 +55,7 @@ def test_variations_are_proved_by_the_chain_rule(name):
 
 
 def test_naive_variation_is_right_in_a_coordinate_frame():
-    """Where the forms are integrable all three are one."""
+    """If the forms are integrable, naive and closed variation are equal."""
     x, y = sp.symbols("x y")
     frame = gt.Frame([x, y], [[1, 2 * x * y], [0, 1 + y**2]])
     bent = gt.Frame([x, y], [[1, 2 * x], [0, 1]])
@@ -67,7 +67,7 @@ def test_naive_variation_is_right_in_a_coordinate_frame():
 
 
 def test_coefficients_are_the_torsion():
-    """A_kj^i = 2 S_kj^i, by differences of the coframe worked out here."""
+    """A_kj^i = 2 S_kj^i, by derivatives of the coframe computed here."""
     frame = spaces.load("so3_zxz").frame
     n, q = range(3), frame.coordinates
     e, legs = frame.coframe.to_sympy(), frame.legs.to_sympy()
@@ -90,7 +90,7 @@ def test_gap_is_the_burgers_vector_of_the_varied_strip():
 
 
 def test_image_with_another_connection():
-    """With no torsion to take off, closing in the image is closing in the coordinates."""
+    """Without torsion, closed in the image is closed in coordinates; a blend is between them."""
     frame = spaces.load("so3").frame
     half = gt.blend(gt.cartan(frame), gt.levi_civita(frame), sp.Rational(1, 2))
     bar = gt.levi_civita(frame)
@@ -102,7 +102,7 @@ def test_image_with_another_connection():
 
 
 def test_text_and_latex():
-    """Lines name velocities and images; LaTeX has one row each."""
+    """Lines name velocities and images; LaTeX has one row for each."""
     found = gt.variation(spaces.load("so3").frame)
     assert str(found).splitlines()[0] == "delta u1 = dPhi1' - dPhi2*u3 + dPhi3*u2"
     assert found.latex.count(r"\bar\delta") == 3
@@ -112,7 +112,7 @@ def test_text_and_latex():
 
 
 def test_bad_requests():
-    """An unknown principle names the nearest; a connection over another frame is refused."""
+    """An unknown principle is refused with the nearest name; another frame is refused."""
     frame = spaces.load("so3").frame
     with pytest.raises(UnknownNameError, match="Did you mean closed_in_image"):
         gt.variation(frame, "closed_in_imge")

@@ -1,6 +1,6 @@
-"""Graphs to test with: expressions of every kind, and geodesics of shipped spaces."""
+"""Graphs for tests: expressions of many kinds, and geodesics of shipped spaces."""
 
-# Bad input, arrays for lists, results known to be there: more than types say.
+# Bad input, lists as arrays and results that may be None: the types are stricter.
 # pyright: reportArgumentType=false, reportOperatorIssue=false
 
 import sympy as sp
@@ -12,12 +12,12 @@ x, y, z, a, b = SYMBOLS = sp.symbols("x y z a b")
 NAMES = [str(symbol) for symbol in SYMBOLS]
 TABLE = dict(zip(NAMES, SYMBOLS, strict=True))
 SPACES = ("so3", "kerr", "schwarzschild", "s2", "flat_spherical", "goedel")
-# What costs as much as a product of two series.
+# Operations that cost as much as a product of two series.
 COSTLY = ("product", "square", "quotient", "root", "call")
 
 
 def costly(made):
-    """How many steps cost a product of two series."""
+    """Number of steps that cost a product of two series."""
     steps = made.steps
     return sum(
         step.kind in COSTLY and not any(steps[p].constant for p in step.operands) for step in steps
@@ -25,7 +25,7 @@ def costly(made):
 
 
 def products(field, rows):
-    """Sums of products from texts."""
+    """Sums of products, from texts."""
     return [
         tuple((field.read(sp.sympify(entry, TABLE)), factors) for entry, factors in row)
         for row in rows
@@ -33,7 +33,7 @@ def products(field, rows):
 
 
 def read_back(made, field):
-    """The outputs of a graph, worked out again in a field."""
+    """The outputs of a graph, evaluated again in a field."""
     values = []
     for step in made.steps:
         inner = [values[place] for place in step.operands]
@@ -73,7 +73,7 @@ def expanded(outputs, field):
 
 
 def geodesic_rates(name):
-    """Arguments, sums of products and parameters of geodesics in the frame of a space.
+    """Arguments, parameters and rates (as sums of products) of geodesics in the frame of a space.
 
     q' = E u, u'_k = C_ki^j u_j u^i: Hamel's equations of the metric.
     """

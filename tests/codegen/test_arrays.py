@@ -1,4 +1,4 @@
-"""numpy_function: all elements at many points at once."""
+"""numpy_function: all elements at many points in one call."""
 
 from fractions import Fraction
 
@@ -15,7 +15,7 @@ from tests.exact.test_reading import CONSTRUCTS
 
 
 def test_numpy_function_is_vectorised_and_right():
-    """Arrays in, one array per element out; every number against mpmath."""
+    """Arrays give one array per element, and each number agrees with mpmath."""
     expressions = [e for e in CONSTRUCTS.values() if not e.atoms(sp.core.function.AppliedUndef)]
     symbols = sorted(set().union(*(e.free_symbols for e in expressions)), key=str)
     field = Field(symbols, sample=POINT)
@@ -57,7 +57,7 @@ def test_numpy_function_of_complex_elements():
 
 
 def test_what_is_missing_or_singular_is_named():
-    """Too few arguments, a symbol without value, and the first value that is not finite."""
+    """Too few arguments, a symbol without a value, and the first singular point are named."""
     field = Field([x, y])
     with pytest.raises(MissingValueError, match="y is not among the arguments"):
         numpy_function([field.read(x * y)], [x])
@@ -70,7 +70,7 @@ def test_what_is_missing_or_singular_is_named():
 
 
 def test_opaque_functions_without_a_form():
-    """What neither numpy nor scipy has is refused by name."""
+    """A function that neither numpy nor scipy has is refused by name."""
     element = Field([x]).read(sp.polylog(2, x))
     with pytest.raises(MissingValueError, match="has no NumPy form here"):
         numpy_function([element], [x])
@@ -85,7 +85,7 @@ def test_opaque_functions_without_a_form():
 )  # fmt: skip
 @pytest.mark.parametrize("check", [True, False])
 def test_what_is_no_real_number_is_refused(given, check):
-    """None of it is read as a number, cut to its real part, or an error of NumPy."""
+    """Such an argument is not read as a number, cut to its real part, or left to NumPy."""
     function = numpy_function([Field([x, y]).read(x + y)], [x, y], check=check)
     with pytest.raises(ArgumentError, match="y: expected a number or an array of real numbers"):
         function(1.0, given)
@@ -95,7 +95,7 @@ def test_what_is_no_real_number_is_refused(given, check):
     "given", [np.nan, np.inf, 10**400, np.ma.array([1.0, 2.0], mask=[False, True])]
 )
 def test_what_is_not_finite_is_refused_where_values_are_right(given):
-    """Without the check it comes as it is; what is masked is not known."""
+    """With the check such an argument is refused; without it the value is not finite."""
     read = [Field([x, y]).read(x + y)]
     with pytest.raises(ArgumentError, match=r"y(\[1\])? = (nan|inf) is not finite"):
         numpy_function(read, [x, y])(1.0, given)
@@ -103,7 +103,7 @@ def test_what_is_not_finite_is_refused_where_values_are_right(given):
 
 
 def test_arguments_that_do_not_fit():
-    """Shapes that do not go together, and a symbol that comes twice."""
+    """Shapes that do not fit, and a symbol given twice, are refused."""
     read = [Field([x, y]).read(x + y)]
     with pytest.raises(ArgumentError, match="expected numbers or arrays of one shape"):
         numpy_function(read, [x, y])([1.0, 2.0], [1.0, 2.0, 3.0])

@@ -1,6 +1,6 @@
-"""Settled: right beside removable singularities and zeros, and as fast as before elsewhere."""
+"""Settled: digits are right beside removable singularities and zeros; other points stay."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# Bad input, and results that may be None.
 # pyright: reportArgumentType=false
 
 import numpy as np
@@ -20,7 +20,7 @@ A = sp.symbols("a1:4", real=True)
 
 
 def rotation_vector_frame():
-    """Body axes of rotations over rotation vectors; every coefficient is regular at a = 0."""
+    """Body axes of rotations over rotation vectors; each coefficient is regular at a = 0."""
     w = sp.sqrt(sum(x**2 for x in A))
     row, (x, y, z) = sp.Matrix(A), A
     turn = sp.Matrix([[0, -z, y], [z, 0, -x], [-y, x, 0]])
@@ -34,7 +34,7 @@ SIZES = [1.0, 0.3, 3e-2, 3e-4, 1e-6, 3e-8, 1e-14, 1e-20, 1e-40]
 
 
 def test_the_connection_at_small_rotations():
-    """Gamma_12^3 of the rotation-vector frame is -1/2 + O(a); it came as -1.4e14 at 3e-8."""
+    """Gamma_12^3 of this frame is -1/2 + O(a); cancellation once gave -1.4e14 at 3e-8."""
     element = cartan(FRAME).coefficients.element(0, 1, 2)
     found = numpy_function([element], A)(*(DIRECTION[:, None] * np.array(SIZES)))[0]
     for size, value in zip(SIZES, found, strict=True):
@@ -45,7 +45,7 @@ def test_the_connection_at_small_rotations():
 
 @pytest.mark.parametrize("size", SIZES)
 def test_every_coefficient_at_random_points(size):
-    """The Levi-Civita connection, component by component, against exact evaluation."""
+    """Each component of the Levi-Civita connection agrees with exact evaluation."""
     elements = list(levi_civita(FRAME).coefficients.components.independent.values())
     points = np.random.default_rng(7).uniform(-size, size, (3, 4))
     found = numpy_function(elements, A)(*points)
@@ -56,7 +56,7 @@ def test_every_coefficient_at_random_points(size):
 
 
 def test_the_coframe_turns_vectors_of_rotations():
-    """Against SciPy's rotations: R(a)^T R(a + da) = 1 + e^i_mu da^mu, to the order of da."""
+    """Agreement with SciPy's rotations: R(a)^T R(a + da) = 1 + e^i_mu da^mu to first order."""
     function = numpy_function(list(FRAME.coframe.components.independent.values()), A)
     for size in (1.0, 1e-5):
         matrix = np.reshape(function(*(DIRECTION * size)), (3, 3))
@@ -68,7 +68,7 @@ def test_the_coframe_turns_vectors_of_rotations():
 
 
 def test_zeros_of_a_polynomial():
-    """Beside a zero, where terms cancel, and on it; in grids of any shape, and in large arrays."""
+    """Values are right beside a zero, where terms cancel, and on it; also in large grids."""
     x = sp.Symbol("x")
     function = numpy_function(
         [Field([x]).read(x**3 - 3 * x**2 + 3 * x - 1), Field([x]).read(x)], [x]
@@ -83,7 +83,7 @@ def test_zeros_of_a_polynomial():
 
 
 def test_functions_of_two_arguments_and_roots():
-    """Each kind of step, where what goes into it has lost digits; against mpmath at 100 bits."""
+    """Each kind of step with an argument that lost digits agrees with 100 bits."""
     x, y = sp.symbols("x y", positive=True)
     small = (1 + x) ** 2 - 1 - 2 * x
     expressions = [
@@ -102,7 +102,7 @@ def test_functions_of_two_arguments_and_roots():
 
 
 def test_complex_values_are_right_too():
-    """exp(i x) - 1 - i x beside zero."""
+    """exp(i x) - 1 - i x has twelve right digits near zero."""
     x = sp.Symbol("x", real=True)
     element = Field([x], complex=True).read(sp.exp(sp.I * x) - 1 - sp.I * x)
     for value in (1.0, 1e-4, 1e-9):
@@ -112,7 +112,7 @@ def test_complex_values_are_right_too():
 
 
 def test_what_has_no_value_is_named_and_what_is_not_checked_comes_as_it_is():
-    """The point of a pole is named, not that of a removable singularity beside it."""
+    """A pole is named, a removable singularity is not; without the check inf is returned."""
     x = sp.Symbol("x")
     elements = [Field([x]).read((1 - sp.cos(x)) / x**2), Field([x]).read(1 / (x - 2))]
     function = numpy_function(elements, [x])
@@ -125,7 +125,7 @@ def test_what_has_no_value_is_named_and_what_is_not_checked_comes_as_it_is():
 
 
 def test_most_points_are_left_as_they_are():
-    """Nothing is worked out anew for Kerr's curvature at ordinary points: bounds are not wild."""
+    """At ordinary points Kerr's curvature is not evaluated again: error bounds are tight."""
     frame = load("kerr").frame
     elements = list(levi_civita(frame).curvature.riemann.components.independent.values())
     names = [symbol.name for symbol in frame.field.symbols]
@@ -144,7 +144,7 @@ def test_most_points_are_left_as_they_are():
 
 @pytest.mark.parametrize("block", [1, 7, 10**6])
 def test_blocks_of_any_size(block, monkeypatch):
-    """How many points are worked out at once changes no bit."""
+    """The number of points evaluated at once does not change a single bit."""
     x, y = sp.symbols("x y")
     made = graph(["x", "y"], [x**2 - y, sp.sin(x) * y])
     points = np.random.default_rng(4).normal(size=(2, 5, 9))

@@ -1,4 +1,4 @@
-"""Balls: values, series and cuts of all functions, against mpmath and against each other."""
+"""Balls: values, series and branch cuts of all functions, compared with mpmath."""
 
 import math
 import random
@@ -20,7 +20,7 @@ from geomtorsion.precision import ball_precision
 
 X = sp.Symbol("x", real=True)
 Y = sp.Symbol("y", real=True)
-# Expressions with places where they are analytic.
+# Expressions with a point where they are analytic.
 SMOOTH = [
     (sp.sin(X) * sp.cos(X), 0.3), (sp.tan(X), 1.1), (sp.exp(X) / (1 + X**2), -0.7),
     (sp.log(X), 0.4), (sp.sqrt(X), 2.3), (X ** sp.Rational(1, 3), 2.3), (X ** sp.pi, 1.7),
@@ -41,20 +41,20 @@ def _code(expr):
 
 
 def _truth(expr, at, order=0):
-    """A coefficient of the Taylor series to 50 digits, by sympy and mpmath."""
+    """A Taylor coefficient to 50 digits, by sympy and mpmath."""
     slope = sp.diff(expr, X, order) / math.factorial(order)
     with mpmath.workdps(60):
         return mpmath.mpf(sp.N(slope.subs(X, sp.Rational(at)), 50))
 
 
 def _contains(ball, value):
-    """Whether a ball contains an mpmath number of many more digits."""
+    """Whether a ball contains an mpmath number to about 90 bits."""
     return abs(ball - exact_ball(value)) < arb(2) ** -90 * (1 + abs(ball))
 
 
 @pytest.mark.parametrize(("expr", "at"), SMOOTH + BESSEL, ids=str)
 def test_balls_contain_the_value(expr, at):
-    """Real and complex balls contain the value, and are small."""
+    """Real and complex balls contain the value to about 90 bits."""
     with ball_precision(128):
         real = _code(expr).real([arb(at)])[0]
         both = _code(expr).complex([acb(at)], analytic=True)[0]
@@ -91,7 +91,7 @@ def test_series_are_the_derivatives(expr, at):
     ids=str,
 )  # fmt: skip
 def test_nothing_is_analytic_on_a_cut(expr, at):
-    """A ball about a point of a cut or pole has no value, one beside it has."""
+    """A ball about a point of a branch cut or pole has no value; a ball beside it has one."""
     value = complex(at)
     side = value + (0.5 if value.real == 0 and value.imag else 0.25 + 0.5j)
     with ball_precision(64):
@@ -102,7 +102,7 @@ def test_nothing_is_analytic_on_a_cut(expr, at):
 
 
 def test_an_integral_over_a_cut_shows_who_forgets_it(monkeypatch):
-    """Without the test of the cut of atan this integral would be wrong by far."""
+    """Without the test for the branch cut of atan this integral would be wrong."""
 
     def integral():
         code = _code(sp.atan(3 / (X - sp.Rational(1, 2))))
@@ -110,7 +110,7 @@ def test_an_integral_over_a_cut_shows_who_forgets_it(monkeypatch):
         return acb.integral(lambda z, a: function([z], numbers, a)[0], 0, 1, eval_limit=20000).real
 
     with ball_precision(64):
-        # Odd about 1/2, where it jumps from -pi/2 to pi/2.
+        # The integrand is odd about 1/2, where it jumps from -pi/2 to pi/2.
         found = integral()
         assert found.contains(0) or not found.is_finite()
         code = BallCode(graph(["x"], [sp.atan(X)], factor=False))
@@ -123,7 +123,7 @@ def test_an_integral_over_a_cut_shows_who_forgets_it(monkeypatch):
 
 
 def test_angles_continue_as_one_function():
-    """atan2 in complex numbers is one analytic function, wherever it is entered."""
+    """atan2 of complex numbers is one analytic function in the right half plane."""
     code = BallCode(graph(["y", "x"], [sp.atan2(Y, X)], factor=False))
     with ball_precision(100):
         random.seed(7)
@@ -131,13 +131,13 @@ def test_angles_continue_as_one_function():
             x, y = (acb(random.uniform(0.2, 2), random.uniform(-0.1, 0.1)) for _ in range(2))
             angle = code.complex([y, x], analytic=True)[0]
             assert (angle.tan() - y / x).contains(0)
-            # Both formulas that hold on parts of the plane agree with it near real numbers.
+            # Both formulas that hold in parts of the plane agree with it.
             assert (angle - (y / x).atan()).contains(0)
             assert (angle - (acb.pi() / 2 - (x / y).atan())).contains(0)
 
 
 def test_series_that_end_early_have_no_coefficient():
-    """FLINT shortens quotients of series that begin with zero; no zero is taken for a value."""
+    """FLINT shortens quotients of series that begin with zero; a missing term is not zero."""
     with ball_precision(64):
         before, ctx.cap = ctx.cap, 5
         try:
@@ -166,14 +166,14 @@ def test_exact_numbers():
 
 
 def test_the_sign_of_an_mpf_is_not_forgotten(monkeypatch):
-    """Without its sign, an mpf would be another number: `_dyadic` is where it is put on."""
+    """`_dyadic` adds the sign of an mpf; without it the number is another one."""
     assert exact_ball(mpmath.mpf(-0.5)) == -0.5
     monkeypatch.setattr(balls, "_dyadic", lambda sign, m, e: arb(int(m)) * arb(2) ** e)
     assert exact_ball(mpmath.mpf(-0.5)) == 0.5
 
 
 def test_unknown_constants_are_refused():
-    """No ball is made up of a number of which no enclosure is known."""
+    """A constant without a known enclosure has no ball."""
     with pytest.raises(ExpressionError, match="expected a constant"):
         exact_ball(sp.TribonacciConstant)
     with pytest.raises(ExpressionError, match="expected a number"):
@@ -181,20 +181,20 @@ def test_unknown_constants_are_refused():
 
 
 def test_every_function_of_graphs_has_its_balls():
-    """What a graph may call, both tables know."""
+    """Both tables contain each function that a graph may call."""
     assert set(FUNCTIONS) <= set(COMPLEX)
     assert set(FUNCTIONS) <= set(REAL)
 
 
 def test_floats_are_right_where_terms_cancel():
-    """Values are right to the last digit but one, or there is none."""
+    """A value is right up to rounding, or None."""
     found = float_values(graph(["x"], [1 - sp.cos(X), sp.sqrt(X - 1), sp.floor(X)]), [1e-9])
     assert found[0] == pytest.approx(5e-19, rel=1e-15)
     assert found[1:] == [None, 0.0]
 
 
 def test_precision_is_as_it_was():
-    """Nothing here leaves another precision behind."""
+    """The precision of FLINT is the same as before."""
     before = ctx.prec, ctx.cap
     float_values(graph(["x"], [1 - sp.cos(X)]), [1e-9])
     assert (ctx.prec, ctx.cap) == before

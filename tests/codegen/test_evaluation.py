@@ -1,6 +1,6 @@
-"""Evaluation: numbers of every kind become fractions, or numbers of as many bits as asked for."""
+"""Evaluation: numbers become fractions, or numbers with the requested bits."""
 
-# Bad input, arrays for lists, results known to be there: more than types say.
+# Bad input, lists as arrays and results that may be None: the types are stricter.
 # pyright: reportArgumentType=false
 
 from fractions import Fraction
@@ -33,7 +33,7 @@ x, y = sp.symbols("x y")
     ],
 )
 def test_numbers_that_are_fractions(given, wanted):
-    """Floats are the fractions that they are; what is none is said to be none."""
+    """Floats are exact fractions; irrational and long numbers give None."""
     if isinstance(given, np.longdouble):
         assert isinstance(exact_number(given, 100), mpmath.mpf)
     else:
@@ -41,7 +41,7 @@ def test_numbers_that_are_fractions(given, wanted):
 
 
 def test_numbers_that_are_none():
-    """sqrt(2), pi and long floats keep as many bits as asked for, or as many as they have."""
+    """sqrt(2) has the requested bits, and a long float keeps the bits that it has."""
     with mpmath.workprec(300):
         assert abs(exact_number(sp.sqrt(2), 300) ** 2 - 2) < mpmath.mpf(2) ** -295
     third = np.longdouble(1) / np.longdouble(3)
@@ -51,7 +51,7 @@ def test_numbers_that_are_none():
 
 
 def test_values_meet_in_one_graph():
-    """A fraction times a number that is none is none; fractions by themselves stay fractions."""
+    """A fraction times sqrt(2) is not a fraction; a result from fractions is one."""
     made = graph(["x", "y"], [x / 7, x * y, y**2 / y])
     seventh, product, same = made.exactly([Fraction(1, 2), sp.sqrt(2)])
     assert seventh == Fraction(1, 14)
@@ -61,6 +61,6 @@ def test_values_meet_in_one_graph():
 
 
 def test_no_value_is_an_error():
-    """1/0 has no exact value."""
+    """1/0 raises an error, because it has no exact value."""
     with pytest.raises(ZeroDivisionError):
         graph(["x"], [1 / x]).exactly([0])

@@ -1,4 +1,4 @@
-"""Expression graphs: every printer gives the value of the expressions, and their derivatives."""
+"""Expression graphs: all printers give the values of expressions and derivatives."""
 
 import math
 import re
@@ -31,7 +31,7 @@ TEXTS = (
     "a**2*b**3*x/3",
     "0",
 )
-# Functions that a field does not read, or reads otherwise.
+# Functions that a field does not read, or reads in another form.
 TREES = (
     "atan2(y, x) + acos(z/3) - acosh(1 + x**2)*asinh(y)*atanh(z/2)",
     "tan(x)*tanh(y) + cot(x) + sech(y) - csc(z)",
@@ -45,12 +45,12 @@ VALUES = dict(zip(SYMBOLS, map(sp.Rational, POINT), strict=True))
 
 
 def trees(texts):
-    """Expressions of texts."""
+    """Expressions from texts."""
     return [sp.sympify(text, TABLE) for text in texts]
 
 
 def elements(texts):
-    """The same as elements of one field."""
+    """The same expressions as elements of one field."""
     field = Field(SYMBOLS)
     return [field.read(tree) for tree in trees(texts)]
 
@@ -70,7 +70,7 @@ CASES = [(kind, factor) for kind in OUTPUTS for factor in (True, False)]
 
 @pytest.mark.parametrize(("kind", "factor"), CASES)
 def test_printers_without_an_engine(kind, factor):
-    """Floats, arrays and exact numbers give what sympy gives."""
+    """Floats, arrays and exact numbers agree with sympy."""
     outputs, wanted = OUTPUTS[kind]
     made = graph(NAMES, outputs, ["a", "b"], factor=factor)
     assert made.python()(*POINT) == pytest.approx(wanted, rel=1e-13)
@@ -83,7 +83,7 @@ def test_printers_without_an_engine(kind, factor):
 
 @pytest.mark.parametrize(("kind", "factor"), CASES)
 def test_heyoka_values(kind, factor):
-    """heyoka's expressions give what sympy gives, at each precision."""
+    """heyoka's expressions agree with sympy in each precision."""
     hy = pytest.importorskip("heyoka")
     outputs, wanted = OUTPUTS[kind]
     known = dict(zip(NAMES, hy.make_vars(*NAMES), strict=True))
@@ -98,7 +98,7 @@ def test_heyoka_values(kind, factor):
 
 
 def test_kinks_have_values_but_no_taylor_series():
-    """Abs, sign, Max, Min, floor and ceiling run on numbers; heyoka's printer refuses them."""
+    """Abs, sign, Max, Min, floor and ceiling give numbers; heyoka's printer refuses them."""
     found = trees(KINKED)
     made = graph(NAMES, found)
     wanted = expected(found)
@@ -117,7 +117,7 @@ random_expressions = strategies.expressions(strategies.COORDINATES)
 @settings(max_examples=60, deadline=None)
 @given(random_expressions, st.lists(st.fractions(-2, 2, max_denominator=8), min_size=5, max_size=5))
 def test_random_expressions_by_all_printers(expression, point):
-    """Random expressions at random points against sympy's own evaluation to 40 digits."""
+    """Random expressions at random points agree with sympy's evaluation to 40 digits."""
     names = [symbol.name for symbol in strategies.COORDINATES]
     table = {
         s: sp.Rational(p.numerator, p.denominator)
@@ -145,13 +145,13 @@ def test_random_expressions_by_all_printers(expression, point):
 
 
 def far_point(names):
-    """Numbers by name, outside of all horizons."""
+    """Numbers by name, outside all horizons."""
     point = {name: sp.Rational(2 * k + 5, 16) for k, name in enumerate(names)}
     return point | ({"r": sp.Integer(9)} if "r" in point else {})
 
 
 def difference(one, two):
-    """How far two exact numbers are from each other."""
+    """Absolute difference of two exact numbers."""
     with mpmath.workprec(250):
         numbers = [mpmath.mpf(x.numerator) / x.denominator if isinstance(x, Fraction) else x
                    for x in (one, two)]  # fmt: skip
@@ -160,7 +160,7 @@ def difference(one, two):
 
 @pytest.mark.parametrize("name", SPACES)
 def test_spaces_against_their_elements(name):
-    """Rates of geodesics, factored or not, against the values of their elements to 50 digits."""
+    """Rates of geodesics, factored or not, agree with their elements to 50 digits."""
     states, parameters, rates = geodesic_rates(name)
     names = [*states, *parameters]
     point = far_point(names)
@@ -187,7 +187,7 @@ def test_spaces_against_their_elements(name):
 
 @pytest.mark.parametrize("name", SPACES)
 def test_derivatives_of_spaces(name):
-    """The Jacobian of geodesics against the derivatives of their elements."""
+    """The Jacobian of geodesics agrees with the derivatives of their elements."""
     states, parameters, rates = geodesic_rates(name)
     names = [*states, *parameters]
     slopes = []
@@ -209,7 +209,7 @@ def test_derivatives_of_spaces(name):
 
 
 def test_derivatives_of_every_function():
-    """Each function's derivative against sympy's, and second derivatives by the same way."""
+    """First and second derivatives of each function agree with sympy."""
     found = trees(TEXTS + TREES)
     made = graph(NAMES, found)
     first = made.derivative(NAMES)
@@ -221,7 +221,7 @@ def test_derivatives_of_every_function():
 
 
 def test_derivatives_of_kinks():
-    """Abs has the slope of its side, steps have none; Max and Min are refused."""
+    """Abs has the derivative of its side, and steps have derivative zero; Max is refused."""
     made = graph(["x"], [sp.Abs(x), sp.sign(x) * x, sp.floor(x) + x]).derivative(["x"])
     assert made.python()(-0.5) == (-1.0, -1.0, 1.0)
     with pytest.raises(ExpressionError, match="Max has no derivative"):
@@ -229,7 +229,7 @@ def test_derivatives_of_kinks():
 
 
 def test_exact_values_stay_fractions_where_they_can():
-    """Of one graph the rational outputs are fractions, the others numbers of as many bits."""
+    """Rational outputs are fractions, and other outputs have the requested bits."""
     made = graph(["x"], [(x + 1) / 3, sp.sqrt(x), sp.Abs(x), sp.pi])
     third, root, size, pi = made.exactly([2], bits=300)
     assert third == Fraction(1)
@@ -240,7 +240,7 @@ def test_exact_values_stay_fractions_where_they_can():
 
 
 def test_sizes_are_those_of_the_terms():
-    """What cancels in the value adds up in its size; factors pulled out do not change that."""
+    """The size of a value adds the sizes of its terms, also if factors are pulled out."""
     outputs = [x**2 * z - x * y * z, x - y, (x - y) / (x - z), sp.sin(x) - 1]
     made = graph(NAMES, outputs)
     point = np.array([[2.0, 3.0], [-2.0, 3.0], [5.0, -1.0]])
@@ -255,7 +255,7 @@ def test_sizes_are_those_of_the_terms():
 
 
 def test_arrays_without_values():
-    """No value is not a number or infinite, and nothing warns."""
+    """A missing value is nan or infinite, without a warning."""
     made = graph(["x", "y"], [1 / x, sp.sqrt(x), sp.log(x), x**y])
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -279,13 +279,13 @@ def test_arrays_without_values():
     ],
 )
 def test_floats_without_values(outputs, error):
-    """On floats the absence of a value is one of three errors."""
+    """On floats a missing value raises one of three errors."""
     with pytest.raises(error):
         graph(["x"], outputs).python()(0.0)
 
 
 def test_powers_have_derivatives_where_their_base_vanishes():
-    """heyoka divides by x in its series of x**n, n > 2; ours are finite at x = 0."""
+    """heyoka divides by x in its series of x**n with n > 2; ours are finite at x = 0."""
     hy = pytest.importorskip("heyoka")
     made, nodes = decomposition(hy, "x**5*y + y", "x**7", "(x*y)**4 + z**3")
     assert not any("**" in node.replace("**2.0", "") for node in nodes)
@@ -296,7 +296,7 @@ def test_powers_have_derivatives_where_their_base_vanishes():
 
 
 def decomposition(hy, *texts):
-    """What heyoka computes for x, y, z with these rates, as texts."""
+    """The equations that heyoka computes for x, y, z with these rates, as texts."""
     variables = hy.make_vars("x", "y", "z")
     made, _ = graph(["x", "y", "z", "a", "b"], elements(texts), ["a", "b"]).hoisted(3, "c")
     known = dict(zip("xyz", variables, strict=True))
@@ -307,7 +307,7 @@ def decomposition(hy, *texts):
 
 
 def test_parameters_are_no_series():
-    """What is made of parameters alone is no series: each node has one parameter at most."""
+    """Terms of parameters only are computed before: a node contains at most one parameter."""
     hy = pytest.importorskip("heyoka")
     texts = "a*b*x*y", "a**2*x + sin(a)/b", "(a + b)*y*z/(a - b)"
     _, nodes = decomposition(hy, *texts)
@@ -316,7 +316,7 @@ def test_parameters_are_no_series():
 
 
 def test_inverses_are_quotients():
-    """1/x as a power costs more than as a quotient."""
+    """1/x is written as a quotient, which costs less than a power."""
     hy = pytest.importorskip("heyoka")
     _, nodes = decomposition(hy, "1/x", "1/(1 + y**2)", "z")
     assert not any("**-1" in node for node in nodes)
@@ -324,7 +324,7 @@ def test_inverses_are_quotients():
 
 
 def test_nothing_is_too_long_or_too_deep():
-    """Ten thousand terms, and functions a hundred deep, run on floats and arrays."""
+    """Sums of ten thousand terms, and functions 120 deep, run on floats and arrays."""
     symbols = sp.symbols("c0:10000")
     long = graph([s.name for s in symbols], [sp.Add(*symbols)])
     assert long.python()(*[1.0] * 10000) == (10000.0,)
@@ -338,7 +338,7 @@ def test_nothing_is_too_long_or_too_deep():
 
 
 def test_one_content_one_key():
-    """Names do not matter to the key, order and what is constant do; equality minds names too."""
+    """The key depends on order and constants, but not on names; equality depends on names."""
     one, two = (graph(["x", "y"], [x * y + sp.sin(x)], ["y"]) for _ in range(2))
     assert one is not two
     assert one == two
@@ -352,7 +352,7 @@ def test_one_content_one_key():
 
 
 def test_outputs_of_all_kinds_share_their_parts():
-    """An element, a product sum, an expression and a number in one graph."""
+    """An element, a sum of products, an expression and numbers share steps in one graph."""
     field = Field(SYMBOLS)
     wave = field.read(sp.sin(x) * y)
     made = graph(NAMES, [wave, ((wave, ("z", "z")),), sp.sin(x) * y + 1, 3, Fraction(1, 2), ()])
@@ -363,7 +363,7 @@ def test_outputs_of_all_kinds_share_their_parts():
 
 
 def test_unknown_functions_by_name():
-    """f(r) may be an argument; without it the message says what is missing."""
+    """f(r) may be an argument; the error for a missing argument names it."""
     r, f = sp.Symbol("r"), sp.Function("f")
     element = Field([r]).read(f(r) / r)
     assert graph(["r", "f(r)"], [element]).python()(2.0, 3.0) == (1.5,)
@@ -382,7 +382,7 @@ def test_what_no_printer_knows():
 
 
 def test_special_functions_come_from_scipy():
-    """Opaque elements with a form in scipy run on floats and on arrays."""
+    """Special functions with a form in scipy run on floats and on arrays."""
     element = Field([x]).read(sp.erf(x) + sp.besselj(0, x))
     made = graph(["x"], [element])
     wanted = float(sp.erf(sp.Rational(1, 2)) + sp.besselj(0, sp.Rational(1, 2)))
@@ -391,7 +391,7 @@ def test_special_functions_come_from_scipy():
 
 
 def test_text_becomes_a_function_once():
-    """Equal texts give one function."""
+    """Equal texts give the same function."""
     text = "def values(a0): return (atan2(a0, 1.0),)"
     assert compiled(text, "floats") is compiled(text, "floats")
     assert compiled(text, "floats")(1.0) == compiled(text, "arrays")(1.0) == (math.pi / 4,)
@@ -399,14 +399,14 @@ def test_text_becomes_a_function_once():
 
 @pytest.mark.parametrize(("gap", "certain"), [(2.0**-47, True), (2.0**-49, False)])
 def test_what_is_above_rounding(gap, certain):
-    """The terms of 1 - x are two in all: less than eight roundings of that has no sign."""
+    """The terms of 1 - x add up to 2; a value below eight roundings of that has no sign."""
     made = graph(["x"], [1 - x]).above_rounding()
     assert (made.python()(1 - gap)[0] > 0) is certain
 
 
 @pytest.mark.parametrize("longest", [5, 100])
 def test_statements_of_any_length(longest, monkeypatch):
-    """Where code is cut into statements changes no bit."""
+    """The length at which code is cut into statements does not change a single bit."""
     term = sp.Add(*(sp.sin(k * x) / (k + y) for k in range(1, 30)))
     values = graph(["x", "y"], [term]).python()(0.7, 1.3)
     monkeypatch.setattr("geomtorsion.codegen.printers._LONGEST_PIECE", longest)

@@ -1,4 +1,4 @@
-"""branches: what was read with one sign of a root is not evaluated where the other one holds."""
+"""branches: an entry read with one sign of a root is refused where the other sign holds."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ from geomtorsion.loops import Loop, burgers_vector
 
 x, y, a = sp.symbols("x y a")
 
-# An entry, points at which it is right as read, and points at which it is not.
+# An entry, points at which it is right as read, and points at which it is wrong.
 READ = [
     (1 + sp.sqrt(x**2), [{x: 2}, {x: 0}, {x: 1e-300}], [{x: -2}, {x: -1e-300}]),
     (2 + sp.sqrt(1 - sp.cos(x) ** 2), [{x: 1}, {x: 3}, {x: 7}], [{x: -1}, {x: 4}]),
@@ -30,13 +30,13 @@ READ = [
 
 
 def principal(entry, point):
-    """The value that sympy gives, to 30 digits."""
+    """The value by sympy, to 30 digits."""
     return float(entry.subs({key: sp.Rational(value) for key, value in point.items()}).evalf(30))
 
 
 @pytest.mark.parametrize(("entry", "right", "wrong"), READ, ids=lambda x: str(x)[:30])
 def test_points_and_arrays(entry, right, wrong):
-    """Where it is right the value is that of the entry as it stands, elsewhere it is refused."""
+    """At right points the value is the principal one; at other points it is refused."""
     frame = Frame([x, y], [[1, 0], [0, entry]])
     element = frame.coframe.element(1, 1)
     symbols = [s for s in (x, y, a) if any(s in point for point in (*right, *wrong))]
@@ -62,7 +62,7 @@ def test_points_and_arrays(entry, right, wrong):
 
 
 def test_what_is_read_later_does_not_count():
-    """A root that is read for one purpose does not forbid the frame itself any point."""
+    """A root that is read later for another purpose does not restrict the frame."""
     frame = Frame([x, y], [[1, 0], [0, 1 + x**2]])
     before = frame.metric.at({x: -2})
     frame.read([("a root", sp.sqrt(x**2))])
@@ -71,7 +71,7 @@ def test_what_is_read_later_does_not_count():
 
 
 def test_a_field_without_a_frame():
-    """Elements of a field of one's own rely on all that was read into it."""
+    """An element of a field without a frame depends on all branches of the field."""
     root = Field([x]).read(sp.sqrt(x**2))
     assert numpy_function([root], [x])([1.0, 3.0]).tolist() == [[1.0, 3.0]]
     with pytest.raises(BranchError, match=r"sqrt\(x\*\*2\) read as x.*x = -3"):
@@ -80,7 +80,7 @@ def test_a_field_without_a_frame():
 
 
 def test_complex_fields_compare_values():
-    """A complex root is compared with what it was read as; less than APART of it is rounding."""
+    """A complex root is compared with its reading; a difference below APART is rounding."""
     field = Field([x, y], complex=True)
     field.read(sp.sqrt((x + 1 + sp.I) ** 2))
     check = branch_check([field], ["x"])
@@ -94,7 +94,7 @@ def test_complex_fields_compare_values():
 
 
 def test_points_of_complex_frames_are_complex():
-    """Also where no root that was read with a sign has I in it, and no entry has."""
+    """Points may be complex, also if neither a root read with a sign nor an entry contains I."""
     frame = Frame([x, y], [[2 + sp.sqrt((x + 2) ** 2), y], [0, 3]], complex=True)
     assert frame.coframe.at({x: 1, y: 2})[0, 0] == 5
     assert frame.coframe.at({x: 1 + 2j, y: 2})[0, 0] == 5 + 2j
@@ -106,7 +106,7 @@ def test_points_of_complex_frames_are_complex():
 
 @pytest.mark.parametrize("entry", [sp.asinh(1 / x), sp.sqrt((x**2 + 1) / x**2)], ids=str)
 def test_roots_of_quotients_hold_in_the_domain(entry):
-    """Where x < 0 is declared, what was read there is right there and not elsewhere."""
+    """With x < 0 declared, a root is right there and is refused elsewhere."""
     frame = Frame([x, y], [[1, 0], [0, 5 + entry]], domain=[x < 0])
     want = float((entry.diff(x) / (5 + entry) / 2).subs(x, -3))
     assert cartan(frame).torsion.S.at({x: -3})[0, 1, 1] == pytest.approx(want, rel=1e-12)
@@ -115,14 +115,14 @@ def test_roots_of_quotients_hold_in_the_domain(entry):
 
 
 def test_chosen_signs_are_the_user_s():
-    """branches={...} says what is meant, everywhere."""
+    """branches={...} states the sign, which then holds everywhere."""
     frame = Frame([x, y], [[1, 0], [0, 2 + sp.sqrt(x**2)]], branches={sp.sqrt(x**2): -x})
     assert frame.coframe.at({x: -3})[1, 1] == 5.0
 
 
 @pytest.mark.parametrize("options", [{}, {"exact": True}], ids=["numbers", "exact"])
 def test_loops(options):
-    """b^2 = closed integral of (1 + |x|) dy: minus the area where x < 0; across is refused, too."""
+    """b^2 = integral of (1 + |x|) dy: minus the area for x < 0; a loop across x = 0 is refused."""
     frame = Frame([x, y], [[1, 0], [0, 1 + sp.sqrt(x**2)]])
     here = burgers_vector(frame, Loop.circle([2, 0], 1), **options)
     assert float(here.vector[1]) == pytest.approx(np.pi, rel=1e-12)
@@ -135,7 +135,7 @@ def test_loops(options):
 
 
 def test_equal_checks_are_made_once():
-    """The very same branches share a check, and with it its code; other names have their own."""
+    """Equal branches and names share one check and its code; other names have their own."""
     field = Frame([x, y], [[1, 0], [0, 1 + sp.sqrt(x**2)]]).field
     first = branch_check([field], ["x", "y"])
     assert first is not None

@@ -1,4 +1,4 @@
-"""Exponentials: sums of cosh and sinh that merge, and those that do not."""
+"""Exponentials: sums of cosh and sinh that merge, and sums that do not."""
 
 import mpmath
 import numpy as np
@@ -24,14 +24,14 @@ AS_LONG = {
 
 
 def sums(expression):
-    """The sums that an expression is a product of."""
+    """The sums among the factors of an expression."""
     element = Field([X, Y]).read(expression)
     return [base for base, _ in form(element).powers if isinstance(base, Sum)]
 
 
 @pytest.mark.parametrize("expression", SHORTER.values(), ids=SHORTER.keys())
 def test_fewer_terms(expression):
-    """At x = 20 against 40 digits, which the difference of cosh and sinh has not in doubles."""
+    """At x = 20 the merged form has the digits that cosh - sinh loses in doubles."""
     assert any(merged(base) for base in sums(expression))
     found = graph(["x", "y"], [Field([X, Y]).read(expression)]).python()(20.0, 1.5)
     with mpmath.workdps(40):
@@ -41,12 +41,12 @@ def test_fewer_terms(expression):
 
 @pytest.mark.parametrize("expression", AS_LONG.values(), ids=AS_LONG.keys())
 def test_what_exp_does_not_shorten_stays(expression):
-    """sinh keeps its digits near zero, where exp(x) - exp(-x) has none."""
+    """sinh is not rewritten, because exp(x) - exp(-x) loses its digits near zero."""
     assert not any(merged(base) for base in sums(expression))
 
 
 def test_small_arguments_keep_their_digits():
-    """sinh and tanh near zero, beside a sum that merges."""
+    """sinh and tanh keep their digits near zero, beside a sum that merges."""
     elements = [Field([X]).read(e) for e in (sp.sinh(X), sp.tanh(X), sp.cosh(X) + sp.sinh(X) - 1)]
     small = 1e-9
     values = graph(["x"], elements).numpy()(np.array([small]))
@@ -66,7 +66,7 @@ def test_small_arguments_keep_their_digits():
     ids=["one", "powers", "width", "two"],
 )
 def test_ratios_of_what_overflows(expression):
-    """exp(y**2) is infinite at y = 40, and its ratios are not; near zero nothing changes."""
+    """exp(y**2) overflows at y = 40, but its ratios are right, and also near zero."""
     found = graph(["x", "y"], [Field([X, Y]).read(expression)])
     for x, y in ((1.5, 40.0), (1.5, 0.3), (1.0, 1000.0)):
         with mpmath.workdps(40):

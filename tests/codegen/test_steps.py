@@ -1,4 +1,4 @@
-"""hoisting: constants worked out once give what was there before."""
+"""Hoisting: constants computed once give the same values."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ TERMS = [
     st.tuples(*[st.floats(0.25, 4)] * 4),
 )
 def test_values_stay(rows, values):
-    """Both graphs together give what the first one gives."""
+    """Both graphs together give the values of the original graph."""
     made = graph(["x", "y", "a", "b"], [sp.Add(*row) for row in rows], ["a", "b"])
     rest, constants = made.hoisted(2, "c")
     further = constants.numpy()(*values[2:])
@@ -32,7 +32,7 @@ def test_values_stay(rows, values):
 
 @given(st.lists(st.sampled_from(TERMS), min_size=1, max_size=6))
 def test_nothing_constant_is_left_to_do(row):
-    """What is constant is an argument or a number, and no quotient is by one."""
+    """Each constant step is an argument or a number, and no quotient has a constant divisor."""
     rest, _ = graph(["x", "y", "a", "b"], row, ["a", "b"]).hoisted(2, "c")
     for step in rest.steps:
         assert not step.constant or step.kind in ("argument", "number", "digits")
@@ -42,14 +42,14 @@ def test_nothing_constant_is_left_to_do(row):
 
 
 def test_no_value_is_no_error():
-    """An inverse of zero is infinite, as it is in the equations."""
+    """The inverse of zero is infinite, as in the equations."""
     rest, constants = graph(["x", "a"], [x / a], ["a"]).hoisted(1, "c")
     assert np.isinf(constants.numpy()(0.0)).all()
     assert np.isinf(rest.numpy()(1.0, 0.0, *constants.numpy()(0.0))).all()
 
 
 def test_what_an_element_divides_by_cancels():
-    """r**3 over r**2 is r, whether its factors are those of an element or named."""
+    """r**3 over r**2 is r, whether the factors come from an element or by name."""
     from geomtorsion.exact import Field
 
     r = sp.Symbol("r")

@@ -1,4 +1,4 @@
-"""Factoring: short graphs equal the sums that they were made of, and are as short as by hand."""
+"""Factoring: short graphs equal their sums, and are as short as by hand."""
 
 import random
 import subprocess
@@ -34,7 +34,7 @@ from tests.codegen.systems import (
 @pytest.mark.parametrize(
     ("rows", "most"),
     [
-        # Euler angles: what stands over sin y is shared up to its sign.
+        # Euler angles: the quotient by sin y is shared up to its sign.
         (
             [
                 [("cos(x)*cos(y)/sin(y)", ("a",)), ("-sin(x)*cos(y)/sin(y)", ("b",))],
@@ -43,20 +43,20 @@ from tests.codegen.systems import (
             ],
             4 + 4 + 2,
         ),
-        # A number in front of everything costs nothing, shared sums are made once.
+        # A number in front of everything costs nothing; shared sums are computed once.
         ([[("3*x", ("z",)), ("3*y", ("z",))], [("x/2", ("a",)), ("y/2", ("a",))]], 2),
-        # Three terms with one factor in common.
+        # Three terms with a common factor.
         ([[("x*y*z", ()), ("x*y*a", ()), ("x*y*b", ())]], 2),
-        # Roots: their squares are what stands below them.
+        # Roots: their squares are the radicands in the denominator.
         ([[("1/sqrt(x**2 + 1)**3", ("y",)), ("1/sqrt(x**2 + 1)**3", ("z",))]], 4),
-        # A sum to a power is not multiplied out.
+        # A power of a sum is not multiplied out.
         ([[("(x + y + z)**8", ())]], 3),
-        # Nothing to do, and nothing at all.
+        # Nothing to do, and an empty sum.
         ([[("1", ("x",))], []], 0),
     ],
 )
 def test_products_left(rows, most):
-    """As few products as by hand; the values are those of the sums, exactly."""
+    """The number of products is as small as by hand, and the values are exact."""
     field = Field(SYMBOLS)
     outputs = products(field, rows)
     made = graph(NAMES, outputs)
@@ -67,20 +67,20 @@ def test_products_left(rows, most):
 
 
 def test_squares_are_cheaper_than_products():
-    """x*x is taken before x*y: of x**2*y both ways share a factor, one of them a square."""
+    """x*x is taken before x*y: both ways share a factor of x**2*y, and one is a square."""
     made = graph(NAMES, [x**2 * y * z, x**2 * a])
     assert sum(step.kind == "square" for step in made.steps) == 1
     assert costly(made) == 4
 
 
 def test_a_shared_product_is_worth_more_than_a_shared_number():
-    """x*y*z + x*y*a: the product of states comes out, not what costs little."""
+    """x*y*z + x*y*a: the product x*y of states is shared, not the cheap number."""
     made = graph(NAMES, [3 * x * y * z + 2 * x * y * a], ["a"])
     assert costly(made) == 2
 
 
 def test_products_with_parameters_are_no_products():
-    """What parameters multiply is shared first; parameters are multiplied with each other once."""
+    """Products with parameters are cheap; parameters are multiplied with each other once."""
     field = Field(SYMBOLS)
     outputs = products(field, [[("a*b*x*y", ())], [("a*x*y", ("z",))]])
     made = graph(NAMES, outputs, ["a", "b"])
@@ -92,7 +92,7 @@ def test_products_with_parameters_are_no_products():
     ("count", "quotients"), [(MANY_QUOTIENTS - 1, MANY_QUOTIENTS - 1), (MANY_QUOTIENTS, 1)]
 )
 def test_many_quotients_share_an_inverse(count, quotients):
-    """So many quotients by one value become products with its inverse; fewer stay."""
+    """Many quotients by one value become products with its inverse; fewer stay quotients."""
     field = Field([*SYMBOLS, *sp.symbols("c0:9")])
     names = [symbol.name for symbol in field.symbols]
     outputs = [((field.read(1 / x), (f"c{k}",)),) for k in range(count)]
@@ -102,7 +102,7 @@ def test_many_quotients_share_an_inverse(count, quotients):
 
 
 def test_nothing_new_is_divided_by():
-    """A coefficient that is zero, or a factor that vanishes, divides nothing."""
+    """Factoring adds no divisor that may be zero."""
     field = Field(SYMBOLS)
     outputs = products(field, [[("a*x", ("y",)), ("b*x", ("z",))], [("a", ("y",)), ("b", ("z",))]])
     made = graph(NAMES, outputs, ["a", "b"])
@@ -111,7 +111,7 @@ def test_nothing_new_is_divided_by():
 
 
 def test_what_is_too_long_is_not_factored():
-    """Sums of hundreds of terms stay as they are, and keep their values."""
+    """Sums of hundreds of terms are not factored, and keep their values."""
     field = Field(SYMBOLS)
     output = tuple((field.read(x**i * y**j), ("z",) * k) for i in range(6) for j in range(6)
                    for k in range(6))  # fmt: skip
@@ -123,7 +123,7 @@ def test_what_is_too_long_is_not_factored():
 
 @pytest.mark.parametrize(("terms", "left"), [(80, 1), (95, 2)])
 def test_the_limit_of_factoring(terms, left):
-    """All pairs of n terms are n**2/2: up to a third of the limit x*y + x*z becomes x*(y + z)."""
+    """n terms have n**2/2 pairs: below a third of the limit x*y + x*z becomes x*(y + z)."""
     assert (terms**2 // 2 < MOST_COMPARED // 3) is (left == 1)
     others = sp.symbols(f"c0:{terms - 2}")
     made = graph([*NAMES, *(c.name for c in others)], [x * y + x * z + sp.Add(*others)])
@@ -132,14 +132,14 @@ def test_the_limit_of_factoring(terms, left):
 
 @pytest.mark.parametrize(("exponent", "shared"), [(24, True), (25, False)])
 def test_how_high_powers_share_factors(exponent, shared):
-    """Of x^n, x^n y + x^(n-1) z nothing is shared from n = 25 on: the power is one value there."""
+    """Terms of x^n share factors up to n = 24; from n = 25 on the power is one value."""
     rows = [x**exponent * y + x ** (exponent - 1) * z, x**exponent]
     assert (costly(graph(["x", "y", "z"], rows)) <= 10) is shared
 
 
 @pytest.mark.parametrize("exponent", [24, 25, -25, 10**4])
 def test_high_powers(exponent):
-    """Powers that are too high to be spelt out are squares and products all the same."""
+    """Powers that are too high to be written out are still squares and products."""
     made = graph(["x", "y"], [x**exponent * y + x**2])
     exact = Fraction(9, 8) ** exponent * 3 + Fraction(81, 64)
     assert made.exactly([Fraction(9, 8), 3]) == [exact]
@@ -177,7 +177,7 @@ def test_random_sums_stay_what_they_are(drawn):
 @settings(max_examples=15, deadline=None)
 @given(st.integers(0, 10**6))
 def test_random_coefficients_of_a_frame(seed):
-    """Quotients as inverse frames have them: factored and plain agree to 50 digits."""
+    """Quotients as in inverse frames: factored and plain graphs agree to 47 digits."""
     rng = random.Random(seed)
     functions = [sp.Integer(1), x, sp.sin(y), sp.cos(y), sp.exp(x), 1 + z**2, sp.sqrt(1 + x**2), a]
     matrix = sp.Matrix(3, 3, lambda i, j: rng.choice(functions) * int(i == j or rng.random() < 0.3))
@@ -192,8 +192,8 @@ def test_random_coefficients_of_a_frame(seed):
         assert abs(one - two) < 1e-47 * (1 + abs(two))
 
 
-# Products of two series in the equations of geodesics, and all steps: what was reached once
-# must not grow.
+# Products of two series, and all steps, in the equations of geodesics. These numbers must not
+# grow.
 OPERATIONS = {
     "so3": (10, 19), "kerr": (42, 80), "schwarzschild": (23, 41), "s2": (6, 16),
     "flat_spherical": (12, 20), "goedel": (4, 26),
@@ -202,7 +202,7 @@ OPERATIONS = {
 
 @pytest.mark.parametrize("name", SPACES)
 def test_operations_of_spaces(name):
-    """Geodesics of shipped spaces cost no more products than they did."""
+    """Geodesics of shipped spaces cost at most the recorded number of products."""
     made = geodesic_graph(name)
     assert (costly(made), len(made.steps)) <= OPERATIONS[name]
     assert costly(made) < costly(geodesic_graph(name, factor=False))
@@ -210,7 +210,7 @@ def test_operations_of_spaces(name):
 
 @pytest.mark.parametrize("name", ["so3", "s2", "flat_spherical"])
 def test_spaces_in_their_field(name):
-    """Rates of shipped spaces: the graph is the sum, exactly."""
+    """Rates of shipped spaces: the graph equals the sum exactly."""
     states, parameters, rates = geodesic_rates(name)
     made = geodesic_graph(name)
     field = Field([sp.Symbol(n, real=True) for n in (*states, *parameters)])
@@ -229,7 +229,7 @@ print(geodesic_graph("kerr").python_source())
 
 
 def test_the_same_in_every_process():
-    """The order of hashes plays no part."""
+    """The graph does not depend on the order of hashes."""
     found = {
         subprocess.run(
             [sys.executable, "-c", PROGRAM],
@@ -245,7 +245,7 @@ def test_the_same_in_every_process():
 
 
 def test_numbers_are_written_exactly():
-    """Fractions of a power of two as they are, others as quotient of whole numbers."""
+    """Fractions of a power of two are written as they are, others as a quotient of integers."""
     made = graph(NAMES, [x / 4, x / 3])
     assert made.python_source().endswith("return (0.25*a0, (1.0/3.0)*a0,)")
     details = {step.detail for step in made.steps if step.kind == "number"}
@@ -253,7 +253,7 @@ def test_numbers_are_written_exactly():
 
 
 def drawn_sums(seed):
-    """Three sums of five terms each: products, squares and quotients."""
+    """Three sums of five terms each, of products, powers and quotients."""
     pick = random.Random(seed).choice
     powers = dict.fromkeys((x, y, z), (0, 0, 1, 1, 2, -1))
 
@@ -265,7 +265,7 @@ def drawn_sums(seed):
 
 
 def series_cost(seed):
-    """What the graph of these sums costs on series, by the costs that were measured."""
+    """Cost of the graph of these sums on series, by measured costs."""
     made, total = graph(NAMES, drawn_sums(seed), ["a", "b"]), 0
     for step in made.steps:
         if step.kind in COSTS and not step.constant:
@@ -280,7 +280,7 @@ MOVED += [("QUOTIENT", 1300), ("SCALE", 100)]
 
 
 def test_costs_of_operations_pay(monkeypatch):
-    """With any of them ten times as large, or small, sums would be made that cost more."""
+    """With a cost ten times as large or small, the chosen graphs would cost more."""
     seeds = range(12)
     cost = sum(map(series_cost, seeds))
     for name, value in MOVED:

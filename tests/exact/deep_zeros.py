@@ -1,4 +1,4 @@
-"""Deep zeros: identities that may be refused or left undecided, but never called non-zero."""
+"""Deep zeros: identities that may be refused or undecided, but never count as non-zero."""
 
 from __future__ import annotations
 

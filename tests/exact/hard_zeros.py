@@ -1,7 +1,7 @@
 """Hard zeros: expressions that vanish identically, each with the reason in words.
 
-Roots are positive at the point of `symbols.POINT`; every zero is checked there with 60 digits by
-mpmath before the package is asked.
+Roots are positive at the point `symbols.POINT`. A test checks every zero there with 60 digits by
+mpmath, independently of the package.
 """
 
 from __future__ import annotations

@@ -78,7 +78,7 @@ NUMBERS = {
     "logarithm of two": log(2) - Rational(13614799, 19642003),
     "cube roots": cbrt(2) + cbrt(3) - Rational(27, 10),
     "e to the pi over pi to the e": exp(pi) * x - pi**E * x - Rational(6815, 10000) * x,
-    # The root of 10**68 + 1, of which large prime factors need not be known.
+    # This needs the root of 10**68 + 1, but not the large prime factors of that number.
     "angle of a long number": atan(Rational(1, 10**34)) - Rational(1, 10**34),
     "sqrt of a nested difference": sqrt(2 + sqrt(3)) - sqrt(3 + sqrt(2)) + Rational(17, 100),
 }

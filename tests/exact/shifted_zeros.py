@@ -53,7 +53,7 @@ def identities(u: sp.Expr) -> dict[str, sp.Expr]:
 
 
 def near_misses(u: sp.Expr) -> dict[str, sp.Expr]:
-    """The same with one coefficient a little off: never zero."""
+    """Addition theorems with one coefficient or sign changed: never zero."""
     return {
         "shift": sin(u + pi / 3) - sin(u) / 2 - (sqrt(3) / 2 + tiny) * cos(u),
         "exponent": exp(u + log(2)) - (2 + tiny) * exp(u),

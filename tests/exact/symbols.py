@@ -27,7 +27,7 @@ POINT = {
 
 
 def stand_ins(expression: sp.Expr) -> sp.Expr:
-    """The unknown functions replaced by definite ones, so that numbers can be put in."""
+    """Expression with definite functions instead of f, g and h, so that it has a numeric value."""
     u, v = sp.Dummy("u"), sp.Dummy("v")
     known = {
         f: sp.Lambda(u, 2 + sp.sin(u) + u**3 / 7),
@@ -41,7 +41,7 @@ def stand_ins(expression: sp.Expr) -> sp.Expr:
 
 
 def number(expression: sp.Expr, digits: int = 60, point: dict = POINT) -> mpmath.mpf | mpmath.mpc:
-    """The value at POINT by mpmath, without the package."""
+    """Value of an expression at a point (by default POINT), by mpmath and without the package."""
     expression = stand_ins(expression)
     order = sorted(expression.free_symbols, key=str)
     with mpmath.workdps(digits):
@@ -53,6 +53,6 @@ def number(expression: sp.Expr, digits: int = 60, point: dict = POINT) -> mpmath
 
 
 def plain(expression: sp.Expr) -> sp.Expr:
-    """The same expression in symbols about which sympy knows nothing."""
+    """The same expression in symbols without assumptions."""
     expression = sp.sympify(expression)
     return expression.xreplace({s: sp.Symbol(s.name) for s in expression.free_symbols})

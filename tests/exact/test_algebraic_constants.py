@@ -1,4 +1,4 @@
-"""Algebraic constants: parts of a turn and nested roots are decided, also where roots depend."""
+"""Algebraic constants: zero tests of nested roots and of functions of fractions of pi."""
 
 import pytest
 import sympy as sp
@@ -25,7 +25,7 @@ ZEROS = {
     "Ramanujan": sqrt(cbrt(5) - cbrt(4)) - (cbrt(2) + cbrt(20) - cbrt(25)) / 3,
     "fifth root": sp.root((11 + 5 * sqrt(5)) / 2, 5) - golden,
 }  # fmt: skip
-# Each solves the equation of a zero above with another root of the same relation.
+# Zeros from above with another root of the same polynomial equation: these are not zero.
 NOT_ZERO = {
     "conjugate of the golden cube root": w**2 + w * golden + golden**2,
     "Gauss with a minus": 16 * cos(2 * pi / 17) + 1 - sqrt(17) - inner + 2 * GAUSS,
@@ -44,7 +44,7 @@ def every(cases):
 
 @every(ZEROS)
 def test_zeros_are_found(value):
-    """Also as a factor; what is zero is written so and cannot be divided by."""
+    """A zero is proved, is written as 0 (also in a product), and has no inverse."""
     field = Field([x])
     zero = field.read(value)
     assert zero.is_zero is True
@@ -57,7 +57,7 @@ def test_zeros_are_found(value):
 
 @every({**ZEROS, **NOT_ZERO})
 def test_near_zeros_are_not_zero(value):
-    """1e-60 more than zero, and with that as the factor of a function."""
+    """Each value plus 1e-60 is not zero, and neither is x times this sum."""
     field = Field([x])
     assert field.read(value + TINY).is_zero is False
     assert field.read((value + TINY) * x).is_zero is False
@@ -65,7 +65,7 @@ def test_near_zeros_are_not_zero(value):
 
 @every(NOT_ZERO)
 def test_other_roots_are_not_taken_for_this_one(value):
-    """A number of size one is never called zero, and has an inverse of the right value."""
+    """A number of absolute value above one is not zero, and its inverse has the right value."""
     field = Field([x])
     element = field.read(value)
     assert element.is_zero is False
@@ -76,7 +76,7 @@ def test_other_roots_are_not_taken_for_this_one(value):
 
 
 def test_roots_of_negative_numbers_are_real():
-    """An odd root of a negative number with roots in it has a value, and its branch is stated."""
+    """The cube root of a negative number is the real root, and the field states this branch."""
     field = Field([x])
     element = field.read(cbrt(2 - sqrt(5)))
     assert element.evaluate({}) == pytest.approx(-0.6180339887498949, rel=1e-14)
@@ -85,7 +85,7 @@ def test_roots_of_negative_numbers_are_real():
 
 
 def test_in_complex_fields_the_root_is_the_principal_one():
-    """There the two cube roots of Cardano do not add up to one."""
+    """In a complex field the two cube roots of Cardano do not add up to one."""
     value = cbrt(2 + sqrt(5)) + cbrt(2 - sqrt(5))
     field = Field([x], complex=True)
     assert field.read(value - 1).is_zero is False
@@ -93,7 +93,7 @@ def test_in_complex_fields_the_root_is_the_principal_one():
 
 
 def test_where_the_degree_is_too_high_nothing_is_claimed(monkeypatch):
-    """A zero needs so many bits as its degree says; a near-zero does not."""
+    """The proof of a zero needs more bits for a higher degree; a near-zero needs few bits."""
     gauss = ZEROS["Gauss"]
     monkeypatch.setattr(algebraic_constants, "LARGEST_BITS", 512)
     assert Field([x]).read(gauss).is_zero is None
@@ -101,7 +101,7 @@ def test_where_the_degree_is_too_high_nothing_is_claimed(monkeypatch):
 
 
 def test_functions_beside_constants():
-    """A sum vanishes where the constants before each function do, and only there."""
+    """A sum vanishes if and only if the constant factor of each function vanishes."""
     field = Field([x])
     one, two = ZEROS["golden cube root"], ZEROS["heptagon"]
     assert field.read(one * sp.exp(x) + two * sp.sqrt(x + 1)).is_zero is True

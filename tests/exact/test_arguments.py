@@ -1,4 +1,4 @@
-"""Rational basis: what is a combination is found, whatever stands below the line."""
+"""Rational basis: the rational coefficients of a combination, also of vectors of quotients."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FACTORS = (x, x + 1, x - y, x**2 + y, sp.cos(x) + 2, sp.sqrt(x + 1) + y)
 
 
 def random_vector(rng: random.Random, field: Field) -> list:
-    """Two quotients with powers of few factors below the line."""
+    """Two quotients whose denominators are products of a few factors."""
     rows = []
     for _ in range(2):
         above = rng.randint(1, 3) + rng.randint(0, 2) * rng.choice((x, y, sp.sin(x), sp.sqrt(x)))
@@ -27,7 +27,7 @@ def random_vector(rng: random.Random, field: Field) -> list:
 
 @pytest.mark.parametrize("seed", range(20))
 def test_a_combination_is_found(seed: int) -> None:
-    """Shares of all vectors come back, those that alone have a pole included."""
+    """The coefficients of a combination are found, also for a vector with a pole of its own."""
     rng = random.Random(seed)
     field = Field([x, y])
     basis = [random_vector(rng, field) for _ in range(5)]
@@ -37,14 +37,14 @@ def test_a_combination_is_found(seed: int) -> None:
     assert found is not None
     again = [field.sum((q, v[row]) for q, v in zip(found, basis, strict=True)) for row in (0, 1)]
     assert again == target
-    # Anything that no vector has takes the target out of their span.
+    # A function that occurs in no vector takes the target out of their span.
     for extra in (1 / (x + 7), 1 / x**9, sp.sin(y)):
         beyond = [target[0] + field.read(extra), target[1]]
         assert express(field, beyond, basis) is None
 
 
 def test_only_a_pole_of_its_own_takes_a_vector_out() -> None:
-    """Poles of 1/(x (x + 1)) are those of 1/x and of 1/(x + 1) together."""
+    """1/(x (x + 1)) = 1/x - 1/(x + 1): both vectors are needed, although each has only one pole."""
     field = Field([x])
     target = [field.read(1 / (x * (x + 1)))]
     parts = [[field.read(part)] for part in (1 / x, 1 / (x + 1), 1 / (x + 2), x)]

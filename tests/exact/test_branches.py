@@ -1,6 +1,6 @@
-"""Branches: every choice of a root or inverse function is stated, selectable and consistent."""
+"""Branches: each choice of a root or inverse function is stated, selectable and consistent."""
 
-# Bad input, arrays for lists, results known to be there: more than types say.
+# Bad input, lists as arrays and results that may be None: the types are stricter.
 # pyright: reportArgumentType=false
 
 import pytest
@@ -66,7 +66,7 @@ CHOICES = {
 @pytest.mark.parametrize("label", CHOICES)
 @pytest.mark.parametrize("which", [0, 1])
 def test_the_sample_point_decides(label, which):
-    """Read at two sample points on both sides of a threshold, each gives its own value."""
+    """Two sample points on both sides of a threshold give two values, each the right one."""
     radical, *rest = CHOICES[label]
     sample, wanted = rest[2 * which], rest[2 * which + 1]
     field = Field(sorted(radical.free_symbols, key=str), sample=sample)
@@ -77,7 +77,7 @@ def test_the_sample_point_decides(label, which):
 
 @pytest.mark.parametrize("label", CHOICES)
 def test_every_choice_is_stated(label):
-    """With no assumption to settle it, the choice appears among the branches, with a condition."""
+    """A choice that no assumption settles is listed among the branches, with its condition."""
     radical, sample, wanted, *_ = CHOICES[label]
     field = Field(sorted(radical.free_symbols, key=str), sample=sample)
     field.read(wanted)
@@ -89,7 +89,7 @@ def test_every_choice_is_stated(label):
 
 
 def test_nothing_is_stated_where_nothing_was_chosen():
-    """Roots of positive things need no statement."""
+    """A field lists no branches for roots of positive expressions."""
     p, q = sp.symbols("p q", positive=True)
     field = Field([p, q])
     field.read(sqrt(p * q) / sqrt(p + q) + sqrt(p**2) + log(p * q))
@@ -97,7 +97,7 @@ def test_nothing_is_stated_where_nothing_was_chosen():
 
 
 def test_one_field_keeps_one_choice():
-    """A choice once made does not drift when later reading prefers another sample point."""
+    """A choice stays when an expression read later prefers another sample point."""
     field = Field([r, m])
     first = field.read(sqrt((r - m) ** 2))
     for later in (log(r - 2 * m), log(m - r), sqrt(r - 3 * m)):
@@ -109,7 +109,7 @@ def test_one_field_keeps_one_choice():
 
 
 def test_branches_can_be_chosen():
-    """branches={root: value} selects the other sign; a value that is no root is refused."""
+    """branches={root: value} selects the other sign; a value that is not a root is refused."""
     root = sqrt(1 - sin(x) ** 2)
     field = Field([x], branches={root: -cos(x)})
     assert field.read(root) == field.read(-cos(x))
@@ -119,7 +119,7 @@ def test_branches_can_be_chosen():
 
 @pytest.mark.parametrize("power", [-3, -1, 3])
 def test_a_chosen_branch_holds_for_the_powers_of_its_root(power):
-    """With sqrt(1 - sin(x)**2) read as -cos(x), 1 over it is -1/cos(x), whichever comes first."""
+    """With sqrt(1 - sin(x)**2) read as -cos(x), powers of the root are powers of -cos(x)."""
     root = sqrt(1 - sin(x) ** 2)
     field = Field([x], branches={root: -cos(x)})
     assert field.read(root**power) == field.read((-cos(x)) ** power)
@@ -133,7 +133,7 @@ def test_a_chosen_branch_holds_for_the_powers_of_its_root(power):
     ],
 )
 def test_a_root_is_not_chosen_by_itself(value):
-    """Results written with it would be read as those of the other branch; what to write is said."""
+    """The choice of a root by itself is refused, and the message states what to write instead."""
     root = sqrt(1 + x**2)
     field = Field([x], branches={root: value})
     for _ in range(2):
@@ -144,7 +144,7 @@ def test_a_root_is_not_chosen_by_itself(value):
 
 
 def test_the_same_root_written_otherwise():
-    """A value that the field writes with the root."""
+    """A value that the field writes with the same root is refused."""
     root = sqrt(1 + x**2)
     field = Field([x], branches={root: -sqrt(2 + 2 * x**2) / sqrt(2)})
     field.read(sqrt(root))
@@ -153,21 +153,21 @@ def test_the_same_root_written_otherwise():
 
 
 def test_roots_chosen_in_a_circle():
-    """The same where each is chosen by the other."""
+    """Two roots that are chosen by each other are refused."""
     one, two = sqrt(1 + x**2), sqrt(1 + y**2)
     with pytest.raises(ExpressionError, match="without this root"):
         Field([x, y], branches={one: two, two: one}).read(one)
 
 
 def test_the_other_sign_in_the_coframe():
-    """What the message says gives the other branch: e = x - sqrt(1 + x^2)."""
+    """A minus sign at the root, as the message advises, gives the other branch."""
     root = sqrt(1 + x**2)
     other = gt.cartan(gt.Frame([x, y], [[1, 0], [0, x - root]]))[0, 1, 1]
     assert other == gt.cartan(gt.Frame([x, y], [[1, 0], [0, root - x]]))[0, 1, 1] == -1 / root
 
 
 def test_negative_symbols():
-    """Assumptions of the symbols count: n < 0."""
+    """Assumptions about symbols count: n < 0."""
     field = Field([n])
     assert field.read(sqrt(n**2) + n).is_zero is True
     assert field.read(sqrt(-n) ** 2 + n).is_zero is True
@@ -177,6 +177,6 @@ def test_negative_symbols():
 
 
 def test_parts_of_a_turn_are_recognised():
-    """However small, where sines of them are known: nothing is left undecided."""
+    """asin(sin(x + pi/60)) is x + pi/60: the field decides the branch of a small shift."""
     x = sp.Symbol("x", positive=True)
     assert Field([x]).read(asin(sin(x + pi / 60))).sympy == x + pi / 60

@@ -65,7 +65,7 @@ def test_two_forms_of_one_thing_are_identical(label, swapped):
     assert (first - second).is_zero is True
 
 
-# Read alone, these keep the angle, argument or denominator with roots in which they were written.
+# In a field of their own, these keep the angle, argument or denominator that was entered.
 OWN_BASIS = {"angles", "half angles", "tanh", "roots below", "two roots below"}
 
 
@@ -79,7 +79,7 @@ def test_two_fields_print_the_same(label):
     )
 
 
-# Expressions that belong to one tower; the last entry of each is zero whatever came before.
+# Expressions that extend one field step by step.
 TOWERS = {
     "angles": [sin(x), cos(x / 2), tan(x / 3), sin(2 * x), cos(x + pi / 3), sin(x / 6)],
     "exponentials": [exp(x), exp(x / 2), exp(x / 3), sinh(x), cosh(x / 2), exp(-x + y)],
@@ -124,7 +124,7 @@ TOWERS = {
 
 @pytest.mark.parametrize("label", TOWERS)
 def test_order_of_reading_does_not_matter(label):
-    """Read one by one in many orders, the value of every product and sum stays right."""
+    """Each order of reading gives the same elements and the right sum of their squares."""
     members = TOWERS[label]
     symbols = sorted(set().union(*(e.free_symbols for e in members)), key=str)
     for order in list(permutations(range(len(members))))[:: 91 if len(members) > 5 else 17]:
@@ -146,7 +146,7 @@ def test_order_of_reading_does_not_matter(label):
 
 @pytest.mark.parametrize("label", TOWERS)
 def test_old_elements_survive_growth(label):
-    """An element read first, and its inverse, mean the same after everything else was read."""
+    """The first element, its inverse and its derivative stay right while the field grows."""
     members = TOWERS[label]
     symbols = sorted({x}.union(*(e.free_symbols for e in members)), key=str)
     field = Field(symbols, sample=POINT)

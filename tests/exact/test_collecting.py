@@ -1,4 +1,4 @@
-"""Collecting: sums are written by powers of a symbol where that is shorter, and worth the same."""
+"""Collecting: sums are written by powers of a symbol where that is shorter."""
 
 from __future__ import annotations
 
@@ -36,14 +36,14 @@ SHORT = {
 
 @pytest.mark.parametrize("label", SHORT)
 def test_the_shorter_way_is_taken(label: str) -> None:
-    """Parts are numbers, powers and pairs of brackets; a way that is no shorter is not taken."""
+    """A sum is written as powers and brackets only if that text is shorter."""
     expression, wanted = SHORT[label]
     assert str(Field([a, b, c, x, y, z]).read(expression).short) == wanted
 
 
 @pytest.mark.parametrize(("others", "is_collected"), [(9, True), (10, False)])
 def test_how_long_a_sum_is_collected(others: int, is_collected: bool) -> None:
-    """1,809 terms in 11 symbols are, 1,810 in 12 stay the sum that they are."""
+    """A sum of 1,809 terms in 11 symbols is collected; one of 1,810 terms in 12 symbols is not."""
     symbols = sp.symbols(f"s:{others}")
     table = [y**j * z**k for j in range(30) for k in range(60)]
     long = sp.Add(*((2 * k + 3) * term for k, term in enumerate(table)), *symbols)
@@ -53,7 +53,7 @@ def test_how_long_a_sum_is_collected(others: int, is_collected: bool) -> None:
 
 @pytest.mark.parametrize("seed", range(20))
 def test_what_is_collected_is_worth_the_same(seed: int) -> None:
-    """Random sums of products, against sympy's expansion."""
+    """The collected form of a random sum equals it by sympy's expansion and is not longer."""
     numbers = random.Random(seed)
     symbols = (a, b, x, y)
 
@@ -70,7 +70,7 @@ LONG = ((0, 0), (0, 3), (3, 3))
 
 
 def test_kerr_newman_de_sitter() -> None:
-    """Its Einstein tensor: -Lambda g plus that of the charge, with powers of Sigma as such."""
+    """The Einstein tensor is -Lambda g plus the part of the charge, with powers of Sigma kept."""
     t, r, theta, phi = sp.symbols("t r theta phi", real=True)
     M, Q, L, k = sp.symbols("M Q Lambda a", positive=True)
     sigma = r**2 + k**2 * cos(theta) ** 2
@@ -92,7 +92,7 @@ def test_kerr_newman_de_sitter() -> None:
         for j in range(4):
             element = field.read(expected[i, j])
             assert (einstein.element(i, j) - element).is_zero
-            # Read again from its text.
+            # Its text, read again, gives the same element.
             names = {str(s): s for s in (t, r, theta, phi, M, Q, L, k)}
             back = field.read(gt.parse_expression(str(einstein.element(i, j).short), names))
             assert (back - element).is_zero
@@ -101,12 +101,12 @@ def test_kerr_newman_de_sitter() -> None:
         f"-3*({inside} - Q**2)/((a**2*cos(theta)**2 + r**2)*(Lambda*a**2*cos(theta)**2 + 3))"
     )
     assert f"G[1, 1] = 3*({inside} + Q**2)/" in str(einstein)
-    # They had 729, 622 and 1131 letters where their numerators were multiplied out.
+    # With multiplied-out numerators they had 729, 622 and 1131 letters.
     assert [len(str(einstein.element(i, j).short)) for i, j in LONG] == [347, 314, 467]
 
 
 def test_a_text_with_many_roots_ends() -> None:
-    """The conjugates of a long numerator are not multiplied out to see if it is a reciprocal."""
+    """The text of a scalar with many roots is written and read back in reasonable time."""
     rows = [
         [sp.atan(sqrt(x + 1)) + 4, 0, sp.asin(y / 3) / 2],
         [0, sp.atan(z) ** 2 + 4, sp.atan(sqrt(y + 1))],

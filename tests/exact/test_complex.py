@@ -48,7 +48,7 @@ def value(element):
 
 @pytest.mark.parametrize("label", CASES)
 def test_principal_values(label):
-    """Element, written form and derivative have the principal values that mpmath finds."""
+    """Element, written form and derivative have the principal values that mpmath gives."""
     expression = CASES[label]
     element = field_of(expression).read(expression)
     wanted = number(expression, 60)
@@ -62,7 +62,7 @@ def test_principal_values(label):
 
 @pytest.mark.parametrize("label", CASES)
 def test_conjugation(label):
-    """The conjugate has the conjugate value; twice is nothing; e times it is real."""
+    """The conjugate has the conjugate value; its conjugate is e; e times it is real."""
     element = field_of(CASES[label]).read(CASES[label])
     conjugate = element.conjugate()
     with mpmath.workdps(50):
@@ -88,7 +88,7 @@ def test_conjugate_roots_in_either_order(first):
 
 
 def test_imaginary_unit():
-    """I * I = -1; a real field has none."""
+    """I * I = -1; a real field has no imaginary unit."""
     field = field_of(x + y)
     assert field.imaginary * field.imaginary == -1
     assert field.imaginary.conjugate() == -field.imaginary
@@ -97,7 +97,7 @@ def test_imaginary_unit():
 
 
 def test_fifth_roots_of_one():
-    """Sums of roots of one are real numbers with sqrt(5)."""
+    """The fifth root of one plus its conjugate is (sqrt(5) - 1) / 2."""
     field = field_of(x + y)
     one = field.read(exp(2 * I * pi / 5))
     assert one**5 == 1

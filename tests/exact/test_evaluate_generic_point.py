@@ -1,4 +1,4 @@
-"""Generic point: where signs are read, and how far one looks for a positive radicand."""
+"""Generic point: the point that decides signs, and the search for a positive radicand."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ x = sp.Symbol("x", real=True)
 
 @pytest.mark.parametrize(("beyond", "found"), [("2.97", True), ("2.99", False)])
 def test_how_long_a_positive_radicand_is_looked_for(beyond: str, found: bool) -> None:
-    """At 80 points: one in a hundred has a larger coordinate than 2.97, fewer than 2.99."""
+    """Among the 80 points of the search some have x > 2.97, but none has x > 2.99."""
     field, root = Field([x]), sp.sqrt(x - sp.Rational(beyond))
     if found:
         assert field.sample.value(field.read(root)) > 0

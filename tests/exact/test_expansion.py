@@ -1,4 +1,4 @@
-"""Limits and series: against known ones and numbers of fifty digits, and refused with reason."""
+"""Limits and series: known results, comparison with fifty digits, and refusals with a reason."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ LIMITS = [
     (x * y, y, M, 1, M * x),
     (f(x) / (1 + x), x, 0, 1, f(0)),
     ((f(x) - f(0)) / x, x, 0, 1, sp.Derivative(f(x), x).subs(x, 0)),
-    # No powers: by comparison of growths.
+    # Without series in powers: limits by comparison of growth.
     (sp.exp(-g * r), r, sp.oo, 1, 0),
     (r * sp.log(r), r, 0, 1, 0),
     (sp.tanh(x), x, sp.oo, 1, 1),
@@ -55,28 +55,28 @@ SERIES = [
 
 
 def expansion(expression, symbol, point, side=1):
-    """In a field over the symbols that occur."""
+    """Expansion in a field over the symbols that occur."""
     symbols = sorted(expression.free_symbols | {symbol} | sp.sympify(point).free_symbols, key=str)
     return Expansion(Field(symbols), expression, Approach(symbol, sp.sympify(point), side))
 
 
 @pytest.mark.parametrize(("expression", "symbol", "point", "side", "value"), LIMITS)
 def test_known_limits(expression, symbol, point, side, value):
-    """Each is the one found by hand, exactly."""
+    """Each limit equals the limit found by hand, exactly."""
     found = expansion(expression, symbol, point, side).limit()
     assert sp.simplify(found - value) == 0
 
 
 @pytest.mark.parametrize(("expression", "symbol", "point", "order", "value"), SERIES)
 def test_known_series(expression, symbol, point, order, value):
-    """Each is the one found by hand, exactly."""
+    """Each series equals the series found by hand, exactly."""
     found = expansion(expression, symbol, point).series(order)
     assert sp.simplify((found - value).doit()) == 0
 
 
 @pytest.mark.parametrize("order", [0, 1, 2, 3])
 def test_what_is_left_is_of_the_next_order(order):
-    """The error of a series falls as the power after the last one, measured with fifty digits."""
+    """The error of a series falls like the next power, measured with fifty digits."""
     entry = sp.sqrt(1 - 2 * M / r + k**2 / r**2) * sp.cos(x) / sp.sqrt(r**2 + k**2 * sp.cos(x) ** 2)
     values = {r: sp.Rational(7), M: sp.Rational(3, 2), x: sp.Rational(2, 3)}
     series = expansion(entry, k, 0).series(order)
@@ -86,12 +86,12 @@ def test_what_is_left_is_of_the_next_order(order):
             for near in (sp.Rational(1, 10**4), sp.Rational(1, 10**5))
         ]
         slope = mpmath.log10(gaps[0] / gaps[1])
-    # The entry is even in k: the power that is left is the next even one.
+    # The entry is even in k, so the next power is even.
     assert float(slope) == pytest.approx(order + 2 - order % 2, abs=1e-3)
 
 
 def test_roots_keep_the_sign_that_they_have_near_the_point():
-    """A square that appears at the point is rooted as it is next to it."""
+    """The root of a square has the sign that it has next to the point of expansion."""
     shape = (r - M) / sp.sqrt(sp.expand((r - M) ** 2))
     assert expansion(shape, r, M, 1).limit() == 1
     assert expansion(shape, r, M, -1).limit() == -1
@@ -113,21 +113,21 @@ def test_roots_keep_the_sign_that_they_have_near_the_point():
     ],
 )
 def test_limits_that_are_none(expression, symbol, point, error, message):
-    """What happens, where, and what to do."""
+    """The error states how the expression behaves at the point, or which signs to declare."""
     with pytest.raises(error, match=message):
         expansion(expression, symbol, point).limit()
 
 
 @pytest.mark.parametrize("expression", [sp.log(x), sp.exp(1 / x), sp.sin(1 / x), r**g])
 def test_series_that_are_none(expression):
-    """Where derivatives have no value there is no series in powers."""
+    """A function without finite derivatives at the point has no series in powers."""
     symbol = r if expression.has(r) else x
     with pytest.raises(SingularPointError, match="has no series in powers at"):
         expansion(expression, symbol, 0).series(2)
 
 
 def test_two_sides_have_to_agree():
-    """A jump is told with both limits."""
+    """The error at a jump names both limits."""
     ways = [Approach(x, sp.S.Zero, side) for side in (1, -1)]
     assert limit(Field([x]), sp.sin(x) / x, ways) == 1
     with pytest.raises(SingularPointError, match=r"two limits: 1/\w+ as .* above, 0 as .* below"):
@@ -137,13 +137,13 @@ def test_two_sides_have_to_agree():
 
 
 def test_a_wrong_answer_of_the_program_would_be_found(monkeypatch):
-    """What sympy says is compared with numbers next to the point."""
+    """A wrong limit by sympy is detected, because numbers next to the point contradict it."""
     monkeypatch.setattr(sp, "limit", lambda *_: sp.Rational(1, 3))
     with pytest.raises(UndecidedError, match="cannot be had"):
         expansion(sp.tanh(x), x, sp.oo).limit()
 
 
 def test_names_do_not_clash():
-    """A symbol of the user's may be called as the one in which is expanded."""
+    """A symbol of the user may have the name of the internal expansion symbol."""
     w, w_ = sp.symbols("w w_", real=True)
     assert expansion(w_ * sp.sin(w) / w, w, 0).series(2) == w_ - w_ * w**2 / 6

@@ -1,4 +1,4 @@
-"""Form: how polynomials are written, and how long they may be for that."""
+"""Form: the written form of polynomials, and up to which length it is searched for."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ x, y, z = sp.symbols("x y z", real=True)
 
 @pytest.mark.parametrize(("power", "written"), [(20, 20), (21, 1)])
 def test_how_long_a_polynomial_is_factored(power: int, written: int) -> None:
-    """One of 1,771 terms is a power again, one of 2,024 stays the sum that it is."""
+    """A power of 1,771 terms is written as a power; one of 2,024 terms stays a sum."""
     field = Field([x, y, z])
     base = whole = field.read(1 + x + 2 * y + 3 * z)
     for _ in range(power - 1):
@@ -26,7 +26,7 @@ def test_how_long_a_polynomial_is_factored(power: int, written: int) -> None:
 
 
 def test_how_high_powers_of_waves_are_written() -> None:
-    """Up to the eighth as they are, with two digits lost at most; then as multiple angles."""
+    """cos(x)**8 stays a power, at a loss of two digits at most; cos(x)**9 gets multiple angles."""
     field = Field([x, y])
     assert field.read(cos(x) ** 8 + y).sympy == cos(x) ** 8 + y
     ninth = 126 * cos(x) + 84 * cos(3 * x) + 36 * cos(5 * x) + 9 * cos(7 * x) + cos(9 * x)
@@ -34,7 +34,7 @@ def test_how_high_powers_of_waves_are_written() -> None:
 
 
 def test_how_many_waves_stay_a_sum() -> None:
-    """Four read better than their product, five do not."""
+    """A sum of four cosines stays a sum; a sum of five becomes a product."""
     field = Field([x])
     four = sum(cos(k * x) for k in (3, 5, 7, 9))
     assert field.read(four).sympy == four
@@ -42,7 +42,7 @@ def test_how_many_waves_stay_a_sum() -> None:
 
 
 def test_squares_are_exchanged_in_long_sums_too() -> None:
-    """With sin**2 for 1 - cos**2 where that is shorter, as long as anybody reads it."""
+    """A sum of 144 terms times sin(x)**2 plus 1 is written with 145 terms, without cosines."""
     field = Field([x, y, z])
     table = [y**j * z**k for j in range(12) for k in range(12)]
     long = sum((2 * k + 3) * term for k, term in enumerate(table)) * sin(x) ** 2

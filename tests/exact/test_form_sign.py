@@ -1,4 +1,4 @@
-"""Form: shorter elements with the sign of longer ones."""
+"""Form: shorter elements with the same sign as longer ones."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ EDGES = [
 
 @pytest.mark.parametrize("expression", EDGES)
 def test_signs_and_zeros(expression):
-    """Equal signs on both sides of all zeros and poles, and no quotient."""
+    """The shorter element has the same sign around each zero and pole, and has no denominator."""
     names = (R, THETA, M, A)
     element = Field(names).read(expression)
     shorter = of_same_sign(element)
@@ -38,11 +38,11 @@ def test_signs_and_zeros(expression):
 
 
 def test_what_it_leaves_out():
-    """Powers of which the sign is that of a lower one, and factors that are positive."""
+    """Positive factors are omitted, and powers are reduced to lower powers of the same sign."""
     field = Field((R, THETA, M, A))
     found = of_same_sign(field.read(EDGES[0])).sympy
     assert sp.expand(found - (R**2 - 2 * M * R + A**2) * sp.sin(THETA)) == 0
     assert of_same_sign(field.read(EDGES[4])).sympy == R - 3
     assert of_same_sign(field.read(EDGES[5])).sympy == -1
-    # It still touches zero where r does.
+    # r**2 stays, because the element vanishes at r = 0.
     assert sp.expand(of_same_sign(field.read(EDGES[2])).sympy - EDGES[2]) == 0

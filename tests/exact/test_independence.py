@@ -1,4 +1,4 @@
-"""Independence: what is long and depends on nothing is written without what drops out of it."""
+"""Independence: a long expression is written without symbols on which it does not depend."""
 
 import mpmath
 import pytest
@@ -12,7 +12,7 @@ Lambda = sp.Symbol("Lambda", positive=True)
 
 
 def de_sitter() -> Frame:
-    """De Sitter space whose radius is a function of two coordinates, by its metric."""
+    """De Sitter space whose radius is a function of two coordinates, from its metric."""
     s = r * (2 + sp.sin(phi))
     rho = s + s / (1 + s**2)
     f = 1 - Lambda * rho**2 / 3
@@ -23,22 +23,22 @@ def de_sitter() -> Frame:
 
 @pytest.fixture(scope="module")
 def curvature():
-    """Its curvature."""
+    """Curvature of that de Sitter space."""
     return levi_civita(de_sitter()).curvature
 
 
 def test_the_scalar_of_de_sitter_space(curvature):
-    """It has hundreds of thousands of parts as it is built, and is 4 Lambda."""
+    """The scalar has hundreds of thousands of parts as it is built, and is written as 4 Lambda."""
     known = len(curvature.scalar.frame.field.generators)
     assert curvature.scalar[()] == 4 * Lambda
     assert str(curvature.scalar).endswith("R = 4*Lambda")
     assert sp.simplify(curvature.kretschmann[()] - sp.Rational(8, 3) * Lambda**2) == 0
-    # Numbers such as sin(1) stay outside of the frame.
+    # Numbers such as sin(1) do not enter the field of the frame.
     assert len(curvature.scalar.frame.field.generators) == known
 
 
 def test_symbols_that_matter_stay(curvature):
-    """R_ab = Lambda g_ab, as it is decided and as numbers of what is written."""
+    """R_ab = Lambda g_ab, by the zero test and by numbers of the written component."""
     ricci, metric = curvature.ricci, curvature.ricci.frame.metric
     assert (ricci - Lambda * metric).is_zero is True
     assert {r, phi, Lambda} <= ricci[0, 0].free_symbols
@@ -56,9 +56,9 @@ def test_symbols_that_matter_stay(curvature):
 
 
 def test_what_was_asked_before_decides_nothing():
-    """Equal components are written in equal letters, wherever searches for places stand."""
+    """Equal components are written in equal letters, however many points earlier queries used."""
     shown = []
-    # The prime changes at the 256th place: at the next, or between two places that are compared.
+    # The prime changes at the 256th point: between two queries, or between two compared points.
     for asked in (0, 253, 255):
         frame = de_sitter()
         scalar = levi_civita(frame).curvature.scalar

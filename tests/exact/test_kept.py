@@ -1,4 +1,4 @@
-"""Kept: elements that are not multiplied out are worth the same as those that are."""
+"""Kept: elements that are not multiplied out have the same values as those that are."""
 
 import copy
 import pickle
@@ -22,7 +22,7 @@ def field() -> Field:
 
 
 def test_long_products_are_kept_and_short_ones_are_not(field):
-    """What is dear to multiply out waits until somebody asks."""
+    """A long product is not multiplied out until that is necessary; a short one is."""
     a, b = field.read(LONG), field.read(OTHER)
     assert (a * b).is_kept
     assert not (a * 2).is_kept
@@ -30,7 +30,7 @@ def test_long_products_are_kept_and_short_ones_are_not(field):
 
 
 def test_values_and_derivatives_are_those_of_the_product(field):
-    """Against mpmath, in sixty digits."""
+    """A kept quotient agrees with mpmath to 50 digits, and its derivative to 25."""
     a, b = field.read(LONG), field.read(OTHER)
     value = (a * b + a) / (b * b + 1)
     assert value.is_kept
@@ -48,7 +48,7 @@ def test_values_and_derivatives_are_those_of_the_product(field):
 
 
 def test_equality_and_zero(field):
-    """Equal to itself in another order, not to itself and a little."""
+    """A kept product equals the same product in another order; a difference of 1e-30 counts."""
     a, b = field.read(LONG), field.read(OTHER)
     assert a * b == b * a
     assert (a * b - b * a).is_zero is True
@@ -58,20 +58,20 @@ def test_equality_and_zero(field):
 
 
 def test_a_kept_zero_is_written_as_zero(field):
-    """Not as the difference of two long products."""
+    """A difference of two long products that vanishes is written as 0."""
     a, b = field.read(LONG), field.read(OTHER)
     assert (a * b * a * b - b * b * a * a).sympy == 0
 
 
 def test_division_by_a_kept_zero(field):
-    """Refused, as by zero itself."""
+    """Division by a kept zero raises ZeroDivisionError."""
     a, b = field.read(LONG), field.read(OTHER)
     with pytest.raises(ZeroDivisionError):
         _ = 1 / (a * b - b * a)
 
 
 def test_it_does_not_matter_what_was_asked_before(field):
-    """Written twice, and after its parts were multiplied out by force, it reads the same."""
+    """The text of an element is the same after one of its parts was multiplied out."""
     a, b = field.read(LONG), field.read(OTHER)
     first = str((a * b + b) / (a + b * b))
     other = Field([x, y])
@@ -82,7 +82,7 @@ def test_it_does_not_matter_what_was_asked_before(field):
 
 
 def test_copies(field):
-    """Copies are the same; a pickled one is read again."""
+    """A deep copy is the same element; an unpickled element has the same value."""
     powers = range(20)
     terms = [(i, j, x**i * y**j) for i in powers for j in powers]
     a = field.read(sp.Add(*[(i + j + 1) * term for i, j, term in terms]))
@@ -95,7 +95,7 @@ def test_copies(field):
 
 
 def test_what_needs_a_polynomial_says_when_it_is_too_long(field):
-    """The root of a long product: the message says what to do."""
+    """The root of a long product is refused, and the message states a remedy."""
     powers = range(70)
     a = field.read(sp.Add(*[(i + j + 1) * x**i * y**j for i in powers for j in powers]))
     b = field.read(sp.Add(*[(i + j + 1) * x**i * sp.exp(y * j) for i in powers for j in powers]))
@@ -104,7 +104,7 @@ def test_what_needs_a_polynomial_says_when_it_is_too_long(field):
 
 
 def test_read_as_written():
-    """What was written is shorter than all that can be made of it: it is written so."""
+    """An entry that is shorter than each rewritten form is written as entered."""
     z, m, n, c = sp.symbols("z m n c")
     potential = 1 + m / sp.sqrt(x**2 + y**2 + z**2) + n / sp.sqrt(x**2 + y**2 + (z - c) ** 2)
     element = Field([x, y, z, m, n, c]).read(1 / potential**2)
@@ -112,7 +112,7 @@ def test_read_as_written():
 
 
 def test_products_in_pieces(field):
-    """More than a million pairs of terms: the same as term by term."""
+    """A product of more than a million pairs of terms equals the product term by term."""
     powers = range(32)
     a, b = (
         field.read(sp.Add(*[(i + m * j + 1) * x**i * y**j for i in powers for j in powers]))
@@ -125,7 +125,7 @@ def test_products_in_pieces(field):
 
 @pytest.mark.parametrize("shared", [True, False])
 def test_a_denominator_that_terms_share_counts_once(shared):
-    """A sum over one long denominator is read; one over as many different ones is not."""
+    """A sum over one long denominator is read; one over as many different ones is refused."""
     z = sp.Symbol("z")
     field, base = Field([x, y, z]), (x + y + z + 1) ** 6 + sp.sin(y) + sp.exp(x)
     apart = {k: 0 if shared else k for k in range(1, 6)}

@@ -1,4 +1,4 @@
-"""Limits: what would grow without end is refused at once, or read and worked with."""
+"""Limits: expressions that would grow without end are refused at once; long ones are read."""
 
 import random
 import re
@@ -16,7 +16,7 @@ from geomtorsion.exact.writing import shortest
 from geomtorsion.geometry import Frame, levi_civita
 from geomtorsion.spaces.files import read_file
 
-# Each took from twenty seconds to hours, in reading, in writing or in what is derived.
+# Each took from twenty seconds to hours, in reading, in writing or in derived quantities.
 ENDLESS = {
     "nested powers": "((((1+x)**200+y)**200+x)**200+y)**200",
     "square of a power": "((1+x+y)**100)**2",
@@ -49,7 +49,7 @@ def test_endless_entries_are_refused(entry, tmp_path):
 
 @pytest.mark.parametrize(("power", "terms"), [(103, 5460), (104, 5565)])
 def test_the_limit_of_terms(power, terms, tmp_path):
-    """The square of an entry has to be within the limit of a product: 5,477 terms."""
+    """The square of an entry has to be within the limit of a product: at most 5,477 terms."""
     file = tmp_path / "a.toml"
     file.write_text(f'coordinates = ["x", "y"]\ncoframe = [["(x+y+1)**{power}", 0], [0, 1]]\n')
     if terms < 5477:
@@ -60,7 +60,7 @@ def test_the_limit_of_terms(power, terms, tmp_path):
 
 
 def test_entries_from_python_too():
-    """The limit is that of all exact work, not that of files."""
+    """The limit holds for all exact work, not only for files."""
     x, y = sp.symbols("x y", real=True)
     with pytest.raises(LimitError, match="20,301 terms"):
         Frame([x, y], [[((1 + x + y) ** 100) ** 2, 0], [0, 1]])
@@ -69,8 +69,8 @@ def test_entries_from_python_too():
     assert Frame([x, y], [[sp.exp(sp.Integer(10) ** 18) + x, 0], [0, 1]]).dimension == 2
 
 
-# In a process of its own: hypothesis has a callback in the garbage collector of this one, and an
-# interruption that falls into it is lost.
+# In a separate process: hypothesis has a callback in the garbage collector of this process, and
+# an interruption within that callback is lost.
 INTERRUPTED = """
 import signal
 import time
@@ -90,7 +90,7 @@ except KeyboardInterrupt:
 
 
 def test_work_can_be_interrupted():
-    """No single step is longer than seconds: Ctrl-C comes through."""
+    """Ctrl-C interrupts the computation within seconds, because no single step takes longer."""
     done = subprocess.run(
         [sys.executable, "-c", INTERRUPTED],
         check=False,
@@ -103,7 +103,7 @@ def test_work_can_be_interrupted():
 
 
 def test_what_is_too_long_to_write_has_numbers():
-    """The limit is that of writing alone: zero is decided, and values are there."""
+    """A component too long to write can still be tested for zero; only writing it is refused."""
     x, y, z = sp.symbols("x y z", real=True)
     f, g = sp.Function("f"), sp.Function("g")
     rows = [
@@ -120,7 +120,7 @@ def test_what_is_too_long_to_write_has_numbers():
 
 
 def test_a_leg_that_is_too_long_is_named():
-    """The last completed square of a dense metric has too long a root; curvature needs none."""
+    """The last leg of a dense metric has too long a root; curvature does not need it."""
     t, x, y, z = sp.symbols("t x y z", positive=True)
     metric = [
         [-(x**2) - y**2 - 1, 0, sp.tanh(y + z) / 6, sp.cos(z / 2) / 5],
@@ -136,21 +136,21 @@ def test_a_leg_that_is_too_long_is_named():
 
 
 def test_what_is_far_too_long_is_not_written_before_it_is_refused():
-    """The sums that it is built of tell, before any of them is an expression of sympy."""
+    """The length follows from the sums inside, before sympy expressions are made of them."""
     w, x, y, z = sp.symbols("w x y z")
     field = Field([w, x, y, z])
     power, w = field.read(1 + x + y + z) ** 20, field.symbol(w)
     total = field.sum([(1, power + k * w, power - k * w) for k in range(1, 60)])
     with pytest.raises(LimitError, match=r"an expression of more than 33\d,\d{3} parts would be"):
         _ = total.sympy
-    # Below the limit nothing is refused.
+    # Below the limit the sum is written.
     few = field.read(1 + x + y + z) ** 12
     one = field.sum([(1, few + w, few - w)])
     assert one.sympy.subs({w.sympy: 2, x: 1, y: 1, z: -2}) == 1 - 4
 
 
 def test_few_sums_that_stand_at_many_places_are_refused_before_they_are_written():
-    """Each sum is counted where it stands, and what all terms share once."""
+    """A sum is counted at each place where it occurs; a factor of all terms is counted once."""
     x, y, z = sp.symbols("x y z")
     field = Field([x, y, z])
     long, one = field.read((1 + x + y + z) ** 18), field.symbol(x)
@@ -162,20 +162,20 @@ def test_few_sums_that_stand_at_many_places_are_refused_before_they_are_written(
             found = field.sum([(1, found, found, start + other), (1, found, start - other)])
         return found
 
-    # Each level stands twice in the next.
+    # Each level occurs twice in the next.
     with pytest.raises(LimitError, match=r"more than [\d,]* parts would be written"):
         _ = nested(8, long, one).sympy
     written = nested(1, power, one)
     assert written.is_kept
     a, b = 3**12 + 1, 3**12 - 1
     assert sp.lambdify([x, y, z], written.sympy)(1, 2, -1) == (a * b) ** 2 * a + a * b * b
-    # What all terms share stands in front once, and is no reason.
+    # A factor of all terms is written once, in front, and does not exceed the limit.
     shared = field.sum([(k, written, one**k) for k in range(1, 200)])
     assert sp.lambdify([x, y, z], shared.sympy)(0, 2, -1) == 0
 
 
 def test_what_is_far_too_long_is_refused_by_its_longest_sums():
-    """Not before all are collected, which takes seconds: half of them are more than enough."""
+    """The refusal comes after half of the sums are counted; collecting all takes seconds."""
     x, y, z = sp.symbols("x y z")
     field = Field([x, y, z])
     numbers = random.Random(1)
@@ -194,7 +194,7 @@ def test_what_is_far_too_long_is_refused_by_its_longest_sums():
 
 
 def test_the_largest_multiple_of_an_angle():
-    """cos(1000 x) is a polynomial of cos(x); of a larger multiple it would be too long."""
+    """cos(1000 x) is written as a polynomial of cos(x); the multiple 1001 would be too long."""
     x, y = sp.symbols("x y", real=True)
 
     def entry(multiple):
@@ -207,7 +207,7 @@ def test_the_largest_multiple_of_an_angle():
 
 
 def test_the_highest_power_that_is_multiplied_out():
-    """A million terms, and no more."""
+    """A power is multiplied out up to a million terms."""
     x, y = sp.symbols("x y", real=True)
     base = Field([x, y]).read(x + y + 1)
     check_power(base, 1412)

@@ -1,4 +1,4 @@
-"""The lists of zeros and near-zeros are themselves right, by mpmath alone."""
+"""The lists of zeros and near-zeros themselves are right, checked by mpmath only."""
 
 import mpmath
 import pytest

@@ -1,4 +1,4 @@
-"""Modular: the decision at a random point modulo a prime is the exact one."""
+"""Modular: the zero test at a random point modulo a prime agrees with the exact test."""
 
 import random
 
@@ -16,12 +16,12 @@ ATOMS = (
     sp.cosh(y), sp.sinh(2 * y), sp.sqrt(x**2 + 1), sp.sqrt(x + y), sp.sqrt(2), sp.sqrt(3) / 2,
     (x + 2) ** sp.Rational(1, 3), sp.log(y), sp.atan(x), f(x), f(x).diff(x), sp.tan(x / 2),
 )  # fmt: skip
-# What is zero is zero in its derivatives, times anything, and as one sum less the same, reordered.
+# Terms that are small, but not zero.
 NEAR = (sp.Rational(1, 10**40), sp.Rational(-3, 2**200))
 
 
 def random_terms(rng: random.Random, field: Field) -> list[tuple]:
-    """A sum of products of small elements."""
+    """Coefficients and factors of a sum of products of small elements."""
 
     def element():
         return field.read(sum(rng.randint(-3, 3) * rng.choice(ATOMS) for _ in range(2)) + 1)
@@ -33,7 +33,7 @@ def random_terms(rng: random.Random, field: Field) -> list[tuple]:
 
 
 def disagreements(seed: int, count: int) -> list[str]:
-    """Sums for which the two decisions differ: a sum less itself, plus nothing, little or more."""
+    """Cases with a wrong zero test: a sum minus itself, plus nothing, a small or a large term."""
     rng, wrong = random.Random(seed), []
     field = Field([x, y, k])
     for number in range(count):
@@ -53,19 +53,19 @@ def disagreements(seed: int, count: int) -> list[str]:
 
 
 def test_sums_less_themselves():
-    """Zero is found, and 1e-40 is not zero."""
+    """A sum minus itself is zero; 1e-40 more is not."""
     assert not disagreements(1, 300)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(10))
 def test_ten_thousand_sums(seed):
-    """The modular decision never differs from the exact one."""
+    """The zero test is right for ten thousand sums minus themselves."""
     assert not disagreements(100 + seed, 1000)
 
 
 def test_the_chance_of_an_error_is_that_of_256_bits():
-    """Told for each degree; a zero that is one by accident is nothing to reckon with."""
+    """The bound on the probability of an error is the degree 3 times about 2**-255."""
     field = Field([x, y])
     chance = ModularPoint(field).chance(field.read(x**3 - y))
     assert 2.0**-256 < chance / 3 < 2.0**-254
@@ -85,7 +85,7 @@ RELATIONS = {
 
 @pytest.mark.parametrize("relation", RELATIONS.values(), ids=RELATIONS.keys())
 def test_generators_obey_their_relations(relation):
-    """All generators of an identity take values at which it holds; one thousandth more does not."""
+    """An identity vanishes at the point, and each root satisfies its equation there."""
     field = Field([x, y])
     zero = field.read(sp.sympify(relation))
     every = field.sum((1, field.generator_element(g)) for g in field.generators)
@@ -99,7 +99,7 @@ def test_generators_obey_their_relations(relation):
 
 
 def test_the_same_in_every_field():
-    """Two fields of the same symbols have the same point: no chance is in it."""
+    """Two fields of the same symbols have the same point, so that results do not vary."""
     images = []
     for _ in range(2):
         field = Field([x, y])
@@ -108,7 +108,7 @@ def test_the_same_in_every_field():
 
 
 def test_the_chance_of_error_is_small_and_told():
-    """A zero that is not multiplied out is told with a bound below 1e-30."""
+    """A zero that is not multiplied out carries a bound on the error probability below 1e-30."""
     field = Field([x, y])
     powers = range(45)
     long = [
@@ -138,7 +138,7 @@ PARTS_OF_A_TURN = {
 
 @pytest.mark.parametrize("text", PARTS_OF_A_TURN.values(), ids=PARTS_OF_A_TURN.keys())
 def test_parts_of_a_turn_are_decided(text):
-    """Identities of cos and sin of parts of a turn: roots of unity stand for them."""
+    """Identities of sines and cosines of pi-fractions are decided, by roots of unity."""
     field = Field([x])
     zero = field.read(sp.sympify(text))
     assert zero.is_zero is True
@@ -147,7 +147,7 @@ def test_parts_of_a_turn_are_decided(text):
 
 @pytest.mark.parametrize("degree", [100, 400])
 def test_products_go_to_products(degree):
-    """Polynomials of a degree on both sides of what is evaluated in whole numbers."""
+    """The value at the point respects products and sums, also of polynomials of high degree."""
     field = Field([x, y])
     a, b = field.read(x**degree - 7 * y + sp.sqrt(2)), field.read(3 * x * y**5 + sp.Rational(1, 3))
     point = ModularPoint(field)
@@ -156,7 +156,7 @@ def test_products_go_to_products(degree):
 
 
 def test_roots_of_numbers_that_few_primes_have():
-    """Four cube roots, one of them nested: other symbols do not help, another prime does."""
+    """Roots of numbers, one nested: other symbols do not help, another prime does."""
     third = sp.Rational(1, 3)
     roots = [sp.Integer(6) ** third, (1 + sp.Integer(10) ** third) ** third, 7**third, sp.sqrt(29)]
     field = Field([x])
@@ -170,7 +170,7 @@ def test_roots_of_numbers_that_few_primes_have():
 
 
 def test_roots_of_unlike_symbols_are_found_one_symbol_after_the_other():
-    """Eight square roots in each of three symbols: 3 * 2**8 places; 2**24 would not be had."""
+    """Eight square roots in each of three symbols need 3 * 2**8 trials; 2**24 would be too many."""
     symbols = sp.symbols("x y z", positive=True)
     field = Field(list(symbols))
     sums = [
@@ -190,9 +190,9 @@ def test_roots_of_unlike_symbols_are_found_one_symbol_after_the_other():
 
 @pytest.mark.parametrize("constant", [0, sp.sqrt(3), sp.cos(sp.pi / 7), sp.I * sp.sqrt(5)])
 def test_twelve_cube_roots_of_one_symbol(constant):
-    """Each number has one modulo primes that are 2 modulo 3: none of 3**12 places is passed over.
+    """Modulo a prime that is 2 modulo 3 each number has one cube root: no search over 3**12 cases.
 
-    With a constant that needs its own primes, and with five of them where that needs 3 for itself.
+    This holds also with a constant that needs its own primes; sqrt(3) leaves four roots.
     """
     count = 4 if constant == sp.sqrt(3) else 12
     field = Field([x], complex=bool(constant and constant.has(sp.I)))
@@ -208,9 +208,9 @@ def test_twelve_cube_roots_of_one_symbol(constant):
 
 
 def test_roots_are_sought_only_where_there_are_some(monkeypatch):
-    """Euler's criterion tells first whether a number has a root of odd degree modulo the prime.
+    """A root of odd degree is sought only if Euler's criterion shows that it exists.
 
-    Constants that need roots of unity of those orders are there, so that not every number has one.
+    The constants need roots of unity of these orders, so that some numbers have no such root.
     """
     found = []
     seek = ModularPoint._roots

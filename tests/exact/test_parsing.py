@@ -1,4 +1,4 @@
-"""Text becomes sympy by a whitelist: what is read is exact, what is not read says why and where."""
+"""Parsing by a whitelist: what it reads is exact, and a refusal states the reason and the place."""
 
 import pytest
 import sympy
@@ -51,7 +51,7 @@ f, h = sympy.Function("f"), sympy.Function("h")
     ],
 )
 def test_what_is_written_is_what_is_read(text, expected):
-    """Precedence, associativity, powers and the names of functions are those of mathematics."""
+    """Precedence, associativity, powers and names of functions follow mathematical notation."""
     assert parse_expression(text, NAMES) == expected
 
 
@@ -140,7 +140,7 @@ def test_functions_must_be_declared_once_any_are():
     ],
 )
 def test_code_is_refused(text):
-    """Nothing that means anything to a programming language gets through, and nothing is run."""
+    """Text with a meaning in a programming language is refused, and nothing is executed."""
     with pytest.raises(ExpressionError, match=r"(?s)entry: .+\n    .*\^"):
         parse_expression(text, NAMES, where="entry")
 
@@ -210,7 +210,7 @@ def test_an_error_names_the_reason_and_the_remedy(text, message):
 
 
 def test_an_error_points_at_the_part():
-    """The caret stands under the first and the last letter of what is wrong, in long texts too."""
+    """Carets mark exactly the wrong part, also in a long text."""
     with pytest.raises(ExpressionError) as caught:
         parse_expression("r^2 + sin(thetta)*r", NAMES, where="coframe[0, 1]")
     first, shown, caret, remedy = str(caught.value).split("\n")
@@ -226,7 +226,7 @@ def test_an_error_points_at_the_part():
 
 
 def test_decimals_are_read_where_they_are_asked_for():
-    """0.1 is 1/10, never a float; how many digits there may be has a limit here too."""
+    """With decimals=True, 0.1 is read as 1/10, never as a float; the limit on digits holds."""
     read = {
         "0.1*r": r / 10,
         "2.5e-3": sympy.Rational(1, 400),
@@ -245,13 +245,13 @@ def test_decimals_are_read_where_they_are_asked_for():
 
 
 def test_text_is_needed():
-    """A number in place of a text is an error of ours, not a TypeError from the depths."""
+    """A number instead of a text raises our own error, not a TypeError from deep inside."""
     with pytest.raises(ExpressionError, match="text, got float"):
         parse_expression(0.5, NAMES)  # pyright: ignore[reportArgumentType] - the mistake under test
 
 
 def _texts() -> st.SearchStrategy[str]:
-    """Expressions as text, nested, with every sign."""
+    """Texts of nested expressions with all operators."""
     leaves = st.sampled_from(["r", "M", "theta", "2", "3/4", "f(r)", "pi"])
     return st.recursive(
         leaves,
@@ -269,7 +269,7 @@ def _texts() -> st.SearchStrategy[str]:
 @settings(max_examples=60, deadline=None)
 @given(_texts())
 def test_agrees_with_sympys_own_reader(text):
-    """Against an independent reader (sympy's, which evaluates code and must never see a file)."""
+    """Agreement with an independent reader: sympy's, which evaluates code and never sees files."""
     try:
         value = parse_expression(text, NAMES)
     except ExpressionError as error:
@@ -282,7 +282,7 @@ def test_agrees_with_sympys_own_reader(text):
 @settings(max_examples=100, deadline=None)
 @given(st.text(max_size=30))
 def test_any_text_is_read_or_refused(text):
-    """Whatever comes, the only errors are ours."""
+    """Any text is read or raises an error of our own."""
     try:
         value = parse_expression(text, NAMES)
     except GeomtorsionError:
@@ -293,7 +293,7 @@ def test_any_text_is_read_or_refused(text):
 @settings(max_examples=300, deadline=None)
 @given(st.lists(st.sampled_from("r M 2 0 + - * / ** ^ ( ) , sin f diff I . _ [ lambda".split())))
 def test_any_sequence_of_tokens_is_read_or_refused(pieces):
-    """As above, with texts that come closer to expressions."""
+    """As above, with texts that resemble expressions more closely."""
     for text in (" ".join(pieces), "".join(pieces)):
         try:
             value = parse_expression(text, NAMES)
@@ -303,7 +303,7 @@ def test_any_sequence_of_tokens_is_read_or_refused(pieces):
 
 
 def test_the_imaginary_unit_is_not_offered_for_a_moment_of_inertia():
-    """I1 is no slip of the pen for I; i may be."""
+    """I is not offered as a correction of I1, but it is offered for i."""
     with pytest.raises(ExpressionError) as refused:
         parse_expression("I1*2", {})
     assert "Did you mean" not in str(refused.value)

@@ -1,4 +1,4 @@
-"""Input built to exhaust the machine is turned away at once; long honest input is read."""
+"""Parsing limits: texts built to exhaust the machine are refused at once; long texts are read."""
 
 import pytest
 import sympy
@@ -34,13 +34,13 @@ NAMES = {"t": t, "r": r, "theta": theta, "M": M}
     ],
 )
 def test_every_limit_is_stated(text, message):
-    """Input built to exhaust the machine (hours, all memory) is turned away with the limit met."""
+    """Text that would take hours or all memory is refused, and the message states the limit."""
     with pytest.raises(LimitError, match=message):
         parse_expression(text, NAMES)
 
 
 def test_limits_can_be_moved():
-    """Whoever needs more says so."""
+    """Limits can be changed by an argument."""
     assert parse_expression("r**300", NAMES, limits=Limits(exponent=300)) == r**300
     with pytest.raises(LimitError, match="the limit is 2 levels"):
         parse_expression("((r))", NAMES, limits=Limits(depth=2))
@@ -49,7 +49,7 @@ def test_limits_can_be_moved():
 
 @pytest.mark.parametrize("count", [39, 40, 41, 1600, 1601, 3000])
 def test_long_chains_keep_their_signs(count):
-    """Portions of forty change nothing, on either side of the lengths where they begin."""
+    """Signs are right around the lengths at which a chain is split into portions of forty."""
     assert parse_expression("r" + "-M" * count, NAMES) == r - count * M
     assert parse_expression("-r" + "-M+1" * count, NAMES) == -r - count * M + count
     assert parse_expression("2*(r" + "-M" * count + ")-r", NAMES) == 2 * (r - count * M) - r
@@ -60,6 +60,6 @@ def test_long_chains_keep_their_signs(count):
 
 
 def test_a_hundred_thousand_terms():
-    """A sum of 100,000 terms is read; Python's own parser gives up at some thousand."""
+    """A sum of 100,000 terms is read; Python's own parser fails at some thousand."""
     text = "+".join(["r", "M", "t"] * 33_333 + ["theta"])
     assert parse_expression(text, NAMES) == 33_333 * (r + M + t) + theta

@@ -1,4 +1,4 @@
-"""Polynomials: integers that are factored, and those that are too large."""
+"""Polynomials: integers that are factored, and integers that are too large."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from geomtorsion.exact.polynomials import prime_factors
 
 
 def primes(*bits: int) -> list[int]:
-    """The first prime with more than so many bits, for each."""
+    """For each number of bits, the first prime with more than that many bits."""
     return [int(sp.nextprime(2**count)) for count in bits]
 
 
 def test_how_large_a_product_of_two_primes_is_factored() -> None:
-    """Up to 150 bits, which takes well under a second."""
+    """A product of two primes is factored up to about 150 bits, in well under a second."""
     one, two = primes(64, 80)
     assert prime_factors(one * two) == [(one, 1), (two, 1)]
     one, two = primes(79, 80)
@@ -25,7 +25,7 @@ def test_how_large_a_product_of_two_primes_is_factored() -> None:
 
 @pytest.mark.parametrize(("bits", "found"), [(28, True), (40, False)])
 def test_how_large_the_factors_of_a_larger_number_may_be(bits: int, found: bool) -> None:
-    """All but one: that may be any prime."""
+    """A prime factor of 28 bits is found beside one of 160 bits; a factor of 40 bits is not."""
     one, two = primes(bits, 160)
     if found:
         assert prime_factors(one * two) == [(one, 1), (two, 1)]

@@ -1,4 +1,4 @@
-"""Factoring: the other process gives the same factors, and can be ended."""
+"""Factoring: a separate process gives the same factors, and can be ended."""
 
 import random
 import signal
@@ -35,13 +35,13 @@ def sparse(degree, terms, seed):
 
 
 def size(poly):
-    """What decides where it is factored."""
+    """The quantity that decides in which process a polynomial is factored."""
     return len(poly) * sum(map(int, poly.degrees()))
 
 
 @pytest.mark.parametrize(("degree", "apart"), [(6, False), (30, True)])
 def test_here_and_apart(degree, apart):
-    """On both sides of the bound: what flint finds itself."""
+    """Below and above the bound, the factors equal those that flint gives directly."""
     product = sparse(degree, 12, 1) * sparse(degree, 12, 2) ** 2
     assert (size(product) > FACTORED_HERE) is apart
     content, factors = factored(product, FACTORED_HERE)
@@ -63,7 +63,7 @@ LINEAR = {
 
 @pytest.mark.parametrize("text", LINEAR.values(), ids=LINEAR.keys())
 def test_what_is_linear_in_a_variable_has_the_factors_that_flint_finds(text):
-    """They follow from the common divisor of its coefficients."""
+    """Polynomials linear in a variable have the factors that flint finds."""
     ring = fmpq_mpoly_ctx.get(["v", "w", "x", "y"], Ordering.lex)
     names = dict(zip("vwxy", ring.gens(), strict=True))
     symbols = {name: sp.Symbol(name) for name in names}
@@ -76,7 +76,7 @@ def test_what_is_linear_in_a_variable_has_the_factors_that_flint_finds(text):
 
 
 def test_a_process_that_ended_is_replaced():
-    """It may be ended at any time."""
+    """A process that was ended is replaced by a new one at the next call."""
     other, poly = OtherProcess(str(factoring_process.__file__)), sparse(6, 12, 1) * sparse(6, 12, 2)
     for _ in range(2):
         found = factored_apart(poly, other)
@@ -86,7 +86,7 @@ def test_a_process_that_ended_is_replaced():
 
 
 x, y = sp.symbols("x y", positive=True)
-# Half a minute and more for flint.
+# flint needs half a minute or more for this.
 RNG = random.Random(1)
 SLOW = sp.Mul(
     *[
@@ -102,7 +102,7 @@ SLOW = sp.Mul(
 
 
 def test_limits_end_it():
-    """The root of a product needs its factors; the field is as good as before."""
+    """The root of a product needs its factors; after the time limit the field still works."""
     field = Field([x, y])
     began = time.monotonic()
     with pytest.raises(AllowanceError, match="more than 1 s"), gt.limits(seconds=1):
@@ -112,7 +112,7 @@ def test_limits_end_it():
 
 
 def test_ctrl_c_ends_it():
-    """In a process of its own, which it leaves quietly."""
+    """Ctrl-C ends a factorization, in a separate Python process, with a KeyboardInterrupt."""
     code = "import geomtorsion as gt, sympy\nx, y = sympy.symbols('x y', positive=True)\n"
     code += f"value = {sp.expand(SLOW)}\nprint('reads', flush=True)\n"
     code += "gt.Frame([x, y], [[sympy.sqrt(value), 0], [0, 1]])\n"
@@ -135,7 +135,7 @@ def test_ctrl_c_ends_it():
 
 
 def test_known_factors_come_out_first():
-    """Each power once, also where a product is shorter than its factors; the rest is the rest."""
+    """Known factors are divided out with their powers, products included; the rest is returned."""
     x, y = CTX.gens()
     known = [x + y, x**2 + x + 1, x - 1, y]
     poly = fmpq(-3, 2) * x**2 * y * (x + y) ** 3 * (x**3 - 1) ** 2 * (x**2 - 5 * y)
@@ -151,7 +151,7 @@ def test_known_factors_come_out_first():
 
 
 def test_factors_do_not_depend_on_which_are_known():
-    """A field that has met some of them as denominators writes the same."""
+    """A field that knows some factors as denominators writes the same factorization."""
     x, y = sp.symbols("x y")
     whole = sp.expand((x + y) ** 2 * (x - 2 * y) * (x**2 + y) * x * sp.Rational(-2, 3))
     fresh, met = Field([x, y]), Field([x, y])
@@ -175,7 +175,7 @@ def dense(rng, variables, terms, degree):
 
 
 def test_what_is_irreducible_on_a_line_is_so():
-    """Many terms, irreducible or a product: what flint finds, signs and numbers included."""
+    """The factorization of dense polynomials equals flint's, irreducible or not, signs included."""
     rng, kinds = random.Random(5), set()
     for k in range(60):
         poly = dense(rng, 4, rng.randint(9, 20), 3)

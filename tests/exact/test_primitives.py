@@ -1,4 +1,4 @@
-"""Primitives: logarithms and inverse functions of numbers; relations among them are left open."""
+"""Primitives: logarithms and inverse functions of numbers; relations among them stay undecided."""
 
 import pytest
 import sympy as sp
@@ -40,7 +40,7 @@ def every(cases):
 
 @every(RELATIONS)
 def test_relations_are_left_open(value):
-    """Whether such a sum vanishes is undecided, and it says so; its number is right."""
+    """The zero test of such a sum is undecided, which its certainty states; its number is right."""
     for terms in (value.args, value.args[::-1]):
         field = Field([x])
         total = field.sum((1, field.read(term)) for term in terms)
@@ -50,29 +50,29 @@ def test_relations_are_left_open(value):
 
 
 def test_a_polar_angle_is_an_arc():
-    """sympy writes atan2(1, 5) as atan(1/5)."""
+    """sympy writes atan2(1, 5) as atan(1/5), and both are read as the same element."""
     assert Field([x]).read(sp.atan2(1, 5) - atan(Rational(1, 5))).is_zero is True
 
 
 @every({**RELATIONS, **NOT_ZERO})
 def test_near_zeros_are_not_zero(value):
-    """1e-60 more than zero."""
+    """A value plus 1e-60 is not zero."""
     assert Field([x]).read(value + TINY).is_zero is False
 
 
 @every(NOT_ZERO)
 def test_what_is_no_relation_is_not_zero(value):
-    """Angles that differ by whole turns are not equal."""
+    """Sums that are not zero are decided, also a sum of angles that is half a turn."""
     assert Field([x]).read(value).is_zero is False
 
 
 def test_a_lone_one_is_written_as_it_is():
-    """Nothing is rewritten without need."""
+    """A single arc tangent of a number is not rewritten."""
     assert Field([x]).read(x * atan(Rational(1, 5))).sympy == x * atan(Rational(1, 5))
 
 
 def test_cosine_of_an_arc_cotangent_below_zero():
-    """acot(u) has the sign of u, in sympy and here: its cosine is positive."""
+    """acot(u) has the sign of u, in sympy and here, so that its cosine is positive."""
     field = Field([x], sample={x: 2})
     value = field.read(cos(sp.acot(1 - x) + pi / 3))
     point = {x: 2.0}

@@ -1,4 +1,4 @@
-"""Printing: the texts are those of sympy, and a part that stands at many places is written once."""
+"""Printing: texts are equal to sympy's, and a repeated part is written once."""
 
 import random
 
@@ -13,7 +13,7 @@ LEAVES = [x, y, sp.Integer(-2), sp.Rational(3, 7), sp.pi, f(x), f(x).diff(x), f(
 
 
 def expression(numbers, depth):
-    """Products, sums, powers and functions of a few parts, which stand at many places."""
+    """Products, sums, powers and functions of a few parts, which occur at many places."""
     parts = list(LEAVES)
     for _ in range(depth):
         one, other = numbers.choice(parts), numbers.choice(parts)
@@ -33,7 +33,7 @@ def expression(numbers, depth):
     "seed", [pytest.param(k, marks=() if k < 8 else pytest.mark.slow) for k in range(20)]
 )
 def test_texts_are_those_of_sympy(seed):
-    """One after the other by the same printer, which remembers what it wrote."""
+    """One printer, which remembers the parts that it wrote, prints many expressions like sympy."""
     numbers = random.Random(seed)
     plain, tex = TextPrinter(), TexPrinter()
     for _ in range(10):
@@ -44,7 +44,7 @@ def test_texts_are_those_of_sympy(seed):
 
 @pytest.mark.parametrize("printer", [TextPrinter, TexPrinter])
 def test_what_stands_at_many_places_is_written_once(printer):
-    """A determinant below a thousand terms is one text."""
+    """A sum that occurs in a thousand terms is printed once."""
 
     class Counting(printer):
         sums = 0

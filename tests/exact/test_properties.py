@@ -75,7 +75,7 @@ def test_derivation(one, two):
 @quick
 @given(expressions(leaves=7), points(SYMBOLS))
 def test_values(expression, point):
-    """The element, its written form and its derivative have the values that mpmath finds."""
+    """The element, its written form and its derivative have the values that mpmath gives."""
     field = Field(SYMBOLS, sample=SAMPLE)
     element = field.read(expression)
     wanted = exact_value(expression, point)
@@ -93,7 +93,7 @@ def test_values(expression, point):
 @quick
 @given(expressions(), st.lists(expressions(leaves=2), min_size=1, max_size=3))
 def test_what_was_read_before_changes_nothing(expression, others):
-    """An expression reads the same into a fresh field and into one that holds other things."""
+    """An expression reads the same in a fresh field and in a field that holds other expressions."""
     crowded = Field(SYMBOLS, sample=SAMPLE)
     early = crowded.read(expression)
     for other in others:
@@ -110,7 +110,7 @@ def test_what_was_read_before_changes_nothing(expression, others):
 @quick
 @given(expressions(leaves=4))
 def test_expanded_and_factored_forms_agree(expression):
-    """sympy's rewritings of one expression all give the same element."""
+    """Rewritten by sympy in several ways, an expression gives the same element."""
     field = Field(SYMBOLS, sample=SAMPLE)
     element = field.read(expression)
     for rewrite in (sp.expand, sp.expand_trig, sp.together, lambda e: e.rewrite(sp.exp)):

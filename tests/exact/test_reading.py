@@ -1,4 +1,4 @@
-"""Reading: values are right, bad parts are refused by name, opaque functions are never guessed."""
+"""Reading: values are right, bad parts are refused by name, unknown identities are undecided."""
 
 from fractions import Fraction
 
@@ -42,7 +42,7 @@ SYMBOLS = sorted(POINT, key=str)
 
 
 def value(element, symbols, digits=60):
-    """An element's value at POINT; the unknown functions must be gone."""
+    """Value of an element at POINT; it must not contain unknown functions."""
     return element.evaluate({s: POINT[s] for s in symbols}, precision=int(digits * 3.4))
 
 
@@ -65,7 +65,7 @@ def test_written_form_has_the_value_of_what_was_read(label):
 
 
 def test_brackets_nested_deeply():
-    """What stands within 400 brackets is read: calls are not nested as brackets are."""
+    """An expression of 400 nested brackets is read: recursion does not follow the brackets."""
     nested = x
     for _ in range(400):
         nested = x * (1 + nested)
@@ -101,14 +101,14 @@ def test_sampling_digits(label):
 
 
 def test_missing_value_names_the_symbol():
-    """Evaluating with a symbol left without a value names that symbol."""
+    """The error for a missing value names the symbol."""
     element = Field([r, m]).read(r / m)
     with pytest.raises(MissingValueError, match="m"):
         element.evaluate({r: 3})
 
 
 def test_truth_value_is_refused():
-    """bool(element) could only guess; the error says to use is_zero."""
+    """bool(element) is refused, because it could only guess; the error names is_zero."""
     element = Field([x]).read(x)
     with pytest.raises(TypeError, match="is_zero"):
         bool(element)
@@ -145,7 +145,7 @@ REFUSED = {
 
 @pytest.mark.parametrize("label", REFUSED)
 def test_refused_parts_are_named(label):
-    """What is not a smooth real function is refused; message: where, which part."""
+    """An entry that is not a smooth real function is refused; the error names place and part."""
     expression, part = REFUSED[label]
     field = Field([x, y])
     with pytest.raises(ExpressionError, match=part) as caught:
@@ -169,14 +169,14 @@ def test_the_rational_offered_is_the_short_one():
 
 
 def test_zero_denominator_is_refused():
-    """A denominator that vanishes identically is refused, not carried on."""
+    """A denominator that vanishes identically is refused."""
     bad = 1 / (sp.sin(x) ** 2 + sp.cos(x) ** 2 - 1)
     with pytest.raises((ExpressionError, ZeroDivisionError), match="zero|vanish"):
         Field([x]).read(bad, where="coframe[0, 1]")
 
 
 def test_read_all_names_the_right_entry():
-    """Of several entries the message names the one that is bad."""
+    """The message names the bad entry among several."""
     entries = [("coframe[0, 0]", x), ("coframe[0, 1]", sp.Abs(y)), ("coframe[1, 1]", y)]
     with pytest.raises(ExpressionError, match=r"coframe\[0, 1\]"):
         Field([x, y]).read_all(entries)
@@ -193,7 +193,7 @@ OPAQUE = [sp.erf(x), sp.besselj(0, x), sp.gamma(x + 2), sp.Ei(x), sp.airyai(x)]
 
 @pytest.mark.parametrize("function", OPAQUE, ids=str)
 def test_opaque_functions_are_never_guessed(function):
-    """erf and the like: trivially zero is True, visibly non-zero is False, else None."""
+    """erf and the like: an element minus itself is zero; other zero tests are False or None."""
     field = Field([x, y], sample={x: Fraction(3, 10), y: Fraction(2, 7)})
     element = field.read(function)
     assert (element - element).is_zero is True
@@ -214,7 +214,7 @@ def test_opaque_identity_is_undecided():
 
 
 def test_opaque_reflection_is_undecided():
-    """gamma(x + 1) - x gamma(x) and erf(-x) + erf(x) are not called non-zero."""
+    """A recurrence of gamma and a trivial difference of erf are not called non-zero."""
     for identity in (sp.gamma(x + 3) - (x + 2) * sp.gamma(x + 2), sp.erf(2 * x - x) - sp.erf(x)):
         try:
             element = Field([x], sample={x: Fraction(3, 10)}).read(identity)
@@ -241,7 +241,7 @@ NEAR = {
 
 @pytest.mark.parametrize("label", NEAR)
 def test_near_zeros_keep_their_value(label):
-    """Reading changes no value, however small: near-zeros, written back, against mpmath."""
+    """Reading changes no value, however small: near-zeros, written back, agree with mpmath."""
     expression = NEAR[label]
     try:
         element = Field(sorted(expression.free_symbols, key=str), sample=POINT).read(expression)
@@ -254,7 +254,7 @@ def test_near_zeros_keep_their_value(label):
 
 
 def test_parameters_after_functions_without_proved_independence():
-    """Symbols that come up later, in a field where erf may depend on what is there."""
+    """Symbols declared later can be used in a field whose generators may be dependent (erf)."""
     field = Field([x, y])
     known = field.read(sp.erf(x) + f(y))
     u, v = sp.symbols("u v", real=True)

@@ -1,4 +1,4 @@
-"""Entries: symbols of one name mean one thing, in every run of Python alike."""
+"""Entries: symbols of the same name mean the same, in each run of Python."""
 
 import os
 import subprocess
@@ -31,7 +31,7 @@ PLANE = gt.Frame([r, phi], [[1, 0], [0, r]])
     ids=["entry", "both", "domain", "from_metric", "from_frame", "function", "root"],
 )
 def test_a_twin_counts_as_the_coordinate(frame):
-    """Its derivative by the coordinate is that of the coordinate itself."""
+    """A symbol with the name of a coordinate is the coordinate, also in derivatives."""
     made = frame()
     assert made.coordinates == (r, phi)
     assert not made.parameters
@@ -61,7 +61,7 @@ def test_a_twin_counts_as_the_coordinate(frame):
          "curve", "circle", "lagrangian"],
 )  # fmt: skip
 def test_twins_that_nobody_declared_are_refused(call):
-    """Nobody knows which one is meant: both are named, with what is assumed of them."""
+    """Two symbols of one name that nobody declared are refused; both are named with assumptions."""
     with pytest.raises(
         GeomtorsionError,
         match=r"called M: Symbol\('M'\) and Symbol\('M', positive=True\)\. Create the symbol once",
@@ -70,14 +70,14 @@ def test_twins_that_nobody_declared_are_refused(call):
 
 
 def test_a_declared_parameter_is_meant():
-    """By the list of parameters, twins are told apart no more."""
+    """With a declared parameter, each symbol of its name is the parameter."""
     frame = gt.Frame([r, phi], [[1, 0], [0, r * M + twin_of_M]], parameters=[M])
     assert frame.parameters == (M,)
     assert sp.expand(frame.coframe[1, 1]) == M * r + M
 
 
 def test_connections_loops_and_numbers():
-    """Whatever belongs to a frame takes its symbols by their names."""
+    """Connections, points, loops and curves match symbols to the frame by name."""
     frame = gt.Frame([r, phi], [[1, 0], [0, M * r]])
     gamma = gt.from_coefficients(frame, [[[twin, 0], [0, 0]], [[0, 0], [0, twin_of_M]]])
     assert gamma.coefficients[0, 0, 0].diff(r) == 1
@@ -101,7 +101,7 @@ def test_connections_loops_and_numbers():
     ids=["at", "burgers_vector", "geodesic", "loop"],
 )
 def test_two_values_for_one_name_are_refused(call):
-    """The message names both keys."""
+    """The error names both keys."""
     with pytest.raises(
         GeomtorsionError, match=r"expected r once, got 'r' and Symbol\('r', positive"
     ):
@@ -134,7 +134,7 @@ SCRIPT = """
 
 
 def test_every_run_says_the_same():
-    """Sets of symbols lie in memory in an order that differs from run to run."""
+    """Messages and results do not depend on the order of sets, which differs from run to run."""
     answers = set()
     for seed in range(5):
         done = subprocess.run(
@@ -149,6 +149,6 @@ def test_every_run_says_the_same():
 
 
 def test_a_repeated_coordinate_is_refused():
-    """A twin cannot be a second coordinate."""
+    """A symbol of the same name cannot be a second coordinate."""
     with pytest.raises(CoordinateError, match="coordinate r is repeated"):
         gt.Frame([r, twin], [[1, 0], [0, 1]])

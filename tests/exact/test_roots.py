@@ -1,4 +1,4 @@
-"""Roots: whether a sum under a root is a square in the field is told without long norms."""
+"""Roots: squares in the field are recognised under a root, without long norms."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ x, y = sp.symbols("x y", positive=True)
 
 
 def sum_of_roots(count: int) -> sp.Expr:
-    """Roots of unlike sums."""
+    """Sum of square roots of different sums."""
     return sp.Add(*(sp.sqrt(x + k * y + k**2) for k in range(1, count + 1)))
 
 
 def test_a_root_of_a_sum_of_ten_roots() -> None:
-    """Its norm over the ten has millions of terms; a number that is no square says as much."""
+    """The norm over ten roots has millions of terms; a value shows that it is not a square."""
     field, inner = Field([x, y]), sum_of_roots(10)
     root = field.read(sp.sqrt(1 + inner))
     assert field.all_sure
@@ -28,7 +28,7 @@ def test_a_root_of_a_sum_of_ten_roots() -> None:
 
 @pytest.mark.parametrize("count", [2, 4, pytest.param(5, marks=pytest.mark.slow)])
 def test_a_square_of_a_sum_of_roots(count: int) -> None:
-    """It is known as one, and no generator is added; and never as none."""
+    """The root of a square adds no generator; the square plus one is not called a square."""
     field, inner = Field([x, y]), sum_of_roots(count)
     square = field.read(sp.expand((1 + inner) ** 2))
     known = len(field.generators)
@@ -39,7 +39,7 @@ def test_a_square_of_a_sum_of_roots(count: int) -> None:
 
 
 def test_roots_that_are_products_of_others() -> None:
-    """Among eleven roots those are told whose product it is; norms over all would be too long."""
+    """The root of a square is a product of known roots; norms over all eleven would be too long."""
     field, inner = Field([x, y]), sum_of_roots(2)
     field.read(sum_of_roots(9) + sp.sqrt(x + sp.sqrt(y)))
     known = len(field.generators)
@@ -48,13 +48,13 @@ def test_roots_that_are_products_of_others() -> None:
     found = (wanted * wanted).sqrt()
     assert len(field.generators) == known
     assert (found - wanted).is_zero is True
-    # One more term, and there is none.
+    # One term more, and it is not a square.
     assert (wanted * wanted + 1).sqrt() not in (wanted, found)
     assert len(field.generators) == known + 1
 
 
 def test_asking_often_takes_no_place_from_decisions() -> None:
-    """Each question moves the point; later decisions have as many places as the first."""
+    """Many square tests use up no points: later decisions have as many points as the first."""
     field = Field([x, y])
     square = field.read(sp.expand((1 + sum_of_roots(2)) ** 2))
     for _ in range(4):

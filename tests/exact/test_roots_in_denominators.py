@@ -1,4 +1,4 @@
-"""Radical denominators: what is cleared by conjugates is written and evaluated as it was."""
+"""Radical denominators: values and written form are good, although conjugates clear the roots."""
 
 import mpmath
 import numpy as np
@@ -16,7 +16,7 @@ W = sp.sqrt(Z**2 + 1)
 
 
 def test_inverses_that_share_a_norm():
-    """det = w**2 + 12 w + 32 has no factor as a polynomial, yet each leg has one of its own."""
+    """det = w**2 + 12 w + 32 does not factor as a polynomial, yet each leg has its own factor."""
     frame = Frame([X, Z], [[W + 4, sp.sin(X) / 4], [0, W + 8]])
     vectors = frame.legs
     assert vectors[0, 0] == 1 / (W + 4)
@@ -29,7 +29,7 @@ def test_inverses_that_share_a_norm():
     ids=["of a sine", "of a root", "two", "of two angles"],
 )
 def test_roots_of_what_is_cleared_in_its_turn(root):
-    """The norm of 1 + w has a sine, and is cleared once more: nothing of that is to be seen."""
+    """The norm of 1 + w contains a root, which is cleared again; the result shows none of that."""
     legs = Frame([X, Z], [[1 + root, X], [0, 1]]).legs
     assert sp.simplify(legs[0, 0] * (1 + root)) == 1
     assert sp.fraction(legs[0, 0])[0].is_number
@@ -37,7 +37,7 @@ def test_roots_of_what_is_cleared_in_its_turn(root):
 
 
 def test_a_part_of_a_norm_below():
-    """Coefficients stand over the determinant and not over its norm."""
+    """Coefficients are written over the determinant, not over its norm."""
     x, y = sp.symbols("x y", positive=True)
     rows = [[sp.sqrt(x) + 1, sp.sqrt(y)], [1, 2]]
     found = levi_civita(Frame([x, y], rows)).coefficients.to_sympy()
@@ -45,7 +45,7 @@ def test_a_part_of_a_norm_below():
         numerator, denominator = sp.fraction(entry)
         assert len(sp.Add.make_args(numerator)) <= 3
         assert denominator.count(sp.Add) <= 1
-    # Legs that are curvilinear in the plane: Gamma = e^-1 de of the flat connection of x', y'.
+    # Curvilinear legs in the plane: Gamma = e^-1 de of the flat connection of x', y'.
     inverse = sp.Matrix(rows).inv()
     flat = inverse * sp.Matrix([[1 / (2 * sp.sqrt(x)), 0], [0, 0]])
     assert sp.simplify(found[0][0][0] - flat[0, 0]) == 0
@@ -54,12 +54,12 @@ def test_a_part_of_a_norm_below():
 
 @pytest.mark.parametrize("accuracy", [1e-6, 1e-10])
 def test_motion_through_a_point_where_a_conjugate_vanishes(accuracy):
-    """w = 4 at z**2 = 15: w - 4 and the norm are zero, and nothing is wrong with the frame."""
+    """At z**2 = 15 the conjugate w - 4 and the norm are zero, but the frame is regular."""
     frame = Frame([X, Z], [[W + 4, sp.sin(X) / 4], [0, W + 8]])
     start = [0.1, float(sp.sqrt(15))]
     motion = autoparallel(cartan(frame), start, frame_velocity=[0.5, 1.0])
     solution = solve(motion, 10.0, accuracy, RungeKutta())
-    # The second leg alone: (z w + asinh z)/2 + 8 z grows as t.
+    # Along the second leg only, (z w + asinh z)/2 + 8 z grows as t.
     with mpmath.workdps(30):
 
         def grown(z):
@@ -71,7 +71,7 @@ def test_motion_through_a_point_where_a_conjugate_vanishes(accuracy):
 
 
 def test_motion_through_the_zero_of_a_long_norm():
-    """The norm of this determinant has 155 terms and vanishes at t = 3.835; e does not."""
+    """The norm of this determinant has 155 terms and is zero at t = 3.835; the frame is regular."""
     q1, q2, q3 = sp.symbols("q1:4", real=True)
     rows = [
         [3 * sp.sqrt(q3**2 + 1) / 4 + 3, 3 * sp.sqrt(q1**2 + 1) / 4, sp.sin(q2) / 4],
@@ -96,7 +96,7 @@ def test_motion_through_the_zero_of_a_long_norm():
     ids=["wall", "far wall", "root", "two roots"],
 )
 def test_inverses_far_out(entry, far, value):
-    """1/(A + B w) with a norm of one, as doubles: A - B w has no right digit there."""
+    """1/(A + B w) with a norm of one, as doubles: A - B w has no correct digit there."""
     frame = Frame([X, Z], [[entry, 0], [0, 1]])
     numbers = numpy_function(frame.quantity("legs"), [X, Z])(0.1, np.array([far]))
     assert np.asarray(numbers).ravel()[0] == pytest.approx(value, rel=1e-14)
@@ -106,7 +106,7 @@ def test_inverses_far_out(entry, far, value):
 
 
 def test_what_was_typed_without_a_minus_stays():
-    """Of two forms of a quotient the one whose terms do not cancel."""
+    """A quotient of two possible forms is written in the form whose terms do not cancel."""
     x = sp.Symbol("x", positive=True)
     frame = Frame([x, Z], [[1 / (sp.sqrt(x + 1) - sp.sqrt(x)), 0], [0, 1]])
     assert frame.coframe[0, 0] == sp.sqrt(x) + sp.sqrt(x + 1)
@@ -120,7 +120,7 @@ def test_what_was_typed_without_a_minus_stays():
     ids=["one root", "two roots", "a nested root"],
 )
 def test_a_power_of_which_only_the_square_was_inverted(root, power):
-    """det**2 below the line is written as a square, also where 1/det was never asked for."""
+    """A power of 1/det is written as a power of det, also if only det**2 was inverted."""
     field = Field([X, Z])
     base = field.read(root)
     inverse = (base * base).inverse()

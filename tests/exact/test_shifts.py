@@ -1,4 +1,4 @@
-"""Addition theorems hold for arguments of every form, read at once or one after the other."""
+"""Addition theorems for arguments of each form, read at once or one after the other."""
 
 import pytest
 import sympy as sp
@@ -18,7 +18,7 @@ def field_of(expression):
 
 @pytest.mark.parametrize("label", ARGUMENTS)
 def test_the_list_is_right(label):
-    """By mpmath alone: zeros vanish, near misses do not."""
+    """By mpmath only: zeros vanish, near misses do not."""
     for zero in identities(ARGUMENTS[label]).values():
         assert abs(number(zero, 80)) < 1e-60
     for near in near_misses(ARGUMENTS[label]).values():
@@ -38,7 +38,7 @@ def test_addition_theorems(label):
 
 @pytest.mark.parametrize("label", ARGUMENTS)
 def test_addition_theorems_term_by_term(label):
-    """The terms read one by one, in both orders, add up to zero as well."""
+    """The terms read one by one, in either order, also add up to zero."""
     for name, zero in identities(ARGUMENTS[label]).items():
         for terms in (sp.Add.make_args(zero), sp.Add.make_args(zero)[::-1]):
             field = field_of(zero)

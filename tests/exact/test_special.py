@@ -1,4 +1,4 @@
-"""Special functions: zeros are decided by their relations, numbers are those of the functions."""
+"""Special functions: zeros are decided by their relations, and numbers agree with mpmath."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ ZEROS = [
 
 @pytest.mark.parametrize("zero", ZEROS, ids=str)
 def test_relations_decide_zero(zero):
-    """The relation vanishes, and so does its slope; next to it nothing does."""
+    """A relation and its derivative vanish; the relation plus 1e-40 does not."""
     field = Field([x, y, n])
     element = field.read(zero)
     assert element.is_zero is True
@@ -78,7 +78,7 @@ def test_relations_decide_zero(zero):
     assert (element + field.rational(1, 10**40)).is_zero is False
 
 
-# Relations that hold and are known neither to sympy nor to the field.
+# True relations that neither sympy nor the field knows.
 UNKNOWN = [
     gamma(2 * x) * sp.sqrt(sp.pi) - 2 ** (2 * x - 1) * gamma(x) * gamma(x + H),
     sp.airyai(x) - sp.sqrt(x / 3) / sp.pi * K(T, 2 * x ** sp.Rational(3, 2) / 3),
@@ -91,7 +91,7 @@ UNKNOWN = [
 
 @pytest.mark.parametrize("zero", UNKNOWN, ids=str)
 def test_what_no_relation_tells_is_undecided(zero):
-    """It is neither proved nor called anything else than undecided."""
+    """The zero test of an unknown relation is undecided, with an error probability of 1."""
     element = Field([x, y]).read(zero)
     assert element.is_zero is None
     assert not element.certainty.proved
@@ -100,7 +100,7 @@ def test_what_no_relation_tells_is_undecided(zero):
 
 
 def _random_zero(chance: random.Random) -> sp.Expr:
-    """A sum of relations, each times something: expanded, so that nothing is seen of it."""
+    """A sum of relations times factors, expanded, so that the relations are hidden."""
     parts = chance.sample(ZEROS, 2)
     weights = [
         sp.sin(x) + y,
@@ -116,7 +116,7 @@ def _random_zero(chance: random.Random) -> sp.Expr:
 
 @pytest.mark.parametrize("seed", range(16))
 def test_random_expressions_that_vanish_are_never_called_nonzero(seed):
-    """True, or None with a certainty that is not proved; with 1/10**12 of a term more, False."""
+    """The result is True, or None and not proved; with 1e-12 of a term added it is False."""
     chance = random.Random(seed)
     field, zero = Field([x, y, n]), _random_zero(chance)
     with mpmath.workdps(60):
@@ -142,7 +142,7 @@ def test_random_expressions_that_vanish_are_never_called_nonzero(seed):
     ids=str,
 )  # fmt: skip
 def test_numbers_against_mpmath(function):
-    """Values, and slopes against difference quotients, with 40 digits."""
+    """Values have 38 right digits, and so do derivatives against difference quotients."""
     place = {x: mpmath.mpf(3) / 8, y: mpmath.mpf(5) / 4, n: mpmath.mpf(7) / 4}
     element = Field([x, y, n]).read(function)
     with mpmath.workdps(60):
@@ -163,7 +163,7 @@ def test_numbers_against_mpmath(function):
 
 
 def test_values_where_recurrences_would_lose_all_digits():
-    """J_20 at 1/100, W and its slope at 0, J_1 and its slope at 0."""
+    """J_20 at 1/100, and W and J_1 with their derivatives at 0."""
     field = Field([x])
     small = field.read(J(20, x)).evaluate({x: sp.Rational(1, 100)}, 53)
     assert small == pytest.approx(float(mpmath.besselj(20, mpmath.mpf("0.01"))), rel=1e-14, abs=0)
@@ -173,7 +173,7 @@ def test_values_where_recurrences_would_lose_all_digits():
 
 
 def test_orders_have_no_slope():
-    """A Bessel function is read with any order, but is not differentiated by it."""
+    """A Bessel function is read with any order, but not differentiated with respect to it."""
     element = Field([x, n]).read(J(n, x))
     assert element.diff(x).sympy.has(sp.besselj)
     with pytest.raises(ExpressionError, match="besselj.* has no derivative by n"):
@@ -181,14 +181,14 @@ def test_orders_have_no_slope():
 
 
 def test_division_by_a_hidden_zero_is_refused():
-    """1/(J_0 + J_2 - 2 J_1/x) and 1/(W exp(W) - x)."""
+    """1/(J_0 + J_2 - 2 J_1/x) and 1/(W exp(W) - x) are refused."""
     for zero in (ZEROS[0], W(x) * sp.exp(W(x)) - x):
         with pytest.raises(GeomtorsionError, match="denominator is exactly zero"):
             Field([x, y, n]).read(1 / zero)
 
 
 def test_equal_elements_are_equal_by_any_relation():
-    """== uses what is_zero does."""
+    """Elements that are equal by a relation compare equal."""
     field = Field([x, y, n])
     assert field.read(gamma(x + 1)) == field.read(x * gamma(x))
     assert field.read(W(x) * sp.exp(W(x))) == field.read(x)
@@ -196,7 +196,7 @@ def test_equal_elements_are_equal_by_any_relation():
 
 
 def test_special_functions_as_text():
-    """Their names are read, and an element that is written is read again."""
+    """The names of special functions are read, and a written element is read back."""
     names = {"x": x, "y": y}
     text = "besselj(1, x) + LambertW(x*y) + erfc(y) + polygamma(0, x)"
     want = J(1, x) + W(x * y) + sp.erfc(y) + psi(0, x)
@@ -204,5 +204,5 @@ def test_special_functions_as_text():
     field = Field([x, y])
     element = field.read(want + gamma(x) + sp.Ei(y))
     assert field.from_json(element.to_json()) == element
-    # Without a list of functions gamma(x) may be anybody's.
+    # Without a list of functions gamma(x) may be a function of the user.
     assert isinstance(parse_expression("gamma(x)", names), sp.core.function.AppliedUndef)

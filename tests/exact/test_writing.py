@@ -39,7 +39,7 @@ SHORT = {
 
 @pytest.mark.parametrize("label", SHORT)
 def test_short_forms(label):
-    """Each prints as a person would write it, up to sympy's own order of terms."""
+    """Each expression prints as a person would write it, up to sympy's order of terms."""
     expression, wanted = SHORT[label]
     expression = sp.sympify(expression)
     field = Field(sorted(expression.free_symbols | {x, y}, key=str), sample=POINT)
@@ -52,7 +52,7 @@ def test_short_forms(label):
 
 
 def test_schwarzschild_stays_short():
-    """1 - 2M/r, its inverse and its root print in at most the length of the textbook's form."""
+    """1 - 2M/r, its inverse and its root print at about the length of the textbook form."""
     field = Field([r, m], sample=POINT)
     for expression in (
         1 - 2 * m / r,
@@ -83,7 +83,7 @@ def test_json_round_trip(label):
 
 
 def test_parsed_text_is_read_like_sympy():
-    """Text from the whitelist parser and sympy's own expression give one element."""
+    """Text from the whitelist parser and sympy's own expression give the same element."""
     field = Field([r, m, theta], sample=POINT)
     names = {"r": r, "m": m, "theta": theta}
     text = "sqrt(1 - 2*m/r)*sin(theta)**2 + f(r)/r"
@@ -98,7 +98,7 @@ def test_conversion_is_memoised():
 
 
 def test_a_number_that_all_terms_share_stands_in_front():
-    """The square of a root has no factor in all its terms; an odd power has the root as read."""
+    """A number that all terms share is written in front; even powers of a root contain no root."""
     r, M, Q, L = sp.symbols("r M Q Lambda", positive=True)
     field = Field([r, M, Q, L])
     root = field.read(sp.sqrt(1 - 2 * M / r + Q**2 / r**2 - L * r**2 / 3))
@@ -121,7 +121,7 @@ def test_exponentials_are_joined():
 
 
 def test_long_quotients_have_their_numbers():
-    """A numerator of thousands of terms over a root that vanishes as its conjugate does."""
+    """Values are right for a numerator of thousands of terms over a root with a zero conjugate."""
     x, y, z = sp.symbols("x y z")
     written = (1 + x + 2 * y + 3 * z) ** 22 / (x - sp.sqrt(y + z))
     element = Field([x, y, z]).read(sp.expand((1 + x + 2 * y + 3 * z) ** 22) / (x - sp.sqrt(y + z)))
@@ -142,7 +142,7 @@ ORDERED = {
 @pytest.mark.parametrize("text", ORDERED.values(), ids=ORDERED.keys())
 @pytest.mark.parametrize("slope", [False, True], ids=["itself", "derivative"])
 def test_sums_and_products_stand_in_the_order_of_sympy(text, slope):
-    """So that they are equal to what sympy makes of them, also where others were written before."""
+    """Terms and factors have sympy's order, also after other expressions were written."""
     field = Field([x, y, r])
     element = field.read(parse_expression(text, {"x": x, "y": y, "r": r}))
     _ = (element * element).sympy
@@ -166,7 +166,7 @@ SLOPES = {
 
 @pytest.mark.parametrize("label", SLOPES)
 def test_slopes_are_read_back(label):
-    """Derivatives of unknown functions, as they are printed and as JSON, give the element again."""
+    """Derivatives of unknown functions are read back from text and from JSON."""
     function, symbols = SLOPES[label]
     field = Field([x, y])
     element = field.read(function)
@@ -178,7 +178,7 @@ def test_slopes_are_read_back(label):
 
 
 def test_equal_slopes_are_written_alike():
-    """A mixed derivative is the one that sympy gives, whichever argument comes first."""
+    """A mixed derivative is written like sympy's, whichever argument comes first."""
     element = Field([x, y]).read(H(y, x)).diff(x).diff(y)
     assert element.sympy == H(y, x).diff(y, x)
     assert element.evaluate({H(y, x).diff(x, y): 3}) == 3.0

@@ -1,4 +1,4 @@
-"""Zero is decided: every hard zero is zero, every near-zero is not, whatever else was read."""
+"""Zero test: each hard zero is zero and each near-zero is not."""
 
 import random
 
@@ -12,7 +12,7 @@ from tests.exact.symbols import POINT, plain
 
 
 def read(expression, *, complex=False, sample=POINT):
-    """An expression read into a field of its own."""
+    """An expression read into a new field."""
     symbols = sorted(expression.free_symbols, key=str)
     given = None if sample is None else {s: v for s, v in sample.items() if s in symbols}
     return Field(symbols, complex=complex, sample=given).read(expression)
@@ -33,7 +33,7 @@ REAL_NEAR = cases(near_zeros.REAL_GROUPS)
 
 @pytest.mark.parametrize("expression", REAL_ZEROS)
 def test_hard_zeros_are_zero(expression):
-    """A listed zero is read as zero, and with it every form that multiplies or shifts it."""
+    """A listed zero is read as zero."""
     assert read(expression).is_zero is True
 
 
@@ -50,13 +50,13 @@ def test_hard_zeros_are_never_called_non_zero_without_assumptions(expression):
 
 @pytest.mark.parametrize("expression", REAL_ZEROS)
 def test_hard_zeros_plus_one_are_not_zero(expression):
-    """Nothing is called zero that is one."""
+    """A hard zero plus one is not zero."""
     assert read(expression + 1).is_zero is False
 
 
 @pytest.mark.parametrize("expression", REAL_NEAR)
 def test_near_zeros_are_not_zero(expression):
-    """A near-zero is not zero, however small; too fine a basis may be refused, with its limit."""
+    """A near-zero is not zero, however small; an expression beyond a limit may be refused."""
     try:
         element = read(expression)
     except LimitError:
@@ -66,7 +66,7 @@ def test_near_zeros_are_not_zero(expression):
 
 @pytest.mark.parametrize("expression", REAL_NEAR)
 def test_near_zeros_have_an_inverse(expression):
-    """What is not zero can be divided by: e * (1 / e) is one."""
+    """A near-zero can be inverted: e * (1 / e) is one."""
     try:
         element = read(expression)
     except LimitError:
@@ -88,7 +88,7 @@ def test_complex_near_zeros(expression):
 
 @pytest.mark.parametrize("expression", cases({"deep": deep_zeros.DEEP}))
 def test_deep_zeros_are_never_called_non_zero(expression):
-    """Refused, undecided or zero: all are honest; non-zero would be wrong."""
+    """A deep zero is refused, undecided or zero; calling it non-zero would be wrong."""
     try:
         element = read(expression)
     except ExpressionError:
@@ -102,7 +102,7 @@ ATOMS = (
     sp.sqrt(X + 1), sp.sqrt(X * Y + 2), sp.cbrt(X + 3), sp.log(X + Y), sp.atan(X), sp.sqrt(2),
     sp.pi, sp.cos(sp.pi / 7), sp.cos(2 * sp.pi / 7), sp.cbrt(2 + sp.sqrt(5)), sp.Integer(3),
 )  # fmt: skip
-# Ways of writing the same once more; sympy may leave an expression as it is.
+# Ways to rewrite an expression; sympy may leave it unchanged.
 REWRITINGS = (
     sp.expand,
     sp.together,
@@ -131,7 +131,7 @@ def random_expression(rng, depth=2):
 
 
 def disagreements(seed, count):
-    """Differences of two ways of writing for which zero is not what sixty digits say."""
+    """Differences of two forms of an expression whose zero test disagrees with sixty digits."""
     rng, wrong, zeros = random.Random(seed), [], 0
     place = {X: sp.Rational(17, 11), Y: sp.Rational(5, 7)}
     for _ in range(count):
@@ -148,7 +148,7 @@ def disagreements(seed, count):
 
 
 def test_what_has_a_value_is_decided_before_it_is_multiplied_out(monkeypatch):
-    """Sums of roots that may depend on others are long; a value that is not zero is enough."""
+    """Sums with possibly dependent roots are long; a non-zero value is enough to decide them."""
     field = Field([X])
     third = sp.Rational(1, 3)
     root = field.read((sp.cosh(X) ** third + 1) ** sp.Rational(3, 4))
@@ -159,7 +159,7 @@ def test_what_has_a_value_is_decided_before_it_is_multiplied_out(monkeypatch):
 
 
 def test_other_roots_have_no_say_in_what_is_free_of_them(monkeypatch):
-    """A polynomial in what is independent is decided by itself, whatever else was read."""
+    """A polynomial of independent generators is decided without a point, whatever else was read."""
     field = Field([X])
     field.read((sp.cosh(X) ** sp.Rational(1, 3) + 1) ** sp.Rational(3, 4))
     assert not field.all_sure
@@ -171,12 +171,12 @@ def test_other_roots_have_no_say_in_what_is_free_of_them(monkeypatch):
 
 
 def test_against_sixty_digits():
-    """Zero is what vanishes to sixty digits, and nothing else."""
+    """The zero test agrees with sixty digits on random differences."""
     assert not disagreements(1, 80)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_many_more_against_sixty_digits(seed):
-    """Other expressions."""
+    """As above, with more expressions."""
     assert not disagreements(100 + seed, 500)

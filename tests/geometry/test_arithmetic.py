@@ -1,4 +1,4 @@
-"""A tensor of rank 0 is an expression; others keep to their indices."""
+"""Arithmetic: a tensor of rank 0 acts as an expression; other tensors keep their indices."""
 
 from fractions import Fraction
 from typing import Any
@@ -16,12 +16,12 @@ POLAR = gt.Frame([R, PHI], [[1, 0], [0, R]])
 
 @pytest.fixture(scope="module")
 def curvature():
-    """The curvature scalar of the rotations: three halves."""
+    """Curvature scalar of the rotations: three halves."""
     return gt.levi_civita(gt.spaces.load("so3").frame).curvature.scalar
 
 
 def test_scalar_equals_its_expression(curvature):
-    """From both sides, in every exact form, and by its hash."""
+    """A scalar equals its expression from both sides, in each exact form, and has its hash."""
     for same in (sp.Rational(3, 2), Fraction(3, 2), 1.5, sp.Integer(3) / 2):
         assert curvature == same
         assert same == curvature or isinstance(same, float)
@@ -32,14 +32,14 @@ def test_scalar_equals_its_expression(curvature):
 
 
 def test_scalar_is_decided_by_mathematics():
-    """sin^2 + cos^2 is one."""
+    """Equality is decided mathematically: sin^2 + cos^2 is one."""
     assert POLAR.scalar(sp.sin(PHI) ** 2 + sp.cos(PHI) ** 2) == 1
     assert POLAR.scalar(R**2) == (R + 1) ** 2 - 2 * R - 1
     assert POLAR.scalar(R) != R + 1
 
 
 def test_arithmetic_of_scalars(curvature):
-    """Each operation with numbers, expressions, other scalars, from both sides."""
+    """Each operation of a scalar with numbers, expressions and scalars, from both sides."""
     half = sp.Rational(1, 2)
     assert curvature + 1 == 1 + curvature == 5 * half
     assert curvature - 1 == half
@@ -56,7 +56,7 @@ def test_arithmetic_of_scalars(curvature):
 
 
 def test_expressions_in_front_of_tensors():
-    """Lambda * g is g * Lambda, whatever the expression; what has no sense is refused by us."""
+    """Lambda * g is g * Lambda for any expression; a sum with an expression is refused."""
     constant, ball = sp.Symbol("Lambda"), gt.Frame([R, PHI], [[1, 0], [0, sp.sin(R)]])
     metric = ball.metric
     for factor in (constant, sp.Rational(1, 2), sp.pi, constant + X, sp.Function("f")(X)):
@@ -72,7 +72,7 @@ def test_expressions_in_front_of_tensors():
 
 
 def test_scalars_in_sympy(curvature):
-    """sympy takes a scalar for the expression that it is."""
+    """sympy treats a scalar as its expression."""
     assert sp.sympify(curvature) == sp.Rational(3, 2)
     assert X + curvature == X + sp.Rational(3, 2)
     assert sp.diff(sp.sympify(POLAR.scalar(R**2)), R) == 2 * R
@@ -92,7 +92,7 @@ def test_scalar_times_tensor():
 
 
 def test_what_a_scalar_cannot_be(curvature):
-    """Each refusal is in the words of the package."""
+    """Each refusal of an impossible operation is an error in our own words."""
     with pytest.raises(MissingValueError, match=r"got an expression in r\. Give values"):
         float(POLAR.scalar(R))
     with pytest.raises(TypeError, match="got a tensor with indices"):
@@ -110,7 +110,7 @@ def test_what_a_scalar_cannot_be(curvature):
 
 
 def test_scalar_of_an_expression():
-    """A frame makes scalars of numbers and expressions, not of text."""
+    """A frame makes scalars from numbers and expressions, but not from text."""
     scalar = POLAR.scalar(R**2, "h", "height")
     assert "height h" in repr(scalar)
     assert POLAR.scalar(3)[()] == 3
@@ -119,7 +119,7 @@ def test_scalar_of_an_expression():
 
 
 def test_indices_of_other_kinds():
-    """Whole numbers of sympy and NumPy are indices; truth values and others are none."""
+    """Whole numbers of sympy and NumPy are valid indices; truth values and others are refused."""
     assert POLAR.legs[sp.Integer(1), 1] == POLAR.legs[np.int64(1), 1] == 1 / R
     assert POLAR.metric.raised(sp.Integer(0)).slots == "ud"
     assert POLAR.metric.element(sp.Integer(1), np.int8(1)).sympy == R**2

@@ -22,7 +22,7 @@ few = settings(
 
 
 def test_cartesian_to_spherical() -> None:
-    """The legs stay along x, y, z; metric, connection and vectors are those of textbooks."""
+    """The legs stay along x, y, z; metric and gradient agree with textbooks."""
     space = gt.Frame([x, y, z], sp.eye(3))
     s, c = sp.sin(theta), sp.cos(theta)
     old = [r * s * sp.cos(phi), r * s * sp.sin(phi), r * c]
@@ -36,7 +36,7 @@ def test_cartesian_to_spherical() -> None:
 
 
 def test_schwarzschild_in_other_coordinates() -> None:
-    """Ingoing Eddington-Finkelstein and isotropic coordinates, there and back."""
+    """Schwarzschild in ingoing Eddington-Finkelstein and isotropic coordinates, and back."""
     hole = gt.spaces.load("schwarzschild").frame
     radius = hole.coordinates[1]
     mass = hole.parameters[0]
@@ -85,7 +85,7 @@ def test_tensors_of_any_connection_go_along() -> None:
         curvature = connection.curvature.riemann
         assert changed.curvature.riemann == curvature.in_coordinates(*given)
         assert changed.nonmetricity == connection.nonmetricity.in_coordinates(*given)
-        # Frame indices: the legs are the same, so that the components are, at the same place.
+        # The legs are the same, so that frame components keep their values at each point.
         mixed = connection.torsion.T.in_frame()
         assert changed.torsion.T.in_frame() == mixed.in_coordinates(*given)
 
@@ -93,7 +93,7 @@ def test_tensors_of_any_connection_go_along() -> None:
 
 
 def test_frames_made_from_metric_and_legs() -> None:
-    """A metric is made again from its metric, legs go through the coframe; parameters stay."""
+    """A frame made from a metric keeps its shape, legs go through the coframe; parameters stay."""
     k = sp.Symbol("k", positive=True)
     cone = gt.Frame.from_metric([x, y], [[1 + k * y**2, 0], [0, 1]], domain=[y > 0])
     moved = cone.in_coordinates([r, phi], POLAR, domain=[r > 0])
@@ -110,7 +110,7 @@ def test_frames_made_from_metric_and_legs() -> None:
 
 
 def test_unknown_functions_by_name() -> None:
-    """frame.subs({"Y": 0}) where the frame holds Y(r) or only its derivative."""
+    """frame.subs({"Y": 0}) works where the frame contains Y(r) or only its derivative."""
     Y = sp.Function("Y")(r)
     frame = gt.Frame([t, r], [[1 + Y, 0], [Y.diff(r), 1]])
     assert frame.subs({"Y": 0}).coframe.nonzero() == {(0, 0): 1, (1, 1): 1}
@@ -125,7 +125,7 @@ def test_unknown_functions_by_name() -> None:
 
 
 def test_spin_connection_in_other_slots() -> None:
-    """The direction comes first, as a coordinate or a leg; the other two in either order."""
+    """The first slot is the direction (coordinate or leg); the other two have either order."""
     frame = gt.Frame([x, y], [[1, x], [0, 1 + y**2]])
     bar = gt.levi_civita(frame)
     omega = bar.spin_connection
@@ -159,6 +159,6 @@ REFUSALS = [
 
 @pytest.mark.parametrize(("call", "words"), REFUSALS)
 def test_what_is_no_change_of_coordinates_is_refused(call, words):
-    """Each error says what was expected."""
+    """Each bad change of coordinates is refused with its own message."""
     with pytest.raises(GeomtorsionError, match=words):
         call()

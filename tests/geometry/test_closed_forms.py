@@ -1,4 +1,4 @@
-"""Closed forms: polar plane, sphere, SO(3) of the paper, Schwarzschild, Kerr, in full."""
+"""Closed forms: all components for the plane, spheres, SO(3), Schwarzschild and Kerr."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def kerr() -> Frame:
 
 
 def assert_components(tensor: Tensor, wanted: dict) -> None:
-    """Every component: those listed as given, all others zero."""
+    """Each listed component has its value, and all others are zero."""
     n, rank = tensor.frame.dimension, len(tensor.slots)
     for index in product(range(n), repeat=rank):
         (expected,) = tensor.frame.read([("expected", wanted.get(index, 0))])
@@ -66,12 +66,12 @@ def test_polar_plane() -> None:
     assert c.torsion.scalar.is_zero is True
     assert c.torsion.axial.is_zero is True
     assert frame.determinant[()] == r
-    # Autoparallels keep the angle to the legs, geodesics are straight: r'' differs by r phi'^2.
+    # Autoparallels keep their angle to the legs, geodesics are straight: they differ by r phi'^2.
     assert_components(c.torsion.force([0, 1]), {(0,): -r})
 
 
 def test_sphere() -> None:
-    """Radius one: R = 2, Ricci = g, K = 4; the sign convention makes spheres positive."""
+    """Sphere of radius one: R = 2, Ricci = g, K = 4; spheres have positive curvature."""
     frame = Frame([theta, phi], [[1, 0], [0, sp.sin(theta)]])
     bar = levi_civita(frame)
     assert bar.curvature.scalar[()] == 2
@@ -85,7 +85,7 @@ def test_sphere() -> None:
 
 
 def test_rotation_group_of_the_paper() -> None:
-    """The table of READING.md, section SO(3): every line of it."""
+    """Each line of the table in READING.md, section SO(3)."""
     frame = rotations()
     c, bar = cartan(frame), levi_civita(frame)
     assert frame.determinant[()] == s2
@@ -152,7 +152,7 @@ def kerr_kretschmann() -> sp.Expr:
 
 
 def test_kerr_from_the_tetrad() -> None:
-    """Carter's tetrad: Ricci = 0 decided, the known Kretschmann scalar, flat Cartan connection."""
+    """Carter's tetrad: Ricci = 0, the known Kretschmann scalar, a flat Cartan connection."""
     frame = kerr()
     bar = levi_civita(frame)
     assert bar.curvature.ricci.is_zero is True
@@ -162,7 +162,7 @@ def test_kerr_from_the_tetrad() -> None:
 
 
 def test_kerr_from_the_metric() -> None:
-    """The metric of the tetrad, read on its own, has the same curvature."""
+    """The metric of the tetrad, read by itself, has the same curvature."""
     metric = kerr().metric.to_sympy().tolist()
     frame = Frame.from_metric([t, r, theta, phi], metric, signature=(-1, 1, 1, 1))
     curvature = levi_civita(frame).curvature
@@ -172,7 +172,7 @@ def test_kerr_from_the_metric() -> None:
 
 
 def test_kerr_from_a_null_tetrad() -> None:
-    """Kinnersley's legs, complex, off-diagonal eta: the same real metric and no Ricci."""
+    """Kinnersley's complex legs with off-diagonal eta give the same real metric and Ricci = 0."""
     sigma = r**2 + a**2 * sp.cos(theta) ** 2
     delta = r**2 - 2 * M * r + a**2
     sine = sp.sin(theta)

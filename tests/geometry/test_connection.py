@@ -1,4 +1,4 @@
-"""Connection: makers, their checks, and what they are told apart by."""
+"""Connections: the functions that make them, their checks, and their kinds."""
 
 import pytest
 import sympy as sp
@@ -30,7 +30,7 @@ def zeros(n: int = 2) -> list:
 
 
 def test_connections_of_a_frame_are_kept(frame: Frame) -> None:
-    """Asked twice, computed once."""
+    """A second call returns the same connection."""
     assert cartan(frame) is cartan(frame)
     assert levi_civita(frame) is levi_civita(frame)
 
@@ -53,7 +53,7 @@ def test_lorentzian_spin_connection_is_metric_compatible(frame: Frame) -> None:
 
 
 def test_spin_connection_of_the_makers(frame: Frame) -> None:
-    """Zero for Cartan; what was given otherwise; D_a E_i = omega_ai^j E_j."""
+    """Zero for Cartan; otherwise the given one, with D_a E_i = omega_ai^j E_j."""
     assert cartan(frame).spin_connection.is_zero is True
     omega = zeros()
     omega[0][0][1] = omega[0][1][0] = c * y
@@ -65,7 +65,7 @@ def test_spin_connection_of_the_makers(frame: Frame) -> None:
 
 
 def test_contortion_must_be_one(frame: Frame) -> None:
-    """K_abc + K_acb = 0 is checked and the components are named."""
+    """K_abc + K_acb = 0 is checked, and the error names the components."""
     wrong = zeros()
     wrong[0][1][1] = x
     with pytest.raises(TensorIndexError, match=r"\[0, 1, 1\]"):
@@ -73,14 +73,14 @@ def test_contortion_must_be_one(frame: Frame) -> None:
 
 
 def test_contortion_in_any_form(frame: Frame) -> None:
-    """Frame components and lowered indices are brought to K_ab^c."""
+    """Frame components and lowered indices are converted to K_ab^c."""
     contortion = cartan(frame).contortion
     for form in (contortion, contortion.lowered(2), contortion.in_frame()):
         assert from_contortion(frame, form).coefficients == cartan(frame).coefficients
 
 
 def test_coefficients_have_everything(frame: Frame) -> None:
-    """Torsion, curvature and nonmetricity of one arbitrary connection, by hand."""
+    """Torsion, curvature and nonmetricity of one general connection, checked by hand."""
     gamma = zeros()
     gamma[0][1][1] = y
     connection = from_coefficients(frame, gamma)
@@ -95,7 +95,7 @@ def test_coefficients_have_everything(frame: Frame) -> None:
 
 
 def test_ends_of_a_blend(frame: Frame) -> None:
-    """Shares 0 and 1 are the connections themselves; in between torsion is linear."""
+    """Shares 0 and 1 give the two connections; between them torsion is linear in the share."""
     bar, gamma = levi_civita(frame), cartan(frame)
     assert blend(bar, gamma, 0).coefficients == bar.coefficients
     assert blend(bar, gamma, 1).coefficients == gamma.coefficients
@@ -105,20 +105,20 @@ def test_ends_of_a_blend(frame: Frame) -> None:
 
 
 def test_cartan_schouten_connections_of_rotations() -> None:
-    """On SO(3) the blends 0, 1 and -1 ... (+), (-), (0): two of them flat, the middle not."""
+    """On SO(3) the blends with share 1 and -1 are flat, and the blend with share 1/2 is not."""
     cy, sy, cz, sz = sp.cos(y), sp.sin(y), sp.cos(z), sp.sin(z)
     left = Frame([x, y, z], [[cy * cz, sz, 0], [-cy * sz, cz, 0], [sy, 0, 1]])
     bar, plus = levi_civita(left), cartan(left)
     assert plus.is_flat is True
     assert blend(bar, plus, -1).is_flat is True
     assert blend(bar, plus, sp.Rational(1, 2)).is_flat is False
-    # R of the family is (1 - share^2) times R_bar.
+    # The curvature of the blend with a share is (1 - share^2) times R_bar.
     family = blend(bar, plus, s)
     assert family.curvature.riemann == bar.curvature.riemann * (1 - s**2)
 
 
 def test_shapes_and_frames_are_checked(frame: Frame) -> None:
-    """Arrays of the wrong size, tensors with other slots or of another frame."""
+    """Arrays of the wrong size, tensors with other slots or over another frame are refused."""
     other = Frame([x, y], [[1, 0], [0, 1]])
     with pytest.raises(ShapeError, match="expected 2 entries"):
         from_coefficients(frame, zeros(3))
@@ -133,7 +133,7 @@ def test_shapes_and_frames_are_checked(frame: Frame) -> None:
 
 
 def test_a_false_claim_is_exposed(frame: Frame) -> None:
-    """A connection that only claims to be Cartan's is not found flat."""
+    """A connection that only claims to be the Cartan connection is not found flat."""
     gamma = zeros()
     gamma[0][1][1] = y
     pretended = from_coefficients(frame, gamma)
@@ -144,14 +144,14 @@ def test_a_false_claim_is_exposed(frame: Frame) -> None:
 
 
 def test_repr(frame: Frame) -> None:
-    """Name first, then components."""
+    """The text begins with the name; LaTeX shows the components."""
     assert repr(cartan(frame)).startswith("Cartan connection: ")
     assert r"\Gamma_{x y }{}^{y }" in cartan(frame)._repr_latex_()
 
 
 def test_the_first_component_in_doubt_is_named() -> None:
-    """Of several undecided components the first; one that fails goes before them."""
-    # Ai(c) and K_{1/3} are one function; that relation is not known here.
+    """The first of several undecided components is named, unless another component fails."""
+    # Ai(c) and K_{1/3} are the same function; the package does not know this relation.
     order, place = sp.Rational(1, 3), sp.Rational(2, 3) * c ** sp.Rational(3, 2)
     airy = sp.airyai(c) - sp.sqrt(c / 3) / sp.pi * sp.besselk(order, place)
     plane = Frame([x, y], [[1, 0], [0, 1]])

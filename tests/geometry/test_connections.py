@@ -1,4 +1,4 @@
-"""Connections: from a torsion, of a connection, and what is refused by name."""
+"""Connections: from a torsion, from a connection, and refusals by name."""
 
 from typing import Any
 
@@ -36,7 +36,7 @@ def test_torsion_from_an_array():
 
 
 def test_torsion_that_is_none():
-    """Not antisymmetric, of another shape, of another frame."""
+    """Torsion that is not antisymmetric, has another shape or another frame is refused."""
     with pytest.raises(TensorIndexError, match="torsion: S_ab.c must be antisymmetric"):
         gt.from_torsion(POLAR, [[[1, 0], [0, 0]], [[0, 0], [0, 0]]])
     with pytest.raises(ShapeError, match="torsion: expected 2 entries"):
@@ -48,7 +48,7 @@ def test_torsion_that_is_none():
 
 
 def test_of_a_connection_its_frame_is_taken():
-    """levi_civita(cartan(f)) is levi_civita(f), and identities(f) are those of cartan(f)."""
+    """levi_civita and cartan of a connection use its frame; identities of a frame use cartan."""
     cartan = gt.cartan(POLAR)
     assert gt.levi_civita(cartan) is gt.levi_civita(POLAR)
     assert gt.cartan(gt.levi_civita(POLAR)) is cartan
@@ -61,7 +61,7 @@ def test_of_a_connection_its_frame_is_taken():
 
 
 def test_surface_with_unknown_functions():
-    """E, F, G: the branch sqrt(E), sqrt(EG - F^2); Brioschi's formula gives the curvature."""
+    """E, F, G unknown: the coframe has sqrt(E), and Brioschi's formula gives the curvature."""
     e, f, g = (sp.Function(name)(X, Y) for name in "EFG")
     frame = gt.Frame.from_metric([X, Y], [[e, f], [f, g]])
     assert frame.eta[0, 0] == frame.eta[1, 1] == 1
@@ -83,7 +83,7 @@ def test_surface_with_unknown_functions():
 
 
 def test_unknown_functions_with_a_signature():
-    """Signs that are asked for, and signs that entries show."""
+    """Signs follow from the requested signature, or from visible signs of the entries."""
     e, f, g = (sp.Function(name)(X, Y) for name in "EFG")
     asked = gt.Frame.from_metric([X, Y], [[e, f], [f, g]], signature=(-1, 1))
     assert (asked.eta[0, 0], asked.eta[1, 1]) == (-1, 1)
@@ -94,7 +94,7 @@ def test_unknown_functions_with_a_signature():
 
 @pytest.mark.parametrize("signature", [5, "++", (1, 2), (1,), [[1, 2], [3, 4]], (1, "1"), None])
 def test_signatures_that_are_none(signature):
-    """Numbers, text, other numbers than signs, of another size: refused in three parts."""
+    """A number, a text, entries other than 1 and -1, or a wrong size is refused as signature."""
     makers = (
         lambda: gt.Frame([X, Y], [[1, 0], [0, 1]], signature=signature),
         lambda: gt.Frame.from_frame([X, Y], [[1, 0], [0, 1]], signature=signature),
@@ -109,7 +109,7 @@ def test_signatures_that_are_none(signature):
 
 
 def test_no_coframe():
-    """None is no matrix."""
+    """None is refused as a coframe."""
     with pytest.raises(gt.errors.CoframeError, match="coframe: expected rows of entries"):
         gt.Frame([X, Y], None)
 
@@ -119,7 +119,7 @@ def test_no_coframe():
     [sp.I * X, (1 + sp.I) * (1 - sp.I), (sp.exp(sp.I * X) + sp.exp(-sp.I * X)) / 2, 1j, 2 + 0j],
 )
 def test_complex_entries_are_named(entry):
-    """Not declared, or such that what is imaginary cancels: both are refused by name."""
+    """Entries that are complex and not declared so are refused by name, also if I cancels."""
     with pytest.raises(ExpressionError, match=r"coframe\[1, 1\]: .*complex"):
         gt.Frame([X, Y], [[1, 0], [0, entry]])
     with pytest.raises(ExpressionError, match=r"connection coefficients\[0, 1, 0\]: .*complex"):
@@ -127,7 +127,7 @@ def test_complex_entries_are_named(entry):
 
 
 def test_complex_entries_that_are_declared():
-    """They are read, exact ones alone."""
+    """With complex=True exact complex entries are read; 1j is refused."""
     frame = gt.Frame([X, Y], [[1, sp.I], [1, -sp.I]], [[0, 1], [1, 0]], complex=True)
     assert frame.metric[0, 0] == 2
     with pytest.raises(ExpressionError, match=r"coframe\[0, 1\]: 1j .*sympy\.I"):
@@ -135,7 +135,7 @@ def test_complex_entries_that_are_declared():
 
 
 def test_plain_texts_have_no_latex():
-    """repr is for terminals."""
+    """repr contains no LaTeX."""
     for thing in (gt.levi_civita(POLAR), gt.cartan(POLAR), gt.levi_civita(POLAR).spin_connection,
                   gt.levi_civita(POLAR).curvature, POLAR.volume, POLAR.eta):  # fmt: skip
         assert "\\" not in repr(thing)
@@ -144,7 +144,7 @@ def test_plain_texts_have_no_latex():
 
 
 def test_identities_and_plans_show_themselves():
-    """One a line in a terminal, a table in a notebook."""
+    """Identities and plans print one line each in a terminal, and a table in a notebook."""
     checks = gt.identities(gt.cartan(POLAR))
     assert repr(checks).splitlines()[0] == "metricity: holds (6 components): D_a g_bc = 0"
     assert checks._repr_html_().count("<tr>") == 6

@@ -1,4 +1,4 @@
-"""Conventions: each held against sums written out here in plain sympy, on SO(3) and others."""
+"""Conventions: each is compared with sums written out here in plain sympy."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def frame() -> Frame:
 
 @pytest.fixture(scope="module")
 def plain() -> dict:
-    """Everything by explicit sums, no symmetry used."""
+    """All quantities by explicit sums, without symmetries."""
     e, legs = COFRAME, COFRAME.inv()
     g = e.T * ETA * e
     up = g.inv()
@@ -51,7 +51,7 @@ def plain() -> dict:
 
 
 def same(tensor, wanted: dict) -> bool:
-    """Exact equality with expressions made without the package."""
+    """Whether a tensor equals expressions made without the package, exactly."""
     for index, value in wanted.items():
         (expected,) = tensor.frame.read([("expected", value)])
         if tensor.element(*index) != expected:
@@ -64,7 +64,7 @@ def indices(rank: int) -> list:
 
 
 def test_matrices(frame: Frame, plain: dict) -> None:
-    """Coframe rows, legs columns, metric e^T eta e."""
+    """Coframe rows, legs as columns, metric e^T eta e."""
     assert same(frame.coframe, {i: plain["e"][i] for i in indices(2)})
     assert same(frame.legs, {i: plain["E"][i] for i in indices(2)})
     assert same(frame.metric, {i: plain["g"][i] for i in indices(2)})
@@ -72,13 +72,13 @@ def test_matrices(frame: Frame, plain: dict) -> None:
 
 
 def test_connections(frame: Frame, plain: dict) -> None:
-    """Direction of differentiation first; both connections."""
+    """Both connections have the direction of differentiation first."""
     assert same(cartan(frame).coefficients, plain["G"])
     assert same(levi_civita(frame).coefficients, plain["bar"])
 
 
 def test_torsion_and_contortion(frame: Frame, plain: dict) -> None:
-    """The half, the order of the contortion's indices, anholonomy as 2S in the frame."""
+    """The half in torsion, the index order of contortion, and anholonomy as 2 S in the frame."""
     gamma, lower, up = plain["G"], plain["lower"], plain["up"]
     assert same(cartan(frame).torsion.S, plain["S"])
     mixed = {
@@ -108,7 +108,7 @@ def test_torsion_and_contortion(frame: Frame, plain: dict) -> None:
 
 
 def test_curvature_signs(frame: Frame, plain: dict) -> None:
-    """READING's formula written out, contracted on the first index for Ricci."""
+    """Curvature by the formula of READING.md; Ricci contracts the first index with the last."""
     bar, up = plain["bar"], plain["up"]
     riemann = {
         (m, n, b, k): sp.diff(bar[n, b, k], q[m])
@@ -124,7 +124,7 @@ def test_curvature_signs(frame: Frame, plain: dict) -> None:
 
 
 def test_torsion_parts_and_scalar(frame: Frame, plain: dict) -> None:
-    """Vector, axial part and the scalar with its factors."""
+    """Torsion vector, axial part and torsion scalar with their factors."""
     lower, up, torsion = plain["lower"], plain["up"], cartan(frame).torsion
     vector = {(a,): sum(2 * plain["S"][a, b, b] for b in N) for a in N}
     assert same(torsion.vector, vector)
@@ -155,7 +155,7 @@ def test_torsion_force(frame: Frame, plain: dict) -> None:
 
 
 def test_list() -> None:
-    """Each convention has a name of its own; unknown names are answered with the known."""
+    """Each convention has its own name; the error for an unknown name lists known ones."""
     assert len({item.name for item in CONVENTIONS}) == len(CONVENTIONS) >= 15
     assert "half" in convention("torsion").note
     with pytest.raises(UnknownNameError, match="torsion force"):

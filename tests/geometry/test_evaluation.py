@@ -1,4 +1,4 @@
-"""evaluation: which coordinates are angles of a frame."""
+"""Evaluation: which coordinates of a frame are angles."""
 
 import pytest
 import sympy as sp
@@ -18,7 +18,7 @@ ENTRIES = (
 
 @pytest.mark.parametrize("entry", ENTRIES, ids=str)
 def test_a_frame_repeats_where_its_entries_do(entry: sp.Expr) -> None:
-    """Told by what they are made of, as by putting in a turn more, which takes minutes for some."""
+    """A frame repeats after 2 pi if its entries do; the parts of an entry decide it."""
     frame = Frame([r, theta], [[1, 0], [0, 2 + entry]])
     turned = entry.subs(theta, theta + 2 * sp.pi)
     assert repeats(frame, theta) == (sp.simplify(turned - entry) == 0)

@@ -1,6 +1,6 @@
-"""Expansion: frames in a small parameter, order by order, against series of the exact tensors."""
+"""Expansion: frames in a small parameter agree with the series of the exact tensors."""
 
-# Bad input, and sums that start at the number 0.
+# Bad input, and sums that start with the number 0.
 # pyright: reportAttributeAccessIssue=false, reportArgumentType=false
 
 import pickle
@@ -28,7 +28,7 @@ few = settings(
 
 
 def polynomial(tensor: gt.Tensor, order: int) -> dict:
-    """Components of an exact tensor as their series in epsilon, by sympy's derivatives."""
+    """Components of an exact tensor as series in epsilon, by sympy's derivatives."""
     found = {}
     for index, value in tensor.nonzero().items():
         terms = [
@@ -42,7 +42,7 @@ def polynomial(tensor: gt.Tensor, order: int) -> dict:
 
 
 def agree(series: gt.Tensor, exact: gt.Tensor, order: int) -> None:
-    """Each component of the truncated tensor is the cut series of the exact one."""
+    """Each component of the truncated tensor is the truncated series of the exact component."""
     wanted = polynomial(exact, order)
     for index in product(range(series.frame.dimension), repeat=len(series.slots)):
         value = exact.frame.scalar(series[index])
@@ -63,12 +63,12 @@ LEGS = gt.Frame.from_frame([x, y], [[1, epsilon * y**2], [epsilon, sp.cos(epsilo
 @pytest.mark.parametrize("frame", [COFRAME, METRIC, LEGS], ids=["coframe", "metric", "legs"])
 @pytest.mark.parametrize("name", QUANTITIES)
 def test_quantities_are_cut_series(frame: gt.Frame, name: str) -> None:
-    """Of frames made in each way, to second order."""
+    """Quantities to second order, for frames from a coframe, a metric and legs."""
     agree(frame.expanded("epsilon", 2).quantity(name), frame.quantity(name), 2)
 
 
 def test_random_frames_are_cut_series() -> None:
-    """The same of random triangular frames, in which epsilon stands in every way."""
+    """As above for random triangular frames, in which epsilon occurs in different ways."""
 
     @few
     @given(entries((x, y)), entries((x, y)), st.integers(0, 2))
@@ -86,7 +86,7 @@ def test_random_frames_are_cut_series() -> None:
 
 
 def test_linearised_ricci_of_ten_functions() -> None:
-    """(d_c d_a h^c_b + d_c d_b h^c_a - box h_ab - d_a d_b h) / 2, whatever h is."""
+    """(d_c d_a h^c_b + d_c d_b h^c_a - box h_ab - d_a d_b h) / 2 for any h."""
     eta = (-1, 1, 1, 1)
     h = {}
     for a in range(4):
@@ -108,7 +108,7 @@ def test_linearised_ricci_of_ten_functions() -> None:
 
 
 def test_known_expansions() -> None:
-    """Slowly rotating Kerr is vacuum and drags frames; first order of Schwarzschild is Newton."""
+    """Slowly rotating Kerr is vacuum and drags frames; first-order Schwarzschild is Newtonian."""
     kerr = gt.spaces.load("kerr").frame
     slow = kerr.expanded("a", 1)
     assert gt.levi_civita(slow).curvature.ricci.is_zero
@@ -122,7 +122,7 @@ def test_known_expansions() -> None:
 
 
 def test_what_an_expanded_frame_can_do() -> None:
-    """Numbers, other values, copies, forms, a second small parameter; zero keeps its certainty."""
+    """Numbers, substitution, copies, forms, identities and a second parameter all work."""
     series = METRIC.expanded("epsilon", 2)
     assert METRIC.expanded(epsilon, 2) is series
     at = series.metric.at({"t": 1, "x": 2, "epsilon": 0.5})
@@ -150,7 +150,7 @@ def test_what_an_expanded_frame_can_do() -> None:
 
 
 def test_expanded_frames_in_other_coordinates_and_on_surfaces() -> None:
-    """What is made from an expanded frame is cut after the same order."""
+    """Results from an expanded frame are truncated at the same order."""
     series = COFRAME.expanded("epsilon", 1)
     moved = series.in_coordinates([x, y], {x: x + y})
     exact = COFRAME.in_coordinates([x, y], {x: x + y})
@@ -191,6 +191,6 @@ REFUSALS = [
 
 @pytest.mark.parametrize(("call", "words"), REFUSALS)
 def test_what_has_no_expansion_is_refused(call, words):
-    """Each error says what was expected."""
+    """Each frame or argument without an expansion is refused with its own message."""
     with pytest.raises(GeomtorsionError, match=words):
         call()

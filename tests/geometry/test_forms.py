@@ -1,4 +1,4 @@
-"""Forms: how they are made, written and refused, with answers from textbooks."""
+"""Forms: construction, text and refusals, with answers from textbooks."""
 
 # Bad input.
 # pyright: reportArgumentType=false, reportCallIssue=false
@@ -46,7 +46,7 @@ def test_dual_of_two_forms_in_minkowski_space():
 
 
 def test_forms_are_written_and_copied():
-    """A form reads as in a book, in LaTeX too; a copy is equal."""
+    """A form reads as in a book, in text and in LaTeX; a copy is equal."""
     form = gt.Form(SPACE, 2, {(1, 0): y - x, (0, 2): sp.sin(x), (1, 2): -1})
     assert repr(form) == "(x - y) dx ^ dy + sin(x) dx ^ dz - dy ^ dz"
     assert repr(form * 0) == "0"
@@ -59,7 +59,7 @@ def test_forms_are_written_and_copied():
 
 
 def test_form_indices_in_any_order():
-    """A component with exchanged form indices has the other sign."""
+    """Exchanged form indices change the sign of a component."""
     form = gt.Form(SPACE, 2, {(2, 0): x})
     assert form[0, 2] == -x
     assert form[2, 0] == x
@@ -68,7 +68,7 @@ def test_form_indices_in_any_order():
 
 
 def test_forms_above_the_dimension_vanish():
-    """A wedge of degree four in three dimensions is zero."""
+    """A wedge product of degree four in three dimensions is zero."""
     two = gt.Form(SPACE, 2, {(0, 1): x})
     assert (two ^ two).is_zero
     assert two.d.d.is_zero
@@ -76,7 +76,7 @@ def test_forms_above_the_dimension_vanish():
 
 
 def test_divergence_and_laplacian_in_either_basis():
-    """Index of either kind, and a tensor of rank two: Maxwell's equations D_a F^ab = 0."""
+    """The index may be of either kind; div F of rank two is Maxwell's equation D_a F^ab = 0."""
     bar = gt.levi_civita(BALL)
     vector = BALL.vector([1 / r**2, 0, 0])
     assert bar.divergence(vector).is_zero
@@ -89,7 +89,7 @@ def test_divergence_and_laplacian_in_either_basis():
 
 
 def test_schouten_and_cotton():
-    """Cotton vanishes where a metric is conformally flat; in four dimensions it is div Weyl."""
+    """The Cotton tensor of a conformally flat metric vanishes; in dimension four it is div Weyl."""
     flat = gt.Frame([x, y, z], sp.eye(3) * (1 + x**2 + y * z))
     assert gt.levi_civita(flat).curvature.cotton.is_zero
     squashed = gt.spaces.load("heisenberg").frame
@@ -133,6 +133,6 @@ REFUSALS = [
 
 @pytest.mark.parametrize(("call", "words"), REFUSALS)
 def test_what_is_no_form_is_refused(call, words):
-    """Each error says what was expected."""
+    """Each bad form or argument is refused with its own message."""
     with pytest.raises(GeomtorsionError, match=words):
         call()

@@ -1,4 +1,4 @@
-"""Frame: every way to make one, and what it says when it cannot."""
+"""Frame: each way to make one, and the errors if that fails."""
 
 import pytest
 import sympy as sp
@@ -11,7 +11,7 @@ x, y, z = sp.symbols("x y z", real=True)
 
 
 def test_legs_are_the_inverse_of_the_coframe() -> None:
-    """By the cofactors and through the metric alike."""
+    """The legs are the inverse of the coframe, by cofactors and through the metric."""
     dense = sp.Matrix([[1, x, 0], [y, 2, z], [0, z, 5]])
     for coframe in (dense, 2 / (1 + x**2) * sp.Matrix([[0, 1, 0], [0, 0, 1], [1, 0, 0]])):
         frame = Frame([x, y, z], coframe)
@@ -20,7 +20,7 @@ def test_legs_are_the_inverse_of_the_coframe() -> None:
 
 
 def test_orthogonal_coframe_goes_through_its_metric() -> None:
-    """A full coframe with a diagonal metric: the legs need no cofactors."""
+    """The legs of a full coframe with a diagonal metric need no cofactors."""
     c, s = sp.cos(x), sp.sin(x)
     frame = Frame([x, y, z], [[c, s, 0], [-s, c, 0], [0, 0, 1]])
     assert [step.name for step in frame.plan("legs").steps][-2:] == ["inverse_metric", "legs"]
@@ -29,7 +29,7 @@ def test_orthogonal_coframe_goes_through_its_metric() -> None:
 
 
 def test_from_frame_keeps_the_legs() -> None:
-    """Legs are columns; the coframe is their inverse."""
+    """Legs are columns, and the coframe is their inverse."""
     frame = Frame.from_frame([r, phi], [[1, 2], [0, 1 / r]])
     assert frame.legs[0, 1] == 2
     assert frame.coframe[0, 1] == -2 * r
@@ -37,14 +37,14 @@ def test_from_frame_keeps_the_legs() -> None:
 
 
 def test_coordinates_by_name() -> None:
-    """Names become the symbols that stand in the entries, with their assumptions."""
+    """Names become the symbols that occur in the entries, with their assumptions."""
     frame = Frame("r phi", [[1, 0], [0, r]])
     assert frame.coordinates == (r, sp.Symbol("phi"))
     assert frame.anholonomy[0, 1, 1] == 1 / r
 
 
 def test_a_name_means_one_symbol() -> None:
-    """What is called like a coordinate is it, else its derivatives would silently vanish."""
+    """A symbol with the name of a coordinate is that coordinate, so that derivatives count."""
     plain = sp.Symbol("r")
     frame = Frame([plain, phi], [[1, 0], [0, r]])
     assert frame.anholonomy[0, 1, 1] == 1 / plain
@@ -63,7 +63,7 @@ def test_parameters() -> None:
 
 
 def test_singular_coframe_says_which_rows_depend() -> None:
-    """The relation is printed with its factors."""
+    """The error prints the linear relation between rows with its factors."""
     with pytest.raises(CoframeError, match=r"Row 2 equals .*row 0.*row 1"):
         Frame([x, y, z], [[1, x, 0], [0, 1, y], [1, x + 2, 2 * y]])
     with pytest.raises(CoframeError, match="Row 1 is zero"):
@@ -73,7 +73,7 @@ def test_singular_coframe_says_which_rows_depend() -> None:
 
 
 def test_wrong_shapes() -> None:
-    """Coordinates, rows and signature have to fit."""
+    """Numbers of coordinates, rows and signs have to agree."""
     with pytest.raises(CoframeError, match="row 1 has 1"):
         Frame([x, y], [[1, 0], [1]])
     with pytest.raises(CoframeError, match="not square"):
@@ -87,7 +87,7 @@ def test_wrong_shapes() -> None:
 
 
 def test_a_constant_eta_with_entries_off_the_diagonal() -> None:
-    """Null coordinates of the plane: eta off-diagonal, the metric flat."""
+    """Null coordinates of the plane: eta is off-diagonal, and the metric is flat."""
     frame = Frame([x, y], [[sp.exp(x), 0], [0, sp.exp(-x)]], signature=[[0, -1], [-1, 0]])
     assert frame.metric.nonzero() == {(0, 1): -1, (1, 0): -1}
     assert frame.inverse_eta.nonzero() == {(0, 1): -1, (1, 0): -1}
@@ -103,7 +103,7 @@ def test_irrational_eta() -> None:
 
 
 def test_volume_and_determinant() -> None:
-    """Signed: the determinant of the coframe, times the root of that of eta."""
+    """The volume has a sign: it is det e times the root of |det eta|."""
     frame = Frame([r, phi], [[0, r], [1, 0]])
     assert frame.determinant[()] == -r
     assert frame.volume[()] == -r
@@ -112,7 +112,7 @@ def test_volume_and_determinant() -> None:
 
 
 def test_sample_point_lies_in_the_domain() -> None:
-    """Assumptions and relations are kept, the frame is regular there."""
+    """The sample point satisfies assumptions and domain, and the frame is regular there."""
     mass = sp.Symbol("M", positive=True)
     h = sp.sqrt(1 - 2 * mass / r)
     frame = Frame([r, phi], [[1 / h, 0], [0, r]], domain=[r > 2 * mass, phi < 2 * sp.pi])
@@ -127,14 +127,14 @@ def test_sample_point_lies_in_the_domain() -> None:
 
 
 def test_a_frame_does_not_change() -> None:
-    """Frozen: what it was made from cannot be replaced."""
+    """A frame is frozen: its attributes cannot be replaced."""
     frame = Frame([x, y], [[1, 0], [0, 1]])
     with pytest.raises(AttributeError):
         frame.name = "other"  # pyright: ignore[reportAttributeAccessIssue] - that is the test
 
 
 def test_new_symbols_become_parameters() -> None:
-    """What is read later may bring a parameter; a symbol of a known name is the known one."""
+    """An expression read later may add a parameter; a symbol of a known name is the known one."""
     frame = Frame([r, phi], [[1, 0], [0, r]])
     c = sp.Symbol("c")
     (element,) = frame.read([("entry", c * r)])
@@ -146,7 +146,7 @@ def test_new_symbols_become_parameters() -> None:
 
 
 def test_entries_may_be_nested_deeply():
-    """Symbols within 300 brackets are found: sympy's own search is a call deeper for each."""
+    """Symbols within 300 brackets are found, although sympy's own search is recursive."""
     x, y = sp.symbols("x y", real=True)
     nested = x
     for _ in range(300):

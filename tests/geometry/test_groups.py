@@ -58,7 +58,7 @@ def test_rotations_are_the_sphere_of_radius_two() -> None:
 
 
 def test_order_matters_where_later_exponentials_come_first() -> None:
-    """A nilpotent algebra of class three, in an order in which no exponential is trivial."""
+    """A nilpotent algebra of class three, ordered such that no exponential is trivial."""
     table = constants(4, _32_1=1, _31_0=1)
     frame = Frame.from_structure_constants(table)
     for i, j, k in product(range(4), repeat=3):
@@ -88,13 +88,13 @@ def test_exponential_solves_its_equation(matrix: list) -> None:
 
 
 def test_jacobi_violation_names_the_indices() -> None:
-    """Which cyclic sum fails, and by how much."""
+    """The error names the cyclic sum that fails, and its value."""
     with pytest.raises(StructureConstantError, match=r"i, j, k = 0, 1, 2 and component 0 .* 1"):
         Frame.from_structure_constants(constants(3, _01_1=1, _12_0=1))
 
 
 def test_other_refusals() -> None:
-    """Not antisymmetric, of wrong shape, floats, an exponential that is not elementary."""
+    """Refused: not antisymmetric, wrong shape, floats, an exponential that is not elementary."""
     table = constants(2)
     table[0][1][0] = sp.Integer(1)
     with pytest.raises(StructureConstantError, match=r"C\[0, 1, 0\] = 1, C\[1, 0, 0\] = 0"):

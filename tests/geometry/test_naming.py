@@ -1,4 +1,4 @@
-"""Names: what is printed with them stands for the same quantity, and is short."""
+"""Names: text printed with names means the same quantity and is short."""
 
 from __future__ import annotations
 
@@ -47,12 +47,12 @@ def frame(plain):
 
 
 def same(frame, written, element):
-    """Whether what is written, names taken out, is an element: decided exactly."""
+    """Whether a text with its names replaced is an element, decided exactly."""
     return (frame.field.read(written.subs(frame.names)) - element).is_zero
 
 
 def test_einstein_tensor_as_a_person_writes_it(frame):
-    """-Lambda g and the charge, by Sigma, Delta_r, Delta_theta and Xi."""
+    """The tensor is -Lambda g plus the charge, in Sigma, Delta_r, Delta_theta and Xi."""
     einstein = gt.levi_civita(frame).curvature.einstein
     lines = str(einstein).splitlines()
     assert lines[1].strip() == (
@@ -66,7 +66,7 @@ def test_einstein_tensor_as_a_person_writes_it(frame):
 
 @pytest.mark.parametrize("name", ["coframe", "legs", "metric", "einstein", "torsion"])
 def test_what_is_printed_is_the_quantity(frame, plain, name):
-    """Names taken out, every component is the exact one; text, LaTeX and HTML say the same."""
+    """With names replaced each component is exact; text, LaTeX and HTML contain the same."""
     tensor, same_plain = frame.quantity(name), plain.quantity(name)
     shown = tensor.to_sympy(short=True)
     for index in tensor.components.support:
@@ -81,7 +81,7 @@ def test_what_is_printed_is_the_quantity(frame, plain, name):
 
 
 def test_derivatives_know_what_names_stand_for(frame, plain):
-    """The slope of a named quantity in r is that of what it stands for."""
+    """The derivative in r of a text with names replaced is the derivative of the component."""
     element = gt.levi_civita(frame).curvature.einstein.element(1, 1)
     shown = frame.written(element)
     slope = sp.diff(shown.subs(frame.names), r)
@@ -89,7 +89,7 @@ def test_derivatives_know_what_names_stand_for(frame, plain):
 
 
 def test_texts_are_read_back(frame):
-    """What was printed is read by our own reader, with the names as symbols."""
+    """Our own reader reads printed text, with the names as symbols."""
     known = {s.name: s for s in (*frame.field.symbols, *frame.names)}
     for index, element in frame.metric.components.independent.items():
         back = gt.parse_expression(str(frame.written(element)), known)
@@ -97,14 +97,14 @@ def test_texts_are_read_back(frame):
 
 
 def test_names_are_in_the_text_of_the_frame(frame):
-    """The reader of a text sees what names stand for."""
+    """The text of a frame lists the expressions of the names."""
     assert f"\n  Sigma = {SIGMA}\n" in repr(frame)
     assert "e^2 = sqrt(Delta_r*Sigma)/Delta_r dr" in repr(frame)
     assert frame.names[sp.Symbol("Xi")] == XI
 
 
 def test_copies_and_equal_names(frame, plain):
-    """Equal calls give the same frame, and a copy has the names."""
+    """Equal calls return the same frame, and a copy keeps the names."""
     assert plain.named(**QUANTITIES) is frame
     again = pickle.loads(pickle.dumps(frame.metric))
     assert str(again) == str(frame.metric)
@@ -112,7 +112,7 @@ def test_copies_and_equal_names(frame, plain):
 
 
 def test_names_in_names_and_texts(plain):
-    """Names given before may be used, in texts and in expressions."""
+    """Earlier names may be used in later ones, in texts and in expressions."""
     longer = plain.named(rho2="r**2 + a**2*cos(theta)**2", u="rho2*(1 + Lambda*a**2/3)")
     assert longer.names[sp.Symbol("u")] == SIGMA * XI
     more = longer.named(v=sp.Symbol("rho2", positive=True) + M)
@@ -121,7 +121,7 @@ def test_names_in_names_and_texts(plain):
 
 
 def test_quotients_and_roots():
-    """f = 1 - 2 M/r in Schwarzschild's tetrad, below roots and above."""
+    """f = 1 - 2 M/r in Schwarzschild's tetrad, in denominators and under roots."""
     x = sp.Symbol("r", positive=True)
     time, polar, angle = sp.symbols("t theta phi")
     f = 1 - 2 * M / x
@@ -137,7 +137,7 @@ def test_quotients_and_roots():
 
 
 def test_values_go_into_names_too(frame):
-    """Of what a name stands for; what is a number then has none."""
+    """Values are also put into the expressions of names; a name of a number is dropped."""
     still = frame.subs({"a": sp.Rational(1, 2), "Lambda": 0})
     assert list(map(str, still.names)) == ["Sigma", "Delta_r"]
     assert still.names[sp.Symbol("Sigma")] == r**2 + cos(theta) ** 2 / 4
@@ -146,7 +146,7 @@ def test_values_go_into_names_too(frame):
 
 @pytest.mark.parametrize("seed", one_in(2, range(30)))
 def test_random_sums_and_names(seed):
-    """Polynomials of what has names, against the polynomials: names taken out they are the same."""
+    """Random polynomials of named expressions, with the names replaced, have their values."""
     numbers = random.Random(seed)
     x, y, z = sp.symbols("x y z", real=True)
 
@@ -191,13 +191,13 @@ BAD = {
 
 @pytest.mark.parametrize("label", BAD)
 def test_bad_names(plain, label):
-    """Each is refused by an error that says what is wrong."""
+    """Each bad name or expression is refused with its own message."""
     quantities, error, message = BAD[label]
     with pytest.raises(error, match=message):
         plain.named(**quantities)
 
 
 def test_a_name_is_given_once(frame):
-    """A name of the frame is not given again."""
+    """A name of the frame cannot be defined again."""
     with pytest.raises(ArgumentError, match="occurs twice"):
         frame.named(Sigma="r + 1")

@@ -1,4 +1,4 @@
-"""Tables of components: what is listed, how indices are called, what is refused."""
+"""Tables of components: listed components, index names, refusals."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def polar() -> Frame:
 
 
 def test_every_component_that_does_not_vanish():
-    """Listed are exactly those, with their values, on a frame with many."""
+    """A table lists exactly the components that do not vanish, with their values (Kerr)."""
     bar = levi_civita(spaces.load("kerr").frame)
     table = bar.table(every=True)
     found = {row.index: row.value for row in table}
@@ -32,7 +32,7 @@ def test_every_component_that_does_not_vanish():
 
 
 def test_names_can_be_chosen(polar):
-    """One name for each coordinate: letters of a text, words of a text, or a list."""
+    """Each coordinate gets one name: letters or words of a text, or entries of a list."""
     torsion = cartan(polar).torsion.S
     assert [row.label for row in torsion.table()] == ["S_{r phi}^{phi}"]
     for names in ("rφ", "r φ", "r, φ", ["r", "φ"], ("r", "φ")):
@@ -42,7 +42,7 @@ def test_names_can_be_chosen(polar):
 
 
 def test_an_index_can_be_chosen(polar):
-    """By its number, or by the name of its value."""
+    """An index is chosen by its number, its value by number or name."""
     bar = levi_civita(polar)
     wanted = {(0, 1, 1): 1 / r, (1, 0, 1): 1 / r}
     for value in (1, "phi"):
@@ -52,7 +52,7 @@ def test_an_index_can_be_chosen(polar):
 
 
 def test_texts(polar):
-    """A table prints one component a line, and says what it left out."""
+    """A table prints one component per line and counts the omitted ones."""
     assert str(polar.metric.table()).splitlines()[1:] == [
         "  g_{r r}      [0, 0]  1",
         "  g_{phi phi}  [1, 1]  r**2",
@@ -77,7 +77,7 @@ def test_texts(polar):
     ],
 )
 def test_names_that_are_none(polar, names, message):
-    """What was needed, what came, what to do."""
+    """The error for bad names states how many different names are expected."""
     with pytest.raises(TensorIndexError, match=message):
         polar.metric.table(names)
 
@@ -96,7 +96,7 @@ def test_names_that_are_none(polar, names, message):
     ],
 )
 def test_places_that_are_none(polar, where, message):
-    """An index or a value that does not exist is named."""
+    """An index or a value that does not exist is named in the error."""
     with pytest.raises(GeomtorsionError, match=message):
         polar.metric.table(where=where)
     with pytest.raises(ArgumentError, match="every"):
@@ -104,7 +104,7 @@ def test_places_that_are_none(polar, where, message):
 
 
 def test_how_many_components_are_shown() -> None:
-    """Twelve as text and sixty as a formula; the others are counted."""
+    """Text shows twelve components and LaTeX sixty; the others are counted."""
     q = sp.symbols("q1:7", real=True)
     frame = Frame(q, (sp.exp(sum(q)) * sp.eye(6)).tolist())
     symbols = levi_civita(frame).coefficients
@@ -116,7 +116,7 @@ def test_how_many_components_are_shown() -> None:
 
 
 def test_sympy_prints_tensors(polar):
-    """As text and LaTeX; it has a class of the same name, whose parts ours does not have."""
+    """sympy prints our tensors as text and LaTeX, although its own class has the same name."""
     metric = polar.metric
     assert metric._repr_latex_() == rf"$\displaystyle {sp.latex(metric)}$"
     assert sp.sstr(metric) == repr(metric)

@@ -16,7 +16,7 @@ POINTS = {R: np.array([3.0, 4.0, 5.5]), THETA: np.array([[0.5], [1.5]]), M: 1, A
 
 
 def test_points_one_by_one():
-    """Arrays give what their points give, to the bit; single numbers go with all."""
+    """Arrays give the same bits as their points; single numbers are broadcast."""
     tensor = KERR.quantity("torsion")
     found = tensor.at(POINTS)
     assert found.shape == (2, 3, 4, 4, 4)
@@ -26,7 +26,7 @@ def test_points_one_by_one():
 
 
 def test_lists_names_digits_and_scalars():
-    """Lists, names as keys, long numbers, rank 0, and no points at all."""
+    """Lists, names as keys, many digits, rank 0, and an empty array of points work."""
     metric = KERR.metric
     assert metric.at({"r": [3, 4], "theta": 1, "M": 1, "a": 0}).shape == (2, 4, 4)
     long = metric.at({"r": [Fraction(1, 3)], "theta": 1, "M": 1, "a": 0}, digits=40)
@@ -38,7 +38,7 @@ def test_lists_names_digits_and_scalars():
 
 
 def test_refused_points():
-    """Shapes that do not fit, entries that are no numbers, a singular point among others."""
+    """Refused: shapes that do not fit, entries that are not numbers, a singular point."""
     rest = {THETA: 1, M: 1, A: 0}
     with pytest.raises(ShapeError, match=r"got the shapes \(2,\), \(3,\)"):
         KERR.metric.at({R: [3, 4], THETA: [1, 1, 1], M: 1, A: 0})
@@ -54,7 +54,7 @@ def test_refused_points():
 
 @pytest.mark.parametrize("name", ["metric", "torsion", "riemann", "kretschmann"])
 def test_function_of_a_tensor(name):
-    """All components in one call, axes of the points first; the same numbers as `at`."""
+    """One call gives all components, axes of the points first, with the numbers of `at`."""
     tensor = KERR.quantity(name)
     function = gt.numpy_function(tensor, [R, THETA, M, A])
     found = function(POINTS[R], POINTS[THETA], 1.0, 0.7)
@@ -65,7 +65,7 @@ def test_function_of_a_tensor(name):
 
 
 def test_function_of_complex_and_vanishing_tensors():
-    """Null legs are complex; what vanishes is an array of zeros."""
+    """Null legs give complex numbers; a vanishing tensor gives zeros."""
     null = gt.spaces.load("kerr_kinnersley").frame
     r, theta = null.coordinates[1:3]
     found = gt.numpy_function(null.legs, [r, theta, *null.parameters])(4.0, 1.0, 1.0, 0.5)

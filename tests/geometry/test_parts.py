@@ -1,4 +1,4 @@
-"""Parts: they add up, are orthogonal, have the right number of components, and are irreducible."""
+"""Parts: they add up, are orthogonal, and have the right number of components."""
 
 import random
 from itertools import combinations, product
@@ -14,13 +14,13 @@ Parts = dict[str, gt.Tensor]
 
 
 def square(one: gt.Tensor, other: gt.Tensor) -> sp.Expr:
-    """The full contraction of two tensors."""
+    """Full contraction of two tensors."""
     letters = "abcd"[: len(one.slots)]
     return gt.contract(f"{letters},{letters}->", one, other.raised())
 
 
 def families(connection: gt.Connection) -> list[tuple[gt.Tensor, Parts]]:
-    """Each tensor with its parts."""
+    """Torsion, nonmetricity and curvature of a connection, each with its parts."""
     return [
         (connection.torsion.T.lowered(2), dict(connection.torsion.parts)),
         (connection.nonmetricity, dict(connection.nonmetricity_parts)),
@@ -31,7 +31,7 @@ def families(connection: gt.Connection) -> list[tuple[gt.Tensor, Parts]]:
 @pytest.mark.parametrize("metric", [True, False])
 @pytest.mark.parametrize("n", [2, 3, 4])
 def test_parts_add_up_and_are_orthogonal(n: int, metric: bool) -> None:
-    """The sum is the whole tensor, and any two parts have no product."""
+    """The sum is the whole tensor, and the product of any two parts is zero."""
     connection = sample_connection(sample_frame(n, 1), 5, metric=metric)
     for whole, parts in families(connection):
         total, *others = parts.values()
@@ -43,7 +43,7 @@ def test_parts_add_up_and_are_orthogonal(n: int, metric: bool) -> None:
 
 
 def constant(n: int, kind: str, seed: int) -> gt.Connection:
-    """A connection whose field of one kind at the origin is random, in flat space."""
+    """Flat space with a connection whose field of one kind is random at the origin."""
     chosen = random.Random(seed)
     q = COORDINATES[:n]
     frame = gt.Frame(q, sp.eye(n), (-1,) + (1,) * (n - 1))
@@ -77,7 +77,7 @@ RANKS = {
 
 @pytest.mark.parametrize(("kind", "n"), RANKS)
 def test_the_number_of_components(kind: str, n: int) -> None:
-    """The rank of many random samples of a part is its dimension, which add up to the whole."""
+    """The rank of many random samples of a part is its dimension."""
     samples: dict[str, list] = {}
     most = sum(RANKS[kind, n].values()) + 2
     for seed in range(most):
@@ -97,7 +97,7 @@ def test_the_number_of_components(kind: str, n: int) -> None:
 
 
 def test_traces_of_the_parts() -> None:
-    """Only the vector parts have traces; the weyl part of curvature has none."""
+    """Only vector parts have traces; the weyl part of curvature has none."""
     connection = sample_connection(sample_frame(4, 1), 5, metric=False)
     tensor, axial = (connection.torsion.parts[name] for name in ("tensor", "axial"))
     for part in (tensor, axial):
@@ -113,7 +113,7 @@ def test_traces_of_the_parts() -> None:
 
 
 def test_parts_of_the_metric_are_those_that_are_known() -> None:
-    """Without torsion: the Weyl tensor, the Einstein tensor and the scalar, nothing else."""
+    """Without torsion only the Weyl, traceless Ricci and scalar parts remain."""
     bar = gt.levi_civita(sample_frame(4, 2))
     parts = bar.curvature.parts
     assert (parts["weyl"] - bar.curvature.weyl).is_zero

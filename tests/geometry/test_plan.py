@@ -1,4 +1,4 @@
-"""Plan: asking for one quantity computes its ancestors and no others."""
+"""Plan: a quantity is computed from its ancestors and nothing else."""
 
 import networkx as nx
 import pytest
@@ -19,7 +19,7 @@ def schwarzschild() -> Frame:
 
 
 def kinds() -> dict[str, Frame]:
-    """A fresh frame of every kind of making."""
+    """A new frame of each kind of construction."""
     c, s = sp.cos(theta), sp.sin(theta)
     return {
         "coframe": schwarzschild(),
@@ -32,7 +32,7 @@ def kinds() -> dict[str, Frame]:
 @pytest.mark.parametrize("kind", kinds())
 @pytest.mark.parametrize("name", QUANTITIES)
 def test_nothing_else_is_computed(kind: str, name: str) -> None:
-    """After one quantity is computed no quantity outside its plan has a component."""
+    """After the computation of a quantity, no quantity outside its plan has a component."""
     frame = kinds()[kind]
     planned = {step.name for step in frame.plan(name).steps}
     given = {"coframe", *frame.given}
@@ -42,7 +42,7 @@ def test_nothing_else_is_computed(kind: str, name: str) -> None:
             _ = frame.quantity(name).components.nonzero
         return
     _ = frame.quantity(name).components.nonzero
-    # Matrices that decide on the cheaper route are looked at for every frame.
+    # Matrices that decide on the cheaper route are examined for each frame.
     planned |= given | {"metric"}
     for other, node in QUANTITIES.items():
         if other not in planned:
@@ -52,7 +52,7 @@ def test_nothing_else_is_computed(kind: str, name: str) -> None:
 
 @pytest.mark.parametrize("name", QUANTITIES)
 def test_every_quantity_can_be_computed(name: str) -> None:
-    """Each name leads to a tensor over the frame."""
+    """Each name gives a tensor over the frame."""
     frame = schwarzschild()
     tensor = frame.quantity(name)
     assert tensor.frame is frame
@@ -60,7 +60,7 @@ def test_every_quantity_can_be_computed(name: str) -> None:
 
 
 def test_graph() -> None:
-    """Ancestors with edges along the needs; no circles; the quantity is last."""
+    """The graph has edges along the needs, no cycles, and the quantity last."""
     plan = schwarzschild().plan("einstein")
     assert nx.is_directed_acyclic_graph(plan.graph)
     assert set(plan.graph) == {step.name for step in plan.steps}
@@ -74,7 +74,7 @@ def test_graph() -> None:
 
 
 def test_cost_counts_independent_components() -> None:
-    """Symmetric pairs count once: 40 Christoffel symbols, 10 Ricci components in 4 dimensions."""
+    """Symmetric pairs count once: 40 Christoffel symbols and 10 Ricci components."""
     steps = {step.name: step for step in schwarzschild().plan("kretschmann").steps}
     assert steps["christoffel"].components == 40
     assert schwarzschild().plan("ricci").steps[-1].components == 10
@@ -82,7 +82,7 @@ def test_cost_counts_independent_components() -> None:
 
 
 def test_writing() -> None:
-    """A table for people, DOT for drawing, seconds from running."""
+    """A plan gives a table as text, DOT for drawing, and seconds when run."""
     plan = schwarzschild().plan("torsion")
     lines = str(plan).splitlines()
     assert lines[0].split()[:2] == ["step", "components"]
@@ -95,7 +95,7 @@ def test_writing() -> None:
 
 
 def test_unknown_name() -> None:
-    """Near names are offered."""
+    """The error for an unknown name offers similar names."""
     with pytest.raises(UnknownNameError, match="Did you mean ricci"):
         schwarzschild().plan("ricii")
     with pytest.raises(UnknownNameError, match="Known are"):

@@ -1,4 +1,4 @@
-"""Riemannian: what follows from the anholonomy is what follows from the metric."""
+"""Riemannian: quantities from the anholonomy equal those from the metric."""
 
 import pytest
 import sympy as sp
@@ -14,7 +14,7 @@ f = sp.Function("f")
 
 
 def issue_frame() -> Frame:
-    """Products of unlike functions, an unknown one among them."""
+    """A frame of products of different functions, one of them unknown."""
     rows = [
         [M * t / 2 + 2, (t**2 + 1) ** 2],
         [sp.sin(r) + sp.Rational(4, 3), f(t) * sp.cos(r - t) / 2 - 1],
@@ -23,9 +23,9 @@ def issue_frame() -> Frame:
 
 
 def check_both_bases(frame: Frame) -> None:
-    """Riemann, Ricci, scalar, Kretschmann and contortion by two ways."""
+    """Riemann, Ricci, scalar, Kretschmann and contortion by two routes."""
     curvature = levi_civita(frame).curvature
-    # Any connection takes its curvature from its coefficients, here Christoffel symbols.
+    # Other connections compute curvature from coefficients, here the Christoffel symbols.
     other = from_coefficients(frame, levi_civita(frame).coefficients).curvature
     assert curvature.riemann == other.riemann
     assert curvature.lower == other.lower
@@ -40,14 +40,14 @@ def check_both_bases(frame: Frame) -> None:
 @settings(max_examples=6, deadline=None)
 @given(dense_frames(largest=2))
 def test_both_bases_agree_in_the_plane(frame):
-    """Of random dense frames, either signature and null legs."""
+    """Random dense frames of two dimensions, with either signature and with null legs."""
     check_both_bases(frame)
 
 
 @settings(max_examples=3, deadline=None)
 @given(dense_frames(smallest=3))
 def test_both_bases_agree_in_space(frame):
-    """Of random dense frames in three dimensions."""
+    """Random dense frames of three dimensions."""
     check_both_bases(frame)
 
 
@@ -55,13 +55,13 @@ def test_both_bases_agree_in_space(frame):
 @settings(max_examples=40, deadline=None)
 @given(dense_frames(largest=4))
 def test_both_bases_agree(frame):
-    """Of many random dense frames, up to four dimensions."""
+    """Many random dense frames of up to four dimensions."""
     check_both_bases(frame)
 
 
 @given(st.sampled_from(("riemann", "ricci", "kretschmann", "contortion", "scalar_curvature")))
 def test_the_basis_is_chosen_by_length_and_told(name):
-    """From the anholonomy where the metric is twice as long as the coframe; else from itself."""
+    """The anholonomy is used if the metric is at least twice as long as the coframe."""
     dense = issue_frame()
     assert 2 * dense.coframe.components.length <= dense.metric.components.length
     assert "anholonomy" in dense.plan(name).graph
@@ -73,7 +73,7 @@ def test_the_basis_is_chosen_by_length_and_told(name):
 
 
 def test_the_frame_of_products_is_decided_and_written():
-    """All is decided; scalar and torsion are short enough to be read."""
+    """All quantities are decided; scalar and torsion are short enough to read."""
     frame = issue_frame()
     curvature = levi_civita(frame).curvature
     for tensor in (
@@ -88,13 +88,13 @@ def test_the_frame_of_products_is_decided_and_written():
     assert curvature.einstein.is_zero is True
     assert len(str(curvature.scalar[()])) < 5000
     assert len(str(cartan(frame).torsion.S.nonzero())) < 3000
-    # Gauss: Kretschmann is the square of the scalar in two dimensions.
+    # In two dimensions the Kretschmann scalar is the square of the curvature scalar (Gauss).
     square = curvature.scalar * curvature.scalar
     assert (curvature.kretschmann - square).is_zero is True
 
 
 def test_forms_know_what_they_were_made_from():
-    """Back in the frame, the curvature is the one that was computed there."""
+    """Curvature in the frame and back is equal; raised and lowered it is the same object."""
     lower = levi_civita(issue_frame()).curvature.lower
     there = lower.in_frame()
     assert there.slots == "DDDD"

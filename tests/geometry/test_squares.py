@@ -1,4 +1,4 @@
-"""Squares: orthonormal frames of metrics of every kind."""
+"""Squares: orthonormal frames of metrics of all kinds."""
 
 import pytest
 import sympy as sp
@@ -30,14 +30,14 @@ def rebuilt(frame: Frame) -> bool:
     ids=str,
 )
 def test_metric_is_rebuilt(metric: list, minus: int) -> None:
-    """Every metric is the square of its frame, and the signs are counted right (Sylvester)."""
+    """Each metric is the square of its frame, with the right number of minus signs (Sylvester)."""
     frame = Frame.from_metric([t, x, y, z][: len(metric)] if len(metric) > 2 else [x, y], metric)
     assert rebuilt(frame)
     assert sum(sign == -1 for sign in frame.eta.nonzero().values()) == minus
 
 
 def test_signature_orders_the_rows() -> None:
-    """The rows stand as the signature asks."""
+    """The rows have the order of the signature."""
     metric = [[1, 0], [0, -(1 + x**2)]]
     frame = Frame.from_metric([x, y], metric, signature=(-1, 1))
     assert frame.eta.nonzero() == {(0, 0): -1, (1, 1): 1}
@@ -46,7 +46,7 @@ def test_signature_orders_the_rows() -> None:
 
 
 def test_signature_finds_the_side_of_a_horizon() -> None:
-    """Schwarzschild outside has its minus sign at dt, inside at dr; the domain decides."""
+    """Schwarzschild has its minus sign at dt outside and at dr inside; the domain decides."""
     f = 1 - 2 * M / r
     metric = sp.diag(-f, 1 / f)
     outside = Frame.from_metric([t, r], metric, signature=(-1, 1))
@@ -58,7 +58,7 @@ def test_signature_finds_the_side_of_a_horizon() -> None:
 
 
 def test_given_metric_is_kept() -> None:
-    """Levi-Civita quantities never see the square roots of the frame."""
+    """Levi-Civita quantities do not use the square roots of the frame."""
     frame = Frame.from_metric([x, y], [[1 + x**2, 0], [0, 1 + y**2]])
     steps = [step.name for step in frame.plan("christoffel").steps]
     assert steps == ["metric", "inverse_metric", "christoffel"]
@@ -76,13 +76,13 @@ def test_given_metric_is_kept() -> None:
     ids=["unequal", "numbers", "identity"],
 )
 def test_bad_metrics(metric: list, message: str) -> None:
-    """Not symmetric, degenerate, degenerate only by an identity."""
+    """Refused: not symmetric, degenerate, degenerate because of an identity."""
     with pytest.raises(MetricError, match=message):
         Frame.from_metric([x, y], metric)
 
 
 def test_wrong_signature_names_the_right_one() -> None:
-    """Both the found and the wanted signs are in the message."""
+    """The message names both signatures, found and expected."""
     with pytest.raises(
         MetricError, match=r"signature \(-1, 1\), got one of signature \(1, 1\) in its domain"
     ):

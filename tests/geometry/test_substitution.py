@@ -25,7 +25,7 @@ PARAMETRIC = [name for name in gt.spaces.names() if gt.spaces.load(name).frame.p
 
 @pytest.fixture(scope="module")
 def cone() -> gt.Frame:
-    """A cone: the circle at r is k times as long as in the plane."""
+    """A cone: the circle at r has k times its length in the plane."""
     return gt.Frame([r, phi], [[1, 0], [0, k * r]])
 
 
@@ -36,7 +36,7 @@ def kerr() -> gt.Frame:
 
 
 def test_kerr_without_rotation_is_schwarzschild(kerr):
-    """a = 0 gives the other shipped space, although neither knows of the other."""
+    """Kerr with a = 0 has the same quantities as the shipped Schwarzschild space."""
     still, other = kerr.subs({"a": 0}), gt.spaces.load("schwarzschild").frame
     assert still.parameters == (sp.Symbol("M", positive=True),)
     for name in ("metric", "anholonomy", "christoffel", "riemann"):
@@ -49,7 +49,7 @@ def test_kerr_without_rotation_is_schwarzschild(kerr):
 
 @pytest.mark.parametrize("name", PARAMETRIC)
 def test_values_may_come_first_or_last(name):
-    """Torsion and curvature of the frame with a value are those of the frame, with that value."""
+    """A value may be put into the frame first, or into torsion and curvature afterwards."""
     frame = gt.spaces.load(name).frame
     values = {frame.parameters[0]: sp.Rational(1, 10)}
     here = frame.subs(values)
@@ -61,7 +61,7 @@ def test_values_may_come_first_or_last(name):
 
 
 def test_equal_values_give_the_same_frame(cone):
-    """So tensors with equal values can be added; a copy of the frame gives equal ones."""
+    """Tensors with equal values can be added; a copy of the frame gives equal tensors."""
     one, two = cone.metric.subs({k: 2}), cone.metric.subs({"k": "2"})
     assert one.frame is two.frame is cone.subs({k: sp.Integer(2)})
     assert (one + two)[1, 1] == 8 * r**2
@@ -69,7 +69,7 @@ def test_equal_values_give_the_same_frame(cone):
 
 
 def test_all_at_once():
-    """A value may hold the other parameter: nothing is put in twice."""
+    """Substitution is simultaneous: a value may contain the other parameter."""
     a, b = sp.symbols("a b", positive=True)
     frame = gt.Frame([r, phi], [[a, 0], [0, b * r]])
     swapped = frame.subs({a: b, b: a})
@@ -79,7 +79,7 @@ def test_all_at_once():
 
 
 def test_unknown_functions_all_at_once():
-    """The same of functions, also where one stands in the argument of the other."""
+    """Substitution of functions is simultaneous, also if one is in the argument of the other."""
     f, g = sp.Function("f"), sp.Function("g")
     frame = gt.Frame([t, phi], [[f(t), 0], [0, g(t) * f(g(t))]])
     swapped = frame.subs({f(t): g(t), g(t): f(t)})
@@ -90,7 +90,7 @@ def test_unknown_functions_all_at_once():
 
 
 def test_names_mean_one_thing_in_functions_too():
-    """A coordinate without its assumptions is the coordinate of its name: a(t) lacks phi."""
+    """A symbol phi without assumptions is the coordinate phi, on which a(t) cannot depend."""
     a, twin = sp.Function("a"), sp.Symbol("phi")
     frame = gt.Frame([t, phi], [[1, 0], [0, a(t)]])
     with pytest.raises(
@@ -104,7 +104,7 @@ def test_names_mean_one_thing_in_functions_too():
 
 
 def test_unknown_functions_become_known():
-    """The flat universe with exp(H t) is that of de Sitter: R = 12 H^2, and Einstein's by hand."""
+    """a(t) = exp(H t) gives de Sitter space, R = 12 H^2; dust agrees with Einstein's equation."""
     universe = gt.spaces.load("frw_flat").frame
     time = universe.coordinates[0]
     growth, H = sp.Function("a"), sp.Symbol("H", positive=True)
@@ -117,7 +117,7 @@ def test_unknown_functions_become_known():
 
 
 def test_every_kind_of_frame_and_connection():
-    """From legs, from a metric, complex, with branches; any connection."""
+    """Frames from legs or a metric, complex frames, branches and any connection."""
     legs = gt.Frame.from_frame([r, phi], [[1, 0], [0, 1 / (k * r)]], signature=(-1, 1))
     assert legs.subs({k: 2}).coframe[1, 1] == 2 * r
     assert legs.subs({k: 2}).eta[0, 0] == -1
@@ -138,7 +138,7 @@ def test_every_kind_of_frame_and_connection():
 
 
 def test_a_root_that_becomes_a_square_is_told():
-    """The branch with which it is read then stands in the frame."""
+    """A root that becomes a square is read on a branch that the new frame states."""
     frame = gt.Frame([t, phi], [[1, 0], [0, sp.sqrt(t**2 + k)]])
     found = frame.subs({k: 0})
     assert found.coframe[1, 1] == t
@@ -165,13 +165,13 @@ def test_a_root_that_becomes_a_square_is_told():
     ],
 )  # fmt: skip
 def test_values_that_are_none(cone, values, error, message):
-    """Each is named, with what to do."""
+    """Each bad value is named, and the error states the remedy."""
     with pytest.raises(error, match=message):
         cone.subs(values)
 
 
 def test_values_out_of_the_domain():
-    """The domain of a frame holds for its parameters, too; singular entries say what to do."""
+    """The domain also holds for parameters; the error at a singular entry advises a limit."""
     frame = gt.Frame([r, phi], [[1, 0], [0, r / k]], domain=[k < 3, r > 0])
     with pytest.raises(CoordinateError, match="got values that violate k < 3"):
         frame.subs({k: 4})
@@ -186,7 +186,7 @@ def test_values_out_of_the_domain():
 
 
 def test_far_away_kerr_is_flat(kerr):
-    """The metric in the frame of flat space, and the mass in the first order of 1/r."""
+    """Kerr with M = 0 is flat; 1/r to first order contains the mass and angular momentum."""
     flat = kerr.metric.limit("M", 0)
     empty = gt.Frame.from_metric(kerr.coordinates, flat.to_sympy().tolist())
     assert empty.quantity("riemann").is_zero
@@ -194,13 +194,13 @@ def test_far_away_kerr_is_flat(kerr):
     mass, spin = sp.symbols("M a", positive=True)
     _, radius, theta, _ = kerr.coordinates
     assert far[0, 0] == 2 * mass / radius - 1
-    # Lense and Thirring: the angular momentum M a.
+    # Lense and Thirring: the angular momentum is M a.
     assert sp.simplify(far[0, 3] + 2 * mass * spin * sp.sin(theta) ** 2 / radius) == 0
     assert gt.levi_civita(kerr).curvature.kretschmann.limit("r", "oo") == 0
 
 
 def test_series_are_written_in_powers(kerr):
-    """As they were made; what is left is of higher order."""
+    """A series is written in powers, and the remainder is of higher order."""
     slow = kerr.metric.series("a", 0, 1)
     spin = sp.Symbol("a", positive=True)
     assert {index for index, value in slow.nonzero().items() if value.has(spin)} == {(0, 3), (3, 0)}
@@ -211,7 +211,7 @@ def test_series_are_written_in_powers(kerr):
 
 
 def test_sides_follow_from_the_domain(kerr):
-    """theta > 0 and M > 0 leave one side; outside there is none."""
+    """theta > 0 and M > 0 leave only one side; a limit from outside the domain is refused."""
     assert kerr.coframe.limit("theta", 0)[3, 3] == 0
     assert kerr.coframe.limit("theta", "pi", "-")[3, 3] == 0
     with pytest.raises(CoordinateError, match="leads out of the domain"):
@@ -243,20 +243,20 @@ def test_sides_follow_from_the_domain(kerr):
     ],
 )  # fmt: skip
 def test_points_that_are_none(cone, arguments, error, message):
-    """Each is named, with what was needed."""
+    """Each bad argument of limit is named in the error."""
     with pytest.raises(error, match=message):
         _ = cone.metric.limit(*arguments)[1, 1]
 
 
 def test_orders_that_are_none(cone):
-    """A whole number from 0 on."""
+    """The order of a series must be a whole number from 0 up."""
     for order in (-1, 1.5, "2", True, None):
         with pytest.raises(ArgumentError, match="order: expected a whole number"):
             cone.metric.series("r", 1, order)
 
 
 def test_infinite_points_by_any_name(cone):
-    """As sympy, float or text."""
+    """Infinity may be given by sympy, as a float or as text."""
     falling = cone.inverse_metric
     for far in (sp.oo, math.inf, "oo"):
         assert falling.limit(r, far)[1, 1] == 0

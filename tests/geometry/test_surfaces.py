@@ -38,7 +38,7 @@ def test_tube_around_a_black_hole() -> None:
 
 
 def test_slice_of_constant_time() -> None:
-    """A static slice has no extrinsic curvature; its normal is timelike. A universe expands."""
+    """A static slice has no extrinsic curvature and a timelike normal; a universe expands."""
     slice_ = gt.surface(HOLE, "r theta phi")
     assert slice_.extrinsic_curvature.is_zero
     assert slice_.normal_sign == -1
@@ -51,7 +51,7 @@ def test_slice_of_constant_time() -> None:
 
 
 def test_sphere_torus_and_curve() -> None:
-    """Mean curvature 2/R outwards; the torus has both signs of curvature; a curve in space."""
+    """The sphere has mean curvature 2/R, the torus both signs of curvature; a helix in space."""
     s, c = sp.sin(u), sp.cos(u)
     ball = gt.surface(
         SPACE,
@@ -75,7 +75,7 @@ def test_sphere_torus_and_curve() -> None:
 
 
 def test_pullback_of_forms_and_tensors() -> None:
-    """The pullback commutes with d and wedge; Stokes' one-form on a helicoid."""
+    """The pullback commutes with d and wedge; the helicoid is minimal."""
     sheet = gt.surface(SPACE, [u, v], [u * sp.cos(v), u * sp.sin(v), v])
     one = gt.Form(SPACE, 1, {0: -y, 1: x * z, 2: z})
     two = gt.Form(SPACE, 1, {0: z, 2: x * y})
@@ -84,13 +84,13 @@ def test_pullback_of_forms_and_tensors() -> None:
     assert sheet.pullback(gt.Form.of(SPACE.epsilon)).is_zero
     assert sheet.pullback(SPACE.metric) == sheet.metric
     assert sheet.pullback(SPACE.scalar(x**2 + y**2))[()] == u**2
-    # Minimal: no mean curvature.
+    # Minimal surface: the mean curvature vanishes.
     assert sheet.mean_curvature.is_zero
     assert sheet.extrinsic_curvature.is_zero is False
 
 
 def test_equation_of_gauss() -> None:
-    """R_abcd of the surface is that of the space plus squares of K, over random frames."""
+    """Gauss: R_abcd of the surface is R_abcd of the space plus squares of K, on random frames."""
 
     @settings(
         max_examples=8,
@@ -106,7 +106,7 @@ def test_equation_of_gauss() -> None:
         around = inside.pullback(gt.levi_civita(frame).curvature.lower)
         K, sign = inside.extrinsic_curvature, inside.normal_sign
         for a, b, c, d in product(range(2), repeat=4):
-            # The order of the last two indices is that of R_mnlk here.
+            # The last two indices have the order of R_mnlk in this package.
             squares = K.element(a, d) * K.element(b, c) - K.element(a, c) * K.element(b, d)
             left = own.element(a, b, c, d) - around.element(a, b, c, d)
             assert left == squares * sign
@@ -128,6 +128,6 @@ REFUSALS = [
 
 @pytest.mark.parametrize(("call", "words"), REFUSALS)
 def test_what_is_no_surface_is_refused(call, words):
-    """Each error says what was expected."""
+    """Each bad surface or argument is refused with its own message."""
     with pytest.raises(GeomtorsionError, match=words):
         call()

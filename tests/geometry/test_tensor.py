@@ -29,7 +29,7 @@ def frame() -> Frame:
 
 
 def test_a_single_component_computes_only_itself(frame: Frame) -> None:
-    """Asking for one component leaves the others alone."""
+    """The computation of one component does not compute others."""
     tensor = cartan(frame).torsion.T
     assert tensor[0, 1, 1] == 1 / r
     assert tensor.components.computed == 1
@@ -37,7 +37,7 @@ def test_a_single_component_computes_only_itself(frame: Frame) -> None:
 
 
 def test_symmetric_components_are_computed_once(frame: Frame) -> None:
-    """Of components that follow from each other the rule sees one."""
+    """The rule is called for one of several components that follow from each other."""
     asked = []
 
     def rule(index):
@@ -57,7 +57,7 @@ def test_symmetry_holds_only_between_indices_of_one_kind(frame: Frame) -> None:
 
 
 def test_index_changes(frame: Frame) -> None:
-    """Each slot change multiplies by the matrix it should."""
+    """Each change of a slot multiplies by the right matrix."""
     vector = tensor_from_array(frame, "u", [0, 1], "v")
     assert vector.lowered().nonzero() == {(1,): r**2}
     assert vector.in_frame().nonzero() == {(1,): r}
@@ -78,7 +78,7 @@ def test_lorentzian_frame_index() -> None:
 
 
 def test_coefficients_of_a_connection_are_no_tensor(frame: Frame) -> None:
-    """They cannot be brought to the frame; the spin connection is named instead."""
+    """Connection coefficients have no frame form; the error names the spin connection."""
     with pytest.raises(TensorIndexError, match="spin_connection"):
         cartan(frame).coefficients.in_frame()
     with pytest.raises(TensorIndexError, match="expected a tensor in all its indices"):
@@ -101,7 +101,7 @@ def test_arithmetic(frame: Frame) -> None:
     with pytest.raises(TensorIndexError, match="contract"):
         _ = g * g
     with pytest.raises(TensorIndexError, match="expected a tensor to add"):
-        _ = g + 1  # pyright: ignore[reportOperatorIssue] - refused at run time, too
+        _ = g + 1  # pyright: ignore[reportOperatorIssue] - also refused at run time
     with pytest.raises(ZeroDivisionError, match="exactly zero"):
         _ = g / (sp.sin(r) ** 2 + sp.cos(r) ** 2 - 1)
 
@@ -132,20 +132,20 @@ def test_contraction(frame: Frame) -> None:
 
 
 def test_contraction_computes_one_component_alone(frame: Frame) -> None:
-    """A contraction is lazy like everything else."""
+    """A contraction computes only the requested component."""
     lower = contract("abc,cd->abd", cartan(frame).torsion.T, frame.metric)
     assert lower[0, 1, 1] == r
     assert lower.components.computed == 1
 
 
 def test_contraction_keeps_symmetries(frame: Frame) -> None:
-    """What a factor's free indices had stays known."""
+    """Free indices of a factor keep their known symmetries."""
     lower = contract("abc,cd->abd", cartan(frame).torsion.T, frame.metric)
     assert lower.components.symmetry == antisymmetric(3)
 
 
 def test_numbers(frame: Frame) -> None:
-    """Values at a point, by symbol or by name; every missing or wild value is named."""
+    """Values at a point, by symbol or by name; missing and wrong values are named."""
     metric = frame.metric * M
     assert np.array_equal(metric.at({r: 3, "M": sp.Rational(1, 2)}), [[0.5, 0], [0, 4.5]])
     with pytest.raises(MissingValueError, match="M"):
@@ -163,7 +163,7 @@ def test_numbers(frame: Frame) -> None:
 
 @pytest.mark.parametrize("digits", [1, 15, 30, 50, 400])
 def test_numbers_of_many_digits(frame: Frame, digits: int) -> None:
-    """As many right digits as asked for, whatever mpmath works with; signs keep them, too."""
+    """All requested digits are right at any mpmath precision; signs are exact."""
     point = {r: sp.Rational(1, 3), M: sp.sqrt(2)}
     torsion = (cartan(frame).torsion.T * M).at(point, digits=digits)
     with mpmath.workdps(digits + 20):
@@ -176,13 +176,13 @@ def test_numbers_of_many_digits(frame: Frame, digits: int) -> None:
 
 @pytest.mark.parametrize("digits", [0, -3, 2.5, 1001, "50", True])
 def test_digits_are_a_whole_number(frame: Frame, digits: object) -> None:
-    """What counts no digits is refused."""
+    """A number of digits that is not a whole number from 1 to 1,000 is refused."""
     with pytest.raises(CoordinateError, match="digits: expected a whole number from 1 to 1,000"):
         frame.metric.at({r: 1}, digits=digits)  # type: ignore[arg-type]
 
 
 def test_a_number_that_floats_do_not_hold_has_digits(frame: Frame) -> None:
-    """Larger than any float, and no infinity."""
+    """A value beyond the range of floats is finite with digits."""
     value = frame.metric.at({r: 10**200}, digits=20)[1, 1]
     assert abs(mpmath.log10(value) - 400) < 1e-12
 
@@ -200,7 +200,7 @@ def test_numbers_of_an_antisymmetric_tensor(frame: Frame) -> None:
 
 
 def test_given_components_follow_the_symmetry(frame: Frame) -> None:
-    """A mapping may name any representative."""
+    """A mapping may name any of the equivalent components."""
     tensor = Tensor(frame, "dd", {(1, 0): r}, antisymmetric(2))
     assert tensor[0, 1] == -r
     assert tensor[1, 0] == r
@@ -215,7 +215,7 @@ def test_arrays_come_back(frame: Frame) -> None:
 
 
 def test_nested_lists_are_checked(frame: Frame) -> None:
-    """Wrong shapes are refused with the place."""
+    """The error for a wrong shape names the place."""
     with pytest.raises(ShapeError, match=r"v\[1\]"):
         tensor_from_array(frame, "du", [[0, 1], [0]], "v")
     with pytest.raises(ShapeError, match="single value"):
@@ -225,7 +225,7 @@ def test_nested_lists_are_checked(frame: Frame) -> None:
 
 
 def test_notation(frame: Frame) -> None:
-    """repr names and counts; LaTeX shows every index at its height."""
+    """repr names and lists components; LaTeX shows each index at its height."""
     torsion = cartan(frame).torsion
     assert repr(torsion.S).splitlines()[1] == "  S[0, 1, 1] = 1/(2*r)"
     assert torsion.S.label == "S_{ab}^{c}"
@@ -244,7 +244,7 @@ def test_notation(frame: Frame) -> None:
 )
 @pytest.mark.parametrize("symbol", ["M", "r", "theta"])
 def test_no_number_is_refused_by_name_at_once(bad: object, symbol: str) -> None:
-    """Else an evaluation to more and more digits would not end, and leave its precision set."""
+    """A value that is not finite is refused by name, because its evaluation would never end."""
     black_hole = load("schwarzschild").frame
     point = {"t": 0, "r": 5, "theta": 1, "phi": 0, "M": 1, symbol: bad}
     before, began = mpmath.mp.prec, time.perf_counter()
@@ -257,7 +257,7 @@ def test_no_number_is_refused_by_name_at_once(bad: object, symbol: str) -> None:
 
 
 def test_masked_points_are_not_known(frame: Frame) -> None:
-    """The number under a mask was taken."""
+    """A masked point is refused, instead of taking the number under the mask."""
     hidden = np.ma.array([1.0, 2.0], mask=[False, True])
     with pytest.raises(CoordinateError, match="point: r: expected a number, got None"):
         cartan(frame).torsion.T.at({r: hidden})
@@ -266,7 +266,7 @@ def test_masked_points_are_not_known(frame: Frame) -> None:
 
 @pytest.mark.parametrize("digits", [None, 30])
 def test_values_against_what_was_declared(digits):
-    """sympy has written M for sqrt(M**2); of many values the first one is told."""
+    """A value against the assumptions of M is refused; the error names the first of several."""
     M = sp.Symbol("M", positive=True)
     x, y = sp.symbols("x y", real=True)
     metric = Frame([x, y], [[1, 0], [0, sp.sqrt(M**2) + x**2]]).metric

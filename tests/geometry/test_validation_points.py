@@ -1,4 +1,4 @@
-"""Sampling: points inside a domain, found without chance."""
+"""Sampling: points inside a domain, without random numbers."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ x, y = sp.symbols("x y", real=True)
 
 
 def test_how_far_a_domain_is_searched() -> None:
-    """The last of four hundred points lie in a square of side forty: x y comes to 270 there."""
+    """The four hundred points of the search reach x y = 270, in a square of side forty."""
     products = [float(point[x] * point[y]) for point in candidate_points([x, y], [], [])]
     assert sum(product > 265 for product in products) > 0
     assert sum(product > 280 for product in products) == 0
@@ -20,7 +20,7 @@ def test_how_far_a_domain_is_searched() -> None:
 
 @pytest.mark.parametrize("sign", ["positive", "negative", "real"])
 def test_whole_numbers_are_sampled(sign: str) -> None:
-    """What is declared integer is one, not zero, and within its bounds: a point that `at` takes."""
+    """A symbol declared integer gets a non-zero integer within its bounds, which `at` accepts."""
     n = sp.Symbol("n", integer=True, **{sign: True})
     frame = Frame([x, y], [[1, 0], [0, n + n * x**2]])
     assert frame.sample_point[n] in ({-1} if sign == "negative" else {1, -1})
@@ -33,7 +33,7 @@ def test_whole_numbers_are_sampled(sign: str) -> None:
 @pytest.mark.parametrize("sign", ["positive", "negative", "real"])
 @pytest.mark.parametrize(("kind", "rest"), [("even", 0), ("odd", 1)])
 def test_even_and_odd_numbers_are_sampled(sign: str, kind: str, rest: int) -> None:
-    """What is declared even or odd is: `at` would refuse any other."""
+    """A symbol declared even or odd gets such a number, as `at` refuses others."""
     n = sp.Symbol("n", **{kind: True, sign: True})
     frame = Frame([x, y], [[1, 0], [0, n + n * x**2]])
     assert frame.sample_point[n] % 2 == rest
@@ -54,12 +54,12 @@ def test_even_and_odd_numbers_are_sampled(sign: str, kind: str, rest: int) -> No
     ids=str,
 )
 def test_every_relation_holds_at_the_sample(domain: list[sp.Basic]) -> None:
-    """Also one of a single coordinate that is no bound, and one that only holds far away."""
+    """Each relation holds, also one that is not a bound and one that holds only far away."""
     point = Frame([x, y], sp.diag(1, 2 + x**2), domain=domain).sample_point
     assert all(relation.subs(point) == sp.true for relation in domain)
 
 
 def test_roots_are_read_where_the_domain_is() -> None:
-    """A radicand that is positive wherever x**2 > 4 is so."""
+    """A radicand that is positive wherever x**2 > 4 is read as positive."""
     frame = Frame([x, y], sp.diag(sp.sqrt(x**2 - 4), 1), domain=[x**2 > 4])
     assert sp.expand(frame.metric[0, 0]) == x**2 - 4

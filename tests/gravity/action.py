@@ -1,7 +1,7 @@
-"""Action: e L of polynomial fields in coordinates, by numpy alone, and its variation.
+"""Action: e L of polynomial fields in coordinates, with numpy only, and its variation.
 
-Nothing here is shared with the package: torsion, curvature and nonmetricity come from the coframe
-and the spin connection, the variation from a complex step and a fourth-order difference.
+It shares nothing with the package: torsion, curvature and nonmetricity come from the coframe and
+the spin connection, the variation from a complex step and a fourth-order difference.
 """
 
 # Complex arrays.
@@ -14,15 +14,15 @@ from itertools import permutations, product
 
 import numpy as np
 
-# A complex step has no cancellation; the difference of polynomials of low degree has an error of
-# its fourth power.
+# A complex step has no cancellation; a difference of polynomials of low degree has an error of
+# fourth order.
 STEP, SPACING = 1e-30, 1e-3
 
 
 def fields(eta: np.ndarray, e: np.ndarray, de: np.ndarray, w: np.ndarray, dw: np.ndarray) -> dict:
-    """Fields in the frame, of e[i, m], de[a, i, m] = d_a e^i_m, w[a, i, j] = omega_ai^j and dw.
+    """Fields in the frame, from e[i, m], de[a, i, m] = d_a e^i_m, w[a, i, j] = omega_ai^j and dw.
 
-    All have a first axis over which they are computed at once.
+    All have a first axis, over which they are computed together.
     """
     legs = np.linalg.inv(e)
     # T^k_ab = d_a e^k_b - d_b e^k_a + w_ai^k e^i_b - w_bi^k e^i_a
@@ -41,7 +41,7 @@ def fields(eta: np.ndarray, e: np.ndarray, de: np.ndarray, w: np.ndarray, dw: np
 
 
 def invariants(eta: np.ndarray, known: dict) -> dict[str, np.ndarray]:
-    """The invariants of the fields by their definitions."""
+    """The invariants of the fields, by their definitions."""
     T, R, Q = known["T"], known["R"], known["Q"]
     up = np.linalg.inv(eta)
     n = len(eta)
@@ -109,8 +109,8 @@ def variation(
 ) -> tuple[np.ndarray, np.ndarray]:
     """d(density)/de^i_m and d(density)/dw_ai^j at a point, by Euler and Lagrange.
 
-    density: of arrays e, de, w, dw with a first axis. e, w: point -> (values, derivatives, the
-    direction first).
+    density: function of arrays e, de, w, dw with a first axis. e, w: point -> (values, derivatives
+    with the direction first).
     """
     n = len(point)
     shapes = (n, n), (n, n, n)

@@ -13,7 +13,7 @@ COORDINATES = sp.symbols("x0 x1 x2 x3 x4", real=True)
 
 
 def sample_frame(n: int, seed: int) -> gt.Frame:
-    """A coframe of unit determinant but for one factor, in a signature with one minus."""
+    """A random coframe, polynomial in the coordinates, in a signature with one minus."""
     chosen = random.Random(seed)
     q = COORDINATES[:n]
     matrix = sp.eye(n)
@@ -27,7 +27,7 @@ def sample_frame(n: int, seed: int) -> gt.Frame:
 
 
 def sample_connection(frame: gt.Frame, seed: int, *, metric: bool) -> gt.Connection:
-    """A connection from a random spin connection, antisymmetric or not."""
+    """A connection from a random spin connection, antisymmetric or general."""
     chosen = random.Random(seed)
     n, q = frame.dimension, frame.coordinates
     lower = sp.MutableDenseNDimArray.zeros(n, n, n)

@@ -1,6 +1,6 @@
-"""Equations: against the variation of the action, and the identities that follow from it."""
+"""Field equations: compared with the variation of the action, and their identities."""
 
-# Compiled arrays of polynomials.
+# Compiled functions of arrays.
 # pyright: reportArgumentType=false
 
 import random
@@ -29,7 +29,7 @@ def compiled(values: sp.Array, q: tuple) -> object:
     ("n", "metric"), [(3, True), (3, False), (4, True), (4, False), (5, False)]
 )
 def test_equations_are_the_variation_of_the_action(n: int, metric: bool) -> None:
-    """E and C of a Lagrangian with random couplings, against complex steps in the action."""
+    """E and C of a Lagrangian with random couplings agree with complex steps in the action."""
     seed = 10 * n + metric
     frame = sample_frame(n, seed)
     connection = sample_connection(frame, seed + 1, metric=metric)
@@ -61,7 +61,7 @@ def test_equations_are_the_variation_of_the_action(n: int, metric: bool) -> None
     assert np.abs(of_e).max() > 1
     assert np.allclose(E, of_e, rtol=1e-8, atol=1e-8 * np.abs(of_e).max())
     if metric:
-        # A metric connection is varied among metric ones: omega_aij antisymmetric.
+        # A metric connection is varied within metric connections: omega_aij antisymmetric.
         of_w = np.einsum("aij,jk->aik", of_w, eta)
         of_w = np.einsum("aik,kj->aij", (of_w - np.swapaxes(of_w, 1, 2)) / 2, eta)
     assert np.allclose(C, of_w, rtol=1e-8, atol=1e-8 * np.abs(of_w).max())
@@ -77,7 +77,7 @@ NAMES = (
 @pytest.mark.parametrize("metric", [True, False])
 @pytest.mark.parametrize("n", [2, 3, 4])
 def test_identities_hold_off_shell(n: int, metric: bool) -> None:
-    """Translations and rotations of the legs leave every Lagrangian alone."""
+    """Translations and rotations of the legs leave each Lagrangian invariant: two identities."""
     frame = sample_frame(n, n)
     connection = sample_connection(frame, n + 7, metric=metric)
     names = NAMES if n < 4 else (*NAMES[:-4], "holst", "nieh_yan", "euler", "pontryagin")
@@ -88,7 +88,7 @@ def test_identities_hold_off_shell(n: int, metric: bool) -> None:
 
 
 def test_a_wrong_equation_breaks_the_identities(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The check of identities sees an equation of another Lagrangian."""
+    """The identities fail for the equation of another Lagrangian."""
     connection = sample_connection(sample_frame(3, 1), 2, metric=False)
     found, other = (g.equations(connection, text) for text in ("T1 + R1", "T1 + R1 + T2"))
     vars(found)["E"] = other.E
@@ -96,7 +96,7 @@ def test_a_wrong_equation_breaks_the_identities(monkeypatch: pytest.MonkeyPatch)
 
 
 def test_topological_invariants_have_no_equations() -> None:
-    """Euler (metric connections), Pontryagin and Nieh-Yan, with torsion."""
+    """Euler, Pontryagin and Nieh-Yan have no equations, here with torsion and curvature."""
     connection = sample_connection(sample_frame(4, 3), 4, metric=True)
     assert not connection.torsion.S.is_zero
     assert not connection.curvature.is_zero
@@ -109,13 +109,13 @@ def test_topological_invariants_have_no_equations() -> None:
 
 
 def test_the_rest_of_the_squares_is_not_topological() -> None:
-    """Each square alone has an equation, so that the test above can fail."""
+    """Each square by itself has an equation, so that the test above can fail."""
     connection = sample_connection(sample_frame(4, 3), 4, metric=True)
     assert not any(g.equations(connection, f"P{k}").C.is_zero for k in range(1, 7))
 
 
 def test_several_connections_over_one_frame() -> None:
-    """R = R_bar + T + 2 D_bar v: f(T, Rbar) has its identities, and Rbar + T gives nothing."""
+    """R = R_bar + T + 2 D_bar v: Rbar + T has no equation, and f(T, Rbar) has its identities."""
     frame = sample_frame(3, 5)
     pair = [gt.cartan(frame), gt.levi_civita(frame)]
     assert g.equations(pair, "T + Rbar").E.is_zero
@@ -130,7 +130,7 @@ def test_several_connections_over_one_frame() -> None:
 
 
 def test_a_rotated_coframe_with_its_spin_connection_gives_the_rotated_equation() -> None:
-    """A local Lorentz transformation changes neither E nor T, if the connection is kept."""
+    """A local Lorentz transformation that keeps the connection does not change E."""
     t, x, y = q = COORDINATES[:3]
     coframe = sp.Matrix([[1 + x**2, 0, 0], [y, 1, 0], [0, t * x, 1]])
     boost = sp.Matrix(
@@ -157,7 +157,7 @@ def test_a_rotated_coframe_with_its_spin_connection_gives_the_rotated_equation()
 
 
 def test_scalars_and_momenta_are_read_by_name() -> None:
-    """The value of an invariant, and the derivatives of L."""
+    """The value of an invariant by its name, and the derivatives of L."""
     frame = sample_frame(3, 2)
     connection = gt.cartan(frame)
     found = g.equations(connection, "T + 2*T1")
@@ -173,6 +173,6 @@ def test_scalars_and_momenta_are_read_by_name() -> None:
 
 
 def test_equal_calls_give_equal_equations() -> None:
-    """The same components, written in the same way."""
+    """Equal calls give the same components with the same text."""
     texts = [str(g.equations(gt.cartan(sample_frame(3, 9)), "T**2").E) for _ in range(2)]
     assert texts[0] == texts[1]

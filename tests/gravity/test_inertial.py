@@ -1,4 +1,4 @@
-"""Inertial: a turned coframe with the spin connection of its flat limit."""
+"""Inertial: a rotated coframe with the spin connection of its flat limit."""
 
 import pytest
 import sympy as sp
@@ -11,7 +11,7 @@ LAGRANGIAN = "T + c*T**2"
 
 
 def test_a_bad_tetrad_becomes_good() -> None:
-    """The diagonal tetrad of Schwarzschild then has the equations of the Cartesian one."""
+    """With it the diagonal tetrad of Schwarzschild has the equations of the Cartesian tetrad."""
     diagonal = gt.spaces.load("schwarzschild").frame
     cartesian = gt.spaces.load("schwarzschild_cartesian").frame
     assert not g.equations(gt.cartan(diagonal), LAGRANGIAN).antisymmetric.is_zero
@@ -26,7 +26,7 @@ def test_a_bad_tetrad_becomes_good() -> None:
 
 
 def test_a_cosmos_in_spherical_coordinates() -> None:
-    """T = 6 H^2 again, with a(t) set to one in the limit."""
+    """T = 6 H^2 again, with a(t) set to one in the flat limit."""
     t, r, theta, _ = q = sp.symbols("t r theta phi")
     a = sp.Function("a")(t)
     frame = gt.Frame(q, sp.diag(1, a, a * r, a * r * sp.sin(theta)), (-1, 1, 1, 1))
@@ -36,7 +36,7 @@ def test_a_cosmos_in_spherical_coordinates() -> None:
 
 
 def test_a_limit_that_is_not_flat_is_refused() -> None:
-    """Half of the mass is no flat limit."""
+    """The limit M = 1 of Schwarzschild is not flat."""
     hole = gt.spaces.load("schwarzschild").frame
     with pytest.raises(GravityError, match="make the metric flat"):
         g.inertial(hole, {"M": 1})

@@ -1,6 +1,6 @@
-"""Lagrangian: what is read, and what is refused."""
+"""Lagrangian: valid texts and expressions, and refusals."""
 
-# Bad input, and a property that is watched.
+# Bad input, and a property replaced to watch its calls.
 # pyright: reportArgumentType=false, reportAttributeAccessIssue=false, reportOptionalCall=false
 
 import pytest
@@ -93,7 +93,7 @@ REFUSED = {
 
 @pytest.mark.parametrize("case", REFUSED)
 def test_what_is_refused(case: str) -> None:
-    """Each refusal is an error of this package and says what was expected."""
+    """Each refusal is an error of this package and names the expectation or the remedy."""
     call, words = REFUSED[case]
     with pytest.raises(GeomtorsionError) as refused:
         call()
@@ -101,7 +101,7 @@ def test_what_is_refused(case: str) -> None:
 
 
 def test_a_name_with_two_meanings() -> None:
-    """A charge Q of the frame is not the nonmetricity scalar; sympy symbols tell them apart."""
+    """A charge Q of the frame is not the nonmetricity scalar; sympy symbols distinguish them."""
     charge = sp.Symbol("Q", positive=True)
     frame = gt.Frame([X, Y], [[1, 0], [0, 1 + charge * X]])
     assert g.equations(gt.cartan(frame), "T").L.is_zero
@@ -111,7 +111,7 @@ def test_a_name_with_two_meanings() -> None:
 
 
 def test_parameters_and_functions_are_new_names() -> None:
-    """Unknown names become parameters, unknown functions stay opaque, constants are numbers."""
+    """Unknown names become parameters, unknown functions stay unknown, pi is a number."""
     found = g.equations(CARTAN, "pi*T + c*T^2 + f(T) + sqrt(1 + T1)")
     assert all(check.holds for check in found.identities())
     assert sp.Symbol("c") in found.L[()].free_symbols
@@ -121,7 +121,7 @@ def test_parameters_and_functions_are_new_names() -> None:
 
 
 def test_a_function_of_the_frame_is_called() -> None:
-    """a is a parameter of the Lagrangian, a(t) the function of the frame."""
+    """In a Lagrangian a is a parameter, and a(t) is the function of the frame."""
     t = sp.Symbol("t")
     a = sp.Function("a")(t)
     frame = gt.Frame([t, X], sp.diag(1, a), (-1, 1))
@@ -130,7 +130,7 @@ def test_a_function_of_the_frame_is_called() -> None:
     assert (found.L - sp.Symbol("a") * value).is_zero
     found = g.equations(gt.cartan(frame), "f(a(t), T1)")
     assert (found.L - sp.Function("f")(a, value)).is_zero
-    # A density is no Lagrangian: there a is the function of the frame.
+    # A density is not a Lagrangian: there a is the function of the frame.
     dust = g.equations(gt.cartan(frame), "T1", g.fluid("rho/a", 0, [1, 0])).E[0, 0]
     plain = g.equations(gt.cartan(frame), "T1").E[0, 0]
     assert sp.simplify(plain - dust - sp.Symbol("rho") / a) == 0
@@ -139,7 +139,7 @@ def test_a_function_of_the_frame_is_called() -> None:
 
 
 def test_names_are_the_invariants() -> None:
-    """A sympy expression in names is the same as its text."""
+    """A sympy expression in names gives the same Lagrangian as its text."""
     n = g.names
     text, given = "R1*T + T2**2/3", n["R1"] * n["T"] + n["T2"] ** 2 / 3
     assert g.equations(CURVED, given).L[()] == g.equations(CURVED, text).L
@@ -147,7 +147,7 @@ def test_names_are_the_invariants() -> None:
 
 
 def test_a_long_scalar_is_not_written_out() -> None:
-    """Polynomials of invariants stay elements: a square of R_abcd R^abcd takes no text."""
+    """Polynomials of invariants are not converted to text or to sympy."""
     kerr = gt.levi_civita(gt.spaces.load("kerr").frame)
     found = g.equations(kerr, "R1 + c*R1**2")
     written = []
@@ -161,6 +161,6 @@ def test_a_long_scalar_is_not_written_out() -> None:
 
 
 def test_a_scale_with_the_number_zero_is_a_parameter() -> None:
-    """R0 and T0 are no invariants: their numbers begin at one."""
+    """R0, T0 and R_0 are not invariants, because those are numbered from one."""
     found = g.equations(CARTAN, "T + T**2/T0 + R0*R_0")
     assert {"T0", "R0", "R_0"} <= {symbol.name for symbol in found.L[()].free_symbols}

@@ -1,4 +1,4 @@
-"""Matter: fields in the Lagrangian and fluids as sources, against known solutions."""
+"""Matter: fields in the Lagrangian and fluids as sources, compared with known solutions."""
 
 from itertools import product
 
@@ -41,7 +41,7 @@ def test_weyssenhoff_dust_bounces() -> None:
 
 @pytest.mark.parametrize("n", [3, 4, 5])
 def test_torsion_of_any_spin_density_solves_the_connection_equation(n: int) -> None:
-    """C of R/(2 kappa) and of the spin density add to zero, traces included."""
+    """C of R/(2 kappa) and of the spin density add up to zero, traces included."""
     q = sp.symbols("x0:5")[:n]
     frame = gt.Frame(q, sp.eye(n) + sp.diag(q[1] ** 2, *[0] * (n - 1)), (-1, *(1,) * (n - 1)))
     tau = sp.MutableDenseNDimArray.zeros(n, n, n)
@@ -56,7 +56,7 @@ def test_torsion_of_any_spin_density_solves_the_connection_equation(n: int) -> N
 
 
 def test_a_perfect_fluid_in_general_relativity() -> None:
-    """Dust and radiation: 3 H^2 = kappa rho, in R/(2 kappa) with any of two signatures."""
+    """Dust and radiation: 3 H^2 = kappa rho, from R/(2 kappa) in either of two signatures."""
     for size, pressure in ((T ** sp.Rational(2, 3), 0), (sp.sqrt(T), sp.Rational(1, 3))):
         rho = 3 * (sp.diff(size, T) / size) ** 2 / KAPPA
         source = g.fluid(rho, pressure * rho, [1, 0, 0, 0])
@@ -67,7 +67,7 @@ def test_a_perfect_fluid_in_general_relativity() -> None:
 
 
 def test_a_moving_fluid_with_spin_has_the_identity_of_rotations() -> None:
-    """E_[ji] + D_n C^n_[ij] = 0 for its sources alone: the momentum is not along the velocity."""
+    """E_[ji] + D_n C^n_[ij] = 0 along u for the sources; the momentum is not along the velocity."""
     frame = gt.Frame(
         [T, X, Y, Z], [[1 + X**2, 0, 0, 0], [0, 1, T, 0], [0, 0, 1, X], [0, 0, 0, 1]], LORENTZ
     )
@@ -89,7 +89,7 @@ def test_a_moving_fluid_with_spin_has_the_identity_of_rotations() -> None:
 
 
 def test_a_scalar_field_with_a_potential() -> None:
-    """3 H^2 = phi'^2/2 + V and phi'' + 3 H phi' + V' = 0, and the identity that connects them."""
+    """3 H^2 = phi'^2/2 + V, phi'' + 3 H phi' + V' = 0, and the identity that connects them."""
     a, phi, V = sp.Function("a")(T), sp.Function("phi")(T), sp.Function("V")
     frame = cosmos(a)
     found = g.equations(gt.cartan(frame), "-T/2 - X/2 - V(phi)", g.scalar_field(phi))
@@ -102,7 +102,7 @@ def test_a_scalar_field_with_a_potential() -> None:
 
 
 def test_reissner_and_nordstroem() -> None:
-    """The charged black hole solves the equations of R - F2, with torsion or with curvature."""
+    """The charged black hole solves the equations of R - F2 and of -T - F2."""
     F = 1 - 2 * MASS / R + CHARGE**2 / R**2
     frame = gt.Frame(
         [T, R, THETA, PHI], sp.diag(sp.sqrt(F), 1 / sp.sqrt(F), R, R * sp.sin(THETA)), LORENTZ
@@ -117,7 +117,7 @@ def test_reissner_and_nordstroem() -> None:
 
 
 def test_matter_fields_keep_the_identities() -> None:
-    """Translations and rotations with matter off shell, coupled to torsion in any way."""
+    """The identities hold off shell with matter, which couples to torsion in any way."""
     x, y, z = q = sp.symbols("x y z")
     frame = gt.Frame(q, [[1 + y**2, x * z, 0], [0, 1, x * y], [z, 0, 1]], (-1, 1, 1))
     matter = [g.scalar_field(x * y + z**2), g.maxwell([y * z, x**2, x * y])]

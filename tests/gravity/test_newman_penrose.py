@@ -1,4 +1,4 @@
-"""Newman-Penrose: scalars of known spaces and the Petrov type of any tetrad."""
+"""Newman-Penrose: scalars of known spaces, and the Petrov type for different tetrads."""
 
 import pytest
 import sympy as sp
@@ -15,20 +15,20 @@ ROOT = 1 / sp.sqrt(2)
 
 
 def null_tetrad(symbols: list, coframe: sp.Matrix, signature: list = MINUS) -> gt.Frame:
-    """The null tetrad l, n, m, m_bar of an orthonormal one e0, e1, e2, e3."""
+    """The null tetrad l, n, m, m_bar from an orthonormal tetrad e0, e1, e2, e3."""
     # Rows are one-forms: e^l = (e^0 + e^1)/sqrt2 belongs to the leg l = (e_0 + e_1)/sqrt2.
     turn = sp.Matrix([[1, 1, 0, 0], [1, -1, 0, 0], [0, 0, 1, -sp.I], [0, 0, 1, sp.I]]) * ROOT
     return gt.Frame(symbols, turn * coframe, signature=signature, complex=True)
 
 
 def static(f: sp.Expr, signature: list = MINUS) -> gt.Frame:
-    """f = -g_tt = 1/g_rr."""
+    """Static spherical null tetrad with f = -g_tt = 1/g_rr."""
     rows = sp.diag(sp.sqrt(f), 1 / sp.sqrt(f), r, r * sp.sin(theta))
     return null_tetrad([t, r, theta, phi], rows, signature)
 
 
 def test_kerr() -> None:
-    """Psi_2 = -M/(r - i a cos(theta))^3, the others zero, and no matter."""
+    """Psi_2 = -M/(r - i a cos(theta))^3; all other scalars vanish."""
     frame = gt.spaces.load("kerr_kinnersley").frame
     kerr = newman_penrose(frame)
     radius, angle = frame.coordinates[1:3]
@@ -55,7 +55,7 @@ def test_reissner_nordstrom_and_de_sitter(signature: list) -> None:
 
 
 def test_waves_and_universes() -> None:
-    """A plane wave is of type N, Kasner's universe of type I, one with two equal axes of type D."""
+    """A plane wave has type N; Kasner's universe has type I, and type D with two equal axes."""
     wave = (x**2 - y**2) * sp.Function("h")(u)
     rows = sp.Matrix(
         [[1, 0, 0, 0], [wave / 2, 1, 0, 0], [0, 0, ROOT, -sp.I * ROOT], [0, 0, ROOT, sp.I * ROOT]]
@@ -76,7 +76,7 @@ def test_waves_and_universes() -> None:
 
 
 def test_type_does_not_depend_on_the_tetrad() -> None:
-    """A null rotation of Schwarzschild makes all Psi appear; it stays of type D."""
+    """After a null rotation of Schwarzschild several Psi do not vanish, but the type stays D."""
     plain = static(1 - 2 * M / r)
     b = sp.Rational(1, 2) + sp.I / 3
     bar = sp.conjugate(b)
@@ -105,7 +105,7 @@ def test_type_does_not_depend_on_the_tetrad() -> None:
     ],
 )
 def test_roots_that_coincide(roots: tuple[int, ...], kind: str) -> None:
-    """The type is the pattern of the roots of the quartic of Psi; the sum of numbers is scaled."""
+    """The type is the pattern of equal roots of the quartic of Psi; a common factor is allowed."""
     frame = gt.spaces.load("kerr_kinnersley").frame
     z = sp.Symbol("z")
     quartic = sp.Poly(sp.prod(z - root for root in roots), z).all_coeffs()
@@ -116,7 +116,7 @@ def test_roots_that_coincide(roots: tuple[int, ...], kind: str) -> None:
 
 
 def test_what_is_no_null_tetrad_is_refused() -> None:
-    """The message names the eta that is expected."""
+    """The message names the expected null tetrad."""
     with pytest.raises(GeomtorsionError, match="expected a null tetrad"):
         newman_penrose(gt.spaces.load("kerr").frame)
     with pytest.raises(GeomtorsionError, match="expected a null tetrad"):

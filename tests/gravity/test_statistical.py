@@ -1,4 +1,4 @@
-"""Statistical: the alpha-connections of the normal distributions, and what is refused."""
+"""Statistical: alpha-connections of the normal distributions, and refusals."""
 
 from itertools import product
 
@@ -16,7 +16,7 @@ CUBIC = [[[0, 2 / s**3], [2 / s**3, 0]], [[2 / s**3, 0], [0, 8 / s**3]]]
 
 
 def test_normal_distributions() -> None:
-    """Flat for alpha = 1 and -1; curvature -(1 - alpha^2)/2; Q_abc = alpha C_abc, no torsion."""
+    """Flat for alpha = 1 and -1; R = alpha^2 - 1, Q_abc = alpha C_abc, no torsion."""
     general = statistical(NORMAL, CUBIC)
     assert general.is_torsion_free
     assert general.curvature.scalar == alpha**2 - 1
@@ -25,7 +25,7 @@ def test_normal_distributions() -> None:
     assert statistical(NORMAL, CUBIC, 1).is_flat
     assert statistical(NORMAL, CUBIC, -1).is_flat
     assert statistical(NORMAL, CUBIC, 0).coefficients == gt.levi_civita(NORMAL).coefficients
-    # Of mixture type: mean and second moment are affine coordinates for alpha = -1.
+    # Mixture type: mean and second moment are affine coordinates for alpha = -1.
     moments = statistical(NORMAL, CUBIC, -1)
     for function in (m, m**2 + s**2):
         slope = moments.covariant_derivative(gt.Form(NORMAL, 0, {(): function}).d.tensor)
@@ -42,7 +42,7 @@ def test_duality() -> None:
 
 
 def test_cubic_as_a_tensor() -> None:
-    """A tensor is taken as it is, in either basis."""
+    """The cubic form may be a tensor in either basis."""
     values = {i: CUBIC[i[0]][i[1]][i[2]] for i in product(range(2), repeat=3)}
     tensor = gt.Tensor(NORMAL, "ddd", values)
     found = statistical(NORMAL, tensor.in_frame(), "k")
@@ -60,6 +60,6 @@ REFUSALS = [
 
 @pytest.mark.parametrize(("call", "words"), REFUSALS)
 def test_what_is_no_statistical_manifold_is_refused(call, words):
-    """Each error says what was expected."""
+    """Each bad argument is refused with its own message."""
     with pytest.raises(GeomtorsionError, match=words):
         call()

@@ -1,4 +1,4 @@
-"""Symmetry: dimensions of known spaces, vectors that are exact, good and bad tetrads."""
+"""Symmetry: dimensions for known spaces, exact vectors, good and bad tetrads."""
 
 import pytest
 import sympy as sp
@@ -28,7 +28,7 @@ CARTESIAN = diagonal([t, x, y, z], 1, a, a, a)
 FLAT = diagonal([t, x, y, z], 1, 1, 1, 1)
 BALL = diagonal([t, r, theta, phi], 1, 1, r, r * S)
 
-# Frame, what is kept, dimension, dimension of the orbits, how many are found.
+# Frame, invariant quantity, dimension, dimension of the orbits, number of vectors found.
 KNOWN = {
     "Minkowski": (FLAT, "metric", 10, 4, 10),
     "Minkowski, spherical": (BALL, "metric", 10, 4, 8),
@@ -42,7 +42,7 @@ KNOWN = {
     "Kerr, null tetrad": (shipped("kerr_kinnersley"), "metric", 2, 2, 2),
     "S3": (shipped("s3"), "metric", 6, 3, 6),
     "so3": (shipped("so3"), "metric", 6, 3, 6),
-    # Turns from the left and from the right keep its torsion.
+    # Rotations from the left and from the right keep its torsion.
     "so3, parallel legs": (shipped("so3"), "teleparallel", 6, 3, 6),
     "Goedel": (shipped("goedel"), "metric", 5, 4, 5),
     "Heisenberg": (shipped("heisenberg"), "metric", 4, 3, 4),
@@ -57,7 +57,7 @@ KNOWN = {
 
 @pytest.mark.parametrize("name", KNOWN)
 def test_known_dimensions(name: str) -> None:
-    """Killing vectors of the metric, and of the metric with the connection of the tetrad."""
+    """Killing vectors of the metric, and those that also keep the connection of the tetrad."""
     frame, keep, dimension, orbits, count = KNOWN[name]
     found = gt.symmetries(frame, keep)
     assert found.dimension == dimension
@@ -71,7 +71,7 @@ def test_known_dimensions(name: str) -> None:
 
 
 def test_vectors_form_an_algebra() -> None:
-    """Brackets of the symmetries of Schwarzschild are symmetries; three directions at a point."""
+    """Brackets of the Killing vectors of Schwarzschild are Killing; they span three directions."""
     frame = shipped("schwarzschild")
     vectors = gt.symmetries(frame).vectors
     for one in vectors:
@@ -83,7 +83,7 @@ def test_vectors_form_an_algebra() -> None:
 
 
 def test_a_connection_over_a_flat_metric() -> None:
-    """T_12^3 = 1 leaves the translations and the turn about z; Gamma_00^0 = x leaves fewer."""
+    """T_12^3 = 1 keeps the translations and the rotation about z; Gamma_00^0 = x keeps fewer."""
     torsion = [[[0] * 4 for _ in range(4)] for _ in range(4)]
     torsion[1][2][3], torsion[2][1][3] = 1, -1
     found = gt.symmetries(FLAT, gt.from_torsion(FLAT, torsion))
@@ -91,17 +91,17 @@ def test_a_connection_over_a_flat_metric() -> None:
     assert "connection from torsion" in str(found)
     coefficients = [[[0] * 4 for _ in range(4)] for _ in range(4)]
     coefficients[0][0][0] = x
-    # Translations along t, y, z and the turn about x.
+    # Translations along t, y, z and the rotation about x.
     assert gt.symmetries(FLAT, gt.from_coefficients(FLAT, coefficients)).dimension == 4
     assert gt.symmetries(FLAT, gt.levi_civita(FLAT)).dimension == 10
 
 
 def test_dimension_does_not_depend_on_the_legs() -> None:
-    """A turned tetrad has the metric's dimension; S7 has 28."""
+    """A rotated tetrad has the dimension of its metric; S7 has 28."""
     assert gt.symmetries(shipped("s7")).dimension == 28
     turned = gt.Frame([x, y], [[sp.cos(x * y), -sp.sin(x * y)], [sp.sin(x * y), sp.cos(x * y)]])
     assert gt.symmetries(turned).dimension == 3
-    # It turns by an angle that only the hyperbolas x y = const keep: no motion of the plane does.
+    # Its angle is constant only on the hyperbolas x y = const, which no motion of the plane keeps.
     assert gt.symmetries(turned, keep="teleparallel").dimension == 0
 
 
@@ -110,7 +110,7 @@ def test_dimension_does_not_depend_on_the_legs() -> None:
 )
 @given(frames(largest=3))
 def test_no_more_vectors_than_dimensions(frame: gt.Frame) -> None:
-    """What is found is counted by the ranks, and parallel legs keep no more than the metric."""
+    """At most as many vectors are found as the ranks allow; legs keep no more than the metric."""
     metric, legs = gt.symmetries(frame), gt.symmetries(frame, keep="teleparallel")
     assert len(metric.vectors) <= metric.dimension
     assert len(legs.vectors) <= legs.dimension <= metric.dimension
@@ -118,7 +118,7 @@ def test_no_more_vectors_than_dimensions(frame: gt.Frame) -> None:
 
 
 def test_report() -> None:
-    """Both dimensions are reported, and what was searched where some are missing."""
+    """The report states both dimensions, and the searched combinations if vectors are missing."""
     text = str(gt.symmetries(BALL))
     assert text.startswith("10 symmetries of the metric, orbits of dimension 4\nfound 8 of 10:")
     assert "searched: rational combinations" in text
@@ -126,7 +126,7 @@ def test_report() -> None:
 
 
 def test_killing_equations() -> None:
-    """A turn about a horizontal axis solves those of the sphere."""
+    """A rotation about a horizontal axis solves the Killing equations of the sphere."""
     sphere = shipped("s2")
     q = sphere.coordinates
     equations = gt.killing_equations(sphere)
@@ -146,6 +146,6 @@ REFUSALS = [
 
 @pytest.mark.parametrize(("call", "words"), REFUSALS)
 def test_what_has_no_symmetries_is_refused(call, words):
-    """Each error says what was expected."""
+    """Each bad argument is refused with its own message."""
     with pytest.raises(GeomtorsionError, match=words):
         call()

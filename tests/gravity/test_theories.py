@@ -1,4 +1,4 @@
-"""Theories: published solutions and equations, each with exact zero unless a number is given."""
+"""Theories: published solutions and equations, exact except where a number is compared."""
 
 import mpmath
 import pytest
@@ -18,7 +18,7 @@ f = sp.Function("f")
 
 
 def spherical(N: sp.Expr, A: sp.Expr, B: sp.Expr, S: sp.Expr, turn: sp.Expr = sp.S.Zero) -> list:
-    """A coframe that tends to the Cartesian one: lapse, radial, polar, azimuthal length."""
+    """A coframe that tends to the Cartesian one: lapse, radial, polar and azimuthal length."""
     s, c, u, v = sp.sin(THETA), sp.cos(THETA), sp.sin(PHI), sp.cos(PHI)
     return [
         [N, 0, 0, 0],
@@ -29,7 +29,7 @@ def spherical(N: sp.Expr, A: sp.Expr, B: sp.Expr, S: sp.Expr, turn: sp.Expr = sp
 
 
 def agree(tensor: gt.Tensor, index: tuple, value: sp.Expr) -> bool:
-    """Whether a component is an expression, exactly."""
+    """Whether a component equals an expression exactly."""
     return (tensor.frame.scalar(tensor[index]) - value).is_zero
 
 
@@ -83,7 +83,7 @@ def test_tegr_is_general_relativity(name: str) -> None:
 
 
 def test_the_scalar_of_the_parts() -> None:
-    """S by c1, c2, c3 and by the squares of the parts, in three and four dimensions."""
+    """S by c1, c2, c3 equals its form by the squares of the parts, in dimensions three and four."""
     c1, c2, c3 = sp.symbols("c1 c2 c3")
     x, y, z, _ = q = sp.symbols("x y z w")
     for n in (3, 4):
@@ -111,7 +111,7 @@ def test_nonmetricity_cosmology() -> None:
 
 
 def test_symmetric_teleparallel_gravity_away_from_cosmology() -> None:
-    """M = G for a metric without symmetries in the coincident gauge."""
+    """M = G for a metric without symmetries, in the coincident gauge."""
     x, y, z = q = sp.symbols("x y z")
     frame = gt.Frame(q, [[1 + y**2, x * z, 0], [0, 1, x * y], [z, 0, 1]], (-1, 1, 1))
     flat = gt.from_coefficients(frame, [[[0] * 3] * 3] * 3)
@@ -121,7 +121,7 @@ def test_symmetric_teleparallel_gravity_away_from_cosmology() -> None:
 
 
 def test_the_minisuperspace_has_the_same_equation() -> None:
-    """E_0^0 of f(T) is the derivative of N a^3 f(6 H^2/N^2) by N, over a^3."""
+    """E_0^0 of f(T) is the derivative of N a^3 f(6 H^2/N^2) with respect to N, over a^3."""
     lapse, rate, size = sp.symbols("N v a", positive=True)
     frame = gt.Frame([T, X, Y, Z], sp.diag(sp.Function("N")(T), a, a, a), LORENTZ)
     found = g.equations(gt.cartan(frame), "T + c*T**3")
@@ -163,7 +163,7 @@ def test_f_of_the_curvature() -> None:
 
 
 def test_gauss_bonnet() -> None:
-    """No equation in four dimensions; in five that of Boulware and Deser (1985).
+    """No equation in four dimensions; in five the equation of Boulware and Deser (1985).
 
     (r^2 (1 - F) + 2 alpha (1 - F)^2)' = 0
     """
@@ -215,7 +215,7 @@ def density(frame: gt.Frame) -> gt.Tensor:
 
 
 def test_energy_in_a_sphere_of_schwarzschild() -> None:
-    """E = r (1 - sqrt(1 - 2M/r)), in the frame that tends to the Cartesian one."""
+    """E = r (1 - sqrt(1 - 2M/r)) in the frame that tends to the Cartesian one."""
     frame = gt.spaces.load("schwarzschild_cartesian").frame
     F = 1 - 2 * sp.Symbol("M", positive=True) / R
     energy = density(frame) * (-sp.Integer(1) / 2) / sp.sin(THETA)
@@ -239,7 +239,7 @@ def test_energy_in_the_horizon_of_kerr(spin: str, energy: str) -> None:
     )
     domain = [R > 2 * M, THETA > 0, THETA < 3]
     frame = gt.Frame([T, R, THETA, PHI], coframe, LORENTZ, domain=domain)
-    # At the horizon one root vanishes, and the density is finite.
+    # At the horizon one root vanishes, but the density is finite.
     found = density(frame)[()]
     with mpmath.workdps(30):
         k = sp.Rational(spin)
@@ -250,7 +250,7 @@ def test_energy_in_the_horizon_of_kerr(spin: str, energy: str) -> None:
 
 
 def test_poincare_is_its_text() -> None:
-    """The preset is the sum of its terms, and needs six factors."""
+    """The preset equals the sum of its terms, and needs six factors of curvature."""
     connection = kerr_de_sitter()
     preset = g.poincare(
         "a", "Lambda", tensor="b", vector="d", axial=3, curvature=[0, 1, 0, 0, 0, "p"]
@@ -262,7 +262,7 @@ def test_poincare_is_its_text() -> None:
 
 
 def test_the_holst_term_changes_no_equation_without_torsion() -> None:
-    """Of a connection without torsion the Holst term has C = 0 and E = 0 (first Bianchi)."""
+    """For a connection without torsion the Holst term has C = 0 and E = 0 (first Bianchi)."""
     frame = gt.spaces.load("frw").frame
     bar = gt.from_spin_connection(frame, gt.levi_civita(frame).spin_connection)
     assert bar.kind == "metric"

@@ -12,7 +12,7 @@ from tests.gravity.samples import sample_connection, sample_frame
 @pytest.mark.parametrize("row", g.translations(), ids=str)
 @pytest.mark.parametrize("n", [3, 4])
 def test_each_line_is_true(row: g.Translation, n: int) -> None:
-    """On a connection with torsion and curvature, and on one with parallel legs."""
+    """Each line holds with torsion and curvature, and for parallel legs."""
     frame = sample_frame(n, 1)
     for connection in (sample_connection(frame, 2, metric=True), gt.cartan(frame)):
         assert row.holds(connection)
@@ -21,7 +21,7 @@ def test_each_line_is_true(row: g.Translation, n: int) -> None:
 
 
 def test_a_wrong_line_is_noticed() -> None:
-    """Nothing vanishes on the sample, and a sign turns a line false."""
+    """With a sign changed each line is false, because its value on the sample does not vanish."""
     connection = sample_connection(sample_frame(3, 1), 2, metric=False)
     for row in g.translations():
         turned = replace(row, own_value=lambda c, row=row: -row.own_value(c))

@@ -1,4 +1,4 @@
-"""Digits: the development of a circle on the sphere in fifty digits."""
+"""Digits: development of a circle on the sphere, with fifty digits."""
 
 from itertools import pairwise
 
@@ -37,7 +37,7 @@ def sphere_closure(radius: float) -> list[mpmath.mpf]:
             def value(t):
                 a = angle(t)
                 one, two = -r * mpmath.sin(t), mpmath.sin(1 + r * mpmath.cos(t)) * r * mpmath.cos(t)
-                # A vector carried round turns by -integral cos(theta) dphi.
+                # A transported vector turns by -integral cos(theta) dphi.
                 turned = (
                     mpmath.cos(a) * one - mpmath.sin(a) * two,
                     mpmath.sin(a) * one + mpmath.cos(a) * two,
@@ -51,7 +51,7 @@ def sphere_closure(radius: float) -> list[mpmath.mpf]:
 
 
 def _gauss(function, nodes):
-    """Integral over stretches by 24 Gauss points in the working precision."""
+    """Integral by 12 Gauss points per interval, in the working precision."""
     rule = mpmath.calculus.quadrature.GaussLegendre(mpmath.mp).calc_nodes(3, mpmath.mp.prec)
     total = mpmath.mpf(0)
     for low, high in pairwise(nodes):

@@ -14,7 +14,7 @@ def displacement(x: np.ndarray, y: np.ndarray, b: float) -> np.ndarray:
 
 
 def distortion(x: np.ndarray, y: np.ndarray, b: float) -> np.ndarray:
-    """d_j u_i of the same, by hand."""
+    """Derivatives d_j u_i of this displacement, by hand."""
     r2, c = x**2 + y**2, 1 / (2 * (1 - NU))
     rows = [
         [-y / r2 + c * y * (y**2 - x**2) / r2**2, x / r2 + c * x * (x**2 - y**2) / r2**2],

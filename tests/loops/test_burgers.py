@@ -21,7 +21,7 @@ from geomtorsion.loops import (
 )
 from geomtorsion.spaces import load, names
 
-SAME = 1e-12  # the accuracy that is asked for
+SAME = 1e-12  # the requested accuracy
 ROUNDED = 1e-13  # a line integral over a loop of order one
 
 x, y, z = sp.symbols("x y z", real=True)
@@ -60,7 +60,7 @@ def exponential_frame() -> Frame:
     ids=lambda loop: loop.name,
 )
 def test_screw_has_b_for_every_turn(loop: Loop) -> None:
-    """Any loop round the axis gives b e3, whatever its shape, and says that a defect is inside."""
+    """Any loop around the axis gives b e3, and the result states that a defect is enclosed."""
     frame = load("screw_dislocation").frame
     for turns in (1, -2, 3):
         b = burgers_vector(frame, loop.times(turns), parameters={"b": 0.7})
@@ -72,7 +72,7 @@ def test_screw_has_b_for_every_turn(loop: Loop) -> None:
 
 
 def test_no_turn_no_burgers_vector() -> None:
-    """A loop beside the axis has none, exactly: the torsion vanishes identically."""
+    """A loop beside the axis has exactly b = 0, because the torsion vanishes identically."""
     frame = load("screw_dislocation").frame
     b = burgers_vector(frame, Loop.circle([3, 0, 0], 1), parameters={"b": 1})
     assert b.vector.tolist() == [0, 0, 0]
@@ -84,7 +84,7 @@ def test_no_turn_no_burgers_vector() -> None:
 
 @pytest.mark.parametrize("name", ["edge_dislocation", "edge_dislocation_elastic"])
 def test_edge_has_b_along_x(name: str) -> None:
-    """Stress moves the atoms, not the count: both edges have the same b."""
+    """Stress does not change the Burgers vector: both edge dislocations have b along x."""
     values = {"b": 0.25} if name == "edge_dislocation" else {"b": 0.25, "nu": 0.3}
     square = Loop.polygon([[1, -1, 0], [1, 1, 0], [-1, 1, 0], [-1, -1, 0]])
     b = burgers_vector(load(name).frame, square, parameters=values)
@@ -94,7 +94,7 @@ def test_edge_has_b_along_x(name: str) -> None:
 
 
 def test_parallel_screws_add_with_their_winding() -> None:
-    """Sum over the screws of winding times strength."""
+    """The vector is the sum over the screws of winding number times strength."""
     axes, strengths = [(0, 0), (2, 0), (0, 3)], [1, -2, 5]
     terms = [
         sp.Rational(s) / (2 * sp.pi * ((x - p) ** 2 + (y - q) ** 2))
@@ -116,7 +116,7 @@ def test_parallel_screws_add_with_their_winding() -> None:
 
 
 def test_screw_with_a_core() -> None:
-    """b(r) = b r^2 / (r^2 + c^2): line and flux both converge, and agree."""
+    """b(r) = b r^2 / (r^2 + c^2), and line and flux agree."""
     frame = load("screw_core").frame
     for radius in (1e-6, 0.1, 1.0, 30.0):
         b = burgers_vector(
@@ -139,7 +139,7 @@ def test_screw_with_a_core() -> None:
     ids=lambda loop: f"{loop.name} {loop.size:g}",
 )
 def test_heisenberg_counts_the_signed_area(heisenberg: Frame, loop: Loop) -> None:
-    """k times the signed area, for any curve: the torsion is constant."""
+    """The vector is k times the signed area for any curve, because the torsion is constant."""
     b = burgers_vector(heisenberg, loop, parameters={k: 1.5})
     assert b.vector[2] == pytest.approx(1.5 * loop.area[0, 1], rel=SAME)
     assert abs(b.vector[:2]).max() <= max(b.error, 1e-30)
@@ -147,12 +147,12 @@ def test_heisenberg_counts_the_signed_area(heisenberg: Frame, loop: Loop) -> Non
 
 @pytest.mark.parametrize("radius", [1e-9, 0.01, 1.0, 3.0])
 def test_so3_in_exponential_coordinates(radius: float) -> None:
-    """Flat circle of radius R about no rotation: -2 pi (1 - cos R)."""
+    """Flat circle of radius R about the identity: -2 pi (1 - cos R)."""
     b = burgers_vector(exponential_frame(), Loop.circle([0, 0, 0], radius))
     expected = -4 * np.pi * np.sin(radius / 2) ** 2
     if radius > 1e-6:
         assert b.vector[2] == pytest.approx(expected, rel=1e-9)
-    # Close to the origin the frame itself cancels, (1 - cos w) / w^2: the error must say so.
+    # Near the origin the frame itself cancels, (1 - cos w) / w^2, and the error covers that.
     assert abs(b.vector[2] - expected) <= 10 * b.error
 
 
@@ -177,7 +177,7 @@ def test_polar_frame() -> None:
     "name", [name for name in names() if not name.startswith(("frw", "pp_wave"))]
 )
 def test_small_loops_have_twice_torsion_times_area(name: str) -> None:
-    """b^i = S_{mn}^i A^{mn}, with the torsion of the connection, in every shipped space."""
+    """b^i = S_{mn}^i A^{mn} for small loops, with the torsion of the shipped spaces."""
     frame = load(name).frame
     point = {s: float(v) for s, v in frame.sample_point.items()}
     centre = [point[s] for s in frame.coordinates]
@@ -195,13 +195,13 @@ def test_small_loops_have_twice_torsion_times_area(name: str) -> None:
 
 
 def test_unknown_functions_are_named() -> None:
-    """An expanding universe with an unknown a(t) has no numbers yet."""
+    """A space with an unknown function a(t) is refused, and the error names the function."""
     with pytest.raises(MissingValueError, match=r"unknown functions \(a\(t\)\)"):
         burgers_vector(load("frw").frame, Loop.circle([1, 0.5, 1, 0], 0.1))
 
 
 def test_so3_torsion_is_minus_one(so3: Frame) -> None:
-    """On SO(3) b^3 = -A for a loop of area A spanned by the first two legs."""
+    """On SO(3) b^3 = -A for a loop of area A in the plane of the first two legs."""
     centre = [0.3, 1.0, 0.2]
     legs = so3.legs.at(dict(zip(("phi1", "phi2", "phi3"), centre, strict=True)))
     loop = Loop.ellipse(centre, (1e-7, 1e-7), (legs[:, 0].tolist(), legs[:, 1].tolist()))
@@ -210,7 +210,7 @@ def test_so3_torsion_is_minus_one(so3: Frame) -> None:
 
 
 def test_addition_reversal_and_multiples(so3: Frame) -> None:
-    """b of a then b is the sum; backwards is minus; n times is n-fold."""
+    """Joined loops add their vectors, reversal changes the sign, and n turns give n times."""
     one = Loop.polygon([[0.3, 1, 0.2], [1.3, 1, 0.2], [1.0, 1.8, 0.5]])
     two = Loop.polygon([[0.3, 1, 0.2], [0.5, 2, 0.9], [-0.4, 1.2, 0.2]])
     b1, b2 = burgers_vector(so3, one).vector, burgers_vector(so3, two).vector
@@ -223,7 +223,7 @@ def test_addition_reversal_and_multiples(so3: Frame) -> None:
 
 
 def test_parts_of_very_different_size(so3: Frame) -> None:
-    """A tiny circle after a large one adds its share, down to the last digits of the large one."""
+    """A tiny loop after a large one adds its share, to the last digits of the large one."""
     big = Loop.polygon([[1.3, 1, 0.2], [1.3, 2, 0.2], [0.3, 1, 0.2]])
     tiny = Loop.polygon([[0, 0, 0], [1, 0, 0], [0, 1, 0]], centre=[1.3, 1, 0.2], size=1e-7)
     both = burgers_vector(so3, big.then(tiny))
@@ -232,7 +232,7 @@ def test_parts_of_very_different_size(so3: Frame) -> None:
 
 
 def test_the_speed_along_a_loop_does_not_matter(so3: Frame) -> None:
-    """Reparametrisation changes nothing."""
+    """Reparametrisation of a loop does not change its vector."""
     plain = Loop.parametric(["3/10 + cos(s)/5", "1 + sin(s)/5", "1/5"], interval=(0, "2*pi"))
     uneven = Loop.parametric(
         ["3/10 + cos(s + sin(s)/2)/5", "1 + sin(s + sin(s)/2)/5", "1/5"], interval=(0, "2*pi")
@@ -244,7 +244,7 @@ def test_the_speed_along_a_loop_does_not_matter(so3: Frame) -> None:
 
 
 def test_the_flux_counts_for_tiny_loops(so3: Frame) -> None:
-    """The result says which route was taken, and why."""
+    """For a tiny loop the result uses the flux and states the reason."""
     tiny = burgers_vector(so3, Loop.circle([0.3, 1, 0.2], 1e-9))
     assert tiny.route == "flux"
     assert "so small" in tiny.reason
@@ -256,18 +256,18 @@ def test_the_flux_counts_for_tiny_loops(so3: Frame) -> None:
 
 
 def test_smaller_than_all_doubles(so3: Frame) -> None:
-    """b of a loop of radius 1e-300 is 1e-600: as mpmath numbers it is there."""
+    """b of a loop of radius 1e-300 is about 1e-600, which mpmath numbers hold."""
     b = burgers_vector(so3, Loop.circle([0.3, 1, 0.2], 1e-300))
     assert b.vector.tolist() == [0, 0, 0]
     assert b.relative_error < 1e-14
     b1 = burgers_vector(so3, Loop.circle([0.3, 1, 0.2], 1e-9))
     ratio = b.numbers[0] / mpmath.mpf(b1.vector[0])
-    # 1e-9 is not small enough to be the limit to better than its square.
+    # At radius 1e-9 the ratio differs from its limit by less than 1e-12.
     assert float(ratio * mpmath.mpf(10) ** 582) == pytest.approx(1, rel=1e-12)
 
 
 def test_magnitude_parts_and_coordinates(so3: Frame) -> None:
-    """Screw and edge parts are orthogonal and add up; coordinates come through the legs."""
+    """Screw and edge part are orthogonal and add up; the legs convert to coordinates."""
     b = burgers_vector(so3, Loop.circle([0.3, 1, 0.2], 0.1, (1, 2)))
     direction = [1, 2, -1]
     screw, edge = b.screw(direction), b.edge(direction)
@@ -285,7 +285,7 @@ def test_magnitude_parts_and_coordinates(so3: Frame) -> None:
 
 
 def test_signature_counts_in_the_magnitude() -> None:
-    """A time-like and a space-like failure of equal size have length zero."""
+    """A time-like and a space-like component of equal size give length zero."""
     t, r = sp.symbols("t r", real=True)
     frame = Frame([t, r], [[1, t], [t, 1 - t]], signature=(-1, 1))
     b = burgers_vector(frame, Loop.polygon([[0, 0], [1, 0], [1, 1], [0, 1]]))
@@ -294,7 +294,7 @@ def test_signature_counts_in_the_magnitude() -> None:
 
 
 def test_complex_frames() -> None:
-    """Null tetrads have complex Burgers vectors; conjugate legs have conjugate parts."""
+    """Null tetrads have complex Burgers vectors; conjugate legs have conjugate components."""
     frame = load("kerr_kinnersley").frame
     point = frame.sample_point
     centre = [float(point[s]) for s in frame.coordinates]
@@ -307,7 +307,7 @@ def test_complex_frames() -> None:
 
 
 def test_plain_data(so3: Frame) -> None:
-    """to_json is what the command prints."""
+    """to_json gives plain data, as the command prints it."""
     data = json.loads(json.dumps(burgers_vector(so3, Loop.circle([0.3, 1, 0.2], 0.1)).to_json()))
     assert data["check"]["agrees"] is True
     assert data["reached"] is True
@@ -315,7 +315,7 @@ def test_plain_data(so3: Frame) -> None:
 
 
 def test_parameters_are_checked() -> None:
-    """Missing and unknown names are named."""
+    """Missing, unknown and bad parameters are named in the error."""
     frame, loop = load("screw_dislocation").frame, Loop.circle([0, 0, 0], 1)
     with pytest.raises(MissingValueError, match=r"contains b: give values, parameters=\{'b'"):
         burgers_vector(frame, loop)
@@ -328,7 +328,7 @@ def test_parameters_are_checked() -> None:
 
 
 def test_other_bad_input(so3: Frame) -> None:
-    """Dimension and accuracy."""
+    """A loop of another dimension and a bad accuracy are refused."""
     with pytest.raises(LoopError, match="the loop has 2 coordinates, the frame 3"):
         burgers_vector(so3, Loop.circle([0, 0], 1))
     for accuracy in (0, -1, 2, float("nan")):
@@ -351,7 +351,7 @@ def test_other_bad_input(so3: Frame) -> None:
     ids=["along", "across", "circle", "tiny circle", "corner"],
 )
 def test_a_loop_through_the_defect_is_refused(loop: Loop) -> None:
-    """The error names the point, also where no node of a rule would have met it."""
+    """The error names the point, also if no node of a quadrature rule meets it."""
     with pytest.raises(
         SingularPointError, match=r"passes through .* where x\*\*2 \+ y\*\*2 vanish"
     ):
@@ -359,7 +359,7 @@ def test_a_loop_through_the_defect_is_refused(loop: Loop) -> None:
 
 
 def test_values_of_a_loop_against_what_was_declared():
-    """Symbols of a loop alone, too."""
+    """A value against the assumptions of a symbol that only the loop contains is refused."""
     r = sp.Symbol("r", negative=True)
     loop = Loop.circle([1, 0], -r)
     with pytest.raises(

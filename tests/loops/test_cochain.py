@@ -1,6 +1,6 @@
-"""Cochains: values on edges, their sums, closures and coboundaries; whole numbers stay exact."""
+"""Cochains: values on edges, sums, closures and coboundaries; whole numbers stay exact."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# Bad input, and results that may be None.
 # pyright: reportOptionalMemberAccess=false, reportOptionalOperand=false
 
 from fractions import Fraction
@@ -16,7 +16,7 @@ from geomtorsion.loops.edges import edge_integrals
 
 
 def test_a_circuit_in_a_sample_with_an_edge_dislocation():
-    """Read & Shockley's circuit: as many steps right as left, yet it does not close."""
+    """Read and Shockley's circuit: 5 steps left but 4 right around the dislocation, b = (-1, 0)."""
     steps = [(1, 0)] * 4 + [(0, 1)] * 5 + [(-1, 0)] * 5 + [(0, -1)] * 5
     ring = [(k, (k + 1) % len(steps)) for k in range(len(steps))]
     found = Cochain.of_edges(ring, steps).around(range(len(steps)))
@@ -29,7 +29,7 @@ def test_a_circuit_in_a_sample_with_an_edge_dislocation():
 @pytest.mark.parametrize("shape", [(3, 4, 5), (2, 3, 2, 3)])
 @pytest.mark.parametrize("periodic", [False, True])
 def test_the_coboundary_of_a_coboundary_is_exactly_zero(shape, periodic):
-    """Bianchi on whole numbers from the largest allowed, on grids with and without periods."""
+    """The second coboundary of whole numbers up to 2**40 is exactly zero (Bianchi)."""
     grid = Complex.grid(shape, periodic)
     rng = np.random.default_rng(5)
     nodes = Cochain(grid, rng.integers(-(2**40), 2**40, (grid.nodes, 2)), degree=0)
@@ -46,7 +46,7 @@ def test_the_coboundary_of_a_coboundary_is_exactly_zero(shape, periodic):
 
 
 def test_torsion_of_scattered_points_is_that_of_the_lines():
-    """Edge integrals of a crystal with two screws: whole b in the triangles they pierce."""
+    """Edge integrals with two screws: b in the triangles that they pierce, zero elsewhere."""
     rng = np.random.default_rng(1)
     points = rng.uniform(-2, 2, (200, 2))
     triangles = Delaunay(points)
@@ -67,7 +67,7 @@ def test_torsion_of_scattered_points_is_that_of_the_lines():
 
 
 def random_network(rng, nodes, edges, d):
-    """A multigraph with parallel edges and loops to images of a node."""
+    """A multigraph with parallel edges and edges to images of nodes."""
     pairs = rng.integers(0, nodes, (edges, 2))
     pairs[: edges // 4] = pairs[edges // 4 : 2 * (edges // 4)]
     return pairs, rng.integers(-1, 2, (edges, d))
@@ -75,7 +75,7 @@ def random_network(rng, nodes, edges, d):
 
 @pytest.mark.parametrize("seed", range(6))
 def test_closures_of_a_basis_by_walking_every_cycle(seed):
-    """The forest's closures, images and depths against walks from node to node."""
+    """Closures and images of the forest agree with walks from node to node."""
     rng = np.random.default_rng(seed)
     pairs, images = random_network(rng, 12, 40, 2)
     values = rng.integers(-9, 10, (40, 3))
@@ -104,7 +104,7 @@ def test_closures_of_a_basis_by_walking_every_cycle(seed):
         found = net.over(chain)
         assert found.vectors[0].tolist() == closure.tolist()
         assert found.images[0].tolist() == image.tolist()
-        # A cycle: every node is left as often as it is entered.
+        # In a cycle each node is left as often as it is entered.
         ends = np.zeros((14,), dtype=int)
         for k, sense in chain.items():
             np.add.at(ends, pairs[k], [-sense, sense])
@@ -112,7 +112,7 @@ def test_closures_of_a_basis_by_walking_every_cycle(seed):
 
 
 def test_positions_close_whatever_the_graph():
-    """Differences of positions with periods: every cycle misses its windings times the period."""
+    """Differences of positions: each closure is the winding numbers times the periods."""
     rng = np.random.default_rng(2)
     pairs, images = random_network(rng, 9, 30, 2)
     cell = np.array([[7, 1], [-2, 11]])
@@ -123,11 +123,11 @@ def test_positions_close_whatever_the_graph():
 
 
 def test_a_dipole_in_a_periodic_crystal():
-    """Two screws of opposite sign on a torus: the measured steps alone show both, and no more."""
+    """The measured steps on a torus show two screws of opposite sign, and nothing else."""
     shape = (8, 6)
     grid = Complex.grid(shape, periodic=True)
     steps = np.zeros((grid.size(1), 1), dtype=int)
-    # Between the lines steps up in y climb by b = 3.
+    # Between the two lines each step along y rises by b = 3.
     number = np.arange(48).reshape(shape)
     first = {tuple(pair): k for k, pair in enumerate(grid.pairs.tolist())}
     for i in range(2, 6):
@@ -143,7 +143,7 @@ def test_a_dipole_in_a_periodic_crystal():
 
 
 def test_errors_add_up_and_hold():
-    """Sums of floats against fractions: within the error told, which is not vain."""
+    """Errors of sums of floats are bounds, compared with fractions; given errors add up."""
     rng = np.random.default_rng(7)
     grid = Complex.grid((6, 7))
     values = rng.normal(size=(grid.size(1), 2)) * 10.0 ** rng.integers(-8, 8, (grid.size(1), 1))
@@ -162,7 +162,7 @@ def test_errors_add_up_and_hold():
 
 
 def test_cochains_add_and_are_mapped():
-    """Sums, multiples and changes of basis commute with the coboundary."""
+    """Differences and changes of basis commute with the coboundary; errors follow."""
     grid = Complex.grid((3, 3, 3))
     rng = np.random.default_rng(3)
     one, two = (Cochain(grid, rng.integers(-9, 9, (54, 2))) for _ in range(2))
@@ -178,7 +178,7 @@ def test_cochains_add_and_are_mapped():
 
 
 def test_the_divergence_is_the_node_rule():
-    """In and out by hand for a random multigraph; it vanishes for closed lines."""
+    """The divergence equals inflow and outflow by hand, and vanishes for closed lines."""
     rng = np.random.default_rng(4)
     pairs, images = random_network(rng, 8, 30, 1)
     values = rng.integers(-5, 6, (30, 2))
@@ -193,7 +193,7 @@ def test_the_divergence_is_the_node_rule():
 
 
 def test_whole_numbers_never_leave_their_bits():
-    """Just below the limit sums are exact; from it on they are refused."""
+    """Sums of whole numbers are exact just below 64 bits, and refused from there on."""
     ring = [[0, 1], [1, 2], [2, 3], [3, 0]]
     size = 2**59
     assert Cochain.of_edges(ring, [[size]] * 4).around(range(4)).vector.tolist() == [4 * size]
@@ -208,7 +208,7 @@ def test_whole_numbers_never_leave_their_bits():
 
 
 def test_parallel_edges_are_named_by_number():
-    """Nodes that two different steps join do not say which is meant; equal ones do no harm."""
+    """Two edges of different values between the same nodes are distinguished by number."""
     pairs = [[0, 1], [1, 0], [1, 2], [2, 0]]
     steps = Cochain.of_edges(pairs, [[1], [5], [1], [1]])
     with pytest.raises(NetworkError, match="edges of different values join 0 and 1"):
@@ -222,7 +222,7 @@ def test_parallel_edges_are_named_by_number():
 
 
 def test_a_directed_graph_of_measured_steps():
-    """Attributes of networkx edges: vectors, errors and images."""
+    """networkx edges carry vectors, errors and images as attributes."""
     graph = nx.MultiDiGraph()
     graph.add_edge("a", "b", vector=(2, 0), error=0.25)
     graph.add_edge("b", "a", vector=(3, 0), image=(1, 0))
@@ -270,13 +270,13 @@ RING = Complex.of_edges([[0, 1], [1, 2], [2, 0]])
     ],
 )
 def test_bad_cochains_are_refused(make, message):
-    """Each kind has its own message."""
+    """Each kind of bad input has its own message."""
     with pytest.raises(NetworkError, match=message):
         make()
 
 
 def test_nodes_without_any_edge():
-    """Each is a tree of its own; nothing closes, with errors or without."""
+    """Each node without edges is a tree by itself, and there are no closures."""
     for errors in (None, np.zeros(0)):
         found = Cochain.of_edges(np.zeros((0, 2), dtype=int), np.zeros((0, 3)), errors, nodes=4)
         assert found.forest.root.tolist() == [0, 1, 2, 3]

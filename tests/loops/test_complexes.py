@@ -1,6 +1,6 @@
-"""Complexes: boundaries as whole numbers, the boundary of a boundary is nothing."""
+"""Complexes: boundaries as whole numbers; the boundary of a boundary vanishes."""
 
-# Tests give what users give, wrong things included, and read what may be missing.
+# Bad input, and results that may be None.
 # pyright: reportArgumentType=false, reportOptionalMemberAccess=false
 
 from math import comb, prod
@@ -27,7 +27,7 @@ from geomtorsion.loops import Complex
     ],
 )
 def test_grids_have_as_many_edges_faces_and_cells_as_they_should(shape, periodic):
-    """Counts by hand for every choice of axes; on a torus binomial coefficients times the nodes."""
+    """Counts for each choice of axes; on a torus, binomial coefficients times the nodes."""
     around = [periodic] * len(shape) if isinstance(periodic, bool) else list(periodic)
     found = Complex.grid(shape, periodic)
     for degree in range(4):
@@ -47,7 +47,7 @@ def test_grids_have_as_many_edges_faces_and_cells_as_they_should(shape, periodic
 
 
 def test_faces_of_a_grid_turn_from_the_first_axis_to_the_second():
-    """Area by the shoelace formula is positive, and cells have their faces outwards."""
+    """Faces have positive area by the shoelace formula, and cells have their faces outwards."""
     grid = Complex.grid((3, 4, 3))
     place = np.stack(np.unravel_index(np.arange(36), (3, 4, 3)), axis=1)
     middle = place[grid.pairs].mean(axis=1)
@@ -65,7 +65,7 @@ def test_faces_of_a_grid_turn_from_the_first_axis_to_the_second():
 
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_simplices_of_scattered_points(dimension):
-    """Delaunay: Euler's number 1, boundaries closed, the area or volume by the boundary alone."""
+    """Delaunay: Euler's number is 1, cells have all their sides, and the rim is the hull."""
     points = np.random.default_rng(3).random((60, dimension))
     corners = Delaunay(points).simplices
     found = Complex.of_simplices(corners, len(points))
@@ -75,12 +75,12 @@ def test_simplices_of_scattered_points(dimension):
     rim = found.boundary(dimension - 1).T @ np.sign(
         np.linalg.det(points[corners[:, 1:]] - points[corners[:, :1]])
     ).astype(int)
-    # Inner sides cancel, those of the hull are left.
+    # Inner sides cancel, and the sides of the hull remain.
     assert np.abs(rim).sum() == len(Delaunay(points).convex_hull)
 
 
 def test_faces_from_cycles_of_nodes():
-    """Lists of names or an array of numbers; senses as the edges are given."""
+    """Faces may be given by names or numbers of nodes; signs follow the edges."""
     plain = Complex.of_edges([[0, 1], [2, 1], [2, 0], [2, 3], [3, 0]], labels="abcd")
     named = plain.with_faces(["abca", "acd"])
     assert named.faces.toarray().tolist() == [[1, -1, 1, 0, 0], [0, 0, -1, 1, 1]]
@@ -138,6 +138,6 @@ SQUARE = [[0, 1], [1, 2], [2, 3], [3, 0]]
     ],
 )  # fmt: skip
 def test_bad_complexes_are_refused(make, message):
-    """Each kind has its own message."""
+    """Each kind of bad input has its own message."""
     with pytest.raises(NetworkError, match=message):
         make()

@@ -37,13 +37,13 @@ def test_a_wavy_loop_round_a_screw_in_polar_coordinates(times: int) -> None:
 
 
 def test_torsion_inside_the_strip_counts() -> None:
-    """A frame with torsion: the flux between straight line and loop is no zero."""
+    """In a frame with torsion the flux between straight line and loop is not zero."""
     x, y = sp.symbols("x y")
     frame = Frame([x, y], [[1, 0], [0, 1 + sp.cos(x) * sp.sin(y) / 2 + x]], name="wavy")
-    # One period of y is 2 pi; in x nothing is periodic.
+    # One period of y is 2 pi; x is not periodic.
     loop = Loop.parametric(["sin(s)", "s"], interval=(0, "2*pi"), periods={1: "2*pi"})
     found = burgers_vector(frame, loop)
-    # Integral of cos(sin s) sin(s) / 2 + 1 + sin s over a period: only 1 is left.
+    # Integral of cos(sin s) sin(s) / 2 + 1 + sin s over a period: only the 1 contributes.
     assert found.vector == pytest.approx([0, 2 * math.pi], abs=1e-13)
     assert found.check.agrees
     wide = Loop.parametric(["cos(s)", "s"], interval=(0, "2*pi"), periods={1: "2*pi"})
@@ -53,7 +53,7 @@ def test_torsion_inside_the_strip_counts() -> None:
 
 
 def test_development_round_a_cone() -> None:
-    """The lacking sixth of a cone, whatever the shape of the loop, as round straight corners."""
+    """A cone has the angle of 60 degrees for loops of any shape, as on a straight path."""
     cone = levi_civita(load("wedge_disclination").frame)
     values = {"alpha": 5 / 6}
     straight = develop_period(
@@ -70,7 +70,7 @@ def test_development_round_a_cone() -> None:
 
 
 def test_what_does_not_close_is_refused() -> None:
-    """Not even modulo the period, another period than the frame's, no period, no winding."""
+    """Refused: a gap, a period that the frame does not have, a winding number, bad periods."""
     with pytest.raises(LoopError, match=r"does not close: .* \(0, 0, 6.28319\) beside whole"):
         Loop.parametric(["2", "s", "s"], **ROUND)
     with pytest.raises(LoopError, match="does not close"):
@@ -93,7 +93,7 @@ def test_what_does_not_close_is_refused() -> None:
 
 
 def test_symbols_in_loops_with_periods() -> None:
-    """A radius that is given later; the closed form has it."""
+    """A radius may get its value later; the closed form contains its symbol."""
     a = sp.Symbol("a", positive=True)
     loop = Loop.parametric([a, "s", "0"], **ROUND)
     assert exact_burgers_vector(SCREW, loop).vector == (0, 2 * sp.pi * a, B)
@@ -102,7 +102,7 @@ def test_symbols_in_loops_with_periods() -> None:
 
 
 def test_a_loop_with_symbols_has_no_points_yet() -> None:
-    """It says which values it needs, and how they are given."""
+    """The error names the symbol without a value, and the call that gives it one."""
     loop = Loop.circle([0, 0], R)
     for asked in (lambda: loop.then(loop), lambda: loop.base, loop.points):
         with pytest.raises(MissingValueError, match=r"contains r: give it values first, loop\.at"):

@@ -1,4 +1,4 @@
-"""Many lines: sums line by line agree with the exact coframe, and a thousand are no trouble."""
+"""Many lines: sums over lines agree with the exact coframe, also for a thousand lines."""
 
 import copy
 import pickle
@@ -22,7 +22,7 @@ from geomtorsion.loops.defects import charge
 
 
 def scattered(count):
-    """So many places in a square, no two the same, and whole Burgers vectors other than zero."""
+    """Different positions in a square, and whole Burgers vectors other than zero."""
     rng = np.random.default_rng(count)
     places = {tuple(row) for row in rng.integers(0, 10_000, (2 * count, 2)).tolist()}
     chosen = sorted(places)[::2][:count]
@@ -32,7 +32,7 @@ def scattered(count):
 
 @pytest.mark.parametrize("count", [14, 40, 1000])
 def test_a_circle_round_many_screws(count):
-    """Windings times b, counted without integrals; the benchmarks say what it costs."""
+    """The vector is the sum of winding numbers times b, counted without integrals."""
     places, sizes = scattered(count)
     frame = parallel_screws(places, sizes)
     found = burgers_vector(frame, Loop.circle([0.5, 0.5, 0], 3))
@@ -46,7 +46,7 @@ def test_a_circle_round_many_screws(count):
 
 
 def test_numbers_agree_with_the_exact_coframe():
-    """The same loop on the frame of the exact entries, which is summed over one denominator."""
+    """The frame of exact entries, summed over one denominator, gives the same vector."""
     places = [(0, 0), (1, "1/3"), (sp.sqrt(2), -1)]
     vectors = [(1, 0, "1/2"), (0, -2, 0), (0, 0, sp.pi)]
     frame = parallel_dislocations(places, vectors)
@@ -64,7 +64,7 @@ def test_numbers_agree_with_the_exact_coframe():
 
 
 def test_places_and_sizes_may_be_parameters():
-    """Symbols get their numbers later, also in charges; b = 0 is no line."""
+    """Positions and vectors may be symbols with values given later; b = 0 adds no line."""
     a, b = sp.symbols("a b")
     frame = parallel_screws([(a, 0), (-a, 0), (5, 5)], [b, 1, 0])
     assert [symbol.name for symbol in frame.parameters] == ["a", "b"]
@@ -78,7 +78,7 @@ def test_places_and_sizes_may_be_parameters():
 
 
 def test_a_line_on_the_loop_is_named():
-    """Through one of a thousand lines: refused, with its place."""
+    """A loop through one of a thousand lines is refused, and the error names the line."""
     places, sizes = scattered(1000)
     x, y = places[500]
     with pytest.raises(SingularPointError, match=r"passes through .*\*\*2 \+ \(y - .* vanishes"):
@@ -88,14 +88,14 @@ def test_a_line_on_the_loop_is_named():
 
 
 def test_lines_are_straight():
-    """A place that depends on a coordinate is none, nor is a twin of a coordinate."""
+    """A position that depends on a coordinate, or on a symbol of its name, is refused."""
     for x in (sp.Symbol("x", real=True), sp.Symbol("x")):
         with pytest.raises(ShapeError, match="a straight line needs constants"):
             parallel_screws([(x, 0)], [1])
 
 
 def test_frames_of_lines_are_copied_and_pickled():
-    """A copy has the same lines, to the same bit."""
+    """A copied or unpickled frame has the same lines, to the last bit."""
     frame = parallel_screws([(0, 0), (1, 0)], [1, 2])
     loop = Loop.circle([0, 0, 0], 3)
     for same in (copy.deepcopy(frame), pickle.loads(pickle.dumps(frame))):

@@ -1,4 +1,4 @@
-"""Defects: closed forms of lines that torsion does not see, found, wound round and named."""
+"""Defects: singular lines without torsion; closed forms, winding numbers and names."""
 
 import numpy as np
 import pytest
@@ -34,7 +34,7 @@ def screws() -> Frame:
 @pytest.mark.parametrize("radius", [1e-9, 1e-3, 1.0, 1e6])
 @pytest.mark.parametrize("turns", [1, -2])
 def test_one_line_gives_its_burgers_vector_at_every_radius(space, radius, turns):
-    """b per winding, although torsion vanishes along the whole loop; and the result says why."""
+    """b per winding, although torsion vanishes along the whole loop; the reason is stated."""
     frame = spaces.load(space).frame
     loop = Loop.circle([0, 0, 0.5], radius).times(turns)
     turn = develop(cartan(frame), loop, parameters={"b": 0.25})
@@ -50,7 +50,7 @@ def test_one_line_gives_its_burgers_vector_at_every_radius(space, radius, turns)
 
 
 def test_smooth_core_has_no_defect():
-    """With a smooth core both routes agree, and nothing is reported."""
+    """With a smooth core both routes agree, and no defect is reported."""
     frame = spaces.load("screw_core").frame
     turn = develop(cartan(frame), Loop.circle([0, 0, 0], 2), parameters={"b": 1, "c": 1})
     assert turn.check.agrees is True
@@ -59,7 +59,7 @@ def test_smooth_core_has_no_defect():
 
 
 def test_parallel_lines_add_up_by_their_windings(screws):
-    """Every loop has the sum of windings times b_k, found by the polygon's own geometry."""
+    """Each loop has the sum of winding numbers times b_k, and the windings are found."""
     assert [defect.place() for defect in find_defects(screws)] == [
         (0, 0, 0),
         (1, 0, 0),
@@ -85,7 +85,7 @@ def test_parallel_lines_add_up_by_their_windings(screws):
 
 
 def test_edges_and_mixed_lines():
-    """Burgers vectors in the plane, and along any direction."""
+    """Burgers vectors in the plane and in any direction."""
     edges = parallel_edges([(0, 0), (2, 0)], [(1, 0), (0, 3)])
     b = develop(cartan(edges), Loop.circle([1, 0, 0], 4)).burgers
     assert np.abs(b - [1, 3, 0]).max() < 1e-13
@@ -108,14 +108,14 @@ def test_cone_turns_by_its_wedge(alpha):
         assert abs(np.hypot(*turn.burgers[:2]) - chord) < 1e-13 * radius
         centre = turn.motion.centre
         assert centre is not None
-        # Seen in the frame at the base point the tip lies at distance radius.
+        # Seen in the frame at the base point, the tip is at distance radius.
         assert abs(np.hypot(*centre[:2]) - radius) < 1e-13 * radius / (1 - np.cos(wedge)) ** 0.5
     with pytest.raises(LoopError, match="half a turn"):
         _ = develop(levi_civita(dispiration("1/2", 0)), Loop.circle([0, 0, 0], 1)).frank
 
 
 def test_dispiration_has_a_screw_motion_that_no_shape_changes():
-    """Angle and translation along the axis are the same for all loops about the line."""
+    """Angle and translation along the axis are the same for all loops around the line."""
     left, step = sp.Rational(5, 6), sp.Rational(3, 10)
     crystal = levi_civita(dispiration(left, step))
     assert crystal.is_flat
@@ -135,7 +135,7 @@ def test_dispiration_has_a_screw_motion_that_no_shape_changes():
 
 
 def test_loop_through_a_line_is_an_error_that_names_the_place(screws):
-    """Neither infinity nor half a Burgers vector: an error."""
+    """A loop through a line is refused, and the error names the point."""
     for loop in (
         Loop.circle([0.5, 0, 3], 0.5),
         Loop.polygon([[-1, 0, 0], [3, 0, 0], [1, 4, 0]]),
@@ -147,7 +147,7 @@ def test_loop_through_a_line_is_an_error_that_names_the_place(screws):
 
 
 def test_declared_defects_take_the_place_of_found_ones():
-    """A line that no denominator shows can be declared, and wound round in any direction."""
+    """A line without a denominator can be declared, and encircled in any direction."""
     x, y, z = sp.symbols("x y z", real=True)
     flat = Frame([x, y, z], [[1, 0, 0], [0, 1, 0], [0, 0, 1]])
     assert find_defects(flat) == ()
@@ -165,7 +165,7 @@ def test_declared_defects_take_the_place_of_found_ones():
 
 
 def test_point_in_space_is_found_but_not_wound_round():
-    """1 / (x^2 + y^2 + z^2): a point defect; loops pass it by."""
+    """1 / (x^2 + y^2 + z^2) has a point defect, which no loop encloses."""
     x, y, z = sp.symbols("x y z", real=True)
     square = x**2 + (y - 1) ** 2 + z**2
     frame = Frame([x, y, z], [[1, z / square, 0], [0, 1, 0], [0, 0, 1]])
@@ -177,14 +177,14 @@ def test_point_in_space_is_found_but_not_wound_round():
 
 
 def test_burgers_vector_and_development_agree_round_lines(screws):
-    """The plain loop integral gives the same vectors as the development."""
+    """The plain loop integral gives the same vector as the development."""
     loop = Loop.ellipse([0.4, 0.2, 1], (3, 2))
     b = burgers_vector(screws, loop)
     assert np.abs(b.vector - develop(cartan(screws), loop).burgers).max() < 1e-13
 
 
 def test_bad_lines_are_refused():
-    """Lengths that differ, two lines at one place."""
+    """Refused: unequal numbers of positions and vectors, two lines at one position."""
     with pytest.raises(ShapeError, match="1 positions and 2 vectors"):
         parallel_screws([(0, 0)], [1, 2])
     with pytest.raises(ShapeError, match="same position"):
@@ -194,7 +194,7 @@ def test_bad_lines_are_refused():
 
 
 def test_declared_lines_are_looked_for_even_where_both_routes_agree():
-    """A smooth frame with a line that the user knows of: turns are counted, a hit is an error."""
+    """A declared line in a smooth frame: turns are counted, and a loop through it is refused."""
     core = cartan(spaces.load("screw_core").frame)
     values, axis = {"b": 1, "c": 1}, Defect((0, 0, 0), (0, 1), "core")
     turn = develop(core, Loop.circle([0, 0, 0], 2), parameters=values, defects=[axis])
@@ -206,7 +206,7 @@ def test_declared_lines_are_looked_for_even_where_both_routes_agree():
 
 
 def test_a_burgers_vector_names_the_defect_inside() -> None:
-    """b of a loop round a screw says where the defect is; beside it nothing is enclosed."""
+    """b of a loop around a screw names the defect; a loop beside it encloses nothing."""
     frame = spaces.load("screw_dislocation").frame
     round_it = burgers_vector(frame, Loop.circle([0.2, 0, 0], 1), parameters={"b": 1})
     (inside,) = round_it.enclosed
@@ -218,7 +218,7 @@ def test_a_burgers_vector_names_the_defect_inside() -> None:
 
 
 def test_a_near_miss_still_has_a_winding_number() -> None:
-    """A circle that passes an axis at 1e-9 of its radius winds round it, or not."""
+    """A circle at 1e-9 of its radius from an axis has winding number 1 or 0."""
     assert Loop.circle([1 - 1e-9, 0, 0], 1).winding([0, 0, 0]) == 1
     assert Loop.circle([1 + 1e-9, 0, 0], 1).winding([0, 0, 0]) == 0
     with pytest.raises(LoopError, match="passes through the axis"):
@@ -227,8 +227,8 @@ def test_a_near_miss_still_has_a_winding_number() -> None:
 
 @pytest.mark.parametrize(("size", "gap"), [(1, 3), (12, 1)])
 def test_a_charge_is_measured_on_a_quarter_of_what_is_free(size, gap):
-    """Smooth torsion adds no more than it has on a circle a quarter as large; rounding next to
-    nothing, though the line is far from the origin and its denominator cancels there."""
+    """The charge is measured on a circle of a quarter of the free distance. Smooth torsion adds as
+    much as on this circle, and rounding nearly nothing, although the denominator cancels."""
     x, y, z = sp.symbols("x y z", real=True)
     u, twist = x - sp.Rational("10.1"), sp.Rational("0.1")
     lines = [b / (2 * sp.pi * ((u - at) ** 2 + y**2)) for at, b in ((0, 1), (gap, 5))]

@@ -1,4 +1,4 @@
-"""Development: closed forms, small loops, base points, composition, and errors that hold."""
+"""Development: closed forms, small loops, base points, composition and error bounds."""
 
 import mpmath
 import numpy as np
@@ -32,7 +32,7 @@ def sphere() -> Connection:
 
 @pytest.fixture(scope="module")
 def general() -> Connection:
-    """Torsion, curvature and nonmetricity at once, in three dimensions."""
+    """Torsion, curvature and nonmetricity together, in three dimensions."""
     frame = Frame([x, y, z], [[1 + y**2, 0, x], [z, 2, 0], [0, sp.sin(x), 1]])
     gamma = [[[sp.Integer(0)] * 3 for _ in range(3)] for _ in range(3)]
     gamma[0][1][2], gamma[1][0][0], gamma[2][2][1] = x * y, sp.cos(z), y
@@ -42,7 +42,7 @@ def general() -> Connection:
 
 @pytest.fixture(scope="module")
 def so3_half() -> Connection:
-    """Between the Levi-Civita and the Cartan connection of SO(3): torsion and curvature."""
+    """A blend of the two connections of SO(3), with torsion and curvature."""
     frame = spaces.load("so3").frame
     return blend(levi_civita(frame), cartan(frame), sp.Rational(1, 3))
 
@@ -50,7 +50,7 @@ def so3_half() -> Connection:
 @pytest.mark.parametrize("plane", [(0, 1), (1, 2), (2, 0)])
 @pytest.mark.parametrize("radius", [0.5, 1e-2, 1e-7])
 def test_cartan_development_is_the_burgers_vector(plane, radius):
-    """With parallel legs nothing turns and the translation is the plain loop integral."""
+    """With parallel legs nothing turns, and the translation is the plain loop integral."""
     frame = spaces.load("so3").frame
     loop = Loop.circle([0.3, 1.0, 0.2], radius, plane)
     turn, b = develop(cartan(frame), loop), burgers_vector(frame, loop)
@@ -62,7 +62,7 @@ def test_cartan_development_is_the_burgers_vector(plane, radius):
 
 @pytest.mark.parametrize("radius", ["0.4", "1e-2", "1e-4", "1e-8", "1e-12", "1e-60"])
 def test_sphere_turns_by_the_area_at_every_radius(sphere, radius):
-    """Levi-Civita of the sphere: angle = area, to full relative accuracy however small."""
+    """Levi-Civita on the sphere: angle = area, with full relative accuracy at any size."""
     with mpmath.workdps(120):
         r = mpmath.mpf(float(radius))
         centre = mpmath.mpf(1)
@@ -78,7 +78,7 @@ def test_sphere_turns_by_the_area_at_every_radius(sphere, radius):
 
 @pytest.mark.parametrize("radius", [1e-1, 1e-3, 1e-6])
 def test_closure_on_the_sphere_against_fifty_digits(sphere, radius):
-    """The translation, of third order in the radius, against an ODE solved in 50 digits."""
+    """The translation, of third order in the radius, agrees with a 50-digit computation."""
     reference = sphere_closure(radius)
     turn = develop(sphere, Loop.circle([1.0, 0.3], radius))
     size = max(abs(value) for value in reference)
@@ -99,7 +99,7 @@ def test_closure_on_the_sphere_is_of_third_order(sphere):
 
 @pytest.mark.parametrize("name", ["general", "so3_half"])
 def test_small_loops_expand_in_torsion_and_curvature(name, request):
-    """Order 2: curvature and torsion; order 3: their derivatives; what is left is of order 4."""
+    """Order 2 is curvature and torsion, order 3 their derivatives; the remainder has order 4."""
     connection = request.getfixturevalue(name)
     form = AffineForm(connection)
     corner = np.array([0.3, 0.9, 0.2])
@@ -140,7 +140,7 @@ def _affine(turn: np.ndarray, shift: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("name", ["general", "so3_half"])
 def test_base_point_changes_by_conjugation(name, request):
-    """The same polygon from another corner: conjugate by the path between; invariants stay."""
+    """Another corner as base point conjugates by the path between them; invariants stay."""
     connection = request.getfixturevalue(name)
     corners = [[0.1, 0.8, 0.0], [0.5, 0.8, 0.1], [0.4, 1.2, 0.3], [0.0, 1.1, 0.2]]
     here = develop(connection, Loop.polygon(corners))
@@ -155,7 +155,7 @@ def test_base_point_changes_by_conjugation(name, request):
 
 
 def test_loops_compose_reverse_and_repeat(so3_half):
-    """Then: product. Reversal: inverse. Multiples: powers."""
+    """Joined loops multiply their motions, reversal inverts, repetition gives powers."""
     one = Loop.polygon([[0, 1, 0], [0.4, 1, 0], [0.4, 1.3, 0.2]])
     two = Loop.polygon([[0, 1, 0], [0, 1.4, 0], [0.1, 1.0, 0.5]])
     a, b = develop(so3_half, one).motion, develop(so3_half, two).motion
@@ -169,7 +169,7 @@ def test_loops_compose_reverse_and_repeat(so3_half):
 
 
 def test_development_does_not_depend_on_the_parameter(general):
-    """The same ellipse by its own maker and by another parametrisation."""
+    """The same ellipse in two parametrisations has the same development."""
     ellipse = Loop.ellipse([0.2, 0.3, 0.1], (0.4, 0.2))
     s = sp.Symbol("s", real=True)
     angle = s + sp.Rational(1, 3) * sp.sin(s)
@@ -181,7 +181,7 @@ def test_development_does_not_depend_on_the_parameter(general):
 
 
 def test_both_routes_agree_with_a_third(so3_half):
-    """Line, cone, and scipy's Runge-Kutta on the same equation."""
+    """Line, cone and scipy's Runge-Kutta give the same motion."""
     loop = Loop.circle([0.3, 1.2, 0.2], 0.4, (1, 2))
     form = AffineForm(so3_half)
     (part,) = loop.parts
@@ -201,7 +201,7 @@ def test_both_routes_agree_with_a_third(so3_half):
 
 @pytest.mark.parametrize("size", [0.3, 1e-2, 1e-5])
 def test_error_estimates_hold(so3_half, size):
-    """The stated errors bound the distance to a tighter result, and are not absurdly large."""
+    """The stated errors bound the distance to a tighter result, and are not too large."""
     loop = Loop.polygon([[0, 0, 0], [1, 0, 0.3], [0.2, 1, 0]], [0.3, 1.1, 0.2], size)
     rough, fine = develop(so3_half, loop, 1e-6), develop(so3_half, loop, 1e-14)
     apart = np.abs(rough.motion.increment - fine.motion.increment)
@@ -212,7 +212,7 @@ def test_error_estimates_hold(so3_half, size):
 
 
 def test_boosts_keep_the_lorentz_metric():
-    """Levi-Civita of Schwarzschild: the loop turns by an element of the Lorentz group."""
+    """Schwarzschild: the loop turns by an element of the Lorentz group, here a boost."""
     frame = spaces.load("schwarzschild").frame
     bar = levi_civita(frame)
     loop = Loop.plaquette([0.0, 6.0, 1.2, 0.3], (3.0, 0.5), (0, 1))
@@ -228,7 +228,7 @@ def test_boosts_keep_the_lorentz_metric():
 
 
 def test_open_paths_follow_straight_lines_of_the_plane():
-    """In the plane in polar coordinates the development is the plane itself."""
+    """In polar coordinates the development of the plane is the plane itself."""
     r, a = sp.symbols("r phi", positive=True)
     plane = levi_civita(Frame([r, a], [[1, 0], [0, r]]))
     path = develop_path(plane, [[1, 0.2], [3, 0.2], [3, 1.4], [0.5, 0.9]])
@@ -240,14 +240,14 @@ def test_open_paths_follow_straight_lines_of_the_plane():
 
 
 def test_symbols_of_a_loop_have_values_among_the_parameters():
-    """A radius that is no parameter of the frame is that of the loop, as for burgers_vector."""
+    """A symbol of the loop gets its value from the parameters, as in burgers_vector."""
     k, R = sp.symbols("k R", positive=True)
     frame = Frame([theta, phi], [[1, 0], [0, k * sp.sin(theta)]])
     loop, values = Loop.circle([1, 0], R), {"k": 2, "R": sp.Rational(1, 2)}
     for connection in (levi_civita(frame), cartan(frame)):
         found = develop(connection, loop, parameters=values)
         path = developed_path(connection, loop, 40, parameters=values)
-        # Known by expressions: the same loop to all digits, not the same sums.
+        # A loop of expressions is the same to all digits, but its sums differ.
         known = develop(connection, Loop.circle([1, 0], 0.5), parameters={"k": 2})
         assert np.abs(found.motion.increment - known.motion.increment).max() < 1e-13
         assert np.abs(path.places[:, -1] - known.burgers).max() < 1e-12
@@ -279,7 +279,7 @@ def test_bad_input_is_refused(sphere):
 
 
 def test_underflow_is_told_not_hidden(sphere):
-    """A loop whose area is below all doubles keeps an error bound that covers the truth."""
+    """If the area of a loop underflows, the error bound still covers the true angle."""
     turn = develop(sphere, Loop.circle([1.0, 0.3], 1e-200))
     assert turn.route == "line"
     assert turn.check.agrees is None
@@ -288,7 +288,7 @@ def test_underflow_is_told_not_hidden(sphere):
 
 @pytest.mark.parametrize("radius", [1e-7, 1e-10, 1e-13])
 def test_tiny_loops_are_the_flux_at_their_centre(general, radius):
-    """Torsion, curvature and nonmetricity at once: relative error no more than the radius."""
+    """A tiny loop has torsion and curvature at its centre, up to a share of its radius."""
     centre = [0.3, 0.9, 0.2]
     unit = np.eye(3)[:, :, None]
     rho, tau = AffineForm(general).over(np.array(centre)[:, None], unit[0], unit[1])
@@ -299,7 +299,7 @@ def test_tiny_loops_are_the_flux_at_their_centre(general, radius):
 
 
 def test_intervals_have_as_many_points_as_suit_nine_digits() -> None:
-    """With fewer in each there would be more intervals, with more each would cost more."""
+    """Points per interval suit nine digits: more or fewer would cost more evaluations."""
     loop = Loop.circle([0.3, 1, 0.2], 0.5)
     found = develop(levi_civita(spaces.load("so3").frame), loop, 1e-9)
     assert found.evaluations < 600

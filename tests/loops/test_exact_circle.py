@@ -1,4 +1,4 @@
-"""Exact circle: the same closed forms as any loop has, by exact steps alone."""
+"""Exact circle: the closed forms of any loop, by exact steps only."""
 
 import pytest
 import sympy as sp
@@ -17,7 +17,7 @@ R = sp.Symbol("R", positive=True)
      ("screw_core", (0, 0, 0)), ("bianchi_vii_h", (0, 0, 0)), ("bianchi_viii", (0, 0, 0))],
 )  # fmt: skip
 def test_as_any_loop(space, centre):
-    """The vector of `exact_burgers_vector`, which checks poles by numbers."""
+    """The vector equals the result of `exact_burgers_vector`, which checks poles by numbers."""
     frame = load(space).frame
     right = exact_burgers_vector(frame, Loop.circle(centre, R)).vector
     found = exact_circle(frame, centre, R)
@@ -25,7 +25,7 @@ def test_as_any_loop(space, centre):
 
 
 def test_a_line_keeps_its_vector():
-    """Round a screw dislocation b does not depend on the radius, known since Volterra."""
+    """Around a screw dislocation b does not depend on the radius (Volterra)."""
     frame = load("screw_dislocation").frame
     [b] = frame.parameters
     assert exact_circle(frame, (0, 0, 0), R) == (0, 0, b)
@@ -33,7 +33,7 @@ def test_a_line_keeps_its_vector():
 
 
 def test_a_denominator_may_change_if_it_has_no_zero():
-    """exp(x2 + x3) below, round a place that is like no other, against the numbers."""
+    """The denominator exp(x2 + x3) is not constant on the circle; numbers give the same."""
     half = sp.Rational(1, 2)
     centre = (1, half, half)
     for plane in ((0, 1), (1, 2)):
@@ -44,7 +44,7 @@ def test_a_denominator_may_change_if_it_has_no_zero():
 
 
 def test_what_only_numbers_decide_is_refused():
-    """Beside the line the denominator changes; so does a root whose sign depends on the place."""
+    """Refused: a denominator that changes, a root whose sign changes, no closed form."""
     with pytest.raises(UndecidedError, match="changes along the circle"):
         exact_circle(load("screw_dislocation").frame, (2, 0, 0), R)
     with pytest.raises(UndecidedError, match="roots whose sign"):
@@ -55,6 +55,6 @@ def test_what_only_numbers_decide_is_refused():
 
 @pytest.mark.parametrize(("centre", "plane"), [((0, 0), (0, 1)), ((0, 0, 0), (1, 1))])
 def test_a_circle_needs_centre_and_plane(centre, plane):
-    """One entry a coordinate, two different coordinates."""
+    """The centre needs one entry per coordinate, and the plane two different coordinates."""
     with pytest.raises(LoopError, match="circle: expected 3 coordinates"):
         exact_circle(load("heisenberg").frame, centre, R, plane)

@@ -1,4 +1,4 @@
-"""Closed forms: Burgers vectors as expressions, and an error where there is none."""
+"""Closed forms: Burgers vectors as expressions, and an error if there is none."""
 
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
@@ -49,14 +49,14 @@ THIRD = sp.Rational(3, 10)
     ids=lambda value: value if isinstance(value, str) else getattr(value, "name", ""),
 )
 def test_closed_forms(space: str, loop: Loop, expected: tuple[sp.Expr, ...]) -> None:
-    """What a person would have found by hand, and found in tables for Bessel functions."""
+    """Each closed form equals the result by hand, with tables for Bessel functions."""
     found = burgers_vector(load(space).frame, loop, exact=True)
     for one, two in zip(found.vector, expected, strict=True):
         assert sp.simplify(one - two) == 0, found
 
 
 def test_values_are_put_in_exactly() -> None:
-    """Some or all of the symbols of frame and loop; what has no value stays a symbol."""
+    """Values may be given for some or all symbols; a symbol without a value remains."""
     frame, loop = load("screw_dislocation").frame, Loop.circle([0, 0, 0], R)
     assert burgers_vector(frame, loop, exact=True, parameters={"b": 0.3}).vector[2] == THIRD
     area = sp.Symbol("a") * R
@@ -70,7 +70,7 @@ def test_values_are_put_in_exactly() -> None:
 
 
 def test_a_value_decides_whether_a_line_is_enclosed() -> None:
-    """Without it no one closed form holds."""
+    """Without a value no single closed form holds."""
     frame, loop = load("screw_dislocation").frame, Loop.circle([1, 0, 0], R)
     with pytest.raises(UndecidedError, match="depends on R"):
         burgers_vector(frame, loop, exact=True)
@@ -80,7 +80,7 @@ def test_a_value_decides_whether_a_line_is_enclosed() -> None:
 
 
 def test_closed_form_and_numbers_agree() -> None:
-    """A frame without symmetry: both ways to the same numbers."""
+    """For a frame without symmetry the closed form and the numerical integral agree."""
     frame = load("so3").frame
     loop = Loop.circle([0.3, 1, 0.2], R, (1, 2))
     closed = exact_burgers_vector(frame, loop).at({"R": 0.5})
@@ -113,16 +113,16 @@ def test_so3_in_exponential_coordinates() -> None:
     ],
 )
 def test_integrals_over_one_turn(integrand: sp.Expr, expected: sp.Expr) -> None:
-    """Tables of integrals (Gradshteyn and Ryzhik, 3.6 and 3.9)."""
+    """Integrals from tables (Gradshteyn and Ryzhik, 3.6 and 3.9)."""
     found = definite(integrand, t, sp.S.Zero, 2 * sp.pi)
     assert found is not None
     assert abs((found - expected).subs(R, 2).evalf(30)) < 1e-25
 
 
-# A limit that is met within a callback of Python's own is swallowed there, told, and sent again.
+# A time limit that ends within a callback of Python is reported there and raised again.
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 def test_no_closed_form_is_an_error_that_says_so() -> None:
-    """Neither a half-done integral nor a number in disguise."""
+    """The error advises numbers; neither a partial integral nor a number is returned."""
     x, y = sp.symbols("x y", real=True)
     frame = Frame([x, y], [[1, sp.exp(sp.sin(x * y) + x**4)], [0, 1]])
     with pytest.raises(UndecidedError, match="Ask for numbers"):
@@ -130,7 +130,7 @@ def test_no_closed_form_is_an_error_that_says_so() -> None:
 
 
 def test_a_spline_has_no_closed_form() -> None:
-    """It is known by numbers only."""
+    """A spline, which is known by numbers only, is refused."""
     spline = Loop.spline([[0, 0, 0], [1, 0, 0], [0, 1, 0]])
     with pytest.raises(LoopError, match="known by numbers only"):
         exact_burgers_vector(load("so3").frame, spline)
@@ -139,7 +139,7 @@ def test_a_spline_has_no_closed_form() -> None:
 
 
 def test_numbers_from_a_closed_form() -> None:
-    """Every symbol needs a value."""
+    """Numbers need a value for each symbol."""
     found = exact_burgers_vector(load("screw_dislocation").frame, Loop.circle([0, 0, 0], R))
     assert found.at({"b": 3}).tolist() == [0, 0, 3]
     with pytest.raises(MissingValueError, match="b has no value"):
@@ -149,7 +149,7 @@ def test_numbers_from_a_closed_form() -> None:
 
 
 def test_the_time_ends_in_threads_too() -> None:
-    """Where no signal arrives."""
+    """The time limit also works in threads, where no signal arrives."""
     x, y = sp.symbols("x y", real=True)
     frame = Frame([x, y], [[1, sp.exp(sp.sin(x * y) + x**4)], [0, 1]])
     with ThreadPoolExecutor(1) as pool:
@@ -167,14 +167,14 @@ def test_the_time_ends_in_threads_too() -> None:
     ],
 )
 def test_a_closed_form_through_the_defect_is_refused(loop: Loop) -> None:
-    """Half or an eighth of b would come out: the point is named instead, as with numbers."""
+    """A loop through the line is refused with the point, instead of half or an eighth of b."""
     with pytest.raises(SingularPointError, match="passes through"):
         exact_burgers_vector(load("screw_dislocation").frame, loop)
 
 
 @pytest.mark.parametrize("seconds", [0, -1, float("nan"), "1"])
 def test_the_time_is_a_positive_number(seconds: Any) -> None:
-    """No time, less or none at all."""
+    """A time that is not a positive number is refused."""
     with pytest.raises(LoopError, match="seconds: expected a"):
         exact_burgers_vector(load("heisenberg").frame, Loop.circle([0, 0, 0], 1), seconds)
 
@@ -192,7 +192,7 @@ X = sp.Symbol("X", positive=True)
     ],
 )
 def test_what_is_inside_may_depend_on_symbols(frame: Frame, loop: Loop, names: str) -> None:
-    """No closed form holds for a line that is inside for some values only."""
+    """No closed form holds for a line that is inside only for some values."""
     with pytest.raises(
         UndecidedError, match=f"winding number around the singular line .* depends on {names}:"
     ):
@@ -200,13 +200,13 @@ def test_what_is_inside_may_depend_on_symbols(frame: Frame, loop: Loop, names: s
 
 
 def test_a_symbolic_position_where_nothing_is_singular() -> None:
-    """The place of a loop may be a symbol."""
+    """The position of a loop may contain a symbol."""
     found = exact_burgers_vector(load("heisenberg").frame, Loop.circle([X, 0, 0], R))
     assert sp.simplify(found.vector[2] + sp.pi * R**2) == 0
 
 
 def test_a_closed_form_that_is_not_finite_is_no_number() -> None:
-    """sin(k x) / k at k = 0: an error that names the value, never nan."""
+    """sin(k x) / k at k = 0 is refused, and the error names the value; never nan."""
     x, y, k = sp.symbols("x y k")
     frame = Frame([x, y], [[1, sp.sin(k * x) / k], [0, 1]])
     closed = exact_burgers_vector(frame, Loop.circle([1, 1], sp.Rational(1, 2)))
@@ -218,7 +218,7 @@ def test_a_closed_form_that_is_not_finite_is_no_number() -> None:
 
 
 def test_decimals_of_curves_are_what_they_say() -> None:
-    """0.5 is 1/2 in text and in expressions, as for circles."""
+    """0.5 is read as 1/2 in text and in expressions, as for circles."""
     s = sp.Symbol("s", real=True)
     half = sp.Float(0.5)
     frame = load("heisenberg").frame

@@ -1,4 +1,4 @@
-"""Integrals: what rounding does is estimated, and two routes differ where a defect is inside."""
+"""Integrals: rounding is estimated, and the two routes differ around a defect."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ X, Y = sp.symbols("x y")
 
 
 def test_rounding_is_estimated_from_both_sides() -> None:
-    """Far from the origin coordinates have few digits left: both errors hold, and not by luck.
+    """Far from the origin coordinates have few digits, and both error estimates hold.
 
-    Of 12 loops the worst has between 1 % and all of its estimated error; a probe sixteen times
+    The largest error of 12 loops is between 1 % and 40 % of its estimate; a probe sixteen times
     smaller or larger would fail.
     """
     frame = Frame([X, Y], [[1, 0], [0, 2 + sp.sin(X)]])
@@ -49,7 +49,7 @@ def test_rounding_is_estimated_from_both_sides() -> None:
 
 @pytest.mark.parametrize(("b", "agrees"), [(1e-12, False), (3e-13, False), (1e-14, True)])
 def test_a_weak_defect_is_seen_above_the_errors(b: float, agrees: bool) -> None:
-    """Line and flux differ by b: by 200, 60 or 2 times the error of the line, 5e-15."""
+    """Line and flux differ by b, which is 200, 60 or 2 times the line's error of 5e-15."""
     frame = load("screw_dislocation").frame
     found = burgers_vector(frame, Loop.circle([0.2, 0, 0], 1), parameters={"b": b})
     assert found.check.line_error == pytest.approx(5e-15, rel=0.3)
@@ -58,7 +58,7 @@ def test_a_weak_defect_is_seen_above_the_errors(b: float, agrees: bool) -> None:
 
 
 def test_no_defect_is_seen_where_there_is_none() -> None:
-    """200 smooth loops of any size: both routes agree on each."""
+    """Both routes agree on 200 smooth loops of any size."""
     rng = np.random.default_rng(3)
     frame = load("so3").frame
     for centre in rng.uniform([0, 0.7, 0], [6, 2.3, 6], (200, 3)):
@@ -67,7 +67,7 @@ def test_no_defect_is_seen_where_there_is_none() -> None:
 
 
 def test_many_copies_are_what_each_of_them_is() -> None:
-    """One call for five places gives what five calls give, for line and flux."""
+    """One call for five places gives the results of five calls, for line and flux."""
     compiled = forms(load("so3").frame, None)
     (part,) = Loop.circle([0.3, 1.0, 0.2], 0.1).parts
     shape = ClosedCurve(part.arcs[0])
@@ -81,7 +81,7 @@ def test_many_copies_are_what_each_of_them_is() -> None:
             place = Places(centres[:, [k]], sizes[[k]])
             single = by_levels(compiled, shape, place, 1e-12, degree)
             assert single is not None
-            # Of one and of many places the same sums are taken, in another order.
+            # One place and many places take the same sums, in different order.
             assert together.values[:, k] == pytest.approx(single.values[:, 0], rel=1e-13, abs=1e-15)
 
 
@@ -97,7 +97,7 @@ PARALLELOGRAMS = {
 
 @pytest.mark.parametrize("name", PARALLELOGRAMS)
 def test_a_parallelogram_is_a_cell_of_a_map(name: str) -> None:
-    """By line and by flux it has what the same outline has with a fifth corner on a side."""
+    """By line and by flux it has the vector of the same outline with a fifth corner."""
     loop = PARALLELOGRAMS[name]
     (part,) = loop.parts
     corners = [side.shape(np.zeros(1))[0][:, 0] for side in part.arcs]
@@ -119,7 +119,7 @@ def test_a_parallelogram_is_a_cell_of_a_map(name: str) -> None:
 
 
 def test_a_quadrangle_that_is_no_parallelogram_is_none() -> None:
-    """One corner a little off, it has the area that it has: the integral of x dy."""
+    """With one corner moved it is not treated as one, and its area is the integral of x dy."""
     frame = Frame([X, Y], [[1, 0], [0, X]])
     for corner in (1.0, 1.0 + 1e-12, 1.1):
         found = burgers_vector(frame, Loop.polygon([[0, 0], [1, 0], [1, corner], [0, 1]]), 1e-14)
@@ -128,7 +128,7 @@ def test_a_quadrangle_that_is_no_parallelogram_is_none() -> None:
 
 
 def test_a_cycle_is_a_polygon() -> None:
-    """An edge of a network is a side of a loop: the same integral by both."""
+    """A cycle of a network has the same integral as the polygon of its edges."""
     frame = load("heisenberg").frame
     values = {symbol.name: 0.7 for symbol in frame.parameters}
     net = Network(frame, grid_graph((3, 3, 2), 1.3), parameters=values)
@@ -140,7 +140,7 @@ def test_a_cycle_is_a_polygon() -> None:
 
 @pytest.mark.parametrize(("most", "given"), [(6400, True), (3200, False)])
 def test_an_integral_that_converges_badly_is_given_or_refused(most, given, monkeypatch) -> None:
-    """Good to two digits, with an error that says so; or to one, and then it is none."""
+    """A result with two right digits has a bound that covers it; with fewer it is refused."""
     frame = Frame([X, Y], [[1, 0], [sp.sin(300 * X * Y), 1]])
     loop = Loop.polygon([[-1, -1], [1.3, 1], [1, -1.2]])
     monkeypatch.setattr(integrals, "MOST_POINTS", most)
@@ -156,8 +156,8 @@ def test_an_integral_that_converges_badly_is_given_or_refused(most, given, monke
 def test_rounding_is_probed_at_enough_places_and_not_at_more() -> None:
     """Rounding is 3,000 times as large on one side of this loop as on the other.
 
-    With probes at three times as few places it would be missed, and then no rule is fine enough;
-    with probes at all of them, these alone would take the most.
+    Probes at a third of the places would miss it, and then no rule would be fine enough; probes
+    at all places would take most of the evaluations.
     """
     frame = Frame([X, Y], [[1, 0], [0, sp.exp(4 * (10**6 - X))]])
     found = burgers_vector(frame, Loop.circle([1e6, 0.1], 1.0))

@@ -1,4 +1,4 @@
-"""Loops: what they are, what can be done with them, and what is refused."""
+"""Loops: construction, operations and refusals."""
 
 from collections.abc import Callable
 from typing import Any, cast
@@ -37,7 +37,7 @@ def test_areas_of_simple_shapes() -> None:
 
 @given(st.lists(st.tuples(numbers, numbers), min_size=3, max_size=9, unique=True))
 def test_area_of_polygons_is_the_shoelace_formula(points: list[tuple[float, float]]) -> None:
-    """Any polygon, crossing itself or not."""
+    """Holds for any polygon, also if it crosses itself."""
     x, y = np.array(points).T
     steps = np.abs(np.diff(np.array([*points, points[0]]), axis=0)).max(axis=1)
     if steps.min() < 1e-9:
@@ -49,27 +49,27 @@ def test_area_of_polygons_is_the_shoelace_formula(points: list[tuple[float, floa
 
 
 def test_centre_and_offsets_stay_apart() -> None:
-    """A loop of size 1e-300 about a point of order one keeps all digits of its shape."""
+    """A loop of size 1e-150 about a point of order one keeps all digits of its shape."""
     tiny = Loop.polygon(TRIANGLE, centre=[7, 7], size=1e-150)
     assert tiny.area[0, 1] == pytest.approx(5e-301, rel=SAME)
     assert Loop.circle([7, 7], 1e-300).size == 1e-300
 
 
 def test_circle_in_a_spanned_plane() -> None:
-    """The two vectors are made orthonormal; the normal area follows."""
+    """Two vectors span the plane of a circle and are made orthonormal."""
     area = Loop.circle([0, 0, 0], 2, ([1, 1, 0], [0, 3, 3])).area
     normal = np.array([area[1, 2], area[2, 0], area[0, 1]]) / (4 * np.pi)
     assert normal == pytest.approx(np.array([1, -1, 1]) / np.sqrt(3), rel=SAME)
 
 
 def test_length() -> None:
-    """Length in the sense of the coordinates."""
+    """Length in coordinates, without a metric."""
     assert Loop.circle([0, 0], 2).times(-3).length == pytest.approx(12 * np.pi, rel=1e-10)
     assert Loop.polygon(TRIANGLE).length == pytest.approx(2 + np.sqrt(2), rel=1e-10)
 
 
 def test_composition_reversal_and_multiples() -> None:
-    """Areas add, change sign, multiply; the sides come in the order of the walk."""
+    """Areas add, change sign and multiply; a reversed loop has its sides in reverse order."""
     circle = Loop.circle([0, 0], 1)
     square = Loop.polygon([[1, 0], [1, 1], [2, 1]])
     both = circle.then(square)
@@ -84,7 +84,7 @@ def test_composition_reversal_and_multiples() -> None:
 
 
 def test_loops_from_different_points_do_not_follow_each_other() -> None:
-    """The error names the gap."""
+    """The error names the gap between the two base points."""
     with pytest.raises(LoopError, match=r"miss each other by \(-1, 0\)"):
         Loop.circle([0, 0], 1).then(Loop.circle([0, 0], 2))
     tiny = Loop.circle([7, 7], 1e-12)
@@ -94,7 +94,7 @@ def test_loops_from_different_points_do_not_follow_each_other() -> None:
 
 
 def test_winding() -> None:
-    """Turns are counted with their sense, about any axis, and for all kinds of loops."""
+    """Turns are counted with their sign, about any axis and for all kinds of loops."""
     circle = Loop.circle([0, 0, 5], 1)
     assert circle.winding([0.99, 0, 0]) == 1
     assert circle.winding([1.01, 0, 0]) == 0
@@ -115,14 +115,14 @@ def test_winding() -> None:
     "loop", [Loop.circle([0, 0], 1), Loop.polygon([[-1, 0], [1, 0], [1, 1], [-1, 1]])]
 )
 def test_a_loop_through_the_axis_has_no_winding(loop: Loop) -> None:
-    """The error names the point at which it meets the axis."""
+    """The error names the point at which the loop meets the axis."""
     axis = [0.0, 1.0]
     with pytest.raises(LoopError, match=r"passes through the axis, at"):
         loop.winding(axis)
 
 
 def test_cycle_of_a_graph() -> None:
-    """A cycle becomes a polygon; what is missing is named."""
+    """A cycle becomes a polygon; a missing edge, node or position is named."""
     graph = nx.cycle_graph(4)
     corners = {0: (0, 0), 1: (2, 0), 2: (2, 1), 3: (0, 1)}
     nx.set_node_attributes(graph, corners, "position")
@@ -136,21 +136,21 @@ def test_cycle_of_a_graph() -> None:
 
 
 def test_waves_are_found() -> None:
-    """The highest frequency of a curve is known, also where samples could hide it."""
+    """The highest frequency of a curve is found, also if samples could miss it."""
     for frequency in (3, 251, 1000, 1009):
         loop = Loop.parametric([f"cos(s) + cos({frequency}*s)/100", "sin(s)"], interval=(0, "2*pi"))
         assert loop.parts[0].arcs[0].waves == frequency
 
 
 def test_a_curve_that_is_smooth_only_between_its_ends() -> None:
-    """It closes, but not smoothly: no trapezoid rule for it."""
+    """A curve that is not smooth where it closes is not treated as periodic."""
     drop = Loop.parametric(["s*(1 - s)", "s*(1 - s)*(1 - 2*s)"])
     assert not drop.parts[0].arcs[0].is_periodic
     assert drop.area[0, 1] == pytest.approx(-1 / 30, rel=1e-12)
 
 
 def test_symbols_in_a_loop() -> None:
-    """A radius may be a symbol; numbers are filled in later."""
+    """A radius may be a symbol whose value is given later."""
     radius = sp.Symbol("R", positive=True)
     loop = Loop.circle([1, 0], radius)
     assert loop.symbols == {radius}
@@ -203,7 +203,7 @@ BAD = [
 
 @pytest.mark.parametrize(("make", "message"), BAD)
 def test_bad_loops_are_refused(make: Callable[[], Loop], message: str) -> None:
-    """Each says what was needed and what came."""
+    """Each bad loop is refused with its own message."""
     with pytest.raises(LoopError, match=message):
         make()
 
@@ -219,13 +219,13 @@ def test_bad_loops_are_refused(make: Callable[[], Loop], message: str) -> None:
     ],
 )
 def test_bad_expressions_are_refused(expression: object, message: str) -> None:
-    """Expressions come through the whitelist, and must be smooth and real."""
+    """Expressions pass the whitelist, and must be smooth and real."""
     with pytest.raises(ExpressionError, match=message):
         Loop.parametric([expression, "s*(1 - s)"])
 
 
 def test_turns_are_whole_numbers_of_any_kind() -> None:
-    """Those of NumPy too, as everywhere; what follows a loop is a loop."""
+    """Whole numbers of NumPy count as turns; `then` takes only a loop."""
     loop = Loop.circle([0, 0], 1)
     assert loop.times(cast("int", np.int64(-2))).winding([0, 0]) == -2
     with pytest.raises(LoopError, match="a whole number of turns"):

@@ -1,4 +1,4 @@
-"""Files of loops: JSON and CSV, what they mean and what is refused."""
+"""Files of loops: JSON and CSV, their meaning and refusals."""
 
 import json
 from pathlib import Path
@@ -16,7 +16,7 @@ PLANE = Frame("x y", [[1, 0], [0, 1]])
 
 
 def test_every_kind_of_loop() -> None:
-    """All kinds come through JSON, with names, multiples, planes by name and exact numbers."""
+    """All kinds are read from JSON, with names, turns, planes by name and exact numbers."""
     text = json.dumps(
         {
             "loops": [
@@ -44,7 +44,7 @@ def test_every_kind_of_loop() -> None:
 
 
 def test_csv_of_circles_and_polygons(tmp_path: Path) -> None:
-    """One circle a row, or one vertex a row."""
+    """A CSV file has one circle per row, or one vertex per row."""
     circles = loops_from_csv(PLANE, "name, x, y, radius, plane\na, 0, 0, 1,\nb, 1/2, 0, 2, y x\n")
     assert [loop.area[0, 1] > 0 for loop in circles.loops] == [True, False]
     file = tmp_path / "loops.csv"
@@ -55,7 +55,7 @@ def test_csv_of_circles_and_polygons(tmp_path: Path) -> None:
 
 
 def test_json_from_a_file(tmp_path: Path) -> None:
-    """The suffix says what it is."""
+    """The suffix of a file decides on its format."""
     file = tmp_path / "loops.json"
     file.write_text('[{"circle": {"centre": [0, 0], "radius": 1}}]', "utf-8")
     assert burgers_vector(PLANE, read_loops(PLANE, file).loops[0]).vanishes
@@ -93,13 +93,13 @@ JSON = [
 
 @pytest.mark.parametrize(("text", "message"), JSON)
 def test_malformed_json(text: str, message: str) -> None:
-    """Truncated, unknown, missing, of the wrong kind."""
+    """Truncated text, unknown and missing keys, and wrong types are refused."""
     with pytest.raises(GeomtorsionError, match=message):
         loops_from_json(PLANE, text)
 
 
 def test_code_is_not_run() -> None:
-    """Numbers and expressions come through the whitelist."""
+    """Numbers and expressions pass the whitelist, so that code is refused."""
     for text in (
         '[{"circle": {"centre": [0, 0], "radius": "__import__(\'os\')"}}]',
         '[{"curve": {"expressions": ["exec(1)", "s"]}}]',
@@ -109,7 +109,7 @@ def test_code_is_not_run() -> None:
 
 
 def test_a_bad_loop_is_named() -> None:
-    """Which of many loops it was."""
+    """The error names the bad loop among many."""
     good = '{"circle": {"centre": [0, 0], "radius": 1}}'
     with pytest.raises(LoopError, match=r"loops\[1\]: radius: expected a positive length"):
         loops_from_json(PLANE, f"[{good}, {good.replace('1}', '-1}')}]")
@@ -131,13 +131,13 @@ CSV = [
 
 @pytest.mark.parametrize(("text", "message"), CSV)
 def test_malformed_csv(text: str, message: str) -> None:
-    """Headers, rows and cells."""
+    """Bad headers, rows and cells are refused."""
     with pytest.raises(GeomtorsionError, match=message):
         loops_from_csv(PLANE, text)
 
 
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:
-    """Missing, or not text."""
+    """A missing file and a file that is not text are refused."""
     with pytest.raises(FileFormatError, match="cannot be read"):
         read_loops(PLANE, tmp_path / "none.json")
     binary = tmp_path / "binary.json"
@@ -147,7 +147,7 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
 
 
 def test_curves_in_files_may_have_periods() -> None:
-    """By the names of coordinates; unknown ones are refused."""
+    """Periods are given by names of coordinates; unknown names are refused."""
     r, phi = sp.symbols("r phi", positive=True)
     polar = Frame([r, phi], [[1, 0], [0, r]])
     curve = {"expressions": ["2 + cos(s)/2", "s"], "parameter": "s", "interval": [0, "2*pi"]}

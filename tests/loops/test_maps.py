@@ -1,4 +1,4 @@
-"""Maps: many loops in one call agree with one at a time, and keep what is done."""
+"""Maps: many loops in one call agree with single loops, and finished work is kept."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -12,7 +12,7 @@ from geomtorsion.geometry import Frame, cartan
 from geomtorsion.loops import Loop, burgers_map, burgers_vector, burgers_vectors, maps
 from geomtorsion.spaces import load
 
-SAME = 1e-10  # the accuracy that is asked for
+SAME = 1e-10  # the requested accuracy
 GRID = np.linspace(-1, 1, 12)
 
 
@@ -30,7 +30,7 @@ def random_circles(count: int) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("plane", [(0, 1), (2, 0), ([1, 1, 0], [0, 1, 2])])
 def test_many_circles_are_what_each_of_them_is(so3: Frame, plane: tuple) -> None:
-    """The same vectors, with errors that hold."""
+    """The same vectors as single calls, with errors that hold."""
     centres, radii = random_circles(60)
     found = burgers_vectors(so3, centres, radii, plane)
     assert found.complete
@@ -42,7 +42,7 @@ def test_many_circles_are_what_each_of_them_is(so3: Frame, plane: tuple) -> None
 
 
 def test_small_circles_have_twice_torsion_times_area(so3: Frame) -> None:
-    """The expected vectors are those of the torsion of the Cartan connection."""
+    """Small circles have the vectors expected from the torsion of the Cartan connection."""
     centres, _ = random_circles(20)
     found = burgers_vectors(so3, centres, 1e-8)
     assert found.vectors / 1e-16 == pytest.approx(found.expected / 1e-16, rel=1e-12)
@@ -55,14 +55,14 @@ def test_small_circles_have_twice_torsion_times_area(so3: Frame) -> None:
 
 
 def test_small_circles_take_few_points_and_lose_nothing(so3: Frame) -> None:
-    """The first two levels are enough for circles of a hundredth; fewer points cost digits."""
+    """Circles of radius 0.01 need only the first two levels, and lose no digits."""
     found = burgers_vectors(so3, np.tile([0.3, 1, 0.2], (4, 1)), 0.01)
     assert found.evaluations < 4 * 100
     assert (found.errors < 1e-14 * np.abs(found.vectors).max(axis=0)).all()
 
 
 def test_a_map_finds_the_dislocation() -> None:
-    """One cell encloses it; all cells together have the b of the loop round the grid."""
+    """One cell encloses the line, and the sum over all cells is b of the outline."""
     for name, values in (
         ("screw_dislocation", {"b": 3}),
         ("edge_dislocation_elastic", {"b": 3, "nu": 0.3}),
@@ -77,7 +77,7 @@ def test_a_map_finds_the_dislocation() -> None:
 
 
 def test_a_map_of_a_smooth_core() -> None:
-    """Flux everywhere; the sum is the vector of the outline."""
+    """No cell encloses a defect, and the sum over all cells is the vector of the outline."""
     values = {"b": 3, "c": 0.05}
     frame = load("screw_core").frame
     found = burgers_map(frame, (GRID, GRID), parameters=values)
@@ -88,7 +88,7 @@ def test_a_map_of_a_smooth_core() -> None:
 
 
 def test_a_map_elsewhere_and_in_a_spanned_plane(so3: Frame) -> None:
-    """Cells of unequal size, counted from a point, in any plane."""
+    """Cells of unequal size, at a given point and in any plane."""
     plane, at = ([1, 0, 1], [0, 2, 0]), [0.3, 1.0, 0.2]
     edges = (np.array([0, 0.1, 0.3]), np.array([-0.2, 0.1, 0.2, 0.25]))
     found = burgers_map(so3, edges, plane, at)
@@ -103,7 +103,7 @@ def test_a_map_elsewhere_and_in_a_spanned_plane(so3: Frame) -> None:
 
 
 def test_singular_loops_are_marked_and_the_others_done() -> None:
-    """A circle through the axis has no vector; the one beside it has."""
+    """A circle through the axis has no vector; the other circles have one."""
     frame = load("screw_dislocation").frame
     found = burgers_vectors(
         frame, [[1, 0, 0], [1, 0, 0], [5, 0, 0]], [1.0, 2.0, 1.0], parameters={"b": 1}
@@ -115,7 +115,7 @@ def test_singular_loops_are_marked_and_the_others_done() -> None:
 
 
 def test_an_interruption_keeps_what_is_done(so3: Frame, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Ctrl-C in the middle: the finished part comes back, the rest is NaN."""
+    """After Ctrl-C the finished part is returned, and the rest is NaN."""
 
     @contextmanager
     def interrupted(what: str, total: int, *, patience: float) -> Iterator[Callable[[int], object]]:
@@ -137,7 +137,7 @@ def test_an_interruption_keeps_what_is_done(so3: Frame, monkeypatch: pytest.Monk
 
 
 def test_bad_maps(so3: Frame) -> None:
-    """Shapes, numbers and parameters are checked before anything is computed."""
+    """Shapes, numbers and parameters are checked before the computation."""
     for make, message in (
         (lambda: burgers_vectors(so3, [[0, 1, 0]], 0), "circle 0 has radius 0"),
         (lambda: burgers_vectors(so3, [[0, 1]], 1), "centres have 2 coordinates"),

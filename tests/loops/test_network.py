@@ -1,4 +1,4 @@
-"""Networks: one integral per edge, cycles by signed sums, conservation in cells."""
+"""Networks: one integral per edge, cycles as signed sums, conservation in cells."""
 
 import itertools
 
@@ -15,7 +15,7 @@ from geomtorsion.loops.spanning_forest import spanning_forest
 
 
 def grid_graph(shape: tuple[int, ...], shift: float, diagonals: bool = False) -> nx.Graph:
-    """A grid with slightly moved nodes, about the origin."""
+    """A grid about the origin with slightly moved nodes."""
     rng = np.random.default_rng(5)
     graph = nx.Graph()
     centre = (np.array(shape) - 1) / 2
@@ -37,7 +37,7 @@ def screws() -> Frame:
 
 @pytest.mark.parametrize("basis", ["fundamental", "minimum"])
 def test_cycles_have_the_b_of_the_lines_they_wind_round(screws, basis):
-    """Every cycle of both bases: sum of windings times b, against the loop's own winding."""
+    """Each cycle of both bases has the sum of winding numbers times b."""
     net = Network(screws, grid_graph((6, 6), 0.17))
     assert net.cycle_count == 25
     assert len(net.cycles(basis)) == 25
@@ -53,7 +53,7 @@ def test_cycles_have_the_b_of_the_lines_they_wind_round(screws, basis):
 
 @pytest.mark.parametrize("name", ["so3", "heisenberg", "twisted_bar"])
 def test_cycles_agree_with_single_loops(name):
-    """A cycle by signed sums of edges, and the same polygon as one loop."""
+    """A cycle, as a signed sum of edges, equals the same polygon as one loop."""
     frame = spaces.load(name).frame
     values = {symbol.name: 0.7 for symbol in frame.parameters}
     net = Network(frame, grid_graph((3, 3, 2), 1.3), parameters=values)
@@ -65,7 +65,7 @@ def test_cycles_agree_with_single_loops(name):
 
 
 def test_forest_closures_are_those_of_the_cycles(screws):
-    """Potentials of the spanning forest give the same vectors as walking the cycles."""
+    """Potentials of the spanning forest give the same vectors as the cycles."""
     net = Network(screws, grid_graph((5, 7), 0.3))
     for closure, bound, cycle in zip(
         net.forest.closure, net.forest.closure_error, net.cycles(), strict=True
@@ -74,7 +74,7 @@ def test_forest_closures_are_those_of_the_cycles(screws):
 
 
 def test_sense_and_start_of_a_cycle(screws):
-    """Backwards turns the sign round; another start, or the first node again, changes nothing."""
+    """Reversal changes the sign; another start, or a repeated first node, changes nothing."""
     net = Network(screws, grid_graph((4, 4), 0.2))
     cycle = next(c.cycle for c in net.basis_burgers() if abs(c.vector[2]) > 0.1)
     forth, back = net.burgers(cycle), net.burgers(cycle[::-1])
@@ -84,7 +84,7 @@ def test_sense_and_start_of_a_cycle(screws):
 
 
 def test_node_rule_holds_and_shows_the_pierced_faces(screws):
-    """Line integrals over closed cells cancel; faces that a line runs through are named."""
+    """Integrals over closed cells cancel, and faces pierced by a line are named."""
     graph = grid_graph((3, 3, 2), 0.21, diagonals=True)
     rule = Network(screws, graph).node_rule()
     assert rule.checked > 100
@@ -100,7 +100,7 @@ def test_node_rule_holds_and_shows_the_pierced_faces(screws):
 
 
 def test_node_rule_sees_a_flux_that_does_not_cancel():
-    """Where the flux of torsion out of a cell is not zero, the cell is shown."""
+    """A cell out of which the flux of torsion is not zero is reported."""
     x, y, z = sp.symbols("x y z", real=True)
     r = sp.sqrt(x**2 + y**2 + z**2)
     # The potential of a monopole: torsion is a radial flux, its string the negative z axis.
@@ -112,14 +112,14 @@ def test_node_rule_sees_a_flux_that_does_not_cancel():
     rule = Network(frame, graph).node_rule()
     assert rule.holds is False
     (violation,) = rule.violations
-    # Flux of the monopole out of a surface round it: 4 pi.
+    # Flux of the monopole out of a surface around it: 4 pi.
     assert abs(violation.total[2] - 4 * np.pi) < 1e-2
     assert [abs(b[2] + 4 * np.pi) < 1e-2 for _, b in rule.pierced] == [True]
     assert "sum of b" in str(rule)
 
 
 def test_forests_trees_and_parallel_edges():
-    """No cycles, several components, parallel edges: all are networks."""
+    """A network may have no cycles, several components or parallel edges."""
     frame = spaces.load("heisenberg").frame
     values = {symbol.name: 1.0 for symbol in frame.parameters}
     path = nx.path_graph(4)
@@ -177,7 +177,7 @@ def test_bad_graphs_are_refused(screws, spoil, message):
 
 
 def test_how_many_cycles_are_listed():
-    """Twenty thousand are; of a hundred thousand and one the message says where they are."""
+    """20,000 cycles are listed; 100,001 cycles are refused with the limit."""
     flat = Frame(["x", "y"], [[1, 0], [0, 1]])
     fan = Network(flat, wheel(20_000))
     assert fan.cycles()[-1] == (20_000, 20_001, 0)
@@ -189,7 +189,7 @@ def test_how_many_cycles_are_listed():
 
 
 def wheel(cycles: int) -> EdgeList:
-    """So many triangles about one node."""
+    """A wheel: as many triangles as requested, around one node."""
     rim = np.arange(1, cycles + 2)
     places = np.concatenate([[[0, 0]], np.stack([rim, np.ones_like(rim)], axis=1)])
     spokes = np.stack([np.zeros_like(rim), rim], axis=1)
@@ -197,7 +197,7 @@ def wheel(cycles: int) -> EdgeList:
 
 
 def test_bad_questions_are_refused(screws):
-    """Cycles that are none, bases too large, cells that are open, parameters without a value."""
+    """Refused: invalid cycles, a basis too large, an open cell, a parameter without a value."""
     net = Network(screws, grid_graph((15, 15), 0.2))
     with pytest.raises(NetworkError, match="no edge between"):
         net.burgers([(0, 0), (5, 5), (0, 1)])
@@ -220,7 +220,7 @@ def test_bad_questions_are_refused(screws):
 
 
 def test_a_cycle_that_is_no_list_is_refused(screws):
-    """In our own words, here and where a loop is made of it."""
+    """A cycle that is not a list raises our own error, here and in Loop.from_cycle."""
     graph = grid_graph((15, 15), 0.2)
     for ask in (Network(screws, graph).burgers, lambda cycle: Loop.from_cycle(graph, cycle)):
         with pytest.raises(NetworkError, match="cycle: expected a list, got 5"):

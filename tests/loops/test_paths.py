@@ -1,4 +1,4 @@
-"""Paths: open ones, and those that close by a period."""
+"""Paths: open paths, and paths that close by a period."""
 
 import numpy as np
 import pytest
@@ -28,7 +28,7 @@ def test_polar_frame_misses_the_circumference():
 @pytest.mark.parametrize("space", ["wedge_disclination", "wedge_disclination_periodic"])
 @pytest.mark.parametrize("alpha", [0.8, 1.1])
 def test_cone_is_the_same_in_every_chart_and_frame(space, alpha):
-    """Multivalued legs, periodic legs, Cartesian coordinates: one motion, once or twice round."""
+    """Multivalued legs, periodic legs and Cartesian coordinates give the same motion."""
     cone = levi_civita(spaces.load(space).frame)
     cartesian = develop(levi_civita(dispiration(alpha, 0)), Loop.circle([0, 0, 0], 2))
     for turns in (1, 2, -1):
@@ -40,7 +40,7 @@ def test_cone_is_the_same_in_every_chart_and_frame(space, alpha):
 
 
 def test_shape_of_the_path_does_not_matter_round_a_line():
-    """Flat away from the axis: only the winding counts, from the same base point."""
+    """Space is flat away from the axis, so that only the winding counts."""
     cone = levi_civita(spaces.load("wedge_disclination").frame)
     corners = [[2, 0, 0], [0.5, 1, 3], [4, 2, -1], [1, 5, 0], [2, TURN, 0]]
     crooked = develop_period(cone, corners, ROUND, parameters={"alpha": 0.7})
@@ -49,7 +49,7 @@ def test_shape_of_the_path_does_not_matter_round_a_line():
 
 
 def test_paths_compose_to_the_whole():
-    """Two pieces one after the other are the path; back again is nothing."""
+    """Two pieces joined are the path; the path forth and back is the identity."""
     bar = levi_civita(spaces.load("so3").frame)
     points = [[0.1, 1.0, 0.2], [0.4, 1.2, 0.0], [0.9, 0.7, 0.5]]
     whole = develop_path(bar, points)
@@ -61,7 +61,7 @@ def test_paths_compose_to_the_whole():
 
 
 def test_paths_that_do_not_close_are_refused():
-    """The gap is named; so are coordinates that do not exist."""
+    """The error names the gap, or the unknown coordinate."""
     frame = cartan(spaces.load("flat_polar").frame)
     with pytest.raises(LoopError, match=r"misses its start \(1, 0\) by \(0, -0.283185\)"):
         develop_period(frame, [[1, 0], [1, 6]], ROUND)
@@ -76,11 +76,11 @@ def test_paths_that_do_not_close_are_refused():
 
 
 def test_motions_have_invariants_to_the_last_digit():
-    """Angle, axis, centre and logarithm, near the identity, near half a turn, and in between."""
+    """Angle, axis, centre and logarithm are right from tiny angles to half a turn."""
     axis = np.array([2.0, -1.0, 2.0]) / 3
     cross = np.array([[0, -2, -1], [2, 0, -2], [1, 2, 0]]) / 3
     for angle in (1e-200, 1e-9, 0.5, 3.1, np.pi - 1e-7):
-        # A vector carried round turns by +angle, the frame that arrives by -angle.
+        # A transported vector turns by +angle, the arriving frame by -angle.
         turn = -np.sin(angle) * cross + 2 * np.sin(angle / 2) ** 2 * cross @ cross
         shift = 0.25 * axis - turn @ np.array([1.0, 0.0, -1.0])
         found = AffineMap.of(turn, shift)
@@ -100,7 +100,7 @@ def test_motions_have_invariants_to_the_last_digit():
 
 
 def test_motions_of_other_kinds_are_refused():
-    """Axes only in three dimensions, angles only of rotations, shapes that fit."""
+    """Refused: an axis outside three dimensions, an angle of another map, bad shapes."""
     plane = AffineMap.of(np.array([[0.0, 1.0], [-1.0, 0.0]]), [0.0, 0.0])
     with pytest.raises(ValueError, match="3 dimensions, but there are 2"):
         _ = plane.axis

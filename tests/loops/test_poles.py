@@ -1,4 +1,4 @@
-"""Poles: a loop near a singular line has the right vector, and one through it is refused."""
+"""Poles: a loop near a singular line has the right vector; one through it is refused."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from tests.chosen import one_in
 
 B = {"b": 1.0}
 SCREW = load("screw_dislocation").frame
-# Distances of the line from the loop, in units of its radius, down to where they are rounding.
+# Distances of the line from the loop, in units of its radius, down to rounding.
 NEAR = [0.3, 0.1, 0.05, 0.03, 0.02, 0.015, *(10.0**-k for k in range(2, 12))]
 
 
@@ -39,7 +39,7 @@ def polygon(x: float) -> list[list[float]]:
 @pytest.mark.parametrize("accuracy", [1e-2, 1e-6, 1e-12])
 @pytest.mark.parametrize("inside", [1, 0])
 def test_the_line_integral_misses_no_peak(distance: float, accuracy: float, inside: int) -> None:
-    """Near the line the vector is b or nothing, and the error estimate holds at any accuracy."""
+    """Near the line the vector is b or zero, and the error bound holds at any accuracy."""
     x = -distance if inside else distance
     for loop in (Loop.circle([1 + x, 0, 0], 1), Loop.polygon(polygon(x))):
         found = burgers_vector(SCREW, loop, accuracy, parameters=B)
@@ -52,7 +52,7 @@ def test_the_line_integral_misses_no_peak(distance: float, accuracy: float, insi
 @pytest.mark.parametrize("distance", NEAR)
 @pytest.mark.parametrize("inside", [1, 0])
 def test_edges_and_maps_miss_no_peak(distance: float, inside: int) -> None:
-    """The same as a cycle of a network, and as one of many circles."""
+    """As above, for a cycle of a network and for one of many circles."""
     x = -distance if inside else distance
     square = EdgeList(np.array(polygon(x)), np.array([[0, 1], [1, 2], [2, 3], [3, 0]]))
     cycle = Network(SCREW, square, parameters=B).burgers([0, 1, 2, 3])
@@ -64,7 +64,7 @@ def test_edges_and_maps_miss_no_peak(distance: float, inside: int) -> None:
 
 @pytest.mark.parametrize("distance", [0, 1e-15, 1e-13])
 def test_nearer_than_rounding_is_through_it(distance: float) -> None:
-    """A distance below 1e-12 of the size is none."""
+    """A distance below 1e-12 of the size counts as zero."""
     with pytest.raises(SingularPointError, match="passes through"):
         burgers_vector(SCREW, Loop.circle([1 - distance, 0, 0], 1), parameters=B)
     with pytest.raises(SingularPointError, match="passes through"):
@@ -76,7 +76,7 @@ def test_nearer_than_rounding_is_through_it(distance: float) -> None:
 
 @pytest.mark.parametrize("sides", [5, 2500])
 def test_a_side_through_the_line_is_found_among_many(sides: int) -> None:
-    """However many sides are looked at together, the last of which meets the line."""
+    """The last of many sides, which are checked together, meets the line and is found."""
     angle = 2 * np.pi * (np.arange(sides) - 0.5) / sides
     corners = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)[::-1]
     corners -= (corners[0] + corners[-1]) / 2
@@ -85,7 +85,7 @@ def test_a_side_through_the_line_is_found_among_many(sides: int) -> None:
 
 
 def test_a_loop_within_a_zero_is_refused() -> None:
-    """Where a denominator vanishes all along it, no place stands out from those beside it."""
+    """A loop along which a denominator vanishes everywhere is refused."""
     y = sp.Symbol("y")
     frame = Frame(["x", y, "z"], [[1, 0, 0], [0, 1, 0], [1 / y, 0, 1]])
     with pytest.raises(SingularPointError, match="the loop passes through .*y vanishes"):
@@ -93,7 +93,7 @@ def test_a_loop_within_a_zero_is_refused() -> None:
 
 
 def test_loops_far_from_poles_are_not_cut() -> None:
-    """Intervals are cut only where few points would miss a peak; else the trapezoid is best."""
+    """Intervals are divided only near a peak; elsewhere the trapezoid rule is best."""
     far = burgers_vector(SCREW, Loop.circle([0.5, 0, 0], 1), parameters=B)
     near = burgers_vector(SCREW, Loop.circle([0.98, 0, 0], 1), parameters=B)
     assert "trapezoid" in far.check.text
@@ -127,7 +127,7 @@ def twist(share: sp.Rational) -> Connection:
 
 @pytest.mark.parametrize("distance", [0.5, 1e-2, 1e-6])
 def test_a_singular_connection_over_a_regular_coframe(distance: float) -> None:
-    """Poles of the connection count: the whole angle, and the line is named."""
+    """Poles of the connection count: the angle is right, and the line is named."""
     found = develop(twist(sp.Rational(1, 20)), Loop.circle([1 - distance, 0, 0], 1), 1e-6)
     assert abs(found.angle - np.pi / 10) <= found.turn_error < 1e-5
     assert [str(one.defect) for one in found.enclosed] == ["singular line at x = 0, y = 0"]
@@ -140,7 +140,7 @@ EDGE = load("edge_dislocation").frame
 
 @pytest.mark.parametrize("seed", one_in(2, range(60)))
 def test_right_or_refused_from_rounding_to_the_radius(seed: int) -> None:
-    """Any distance from 1e-15 to 1, any accuracy from 1e-2 to 1e-12, any shape, by every way."""
+    """Any distance from 1e-15 to 1, accuracy and shape: right within the error, or refused."""
     rng = np.random.default_rng(seed)
     distance, accuracy = 10 ** rng.uniform(-15, 0), 10 ** rng.uniform(-12, -2)
     inside = bool(rng.integers(2))
@@ -160,7 +160,7 @@ def test_right_or_refused_from_rounding_to_the_radius(seed: int) -> None:
             named = "passes through (" in str(refusal)
             refused.append(named and distance < 1e-9)
             continue
-        # The parametric curve runs the same way round as the others.
+        # The parametric curve has the same direction as the others.
         assert abs(found.vector[row] - inside) <= found.error < 1e-2
         if distance < 1e-3 and seed % 8 == 0:
             assert prove(found).holds is not False
@@ -180,7 +180,7 @@ def test_right_or_refused_from_rounding_to_the_radius(seed: int) -> None:
 
 @pytest.mark.parametrize("distance", [10.0**-k for k in range(1, 16, 2)])
 def test_cells_of_a_map_near_the_line(distance: float) -> None:
-    """The line is in the one cell or in the other, or their common side is refused."""
+    """The line is in one cell or in the other, or their common side is refused."""
     for x in (distance, -distance):
         found = burgers_map(SCREW, ([-1, x, 2], [-1, 1.5]), parameters=B)
         cells = found.vectors[2, :, 0]
@@ -193,7 +193,7 @@ def test_cells_of_a_map_near_the_line(distance: float) -> None:
 
 
 def ring() -> Frame:
-    """A screw whose line is a circle: torsion vanishes off it, and it is no straight line."""
+    """A screw whose line is a circle; torsion vanishes outside the line."""
     x, y, z = sp.symbols("x y z", real=True)
     rho = sp.sqrt(x**2 + y**2)
     square = 2 * sp.pi * ((rho - 1) ** 2 + z**2)
@@ -207,7 +207,7 @@ RING = ring()
 @pytest.mark.parametrize("distance", [0.1, 1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13])
 @pytest.mark.parametrize("inside", [1, 0])
 def test_near_a_curved_line(distance: float, inside: int) -> None:
-    """Where the denominator cancels, the error says so; the flux is not taken for the answer."""
+    """Where the denominator cancels, the error covers it; the flux is not the answer."""
     x = 1 - distance if inside else 1 + distance
     corners = [[x, 0, -0.5], [1.6, 0, -0.5], [1.6, 0, 0.5], [x, 0, 0.5]]
     try:
@@ -217,8 +217,8 @@ def test_near_a_curved_line(distance: float, inside: int) -> None:
     else:
         assert abs(found.vector[2] - inside) <= found.error < 0.5
         assert found.error < 1e-4 or distance < 1e-6
-        # As large as what rounding does at the peak, the smallest denominator being distance**2,
-        # but no larger: away from the peak the denominator has its digits.
+        # About the rounding at the peak, where the smallest denominator is distance**2, but not
+        # larger: away from the peak the denominator has its digits.
         assert found.error < 8 * np.finfo(float).eps / distance**2 or distance > 0.01
     square = EdgeList(np.array(corners), np.array([[0, 1], [1, 2], [2, 3], [3, 0]]))
     try:
@@ -232,7 +232,7 @@ def test_near_a_curved_line(distance: float, inside: int) -> None:
 
 
 def test_a_wrong_integral_near_a_line_would_be_seen() -> None:
-    """A proof can say no: half of a winding does not hold."""
+    """A proof can fail: half of a winding number does not hold."""
     found = burgers_vector(SCREW, Loop.circle([0.999, 0, 0], 1), parameters=B)
     assert prove(found).holds
     assert prove(replace(found, reduced=found.reduced / 2)).holds is False
@@ -240,7 +240,7 @@ def test_a_wrong_integral_near_a_line_would_be_seen() -> None:
 
 @pytest.mark.parametrize("entry", ["sin(k*x)/k", "(1 - cos(k*x))/k", "x*y/k", "x/(k - 1)"])
 def test_parameters_at_which_a_coframe_is_nowhere_finite(entry: str) -> None:
-    """A bar bent by k = 0: refused with the parameter's name on every way, never a silent nan."""
+    """A parameter at which the coframe is not finite is refused by name, never a silent nan."""
     x, y, k = sp.symbols("x y k")
     entry_of = {"x": x, "y": y, "k": k}
     frame = Frame([x, y], [[1, parse_expression(entry, entry_of)], [0, 1]])

@@ -1,4 +1,4 @@
-"""Quadrature: rules are exact where they should be, converge as they should, and admit failure."""
+"""Quadrature: rules have their degree of exactness, converge, and admit failure."""
 
 from math import gamma
 
@@ -17,7 +17,7 @@ TRIANGLE = Loop.polygon([[0, 0], [1, 0], [0, 1]], centre=[0, 0]).parts[0].arcs
 
 
 def test_kronrod_is_exact_to_degree_22_and_gauss_to_13() -> None:
-    """On powers over (0, 1)."""
+    """Powers over (0, 1)."""
     rule = kronrod_rule()
     nodes, fine, coarse = rule.nodes, rule.fine, rule.coarse
     for power in range(23):
@@ -29,7 +29,7 @@ def test_kronrod_is_exact_to_degree_22_and_gauss_to_13() -> None:
 
 @pytest.mark.parametrize("points", [1, 4, 6, 16, 42])
 def test_rays_are_exact_with_their_weight(points: int) -> None:
-    """Gauss and Jacobi: integral of s * s^p to degree 2 points - 1."""
+    """Gauss-Jacobi rule: integral of s * s^p, exact to degree 2 points - 1."""
     s, w = ray_rule(points)
     for power in range(2 * points):
         assert w @ s**power == pytest.approx(1 / (power + 2), rel=1e-14)
@@ -37,7 +37,7 @@ def test_rays_are_exact_with_their_weight(points: int) -> None:
 
 @pytest.mark.parametrize("level", range(4))
 def test_disk_and_square_are_exact_to_their_degree(level: int) -> None:
-    """Monomials over the disk of radius 1 and the square of side 1, and areas by their rims."""
+    """Monomials over the unit disk and the unit square, and areas from their rims."""
     disk, square = ClosedCurve(Ellipse((1.0, 0.0), (0.0, 1.0)), first=9), Square()
     for p in range(0, 2 * level + 3, 2):
         for q in range(0, 2 * level + 4 - p, 2):
@@ -60,7 +60,7 @@ def _gamma(p: int, q: int) -> float:
 
 
 def test_the_trapezoid_rule_is_spectral() -> None:
-    """17 points for an entire function where Gauss would need 28."""
+    """17 points suffice for an entire function, where Gauss would need 28."""
     found = trapezoid(CIRCLE[0], lambda x, v: np.exp(x[:1]) * np.ones_like(v[:1]), 1e-13, 0.0)
     assert found.converged
     assert found.points == 17 + 25
@@ -69,7 +69,7 @@ def test_the_trapezoid_rule_is_spectral() -> None:
 
 @pytest.mark.parametrize("frequency", [16, 25, 32, 41, 48, 400, 1000])
 def test_no_frequency_hides(frequency: int) -> None:
-    """A wave that is constant on one rule's points is not on the next one's."""
+    """A wave that is constant on the points of one rule varies on the points of the next."""
     found = integrate(CIRCLE, lambda x, v: _wave(x, frequency), 1e-10, 1e-12)
     assert found.converged
     assert found.value[0] == pytest.approx(1, abs=1e-9)
@@ -82,7 +82,7 @@ def _wave(x: np.ndarray, frequency: int) -> np.ndarray:
 
 
 def test_a_narrow_peak_goes_to_gauss_and_kronrod() -> None:
-    """1 / (x^2 + d^2) on a circle: the trapezoid gives up, halving finds the peak."""
+    """1 / (x^2 + d^2) on a circle: the trapezoid rule fails, and halving finds the peak."""
     d = 1e-5
     found = integrate(CIRCLE, lambda x, v: 1 / (x[:1] ** 2 + d**2), 1e-9)
     assert found.converged
@@ -93,7 +93,7 @@ def test_a_narrow_peak_goes_to_gauss_and_kronrod() -> None:
 
 @pytest.mark.parametrize(("d", "rule"), [(0.01, "trapezoid"), (0.005, "Gauss-Kronrod")])
 def test_how_narrow_a_peak_the_trapezoid_rule_takes(d: float, rule: str) -> None:
-    """One for which a hundred times its points are enough; halving is cheaper for others."""
+    """The rule takes a peak that needs at most a hundred times its points; else halving."""
     found = integrate(CIRCLE, lambda x, v: 1 / (x[:1] ** 2 + d**2), 1e-9)
     assert found.converged
     assert found.rule.startswith(rule)
@@ -102,7 +102,7 @@ def test_how_narrow_a_peak_the_trapezoid_rule_takes(d: float, rule: str) -> None
 
 @pytest.mark.parametrize(("noise", "settled"), [(2e-8, True), (1e-6, False)])
 def test_what_counts_as_rounding(noise: float, settled: bool) -> None:
-    """Where halving helps no more, what differs in the second half of the digits is rounding."""
+    """If halving no longer helps, a difference in the second half of the digits is rounding."""
 
     def rough(x: np.ndarray, v: np.ndarray) -> np.ndarray:
         return 1 + noise * np.sin(1e15 * x[:1])
@@ -114,14 +114,14 @@ def test_what_counts_as_rounding(noise: float, settled: bool) -> None:
 
 @pytest.mark.parametrize("integrand", [lambda x, v: 1 / x[:1], lambda x, v: 1 / (x[:1] - 0.3) ** 2])
 def test_poles_do_not_converge(integrand: Integrand) -> None:
-    """It ends, and says where it was worst."""
+    """The integration ends without convergence and names the worst place."""
     found = integrate(TRIANGLE, integrand, 1e-9, 0.0, 10**5)
     assert not found.converged
     assert found.worst is not None
 
 
 def test_not_finite_values_never_count_as_converged() -> None:
-    """Neither infinite nor missing values."""
+    """An integral of infinite values or of nan never counts as converged."""
     for bad in (np.inf, np.nan):
         found = integrate(CIRCLE, lambda x, v, bad=bad: np.full((1, x.shape[1]), bad), 1e-9, 0, 999)
         assert not found.converged
@@ -129,7 +129,7 @@ def test_not_finite_values_never_count_as_converged() -> None:
 
 @pytest.mark.parametrize("piece", [40, 2**20])
 def test_pieces_decide_nothing(piece: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """However many points are evaluated at once, the integral is the same."""
+    """The number of points evaluated at once does not change the integral."""
     found = [integrate(arcs, lambda x, v: np.exp(9 * x), 1e-12) for arcs in (CIRCLE, TRIANGLE)]
     monkeypatch.setattr(quadrature, "PIECE", piece)
     again = [integrate(arcs, lambda x, v: np.exp(9 * x), 1e-12) for arcs in (CIRCLE, TRIANGLE)]

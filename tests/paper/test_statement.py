@@ -1,4 +1,4 @@
-"""Comparison with print: components are compared one by one, and written as the paper does."""
+"""Comparison with print: components are compared one by one, and written in the paper's form."""
 
 import sympy as sp
 
@@ -8,7 +8,7 @@ from geomtorsion.paper.statement import epsilon, listed, lost, same, short, verd
 
 
 def test_comparison_is_strict():
-    """A missing, an extra and a wrong component are each seen."""
+    """A missing, an extra and a wrong component are each detected."""
     torsion = cartan(paper_frames().rotations).torsion.T.in_frame().lowered(2)
     right = epsilon(-1)
     assert same(torsion, right)
@@ -18,7 +18,7 @@ def test_comparison_is_strict():
 
 
 def test_components_are_listed_from_1():
-    """Equal values stand together, a height is written where it changes, zero is said."""
+    """Equal values are written together, and vanishing components are written as R = 0."""
     frame = paper_frames().rotations
     text = listed("Gamma", cartan(frame).coefficients)
     assert "Gamma_12^1 = Gamma_23^3 = c2/s2" in text
@@ -26,13 +26,13 @@ def test_components_are_listed_from_1():
 
 
 def test_formulas_are_short():
-    """Cosines and sines of the angles are written as in print."""
+    """Cosines and sines of the angles are written as in the paper."""
     phi1, phi2, _ = paper_frames().rotations.coordinates
     assert short(sp.cos(phi1) * sp.sin(phi2)) == "c1*s2"
 
 
 def test_verdicts_say_what_is_wrong():
-    """A notation is called lost only where the corrected formula holds."""
+    """The verdict names a lost notation only if the corrected formula holds."""
     assert verdict(True) == "agrees"
     assert verdict(False, lost("the dot", True)) == "misprint: the dot is lost"
     assert "more than its notation" in verdict(False, lost("the dot", False))

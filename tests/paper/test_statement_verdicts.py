@@ -1,4 +1,4 @@
-"""The paper: every statement is recomputed, verdicts follow from the computation."""
+"""The paper: each statement is recomputed, and verdicts follow from the computation."""
 
 from dataclasses import replace
 
@@ -10,7 +10,7 @@ from geomtorsion.paper import paper_frames, statements
 from geomtorsion.paper.frames import POSITION, attitude
 from geomtorsion.paper.statement import PHI
 
-# The misprints that were found by hand before.
+# The misprints that were found by hand.
 MISPRINTS = {
     "(9) right": "factor",
     "after (9)": "garbled",
@@ -33,7 +33,7 @@ def found():
 
 
 def test_every_equation_from_1_to_27_is_there(found):
-    """Each number has at least one statement, in the order of the paper."""
+    """Each equation number has at least one statement, in the order of the paper."""
     numbers = [int(one.equation[1:].split(")")[0]) for one in found if one.equation[0] == "("]
     assert set(numbers) == set(range(1, 28))
     assert numbers == sorted(numbers)
@@ -42,7 +42,7 @@ def test_every_equation_from_1_to_27_is_there(found):
 
 
 def test_verdicts(found):
-    """Misprints are those of the reading, each with the reason; all else agrees."""
+    """The misprints are the ones found by hand, with their reasons; all other statements agree."""
     wrong = {one.equation: one.verdict for one in found if not one.agrees}
     assert set(wrong) == set(MISPRINTS)
     assert sum(one.agrees for one in found) == 32
@@ -63,14 +63,14 @@ def test_the_right_inverse_metric_is_given(found):
 
 
 def test_coframe_is_derived_from_the_attitude():
-    """The coframe comes from R^T dR: it is that of eq. (8), det e = sin(phi2)."""
+    """The coframe comes from R^T dR and agrees with eq. (8): det e = sin(phi2)."""
     rotations = paper_frames().rotations
     assert rotations.coordinates == PHI
     assert rotations.determinant[()] == sp.sin(PHI[1])
 
 
 def test_verdicts_follow_the_rotations():
-    """With another frame of rotations geometry and action principle are found to be wrong."""
+    """With another frame of rotations, the statements on geometry and action principle fail."""
     other = statements(replace(paper_frames(), rotations=ANOTHER))
     wrong = {one.equation: one.verdict for one in other if not one.agrees}
     assert {"(9) left", "(9) right", "(10)", "(12)"} <= set(wrong)
@@ -81,7 +81,7 @@ def test_verdicts_follow_the_rotations():
 
 
 def test_verdicts_follow_the_motions():
-    """With the forms R dx instead of R^T dx: (2), (23), (25) and (27) fail in earnest."""
+    """With the forms R dx instead of R^T dx, (2), (23), (25) and (27) fail as a whole."""
     frames = paper_frames()
     forms = sp.diag(frames.spin_forms, attitude())
     other = statements(replace(frames, motions=Frame((*PHI, *POSITION), forms)))
@@ -92,7 +92,7 @@ def test_verdicts_follow_the_motions():
 
 
 def test_right_form_of_23_is_that_of_the_chain_rule():
-    """(23) by hand: eps^i_mu(phi) x'^mu varied, at numbers chosen at random."""
+    """(23) checked by hand: the variation of eps^i_mu(phi) x'^mu, at a numeric point."""
     turn, place = attitude().T, sp.Matrix(POSITION)
     s, t = sp.symbols("s t")
     values = [sp.Rational(3, 10) + s * 2 - t, 1 + t + s**2, t * s - 2 * t + s]
