@@ -179,7 +179,7 @@ def test_positive_and_whole_numbers():
 
 
 def test_lists_of_numbers():
-    """A list needs the right length and keeps its numbers; list and entries may raise two errors."""
+    """A list has the right length and keeps its numbers; list and entries have own errors."""
     kept = checks.numbers([1, Fraction(1, 3), np.float64(2)], 3, "u", StartError)
     assert kept == (1, Fraction(1, 3), 2.0)
     assert type(kept[2]) is float
