@@ -45,7 +45,7 @@ def main(arguments: list[str] | None = None) -> None:
         print(f"\n{stop}")
         course = stop.solution
         theta = course.coordinates[:, 0]
-    # Known: the colatitude falls in proportion to the distance travelled north.
+    # Known: the colatitude falls in proportion to the distance travelled northwards.
     assert np.abs(theta - (1.0 - np.cos(bearing) * course.times)).max() < 1e-6
 
     hole = gt.spaces.load("schwarzschild").frame

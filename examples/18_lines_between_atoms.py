@@ -63,7 +63,9 @@ def closed_over_a_disc(repeats: tuple[int, int, int], radius: float) -> tuple[np
 def main(arguments: list[str] | None = None) -> None:
     """Find screws under noise, then a loop, and compare each with the known input."""
     parser = argparse.ArgumentParser(description="Dislocation lines of atoms.")
-    parser.add_argument("--noise", type=float, default=0.06, help="per neighbour distance")
+    parser.add_argument(
+        "--noise", type=float, default=0.06, help="in units of the neighbour distance"
+    )
     options = parser.parse_args(arguments)
 
     places, cell = four_screws((16, 16, 4))

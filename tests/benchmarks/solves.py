@@ -149,7 +149,7 @@ def scene(name: str, t: float, **more: Any) -> Any:
 
 
 def one(rates: Any, start: Any, t: float, **more: Any) -> Case:
-    """A case with equations written here."""
+    """A case with equations given by text."""
     return Case(lambda: ode(rates, start, **more), t)
 
 
@@ -193,7 +193,7 @@ CASES: dict[str, Case] = {
         ),
         5.0,
     ),
-    # Equations written here
+    # Equations given by text
     "heavy top": Case(heavy_top, 100.0),
     "attitude by hand": Case(attitude, 50.0),
     "pendulum": one({"x": "v", "v": "-sin(x)"}, [2.0, 0.0], 50.0),
