@@ -19,7 +19,7 @@ CEILINGS = {
 
 
 def test_no_package_exceeds_its_ceiling():
-    """Each package has at most the stated number of occurrences; a package that is not listed has none."""
+    """Each package has at most as many occurrences as its ceiling, which is zero by default."""
     found = {name: one.total() for name, one in language.counts().items()}
     over = {name: count for name, count in found.items() if count > CEILINGS.get(name, 0)}
     assert not over, "python -m tests.language NAME lists them"
