@@ -1,10 +1,10 @@
-"""Any tetrad: type four one-forms, have their whole geometry; here Ellis's wormhole.
+"""Any tetrad: type four one-forms and compute their whole geometry, here of Ellis's wormhole.
 
     python examples/01_any_tetrad.py
     python examples/01_any_tetrad.py --throat 2 --at 1
 
-Two flat spaces, joined by a throat of radius b; the distance s runs through it from one side to the
-other. The tetrad is a traveller's: clock, straight on, along the meridian, along the parallel.
+Two flat spaces are joined by a throat of radius b. The distance s runs through it from one side to
+the other. The tetrad belongs to a traveller: clock, straight on, along meridian and parallel.
 """
 
 import argparse
@@ -18,7 +18,7 @@ import geomtorsion as gt
 def wormhole() -> gt.Frame:
     """The frame: coordinates, then one row of coefficients per one-form."""
     t, s, theta, phi = sp.symbols("t s theta phi", real=True)
-    b = sp.Symbol("b", positive=True)  # no coordinate, so it is a parameter
+    b = sp.Symbol("b", positive=True)  # not a coordinate, so it is a parameter
     radius = sp.sqrt(s**2 + b**2)
     coframe = [
         [1, 0, 0, 0],  # dt
@@ -32,10 +32,10 @@ def wormhole() -> gt.Frame:
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Print every quantity of the frame, then compare with the textbook."""
-    parser = argparse.ArgumentParser(description="The geometry of Ellis's wormhole.")
-    parser.add_argument("--throat", type=Fraction, default=Fraction(2), help="its radius b")
-    parser.add_argument("--at", type=Fraction, default=Fraction(1), help="the distance s from it")
+    """Print the quantities of the frame, then compare them with the textbook."""
+    parser = argparse.ArgumentParser(description="Geometry of Ellis's wormhole.")
+    parser.add_argument("--throat", type=Fraction, default=Fraction(2), help="radius of the throat")
+    parser.add_argument("--at", type=Fraction, default=Fraction(1), help="distance from the throat")
     options = parser.parse_args(arguments)
 
     frame = wormhole()
@@ -46,7 +46,7 @@ def main(arguments: list[str] | None = None) -> None:
     cartan = gt.cartan(frame)
     print(cartan.coefficients)
     torsion = cartan.torsion
-    print(torsion.S.in_frame())  # frame components are what the traveller measures
+    print(torsion.S.in_frame())  # the traveller measures frame components
     for part in (torsion.vector, torsion.axial, torsion.tensor, torsion.scalar):
         print(part.in_frame())
     print(cartan.contortion.in_frame())
@@ -60,19 +60,19 @@ def main(arguments: list[str] | None = None) -> None:
     print(curvature.scalar)
     print(curvature.kretschmann)
 
-    print("\nIdentities that every connection must obey:")
+    print("\nIdentities that each connection must obey:")
     for connection in (cartan, bar):
         for identity in gt.identities(connection):
             print(identity)
             assert identity.holds, identity
 
-    # Numbers come last, and only where they are asked for.
+    # Numbers come last, and only where a value is requested.
     s, (b,) = frame.coordinates[1], frame.parameters
     number = float(curvature.kretschmann.at({s: options.at, b: options.throat}))
     print(f"\nKretschmann scalar at s = {options.at} for b = {options.throat}: {number:.6g}")
 
-    # The known answer [Ellis 1973; Morris, Thorne 1988]: only R_ss does not vanish, and it is
-    # negative, so that matter of negative energy must hold the throat open.
+    # The known answer [Ellis 1973; Morris, Thorne 1988]: Ricci has only one component, R_ss. It is
+    # negative, so only matter of negative energy can hold the throat open.
     size = (s**2 + b**2) ** 2
     assert cartan.curvature.is_zero
     assert torsion.axial.is_zero

@@ -1,10 +1,10 @@
-"""Section 2 of the paper: rotations in body-fixed axes, a space with torsion without curvature.
+"""Section 2 of the paper: rotations in body-fixed axes, a space with torsion and no curvature.
 
     python examples/02_paper_so3.py
     python examples/02_paper_so3.py --order zxz
 
-From the attitude of a rigid body to torsion and curvature, by the generic classes alone; nothing
-is typed in but the order of the three turns. Indices count from 0 here, from 1 in the paper.
+The generic classes derive torsion and curvature from the attitude of a rigid body. The only input
+is the order of the three rotations. Indices count from 0 here, from 1 in the paper.
 """
 
 import argparse
@@ -33,7 +33,7 @@ def body_frame(order: str) -> gt.Frame:
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Equations (5) to (12), one after the other."""
+    """Print and check equations (5) to (12), one after the other."""
     parser = argparse.ArgumentParser(description="Section 2 of Fiziev and Kleinert.")
     parser.add_argument(
         "--order", choices=("zyz", "zxz"), default="zyz", help="axes of phi3, phi2, phi1"
@@ -43,7 +43,7 @@ def main(arguments: list[str] | None = None) -> None:
     print("(9)  metric            ", frame.metric)
     print("(9)  inverse, not as printed: each entry needs 1/|g|", frame.inverse_metric)
 
-    # The metric knows nothing of the frame: it is that of a sphere S^3 of radius 2.
+    # The metric does not depend on the choice of frame: it describes a sphere S^3 of radius 2.
     bar = gt.levi_civita(frame)
     print("     Christoffel       ", bar.coefficients.lowered(2))
     print("     Ricci             ", bar.curvature.ricci)
@@ -56,7 +56,7 @@ def main(arguments: list[str] | None = None) -> None:
     print("     S_abc             ", cartan.torsion.S.lowered(2))
     print("(12) 2 S_ijk           ", cartan.torsion.T.in_frame().lowered(2))
 
-    # On this space the torsion force vanishes: autoparallels are geodesics, uniform rotations.
+    # The torsion force vanishes on this space: autoparallels are geodesics, uniform rotations.
     force = cartan.torsion.force(sp.symbols("w1 w2 w3"))
     print("     torsion force     ", force)
 

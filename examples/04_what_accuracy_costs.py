@@ -1,10 +1,10 @@
-"""What accuracy costs: the same rotation with every engine, errors measured, times taken.
+"""What accuracy costs: one rotation solved by each engine, with true errors and times.
 
     python examples/04_what_accuracy_costs.py
     python examples/04_what_accuracy_costs.py --time 100 --picture cost.png
 
-A body turns at constant rate: the attitude is an exponential, known to any number of digits. So
-each error in the table is a true one, and the estimate in its row can be judged.
+A body rotates at a constant rate. Its attitude is an exponential, known to any number of digits, so
+each error in the table is a true error, and the estimate in its row can be judged.
 """
 
 import argparse
@@ -15,7 +15,7 @@ from geomtorsion.curves import autoparallel
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Measure, print the table, and check every row against what was asked."""
+    """Measure, print the table, and check each row against the requested accuracy."""
     parser = argparse.ArgumentParser(description="What accuracy costs in time.")
     parser.add_argument("--time", type=float, default=50.0)
     parser.add_argument("--accuracies", type=float, nargs="+", default=[1e-3, 1e-6, 1e-9, 1e-12])
@@ -29,16 +29,16 @@ def main(arguments: list[str] | None = None) -> None:
     if options.picture:
         table.plot().savefig(options.picture, dpi=150)
 
-    # Known: R(t) = R(0) exp(t [Omega]x). The errors in the table are against that.
+    # Known: R(t) = R(0) exp(t [Omega]x). The table measures errors against this.
     assert table.truth == "the closed form"
     for row in table.rows:
-        assert row.holds, f"{row.engine} promised {row.asked} and made {row.achieved}"
+        assert row.holds, f"{row.engine} promised {row.asked} and reached {row.achieved}"
         assert row.estimated is not None
         assert row.achieved is not None
-        # Below 1e-15 only the rounding of single numbers is left.
+        # Below 1e-15 only rounding of single numbers remains.
         assert 0.1 * row.achieved <= row.estimated
         assert row.estimated <= max(100 * row.achieved, 1e-15)
-    print("\nevery error is below what was asked; every estimate is within its factor of 100")
+    print("\neach error is below the requested accuracy; each estimate is within a factor of 100")
 
 
 if __name__ == "__main__":

@@ -1,10 +1,11 @@
-"""Through the pole: charts end, motions do not.
+"""Through the pole: the solver switches charts automatically.
 
     python examples/05_through_the_pole.py
     python examples/05_through_the_pole.py --bearing 45
 
-A geodesic of the sphere goes over the pole, where colatitude and longitude end, and round to where
-it began. A ship that keeps a compass bearing has no such luck: at the pole the compass itself ends.
+A geodesic of the sphere crosses the pole, where colatitude and longitude are not defined, and
+returns to its start. A ship that keeps a compass bearing has to stop at the pole: no compass
+direction is defined there.
 """
 
 import argparse
@@ -18,8 +19,8 @@ from geomtorsion.ode import solve
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """A great circle, a loxodrome, and a fall through a horizon."""
-    parser = argparse.ArgumentParser(description="Motions that outlive their charts.")
+    """Follow a great circle, a loxodrome, and a fall through a horizon."""
+    parser = argparse.ArgumentParser(description="Motions that leave their charts.")
     parser.add_argument("--bearing", type=float, default=60.0, help="degrees east of north")
     options = parser.parse_args(arguments)
     sphere = gt.spaces.load("s2").frame
@@ -29,22 +30,22 @@ def main(arguments: list[str] | None = None) -> None:
     print(sol)
     print(f"charts on the way: {' -> '.join(sol.charts)}")
     home = sol.coordinates[-1]
-    print(f"after once round: theta = {home[0]:.12f}, phi = {home[1]:.12f}")
+    print(f"after one turn: theta = {home[0]:.12f}, phi = {home[1]:.12f}")
     assert np.abs(home - [1.0, 0.5]).max() < 1e-10
 
-    # With one chart only, the motion stops cleanly and keeps what it has.
+    # With one chart only, the motion stops at the edge and keeps the solution so far.
     bearing = np.radians(options.bearing)
     u = [-np.cos(bearing), np.sin(bearing)]  # north is down in colatitude
     ship = autoparallel(gt.cartan(sphere), [1.0, 0.0], frame_velocity=u, parameters={"R": 1})
     try:
         course = solve(ship, 100.0, accuracy=1e-8)
-        print("\nthe bearing leads along a parallel: no pole on the way")
+        print("\nthis bearing follows a parallel and does not reach the pole")
         theta = course.coordinates[:, 0]
     except ChartEdgeError as stop:
         print(f"\n{stop}")
         course = stop.solution
         theta = course.coordinates[:, 0]
-    # Known: the distance to the pole falls in proportion to the way made good northwards.
+    # Known: the colatitude falls in proportion to the distance travelled northwards.
     assert np.abs(theta - (1.0 - np.cos(bearing) * course.times)).max() < 1e-6
 
     hole = gt.spaces.load("schwarzschild").frame
@@ -57,7 +58,7 @@ def main(arguments: list[str] | None = None) -> None:
     # Known: from rest at infinity r^(3/2) falls linearly in proper time.
     expected = (8**1.5 - 1.5 * np.sqrt(2) * sol.times) ** (2 / 3)
     assert np.abs(radius - expected).max() < 1e-7
-    print("the fall agrees with r^(3/2) = r0^(3/2) - (3/2) sqrt(2 M) t, horizon and all")
+    print("the fall agrees with r^(3/2) = r0^(3/2) - (3/2) sqrt(2 M) t, also through the horizon")
 
 
 if __name__ == "__main__":

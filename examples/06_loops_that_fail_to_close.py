@@ -3,9 +3,9 @@
     python examples/06_loops_that_fail_to_close.py
     python examples/06_loops_that_fail_to_close.py --radius 0.5 --picture loop.png
 
-Walk a closed loop in coordinates and add up what the frame measures on the way: in a space with
-torsion the sum is not zero. What is missing is the Burgers vector b^i = integral of e^i_mu dq^mu.
-It is computed twice, along the loop and as the flux of torsion through it.
+Follow a closed loop in coordinates and add up the steps that the frame measures: in a space with
+torsion the sum is not zero. The gap is the Burgers vector b^i = integral of e^i_mu dq^mu. It is
+computed twice, along the loop and as the flux of torsion through it.
 """
 
 import argparse
@@ -18,7 +18,7 @@ from geomtorsion.loops import Loop, burgers_vector, exact_burgers_vector
 
 
 def show(name: str, loop: Loop, **parameters: float):
-    """Compute one loop, print what came and how it was checked."""
+    """Compute the Burgers vector of one loop; print it with its check."""
     b = burgers_vector(spaces.load(name).frame, loop, parameters=parameters)
     print(f"{name}, {loop.name}: b = {b.vector.round(12)}, error {b.error:.0e}")
     print(f"    {b.reason}")
@@ -27,22 +27,22 @@ def show(name: str, loop: Loop, **parameters: float):
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Dislocations, where b counts turns; then torsion that is everywhere, where b counts area."""
+    """Compute dislocations, where b counts turns, and torsion everywhere, where b measures area."""
     parser = argparse.ArgumentParser(description="Burgers vectors of simple loops.")
     parser.add_argument("--radius", type=float, default=1.0, help="radius of the circles")
     parser.add_argument("--picture", type=Path, help="draw the loop on so3 into this file")
     options = parser.parse_args(arguments)
     radius = options.radius
 
-    print("A screw dislocation: once round the axis is one step up, however large the loop.")
+    print("A screw dislocation: one turn around the axis is one step up, for a loop of any size.")
     circle = Loop.circle([0, 0, 0], radius)
     screw = show("screw_dislocation", circle, b=0.25)
     twice = show("screw_dislocation", circle.times(2), b=0.25)
     assert abs(screw.vector - [0, 0, 0.25]).max() < 1e-12
     assert abs(twice.vector - [0, 0, 0.5]).max() < 1e-12
-    assert screw.check.agrees is False  # no torsion anywhere on the loop: it sits on the axis
+    assert screw.check.agrees is False  # torsion is only on the axis: no flux
 
-    print("\nAn edge dislocation: the same count, now across the line.")
+    print("\nAn edge dislocation: b counts turns again, now perpendicular to the line.")
     corners = [
         [radius, -radius, 0],
         [radius, radius, 0],
@@ -53,7 +53,7 @@ def main(arguments: list[str] | None = None) -> None:
     assert abs(edge.vector - [0.25, 0, 0]).max() < 1e-11
     assert abs(edge.screw([0, 0, 1])).max() < 1e-11
 
-    print("\nHeisenberg's group: b is the area, for any curve; here a trefoil.")
+    print("\nHeisenberg's group: b is the area of any curve; here of a trefoil.")
     trefoil = Loop.parametric(
         ["sin(s) + 2*sin(2*s)", "cos(s) - 2*cos(2*s)", "-sin(3*s)"],
         interval=(0, "2*pi"),

@@ -1,11 +1,11 @@
-"""Tiny loops: why the sum along the loop loses its digits, and the flux keeps them.
+"""Tiny loops: the sum along the loop loses digits, and the flux keeps them.
 
     python examples/07_tiny_loops.py
     python examples/07_tiny_loops.py --smallest 300 --map density.png
 
 A loop of radius r has a Burgers vector of order r^2, but the terms of the sum along it are of order
-r: in floating point a digit is lost for every decade. The flux of the exact curl of the coframe
-loses none. Then a hundred thousand loops at once, compared with 2 S A.
+r, so in floating point each decade costs a digit. The flux of the exact curl of the coframe loses
+none. Then a hundred thousand loops are computed at once and compared with 2 S A.
 """
 
 import argparse
@@ -28,20 +28,20 @@ def bessel(radius: float) -> list[mpmath.mpf]:
 
 
 def relative(found: np.ndarray, exact: list[mpmath.mpf]) -> float:
-    """Largest error over largest component."""
+    """Largest error divided by the largest component."""
     errors = [abs(mpmath.mpf(x) - y) for x, y in zip(found.tolist(), exact, strict=True)]
     return float(max(errors) / max(map(abs, exact)))
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """A table of radii, then a survey."""
+    """Print a table of radii, then compute a survey."""
     parser = argparse.ArgumentParser(description="Burgers vectors of tiny loops.")
-    parser.add_argument("--smallest", type=int, default=12, help="down to 10**-SMALLEST")
+    parser.add_argument("--smallest", type=int, default=12, help="smallest radius is 10**-SMALLEST")
     parser.add_argument("--map", type=Path, help="draw the density of b into this file")
     options = parser.parse_args(arguments)
 
     frame = spaces.load("so3").frame
-    print("radius    error of the line    error of the result    claimed")
+    print("radius    error of the line    error of the result   estimate")
     with mpmath.workdps(50):
         for decade in range(1, min(options.smallest, 150) + 1):
             radius = 10.0**-decade
@@ -58,7 +58,7 @@ def main(arguments: list[str] | None = None) -> None:
     rng = np.random.default_rng(1)
     centres = rng.uniform([0, 0.5, 0], [6, 2.6, 6], (100_000, 3))
     survey = burgers_vectors(frame, centres, 10 ** rng.uniform(-12, -1, 100_000))
-    print(f"\n{survey}: all to {survey.accuracy:g}: {survey.reached.all()}")
+    print(f"\n{survey}: accuracy {survey.accuracy:g} reached by all: {survey.reached.all()}")
     tiny = survey.areas < 1e-12
     difference = abs(survey.vectors - survey.expected).max(axis=0)[tiny]
     print(

@@ -1,12 +1,12 @@
-"""Network of loops: integrate each edge once, know every cycle; find the dislocations in a crystal.
+"""Network of loops: integrate each edge once, obtain each cycle, and find the dislocations.
 
     python examples/09_network_of_loops.py
     python examples/09_network_of_loops.py --size 60 --picture network.png
 
-A crystal holds a few screw dislocations at places that nobody tells us. A net of measuring points
-is laid through it; every edge is integrated once, and the meshes that do not close show the lines.
-Then steps that were measured in a periodic crystal, without a frame; and lines as a network of
-their own: a junction, a reaction, and a mistake found.
+A crystal contains a few screw dislocations at unknown positions. A net of measuring points runs
+through it. Each edge is integrated once, and the meshes that do not close show the lines. Then come
+steps that were measured in a periodic crystal, without a frame, and lines as a network of their
+own: a junction, a reaction, and a detected mistake.
 """
 
 import argparse
@@ -24,7 +24,7 @@ HIDDEN = {(0.3, 0.4): 1, (-2.2, 1.7): Fraction(1, 2), (1.6, -2.4): -1}
 
 
 def grid(size: int, extent: float) -> nx.Graph:
-    """A square net in the plane z = 0, its knots a little out of place."""
+    """A square net in the plane z = 0 with slightly shifted nodes."""
     rng = np.random.default_rng(7)
     graph = nx.grid_2d_graph(size, size)
     step = 2 * extent / (size - 1)
@@ -35,13 +35,13 @@ def grid(size: int, extent: float) -> nx.Graph:
 
 
 def meshes(size: int) -> list[list[tuple[int, int]]]:
-    """The smallest cycles of the net, counter-clockwise."""
+    """The smallest cycles of the net, counterclockwise."""
     cells = [(i, j) for i in range(size - 1) for j in range(size - 1)]
     return [[(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)] for i, j in cells]
 
 
 def find_the_lines(size: int, picture: Path | None) -> None:
-    """Every mesh that does not close holds a line."""
+    """Find the lines: each mesh that does not close contains one."""
     crystal = parallel_screws(list(HIDDEN), list(HIDDEN.values()))
     net = Network(crystal, grid(size, 4.0))
     print(f"{net}: {net.cycle_count} independent cycles")
@@ -57,7 +57,7 @@ def find_the_lines(size: int, picture: Path | None) -> None:
     rim += [(k, size - 1) for k in range(size - 2, -1, -1)]
     rim += [(0, k) for k in range(size - 2, 0, -1)]
     whole = net.burgers(rim)
-    print(f"  round the rim: b = {whole.vector[2]:+.12f}, the sum of all of them")
+    print(f"  around the rim: b = {whole.vector[2]:+.12f}, the sum of all lines")
     assert abs(whole.vector[2] - float(sum(HIDDEN.values()))) <= whole.error
     if picture is not None:
         from geomtorsion.pictures.network import draw_network
@@ -67,7 +67,7 @@ def find_the_lines(size: int, picture: Path | None) -> None:
 
 
 def many_edges() -> None:
-    """Arrays instead of a graph: a hundred thousand edges, and potentials instead of cycles."""
+    """Use arrays instead of a graph, and potentials instead of cycles, for 100,000 edges."""
     count = 224
     line = np.linspace(-4.01, 4, count)
     places = np.stack([*(a.ravel() for a in np.meshgrid(line, line)), np.zeros(count**2)], axis=1)
@@ -81,43 +81,41 @@ def many_edges() -> None:
     crystal = parallel_screws(list(HIDDEN), list(HIDDEN.values()))
     forest = Network(crystal, EdgeList(places, pairs)).forest
     steps = set(forest.closure[:, 2].round(9).tolist()) - {0.0}
-    print(f"{len(pairs)} edges: every cycle misses one of {sorted(steps)} or nothing")
+    print(f"{len(pairs)} edges: each cycle has a gap of 0 or one of {sorted(steps)}")
     assert {abs(step) for step in steps} <= {0.5, 1.0, 1.5}
 
 
 def measured_steps() -> None:
-    """No frame at all: steps from atom to atom, in units of a periodic crystal's lattice."""
+    """Use steps between atoms, in lattice units of a periodic crystal, without any frame."""
     shape = (40, 30)
     crystal = Complex.grid(shape, periodic=True)
     steps = np.zeros((len(crystal.pairs), 3), dtype=int)
     steps[: shape[0] * shape[1], 0] = 1
     steps[shape[0] * shape[1] :, 1] = 1
-    # Between two screws of opposite sign the steps in y climb by one.
+    # Between two screws of opposite sign each step in y also rises by one.
     middle = np.ravel_multi_index((np.arange(10, 25), np.full(15, 7)), shape)
     steps[shape[0] * shape[1] + middle, 2] = 1
     measured = Cochain(crystal, steps)
     torsion = measured.coboundary()
     pierced = np.flatnonzero(torsion.values.any(axis=1))
     print(f"\n{measured} on a torus: faces {pierced.tolist()} do not close,")
-    print(
-        f"  b = {torsion.values[pierced].tolist()}, and all together {torsion.values.sum(axis=0)}"
-    )
+    print(f"  b = {torsion.values[pierced].tolist()}, in total {torsion.values.sum(axis=0)}")
     assert torsion.values[pierced].tolist() == [[0, 0, 1], [0, 0, -1]]
     forest = measured.forest
     inside = ~forest.images.any(axis=1)
     found = set(map(tuple, forest.closure[inside].tolist()))
-    print(f"  cycles that wind round no period miss one of {sorted(found)}")
+    print(f"  cycles within the cell have a gap in {sorted(found)}")
     assert found <= {(0, 0, 0), (0, 0, 1), (0, 0, -1)}
 
 
 def lines_as_a_network() -> None:
-    """b is conserved where lines meet; a reaction must balance; a mistake is shown."""
+    """Check that b is conserved at nodes and in a reaction, and find a mistake."""
     lines = [("top", "knot", (1, 0, 0)), ("left", "knot", (0, 1, 0)), ("knot", "end", (1, 1, 0))]
     net = DislocationNetwork.of_lines(lines, surface=["top", "left", "end"])
     assert net.node_rule() == ()
     third = Fraction(1, 3)
     split = Reaction([(1, 1, 0)], [(2 * third, third, third), (third, 2 * third, -third)])
-    print(f"\na split that balances; b^2 changes by {split.energy_change}: {split.is_favourable}")
+    print(f"\na reaction: b^2 changes by {split.energy_change}; favourable: {split.is_favourable}")
     wrong = DislocationNetwork.of_lines(
         [*lines[:2], ("knot", "end", (1, 2, 0))], ["top", "left", "end"]
     )
@@ -130,13 +128,13 @@ def lines_as_a_network() -> None:
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Find hidden lines with a net; then treat them as a network of their own."""
+    """Find hidden lines with a net, then treat lines as a network of their own."""
     parser = argparse.ArgumentParser(description="Burgers vectors of all cycles of a network.")
-    parser.add_argument("--size", type=int, default=30, help="knots on a side of the net")
+    parser.add_argument("--size", type=int, default=30, help="nodes along a side of the net")
     parser.add_argument("--picture", type=Path, help="draw a net into this file")
     options = parser.parse_args(arguments)
     if options.size < 12:
-        parser.error("a net of fewer than 12 x 12 knots does not tell the lines apart")
+        parser.error(f"expected a size of at least 12 to separate the lines, got {options.size}")
     find_the_lines(options.size, options.picture)
     many_edges()
     measured_steps()

@@ -1,11 +1,11 @@
-"""One action, three ways to vary it: what a top does, what it would do, and what it cannot do.
+"""One action, three ways to vary it: only one variation gives the real motion of a top.
 
     python examples/10_action_principle.py
     python examples/10_action_principle.py --moments 2 2 3 --spin 0.1 0 5 --time 20
 
-In the moving frame of a body the kinetic energy has constant coefficients, and yet its equations of
-motion do not say that the momenta are constant: the velocities belong to no coordinates, and their
-variation has a second term, the torsion of the frame. Leave it out and the top turns wrongly.
+In the moving frame of a body the kinetic energy has constant coefficients. Still, the equations of
+motion do not make the momenta constant: the velocities belong to no coordinates, and their
+variation has a second term, the torsion of the frame. Without this term the top turns wrongly.
 """
 
 import argparse
@@ -28,7 +28,7 @@ def top(moments: list[Fraction]) -> dict[str, gt.EquationsOfMotion]:
 
 
 def sleigh() -> gt.EquationsOfMotion:
-    """Chaplygin's sleigh: a blade that does not slip sideways, the mass ahead of it."""
+    """Chaplygin's sleigh: a blade that cannot slip sideways, with the mass ahead of it."""
     x, y, heading = sp.symbols("x y heading", real=True)
     c, s = sp.cos(heading), sp.sin(heading)
     frame = gt.Frame([x, y, heading], [[c, s, 0], [-s, c, 0], [0, 0, 1]])
@@ -47,17 +47,17 @@ def main(arguments: list[str] | None = None) -> None:
     options = parser.parse_args(arguments)
 
     frame = gt.spaces.load("so3").frame
-    print("How velocities vary when the ends of the path are held:")
+    print("Variation of the velocities when the ends of the path are fixed:")
     print(gt.variation(frame), "\n")
     found = top(options.moments)
     for name, equations in found.items():
         print(f"{name}: 0 = {', '.join(map(str, equations.residuals))}")
         possible = gt.variation(frame, name).proved
-        print(f"    a variation of the path: {possible}; keeps {', '.join(equations.invariants)}")
+        print(f"    is a path variation: {possible}; conserves {', '.join(equations.invariants)}")
     right, naive = found["closed_in_coordinates"], found["naive"]
     assert right.agrees is True, "the same as Euler and Lagrange in the angles, by exact zero"
 
-    # Solve both with the attitude: the right motion keeps its angular momentum in space.
+    # Solve both with the attitude: the right motion conserves angular momentum in space.
     start = [0.3, 1.0, 0.2, *options.spin]
     solved = {
         name: gt.solve(gt.ODE.of(equations, start), options.time, accuracy=1e-9)
@@ -80,7 +80,7 @@ def main(arguments: list[str] | None = None) -> None:
     print(f"\nlargest distance from the elliptic functions: {gap:.1e}")
     assert gap < 1e-7
 
-    # Known: a sleigh spun at rest ends in a straight slide, v = c tanh(k t), w = w0 / cosh(k t).
+    # Known: a sleigh that starts with spin only ends in a straight slide, v = c tanh(k t).
     blade = sleigh()
     print(f"\nChaplygin's sleigh:\n{blade}")
     m, a, j, spin = 2.0, 0.5, 1.5, 3.0

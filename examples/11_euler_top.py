@@ -1,11 +1,12 @@
-"""Euler's top: from the action principle to Jacobi's functions, by three routes.
+"""Euler's top: from the action principle to Jacobi's functions, in three ways.
 
     python examples/11_euler_top.py
     python examples/11_euler_top.py --t 1000 --accuracy 1e-12
 
-The right variation of the action in a body's own frame gives Euler's equations; with equal moments
-they are the autoparallels of the frame, with unequal ones they are not. The motion is then solved
-in closed form, by integration, and by a scene that follows nothing but what is watched.
+The right variation of the action in the frame of the body gives Euler's equations. With equal
+moments their solutions are the autoparallels of the frame, with unequal moments they are not. Then
+the motion is solved in closed form, by integration, and by a scene that integrates only the
+requested quantities.
 """
 
 import argparse
@@ -18,8 +19,8 @@ import geomtorsion as gt
 
 def main(arguments: list[str] | None = None) -> None:
     """Derive the equations, solve them three times, and compare."""
-    parser = argparse.ArgumentParser(description="Euler's top by three routes.")
-    parser.add_argument("--t", type=float, default=100.0, help="last time, s")
+    parser = argparse.ArgumentParser(description="Euler's top in three ways.")
+    parser.add_argument("--t", type=float, default=100.0, help="final time in s")
     parser.add_argument("--accuracy", type=float, default=1e-11)
     options = parser.parse_args(arguments)
 
@@ -52,13 +53,13 @@ def main(arguments: list[str] | None = None) -> None:
     solved = gt.solve(flow, scene.times, accuracy=options.accuracy)
     print(f"scene: {closed.closed_form}")
     print(f"flow:  {solved.engine}, error below {solved.error:.1e}")
-    print(f"top:   one round of the polhode takes {top.period:.9f} s")
+    print(f"top:   one turn along the polhode takes {top.period:.9f} s")
     first = np.abs(closed["omega"] - top.omega(scene.times)).max()
     second = np.abs(closed["omega"] - solved.states).max()
     print(f"they agree to {first:.1e} and {second:.1e}")
     assert first < 1e-12
     assert second < 3 * options.accuracy
-    # Known: after one period the angular velocity is what it was.
+    # Known: after one period the angular velocity has its first value again.
     again = top.omega(np.array([top.period]))[0]
     assert np.abs(again - start).max() < 1e-13
 

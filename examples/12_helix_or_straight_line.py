@@ -1,11 +1,12 @@
-"""Helix or straight line: the straightest path is not the one that bodies take.
+"""Helix or straight line: bodies do not take the straightest path.
 
     python examples/12_helix_or_straight_line.py
     python examples/12_helix_or_straight_line.py --picture paths.png
 
-On SO(3) autoparallels and geodesics are one curve. On R^3 x SO(3), a body that turns and moves, the
-torsion force tells them apart: autoparallels have Omega and V constant in the body (a helix),
-geodesics go straight on. The scenes `helix` and `straight_line` are the same two motions.
+On SO(3) autoparallels and geodesics are the same curves. On R^3 x SO(3), a body that rotates and
+moves, the torsion force separates them: on autoparallels Omega and V are constant in the body (a
+helix), on geodesics the body moves straight. The scenes `helix` and `straight_line` are these two
+motions.
 """
 
 import argparse
@@ -17,14 +18,14 @@ import geomtorsion as gt
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Both paths from the frame alone, both as scenes, and the force between them."""
+    """Solve both paths from the frame and as scenes, and compare them."""
     parser = argparse.ArgumentParser(description="Autoparallel and geodesic of R^3 x SO(3).")
     parser.add_argument("--picture", help="file for a picture of both paths")
-    parser.add_argument("--t", type=float, default=12.0, help="last time, s")
+    parser.add_argument("--t", type=float, default=12.0, help="final time in s")
     options = parser.parse_args(arguments)
     frame = gt.spaces.load("r3xso3").frame
     omega, velocity = [0.3, 0.2, 1.0], [1.0, 0.0, 0.2]
-    # Coordinates are (phi, x); the legs of the frame are those of the body.
+    # Coordinates are (phi, x); the legs of the frame are the axes of the body.
     start = [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]
     speed = [*omega, *velocity]
     straight = gt.autoparallel(gt.cartan(frame), start, frame_velocity=speed)

@@ -1,10 +1,10 @@
-"""Every equation of the paper, recomputed: which agree, and which are misprints.
+"""Every equation of the paper, recomputed: the ones that agree, and the misprints.
 
     python examples/13_paper_equations.py
     python examples/13_paper_equations.py --misprints
 
-Fiziev and Kleinert (1994) print 27 equations. Each of their statements is compared with what the
-generic classes compute from the attitude of the body alone; `geomtorsion paper` prints the same.
+Fiziev and Kleinert (1994) print 27 equations. Each statement is compared with the result of the
+generic classes, computed only from the attitude of the body; `geomtorsion paper` prints the same.
 """
 
 import argparse
@@ -18,9 +18,9 @@ MISPRINTS = {
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """All statements, or the misprints with the right formula."""
+    """Print all statements, or the misprints with the right formula."""
     parser = argparse.ArgumentParser(description="Fiziev and Kleinert's equations, recomputed.")
-    parser.add_argument("--misprints", action="store_true", help="only what is wrong in print")
+    parser.add_argument("--misprints", action="store_true", help="only the misprints")
     wrong_only = parser.parse_args(arguments).misprints
     frames = paper_frames()
     print("dPhi =", frames.rotations.coframe)

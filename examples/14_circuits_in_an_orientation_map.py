@@ -3,10 +3,10 @@
     python examples/14_circuits_in_an_orientation_map.py
     python examples/14_circuits_in_an_orientation_map.py scan.ctf --size 8 --pictures out
 
-An EBSD map is a coframe that turns and does not stretch: e^i_mu is the rotation from specimen to
-crystal, and the closed integral of it is the Burgers vector of all dislocations inside. A crystal
-with a tilt wall of two degrees and noise of 0.1 degrees on each pixel, beside a second grain: each
-pixel in one of the 24 variants that its symmetry leaves open, as instruments give it.
+An EBSD map is a coframe that rotates and does not stretch: e^i_mu is the rotation from specimen to
+crystal, and its integral around a circuit is the Burgers vector of all dislocations inside. This
+crystal has a tilt wall of two degrees, noise of 0.1 degrees on each pixel, and a second grain. Each
+pixel is in one of 24 equivalent orientations, as instruments report it.
 """
 
 import argparse
@@ -18,7 +18,7 @@ import geomtorsion as gt
 from geomtorsion.materials.maps import laue_group
 from geomtorsion.rigid.attitude import product, quaternion_from_rotation_vector
 
-# Beside a checkout: a silicon wafer, in which there is nothing but noise.
+# Beside a checkout: a silicon wafer, whose map contains only noise.
 WAFER = Path(__file__).parents[2] / "shared/data/ebsd/si_wafer.ctf"
 TILT, NOISE, STEP = 2.0, 0.1, 0.2
 NICKEL = gt.Phase("nickel", "m-3m", (3.524, 3.524, 3.524))
@@ -39,20 +39,20 @@ def crystal(seed: int = 1) -> gt.OrientationMap:
 
 
 def tell(found: gt.OrientationMap, size: int) -> None:
-    """What the squares of one size say."""
+    """Print the Burgers vectors of the squares of one size."""
     squares = found.burgers_map(size)
     print(f"{found}: {found.grains.count} grains; {squares}")
     print(
-        f"|b| per area: median {np.nanmedian(squares.per_area):.2e} 1/um, noise alone "
+        f"|b| per area: median {np.nanmedian(squares.per_area):.2e} 1/um, noise only "
         f"{np.nanmedian(squares.floor):.2e} 1/um"
     )
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """The wall first; then a file, if one is given."""
+    """Measure the wall, then a file if one is given."""
     parser = argparse.ArgumentParser(description="Burgers vectors in orientation maps.")
     parser.add_argument("file", nargs="?", type=Path, help="a .ctf or .ang file")
-    parser.add_argument("--size", type=int, default=8, help="cells along a side of the squares")
+    parser.add_argument("--size", type=int, default=8, help="cells along a side of a square")
     parser.add_argument("--pictures", type=Path, help="write pictures into this folder")
     options = parser.parse_args(arguments)
 
@@ -60,7 +60,7 @@ def main(arguments: list[str] | None = None) -> None:
     tell(made, options.size)
     assert made.grains.count == 2
 
-    # 60 pixels of the wall, in steps of 0.2 um: L = 12 um.
+    # The circuit contains 60 pixels of the wall, in steps of 0.2 um: L = 12 um.
     b = made.burgers(gt.Circuit.rectangle((10, 30), 60, 20))
     expected = 2 * np.sin(np.radians(TILT / 2))
     print(f"{b}\n|b| / L = {b.magnitude / 12:.5f}, 2 sin(theta / 2) = {expected:.5f}")

@@ -1,12 +1,13 @@
-"""Dislocation network: a twist boundary, circuits by linking, and a simulated network of thousands.
+"""Dislocation network: a twist boundary, circuits by linking, and a large simulated network.
 
     python examples/16_dislocation_network.py
     python examples/16_dislocation_network.py --picture network.png --file chains.data
 
-Two crystals turned against each other by a small angle are joined by a square net of screw
-dislocations, d apart: Frank's formula says that a circuit through the boundary, L wide, misses
-2 L sin(theta/2), with theta about b / d. The net is made, written into a file as simulations write
-them, read again, and asked. Then a line is broken, and the node rule names what is missing.
+Two crystals rotated against each other by a small angle are joined by a square net of screw
+dislocations with spacing d. By Frank's formula a circuit of width L through the boundary has the
+Burgers vector 2 L sin(theta/2), with theta about b / d. The net is made, written into a file in the
+form that simulations use, read again, and measured. Then a line is broken, and the node rule names
+the missing vector.
 """
 
 import argparse
@@ -17,7 +18,7 @@ import numpy as np
 
 import geomtorsion as gt
 
-# Beside a checkout: a network of 5,930 lines that a simulation of dislocation dynamics ended with.
+# Beside a checkout: a network of 5,930 lines, the result of a simulation of dislocations.
 SIMULATED = Path(__file__).parents[2] / "shared/data/networks/180chains_16.10e.data"
 
 
@@ -35,7 +36,7 @@ def twist_boundary(count: int, apart: float, height: float) -> gt.LineArrays:
 
 
 def ask_the_boundary(net: gt.DislocationNetwork, apart: float) -> None:
-    """Circuits, density and character, each against what is known."""
+    """Compare circuits, density and character with known values."""
     assert net.node_rule() == ()
     (family,) = net.families()
     print(f"{len(net.lines)} lines of b = {family.name}: all screw ({family.screw:.0%})")
@@ -43,22 +44,22 @@ def ask_the_boundary(net: gt.DislocationNetwork, apart: float) -> None:
     assert net.box is not None
     height = float(np.asarray(net.box.vectors)[2, 2])
     print(
-        f"density {net.density:.6f}, of two sets of lines: 2 / (d h) = {2 / (apart * height):.6f}"
+        f"density {net.density:.6f}; two sets of lines have 2 / (d h) = {2 / (apart * height):.6f}"
     )
     assert np.isclose(net.density, 2 / (apart * height), rtol=1e-12)
     for lines in (1, 3, 20):
-        # Across the lines along x; twenty lines are more than the box has: images count.
+        # Across the lines along x; twenty lines are more than the box has, so images count.
         corner = [0.3 * apart, 0.5 * apart, 0.25 * height]
         circuit = gt.Loop.plaquette(corner, (lines * apart, height / 2), plane=(1, 2))
         found = net.burgers(circuit, lattice="sc")
-        print(f"  a circuit across {lines} lines misses {found.whole.tolist()} lattice vectors")
+        print(f"  a circuit across {lines} lines: b = {found.whole.tolist()} lattice vectors")
         assert found.whole.tolist() == [lines, 0, 0]
     theta = 2 * np.arcsin(1 / (2 * apart))
-    print(f"the crystals are turned by {np.degrees(theta):.3f} degrees (Frank)")
+    print(f"the crystals are rotated by {np.degrees(theta):.3f} degrees (Frank)")
 
 
 def break_a_line(net: gt.DislocationNetwork) -> None:
-    """Without one piece, b is not conserved at its two ends, and the rule says so."""
+    """Remove one piece: b is not conserved at its two ends, and the rule reports both."""
     lines = net.arrays
     broken = gt.DislocationNetwork.of_arrays(
         gt.LineArrays(lines.positions, lines.pairs[1:], lines.burgers[1:], lines.box)
@@ -69,7 +70,7 @@ def break_a_line(net: gt.DislocationNetwork) -> None:
 
 
 def ask_a_simulation(path: Path) -> None:
-    """The same questions about a network nobody drew: b of each face of the box, twice."""
+    """Measure a simulated network: density, families, and b of each face of the box, twice."""
     net = gt.DislocationNetwork.read(path)
     print(f"\n{path.name}: {len(net.graph)} nodes, {len(net.lines)} lines")
     print(f"  b at the nodes sums to {abs(net.arrays.excess).max():.0e} at most")
@@ -78,7 +79,7 @@ def ask_a_simulation(path: Path) -> None:
     assert net.box is not None
     sides, corner = np.asarray(net.box.vectors), np.asarray(net.box.origin)
     for axis in range(3):
-        # A face of the periodic box: what pierces it is the mean Nye tensor times its area.
+        # A face of the periodic box: the b that crosses it is the mean Nye tensor times its area.
         one, two = sides[(axis + 1) % 3], sides[(axis + 2) % 3]
         face = gt.Loop.plaquette(corner + 0.1, (1, 1), plane=(one, two))
         found = net.burgers(face)
@@ -90,7 +91,7 @@ def ask_a_simulation(path: Path) -> None:
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """A net with known answers, a broken one, and a simulated one where it is there."""
+    """Measure a net with known answers, a broken one, and a simulated one if its file exists."""
     parser = argparse.ArgumentParser(description="Burgers vectors in dislocation networks.")
     parser.add_argument("--file", type=Path, help="a ParaDiS .data file of your own")
     parser.add_argument("--picture", type=Path, help="draw the boundary into this file")
@@ -101,7 +102,7 @@ def main(arguments: list[str] | None = None) -> None:
         made.save(Path(folder) / "boundary.data")
         net = gt.DislocationNetwork.read(Path(folder) / "boundary.data")
     ask_the_boundary(net, apart)
-    print("one piece taken out:")
+    print("one piece removed:")
     break_a_line(made)
     if options.picture is not None:
         circuit = gt.Loop.plaquette([12, 20, 75], (120, 150), plane=(1, 2))

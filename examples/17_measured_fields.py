@@ -3,10 +3,11 @@
     python examples/17_measured_fields.py
     python examples/17_measured_fields.py field.npz --size 24 --pictures out
 
-An edge dislocation of b = 0.286 nm in aluminium, seen in three ways. Image correlation gives its
-displacement, which jumps by b across a cut that nobody sees; differences across it would give none.
-Diffraction gives strain and rotation, and nothing in the core: the circuit round the hole gives b
-all the same. Tracked particles give it at scattered points. Each has noise, and each error says so.
+An edge dislocation of b = 0.286 nm in aluminium is measured in three ways. Image correlation gives
+its displacement, which jumps by b across an invisible cut; differences across the cut would lose b.
+Diffraction gives strain and rotation but nothing in the core; the circuit around this hole still
+gives b. Tracked particles give the displacement at scattered points. Each measurement has noise,
+and each result has an error.
 """
 
 import argparse
@@ -30,7 +31,7 @@ def displacement(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def distortion(x: np.ndarray, y: np.ndarray, step: float = 1e-4) -> np.ndarray:
-    """d_j u_i: differences on both sides, across which nothing jumps by more than rounding."""
+    """d_j u_i by central differences, with no jump between their points."""
     cut = (y > -step) & (y < step) & (x < 0)
     assert not cut.any()
     sides = [(step, 0.0), (0.0, step)]
@@ -42,20 +43,20 @@ def distortion(x: np.ndarray, y: np.ndarray, step: float = 1e-4) -> np.ndarray:
 
 
 def tell(what: str, b: Burgers, bound: float) -> None:
-    """A result with its error; it must be right within three times that."""
+    """Print a result with its error, and check that it is right within three times this error."""
     print(f"{what}: {b}, significance {b.significance:.0f}")
     assert np.abs(b.vector - B).max() < 3 * b.error < bound
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Displacement, strain with rotation, scattered points; then a file, if one is given."""
+    """Measure displacement, strain with rotation, scattered points, and a file if one is given."""
     parser = argparse.ArgumentParser(description="Burgers vectors of measured fields.")
     parser.add_argument("file", nargs="?", type=Path, help="a field: .npz, .nc, .csv, .h5, .vtk")
-    parser.add_argument("--size", type=int, default=24, help="cells along a side of the squares")
+    parser.add_argument("--size", type=int, default=24, help="cells along a side of a square")
     parser.add_argument("--pictures", type=Path, help="write a picture into this folder")
     options = parser.parse_args(arguments)
     rng = np.random.default_rng(1)
-    # No node on the line of the cut.
+    # The grid has no node on the line of the cut.
     x, y = np.meshgrid(LINE, LINE + 0.03, indexing="ij")
     axes = [LINE, LINE + 0.03]
     circle = gt.Loop.circle([0, 0], 3)
@@ -72,7 +73,7 @@ def main(arguments: list[str] | None = None) -> None:
     beta = distortion(x, y) + 5e-3 * rng.normal(size=(2, 2, *x.shape))
     strain, turn = (beta + beta.swapaxes(0, 1)) / 2, (beta[1, 0] - beta[0, 1]) / 2
     core = np.hypot(x, y) < 0.8
-    # Halves of the same off-diagonal values are in strain and rotation: components correlate.
+    # Strain and rotation contain halves of the same off-diagonal values, so components correlate.
     field = gt.SampledFrame.from_strain_rotation(
         axes, strain, turn, mask=core, covariance="estimate", unit="nm"
     )

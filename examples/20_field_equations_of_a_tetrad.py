@@ -1,12 +1,12 @@
-"""Field equations of a tetrad: f(T) cosmology, and what the antisymmetric part says of a tetrad.
+"""Field equations of a tetrad: f(T) cosmology, and a test of the tetrad by the antisymmetric part.
 
     python examples/20_field_equations_of_a_tetrad.py
     python examples/20_field_equations_of_a_tetrad.py --lagrangian "T + c*T**2"
 
-The coframe is differentiated by three formulas that hold for every Lagrangian; f stays unknown.
+Three formulas that hold for every Lagrangian give the field equations; f stays unknown.
 In the coframe (dt, a dx, a dy, a dz) the antisymmetric part of the equations vanishes. The coframe
-(dt, a dr, a r dtheta, a r sin(theta) dphi) has the same metric and fails: its legs turn from place
-to place, and the connection that calls them parallel does not belong to the cosmos.
+(dt, a dr, a r dtheta, a r sin(theta) dphi) has the same metric and fails: its legs turn from point
+to point, and the connection in which they are parallel does not have the symmetry of the cosmos.
 """
 
 import argparse
@@ -18,7 +18,7 @@ from geomtorsion import gravity
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Print the equations of both tetrads, and check them against the known ones."""
+    """Print the equations of both tetrads and check them against known equations."""
     parser = argparse.ArgumentParser(description="Field equations of a Lagrangian of torsion.")
     parser.add_argument("--lagrangian", default="f(T)")
     lagrangian = parser.parse_args(arguments).lagrangian

@@ -2,10 +2,10 @@
 
     python examples/21_kerr_de_sitter_with_torsion.py
 
-McCrea, Baekler and Guerses (1987) found a black hole whose mass makes torsion. It solves the field
+McCrea, Baekler and Guerses (1987) found a black hole whose mass causes torsion. It solves the field
 equations of a family of Lagrangians that are quadratic in torsion and curvature. Mass, spin,
-cosmological constant and coupling constants stay symbols, and zero is proved. A wrong coupling is
-noticed. The irreducible parts say what kind of torsion and curvature the space has.
+cosmological constant and coupling constants stay symbols, and zero is proved. A wrong coupling
+gives a result that is not zero. The irreducible parts show the kind of torsion and curvature.
 """
 
 import argparse
@@ -43,7 +43,7 @@ def main(arguments: list[str] | None = None) -> None:
     assert not free.E.is_zero
     assert not free.C.is_zero
 
-    # Known: with the right coupling both vanish, and without mass the torsion does.
+    # Known: with the right coupling both vanish, and R of the metric is 4 Lambda.
     right = gravity.equations(connection, LAGRANGIAN.format(b=SOLVED))
     assert right.E.is_zero
     assert right.C.is_zero

@@ -2,10 +2,10 @@
 
     python examples/22_which_path_does_a_body_take.py
 
-In a space with torsion the straightest and the shortest lines differ. Where matter couples to the
-metric, conservation of energy and momentum leaves no choice: a body without spin moves on a
-geodesic (Papapetrou 1951; Yasskin and Stoeger 1980). Fiziev and Kleinert 1994 take autoparallels.
-This script shows by four exact facts how far apart the two claims are, and what spin changes.
+In a space with torsion the straightest and the shortest lines differ. If matter couples to the
+metric, conservation of energy and momentum decides: a body without spin moves on a geodesic
+(Papapetrou 1951; Yasskin and Stoeger 1980). Fiziev and Kleinert 1994 claim autoparallels. This
+script shows four exact facts about the two claims and about spin, and the orbit of a spinning body.
 """
 
 import argparse
@@ -18,7 +18,7 @@ import geomtorsion as gt
 
 
 def hover_in_schwarzschild() -> None:
-    """With the static tetrad a body at rest stays at rest on an autoparallel: it does not fall."""
+    """With the static tetrad a body at rest stays at rest on an autoparallel and does not fall."""
     hole = gt.spaces.load("schwarzschild").frame
     force = gt.cartan(hole).torsion.force([1, 0, 0, 0])
     fall = gt.levi_civita(hole).coefficients
@@ -30,9 +30,7 @@ def hover_in_schwarzschild() -> None:
     short = gt.solve(gt.geodesic(hole, *rest, parameters=mass), 20.0)
     assert np.all(straight["r"] == 10.0)
     assert short["r"][-1] < 9.0
-    print(
-        f"  after a proper time of 20 M: r = 10 on the autoparallel, {short['r'][-1]:.3f} falling"
-    )
+    print(f"  after a proper time of 20 M: autoparallel r = 10, geodesic r = {short['r'][-1]:.3f}")
 
 
 def redshift_in_cosmology() -> None:
@@ -50,7 +48,7 @@ def redshift_in_cosmology() -> None:
 
 
 def spin_in_axial_torsion() -> None:
-    """Totally antisymmetric torsion bends no path; it turns spin, that of Dirac thrice as fast."""
+    """Totally antisymmetric torsion changes no path; a Dirac spin rotates three times as fast."""
     space = gt.spaces.load("axial_torsion")
     assert space.connection is not None
     assert space.connection.torsion.force_coefficients.is_zero
@@ -58,8 +56,8 @@ def spin_in_axial_torsion() -> None:
     pauli = [np.array([[0, 1], [1, 0]]), np.array([[0, -1j], [1j, 0]]), np.diag([1, -1])]
     gamma = [np.block([[unit, empty], [empty, -unit]])]
     gamma += [np.block([[empty, sigma], [-sigma, empty]]) for sigma in pauli]
-    # K_cab = [cab] for c, a, b of 0, 1, 2: the part of the Hamiltonian gamma^0 gamma^c K_cab
-    # gamma^a gamma^b / 4 that turns spin about the third axis.
+    # K_cab = [cab] for c, a, b in 0, 1, 2: the part of the Hamiltonian gamma^0 gamma^c K_cab
+    # gamma^a gamma^b / 4 that rotates spin about the third axis.
     terms = {}
     for order in ((0, 1, 2), (1, 2, 0), (2, 0, 1), (0, 2, 1), (2, 1, 0), (1, 0, 2)):
         sign = round(np.linalg.det(np.eye(3)[list(order)]))
@@ -69,12 +67,12 @@ def spin_in_axial_torsion() -> None:
     total = terms[0] + terms[1] + terms[2]
     assert np.allclose(total, 3 * terms[0])
     print(
-        "Axial torsion: no path changes; a Dirac spin turns 3 times as fast as a parallel vector."
+        "Axial torsion: no path changes; a Dirac spin rotates 3 times as fast as a parallel vector."
     )
 
 
 def rotating_frame() -> None:
-    """In a rotating frame T_[012] = -2 Omega/3, and a Dirac spin turns with Omega (Mashhoon)."""
+    """In a rotating frame T_[012] = -2 Omega/3, and a Dirac spin rotates with Omega (Mashhoon)."""
     t, x, y, z, turn = sp.symbols("t x y z Omega")
     rows = [[1, 0, 0, 0], [-turn * y, 1, 0, 0], [turn * x, 0, 1, 0], [0, 0, 0, 1]]
     frame = gt.Frame([t, x, y, z], rows, signature=(-1, 1, 1, 1))
@@ -82,14 +80,14 @@ def rotating_frame() -> None:
     assert axial[0, 1, 2] == -2 * turn / 3
     # The metric connection differs from parallel legs by K = T/2; Dirac's factor is 3.
     assert 3 * axial[0, 1, 2] / 2 == -turn
-    print(f"Rotating frame: T_[012] = {axial[0, 1, 2]}, so that a Dirac spin turns with Omega.")
+    print(f"Rotating frame: T_[012] = {axial[0, 1, 2]}, so a Dirac spin rotates with Omega.")
 
 
 def spin_changes_the_orbit(radius: float) -> float:
-    """A spinning body on a circle around a black hole: Omega_0 (1 - (3/2) (s/m) Omega_0)."""
+    """Frequency of a spinning body on a circular orbit: Omega_0 (1 - (3/2) (s/m) Omega_0)."""
     hole = gt.levi_civita(gt.spaces.load("schwarzschild").frame)
     spin, kepler = 0.01, radius**-1.5
-    # Local speed of a circular geodesic; that of a body with spin lies near.
+    # Local speed of a circular geodesic; the speed of a body with spin is close to it.
     near = 1 / math.sqrt(radius - 2)
 
     def body(speed: float, s: float) -> gt.ODE:
@@ -114,7 +112,7 @@ def spin_changes_the_orbit(radius: float) -> float:
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """The facts, one after the other; each ends in an assertion."""
+    """Show the facts one after the other; each ends in an assertion."""
     parser = argparse.ArgumentParser(description="Three kinds of path.")
     parser.add_argument("--radius", type=float, default=10.0, help="radius of the circle, in M")
     options = parser.parse_args(arguments)

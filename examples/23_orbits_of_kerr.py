@@ -1,12 +1,12 @@
-"""Orbits around a rotating black hole: from their shape to their frequencies, and how one ends.
+"""Orbits around a rotating black hole: constants, frequencies, and the end of a plunge.
 
     python examples/23_orbits_of_kerr.py
     python examples/23_orbits_of_kerr.py --shape 0.9 6 0.3 0.5
 
 A bound orbit is given by the spin a, the semilatus rectum p, the eccentricity e and the cosine x of
 its inclination. It has three frequencies, which no finite piece of it shows exactly. They exist
-because energy, angular momentum and Carter's constant are conserved. The script finds all
-three from the frame.
+because energy, angular momentum and Carter's constant are conserved. The script finds all three
+constants from the frame.
 """
 
 import argparse
@@ -20,7 +20,7 @@ KINETIC = "(-u1**2 + u2**2 + u3**2 + u4**2)/2"
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Find the constants, print the frequencies, follow the orbit, stop a plunge."""
+    """Find the constants, print the frequencies, follow the orbit, and stop a plunge."""
     parser = argparse.ArgumentParser(description="Orbits of Kerr's space.")
     parser.add_argument(
         "--shape", type=float, nargs=4, default=[0.9, 6, 0.3, 0.5], metavar=("a", "p", "e", "x")
@@ -29,7 +29,7 @@ def main(arguments: list[str] | None = None) -> None:
 
     kerr = gt.spaces.load("kerr").frame
     found = gt.conserved_quantities(kerr, KINETIC)
-    print("Conserved along every geodesic of Kerr's space:")
+    print("Conserved along each geodesic of Kerr's space:")
     for name, value in found.items():
         print(f"    {name}: {value}")
     assert "killing tensor 1" in found, "Carter's constant"
@@ -52,16 +52,16 @@ def main(arguments: list[str] | None = None) -> None:
     proper = float(mino["tau"][-1])
     curve = gt.solve(orbit.geodesic(), proper)
     gap = abs(float(curve.coordinates[-1, 2] - mino["theta"][-1]))
-    print(f"\nFrom periapsis to periapsis in proper time {proper:.6f}; both ways to {gap:.1e}")
+    print(f"\nFrom periapsis to periapsis in proper time {proper:.6f}; both agree to {gap:.1e}")
     assert gap < 1e-7
     (back,) = gt.solve(orbit.geodesic(), 1.2 * proper).event_times("u2", 1)
     assert abs(back - proper) < 1e-6 * proper
 
-    # A plunge ends where it is asked to, in whichever chart it is then.
+    # A plunge ends at the requested radius, in the chart that it uses there.
     start = ([0, 10, math.pi / 2, 0], [1.3, -0.3, 0, 0.03])
     plunge = gt.geodesic(kerr, *start, parameters={"M": 1, "a": 0.5}, stop="r - 1.7")
     ended = gt.solve(plunge, 25.0)
-    print(f"A plunge from r = 10 passes r = 1.7 at {ended.times[-1]:.8f}, by {ended.charts}")
+    print(f"A plunge from r = 10 passes r = 1.7 at {ended.times[-1]:.8f}, in charts {ended.charts}")
     assert ended.stopped_by == "r - 1.7"
     assert abs(float(ended.event_times("r - 3")[0]) - 19.56305262) < 1e-8
 

@@ -1,7 +1,8 @@
-"""Tests of the package; where several workers share them, each takes one core."""
+"""Tests of the package; when several workers run them, each worker uses one core."""
 
 import os
 
-# Threads of BLAS that wait for those of other workers spend more time than they save. Set where
-# the workers are started: in a worker numpy is there already, by the plugins of other packages.
+# The BLAS threads of one worker, waiting for the threads of the others, cost more time than they
+# save. The variable is set in the process that starts the workers: within a worker the plugins of
+# other packages have already imported numpy.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

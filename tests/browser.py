@@ -1,4 +1,4 @@
-"""A browser and a served page, started once and shared by the tests that need them."""
+"""Browser and served page, started once and shared by the tests that need them."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ import pytest
 
 from tests.teaching.lab.serving import served
 
-# Where a browser may be named, and whether its absence is a failure.
+# The variable that names a browser, and those that turn a missing browser into a failure.
 NAMED, NEEDED = "GEOMTORSION_BROWSER", ("CI", "GEOMTORSION_NEED_BROWSER")
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-# One process draws all pages, which show the same: each of several would read the scripts again.
+# One process renders all pages, which are the same page: several would each load the scripts again.
 FLAGS = (
     "--headless", "--no-sandbox", "--disable-gpu", "--renderer-process-limit=1",
     "--disable-site-isolation-trials",
 )  # fmt: skip
 WINDOW = {"width": 1200, "height": 900}
-# Milliseconds that a page may take to show what is waited for, on a loaded machine.
+# Longest time in milliseconds to wait for a change of the page, on a loaded machine.
 PATIENCE = 30_000
 FIRST_TAB = "The compass"
 MISSING = (
@@ -34,7 +34,7 @@ MISSING = (
 
 
 def _absent(reason: str) -> NoReturn:
-    """Fail where a browser is needed, skip elsewhere."""
+    """Fail where a browser is required, skip elsewhere."""
     if any(os.environ.get(name) for name in NEEDED):
         pytest.fail(reason)
     pytest.skip(reason)
@@ -42,7 +42,7 @@ def _absent(reason: str) -> NoReturn:
 
 @pytest.fixture(scope="session")
 def playwright() -> Iterator[Any]:
-    """What drives all browsers of a process, of which Playwright allows one."""
+    """The Playwright driver of all browsers; a process may have only one."""
     try:
         from playwright.sync_api import sync_playwright
     except ImportError:
@@ -53,7 +53,7 @@ def playwright() -> Iterator[Any]:
 
 @contextmanager
 def _chromium(launch: Callable[..., Any], *where: str, **options: Any) -> Iterator[Any]:
-    """Chromium: what a way to launch it gives, closed at the end."""
+    """Chromium, started by the given method of launching and closed at the end."""
     from playwright.sync_api import Error
 
     named = os.environ.get(NAMED, "")
@@ -68,21 +68,21 @@ def _chromium(launch: Callable[..., Any], *where: str, **options: Any) -> Iterat
 
 @pytest.fixture(scope="session")
 def browser(playwright: Any) -> Iterator[Any]:
-    """A browser without any window."""
+    """Browser without an open window."""
     with _chromium(playwright.chromium.launch) as launched:
         yield launched
 
 
 @pytest.fixture(scope="session")
 def address() -> Iterator[str]:
-    """Where the page is served."""
+    """Address at which the page is served."""
     with served() as url:
         yield url
 
 
 @dataclass
 class Watched:
-    """A page with everything that went wrong on it, and everything it asked for."""
+    """A page, the errors on it and the addresses that it requested."""
 
     page: Any
     errors: list[str] = field(default_factory=list)
@@ -94,9 +94,9 @@ class Watched:
         return self.page
 
     def says(self, selector: str, text: str | re.Pattern[str]) -> str:
-        """Wait until a part of the page says this; the whole of what it says then.
+        """Wait until a part of the page contains a text; return the full text of that part.
 
-        Parts are drawn anew when something changes: for a moment they are not there at all.
+        A part is drawn again after a change, and for a moment it does not exist.
         """
         from playwright.sync_api import expect
 
@@ -105,11 +105,11 @@ class Watched:
         return part.inner_text()
 
     def typed(self, texts: dict[str, str], shown: Any) -> None:
-        """Type into fields, by their labels, until what follows from it is shown.
+        """Type into fields, found by their labels, until the expected result is shown.
 
-        A field that has just been drawn shows what is typed and forgets to tell of it, for some
-        tenths of a second, and nobody can see when that ends. What is typed again has to differ:
-        spaces mean nothing here.
+        A field that was just drawn shows typed text but does not report it for some tenths of a
+        second, and the end of this time is not visible. Text that is typed again has to differ, so
+        each attempt appends spaces, which have no meaning here.
         """
         from playwright.sync_api import expect
 
@@ -125,9 +125,9 @@ class Watched:
 
 @pytest.fixture(scope="session")
 def context(playwright: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    """Windows of one browser, which loads what the page is made of once.
+    """Windows of one browser, which loads the parts of the page only once.
 
-    With a folder of its own it keeps scripts compiled, too: a third of what a load takes.
+    A folder of its own also lets the browser keep compiled scripts, a third of the loading time.
     """
     folder = str(tmp_path_factory.mktemp("browser"))
     launch = playwright.chromium.launch_persistent_context
@@ -136,7 +136,7 @@ def context(playwright: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterat
 
 
 def opened(context: Any) -> Watched:
-    """An empty page that is watched."""
+    """Open an empty page and record its errors and requests."""
     page = context.new_page()
     page.set_default_timeout(PATIENCE)
     seen = Watched(page)
@@ -147,7 +147,7 @@ def opened(context: Any) -> Watched:
 
 
 def loaded(seen: Watched, address: str) -> Watched:
-    """The page, with its first tab ready."""
+    """Open the page and wait for its first tab."""
     seen.page.goto(address)
     seen.page.wait_for_selector("#compass iframe")
     return seen
@@ -155,7 +155,7 @@ def loaded(seen: Watched, address: str) -> Watched:
 
 @pytest.fixture
 def watched(context: Any) -> Iterator[Watched]:
-    """An empty page; what it logs as an error fails the test."""
+    """An empty page; any error that it logs fails the test."""
     seen = opened(context)
     yield seen
     seen.page.close()
@@ -170,15 +170,15 @@ def lab(watched: Watched, address: str) -> Watched:
 
 @pytest.fixture(scope="session")
 def standing_pages() -> list[Watched]:
-    """The page that stands open between the tests that leave it as they found it."""
+    """The page that stays open between the tests that leave it unchanged."""
     return []
 
 
 @pytest.fixture
 def standing(context: Any, address: str, standing_pages: list[Watched]) -> Iterator[Watched]:
-    """The page as it was when it was loaded, for a test that leaves it so: a load takes seconds.
+    """The page as first loaded, for a test that leaves it unchanged; loading it takes seconds.
 
-    The address tells what was changed. Where that is anything but the tab, another is loaded.
+    The address shows the changes. After a change of anything but the tab, the page is loaded again.
     """
     if not (standing_pages and _is_untouched(standing_pages[0])):
         for seen in standing_pages:
@@ -192,5 +192,5 @@ def standing(context: Any, address: str, standing_pages: list[Watched]) -> Itera
 
 
 def _is_untouched(seen: Watched) -> bool:
-    """Whether all input of a page is what it was at first, and nothing has gone wrong on it."""
+    """Whether all input of a page has its first value and the page has logged no error."""
     return not seen.errors and parse_qs(urlsplit(seen.page.url).query).keys() <= {"tab"}

@@ -1,10 +1,10 @@
-"""How tests are dealt out to several workers: those of one folder go to one."""
+"""By folder: a scheduler that gives all tests of one folder to one worker."""
 
 from xdist.scheduler import LoadScopeScheduling
 
 
 class ByFolder(LoadScopeScheduling):
-    """Tests of one folder go to one worker: what they share is made once."""
+    """All tests of one folder go to one worker, so that their shared objects are made once."""
 
     def _split_scope(self, nodeid: str) -> str:
         return "/".join(nodeid.partition("::")[0].split("/")[:2])

@@ -1,4 +1,4 @@
-"""Canary: a text that would leave a trace if it were ever run, put wherever values come in."""
+"""Canary: a text that leaves a trace when it is executed, put wherever a value enters."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ import numpy as np
 import sympy as sp
 
 EVENT = "geomtorsion.canary"
-# Whoever evaluates this as Python raises an audit event; nothing else happens.
+# Evaluating this text as Python raises an audit event and does nothing else.
 PAYLOAD = f"__import__('sys').audit('{EVENT}')"
 MARK = "geomtorsion.canary"
 FORBIDDEN = ("os.system", "os.exec", "os.posix_spawn", "subprocess.Popen", "pty.spawn")
 
 
 class Watch:
-    """Audit hook of this process, watching only while it is switched on; there is one (`WATCH`)."""
+    """Audit hook of this process, active only while it is switched on; there is one (`WATCH`)."""
 
     def __init__(self) -> None:
         self.on = False
@@ -29,7 +29,7 @@ class Watch:
         if not self.on:
             return
         if event == EVENT or event in FORBIDDEN:
-            # The examiner of exercises is a process of our own, which never sees a payload here.
+            # The process that grades exercises is our own; it never receives a payload here.
             if event != "subprocess.Popen" or args[0] != sys.executable or MARK in str(args[1]):
                 self.seen.append(event)
         elif event in ("compile", "exec") and args and MARK in source_of(args[0]):
@@ -40,7 +40,7 @@ class Watch:
             self.seen.append(f"{args[0]} opened for writing")
 
     def during(self, call: Callable[[], Any]) -> tuple[BaseException | None, list[str]]:
-        """What a call ended in, and what it did that it must not do."""
+        """The error of a call, if any, and the forbidden actions that it took."""
         if not self.installed:
             sys.addaudithook(self.hook)
             self.installed = True
@@ -56,7 +56,7 @@ class Watch:
 
 
 def source_of(code: Any) -> str:
-    """The text that is compiled, or the constants and names of what is executed."""
+    """The text to compile, or the constants and names of code to execute."""
     if isinstance(code, bytes):
         return code.decode("utf-8", "replace")
     if isinstance(code, str):
@@ -68,7 +68,7 @@ WATCH = Watch()
 
 
 class Disguised:
-    """An object that writes itself as the payload, as sympify would read it."""
+    """An object whose text is the payload, which sympify would evaluate."""
 
     def __str__(self) -> str:
         return PAYLOAD
@@ -77,13 +77,13 @@ class Disguised:
 
 
 class Listed(list):
-    """A list that writes itself as the payload."""
+    """A list whose text is the payload."""
 
     __str__ = __repr__ = Disguised.__str__
 
 
 def payloads() -> dict[str, Any]:
-    """The payload bare and nested, by name."""
+    """The payload by itself and nested, by name."""
     return {
         "text": PAYLOAD,
         "list": [PAYLOAD],
@@ -104,13 +104,13 @@ def payloads() -> dict[str, Any]:
     }
 
 
-# Inside a valid argument fewer shapes are tried.
+# Inside a valid argument only these shapes are tried.
 INNER = ("text", "tuple", "scalar", "object", "symbol")
 
 
 @dataclass
 class Case:
-    """A call that works, and the arguments that it works with."""
+    """A valid call and its arguments."""
 
     name: str
     call: Callable[..., Any]
@@ -118,7 +118,7 @@ class Case:
 
 
 def poisoned(case: Case) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Arguments of a call with the payload in one place each: label and arguments."""
+    """Arguments of a call with the payload at one position each, as pairs (label, arguments)."""
     shapes = payloads()
     for key, value in case.arguments.items():
         for shape, payload in shapes.items():
@@ -130,7 +130,7 @@ def poisoned(case: Case) -> Iterator[tuple[str, dict[str, Any]]]:
 
 
 def leaves(value: Any, depth: int = 0) -> Iterator[tuple[str, Callable[[Any], Any]]]:
-    """Places inside lists, tuples and tables, each with a function that puts something there."""
+    """Positions inside lists, tuples and tables, each with a function that replaces its value."""
     if depth > 3:
         return
     if isinstance(value, list | tuple) and not hasattr(value, "_fields"):

@@ -1,4 +1,4 @@
-"""Canary cases: one call that works for every public function, class and method of values."""
+"""Canary cases: one valid call of each public function, class and method of values."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ def _with_matter(matter: Any) -> Any:
 
 
 def public_functions() -> list[Case]:
-    """Everything that geomtorsion exports itself."""
+    """All names that geomtorsion exports itself."""
     u1, u2 = sp.symbols("u1 u2")
     energy = {"lagrangian": (u1**2 + u2**2) / 2, "forces": [0, 0], "constraints": None}
     energy |= {"principle": "closed_in_coordinates", "parameters": None, "connection": None}
@@ -283,7 +283,7 @@ def public_functions() -> list[Case]:
 
 
 def public_methods() -> list[Case]:
-    """Methods that take values, and other ways to make things."""
+    """Methods that take values, and other constructors."""
     loop = gt.Loop
     return [
         _of(
@@ -508,19 +508,19 @@ def _metric_at(a: Any, b: Any) -> Any:
 
 
 def _cycle_with(position: Any) -> Any:
-    """A loop through the nodes of a graph, one of which stands at a given place."""
+    """A loop through the nodes of a graph; one node has the given position."""
     graph = TRIANGLE.copy()
     graph.nodes[0]["position"] = position
     return gt.Loop.from_cycle(graph, [0, 1, 2])
 
 
 def _selected(**given: Any) -> Any:
-    """What a scene with this start follows."""
+    """The states that a scene with this start integrates."""
     return scenes.Scene(BODY, [effects.Gravity(1)], scenes.State(**given)).selection
 
 
 def _with_effect(make: Callable[..., Any]) -> Callable[..., Any]:
-    """A scene with an effect: parameters that the effect keeps come to sympy there."""
+    """The selection of a scene with an effect, which passes the effect's parameters to sympy."""
 
     def call(**given: Any) -> Any:
         effect = make(**given)
@@ -531,7 +531,7 @@ def _with_effect(make: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def scene_cases() -> list[Case]:
-    """Bodies, starts, scenes and every effect."""
+    """Bodies, starts, scenes and all effects."""
     vector = (0, 0, 1)
     given: dict[str, dict[str, Any]] = {
         "Gravity": {"g": 9.81},
@@ -602,8 +602,8 @@ def other_cases() -> list[Case]:
     ]
 
 
-# Results: what the package makes itself from what was checked. Nobody reads them from outside,
-# except from files, whose readers are tested.
+# Results: the package makes them itself from checked input. They enter from outside only through
+# files, and the readers of files are tested.
 RESULTS = frozenset(
     "BurgersMap BurgersVector CostRow CostTable Development EnclosedDefect Ensemble "
     "EquationsOfMotion ExactBurgersVector IdentityCheck LogMap NodeRule SavedSolution SceneCost "

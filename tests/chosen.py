@@ -1,4 +1,4 @@
-"""Chosen: which of all combinations stay in the normal run, spread over all of them."""
+"""Chosen: the combinations that stay in the normal run, spread evenly over all combinations."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ import pytest
 
 
 def one_in(count: int, *choices: Sequence[Any]) -> list[Any]:
-    """All combinations; those whose places do not add up to a multiple of a count are slow.
+    """All combinations; those whose positions do not add up to a multiple of `count` are slow.
 
-    Of three choices every pair of two stays, where the third has so many; of two every single one.
+    With three choices each pair of two choices stays, if the third choice has at least `count`
+    entries; with two choices each single entry stays.
     """
     return [
         pytest.param(

@@ -1,4 +1,4 @@
-"""Settings of the whole suite: random tests repeat themselves, nothing stays set; one browser."""
+"""Settings of the suite: repeatable random tests, unchanged global settings, one shared browser."""
 
 import decimal
 import gc
@@ -33,24 +33,25 @@ settings.register_profile("geomtorsion", deadline=None, derandomize=True, print_
 settings.load_profile("geomtorsion")
 
 
-# What takes longest, or waits for a browser: nothing of it is to be left for one worker at the end.
+# Tests that take longest or wait for a browser: they start first, so that none is left for one
+# worker at the end.
 LONG = ("tests/teaching/lab/", "tests/test_types.py", "tests/hard/")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """--prove: results of the hard cases are proved as well, which takes some minutes."""
+    """--prove: prove the results of the hard cases as well, which takes some minutes."""
     parser.addoption("--prove", action="store_true", help="prove the results of tests/hard")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with what takes long."""
+    """Run the long tests first."""
     items.sort(key=lambda item: not item.nodeid.startswith(LONG))
 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> object:
-    """Folders in the order in which tests stand, not those of most tests first."""
-    # The Python of browsers, where parts of the suite run, has no workers.
+    """Run the folders in the order of their tests, not the folder with most tests first."""
+    # The Python in a browser, which runs parts of the suite, has no workers.
     from tests.by_folder import ByFolder
 
     config.option.loadscopereorder = False
@@ -58,22 +59,22 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> object:
 
 
 def pytest_collection(session: pytest.Session) -> None:
-    """Do not look for rubbish among what is collected: all of it is kept."""
+    """Collect no garbage while tests are collected: every object is kept."""
     gc.disable()
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:
-    """Look for rubbish of tests only, and seldom: looking through all tests again takes a second
-    each time, and as often as by itself a tenth of the whole run."""
+    """Collect garbage of tests only, and seldom: each pass over all collected tests takes a second,
+    and at the default frequency a tenth of the whole run."""
     gc.enable()
     gc.freeze()
     gc.set_threshold(50_000, 20, 20)
 
 
 def global_settings() -> dict[str, Any]:
-    """What libraries keep for the whole process, and what users would notice if it changed."""
+    """Settings that libraries keep for the whole process and whose change a user would notice."""
     exact = decimal.getcontext()
-    # On import packages filter single messages and classes of their own, which misleads nobody.
+    # On import some packages filter single messages and classes of their own; this is harmless.
     filters = [x for x in warnings.filters if x[1] is None and x[2].__module__ == "builtins"]
     return {
         "mpmath precision": mpmath.mp.prec,
@@ -88,7 +89,7 @@ def global_settings() -> dict[str, Any]:
 
 @pytest.fixture(autouse=True)
 def nothing_stays_set() -> Iterator[None]:
-    """Global settings of other libraries are the same after every test."""
+    """The global settings of other libraries are the same after each test."""
     before = global_settings()
     yield
     after = global_settings()

@@ -1,4 +1,4 @@
-"""What is copied in tests: things of every public kind, and what is asked of their copies."""
+"""Copied: an object of each public kind, and the questions that a test asks of its copies."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ X, Y, T = sp.symbols("x y t")
 
 
 def things() -> dict[str, Any]:
-    """One of each kind by name."""
+    """One object of each kind, by name."""
     so3, kerr = gt.spaces.load("so3").frame, gt.spaces.load("kerr").frame
     start, velocity = [0.3, 1.0, 0.2], [0.1, 0.5, -0.2]
     straight = gt.autoparallel(gt.cartan(so3), start, velocity)
@@ -71,7 +71,7 @@ def _moment(found: Any) -> dict[str, Any]:
     return {name: found.values[name] for name in found.values}
 
 
-# What is asked, by the beginning of the name.
+# Questions to an object, by the beginning of its name.
 QUESTIONS: dict[str, Callable[[Any], Any]] = {
     "frame": lambda frame: [str(frame), gt.levi_civita(frame).curvature.scalar[()], frame.branches],
     "complex": lambda frame: [str(frame), frame.quantity("ricci").is_zero, frame.complex],
@@ -103,7 +103,7 @@ QUESTIONS: dict[str, Callable[[Any], Any]] = {
 
 
 def answers(name: str, thing: Any) -> str:
-    """What a thing gives, every bit of it, as one text."""
+    """The answers of an object as one text, to the last bit."""
     key = max((k for k in QUESTIONS if name.startswith(k)), key=len)
     return _written(QUESTIONS[key](thing))
 
@@ -119,7 +119,7 @@ def _written(value: Any) -> str:
 
 
 def main(source: str, target: str) -> None:
-    """Load pickled things in this process and write what they give."""
+    """Load pickled objects in this process and write their answers."""
     copies = pickle.loads(Path(source).read_bytes())
     found = {name: answers(name, thing) for name, thing in copies.items()}
     Path(target).write_bytes(pickle.dumps(found))

@@ -1,4 +1,4 @@
-"""Damage: files spoilt at random in every way that a disk, a transfer or a hand can spoil them."""
+"""Damage: files spoilt at random as a disk, a transfer or a hand can spoil them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-# What stands in the place of a value of JSON: other kinds, other sizes, and hostile texts.
+# Replacements for a JSON value: other kinds, other sizes, and hostile texts.
 VALUES: tuple[Any, ...] = (
     None, True, False, 0, 1, -1, 2, 10**6, 10**30, -(10**30), 1e308, -1e308, 0.5, 1e-320, "", "x",
     "-1", "1e999", "nan", "inf", "0x1p+9999", "a" * 5000, "__import__('os')", "9**9**9", "é\0",
@@ -28,13 +28,13 @@ class Hang(BaseException):
 
 @contextmanager
 def within(seconds: float) -> Iterator[None]:
-    """Raise `Hang` in what takes longer."""
+    """Raise `Hang` after a number of seconds."""
 
     def ring(_number: int, _frame: Any) -> None:
         raise Hang
 
     before = signal.signal(signal.SIGALRM, ring)
-    # Again where a callback of the garbage collector, such as hypothesis has one, swallows it.
+    # The alarm repeats: a callback of the garbage collector (hypothesis has one) may swallow it.
     signal.setitimer(signal.ITIMER_REAL, seconds, 1.0)
     try:
         yield
@@ -47,7 +47,7 @@ def within(seconds: float) -> Iterator[None]:
 
 
 def spoilt_bytes(whole: bytes, draw: random.Random) -> bytes:
-    """Bytes changed, cut out, doubled, or the end missing."""
+    """Bytes changed, removed or doubled, or the end missing."""
     data = bytearray(whole)
     for _ in range(draw.choice((1, 1, 2, 5))):
         place = draw.randrange(max(len(data), 1))
@@ -68,7 +68,7 @@ def spoilt_bytes(whole: bytes, draw: random.Random) -> bytes:
 
 # -- words ----------------------------------------------------------------------------------------
 
-# What stands in the place of a number or a name.
+# Replacements for a number or a name.
 WORDS = (
     "nan", "inf", "-1", "0", "1e999", "1e-320", "1e308", "-1e308", "1_0", "0x10", "9" * 30, "x",
     "0,0", "7,", ",", "1.5", "__import__('os')", "#", "[", "]", "=", "é", "1;2", "\t", "2**31",
@@ -76,7 +76,7 @@ WORDS = (
 
 
 def spoilt_words(whole: bytes, draw: random.Random) -> bytes:
-    """Words of a text replaced, dropped, doubled or exchanged, and rows likewise."""
+    """Words of a text replaced, dropped, doubled or exchanged; rows as well."""
     rows = [row.split() for row in whole.decode().split("\n")]
     for _ in range(draw.choice((1, 1, 1, 2, 4))):
         filled = [k for k, row in enumerate(rows) if row]
@@ -129,7 +129,7 @@ def _spoilt_value(data: Any, draw: random.Random) -> Any:
 
 
 def _places(data: Any) -> Iterator[tuple[Any, Any]]:
-    """Every (holder, key) of a value of JSON."""
+    """Each pair (holder, key) within a JSON value."""
     keys = data if isinstance(data, dict) else range(len(data)) if isinstance(data, list) else ()
     for key in list(keys):
         yield data, key
@@ -140,7 +140,7 @@ def _places(data: Any) -> Iterator[tuple[Any, Any]]:
 
 
 def spoilt_npz(whole: bytes, draw: random.Random) -> bytes:
-    """An NPZ file with something wrong in it: bytes, members, arrays, headers or its JSON."""
+    """An NPZ file with damaged bytes, members, arrays, headers or JSON."""
     return draw.choice((_bytes, _members, _arrays, _arrays, _headers, _json, _json, _json))(
         whole, draw
     )
@@ -156,10 +156,10 @@ def _contents(whole: bytes) -> dict[str, bytes]:
 
 
 def packed(members: list[tuple[str, bytes]], kind: int = zipfile.ZIP_DEFLATED) -> bytes:
-    """An archive of members, which may carry one name twice."""
+    """Archive of members; several may have the same name."""
     out = io.BytesIO()
     with zipfile.ZipFile(out, "w", kind) as archive:
-        # Of two members of one name zipfile warns.
+        # zipfile warns when two members have the same name.
         archive.NameToInfo = {}
         for name, content in members:
             archive.writestr(name, content)
@@ -168,7 +168,7 @@ def packed(members: list[tuple[str, bytes]], kind: int = zipfile.ZIP_DEFLATED) -
 
 
 def _members(whole: bytes, draw: random.Random) -> bytes:
-    """Members missing, renamed, doubled, exchanged, empty, spoilt, or packed in another way."""
+    """Members missing, renamed, doubled, exchanged, empty, spoilt, or packed by another method."""
     members = list(_contents(whole).items())
     k, j = draw.randrange(len(members)), draw.randrange(len(members))
     name, content = members[k]
@@ -203,7 +203,7 @@ def _saved(array: Any) -> bytes:
 
 
 def _arrays(whole: bytes, draw: random.Random) -> bytes:
-    """One array of another kind, shape or size, or with numbers that are none."""
+    """One array of another kind, shape or size, or with nan and infinities in it."""
     contents = _contents(whole)
     name = draw.choice(list(contents))
     array = np.load(io.BytesIO(contents[name]))
@@ -239,7 +239,7 @@ def _arrays(whole: bytes, draw: random.Random) -> bytes:
 
 
 def _headers(whole: bytes, draw: random.Random) -> bytes:
-    """A header that promises what does not follow, or a member of megabytes in a few bytes."""
+    """A header that does not fit its data, or a member of megabytes packed into a few bytes."""
     contents = _contents(whole)
     name = draw.choice(list(contents))
     shape = draw.choice(("(100000000000,)", "(1000000000,)", "(-1,)", "(2, 2, 2, 2, 2)", "()", "3",
@@ -255,7 +255,7 @@ def _headers(whole: bytes, draw: random.Random) -> bytes:
 
 
 def _json(whole: bytes, draw: random.Random) -> bytes:
-    """The text in the file spoilt, as text or as JSON."""
+    """The text in the file, spoilt as text or as JSON."""
     contents = _contents(whole)
     texts = [name for name in contents if name.removesuffix(".npy") in ("metadata", "about")]
     if not texts:
@@ -280,10 +280,10 @@ def campaign(
     seeds: range,
     seconds: float = 20.0,
 ) -> tuple[int, list[str]]:
-    """How many spoilt copies of a file were refused, and what went wrong with the others.
+    """The number of refused copies of a spoilt file, and the failures of the other copies.
 
-    read: does with the file what a user would; error: the one class it may raise, whose message
-    begins with the name of the file.
+    read: uses the file as a user would; error: the only class that it may raise, with the name of
+    the file in its message.
     """
     whole = path.read_bytes()
     other = path.with_name(f"spoilt{path.suffix}")
@@ -298,6 +298,6 @@ def campaign(
             said = str(reason)
             if other.name not in said or len(said) > 1000:
                 wrong.append(f"seed {seed}: {said[:300]}")
-        except (Exception, Hang) as reason:  # noqa: BLE001  (what a campaign looks for)
+        except (Exception, Hang) as reason:  # noqa: BLE001  (a campaign looks for such errors)
             wrong.append(f"seed {seed}: {type(reason).__name__}: {str(reason)[:300]}")
     return refused, wrong

@@ -26,7 +26,7 @@ def array(rows: Any) -> np.ndarray:
 
 
 def difference(field: Field, step: mpmath.mpf) -> Field:
-    """The gradient by central differences; the new index comes first."""
+    """Gradient by central differences; the new index comes first."""
 
     def gradient(point: Point) -> np.ndarray:
         slopes = []
@@ -48,7 +48,7 @@ def inverse(matrix: np.ndarray) -> np.ndarray:
 
 
 def quantity(compute: Callable[[Any], Any]) -> cached_property:
-    """A property computed once, at DIGITS digits."""
+    """Property computed once, with DIGITS digits."""
 
     @wraps(compute)
     def at_full_precision(self: Any) -> Any:
@@ -68,7 +68,7 @@ def antisymmetrised(tensor: np.ndarray) -> np.ndarray:
 
 
 def numeric(entries: Any, coordinates: Sequence[Any], values: dict) -> Callable[[Point], Any]:
-    """Nested lists of sympy expressions as an mpmath callable of a point, parameters put in."""
+    """Nested lists of sympy expressions as an mpmath function of a point, with parameters set."""
     numbers = {s: sp.Rational(v) for s, v in values.items() if s not in coordinates}
 
     def settled(part: Any) -> Any:
@@ -80,7 +80,7 @@ def numeric(entries: Any, coordinates: Sequence[Any], values: dict) -> Callable[
 
 
 def values(expressions: Iterable[sp.Expr], point: dict) -> list[Any]:
-    """Expressions at one point, at the working precision; parts that they share are done once."""
+    """Values of expressions at one point, at the working precision; shared parts computed once."""
     done = {symbol: mpmath.mpmathify(number) for symbol, number in point.items()}
 
     def value(part: sp.Basic) -> Any:
@@ -118,7 +118,7 @@ def largest(numbers: Any) -> float:
 
 
 def agrees(exact: Any, witness: Any, tolerance: float = 1e-11) -> bool:
-    """Whether floats of the package equal the oracle's, relative to the largest of them."""
+    """Whether floats of the package equal the oracle's, relative to the oracle's largest value."""
     exact, witness = np.array(exact, dtype=object), np.array(witness, dtype=object)
     if exact.shape != witness.shape:
         return False

@@ -83,7 +83,7 @@ class Hit(NamedTuple):
 
 
 def python_texts(source: str) -> Iterator[Text]:
-    """Strings and comments of Python code; neighbours of one kind are one text.
+    """Strings and comments of Python code; adjacent parts of one kind are one text.
 
     Examples
     --------
@@ -118,7 +118,7 @@ def python_texts(source: str) -> Iterator[Text]:
 
 
 def prose(text: str) -> str:
-    """Text without the code in it; the lines stay where they are."""
+    """Text without the code in it, with its line numbers unchanged."""
     without = text
     for code in (_DOCTEST, _CODE):
         without = code.sub(lambda found: "x" + "\n" * found[0].count("\n"), without)
@@ -126,7 +126,7 @@ def prose(text: str) -> str:
 
 
 def hits_of(file: Path) -> list[Hit]:
-    """Each occurrence of a pattern in a file."""
+    """All occurrences of all patterns in a file."""
     source = file.read_text("utf-8")
     texts = python_texts(source) if file.suffix == ".py" else [Text(1, source)]
     found: list[Hit] = []
@@ -155,7 +155,7 @@ def places() -> dict[str, list[Path]]:
 
 
 def counts() -> dict[str, Counter[str]]:
-    """How often each pattern occurs in each place."""
+    """Number of occurrences of each pattern in each place."""
     return {
         name: Counter(hit.pattern for file in files for hit in hits_of(file))
         for name, files in places().items()

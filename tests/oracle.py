@@ -1,8 +1,8 @@
-"""Oracle: the geometry of a numeric coframe by central differences, apart from the package.
+"""Oracle: geometry of a numeric coframe by central differences, independent of the package.
 
 A coframe is a callable q -> rows e[i][mu] of mpmath numbers. Derivatives are nested central
 differences at 90 digits: steps 1e-25 inside and 1e-15 outside leave about 28 right digits in
-second derivatives. Index order and signs are those of the paper: Gamma[a, b, c] = Gamma_ab^c with
+second derivatives. Index order and signs follow the paper: Gamma[a, b, c] = Gamma_ab^c with
 a the direction of differentiation, R[m, n, l, k] = R_mnl^k, Ricci R_nl = R_mnl^m, S with the half.
 """
 
@@ -63,7 +63,7 @@ class Oracle:
         return np.einsum("aib,ci->abc", slope, inverse(self.coframe_at(point)))
 
     def gamma_at(self, point: Point) -> np.ndarray:
-        """The connection asked for: given coefficients, or Cartan's."""
+        """Coefficients of the given connection, or Cartan's."""
         if self.coefficients is None:
             return self.cartan_at(point)
         return array(self.coefficients(point))
@@ -145,7 +145,7 @@ class Oracle:
 
     @quantity
     def torsion_tensor(self) -> np.ndarray:
-        """T_abc without its axial and its vector part."""
+        """T_abc minus its axial and its vector part."""
         trace = np.einsum("a,bc->abc", self.torsion_vector, self.metric)
         vector = (trace - trace.transpose(1, 0, 2)) / (len(self.point) - 1)
         return self.torsion_lowered - self.torsion_axial - vector
@@ -199,7 +199,7 @@ class Oracle:
         """R_mnlk in the frame."""
         found = self.riemann_lowered
         for _ in range(4):
-            # The first index goes, and comes back as the last.
+            # The contraction removes the first index and appends its replacement as the last.
             found = np.tensordot(found, self.legs, axes=(0, 0))
         return found
 
@@ -249,12 +249,12 @@ class Oracle:
 
     @quantity
     def spin_connection(self) -> np.ndarray:
-        """The connection's, in the frame."""
+        """Spin connection of the given connection."""
         return self.turned(self.gamma)
 
     @quantity
     def metric_spin_connection(self) -> np.ndarray:
-        """The Levi-Civita connection's, in the frame."""
+        """Spin connection of the Levi-Civita connection."""
         return self.turned(self.christoffel)
 
     def force(self, velocity: Sequence[Any]) -> np.ndarray:

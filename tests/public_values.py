@@ -1,4 +1,4 @@
-"""One value of each public class that `tests.copied` has none of, for the tests of copies."""
+"""Public values: one value of each public class that `tests.copied` lacks, for tests of copies."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import geomtorsion as gt
 
 
 def values() -> dict[str, Callable[[], Any]]:
-    """Small ones, made as in the README."""
+    """Functions that make small values as in the README, by class."""
     so3, s2 = gt.spaces.load("so3").frame, gt.spaces.load("s2").frame
     motion = gt.ODE.of({"x": "-x"}, [1])
     solution = gt.solve(motion, 1.0)

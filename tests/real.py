@@ -1,4 +1,4 @@
-"""Real: measured files that lie beside the project, and are no part of it."""
+"""Real: measured files beside the project, which does not contain them."""
 
 from pathlib import Path
 
@@ -8,7 +8,7 @@ FOLDER = Path(__file__).parents[2] / "shared" / "data"
 
 
 def real(name: str) -> Path:
-    """A measured file, by its path in that folder; the test is skipped where it is missing."""
+    """Path of a measured file in that folder; the test is skipped if the file is missing."""
     path = FOLDER / name
     if not path.is_file():
         pytest.skip(f"{name} is not here")

@@ -1,19 +1,19 @@
-"""Screen: a terminal in the place of standard error."""
+"""Screen: a terminal that replaces standard error."""
 
 import io
 import sys
 
 
 class Screen(io.StringIO):
-    """Standard error that somebody watches."""
+    """Standard error that reports a terminal."""
 
     def isatty(self) -> bool:
-        """It is a terminal."""
+        """True: it is a terminal."""
         return True
 
 
 def watched(monkeypatch) -> Screen:
-    """A terminal in the place of standard error, from now to the end of the test."""
+    """Replace standard error by a terminal until the end of the test."""
     screen = Screen()
     monkeypatch.setattr(sys, "stderr", screen)
     monkeypatch.setenv("TERM", "xterm")

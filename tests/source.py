@@ -1,4 +1,4 @@
-"""Source: what the code of the package looks like from outside, for `test_layout`."""
+"""Source: files, imports, names and annotations of the package, read for `test_layout`."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def tree_of(file: Path) -> ast.Module:
 
 
 def walk(node: ast.AST, inside: bool = False) -> Iterator[tuple[ast.AST, bool]]:
-    """All functions, imports and variables with a type, and whether they stand in a function."""
+    """Functions, imports and annotated variables, each with whether it is inside a function."""
     for child in ast.iter_child_nodes(node):
         if isinstance(child, ast.stmt):
             if isinstance(child, LOOKED_FOR):
@@ -60,7 +60,7 @@ def walk(node: ast.AST, inside: bool = False) -> Iterator[tuple[ast.AST, bool]]:
 
 @cache
 def looked_for(file: Path) -> list[tuple[ast.AST, bool]]:
-    """The same of a file."""
+    """Functions, imports and annotated variables of a file."""
     return list(walk(tree_of(file)))
 
 
@@ -86,7 +86,7 @@ def imported_names(nodes: Nodes) -> Iterator[tuple[str, ...]]:
 
 
 def imported_file(name: tuple[str, ...]) -> Path:
-    """The file that a dotted name stands in: a module, or the __init__ of a package."""
+    """The file that defines a dotted name: a module, or the __init__ of a package."""
     for count in range(len(name), 0, -1):
         place = PACKAGE.joinpath(*name[:count])
         if place.with_suffix(".py").is_file():
@@ -97,14 +97,14 @@ def imported_file(name: tuple[str, ...]) -> Path:
 
 
 def rings(edges: Mapping[str, set[str]]) -> list[set[str]]:
-    """Groups of nodes from each of which every other one can be reached."""
+    """Groups of nodes in which each node can be reached from each other one."""
     graph = nx.DiGraph([(one, two) for one, found in edges.items() for two in found if two != one])
     return [ring for ring in nx.strongly_connected_components(graph) if len(ring) > 1]
 
 
 @cache
 def file_imports() -> dict[str, set[str]]:
-    """For each file the files that it imports, inside functions and for types too."""
+    """The files that each file imports, also inside functions and for types."""
     return {
         name_of(file): {name_of(imported_file(name)) for name in imported_names(looked_for(file))}
         for file in FILES
@@ -113,7 +113,7 @@ def file_imports() -> dict[str, set[str]]:
 
 @cache
 def package_imports(deep: tuple[str, ...] = ()) -> dict[str, set[str]]:
-    """For each package the packages that it imports; packages in those of `deep` count as well."""
+    """The packages that each package imports; subpackages of those in `deep` count separately."""
 
     def package(file: str) -> str:
         first, _, rest = file.partition("/")
@@ -139,14 +139,14 @@ def exports(package: str) -> frozenset[str]:
 def is_exported(name: tuple[str, ...]) -> bool:
     """Whether a dotted name is in `__all__` of its package, or in a module that is.
 
-    Modules directly in geomtorsion, such as checks, are open to all.
+    Any package may import a module that is directly in geomtorsion, such as checks.
     """
     package = PACKAGE / name[0]
     return not package.is_dir() or len(name) == 1 or name[1] in exports(name[0])
 
 
 def code_lines(file: Path) -> int:
-    """Lines of code of a file: docstrings, comments and blank lines do not count."""
+    """Number of code lines of a file, without docstrings, comments and blank lines."""
     lines: set[int] = set()
     for token in tokenize.generate_tokens(io.StringIO(text_of(file)).readline):
         if token.type not in NO_CODE:
@@ -160,7 +160,7 @@ def code_lines(file: Path) -> int:
 
 
 def bare_inner_imports(text: str, nodes: Nodes) -> list[int]:
-    """Lines of imports inside functions with no comment on their line or on the one before."""
+    """Lines of imports inside functions without a comment on their line or on the line before."""
     inner = [n for n, inside in nodes if inside and isinstance(n, ast.Import | ast.ImportFrom)]
     if not inner:
         return []
@@ -172,7 +172,7 @@ def bare_inner_imports(text: str, nodes: Nodes) -> list[int]:
     bare, explained = set(), set()
     for node in sorted(inner, key=lambda node: node.lineno):
         last = node.end_lineno or node.lineno
-        # One comment is enough for imports that stand together.
+        # One comment covers consecutive imports.
         if comments & set(range(node.lineno - 1, last + 1)) or node.lineno - 1 in explained:
             explained.add(last)
         else:
@@ -194,12 +194,12 @@ def annotated_types(nodes: Nodes) -> Iterator[ast.expr]:
 
 
 def says_any(annotation: ast.expr) -> bool:
-    """Whether Any stands anywhere in an annotation."""
+    """Whether an annotation contains Any."""
     return any(isinstance(node, ast.Name) and node.id == "Any" for node in ast.walk(annotation))
 
 
 def tuned_constants(tree: ast.Module) -> list[str]:
-    """Names in capitals that stand for a number, at the level of the module."""
+    """Names in capitals of numbers, at the level of the module."""
     found = []
     for node in tree.body:
         if not isinstance(node, ast.Assign | ast.AnnAssign) or node.value is None:
@@ -218,7 +218,7 @@ def tuned_constants(tree: ast.Module) -> list[str]:
 
 
 def _is_number(node: ast.expr) -> bool:
-    """Whether an expression is made of written numbers alone."""
+    """Whether an expression consists only of written numbers."""
     if isinstance(node, ast.Constant):
         return isinstance(node.value, int | float) and not isinstance(node.value, bool)
     if isinstance(node, ast.UnaryOp):
@@ -227,9 +227,9 @@ def _is_number(node: ast.expr) -> bool:
 
 
 def unmirrored(tests: Path) -> list[str]:
-    """Test files in the folder of a package whose name does not begin with that of a module.
+    """Test files whose name does not begin with the name of a module of the package they test.
 
-    test_parsing.py and test_parsing_limits.py are about parsing.py, or about what parsing/ holds.
+    test_parsing.py and test_parsing_limits.py test parsing.py, or the package parsing/.
     """
     found = []
     for file in sorted(tests.rglob("test_*.py")):
@@ -246,7 +246,7 @@ def unmirrored(tests: Path) -> list[str]:
 
 
 def questions_of_class(tree: ast.AST) -> list[int]:
-    """Lines that ask for the class of an engine."""
+    """Lines that test the class of an engine."""
     classes = {type(engine).__name__ for engine in SHIPPED}
     found = []
     for node in ast.walk(tree):

@@ -1,4 +1,4 @@
-"""Hypothesis strategies: random expressions, coframes and points that the tests share."""
+"""Strategies: random expressions, coframes and points for hypothesis, shared by the tests."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def rationals(limit: int = 4) -> st.SearchStrategy[sp.Rational]:
 
 
 def linear_forms(symbols: tuple[sp.Symbol, ...]) -> st.SearchStrategy[sp.Expr]:
-    """Integer-linear combinations of at most two symbols, halves and pi-shifts included."""
+    """Linear combinations of at most two symbols, also with halves and shifts by parts of pi."""
     factor = st.sampled_from([1, 1, 1, 2, -1, 3, sp.Rational(1, 2)])
     shift = st.sampled_from([0, 0, 0, 0, sp.pi / 3, sp.pi / 4, sp.pi / 2, sp.Rational(1, 2)])
     one = st.builds(lambda s, c, d: c * s + d, st.sampled_from(symbols), factor, shift)
@@ -67,7 +67,7 @@ def atoms(symbols: tuple[sp.Symbol, ...]) -> st.SearchStrategy[sp.Expr]:
 def expressions(
     symbols: tuple[sp.Symbol, ...] = (x, y), leaves: int = 5
 ) -> st.SearchStrategy[sp.Expr]:
-    """Trees of sums, products, small powers and quotients by what cannot vanish."""
+    """Trees of sums, products, small powers, and quotients whose denominators cannot vanish."""
 
     def grow(part: st.SearchStrategy[sp.Expr]) -> st.SearchStrategy[sp.Expr]:
         return (
@@ -108,8 +108,8 @@ def coframes(
 ) -> tuple[tuple[sp.Symbol, ...], sp.Matrix, tuple[int, ...]]:
     """Coordinates, a coframe that is regular near the origin, and a signature.
 
-    Unit triangular in a random order of rows times positive factors: never singular, yet
-    without any symmetry.
+    The matrix is triangular with positive factors on its diagonal, and its rows are permuted: it
+    is never singular and has no symmetry.
     """
     size = draw(st.integers(smallest, largest))
     coordinates = COORDINATES[:size]

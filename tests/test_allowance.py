@@ -1,4 +1,4 @@
-"""Allowance: limits of time and memory raise in time or do nothing, and what is done is kept."""
+"""Allowance: limits of time and memory act in time or change nothing; finished work is kept."""
 
 import itertools
 import os
@@ -21,7 +21,7 @@ from geomtorsion.precision import ball_precision
 
 t, r, x, y, z = sp.symbols("t r x y z", real=True)
 f, g = sp.Function("f"), sp.Function("g")
-# Some seconds of work, of all kinds: reading, signs of roots, sums, zeros, writing.
+# Some seconds of work of all kinds: reading, signs of roots, sums, zeros, writing.
 ROWS = [
     [2 + f(x) * sp.sqrt(y + 3), sp.sin(x * y) + z, sp.exp(z) / 3],
     [sp.tan(y / 2), 3 + g(z) * sp.sqrt(x**2 + 1), x * z + sp.cos(y - z)],
@@ -35,14 +35,14 @@ SMALL = [
 
 
 def endless(frame):
-    """Longer than any limit of a test."""
+    """Work without end, longer than any limit of a test."""
     torsion = gt.cartan(frame).torsion.T
     for power in itertools.count(1):
         _ = (torsion * power).to_sympy()
 
 
 def test_a_limit_of_time_is_met_in_time():
-    """The error is of our own class, and names the quantity and the limit."""
+    """The error is an AllowanceError that names the quantity and the limit."""
     frame = gt.Frame([x, y, z], ROWS)
     began = time.monotonic()
     with (
@@ -58,14 +58,14 @@ def test_a_limit_of_time_is_met_in_time():
 
 
 def again_and_again():
-    """The same geometry, each time anew."""
+    """The same geometry again and again, each time from a new frame."""
     while True:
         curvature = gt.levi_civita(gt.Frame([x, y, z], ROWS)).curvature
         _ = curvature.ricci.is_zero, curvature.kretschmann.is_zero
 
 
 def test_the_quantity_is_named():
-    """What was asked for, by its tensor or by the call."""
+    """The error names the requested quantity by its tensor or by the call."""
     with pytest.raises(AllowanceError) as caught, gt.limits(seconds=0.3):
         again_and_again()
     asked = (
@@ -80,33 +80,33 @@ def test_the_quantity_is_named():
 
 
 def grow(kept):
-    """Powers without end, all of which are kept."""
+    """Compute powers without end and keep them all."""
     while True:
         kept.append(Field([x, y, z]).read(1 + x + y + z) ** 40)
 
 
 def test_a_limit_of_memory_is_met():
-    """The message names it."""
+    """The message names the limit of memory."""
     with pytest.raises(AllowanceError, match=r"takes more than 50 MB"), gt.limits(megabytes=50):
         grow([])
 
 
 def test_limits_that_are_not_met_do_nothing():
-    """The value is that without limits."""
+    """The value is the same as without limits."""
     with gt.limits(seconds=100, megabytes=4000):
         inside = gt.spaces.load("kerr").frame.quantity("kretschmann")[()]
     assert inside == gt.spaces.load("kerr").frame.quantity("kretschmann")[()]
 
 
 def within_less():
-    """A limit that is met, and then work without end."""
+    """An inner limit that ends its work, followed by work without end."""
     with pytest.raises(AllowanceError, match=r"more than 0\.2 s"), gt.limits(seconds=0.2):
         again_and_again()
     again_and_again()
 
 
 def test_nested_limits():
-    """The inner one is met first, and then the outer one."""
+    """The inner limit acts first, then the outer limit."""
     began = time.monotonic()
     with pytest.raises(AllowanceError, match=r"more than 0\.5 s"), gt.limits(seconds=0.5):
         within_less()
@@ -114,20 +114,20 @@ def test_nested_limits():
 
 
 def test_errors_inside_stay_what_they_are():
-    """Nothing is hidden."""
+    """An error of another class passes through the limits."""
     with pytest.raises(ZeroDivisionError), gt.limits(seconds=10):
         _ = 1 / 0
 
 
 @pytest.mark.parametrize("wrong", [{}, {"seconds": 0}, {"megabytes": -1}, {"seconds": "soon"}])
 def test_what_is_no_limit(wrong):
-    """Refused on entering."""
+    """Missing, non-positive and non-numeric limits are refused at the call."""
     with pytest.raises(ArgumentError):
         gt.limits(**wrong)
 
 
 def everything(frame):
-    """Texts of what was computed, step by step."""
+    """Texts of the results, computed step by step."""
     curvature = gt.levi_civita(frame).curvature
     cartan = gt.cartan(frame)
     assert cartan.curvature.is_zero
@@ -143,7 +143,7 @@ PLACE = {t: 0.3, r: 0.7, z: 0.1, f(t): 1.5, sp.diff(f(t), t): 0.25, sp.diff(f(t)
 
 
 def test_what_was_finished_is_kept_and_right():
-    """Interrupted again and again at unlike moments, and resumed: the same as at one go."""
+    """Work interrupted at many moments and resumed gives the same as work without a limit."""
     plain = everything(gt.Frame([t, r, z], SMALL))
     frame, found, met = None, None, 0
     for attempt in range(1, 40):
@@ -176,15 +176,15 @@ ZEROS = (
 
 
 def test_a_field_survives_interruptions():
-    """Fields that are interrupted while they read: what they hold afterwards obeys all identities.
+    """Fields that are interrupted while reading still satisfy all identities afterwards.
 
-    Of one alone all readings may be faster than its limits, where sympy remembers them.
+    There are several fields: one field may read everything within its limits, from sympy's cache.
     """
     assert sum(map(interruptions, range(6)))
 
 
 def interruptions(seed):
-    """How often one field was interrupted."""
+    """Number of interruptions of one field."""
     field, rng, met = Field([x, y, z]), random.Random(seed), 0
     order = rng.sample(ZEROS, len(ZEROS))
     for expression in order:
@@ -204,14 +204,14 @@ def interruptions(seed):
 
 
 def unfinished():
-    """A generator that holds a precision as long as it is not finished."""
+    """A generator that keeps a precision set until it finishes."""
     with ball_precision(800):
         while True:
             yield gt.levi_civita(gt.Frame([x, y, z], ROWS)).curvature.ricci.is_zero
 
 
 def test_precisions_are_set_back():
-    """Also those of generators that nobody finishes."""
+    """Precisions are restored, even if a generator that set one never finishes."""
     before = flint.ctx.prec
     with pytest.raises(AllowanceError), gt.limits(seconds=0.2), ball_precision(400):
         for _ in unfinished():
@@ -220,7 +220,7 @@ def test_precisions_are_set_back():
 
 
 def test_a_thread_has_its_own_limits():
-    """What another thread does meanwhile is not limited."""
+    """A limit does not act on another thread."""
     begun = threading.Event()
 
     def work():
@@ -241,7 +241,7 @@ HIGH = sp.sqrt(x + 2) * sp.cbrt(y + 3) + sp.sqrt(z + 5)
 
 
 def numbers():
-    """Values at many points."""
+    """Compute values at many points."""
     rows = [[sp.exp(x * y), x], [sp.sqrt(y + 3), 2 + sp.sin(x)]]
     scalar = gt.levi_civita(gt.Frame([x, y], rows)).curvature.scalar
     for k in itertools.count(1):
@@ -249,7 +249,7 @@ def numbers():
 
 
 def readings():
-    """Expressions of all kinds."""
+    """Read expressions of all kinds."""
     for k in itertools.count():
         field = Field([x, y, z])
         for expression in ZEROS:
@@ -257,7 +257,7 @@ def readings():
 
 
 def printing():
-    """Texts of one tensor in all forms."""
+    """Write one tensor in all forms."""
     while True:
         ricci = gt.levi_civita(
             gt.Frame([x, y], [[sp.exp(x * y), x], [sp.sin(y), 2]])
@@ -266,14 +266,14 @@ def printing():
 
 
 def roots():
-    """Sums with roots, divided by one another."""
+    """Divide sums with roots."""
     for k in itertools.count():
         field = Field([x, y, z])
         _ = (1 / field.read(HIGH + k)).sympy
 
 
 def derivatives():
-    """Derivatives of high order."""
+    """Compute derivatives of high order."""
     while True:
         element = Field([x, y, z]).read(sp.exp(sp.sin(x * y)) / (sp.sqrt(x + y) + z))
         for _ in range(6):
@@ -281,7 +281,7 @@ def derivatives():
 
 
 def motions():
-    """A motion of many steps."""
+    """Solve a motion of many steps."""
     while True:
         gt.solve(LORENZ, 20.0, 1e-8)
 
@@ -290,7 +290,7 @@ def motions():
     "work", [numbers, readings, printing, roots, derivatives, motions, again_and_again]
 )
 def test_every_loop_looks_at_the_limits(work):
-    """No kind of work goes on for long."""
+    """Each kind of work stops soon after its limit."""
     began = time.process_time()
     with pytest.raises(AllowanceError), gt.limits(seconds=0.3):
         work()
@@ -298,7 +298,7 @@ def test_every_loop_looks_at_the_limits(work):
 
 
 def test_in_a_process(tmp_path):
-    """In a script: the traceback ends with the message."""
+    """A script that exceeds a limit ends with the message in its traceback."""
     file = tmp_path / "script.py"
     file.write_text(
         "import geomtorsion as gt, sympy as sp\n"

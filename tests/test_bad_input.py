@@ -1,4 +1,4 @@
-"""Bad input: each refused by an error that names entry, reason and remedy; nothing half-done."""
+"""Bad input: each is refused with an error that names entry, reason and remedy."""
 
 import re
 
@@ -33,25 +33,25 @@ UNIT = [[1, 0], [0, 1]]
     ids=["one row", "two by three", "short last row", "short first row", "matrix"],
 )
 def test_coframe_that_is_not_square(coframe):
-    """A coframe needs one row and one column per coordinate."""
+    """A coframe that is not square is refused."""
     with pytest.raises((CoframeError, ShapeError), match=r"(?i)square|row|column|2"):
         gt.Frame([x, y], coframe)
 
 
 def test_wrong_number_of_coordinates():
-    """Three coordinates and a two by two coframe do not fit; both numbers are named."""
+    """Three coordinates do not fit a two by two coframe; the message names both numbers."""
     with pytest.raises(GeomtorsionError, match=r"(?s)3.*2|2.*3|three.*two|two.*three"):
         gt.Frame([x, y, z], UNIT)
 
 
 def test_no_coordinates():
-    """No coordinates at all."""
+    """An empty list of coordinates is refused."""
     with pytest.raises(GeomtorsionError, match="coordinate"):
         gt.Frame([], [])
 
 
 def test_repeated_coordinate():
-    """A coordinate given twice is named."""
+    """The message names a coordinate that was given twice."""
     with pytest.raises(CoordinateError, match=r"\bx\b"):
         gt.Frame([x, y, x], sp.eye(3))
 
@@ -64,33 +64,33 @@ def test_coordinate_that_is_also_a_parameter():
 
 @pytest.mark.parametrize("bad", [3, x**2, None, sp.Function("f")(x)], ids=str)
 def test_coordinate_that_is_no_symbol(bad):
-    """Numbers and expressions are no coordinates."""
+    """Numbers and expressions are refused as coordinates."""
     with pytest.raises(CoordinateError, match="(?i)symbol|name"):
         gt.Frame([x, bad], UNIT)
 
 
 def test_singular_coframe_names_the_dependent_rows():
-    """The determinant vanishes identically: which rows depend is said."""
+    """If the determinant vanishes identically, the message names the dependent rows."""
     rows = [[1, x, 0], [0, sp.sin(y), 1], [2, 2 * x, 0]]
     with pytest.raises(CoframeError, match=r"(?is)row.*(0.*2|2.*0|1.*3|3.*1)"):
         gt.Frame([x, y, z], rows)
 
 
 def test_singular_coframe_by_an_identity():
-    """A determinant that is zero only by a trigonometric identity is seen."""
+    """A determinant that vanishes only by a trigonometric identity is recognised as zero."""
     rows = [[sp.sin(2 * x), 2 * sp.sin(x)], [sp.cos(x), 1]]
     with pytest.raises(CoframeError, match="(?i)singular|vanish|depend"):
         gt.Frame([x, y], rows)
 
 
 def test_zero_row_is_named():
-    """A row of zeros makes it singular."""
+    """A coframe with a row of zeros is refused; the message names the row."""
     with pytest.raises(CoframeError, match="(?i)row"):
         gt.Frame([x, y], [[1, 0], [0, 0]])
 
 
 def test_free_symbols_are_parameters():
-    """In Python a free symbol is a parameter; evaluating without its value names it."""
+    """A free symbol is a parameter; an evaluation without its value names it."""
     frame = gt.Frame([r, x], [[1, 0], [0, sp.sqrt(1 - 2 * m / r)]])
     assert m in frame.parameters
     with pytest.raises(MissingValueError, match=r"\bM\b"):
@@ -114,14 +114,14 @@ def test_free_symbols_are_parameters():
     ids=lambda value: str(value)[:20],
 )
 def test_entries_that_are_not_smooth(entry, part):
-    """Non-smooth entries: the message names the entry by its place and the part."""
+    """The message names the position of a non-smooth entry and its non-smooth part."""
     with pytest.raises(ExpressionError, match=part) as caught:
         gt.Frame([x, y], [[1, 0], [entry, 1]])
     assert re.search(r"1, 0", str(caught.value)), str(caught.value)
 
 
 def test_complex_entry_in_a_real_frame():
-    """I needs complex=True, and the message says so."""
+    """The imaginary unit requires complex=True; the message names that option."""
     coframe = [[1, sp.I * x], [0, 1]]
     with pytest.raises(ExpressionError, match="complex") as caught:
         gt.Frame([x, y], coframe)
@@ -135,7 +135,7 @@ def test_complex_entry_in_a_real_frame():
     ids=str,
 )
 def test_float_entry_is_offered_as_a_rational(entry, rational):
-    """A float entry: its place, and the exact rational to write instead."""
+    """The message gives the position of a float entry and the exact rational to write instead."""
     with pytest.raises(ExpressionError, match=rational) as caught:
         gt.Frame([x, y], [[1, 0], [0, entry]])
     assert "1, 1" in str(caught.value)
@@ -145,20 +145,20 @@ def test_float_entry_is_offered_as_a_rational(entry, rational):
     "entry", ["x", None, object(), [1]], ids=["text", "None", "object", "list"]
 )
 def test_entry_that_is_no_expression(entry):
-    """Text, None and the like as entries are refused by an error of ours."""
+    """Text, None and other objects are refused as entries."""
     with pytest.raises(GeomtorsionError):
         gt.Frame([x, y], [[1, 0], [0, entry]])
 
 
 def test_numpy_floats_and_integers():
-    """NumPy integers are exact; NumPy floats are refused like others."""
+    """NumPy integers are exact; NumPy floats are refused like Python floats."""
     assert gt.Frame([x, y], np.array([[1, 0], [0, 2]])).metric[1, 1] == 4
     with pytest.raises(ExpressionError, match="1/2"):
         gt.Frame([x, y], np.array([[0.5, 0], [0, 2]]))
 
 
 def test_metric_that_is_not_symmetric():
-    """The two unequal entries are named."""
+    """An asymmetric metric is refused."""
     with pytest.raises(MetricError, match=r"(?i)symmetric"):
         gt.Frame.from_metric([x, y], [[1, x], [0, 1]])
 
@@ -176,7 +176,7 @@ def test_metric_of_wrong_signature():
 
 
 def test_metric_of_wrong_shape():
-    """A metric is square and as large as there are coordinates."""
+    """A metric with more rows than coordinates is refused."""
     with pytest.raises((MetricError, ShapeError), match=r"2|square"):
         gt.Frame.from_metric([x, y], sp.eye(3))
 
@@ -204,13 +204,13 @@ def structure_constants(**entries):
 
 
 def test_structure_constants_violating_jacobi():
-    """[e0, e1] = e1, [e1, e2] = e0 is no Lie algebra: the triple is named."""
+    """[e0, e1] = e1, [e1, e2] = e0 is not a Lie algebra: it violates the Jacobi identity."""
     with pytest.raises(StructureConstantError, match="(?i)jacobi"):
         gt.Frame.from_structure_constants(structure_constants(_01_1=1, _12_0=1))
 
 
 def test_structure_constants_that_are_not_antisymmetric():
-    """C_ij^k = -C_ji^k is needed."""
+    """Constants that violate C_ij^k = -C_ji^k are refused."""
     c = structure_constants(_01_2=1)
     c[1][0][2] = 1
     with pytest.raises(StructureConstantError, match="(?i)antisymmetric"):
@@ -218,19 +218,19 @@ def test_structure_constants_that_are_not_antisymmetric():
 
 
 def test_structure_constants_of_wrong_shape():
-    """Three indices, all of one range."""
+    """Structure constants need three indices with one range."""
     with pytest.raises((ShapeError, StructureConstantError), match="(?i)shape|index|indices|3"):
         gt.Frame.from_structure_constants([[1, 0], [0, 1]])
 
 
 def test_structure_constants_that_are_not_constant():
-    """A symbol may be a parameter, never a coordinate or a float."""
+    """A float is refused; the message offers the exact rational."""
     with pytest.raises(GeomtorsionError, match="1/2"):
         gt.Frame.from_structure_constants(structure_constants(_01_2=0.5))
 
 
 def test_huge_expression_works_or_states_its_limit():
-    """A sum of 3,000 terms is read, or refused by a limit that is stated."""
+    """A sum of 3,000 terms is read, or refused with a message that states a limit."""
     huge = sp.Add(*(x**n / (n + 1) for n in range(3000)))
     try:
         frame = gt.Frame([x, y], [[1, 0], [0, 1 + huge]])
@@ -243,7 +243,7 @@ def test_huge_expression_works_or_states_its_limit():
 
 
 def test_messages_name_remedies():
-    """Every message has the three parts: long enough to say what was needed and what to do."""
+    """Each message is longer than 40 characters, enough for cause and remedy."""
     attempts = [
         lambda: gt.Frame([x, y], [[1, 0]]),
         lambda: gt.Frame([x, x], UNIT),
@@ -259,7 +259,7 @@ def test_messages_name_remedies():
 
 
 def test_nothing_half_computed_is_left():
-    """After a refusal the same inputs, repaired, work."""
+    """After a refusal the corrected input works."""
     bad, good = [[1, 0], [0, sp.Abs(x)]], [[1, 0], [0, 1 + x**2]]
     with pytest.raises(ExpressionError):
         gt.Frame([x, y], bad)
@@ -268,7 +268,7 @@ def test_nothing_half_computed_is_left():
 
 @pytest.mark.parametrize("root", [sp.sqrt(-1 - x**2), sp.sqrt(sp.sin(y) - 2)], ids=str)
 def test_roots_of_negative_numbers_need_a_complex_frame(root):
-    """A leg that is imaginary everywhere would turn the signature round in silence."""
+    """A leg that is imaginary everywhere is refused: it would silently flip the signature."""
     with pytest.raises(ExpressionError, match="complex|negative") as caught:
         gt.Frame([x, y], [[1, 0], [0, root]])
     assert "1, 1" in str(caught.value)
@@ -276,7 +276,7 @@ def test_roots_of_negative_numbers_need_a_complex_frame(root):
 
 
 def test_real_frames_give_no_complex_numbers():
-    """Outside the domain of a root the error says so; no complex number comes back."""
+    """Outside the domain of a root an error is raised; no complex number is returned."""
     frame = gt.Frame([x, y], [[1, 0], [0, sp.sqrt(x - 1)]])
     assert frame.coframe.at({x: 5, y: 0})[1, 1] == 2
     with pytest.raises(SingularPointError, match="real|negative"):
@@ -284,13 +284,13 @@ def test_real_frames_give_no_complex_numbers():
 
 
 def test_contradictory_domain():
-    """A domain without a point is refused."""
+    """A contradictory domain is refused."""
     with pytest.raises(CoordinateError, match="domain"):
         gt.Frame([x, y], [[x, 0], [0, 1]], domain=[x > 1, x < 0])
 
 
 def test_determinant_that_cannot_be_decided():
-    """A determinant that vanishes by an identity of Bessel functions is not let through."""
+    """A determinant that vanishes by an identity of Bessel functions is refused."""
     hidden = sp.besselj(0, x) + sp.besselj(2, x) - 2 * sp.besselj(1, x) / x
     with pytest.raises((UndecidedError, CoframeError), match="(?i)determinant|singular"):
         gt.Frame([x, y], [[hidden, 0], [0, 1]])
@@ -324,7 +324,7 @@ LONG = "a" * 200_000
     ],
 )
 def test_no_message_repeats_input_at_length(call):
-    """What came is recognised by 200 characters of it."""
+    """A message shows at most 200 characters of its input."""
     with pytest.raises(GeomtorsionError) as caught:
         call()
     message = str(caught.value)

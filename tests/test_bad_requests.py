@@ -24,19 +24,19 @@ UNIT = [[1, 0], [0, 1]]
 
 
 def test_unknown_space_lists_near_names():
-    """A misspelt space is answered with near ones."""
+    """An unknown name of a space is refused; the message lists similar names."""
     with pytest.raises(UnknownNameError, match="kerr"):
         gt.spaces.load("ker")
 
 
 def test_unknown_quantity_lists_near_names():
-    """A misspelt quantity is answered with near ones."""
+    """An unknown name of a quantity is refused; the message lists similar names."""
     with pytest.raises(UnknownNameError, match="ricci"):
         gt.Frame([x, y], UNIT).quantity("ricc")
 
 
 def test_index_out_of_range_or_too_few():
-    """Component access is checked; negative numbers are no indices."""
+    """Wrong, missing and negative indices of components are refused."""
     metric = gt.Frame([x, y], UNIT).metric
     bad: list[Any] = [(0, 2), (0,), (0, 0, 0), (0, -1), ("x", 0), (0.0, 1)]
     for index in bad:
@@ -49,7 +49,7 @@ WHOLE: list[Any] = [np.int64(1), sp.Integer(1), np.array(1)]
 
 @pytest.mark.parametrize("one", WHOLE, ids=["numpy", "sympy", "array"])
 def test_whole_numbers_of_every_kind_are_indices(one: Any):
-    """What is a number 1 anywhere is one as an index, a coordinate, a count and an edge."""
+    """Each kind of whole number is accepted as an index, a coordinate, a count and an edge."""
     frame = gt.Frame([x, y], [[1, 0], [0, x]])
     assert frame.coframe[one, one] == x
     if type(one).__hash__:  # an array cannot be a key
@@ -64,7 +64,7 @@ def test_whole_numbers_of_every_kind_are_indices(one: Any):
 
 @pytest.mark.parametrize("none", [True, 1.0, "1"])
 def test_what_is_no_whole_number_is_none_anywhere(none: Any):
-    """Truth values, floats and text are not taken for one."""
+    """Truth values, floats and text are refused as whole numbers."""
     frame = gt.Frame([x, y], [[1, 0], [0, x]])
     with pytest.raises(TensorIndexError, match="expected 2 whole numbers"):
         frame.coframe[none, 1]
@@ -82,7 +82,7 @@ TIMES: list[Any] = ["abc", [0.1, "x"], 1j, [[1, 2], [3]], True, object(), MASKED
 
 @pytest.mark.parametrize("times", TIMES, ids=range(len(TIMES)))
 def test_times_that_are_none(times: Any):
-    """Of a closed form and of the result of a scene: refused in our words, masked ones too."""
+    """Closed forms and results of scenes refuse wrong times, also masked ones, with a TimeError."""
     with pytest.raises(TimeError):
         gt.free_top((1, 2, 3), (0.1, 1, 0.2)).omega(times)
     body = gt.Body(mass=1.0, moments=(1, 1, 0.5))
@@ -92,7 +92,7 @@ def test_times_that_are_none(times: Any):
 
 
 def test_positions_that_are_none():
-    """Of a network without a graph."""
+    """Text is refused as a position of a network without a graph."""
     places: Any = [["a", 0], [1, 0]]
     network = gt.Network(gt.Frame([x, y], UNIT), gt.EdgeList(places, np.array([[0, 1]])))
     with pytest.raises(NetworkError, match="positions: expected an array of real numbers"):
@@ -100,17 +100,17 @@ def test_positions_that_are_none():
 
 
 def test_contraction_that_does_not_fit():
-    """An upper index must meet a lower one of the same kind; letters once or twice."""
+    """A contraction joins an upper and a lower index of one kind; a letter occurs once or twice."""
     frame = gt.Frame([r, x], [[1, 0], [0, r]])
     s, g = gt.cartan(frame).torsion.S, frame.metric
     with pytest.raises(TensorIndexError, match="(?i)down|lower|upper"):
-        gt.contract("abc,bd->acd", s, g)  # lower meets lower
+        gt.contract("abc,bd->acd", s, g)  # two lower indices
     with pytest.raises(TensorIndexError, match="(?i)frame|kind"):
-        gt.contract("abc,cd->abd", s, g.in_frame())  # coordinate meets frame
+        gt.contract("abc,cd->abd", s, g.in_frame())  # coordinate index with frame index
     with pytest.raises(TensorIndexError):
         gt.contract("ab,cd->abd", s, g)  # too few letters
     with pytest.raises(TensorIndexError):
-        gt.contract("abc,cd->abe", s, g)  # a letter from nowhere
+        gt.contract("abc,cd->abe", s, g)  # an unknown letter
     with pytest.raises(TensorIndexError):
         gt.contract("abc,cc->ab", s, g)  # a letter three times
     with pytest.raises(TensorIndexError):
@@ -119,28 +119,28 @@ def test_contraction_that_does_not_fit():
 
 
 def test_tensors_of_two_frames_do_not_mix():
-    """Adding tensors of two frames is refused."""
+    """Tensors of two frames cannot be added."""
     one, two = gt.Frame([x, y], UNIT), gt.Frame([x, y], UNIT)
     with pytest.raises(TensorIndexError, match="frame"):
         _ = one.metric + two.metric
 
 
 def test_singular_point():
-    """At the edge of the chart the error says so; no infinity is returned."""
+    """At the edge of the chart an error is raised; no infinity is returned."""
     frame = gt.Frame([r, x], [[1, 0], [0, sp.sin(r)]])
     with pytest.raises(SingularPointError, match="(?i)finite|singular|vanish"):
         frame.inverse_metric.at({r: 0, x: 0})
 
 
 def test_connection_coefficients_of_wrong_shape():
-    """Gamma needs n x n x n entries."""
+    """Connection coefficients without n x n x n entries are refused."""
     frame = gt.Frame([x, y], UNIT)
     with pytest.raises((ShapeError, TensorIndexError), match="2"):
         gt.from_coefficients(frame, [[0, 0], [0, 0]])
 
 
 def test_spin_connection_of_wrong_shape():
-    """omega needs one matrix per coordinate."""
+    """A spin connection without one matrix per coordinate is refused."""
     frame = gt.Frame([x, y], UNIT)
     with pytest.raises((ShapeError, TensorIndexError), match="2"):
         gt.from_spin_connection(frame, [[0, 0], [0, 0]])
@@ -154,7 +154,7 @@ def test_blend_of_two_frames():
 
 
 def test_velocity_of_wrong_length():
-    """The torsion force needs one velocity per coordinate."""
+    """The torsion force refuses a velocity without one component per coordinate."""
     frame = gt.Frame([x, y], UNIT)
     with pytest.raises(ShapeError, match="2"):
         gt.cartan(frame).torsion.force([1, 2, 3])

@@ -1,4 +1,4 @@
-"""Checks: every validator takes what it should, and refuses all else in its own words."""
+"""Checks: each validator accepts valid values and refuses all others with its own message."""
 
 from decimal import Decimal
 from fractions import Fraction
@@ -38,7 +38,7 @@ HALVES = [
 
 
 class Disguised:
-    """An object that pretends to be an expression in words."""
+    """An object whose text is a number."""
 
     def __str__(self) -> str:
         return "1/2"
@@ -75,7 +75,7 @@ INFINITE = [float("nan"), float("inf"), -np.inf, np.float32("nan"), sp.oo, sp.na
 
 @pytest.mark.parametrize("value", HALVES, ids=lambda x: type(x).__name__)
 def test_numbers_of_all_kinds(value):
-    """A half is a half, whoever brings it, and stays exact where exactness is asked for."""
+    """A half of any type has the value 1/2 and stays exact where exact numbers are requested."""
     assert checks.real(value) == 0.5
     assert checks.number(value, "a", LoopError) == 0.5
     assert checks.rational(value, "a", LoopError) in (sp.Rational(1, 2), sp.cos(sp.pi / 3))
@@ -86,7 +86,7 @@ def test_numbers_of_all_kinds(value):
 
 @pytest.mark.parametrize("value", NO_NUMBERS, ids=repr)
 def test_no_numbers(value):
-    """Text, lists, truth values, symbols: refused by name, and never read."""
+    """Text, lists, truth values and symbols are refused; the message names the argument."""
     assert checks.real(value) is None
     assert checks.fraction(value) is None
     for check in (checks.number, checks.exact_number, checks.rational, checks.positive):
@@ -98,7 +98,7 @@ def test_no_numbers(value):
 
 @pytest.mark.parametrize("value", INFINITE, ids=lambda x: str(x)[:5])
 def test_infinite_numbers(value):
-    """What is a number but not finite has a sentence of its own."""
+    """A number that is not finite has a message of its own."""
     with pytest.raises(LoopError, match="t: expected a finite number, got "):
         checks.number(value, "t", LoopError)
     with pytest.raises(StartError, match="endless t"):
@@ -109,7 +109,7 @@ def test_infinite_numbers(value):
 
 @pytest.mark.parametrize("value", [x for x in NO_NUMBERS if x is not X], ids=repr)
 def test_no_expressions(value):
-    """Only numbers and expressions become expressions; complex numbers are numbers here."""
+    """Only numbers, complex ones included, and expressions become expressions."""
     if isinstance(value, complex | np.complexfloating | sp.Expr):
         assert isinstance(checks.expression(value, "f", LoopError), sp.Expr)
     else:
@@ -118,7 +118,7 @@ def test_no_expressions(value):
 
 
 def test_expressions_keep_what_they_are():
-    """Symbols stay, text goes through the reader that is given and through none else."""
+    """Symbols stay unchanged; only the given reader reads text."""
     assert checks.expression(X**2, "f", LoopError) == X**2
     assert checks.expression(Field([X]).read(X**2), "f", LoopError) == X**2
     assert checks.expression("anything", "f", LoopError, read=sp.Symbol) == (sp.Symbol("anything"))
@@ -127,7 +127,7 @@ def test_expressions_keep_what_they_are():
 
 
 def test_rational_numbers():
-    """A float is the fraction it is, or the decimal that it is written as."""
+    """A float becomes its exact fraction or, with decimal=True, its shortest decimal."""
     assert checks.rational(0.1, "a", LoopError) == sp.Rational(*(0.1).as_integer_ratio())
     assert checks.rational(0.1, "a", LoopError, decimal=True) == sp.Rational(1, 10)
     assert checks.rational(1e-300, "a", LoopError, decimal=True) == sp.Rational(1, 10**300)
@@ -143,7 +143,7 @@ def test_rational_numbers():
 
 
 def test_messages_are_short():
-    """A value of a million characters is cut, and one that cannot be written does no harm."""
+    """A value of a million characters is cut; a value whose text fails is named by its type."""
     with pytest.raises(LoopError) as caught:
         checks.number("r" * 10**6, "radius", LoopError)
     assert len(str(caught.value)) < 300
@@ -158,13 +158,13 @@ def test_messages_are_short():
 
 
 def test_braces_in_values_are_no_fields():
-    """What came is shown as it is, also if it looks like a part of the sentence."""
+    """Braces in a value are shown unchanged, not filled as fields of the message."""
     with pytest.raises(LoopError, match=r"a\{0\}: expected a number, got '\{subject\}'"):
         checks.number("{subject}", "a{0}", LoopError)
 
 
 def test_positive_and_whole_numbers():
-    """Bounds belong to the range, one beyond them does not."""
+    """Bounds belong to the range; values beyond them are refused."""
     assert checks.positive(1e-300, "r", LoopError) == 1e-300
     for value in (0, -1, -1e-300):
         with pytest.raises(LoopError, match="r: expected a positive number"):
@@ -179,7 +179,7 @@ def test_positive_and_whole_numbers():
 
 
 def test_lists_of_numbers():
-    """So many numbers, each kept; the error of the list and that of an entry may differ."""
+    """A list has the right length and keeps its numbers; list and entries have own errors."""
     kept = checks.numbers([1, Fraction(1, 3), np.float64(2)], 3, "u", StartError)
     assert kept == (1, Fraction(1, 3), 2.0)
     assert type(kept[2]) is float
@@ -197,7 +197,7 @@ def test_lists_of_numbers():
 
 
 def test_arrays():
-    """Doubles of the shape asked for, from lists, arrays and exact numbers."""
+    """Lists, arrays and exact numbers become doubles of the required shape."""
     assert checks.array([1, 2], "a", GridError).dtype == np.float64
     exact = checks.array([[Fraction(1, 2), sp.sqrt(4)], [1, 2.5]], "a", GridError, shape=(2, 2))
     assert exact.tolist() == [[0.5, 2], [1, 2.5]]
@@ -214,7 +214,7 @@ def test_arrays():
 
 
 def test_names():
-    """Known names, by text or by symbol; near ones are offered, long ones cut."""
+    """Known names pass as text or symbol; messages offer similar names and cut long ones."""
     assert checks.known_name("a", ["a", "b"], "p", StartError) == "a"
     assert checks.known_name(sp.Symbol("a"), ["a", "b"], "p", StartError) == "a"
     with pytest.raises(StartError, match=r"'omgea' .*Did you mean omega\? Known are omega, b\."):
@@ -230,7 +230,7 @@ def test_names():
 
 
 def test_keys():
-    """A table of known keys; anything else is no table."""
+    """A table with known keys is accepted; anything else is refused."""
     assert checks.known_keys({"a": 1, X: 2}, ["a", "x"], "p", StartError) == {"a": 1, "x": 2}
     with pytest.raises(StartError, match="p: 'c' is not known"):
         checks.known_keys({"c": 1}, ["a"], "p", StartError)
@@ -240,7 +240,7 @@ def test_keys():
 
 
 def test_words_and_texts():
-    """One word of several, and texts of a length."""
+    """Words are one of several choices; texts have a largest length."""
     assert checks.choice("line", ["line", "flux"], "method", LoopError) == "line"
     for value in ("lin", 1, None, ["line"]):
         with pytest.raises(LoopError, match="method: expected one of line, flux"):
@@ -253,13 +253,13 @@ def test_words_and_texts():
 
 @pytest.mark.parametrize(("length", "whole"), [(190, True), (210, False)])
 def test_how_long_a_shown_value_is(length, whole):
-    """Two hundred characters; of longer ones the middle is left out."""
+    """A shown value has up to two hundred characters; the middle of a longer value is omitted."""
     text = "a" * length
     assert (checks.cut(text) == text) == whole
 
 
 def test_how_many_numbers_there_is_room_for():
-    """Two gigabytes of doubles."""
+    """The limit for an array is two gigabytes of doubles."""
     checks.check_room(249_000_000, "t", "Give fewer.")
     with pytest.raises(LimitError, match="limit is 2 GB"):
         checks.check_room(251_000_000, "t", "Give fewer.")
@@ -267,7 +267,7 @@ def test_how_many_numbers_there_is_room_for():
 
 @pytest.mark.parametrize("kind", [float, np.float32, int, object])
 def test_what_is_masked_is_not_known(kind):
-    """The number under a mask is never taken: refused, or nan where that is let through."""
+    """A masked number is never used: it is refused, or becomes nan if nan is allowed."""
     given = np.ma.array(
         np.array([[1, 7], [3, 4]], dtype=kind), mask=np.array([[False, True], [False, False]])
     )
@@ -285,7 +285,7 @@ def test_what_is_masked_is_not_known(kind):
     "kind", [int, float, Fraction, np.float64, mpmath.mpf, sp.Integer, complex]
 )
 def test_values_against_what_was_declared(kind):
-    """Every kind of number; zero is where positive and negative values end."""
+    """Values of each kind of number are checked; zero counts as positive and as negative."""
     symbols = {word: sp.Symbol("M", **{word: True}) for word in ("positive", "negative", "real")}
     said = "M: expected a value that is {}.*, as declared, got .*. Give another value, or declare M"
     for word, value in {"positive": -1, "negative": 1}.items():
@@ -307,7 +307,7 @@ def test_values_against_what_was_declared(kind):
 
 @pytest.mark.parametrize("kind", [int, float, Fraction, np.int64, mpmath.mpf, sp.Integer])
 def test_even_and_odd_are_declared(kind):
-    """(-1)**n is 1 where n is even, before anybody asks; each other number is refused."""
+    """sympy simplifies (-1)**n to 1 for a declared even n, so each other value of n is refused."""
     for word, right, wrong in (("even", (0, 2, -4), (3, -1)), ("odd", (3, -1), (0, 2, -4))):
         n = sp.Symbol("n", **{word: True})
         for value in right:
@@ -325,7 +325,7 @@ def test_even_and_odd_are_declared(kind):
 
 
 def test_large_whole_numbers_keep_their_last_digit():
-    """Which is lost in a float, as are numbers beyond all floats."""
+    """Parity is checked exactly, also beyond the digits and the range of floats."""
     n, whole = sp.Symbol("n", even=True), sp.Symbol("k", integer=True)
     checks.check_declared(n, 10**30)
     checks.check_declared(whole, 10**400)
@@ -334,5 +334,5 @@ def test_large_whole_numbers_keep_their_last_digit():
 
 
 def test_zero_is_where_other_numbers_end():
-    """What is declared not zero may come to it, as what is declared positive may."""
+    """Zero is accepted for a nonzero symbol, as for a positive one."""
     checks.check_declared(sp.Symbol("n", nonzero=True), 0)

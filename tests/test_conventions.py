@@ -1,4 +1,4 @@
-"""Signs: textbook edge and screw made of atoms, and each convention's own recipe on them."""
+"""Signs: a textbook edge and screw of atoms, evaluated by the recipe of each convention."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ NU = 0.3
 
 
 def displacement(kind: str, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Hirth and Lothe, equations (3-1) and (3-45) with b = 1: from perfect places to real ones.
+    """Hirth and Lothe, equations (3-1) and (3-45) with b = 1: from perfect to real positions.
 
-    Line along z, angles from 0 to 2 pi; returns shape (3, k).
+    The line is along z, angles run from 0 to 2 pi; returns shape (3, k).
     """
     angle = np.arctan2(y, x) % (2 * np.pi)
     square, zero = x**2 + y**2, np.zeros_like(x)
@@ -37,7 +37,7 @@ def displacement(kind: str, x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def crystals() -> dict[str, np.ndarray]:
-    """Real places of the atoms of a simple cubic crystal with one line, shape (3, atoms)."""
+    """Real positions of the atoms of a simple cubic crystal with one line, shape (3, atoms)."""
     line = np.arange(-12, 12) + 0.5
     heights = np.arange(-3, 4.0)
     x, y, z = (a.ravel() for a in np.meshgrid(line, line, heights, indexing="ij"))
@@ -45,13 +45,13 @@ def crystals() -> dict[str, np.ndarray]:
 
 
 def circuit(atoms: np.ndarray, turns: int) -> CycleBurgers:
-    """A circuit from atom to atom that closes in the sample, about +z if turns = 1, or about -z.
+    """Circuit from atom to atom that closes in the sample, around +z if turns = 1, else around -z.
 
-    The image of each step is the lattice vector next to it, as anybody would read it off.
+    The image of each step is the nearest lattice vector.
     """
     sides = [(1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0)]
     if turns < 0:
-        # The same square the other way round.
+        # The same square in the opposite sense.
         sides = [(0, 1, 0), (1, 0, 0), (0, -1, 0), (-1, 0, 0)]
 
     def nearest(place: np.ndarray) -> int:
@@ -62,7 +62,7 @@ def circuit(atoms: np.ndarray, turns: int) -> CycleBurgers:
     for side in sides:
         for _ in range(11):
             path.append(nearest(atoms[:, path[-1]] + side))
-    # What is left to the start, one lattice step at a time.
+    # The rest of the way to the start, one lattice step at a time.
     while True:
         rest = np.rint(atoms[:, start] - atoms[:, path[-1]]).astype(int)
         if not rest.any():
@@ -87,7 +87,7 @@ TEXTBOOK = {"screw": [0, 0, 1], "edge": [1, 0, 0]}
 
 @pytest.mark.parametrize("kind", ["edge", "screw"])
 def test_each_convention_by_its_own_recipe(crystals: dict[str, np.ndarray], kind: str) -> None:
-    """Right- and left-handed circuits on atoms, from start and to it, and the integral of du."""
+    """Circuits of both senses on atoms give each convention's b, and so does the integral of du."""
     right, left = circuit(crystals[kind], 1), circuit(crystals[kind], -1)
     from_start = right.vector
     assert from_start.tolist() == right.in_convention("SF/RH").tolist()
@@ -104,7 +104,7 @@ def test_each_convention_by_its_own_recipe(crystals: dict[str, np.ndarray], kind
 
 @pytest.mark.parametrize("name", ["w_screw111", "w_edge100", "cu_edge110", "w_screw111_relax"])
 def test_what_ovito_answers(name: str) -> None:
-    """Lines that were put in by displacements, as its dislocation extraction found them."""
+    """Lines made by displacements have the Burgers vector that OVITO's extraction found."""
     truth = json.loads(real("crystal/truth.json").read_text("utf-8"))[name]
     put_in = np.array(truth["b_cart"]) * np.sign(truth["line"][2])
     (found,) = truth["dxa"]["segs"]
@@ -116,7 +116,7 @@ def test_what_ovito_answers(name: str) -> None:
 
 
 def test_the_extra_half_plane_is_where_the_convention_says(crystals: dict[str, np.ndarray]) -> None:
-    """FS/RH: along sense x b, here above; there one more column of atoms stands."""
+    """With FS/RH the half along sense x b, the upper half here, has one more column of atoms."""
     atoms = crystals["edge"]
     b = circuit(atoms, 1).in_convention("FS/RH")
     assert np.cross([0, 0, 1], b).tolist() == [0, 1, 0]
@@ -129,7 +129,7 @@ def test_the_extra_half_plane_is_where_the_convention_says(crystals: dict[str, n
 
 @pytest.mark.parametrize("kind", ["edge", "screw"])
 def test_frames_agree_with_atoms(kind: str) -> None:
-    """e = dx - du of the textbook field, and the shipped frames, whose u goes the other way."""
+    """e = dx - du of the textbook field gives its b; shipped frames have the opposite sign of u."""
     x, y, z, b = *sp.symbols("x y z", real=True), sp.Symbol("b", positive=True)
     row = 2 if kind == "screw" else 0
     rows = [[sp.Integer(int(i == j)) for j in range(3)] for i in range(3)]
@@ -148,7 +148,7 @@ def test_frames_agree_with_atoms(kind: str) -> None:
 
 @pytest.mark.parametrize("window", [1, 3])
 def test_the_weighted_burgers_vector_of_a_bent_crystal(window: int) -> None:
-    """Wheeler's integral as MTEX does it: x and y in the crystal, counterclockwise, per area."""
+    """Wheeler's integral as in MTEX: x and y in the crystal, counterclockwise, per area."""
     step, size = 0.01, 41
     line = step * (np.arange(size) - size // 2)
     x, y = np.meshgrid(line, line, indexing="ij")
@@ -197,7 +197,7 @@ def test_the_nye_tensor_has_the_burgers_vector_first() -> None:
 
 
 def test_conversions_are_their_own_inverse_and_names_are_known() -> None:
-    """Each name once; to and fro gives the same; unknown names list the known."""
+    """Names are unique, each conversion is its own inverse, and an unknown name lists the known."""
     names = [name for one in BURGERS for name in one.names]
     assert len(names) == len(set(names)) > 10
     for name in names:

@@ -1,4 +1,4 @@
-"""Public things pickle and deep-copy: a copy in another process gives the same bits."""
+"""Copies: public objects pickle and deep-copy; a copy in another process gives the same bits."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ ROOT = Path(__file__).parents[1]
 
 @pytest.fixture(scope="module")
 def originals():
-    """Things, and what they give."""
+    """Objects and their answers, by name."""
     made = things()
     return made, {name: answers(name, thing) for name, thing in made.items()}
 
 
 def test_copies_in_a_fresh_process(originals, tmp_path):
-    """What was pickled here gives the same there, to the bit."""
+    """An unpickled object in a fresh process gives the same answers, to the bit."""
     made, wanted = originals
     source, target = tmp_path / "things.pickle", tmp_path / "answers.pickle"
     source.write_bytes(pickle.dumps(made))
@@ -39,26 +39,26 @@ def test_copies_in_a_fresh_process(originals, tmp_path):
 
 
 def there_and_back(name, thing):
-    """What a worker of another library finds, and the thing sent on to whoever asked."""
+    """The answers of an object in a worker process, and the object to send back."""
     return answers(name, thing), thing
 
 
 AGAIN = ("frame", "solved curve", "scene", "burgers vector")
-# All of them go to a fresh process above; the same copies go to workers of other libraries.
+# The test above sends all to a fresh process; workers of other libraries receive the same copies.
 SENT = pytest.mark.parametrize(
     "many", [len(AGAIN), pytest.param(31, marks=pytest.mark.slow)], ids=["some", "all"]
 )
 
 
 def sent(originals, many):
-    """The things that are sent, by name."""
+    """The objects to send, by name."""
     made = originals[0] if many > len(AGAIN) else {name: originals[0][name] for name in AGAIN}
     assert len(made) >= many
     return made
 
 
 def check_sent(originals, made, found):
-    """What came back is what was found here, to the bit, and so is what the things give again."""
+    """Answers from the worker, and answers of the returned objects, are the same to the bit."""
     _, wanted = originals
     different = [name for name, (said, _) in zip(made, found, strict=True) if said != wanted[name]]
     assert not different
@@ -69,7 +69,7 @@ def check_sent(originals, made, found):
 
 @SENT
 def test_joblib_sends_them(originals, many, monkeypatch):
-    """To processes of loky, joblib's usual ones, and back."""
+    """Objects survive the way to processes of loky, joblib's default, and back."""
     joblib = pytest.importorskip("joblib")
     loky = pytest.importorskip("joblib.externals.loky")
     monkeypatch.syspath_prepend(str(ROOT))
@@ -77,7 +77,7 @@ def test_joblib_sends_them(originals, many, monkeypatch):
     try:
         with joblib.parallel_config(backend="loky", n_jobs=2):
             tasks = (joblib.delayed(there_and_back)(*one) for one in made.items())
-            # Together, so that one process loads the package; dask gets them one by one.
+            # One batch, so that only one process loads the package; dask receives single objects.
             check_sent(originals, made, joblib.Parallel(batch_size=len(made))(tasks))
     finally:
         loky.get_reusable_executor().shutdown(wait=True)
@@ -85,7 +85,7 @@ def test_joblib_sends_them(originals, many, monkeypatch):
 
 @SENT
 def test_dask_sends_them(originals, many, monkeypatch):
-    """To worker processes of dask, and back."""
+    """Objects survive the way to worker processes of dask and back."""
     distributed = pytest.importorskip("dask.distributed")
     monkeypatch.syspath_prepend(str(ROOT))
     made = sent(originals, many)
@@ -96,14 +96,14 @@ def test_dask_sends_them(originals, many, monkeypatch):
 
 
 def test_deep_copies(originals):
-    """Copies in this process."""
+    """Deep copies in this process give the same answers."""
     made, wanted = originals
     for name, thing in made.items():
         assert answers(name, copy.deepcopy(thing)) == wanted[name], name
 
 
 def test_what_was_together_stays_together():
-    """Tensors that are pickled with their frame belong to its copy, and so do exact elements."""
+    """Tensors and exact elements that are pickled with their frame belong to its copy."""
     frame = gt.spaces.load("so3").frame
     together = frame, frame.metric, frame.metric.element(0, 2), gt.cartan(frame)
     again, tensor, element, connection = pickle.loads(pickle.dumps(together))
@@ -114,14 +114,14 @@ def test_what_was_together_stays_together():
 
 
 def test_values_are_their_own_copies():
-    """What never changes need not be made twice, and equality is kept."""
+    """The deep copy of an immutable value is the value itself."""
     frame = gt.spaces.load("so3").frame
     assert copy.deepcopy(frame) is frame
     assert copy.deepcopy(frame.metric) == frame.metric
 
 
 def test_a_pickle_is_small():
-    """Plain data only: no compiled code, no tables that fill with use."""
+    """A pickle holds plain data only: no compiled code and no cached results."""
     kerr = gt.spaces.load("kerr").frame
     before = len(pickle.dumps(kerr))
     gt.levi_civita(kerr).curvature.kretschmann[()]
@@ -129,7 +129,7 @@ def test_a_pickle_is_small():
 
 
 VALUES = values()
-# Protocols and errors; and small plain results, which are parts of those that are copied.
+# Protocols, errors, and small plain results that are parts of copied results.
 PARTS = {
     "AffineMap", "Chart", "CostRow", "CostTable", "Defect", "EdgeList", "EnclosedDefect", "Engine",
     "GeomtorsionError", "LatticeBurgers", "Network", "NodeRule", "Phase", "Reaction", "SceneCost",
@@ -138,13 +138,13 @@ PARTS = {
 
 
 def text(value):
-    """What a value says of itself, without places in memory."""
+    """Text of a value without memory addresses."""
     return re.sub(r" at 0x[0-9a-f]+", "", str(value))
 
 
 @pytest.mark.parametrize("name", VALUES)
 def test_public_values_pickle_and_copy(name):
-    """One of each class: a copy is of the same class and says the same."""
+    """A copy of a value has the same class and the same text."""
     value = VALUES[name]()
     assert type(value).__name__ == name
     for again in (pickle.loads(pickle.dumps(value)), copy.deepcopy(value)):
@@ -153,7 +153,7 @@ def test_public_values_pickle_and_copy(name):
 
 
 def test_no_public_class_is_left_out(originals):
-    """Whoever adds one adds it here, or says why not."""
+    """Each public class is copied in a test or listed in PARTS."""
     copied = {*VALUES, *(type(thing).__name__ for thing in originals[0].values())}
     public = {name for name in gt.__all__ if isinstance(getattr(gt, name), type)}
     assert public - copied == PARTS

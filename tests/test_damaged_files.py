@@ -1,4 +1,4 @@
-"""Files spoilt at random: each is read, or refused by the one error of its kind; none hangs."""
+"""Damaged files: each is read, or refused with the one error of its kind; none hangs."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Grid:
 
 
 class Solution:
-    """A solution that can be integrated again."""
+    """A saved solution, which can be integrated again."""
 
     name, error, spoil = "solution.npz", FileFormatError, staticmethod(spoilt_npz)
 
@@ -72,13 +72,13 @@ class Solution:
         saved = SavedSolution.load(path)
         assert len(saved) == len({name: saved[name] for name in saved})
         _ = saved.error, str(saved.problem)
-        # Equations that were changed to others may be too hard; that is no fault of the file.
+        # Equations that the damage changed may be too hard; the file is valid then.
         with suppress(GeomtorsionError):
             saved.at(0.15)
 
 
 class Result:
-    """What a scene gave."""
+    """The result of a scene."""
 
     name, error, spoil = "result.npz", FileFormatError, staticmethod(spoilt_npz)
 
@@ -177,7 +177,7 @@ class Lines:
     def read(path):
         net = DislocationNetwork.read(path)
         _ = net.node_rule(), net.density, net.nye, net.families(), net.opendis()
-        # What is left of a network may have no answer; that is no fault of the file.
+        # The rest of a network may have no answer; the file is valid then.
         with suppress(GeomtorsionError):
             net.burgers(Loop.circle([5, 5, 5], 4))
 
@@ -186,7 +186,7 @@ KINDS = [Grid, Solution, Result, Checkpointed, SceneCheckpoint, Loops, Table, Li
 
 
 def check(kind, folder, seeds):
-    """Run a campaign over one kind of file; at least half of the spoilt files are refused."""
+    """Run a campaign over one kind of file; more than a third of the spoilt files are refused."""
     path = folder / kind.name
     kind.write(path)
     kind.read(path)
@@ -197,12 +197,12 @@ def check(kind, folder, seeds):
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
 def test_spoilt(kind, tmp_path):
-    """Ten copies of each kind of file."""
+    """Ten spoilt copies of each kind of file are read or refused."""
     check(kind, tmp_path, range(10))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
 def test_spoilt_often(kind, tmp_path):
-    """Another 450 of each kind: 3,600 files."""
+    """Another 450 copies of each kind, 3,600 files in all, are read or refused."""
     check(kind, tmp_path, [*range(10, 60), *range(1000, 1400)])

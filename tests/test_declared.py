@@ -1,4 +1,4 @@
-"""Declared: a value against what was declared of a parameter is refused by whatever takes one."""
+"""Declared: every function with parameters refuses a value that contradicts a declaration."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from geomtorsion.loops import (
 
 S = sp.Symbol("s", real=True)
 ABOUT = Loop.circle([1, 0], 0.5)
-# Frame and values of parameters -> anything.
+# Functions of a frame and of values of its parameters.
 ROUTES: dict[str, Callable[[Frame, Mapping[Any, int]], object]] = {
     "point": lambda f, p: f.metric.at({"x": 1, "y": 0, **p}),
     "substitution": lambda f, p: f.subs(p),
@@ -46,7 +46,7 @@ ROUTES: dict[str, Callable[[Frame, Mapping[Any, int]], object]] = {
 
 @pytest.mark.parametrize("route", ROUTES.values(), ids=ROUTES)
 def test_values_against_what_was_declared(route: Callable[..., object]) -> None:
-    """Every route refuses them in the same words: sympy has written M for sqrt(M**2)."""
+    """Each route refuses a negative value of a positive M: sympy has replaced sqrt(M**2) by M."""
     M = sp.Symbol("M", positive=True)
     x, y = sp.symbols("x y", real=True)
     frame = Frame([x, y], [[1, 0], [0, sp.sqrt(M**2) + x**2]])

@@ -1,4 +1,4 @@
-"""Files that declare more than they hold: refused before memory and time are taken for it."""
+"""Declared sizes: a file that declares more than it holds is refused before memory is allocated."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from geomtorsion.ode import ODE, RungeKutta, SavedSolution, solve
 from geomtorsion.teaching.exercises import grading
 from geomtorsion.teaching.exercises.examiner import Examiner
 
-# Seconds of work that a refusal may take; without a bound it was minutes, or without end.
+# Longest time of a refusal in seconds; without a bound it took minutes or had no end.
 SECONDS = 5.0
 POSCAR = "x\n1.0\n4 0 0\n0 4 0\n0 0 4\n"
 XYZ = '2\nLattice="4 0 0 0 4 0 0 0 4" {}\nFe 0 0 0\nFe 1 1 1\n'
@@ -53,7 +53,7 @@ def atoms(path: Path) -> object:
 
 
 def tiff(*, compression: int, strip: bytes, samples: int = 1, tile: int = 0) -> bytes:
-    """A TIFF file of 64 x 64 pixels with one strip, or one tile of this side."""
+    """A TIFF file of 64 x 64 pixels with one strip, or with one tile of the given side."""
     where = [(322, 4, tile), (323, 4, tile), (324, 4, 8), (325, 4, len(strip))]
     if not tile:
         where = [(273, 4, 8), (278, 4, 64), (279, 4, len(strip))]
@@ -67,13 +67,13 @@ def tiff(*, compression: int, strip: bytes, samples: int = 1, tile: int = 0) -> 
 
 
 def bomb(size: int = 300_000_000) -> bytes:
-    """Many zeros in few bytes."""
+    """Many zeros packed into few bytes."""
     packer, part = zlib.compressobj(9), bytes(10**7)
     return b"".join(packer.compress(part) for _ in range(size // 10**7)) + packer.flush()
 
 
 def diagonal(count: int) -> str:
-    """A table with nodes on the diagonal of a cube alone."""
+    """A table whose nodes are only on the diagonal of a cube."""
     names = ",".join(f"e_{i}_{mu}" for i in range(3) for mu in range(3))
     return f"x,y,z,{names}\n" + "".join(f"{k},{k},{k}{',1' * 9}\n" for k in range(count))
 
@@ -118,7 +118,7 @@ def test_what_is_declared_is_bounded(
     words: str,
     tmp_path: Path,
 ):
-    """Refused in words of our own, within seconds."""
+    """Each file is refused with our own message within seconds."""
     if name.endswith((".xyz", ".poscar", ".lmp", ".cfg", "XDATCAR")):
         pytest.importorskip("ase")
     for end, library in ((".tif", "tifffile"), (".vtk", "meshio")):
@@ -134,7 +134,7 @@ def test_what_is_declared_is_bounded(
 
 
 def test_packed_blocks_of_vtu(tmp_path: Path):
-    """Blocks that unpack to far more than the file: alone, and one that many arrays name."""
+    """Many arrays that name one packed block, far larger than the file, are refused."""
     pytest.importorskip("meshio")
 
     packed = bomb(20_000_000)
@@ -158,7 +158,7 @@ def test_packed_blocks_of_vtu(tmp_path: Path):
     ("kind", "words"), [("deep", "50 deep"), ("chunk", "no larger"), ("bomb", "is larger")]
 )
 def test_hdf5(kind: str, words: str, tmp_path: Path):
-    """Groups of many levels, a chunk beyond its data, and a packed one that is no chunk."""
+    """Deep groups, a chunk larger than its data and an oversized packed chunk are refused."""
     h5py = pytest.importorskip("h5py")
     path = tmp_path / "a.h5"
     with h5py.File(path, "w") as file:
@@ -187,13 +187,13 @@ def test_hdf5(kind: str, words: str, tmp_path: Path):
     ids=["key", "table", "inline", "quoted"],
 )
 def test_dotted_keys(text: str):
-    """97 kB of them took 9.6 GB."""
+    """Keys of very many parts are refused: 97 kB of them took 9.6 GB of memory."""
     with pytest.raises(LimitError, match="at most 32 parts"):
         read_toml_text(text, "a.toml")
 
 
 def test_dots_that_are_no_key():
-    """Texts, comments and numbers may have as many as they like."""
+    """Texts, comments and numbers may contain any number of dots."""
     dots = ".".join("a" * 100)
     text = f'x = "{dots}"\ny = \'{dots}\'\nz = """\n{dots} = 1\n"""\n# {dots}\n'
     assert read_toml_text(text + ".".join("b" * 32) + " = 1.5", "a.toml").data["x"] == dots
@@ -201,7 +201,7 @@ def test_dots_that_are_no_key():
 
 @pytest.mark.parametrize("number", ["1e9999999", "1/0", "f0x1p9999999", "9" * 5000])
 def test_numbers_of_saved_solutions(number: str, tmp_path: Path):
-    """An exponent asks for a number of any length."""
+    """Numbers that would need very many digits are refused in a saved solution."""
     path = tmp_path / "a.npz"
     solve(ODE.of({"x": "-x"}, [1]), [0.1], 1e-6, RungeKutta()).save(path)
     arrays = dict(np.load(path))
@@ -214,7 +214,7 @@ def test_numbers_of_saved_solutions(number: str, tmp_path: Path):
 
 
 def test_one_file_does_not_end_the_marking(tmp_path: Path):
-    """A file that takes too much is not graded, and says so; the others are."""
+    """A file that exceeds a limit is reported as not graded; the other files are graded."""
     good = 'seed = 1\n[answers]\n"3.2" = "1/tan(phi2)"\n'
     (tmp_path / "ada.toml").write_text(good)
     (tmp_path / "eve.toml").write_text(".".join("a" * 48_000) + " = 1\n")
@@ -225,12 +225,12 @@ def test_one_file_does_not_end_the_marking(tmp_path: Path):
 
 
 def asleep(_request: object) -> None:
-    """A process that never answers."""
+    """An examiner process that never answers."""
     time.sleep(60)
 
 
 def test_a_file_that_is_not_read_in_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """Whatever keeps its process busy or ends it costs its own student the marks."""
+    """A file that is not read in time is refused; the student's row states the reason."""
     monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[1]))
     monkeypatch.setattr(grading, "SECONDS", 0.1)
     busy = Examiner(function=f"{__name__}:asleep")
@@ -241,7 +241,7 @@ def test_a_file_that_is_not_read_in_time(tmp_path: Path, monkeypatch: pytest.Mon
     assert "eve.toml could not be read: it takes longer than 0.1 s" in row["remarks"]
 
 
-# Of one chunk with 2 x 2 x 9 x 9 numbers, which has 2592 bytes.
+# Packings of a chunk with 2 x 2 x 9 x 9 numbers, that is 2592 bytes.
 PACKINGS = {
     "gzip": ({"name": "gzip", "configuration": {"level": 1}}, "GZip"),
     "zstd": ({"name": "zstd", "configuration": {"level": 1, "checksum": False}}, "Zstd"),
@@ -256,7 +256,7 @@ PACKINGS = {
 @pytest.mark.parametrize("packing", PACKINGS)
 @pytest.mark.parametrize("form", ["version 2", "version 3", "shards"])
 def test_chunks_of_zarr(packing: str, form: str, tmp_path: Path):
-    """A chunk that unpacks to 300 MB is refused before it is; what it replaced is read."""
+    """A chunk that would unpack to 300 MB is refused before it is unpacked; a valid one is read."""
     zarr, numcodecs = pytest.importorskip("zarr"), pytest.importorskip("numcodecs")
     codec, name = PACKINGS[packing]
     if form == "version 2":
@@ -278,7 +278,7 @@ def test_chunks_of_zarr(packing: str, form: str, tmp_path: Path):
     packed = getattr(numcodecs, name)().encode(bytes(size))
     chunk = next(f for f in path.rglob("*") if f.is_file() and f.name in ("0", "0.0.0.0"))
     if form == "shards":
-        # Four inner chunks, then an index of places and lengths and room for its checksum.
+        # Four inner chunks, then an index of positions and lengths and 4 bytes for its checksum.
         index = struct.pack("<8Q", *[0, len(packed)] * 4)
         packed += index + bytes(4)
     chunk.write_bytes(packed)

@@ -1,4 +1,4 @@
-"""Every example in a docstring runs; the test counts them, so that none is lost unseen."""
+"""Doctests: each example in a docstring runs; their number is checked, so that none is lost."""
 
 import doctest
 import importlib
@@ -9,7 +9,7 @@ import pytest
 import geomtorsion
 
 OPTIONS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
-# Fewer would mean that the search below misses some.
+# A lower number would mean that the search below misses some.
 EXPECTED_EXAMPLES = 150
 MODULES = sorted(
     module.name
@@ -19,14 +19,14 @@ MODULES = sorted(
 
 
 def doctests(name: str) -> list[doctest.DocTest]:
-    """The docstrings of a module that hold examples."""
+    """The docstrings of a module that contain examples."""
     found = doctest.DocTestFinder(exclude_empty=True).find(importlib.import_module(name))
     return [test for test in found if test.examples]
 
 
 @pytest.mark.parametrize("name", MODULES)
 def test_docstrings_are_true(name):
-    """What a docstring shows is what happens."""
+    """The examples in docstrings give the output that they show."""
     runner = doctest.DocTestRunner(optionflags=OPTIONS, verbose=False)
     report: list[str] = []
     for test in doctests(name):
@@ -35,14 +35,14 @@ def test_docstrings_are_true(name):
 
 
 def test_docstrings_are_found():
-    """As many examples as there should be."""
+    """The search finds at least the expected number of examples."""
     assert sum(len(test.examples) for name in MODULES for test in doctests(name)) >= (
         EXPECTED_EXAMPLES
     )
 
 
 def test_a_wrong_docstring_would_be_found():
-    """The runner above does notice."""
+    """The runner reports a wrong example."""
     test = doctest.DocTestParser().get_doctest(">>> 1 + 1\n3\n", {}, "wrong", None, None)
     runner = doctest.DocTestRunner(optionflags=OPTIONS, verbose=False)
     assert runner.run(test, out=lambda _: None).failed == 1

@@ -1,4 +1,4 @@
-"""Numbers given as expressions: one whose value would not end is refused wherever it comes in."""
+"""Endless numbers: an expression whose value cannot be computed is refused at every entrance."""
 
 import json
 import re
@@ -18,7 +18,7 @@ from geomtorsion.scenes.files import read_file as read_scene
 from geomtorsion.spaces.files import read_file as read_space
 from tests.cli.running import run
 
-# Seconds of processor: each refusal takes milliseconds, where values took hours or all memory.
+# CPU seconds. A refusal takes milliseconds; the values took hours or all memory.
 SECONDS = 5
 x, y, a = sp.symbols("x y a", positive=True)
 TOWER = sp.exp(sp.exp(sp.exp(99)))
@@ -39,7 +39,7 @@ WORDS = "of a number above|a power above|the exponent is|larger than the limit"
 
 
 def saved(folder: Path, part: str, number: str) -> None:
-    """A saved solution with another number in its metadata, read."""
+    """Replace a number in the metadata of a saved solution and load it."""
     path = folder / "a.npz"
     solve(ODE.of({"x": "-k*x"}, [1], parameters={"k": 1}), [0.1], 1e-6, RungeKutta()).save(path)
     arrays = dict(np.load(path))
@@ -51,7 +51,7 @@ def saved(folder: Path, part: str, number: str) -> None:
 
 
 def written(folder: Path, text: str) -> Path:
-    """A file with this text."""
+    """A file with the given text."""
     path = folder / "a.toml"
     path.write_text(text)
     return path
@@ -79,7 +79,7 @@ ROUTES: dict[str, Callable[[Path, str], object]] = {
 @pytest.mark.parametrize("number", TEXTS)
 @pytest.mark.parametrize("route", ROUTES.values(), ids=ROUTES.keys())
 def test_texts(route: Callable[[Path, str], object], number: str, tmp_path: Path):
-    """Refused before anybody asks for its value."""
+    """Each text is refused before its value is computed."""
     began = time.process_time()
     with pytest.raises(GeomtorsionError, match=WORDS):
         route(tmp_path, number)
@@ -88,7 +88,7 @@ def test_texts(route: Callable[[Path, str], object], number: str, tmp_path: Path
 
 @pytest.mark.parametrize("number", [text for text in TEXTS if "," not in text])
 def test_options(number: str, tmp_path: Path):
-    """Numbers on the command line."""
+    """Such numbers are refused on the command line."""
     began = time.process_time()
     space = written(
         tmp_path,
@@ -115,7 +115,7 @@ def test_options(number: str, tmp_path: Path):
 )
 @pytest.mark.parametrize("number", [TOWER, sp.sin(sp.log(TOWER)), 1 / TOWER, 2 ** sp.log(TOWER)])
 def test_numbers_of_sympy(use: Callable[[sp.Expr], object], number: sp.Expr):
-    """The same from Python."""
+    """Such sympy numbers are refused in Python."""
     began = time.process_time()
     with pytest.raises(GeomtorsionError, match=f"{WORDS}|more than 64 bits"):
         use(number)
@@ -136,6 +136,6 @@ def test_numbers_of_sympy(use: Callable[[sp.Expr], object], number: sp.Expr):
     ],
 )
 def test_numbers_of_use(text: str, value: float):
-    """What ends is read as before."""
+    """Numbers that can be computed are accepted."""
     read = ODE.of({"x": "-x"}, [text]).start[0]
     assert float(read) == pytest.approx(value, rel=1e-14)

@@ -1,4 +1,4 @@
-"""Equal calls give equal bits, whatever was computed before, in whatever thread or process."""
+"""Equal calls: they give equal bits after any other calls, in any thread and any process."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ import geomtorsion as gt
 from tests.golden.calls import MOMENTS, ORBIT, SPIN, START, heavy_top, kerr, ode, pushed, so3
 
 ACCURACIES = (1e-6, 1e-9, 1e-12)
-# In the normal run, and in the long one.
+# Numbers of calls in the normal run and in the long run.
 CALLS = [400, pytest.param(2000, marks=pytest.mark.slow)]
-# Slow engines are called less often: of a hundred calls these many.
+# Slow engines are called less often: this many of a hundred calls.
 SELDOM = 2
 
 
 def pendulum() -> Any:
-    """The flow whose digits once changed after some hundred calls."""
+    """A pendulum, whose digits once changed after some hundred calls."""
     return ode({"x": "v", "v": "-sin(x)"}, [2.0, 0.0])
 
 
@@ -37,7 +37,7 @@ def top() -> Any:
 
 
 def orbit() -> Any:
-    """A bound orbit of Kerr's hole."""
+    """A bound orbit of a Kerr black hole."""
     return gt.geodesic(kerr, causal=None, **ORBIT)
 
 
@@ -58,7 +58,7 @@ Key = tuple[str, float, str]
 
 
 def solved(key: Key, *, anew: bool) -> str:
-    """The digits of a solution; of a problem that is made anew, or of the one that is kept."""
+    """Digest of a solution, of a new problem or of the problem that is kept."""
     name, accuracy, engine = key
     if name == "scene":
         result = heavy_top(t=0.5, accuracy=accuracy).run()
@@ -76,7 +76,7 @@ def solved(key: Key, *, anew: bool) -> str:
 
 
 def digits(*arrays: Any) -> str:
-    """A digest of every bit."""
+    """Digest of each bit."""
     found = hashlib.sha256()
     for array in arrays:
         found.update(np.ascontiguousarray(array, dtype=float).tobytes())
@@ -84,7 +84,7 @@ def digits(*arrays: Any) -> str:
 
 
 def shuffled(seed: int, count: int) -> list[Key]:
-    """So many calls in an order of their own, each kind among them."""
+    """Keys of `count` calls, shuffled, with each kind among them."""
     rng = random.Random(seed)
     keys = [*FAST, *SLOW]
     keys += [
@@ -95,7 +95,7 @@ def shuffled(seed: int, count: int) -> list[Key]:
 
 
 def of_a_process(seed: int, count: int) -> dict[str, list[str]]:
-    """The digits of each kind of call in a fresh process that makes them in an order of its own."""
+    """Digests of each kind of call from a fresh process with its own order of calls."""
     program = "import sys, tests.test_equal_calls as own; own.tell(*map(int, sys.argv[1:]))"
     done = subprocess.run(
         [sys.executable, "-c", program, str(seed), str(count)],
@@ -109,12 +109,12 @@ def of_a_process(seed: int, count: int) -> dict[str, list[str]]:
 
 
 def tell(seed: int, count: int) -> None:
-    """Print what such a process found."""
+    """Print the digests that such a process found."""
     print(json.dumps(gathered([(key, solved(key, anew=False)) for key in shuffled(seed, count)])))
 
 
 def gathered(found: list[tuple[Key, str]]) -> dict[str, list[str]]:
-    """All different digits of each kind of call."""
+    """All different digests of each kind of call."""
     kinds: dict[str, set[str]] = {}
     for key, bits in found:
         kinds.setdefault(" ".join(map(str, key)), set()).add(bits)
@@ -122,25 +122,25 @@ def gathered(found: list[tuple[Key, str]]) -> dict[str, list[str]]:
 
 
 def unlike(found: dict[str, list[str]], first: dict[str, list[str]]) -> list[str]:
-    """Kinds of calls that gave other digits than at first, or several."""
+    """Kinds of calls that gave several digests, or another one than at first."""
     return [kind for kind, bits in first.items() if found[kind] != bits]
 
 
 @pytest.fixture(scope="module")
 def first() -> dict[str, list[str]]:
-    """The digits of every kind of call, each made once."""
+    """Digests of each kind of call, each made once."""
     return gathered([(key, solved(key, anew=True)) for key in [*FAST, *SLOW]])
 
 
 def test_digits_tell_solutions_apart(first):
-    """Another accuracy, another problem: other digits. So the comparison can fail."""
+    """Solutions of unlike accuracy or problem have unlike digests, so the comparison can fail."""
     assert len(first) == len(FAST) + len(SLOW)
     assert len({bits for (bits,) in first.values()}) == len(first)
 
 
 @pytest.mark.parametrize("calls", CALLS)
 def test_calls_in_any_order(first, calls):
-    """Half of the calls, shuffled, of problems that are kept and of problems made anew."""
+    """Half of the calls, shuffled, of kept and of new problems, give the same bits."""
     keys = shuffled(1, calls // 2)
     found = [(key, solved(key, anew=n % 4 == 0)) for n, key in enumerate(keys)]
     assert unlike(gathered(found), first) == []
@@ -148,7 +148,7 @@ def test_calls_in_any_order(first, calls):
 
 @pytest.mark.parametrize("calls", CALLS)
 def test_calls_in_threads(first, calls):
-    """A third of the calls in four threads at once, of the same problems."""
+    """Three tenths of the calls, in four threads at once, of kept problems, give the same bits."""
     keys = shuffled(2, 3 * calls // 10)
     with ThreadPoolExecutor(4) as pool:
         found = list(pool.map(lambda key: (key, solved(key, anew=False)), keys))
@@ -158,5 +158,5 @@ def test_calls_in_threads(first, calls):
 @pytest.mark.parametrize("calls", CALLS)
 @pytest.mark.parametrize("seed", [3, pytest.param(4, marks=pytest.mark.slow)])
 def test_calls_in_fresh_processes(first, seed, calls):
-    """A tenth of the calls in a process of their own, twice, each in another order."""
+    """A tenth of the calls, in a fresh process and another order, give the same bits."""
     assert unlike(of_a_process(seed, calls // 10), first) == []

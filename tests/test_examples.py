@@ -1,4 +1,4 @@
-"""Examples: each runs from the command line, ends well and says its known answer."""
+"""Examples: each runs from the command line, ends with code 0 and checks its known answer."""
 
 import os
 import re
@@ -16,28 +16,28 @@ EXAMPLES = sorted(FOLDER.glob("*.py"))
 SCENES = sorted((FOLDER / "scenes").glob("*.py"))
 ALL = [*EXAMPLES, *SCENES]
 EXPECTED = 17
-# They take a third of a second and more; `.ci/run` runs all of them as scripts.
+# These take at least a third of a second; `.ci/run` runs all examples as scripts.
 LONG = {"dzhanibekov", "18_lines_between_atoms", "04_what_accuracy_costs", "16_dislocation_network",
         "13_paper_equations", "07_tiny_loops", "rolling_disc"}  # fmt: skip
 RUN = [pytest.param(x, marks=pytest.mark.slow) if x.stem in LONG else x for x in ALL]
 
 
 def test_examples_are_found_and_numbered():
-    """None is lost: numbers run from 01 without a gap."""
+    """The examples are numbered from 01 without a gap."""
     assert len(EXAMPLES) >= EXPECTED
     assert {path.stem for path in ALL} >= LONG
     assert [path.name[:3] for path in EXAMPLES] == [f"{n + 1:02}_" for n in range(len(EXAMPLES))]
 
 
 def test_every_shipped_scene_has_an_example():
-    """Each is built in Python by a script of its own, or by one with its kin."""
+    """A Python script builds each shipped scene, some scripts several related ones."""
     texts = "".join(path.read_text("utf-8") for path in SCENES)
     assert len(scenes.names()) >= 16
     assert not [name for name in scenes.names() if f'"{name}"' not in texts]
 
 
 def run(path: Path) -> subprocess.CompletedProcess[str]:
-    """One example in a fresh process that finds the package where the tests found it."""
+    """Run an example in a fresh process that imports the same package as the tests."""
     return subprocess.run(
         [sys.executable, "-W", "error", str(path)],
         capture_output=True,
@@ -50,7 +50,7 @@ def run(path: Path) -> subprocess.CompletedProcess[str]:
 
 
 def test_an_example_runs_as_a_script():
-    """From the command line, in a process of its own, as `.ci/run` runs each of them."""
+    """An example runs in a process of its own, as in `.ci/run`."""
     done = run(EXAMPLES[0])
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip()
@@ -59,7 +59,7 @@ def test_an_example_runs_as_a_script():
 
 @pytest.mark.parametrize("path", RUN, ids=lambda path: path.stem)
 def test_example_runs(path, monkeypatch, capfd, tmp_path):
-    """It prints something, warns of nothing and its assertions hold; modules are loaded already."""
+    """An example prints something, warns of nothing and its assertions hold; modules are loaded."""
     monkeypatch.setattr(sys, "argv", [path.name])
     monkeypatch.chdir(tmp_path)
     runpy.run_path(str(path), run_name="__main__")
@@ -75,7 +75,7 @@ def test_example_runs(path, monkeypatch, capfd, tmp_path):
      ("08_development_and_defects.py", ["--step=-0.2"])],
 )  # fmt: skip
 def test_other_values_are_as_good(name, arguments, monkeypatch, capfd):
-    """Known answers hold for the other sense, and where a formula divides by zero."""
+    """Known answers also hold in the other sense and where a formula divides by zero."""
     monkeypatch.setattr(sys, "argv", [name, *arguments])
     runpy.run_path(str(FOLDER / name), run_name="__main__")
     assert capfd.readouterr().out.strip()
@@ -83,7 +83,7 @@ def test_other_values_are_as_good(name, arguments, monkeypatch, capfd):
 
 @pytest.mark.parametrize("path", ALL, ids=lambda path: path.stem)
 def test_example_is_a_lesson(path, monkeypatch, capsys):
-    """Each has a docstring, main(), a command line and an assertion in main."""
+    """Each example has a docstring, main(), a command line and an assertion in main."""
     text = path.read_text(encoding="utf-8")
     assert text.startswith('"""')
     assert "argparse.ArgumentParser" in text
@@ -98,7 +98,7 @@ def test_example_is_a_lesson(path, monkeypatch, capsys):
 
 
 def test_options_of_the_first_examples(monkeypatch, capfd):
-    """The options do something."""
+    """The options of the first two examples change their output."""
     any_tetrad, paper = EXAMPLES[:2]
     monkeypatch.setattr(sys, "argv", [any_tetrad.name, "--throat", "1/2", "--at", "0"])
     runpy.run_path(str(any_tetrad), run_name="__main__")

@@ -1,4 +1,4 @@
-"""Times far beyond what any motion reaches: the value, or an error of our own, within seconds."""
+"""Far times: a solver gives the value or an error of our own, within seconds."""
 
 import time
 
@@ -8,7 +8,7 @@ import pytest
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.ode import ODE, Engine, RungeKutta, solve, solve_many
 
-# Seconds of processor; the steps of a second go to t = 1e6 at most.
+# CPU seconds; the steps of one second reach t = 1e6 at most.
 SECONDS = 6
 KEPLER = {"x": "u", "y": "v", "u": "-x/(x**2+y**2)**(3/2)", "v": "-y/(x**2+y**2)**(3/2)"}
 SYSTEMS = {
@@ -24,7 +24,7 @@ ENGINES: list[Engine | None] = [None, RungeKutta()]
 @pytest.mark.parametrize("engine", ENGINES, ids=["chosen", "Runge-Kutta"])
 @pytest.mark.parametrize("last", [1e308, -1e15])
 def test_one_motion(problem: ODE, engine: Engine | None, last: float):
-    """Alone."""
+    """A motion cannot reach such a time and raises an error within seconds."""
     began = time.process_time()
     with pytest.raises(GeomtorsionError):
         solve(problem, last, engine=engine)
@@ -35,7 +35,7 @@ def test_one_motion(problem: ODE, engine: Engine | None, last: float):
 @pytest.mark.parametrize("engine", ENGINES, ids=["chosen", "Runge-Kutta"])
 @pytest.mark.parametrize("times", [-1e308, [5e14, 1e15]])
 def test_many_motions(problem: ODE, engine: Engine | None, times: object):
-    """As a batch of five: the message says what ended the first."""
+    """A batch of five raises an error with the reason of its first member."""
     starts = np.array([float(value) for value in problem.start]) * np.linspace(1, 1.1, 5)[:, None]
     began = time.process_time()
     with pytest.raises(GeomtorsionError, match=r"got none\. Member 0: "):
@@ -44,12 +44,12 @@ def test_many_motions(problem: ODE, engine: Engine | None, times: object):
 
 
 def test_an_escape_arrives():
-    """Steps that grow come to any time: a hyperbola."""
+    """A hyperbola reaches any time, because its steps grow."""
     assert solve(ODE.of(KEPLER, [1, 0, 0, 2]), 1e308, engine=RungeKutta()).times[-1] == 1e308
 
 
 def test_what_needs_few_steps_arrives():
-    """Far times are no reason by themselves."""
+    """A motion that needs few steps reaches a far time."""
     assert solve(ODE.of({"x": "1"}, [1]), 1e308).states[-1][0] == 1e308
     assert (
         solve_many(ODE.of({"x": "1"}, [1]), [[1], [2]], 1e308)["x"][:, -1].tolist() == [1e308] * 2
@@ -57,7 +57,7 @@ def test_what_needs_few_steps_arrives():
 
 
 def test_a_long_batch_arrives():
-    """More steps than are taken before the first look: as one by one."""
+    """A batch with more steps than before its first check agrees with its members one by one."""
     problem = SYSTEMS["oscillator"]
     many = solve_many(problem, [[1, 0], [2, 0]], [2e4, 4e4], 1e-6)
     alone = solve(problem, [2e4, 4e4], 1e-6)

@@ -1,4 +1,4 @@
-"""Files: what is read comes back as it was written; what is damaged ends in one kind of error."""
+"""Files: a file reads as it was written; a damaged file raises one kind of error."""
 
 import tomllib
 
@@ -19,7 +19,7 @@ FORMS = {"times": ArrayForm(("m",), "f")}
 
 
 def test_no_files(tmp_path):
-    """Missing files, directories and names that are none."""
+    """Missing files, folders, invalid names, invalid UTF-8 and too long texts are refused."""
     for path in (tmp_path / "none.npz", tmp_path, "a\0b"):
         with pytest.raises(FileFormatError):
             read_npz(path, FORMS)
@@ -35,7 +35,7 @@ def test_no_files(tmp_path):
 
 
 def test_the_longest_text(tmp_path):
-    """Ten million bytes are read, one more is refused."""
+    """A text of ten million bytes is read, one byte more is refused."""
     path = tmp_path / "long.txt"
     path.write_bytes(b"x" * 10_000_000)
     assert len(read_text(path)) == 10_000_000
@@ -46,7 +46,7 @@ def test_the_longest_text(tmp_path):
 
 
 def test_toml(tmp_path):
-    """Values, lines, and decimals as they were written."""
+    """TOML gives values, their lines, and decimals as they were written."""
     file = tmp_path / "a.toml"
     file.write_text("a = 0.10\n[b]\nc = [1,\n2]\n")
     found = read_toml(file, decimals=True)
@@ -73,7 +73,7 @@ def test_toml(tmp_path):
     ],
 )
 def test_bad_toml(text, says):
-    """Each is refused with a short message that ends in advice where it may help."""
+    """Invalid TOML is refused with a short message, which ends in advice where that may help."""
     with pytest.raises(GeomtorsionError, match=f"(?s)^a.toml: .*({says})") as caught:
         read_toml_text(text, "a.toml", advice="Advice.")
     assert len(str(caught.value)) < 900
@@ -135,12 +135,12 @@ LINES = {
 
 @pytest.mark.parametrize("key", LINES, ids=str)
 def test_lines(key):
-    """Comments, texts and lists over several lines do not mislead."""
+    """Comments, texts and lists over several lines do not change the line of a key."""
     assert read_toml_text(SCENE, "a.toml").line(key) == LINES[key]
 
 
 def test_every_key_has_a_line():
-    """All that tomllib finds is found."""
+    """Each key that tomllib finds has a line."""
     file = read_toml_text(SCENE, "a.toml")
     assert file.data == tomllib.loads(SCENE)
 
@@ -160,7 +160,7 @@ def test_every_key_has_a_line():
 
 
 def test_json():
-    """Lists and numbers; no nan, no endless nesting, no endless numbers."""
+    """JSON gives lists and numbers; nan, endless nesting and endless numbers are refused."""
     assert read_json_text("[1, {}]", "a.json") == [1, {}]
     for text, says in [
         ("[1, ", "line 1, column 5: expected JSON, got an error"),
@@ -173,7 +173,7 @@ def test_json():
 
 
 def test_forms():
-    """A form is met, or the first part that does not meet it is named."""
+    """Data has the required form, or the message names the first part that has not."""
     form = {"a": float, "b": [int], "c": {str: (str, None)}, "d?": bool}
     good = {"a": 1, "b": [1, 2], "c": {"x": "y", "z": None}, "extra": 3}
     assert conforming(good, form, "f") is good

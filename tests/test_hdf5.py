@@ -1,4 +1,4 @@
-"""HDF5: files that are damaged, reach into others, or ask for memory that they do not fill."""
+"""HDF5: damaged files, files that refer to others and files that declare too much are refused."""
 
 import numpy as np
 import pytest
@@ -11,14 +11,14 @@ h5py = pytest.importorskip("h5py")
 
 
 def whole(path):
-    """A file with a group and a data set in it."""
+    """A valid file with a group and a data set in it."""
     with h5py.File(path, "w") as file:
         file["group/numbers"] = np.arange(50.0)
     return path
 
 
 def test_a_whole_file_says_what_it_holds(tmp_path):
-    """Names of the first group; links inside of the file are none of another."""
+    """The check of a valid file returns the names at its top; links within the file are allowed."""
     path = whole(tmp_path / "a.h5")
     with h5py.File(path, "a") as file:
         file["again"] = h5py.SoftLink("/group/numbers")
@@ -43,7 +43,7 @@ def test_a_whole_file_says_what_it_holds(tmp_path):
     ],
 )
 def test_what_lies_in_other_files(tmp_path, change, message):
-    """Wherever in the file it is named."""
+    """A reference to another file is refused at each position in a file."""
     path = whole(tmp_path / "a.h5")
     with h5py.File(path, "a") as file:
         change(file)
@@ -52,14 +52,14 @@ def test_what_lies_in_other_files(tmp_path, change, message):
 
 
 def virtual_layout(name):
-    """A data set that is made of those of another file."""
+    """Layout of a data set whose data are in another file."""
     layout = h5py.VirtualLayout(shape=(9,), dtype="f8")
     layout[...] = h5py.VirtualSource(name, "x", shape=(9,))
     return layout
 
 
 def test_sizes_that_cannot_be(tmp_path):
-    """A data set that says more than what is stored of it, packed as well as can be."""
+    """A data set is refused if it declares more than its stored bytes could unpack to."""
     path = whole(tmp_path / "a.h5")
     with h5py.File(path, "a") as file:
         file.create_dataset("group/huge", shape=(10**6, 10**6), dtype="f8", chunks=(100, 100))
@@ -69,7 +69,7 @@ def test_sizes_that_cannot_be(tmp_path):
 
 @pytest.mark.parametrize("name", ["a.h5", "a.hdf5", "a.nc"])
 def test_damage_is_said_whatever_asks(tmp_path, name):
-    """Each byte wrong once: an error of ours, or a file in which nothing that counts was hit."""
+    """A file with one changed byte is refused by its name; the check itself refuses ten or more."""
     if name != "a.nc":
         pytest.importorskip("orix", reason="what reads maps in such files")
     content = whole(tmp_path / "whole.h5").read_bytes()

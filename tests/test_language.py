@@ -1,4 +1,4 @@
-"""Plain English: the hits of `tests.language` become fewer in every package."""
+"""Plain English: the number of hits of `tests.language` falls in each package."""
 
 from pathlib import Path
 
@@ -6,7 +6,7 @@ import pytest
 
 from tests import language
 
-# Occurrences in each package; a number may only fall. It is lowered as soon as less is reached.
+# Occurrences in each package. A number may only fall; it is lowered when the count is lower.
 CEILINGS = {
     "exact": 1,
     "geometry": 3,
@@ -19,14 +19,14 @@ CEILINGS = {
 
 
 def test_no_package_exceeds_its_ceiling():
-    """Each package has at most as many occurrences as stated; one that is not listed has none."""
+    """Each package has at most as many occurrences as its ceiling, which is zero by default."""
     found = {name: one.total() for name, one in language.counts().items()}
     over = {name: count for name, count in found.items() if count > CEILINGS.get(name, 0)}
     assert not over, "python -m tests.language NAME lists them"
 
 
 def test_ceilings_fall_with_the_counts():
-    """A ceiling far above the count is lowered."""
+    """No ceiling is far above its count."""
     found = {name: one.total() for name, one in language.counts().items()}
     assert set(CEILINGS) <= set(found)
     high = {name: found[name] for name, most in CEILINGS.items() if found[name] < 0.9 * most - 5}
@@ -34,7 +34,7 @@ def test_ceilings_fall_with_the_counts():
 
 
 def test_the_readme_has_none():
-    """The first page that a visitor reads is plain."""
+    """The README has no ceiling, so it must have no hits."""
     assert "README" not in CEILINGS
     assert language.places()["README"]
 
@@ -63,7 +63,7 @@ def test_the_readme_has_none():
     ],
 )
 def test_each_pattern_is_found(tmp_path: Path, pattern: str, wrong: str, right: str):
-    """A pattern is found in its example, and not in the plain form."""
+    """A pattern matches its example and not the plain form."""
     for text, expected in ((wrong, True), (right, False)):
         file = tmp_path / "page.md"
         file.write_text(text, "utf-8")
@@ -71,7 +71,7 @@ def test_each_pattern_is_found(tmp_path: Path, pattern: str, wrong: str, right: 
 
 
 def test_every_pattern_has_an_example():
-    """The table above misses none."""
+    """The table above has an example of each pattern."""
     [mark] = getattr(test_each_pattern_is_found, "pytestmark")  # noqa: B009
     assert [row[0] for row in mark.args[1]] == list(language.PATTERNS)
 

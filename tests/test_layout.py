@@ -1,4 +1,4 @@
-"""The house: imports point down, names are exported once, files are short, importing is light."""
+"""Layout: imports point down, names are exported once, files are short, importing is light."""
 
 import ast
 import re
@@ -34,7 +34,7 @@ from tests.source import (
 TESTS = Path(__file__).parent
 ROOT = TESTS.parent
 
-# Lowest floor first; packages on one floor do not know each other.
+# Lowest layer first; packages in one layer do not import each other.
 BELOW_THE_WALL = (
     ("caching", "errors", "outgoing"),
     ("checks", "copies", "displays", "precision", "progress"),
@@ -48,7 +48,7 @@ BELOW_THE_WALL = (
     ("proofs",),
     ("spaces",),
 )
-# Applications: of packages below the wall they import only what these export in __all__.
+# Applications: from packages below the wall they import only names in __all__.
 ABOVE_THE_WALL = (
     ("gravity", "materials"),
     ("accuracy", "pictures", "paper"),
@@ -58,16 +58,16 @@ ABOVE_THE_WALL = (
     ("__main__",),
 )
 FLOORS = BELOW_THE_WALL + ABOVE_THE_WALL
-# What stands on one floor and may still be used there, with the reason.
+# Allowed imports within one layer, with the reason.
 NEIGHBOURS: dict[tuple[str, str], str] = {
     ("accuracy", "pictures"): "a table of costs draws itself in the ink of all pictures",
 }
-# Files of more lines hold more than one idea, unless a reason stands here.
+# A longer file holds more than one idea, unless a reason is given here.
 LONG: dict[str, str] = {
     "ode/problem.py": "what a solver asks of equations, in one place; a quarter is documentation",
     "checks.py": "all validators side by side, so that nobody writes another; half are examples",
     "files.py": "all that is read from text files, and one way to write a file whole or not",
-    # Each stands for several files that were always read together.
+    # Each of these replaces several files that were always read together.
     "codegen/reading.py": "all that is read: elements, their products, expressions",
     "curves/atlas.py": "charts, the maps between them, and the point that they carry",
     "curves/problem.py": "a curve from its start, which is checked, through charts; for solvers",
@@ -85,19 +85,19 @@ LONG: dict[str, str] = {
     "ode/system.py": "equations, engines that take them, and the units they are run in",
 }
 LONGEST = 500
-# What is to come down: each is lowered as soon as less has been reached.
+# Counts that should fall: each ceiling is lowered as soon as the count is lower.
 CEILINGS = {
     "files in rings": 34,
     "inner imports without a reason": 0,
     "percent of Any": 3.6,
-    # Of these 17 choose steps and precision in proofs; no ball depends on them.
+    # 17 of these choose steps and precision in proofs; no ball depends on them.
     "tuned constants": 146,
     "tests of no module": 35,
     "files of a first motion": 40,
     "frames of a first motion": 24,
 }
 # Lines of code of each package, rounded up to fifties, without docstrings, comments and blanks.
-# A change that needs more edits its number and says in the commit what users get for it.
+# A change that needs more raises the number and states in its commit what users get for it.
 BUDGET = {
     "accuracy": 450,
     "action": 2000,
@@ -123,7 +123,7 @@ HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo",
 
 
 def floor_of(part: str) -> int:
-    """The floor on which a package or module of geomtorsion stands."""
+    """Number of the layer of a package or module of geomtorsion."""
     for number, names in enumerate(FLOORS):
         if part in names:
             return number
@@ -131,20 +131,20 @@ def floor_of(part: str) -> int:
 
 
 def upward(own: str, imported: str) -> bool:
-    """Whether an import points to a higher floor, or to a neighbour without a reason."""
+    """Whether an import points to a higher layer, or to a neighbour without a reason."""
     if imported == own or (own, imported) in NEIGHBOURS:
         return False
     return floor_of(imported) >= floor_of(own)
 
 
 def test_there_is_something_to_check():
-    """The tests below look at the whole package."""
+    """The tests below see the whole package."""
     assert len(FILES) > 80
     assert {part_of(file) for file in FILES} >= {"exact", "geometry", "spaces", "pictures", "cli"}
 
 
 def test_no_arrow_points_up():
-    """A file imports only from its own package and from floors below it."""
+    """A file imports only from its own package and from layers below it."""
     wrong = [
         f"{name_of(file)} imports {name[0]}"
         for file in FILES
@@ -155,7 +155,7 @@ def test_no_arrow_points_up():
 
 
 def test_an_upward_arrow_would_be_found():
-    """The check above can fail: each of these is refused."""
+    """The check above can fail: it refuses each of these imports."""
     assert upward("exact", "geometry")
     assert upward("geometry", "cli")
     assert upward("ode", "curves")
@@ -165,7 +165,7 @@ def test_an_upward_arrow_would_be_found():
 
 
 def test_applications_import_what_is_exported():
-    """Above the wall, a package below it is known by its __all__: names, or whole modules."""
+    """Applications import from a package below the wall only names or modules in its __all__."""
     applications = {name for floor in ABOVE_THE_WALL for name in floor}
     wrong = [
         f"{name_of(file)} imports {'.'.join(name)}"
@@ -178,7 +178,7 @@ def test_applications_import_what_is_exported():
 
 
 def test_an_import_through_the_wall_would_be_found():
-    """The check above can fail: an inner module does not pass, an exported one does."""
+    """The check above can fail: it refuses an inner module and allows an exported one."""
     assert is_exported(("loops", "Loop"))
     assert is_exported(("rigid", "attitude", "product"))
     assert is_exported(("checks", "count"))
@@ -187,7 +187,7 @@ def test_an_import_through_the_wall_would_be_found():
 
 
 def test_public_names_are_exported_once():
-    """geomtorsion exports each name once, has it, and nothing else exports to users."""
+    """geomtorsion exports each name once, and each exported name exists."""
     names = geomtorsion.__all__
     assert len(names) == len(set(names))
     assert {"Frame", "cartan", "levi_civita", "contract", "spaces"} <= set(names)
@@ -196,7 +196,7 @@ def test_public_names_are_exported_once():
 
 
 def test_a_long_file_has_a_reason():
-    """No file has more than 500 lines, unless a reason is stated here."""
+    """A file with more than 500 lines has a reason in LONG."""
     lines = {name_of(file): len(text_of(file).splitlines()) for file in FILES}
     long = {name: count for name, count in lines.items() if count > LONGEST}
     assert long.keys() == LONG.keys(), "give a new one its reason, drop one that is short again"
@@ -208,45 +208,45 @@ def test_every_file_says_what_it_is():
 
 
 def test_packages_import_in_one_direction():
-    """No package imports another that needs it, by whatever way, those in packages included."""
+    """Packages do not import each other in rings; nor do the packages in materials and teaching."""
     assert not rings(package_imports())
     assert not rings(package_imports(deep=("materials", "teaching")))
 
 
 def test_files_of_two_packages_are_in_no_ring():
-    """A ring of imports stays within its package, types and imports in functions included."""
+    """A ring of imports stays within its package, counting imports for types and in functions."""
     assert not [ring for ring in rings(file_imports()) if len({n.split("/")[0] for n in ring}) > 1]
 
 
 def test_few_files_need_each_other():
-    """Files that import each other, by whatever way, are few."""
+    """Few files are in a ring of imports."""
     found = {min(ring): len(ring) for ring in rings(file_imports())}
     assert sum(found.values()) <= CEILINGS["files in rings"], found
 
 
 def test_imports_stand_at_the_top():
-    """An import inside a function has a comment with its reason, beside it or above it."""
+    """An import inside a function has a comment with its reason, beside or above it."""
     found = {name_of(file): bare_inner_imports(text_of(file), looked_for(file)) for file in FILES}
     found = {name: lines for name, lines in found.items() if lines}
     assert sum(map(len, found.values())) <= CEILINGS["inner imports without a reason"], found
 
 
 def test_types_say_something():
-    """Few annotations hold `Any`: the percentage."""
+    """The percentage of annotations with `Any` is small."""
     every = [annotation for file in FILES for annotation in annotated_types(looked_for(file))]
     assert len(every) > 5000
     assert 100 * sum(map(says_any, every)) / len(every) <= CEILINGS["percent of Any"]
 
 
 def test_few_numbers_are_tuned():
-    """Constants at module level that are written numbers."""
+    """Few constants at module level are written numbers."""
     found = {name_of(file): tuned_constants(tree_of(file)) for file in FILES}
     found = {name: names for name, names in found.items() if names}
     assert sum(map(len, found.values())) <= CEILINGS["tuned constants"], found
 
 
 def test_engines_are_known_by_their_protocol():
-    """No code asks whether an engine is of one class; `named.py` compares it with its own copy."""
+    """No code tests the class of an engine; only `named.py` does, to compare with its own copy."""
     assert [
         (name_of(file), line)
         for file in FILES
@@ -261,7 +261,7 @@ def test_engines_are_known_by_their_protocol():
 
 
 def test_packages_keep_to_their_budget():
-    """No package has more lines of code than stated, or far fewer: then the number is lowered."""
+    """No package exceeds its budget of code lines; a budget far above the count is lowered."""
     counts = dict.fromkeys(BUDGET, 0)
     for file in FILES:
         first, _, rest = name_of(file).partition("/")
@@ -273,13 +273,13 @@ def test_packages_keep_to_their_budget():
 
 
 def test_tests_mirror_the_package():
-    """In the folder of a package, test_name.py is about name.py."""
+    """In the test folder of a package, test_name.py tests name.py."""
     found = unmirrored(TESTS)
     assert len(found) <= CEILINGS["tests of no module"], found
 
 
 def test_what_is_measured_would_be_found():
-    """Each measure sees what it should, and nothing else."""
+    """Each measure finds what it should and nothing else."""
     assert rings({"a": {"b"}, "b": {"c"}, "c": {"b"}, "d": {"a"}}) == [{"b", "c"}]
     text = "def f():\n    import a\n\n    # heavy\n    import b\n    import c  # late\nimport d\n"
     assert bare_inner_imports(text, walk(ast.parse(text))) == [2]
@@ -297,18 +297,18 @@ def test_what_is_measured_would_be_found():
 
 
 def test_a_first_motion_can_be_followed():
-    """Few files and few frames lie between a geodesic of Kerr that is asked for and its end."""
+    """From a Kerr geodesic to the end of its solution, few files run and few calls are nested."""
     walked = [sys.executable, "-m", "tests.walked"]
     done = subprocess.run(walked, cwd=ROOT, capture_output=True, text=True, check=True)
     files, frames = map(int, done.stdout.split())
-    # The package is the one that is tested, and something was counted.
+    # The count is of the tested package and has found something.
     assert files > 20
     assert files <= CEILINGS["files of a first motion"]
     assert frames <= CEILINGS["frames of a first motion"]
 
 
 def test_importing_is_light():
-    """Importing the package loads neither what an extra brings nor what few uses need."""
+    """Importing the package loads no optional library and none that only few uses need."""
     code = "import sys, geomtorsion; print(*sorted({name.split('.')[0] for name in sys.modules}))"
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
@@ -332,7 +332,7 @@ def test_importing_is_quiet():
 
 
 def test_the_top_level_stays_clear():
-    """Nothing but what a visitor expects stands at the top of the checkout."""
+    """The top folder of the checkout contains only the expected files and folders."""
     expected = {"pyproject.toml", "README.md", "CHANGELOG.md", "LICENSE"}
     expected |= {"geomtorsion", "tests", "examples"}
     listed = {path.name for path in ROOT.iterdir() if not path.name.startswith(".")}
@@ -343,7 +343,7 @@ def test_the_top_level_stays_clear():
 
 
 def test_what_ci_names_is_there():
-    """Files of tests that its scripts run, also after these have moved."""
+    """Each test file that a script of `.ci` names exists."""
     scripts = [file.read_text("utf-8") for file in (ROOT / ".ci").iterdir() if file.is_file()]
     named = {name for text in scripts for name in re.findall(r"\btests/[\w/]+\.py\b", text)}
     assert len(named) > 10

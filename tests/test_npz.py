@@ -1,4 +1,4 @@
-"""NPZ: arrays come back as they were written; what is damaged ends in one kind of error."""
+"""NPZ: arrays read as they were written; a damaged file raises one kind of error."""
 
 import io
 import json
@@ -31,17 +31,17 @@ def saved(tmp_path):
 
 
 def test_arrays_come_back(saved):
-    """Values, shapes, order and text as they were written."""
+    """Values, shapes, types and text read as they were written."""
     found = read_npz(saved, FORMS)
     assert set(found) == {"times", "states", "about", "value a", "value b"}
     assert found["states"].tolist() == [[0, 1], [2, 3], [4, 5]]
     assert found["value a"].dtype == np.arange(3).dtype
     assert text_of(found["about"]) == "{}"
-    found["times"][0] = 1  # they may be written to
+    found["times"][0] = 1  # the arrays are writable
 
 
 def test_zeros_pack_a_thousandfold(tmp_path):
-    """What zlib packs as densely as it can is read: a million zeros take eight kilobytes."""
+    """The densest packing of zlib is read: a million zeros take less than nine kilobytes."""
     file = tmp_path / "a.npz"
     np.savez_compressed(file, x=np.zeros(10**6))
     assert file.stat().st_size < 9000
@@ -50,7 +50,7 @@ def test_zeros_pack_a_thousandfold(tmp_path):
 
 @pytest.mark.parametrize("dtype", [">f8", "<f4", ">i2", "<u8", "|b1", "<U5"])
 def test_byte_orders(tmp_path, dtype):
-    """Numbers of either byte order and any size."""
+    """Numbers of either byte order and any size are read in the native byte order."""
     values = np.array([1, 0, 1]).astype(dtype)
     np.savez(tmp_path / "a.npz", x=values)
     found = read_npz(tmp_path / "a.npz", {"x": ArrayForm((3,), "fiubU")})["x"]
@@ -70,7 +70,7 @@ def test_byte_orders(tmp_path, dtype):
     ],
 )
 def test_wrong_arrays(tmp_path, arrays, says):
-    """A missing array, a wrong shape or type: the message names the array."""
+    """A missing array or a wrong shape or type is refused; the message names the array."""
     np.savez(tmp_path / "a.npz", **arrays)
     with pytest.raises(FileFormatError, match=f"a.npz: .*({says})"):
         read_npz(tmp_path / "a.npz", FORMS)
@@ -80,7 +80,7 @@ def test_wrong_arrays(tmp_path, arrays, says):
 
 
 def test_declared_sizes_take_no_memory(tmp_path):
-    """A header that promises a terabyte is refused before memory is taken for it."""
+    """A header that declares a terabyte is refused before memory is allocated."""
     buffer = io.BytesIO()
     header = b"{'descr': '<f8', 'fortran_order': False, 'shape': (100000000000,), }"
     buffer.write(b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header + b"\0" * 80)
@@ -95,7 +95,7 @@ def test_declared_sizes_take_no_memory(tmp_path):
 
 
 def test_a_text_takes_no_gigabyte(tmp_path):
-    """A text that unpacks to more than any text may have is refused by its header."""
+    """A text longer than the limit of texts is refused by its header."""
     file = tmp_path / "a.npz"
     np.savez_compressed(file, about=np.array("x" * 10_000_001))
     with pytest.raises(FileFormatError, match="about would take 40,000,004 bytes"):
@@ -103,7 +103,7 @@ def test_a_text_takes_no_gigabyte(tmp_path):
 
 
 def test_any_further_axes(tmp_path):
-    """Dots stand for axes of any length; those before them are compared."""
+    """Dots in a form allow any further axes; the axes before the dots are compared."""
     forms = {"times": ArrayForm(("m",)), "value *": ArrayForm(("m", ...))}
     np.savez(tmp_path / "a.npz", **{"times": np.zeros(3), "value a": np.zeros((3, 2, 5))})
     assert read_npz(tmp_path / "a.npz", forms)["value a"].shape == (3, 2, 5)
@@ -114,7 +114,7 @@ def test_any_further_axes(tmp_path):
 
 
 def test_json_inside_an_array():
-    """What is wrong with it is said in the words of the file that it stands in."""
+    """An error in JSON within an array has the class and the message of its file."""
     known = {"path": "a.npz", "error": CheckpointError, "message": "no {path}: {reason}!"}
     form = {"steps": range(10), "how": frozenset({"a", "b"})}
     good = {"steps": 3, "how": "a"}
@@ -132,7 +132,7 @@ def test_json_inside_an_array():
 
 
 def test_damaged_files(saved, tmp_path):
-    """Bytes changed, cut or doubled at random: one error, or the same numbers."""
+    """A file with bytes changed, removed or doubled at random is read or refused with one error."""
     whole = saved.read_bytes()
     draw = random.Random(5)
     path = tmp_path / "damaged.npz"

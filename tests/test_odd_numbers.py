@@ -1,4 +1,4 @@
-"""Odd numbers: whatever comes where a number, a time or a word belongs, errors are of our own."""
+"""Odd numbers: any value as a number, a time or a word is used, or refused by our own error."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def equations(rates: Any, start: Any = (1,), **given: Any) -> gt.Solution:
 
 
 def turning(**changed: Any) -> Any:
-    """A damped body that turns, run for a second."""
+    """A damped rotating body, run for a second."""
     given: dict[str, Any] = {
         "body": gt.Body(moments=(1, 2, 3)),
         "effects": [effects.AngularDamping(0.1)],
@@ -92,7 +92,7 @@ CALLS: dict[str, Callable[[Any], Any]] = {
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 @pytest.mark.parametrize("name", CALLS)
 def test_an_odd_value_is_used_or_refused(name: str) -> None:
-    """The result is finite with an error estimate to match, or the error is one of ours."""
+    """The result is finite and its error at most the accuracy, or the error is one of ours."""
     for value in ODD:
         try:
             found = CALLS[name](value)
@@ -139,13 +139,13 @@ REFUSED: list[tuple[Callable[[], Any], type[GeomtorsionError], str]] = [
 def test_the_remedy_is_in_the_message(
     call: Callable[[], Any], error: type[GeomtorsionError], words: str
 ) -> None:
-    """Each refusal names the value and says what to do."""
+    """Each refusal names the value and the remedy."""
     with pytest.raises(error, match=words):
         call()
 
 
 def test_a_time_beyond_all_steps_ends() -> None:
-    """A great circle that changes charts for ever, in few steps or with few events."""
+    """A great circle, which changes charts without end, raises an error for t = 1e308."""
     problem = gt.geodesic(SPHERE, [1, 0.3], frame_velocity=[0.2, 0.3], parameters={"R": 1})
     for engine in (None, RungeKutta()):
         with pytest.raises(GeomtorsionError):
@@ -153,7 +153,7 @@ def test_a_time_beyond_all_steps_ends() -> None:
 
 
 def test_tiny_numbers_that_are_quotients_of_long_ones() -> None:
-    """(10^399 + 1)/10^400 is a tenth, whatever its numerator and denominator are."""
+    """(10^399 + 1)/10^400 acts as a tenth, although both its parts exceed all floats."""
     tenth = Fraction(10**399 + 1, 10**400)
     solution = equations("-x", outputs={"a": f"x*{tenth}"})
     assert solution["a"] == pytest.approx(solution["x"] / 10, rel=1e-15)

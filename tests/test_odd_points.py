@@ -1,4 +1,4 @@
-"""Points and lists of any kind: each call gives values, or an error of this package."""
+"""Odd points: each call with any kind of point or list gives values or an error of ours."""
 
 from collections.abc import Callable
 from fractions import Fraction
@@ -74,7 +74,7 @@ CALLS: dict[str, Callable[[Any], object]] = {
 @pytest.mark.parametrize("odd", ODD.values(), ids=ODD.keys())
 @pytest.mark.parametrize("call", CALLS.values(), ids=CALLS.keys())
 def test_values_or_an_error(call: Callable[[Any], object], odd: Any):
-    """No error of numpy, sympy, mpmath or Python, and no value that is not a number."""
+    """No error of numpy, sympy, mpmath or Python is raised, and each value is finite."""
     try:
         found = call(odd)
     except GeomtorsionError:
@@ -85,6 +85,6 @@ def test_values_or_an_error(call: Callable[[Any], object], odd: Any):
 
 @pytest.mark.parametrize("value", [3, 3.0, Fraction(3), np.float64(3), np.array(3.0), np.array(3)])
 def test_a_number_in_an_array_without_axes(value: Any):
-    """It is the number."""
+    """An array without axes counts as its number."""
     assert FRAME.coframe.at({r: value, phi: 1}).tolist() == [[1.0, 0.0], [0.0, 3.0]]
     assert FRAME.coframe.at({r: value, phi: 1}, digits=30)[1, 1] == 3

@@ -1,4 +1,4 @@
-"""The oracle itself against closed forms known from textbooks and from the paper."""
+"""Oracle: its values are compared with closed forms from textbooks and from the paper."""
 
 import mpmath
 import numpy as np
@@ -40,7 +40,7 @@ def epsilon():
 
 @pytest.fixture(scope="module", autouse=True)
 def full_precision():
-    """Closed forms are evaluated with as many digits as the oracle uses."""
+    """Closed forms use as many digits as the oracle."""
     with mpmath.workdps(DIGITS):
         yield
 
@@ -56,7 +56,7 @@ def test_sphere():
 
 
 def test_so3_of_the_paper():
-    """Connection (10), torsion, anholonomy (12), Ricci g/2 and scalar 3/2."""
+    """SO(3) has connection (10), its torsion, anholonomy (12), Ricci g/2 and scalar 3/2."""
     o = Oracle(so3, SO3_POINT)
     s2, c2 = sin(SO3_POINT[1]), cos(SO3_POINT[1])
     gamma = np.zeros((3, 3, 3), dtype=object)
@@ -78,7 +78,7 @@ def test_so3_of_the_paper():
 
 
 def test_schwarzschild():
-    """Ricci = 0, Weyl = Riemann and Kretschmann = 48 / r^6."""
+    """Schwarzschild has Ricci = 0, Weyl = Riemann and Kretschmann = 48 / r^6."""
     o = Oracle(
         schwarzschild,
         (mpf(0), mpf(5), mpf("0.9"), mpf(1)),
@@ -90,7 +90,7 @@ def test_schwarzschild():
 
 
 def test_scalar_identity_of_teleparallel_gravity():
-    """R_bar = -T + 2 D_bar_a v^a with the signs used here, on a frame without symmetry."""
+    """R_bar = -T - 2 D_bar_a v^a with the signs used here, on a frame without symmetry."""
 
     def e(q):
         x, y, z = q
@@ -121,7 +121,7 @@ def test_scalar_identity_of_teleparallel_gravity():
 
 
 def test_general_coefficients():
-    """Coefficients without symmetry: torsion, curvature and nonmetricity against hand values."""
+    """Coefficients without symmetry: torsion, curvature and nonmetricity equal hand-made values."""
     gamma = np.zeros((2, 2, 2), dtype=object)
 
     def coefficients(q):
@@ -142,7 +142,7 @@ def test_general_coefficients():
 
 
 def test_spin_connection_of_cartan_vanishes_and_rotates():
-    """The legs are parallel for Cartan's connection; polar legs turn for Levi-Civita's."""
+    """Legs are parallel for Cartan's connection; polar legs turn for the Levi-Civita connection."""
     assert largest(Oracle(so3, SO3_POINT).spin_connection) < TIGHT
     polar = Oracle(lambda q: [[1, 0], [0, q[0]]], (mpf(2), mpf(1)))
     bar = Oracle(polar.coframe, polar.point, coefficients=polar.christoffel_at)

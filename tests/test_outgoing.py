@@ -1,4 +1,4 @@
-"""Text that goes out: names of files that would be obeyed, through every command and format."""
+"""Outgoing text: no command and no format lets a name act as a command of its target."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from geomtorsion.pictures.latex import latex_name
 from geomtorsion.scenes.result import write_csv
 from geomtorsion.spaces.files import read_file
 
-# Each breaks out of one target: comments of Mathematica and of LaTeX, docstrings, HTML, terminals
-# (titles, colours, concealed text, the eight-bit form, text that runs backwards), spreadsheets,
-# and mathematics in figures.
+# Each name breaks out of one target: comments of Mathematica and of LaTeX, docstrings, HTML,
+# terminals (titles, colours, hidden text, the eight-bit form, text that runs backwards),
+# spreadsheets, and mathematics in figures.
 NAMES = (
     "a *) Quit[]; (* b",
     "a *\n) Quit[]; (\r* b",
@@ -41,7 +41,7 @@ NAMES = (
     "$\\frac$ $x_{$",
     "a\0b\x7f",
 )
-# What is said by all of them at once, for commands that draw.
+# All names joined into one, for commands that draw.
 TOGETHER = ("".join(NAMES), "$x_{$")
 TETRAD = 'coordinates = ["x", "y"]\ncoframe = [[1, 0], [0, "exp(x)"]]\n'
 SCENE = "t = 0.1\naccuracy = 1e-6\n[body]\nmoments = [1, 2, 3]\n[start]\nomega = [0.1, 1, 0]\n"
@@ -60,14 +60,14 @@ COMMANDS = (
 
 
 def written(folder: Path, name: str, body: str, keys: tuple[str, ...]) -> Path:
-    """A file in which every text is this one."""
+    """A file whose texts are all the given name."""
     path = folder / "a.toml"
     path.write_text("".join(f"{key} = {json.dumps(name)}\n" for key in keys) + body, "utf-8")
     return path
 
 
 def obeyed(text: str) -> list[str]:
-    """Signs in a text that a terminal obeys or hides."""
+    """Characters of a text that a terminal executes or hides."""
     return [
         sign for sign in text
         if (unicodedata.category(sign) in ("Cc", "Zl", "Zp") and sign not in "\n\t")
@@ -76,7 +76,7 @@ def obeyed(text: str) -> list[str]:
 
 
 def check_written(form: str, text: str) -> None:
-    """What a program that reads a format would do with it."""
+    """Check that a program that reads the format executes nothing in the text."""
     if form == "json":
         json.loads(text)
     elif form == "python":
@@ -88,7 +88,7 @@ def check_written(form: str, text: str) -> None:
         outside = [row for row in text.split("\n") if not row.startswith("%")]
         assert not re.search(r"\\(input|immediate)", "\n".join(outside))
     elif form == "mathematica":
-        # Innermost comments first, as Mathematica nests them.
+        # Innermost comments first: Mathematica nests them.
         while (rest := re.sub(r"\(\*(?:(?!\(\*|\*\)).)*\*\)", "", text, flags=re.DOTALL)) != text:
             text = rest
         assert "Quit" not in text
@@ -98,7 +98,7 @@ def check_written(form: str, text: str) -> None:
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_no_name_of_a_tetrad_is_obeyed(command: str, tmp_path: Path):
-    """Every text of a tetrad file in every command that takes one."""
+    """No text of a tetrad file acts as a command in the output of any command that reads it."""
     form = re.search(r"--format (\w+)", command)
     for k, name in enumerate(TOGETHER if " -o " in command else NAMES):
         path = written(tmp_path, name, TETRAD, KEYS)
@@ -121,7 +121,7 @@ def test_no_name_of_a_tetrad_is_obeyed(command: str, tmp_path: Path):
 
 @pytest.mark.parametrize("command", ["run FILE -o OUT --format svg", "run FILE", "plan FILE"])
 def test_no_name_of_a_scene_is_obeyed(command: str, tmp_path: Path):
-    """Every text of a scene file; pictures show what is no mathematics as it stands."""
+    """No text of a scene file acts as a command; pictures show it even as invalid mathematics."""
     for k, name in enumerate(TOGETHER if " -o " in command else NAMES):
         path = written(tmp_path, name, SCENE, ("name", "title", "story"))
         words = command.replace("FILE", str(path)).replace("OUT", str(tmp_path / str(k))).split()
@@ -132,7 +132,7 @@ def test_no_name_of_a_scene_is_obeyed(command: str, tmp_path: Path):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_no_message_is_obeyed(name: str, tmp_path: Path):
-    """Keys, words and rows of a damaged file in what is said about it."""
+    """Keys, words and rows of a damaged file are harmless in the messages about it."""
     key = json.dumps(name)
     for text in (f"{key} = 1\n", f"coordinates = [{key}]\ncoframe = [[1]]\n", f"x = {name}\n"):
         path = tmp_path / "a.toml"
@@ -144,12 +144,12 @@ def test_no_message_is_obeyed(name: str, tmp_path: Path):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_any_name_in_latex(name: str):
-    """A name stays letters of a formula, whatever it holds."""
+    """Any name becomes plain letters of a LaTeX formula."""
     assert not re.search(r"\\(input|immediate|write)", latex_name(name))
 
 
 def test_tables_hold_no_formulas(tmp_path: Path):
-    """Texts in cells and headers that spreadsheets would compute; numbers come back as written."""
+    """Texts that a spreadsheet would compute are escaped; numbers stay as written."""
     path = tmp_path / "a.csv"
     write_csv(path, {"=1+1": [-0.5, 1e-300], "@b": ["=cmd|' /C calc'!A0", "-x"]})
     with path.open(encoding="utf-8", newline="") as stream:
@@ -160,14 +160,14 @@ def test_tables_hold_no_formulas(tmp_path: Path):
 
 
 NOTEBOOK = ("_repr_html_", "_repr_latex_", "_repr_markdown_", "_repr_svg_")
-# A tag or an escape of terminals; a command of LaTeX that is not shown but obeyed.
+# HTML tags and terminal escapes; LaTeX commands that would be executed instead of shown.
 TAGS = re.compile("<(?:script|img)|\x1b")
 COMMANDS_OF_LATEX = re.compile(r"(?<!\\)\\(?:input|immediate|write18)")
 SYMBOL = "q\\input{b}<img src=x onerror=alert(1)>"
 
 
 def shown(folder: Path) -> dict[str, object]:
-    """What a notebook shows, with names that would be obeyed."""
+    """Objects that a notebook shows, with names that would act as commands."""
     name = "".join(NAMES)
     space = read_file(written(folder, name, TETRAD, KEYS))
     q, y = sp.Symbol(SYMBOL, real=True), sp.Symbol("y", real=True)
@@ -192,7 +192,7 @@ def shown(folder: Path) -> dict[str, object]:
 
 
 def test_notebooks(tmp_path: Path):
-    """No name is obeyed by HTML, LaTeX or Markdown."""
+    """No name acts as a command in HTML, LaTeX or Markdown."""
     count = 0
     for what, value in shown(tmp_path).items():
         for method in NOTEBOOK:
@@ -206,6 +206,6 @@ def test_notebooks(tmp_path: Path):
 
 
 def test_symbols_with_commands_that_show_something():
-    """Such as a bar or a Greek letter stay as they are."""
+    """LaTeX in the name of a symbol, such as a bar, stays unchanged."""
     x = sp.Symbol(r"\bar{x}", real=True)
     assert r"\bar{x}" in gt.Frame([x], [[sp.exp(x)]])._repr_latex_()

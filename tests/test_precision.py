@@ -1,4 +1,4 @@
-"""Precision: what counts as rounded, from both sides of each threshold."""
+"""Precision: values on both sides of each threshold for rounding."""
 
 import pytest
 
@@ -21,14 +21,14 @@ UNIT_STARTS = (
 @pytest.mark.parametrize("start", UNIT_STARTS, ids=("scene", "free top", "equations"))
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_printed_unit_vector_is_rounded_a_longer_one_a_mistake(start, sign):
-    """Seven digits are enough for an attitude, in scenes, tops and equations alike."""
+    """A quaternion whose length is off by less than 1e-6 is accepted; beyond that it is refused."""
     start((1 + 0.9 * sign * 1e-6, 0, 0, 0))
     with pytest.raises(StartError, match="length"):
         start((1 + 1.1 * sign * 1e-6, 0, 0, 0))
 
 
 def test_a_calculated_plate_is_a_plate():
-    """A + B = C holds to rounding; beyond it no body has such moments."""
+    """Moments with A + B = C up to rounding are accepted; a larger sum C is refused."""
     Body(1, (1.0, 2.0, 3.0 * (1 + 0.5 * 1e-12)))
     with pytest.raises(BodyError):
         Body(1, (1.0, 2.0, 3.0 * (1 + 2 * 1e-12)))
@@ -36,7 +36,7 @@ def test_a_calculated_plate_is_a_plate():
 
 @pytest.mark.parametrize(("share", "right"), [(0.5, True), (4.0, False)])
 def test_a_calculated_null_velocity_is_null(share, right):
-    """Light along the third axis of de Sitter's static patch, its norm off by rounding."""
+    """A null velocity may be off by rounding: light along the first spatial leg of de Sitter."""
     frame = gt.spaces.load("de_sitter").frame
     velocity = [1.0, 1.0 + share * 1e-12, 0.0, 0.0]
 

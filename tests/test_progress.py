@@ -1,4 +1,4 @@
-"""Progress: a bar that says how long the rest takes, where somebody watches."""
+"""Progress: a terminal shows a bar with the remaining time."""
 
 import pytest
 
@@ -12,18 +12,18 @@ from tests.screen import watched
     [(0.25, 20.0, "60 s left"), (0.5, 1800.0, "30 min left"), (1.0, 9.0, "0 s left")],
 )
 def test_time_left(done, elapsed, says):
-    """What is left takes as long as what is done took, in proportion."""
+    """The remaining time is proportional to the time used so far."""
     assert time_left(done, elapsed) == says
 
 
 def test_at_first_nothing_is_said():
-    """A beginning that only compiled says nothing of the rest."""
+    """No remaining time is shown at the beginning, when only compilation has run."""
     assert time_left(0.019, 5.0) == ""
     assert time_left(0.021, 1.0) != ""
 
 
 def test_a_slow_start_counts(monkeypatch):
-    """30 s until the first report, a tenth more at once: the rest takes 90 s, not one."""
+    """The time until the first report counts: 30.1 s for a quarter leave 90 s for the rest."""
     screen, clock = watched(monkeypatch), [0.0]
     monkeypatch.setattr("time.perf_counter", lambda: clock[0])
     with bar("top") as show:
@@ -37,7 +37,7 @@ def test_a_slow_start_counts(monkeypatch):
 
 
 def test_in_a_cell_of_a_notebook_nothing_moves(monkeypatch):
-    """What Jupyter takes for a terminal shows each change as a line of its own."""
+    """In Jupyter, which shows each update as a new line, no bar is shown."""
     screen = watched(monkeypatch)
     assert somebody_watches()
     monkeypatch.setenv("JPY_PARENT_PID", "1")
@@ -61,7 +61,7 @@ def test_short_work_shows_no_bar(monkeypatch, waited):
 
 
 def test_a_bar_that_is_wanted_is_shown_anywhere(capsys):
-    """progress=True writes into a file or a pipe as well, once."""
+    """With progress=True the bar is also written into a file or a pipe, once."""
     with bar("9 members", 9, wanted=True) as show:
         assert show is not None
         for done in range(10):
@@ -70,7 +70,7 @@ def test_a_bar_that_is_wanted_is_shown_anywhere(capsys):
 
 
 def test_without_a_terminal_nothing_is_shown(capsys):
-    """A pipe gets results alone."""
+    """A pipe receives only results."""
     with bar("top") as show:
         assert show is None
     assert capsys.readouterr().err == ""

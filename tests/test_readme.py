@@ -1,4 +1,4 @@
-"""The README and pages of the site are executed: their Python, a scene file and the commands."""
+"""README: the Python, commands and scene file in it and in pages of the site are executed."""
 
 import doctest
 import re
@@ -32,7 +32,7 @@ EXPECTED_COMMANDS = 33
 
 
 def blocks(language: str, text: str = TEXT) -> list[str]:
-    """Fenced blocks of a language."""
+    """Fenced blocks in a language."""
     return re.findall(rf"^```{language}\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
 
 

@@ -1,4 +1,4 @@
-"""Security: nothing that comes from outside is ever run; each attempt ends in an error of ours."""
+"""Security: outside text is never executed; each attempt ends in an error of ours."""
 
 import ast
 import csv
@@ -28,7 +28,7 @@ from tests.canary import EVENT, PAYLOAD, WATCH, leaves, payloads, poisoned
 from tests.source import tree_of
 
 with suppress(ImportError):
-    # Its first import may open /dev/null for writing (dill does), which the watch would tell.
+    # The first import may open /dev/null for writing (dill does), which the watch would report.
     import heyoka  # noqa: F401
 
 PACKAGE = Path(gt.__file__).parent
@@ -36,7 +36,7 @@ FILES = sorted(PACKAGE.rglob("*.py"))
 
 # -- the source -----------------------------------------------------------------------------------
 
-# These run text as code, or read objects that do. (mpmath reads numbers from text, never code.)
+# These execute text, or read objects that do. (mpmath reads numbers from text, never code.)
 BARRED = frozenset({"sympify", "nsimplify", "parse_expr", "literal_eval", "lambdify"})
 BARRED_BUILTINS = frozenset({"eval", "exec", "compile", "__import__"})
 BARRED_MODULES = frozenset({"pickle", "marshal", "shelve", "dill", "cloudpickle", "joblib", "code"})
@@ -51,10 +51,10 @@ ALLOWED: dict[tuple[str, str], str] = {
 
 
 def barred(tree: ast.AST) -> list[tuple[str, int]]:
-    """Names in a source that may run text as code, with their lines; also where they are passed on.
+    """Names in a source that may execute text, with their lines, also where they are passed on.
 
-    A method of the same name (re.compile, a polynomial's eval) is none of them, sp.S is one where
-    it is called.
+    A method of the same name (re.compile, a polynomial's eval) does not count; sp.S counts where it
+    is called.
     """
     found = []
     for node in ast.walk(tree):
@@ -94,19 +94,19 @@ def barred(tree: ast.AST) -> list[tuple[str, int]]:
 
 
 def _is_text(call: ast.Call) -> bool:
-    """Whether a number of sympy is made from a piece of text that is not written there."""
+    """Whether a sympy number is made from an f-string."""
     return any(isinstance(argument, ast.JoinedStr) for argument in call.args)
 
 
 @cache
 def barred_in(file: Path) -> list[tuple[str, int]]:
-    """The same of a file, which is looked through once."""
+    """Barred names of a file, which is searched only once."""
     return barred(tree_of(file))
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: str(file.relative_to(PACKAGE)))
 def test_no_source_runs_text(file):
-    """sympify, eval and their like stand only where a reason is written down."""
+    """sympify, eval and similar names occur only where ALLOWED gives a reason."""
     name = file.relative_to(PACKAGE).as_posix()
     found = barred_in(file)
     wrong = [f"line {line}: {what}" for what, line in found if (name, what) not in ALLOWED]
@@ -114,7 +114,7 @@ def test_no_source_runs_text(file):
 
 
 def test_no_reason_is_stale():
-    """What is allowed is there, and says why."""
+    """Each allowed name occurs in its file and has a reason."""
     present = {
         (file.relative_to(PACKAGE).as_posix(), what)
         for file in FILES
@@ -142,12 +142,12 @@ def test_no_reason_is_stale():
     ],
 )
 def test_the_lint_finds(source):
-    """The test above can fail: each of these is found."""
+    """The search finds each of these, so the test above can fail."""
     assert barred(ast.parse(source))
 
 
 def test_the_lint_lets_through():
-    """What only looks like it is let through."""
+    """The search ignores names that only look alike."""
     source = "re.compile(x); poly.eval(0); sp.S.Zero; np.load(x, allow_pickle=False); sp.Integer(3)"
     assert not barred(ast.parse(source))
 
@@ -162,7 +162,7 @@ CASES = [
 ]
 
 
-# All that these are given is looked at once; nothing of Python's or sympy's own gets out.
+# These check all their arguments at once, so no error of Python or sympy may escape.
 CHECKED = frozenset(
     "AffineMap At Body Box Cochain Complex Connection Curvature CurveProblem DependencyGraph "
     "DislocationNetwork EdgeList LineArrays Element Exercise Frame RungeKutta State Stiff "
@@ -177,14 +177,14 @@ REFUSED_BY_PYTHON = ("unsupported operand", "unhashable type", "can't multiply s
 
 
 def is_ours(error):
-    """Whether a call ended well, in an error of ours, or where Python itself refuses."""
+    """Whether a call ended without an error, with one of ours, or with a refusal by Python."""
     if isinstance(error, TypeError) and str(error).startswith(REFUSED_BY_PYTHON):
         return True
     return error is None or isinstance(error, GeomtorsionError)
 
 
 def test_the_watch_sees():
-    """The canary sings where text is run, and is silent otherwise."""
+    """The watch reports executed text and is silent otherwise."""
     assert WATCH.during(lambda: sp.sympify(PAYLOAD))[1][-1] == EVENT
     assert WATCH.during(lambda: sp.Matrix([[PAYLOAD]]))[1]
     assert WATCH.during(lambda: eval("1 + 1")) == (None, [])  # noqa: S307
@@ -192,7 +192,7 @@ def test_the_watch_sees():
 
 
 def test_everything_public_is_tried():
-    """Each public function, class and effect stands among the cases, or is made by us alone."""
+    """Each public function, class and effect is among the cases, or only the package makes it."""
     tried = {case.name.partition(".")[0].partition(" ")[0] for case in CASES}
     modules = {"conventions", "errors", "spaces", "scenes", "exercises", "pictures", "effects"}
     modules |= {"gravity", "images"}
@@ -205,7 +205,7 @@ def test_everything_public_is_tried():
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_no_argument_is_run(case, tmp_path, monkeypatch):
-    """The payload in every argument, bare and nested: no side effect, and no error of sympy's."""
+    """The payload in any argument, bare or nested, has no side effect and raises no sympy error."""
     monkeypatch.chdir(tmp_path)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -215,7 +215,7 @@ def test_no_argument_is_run(case, tmp_path, monkeypatch):
         for label, arguments in poisoned(case):
             error, seen = WATCH.during(lambda given=arguments: case.call(**given))
             if "(checkpoint=" in label:
-                # A file of this name is what was asked for.
+                # The call was to write a file of this name.
                 seen = [event for event in seen if "opened for writing" not in event]
             assert not seen, f"{label}: {seen}"
             assert not isinstance(error, sp.SympifyError | SyntaxError), f"{label}: {error!r}"
@@ -227,7 +227,7 @@ LOOP = gt.Loop.circle([0.1, 0], 0.5)
 
 
 def test_names_are_not_run():
-    """Symbols and functions that are called like the payload never get into compiled code."""
+    """Symbols and functions named like the payload never reach compiled code."""
     x, y, p = sp.Symbol(PAYLOAD), sp.Symbol("y"), sp.Symbol(f"{PAYLOAD}#", positive=True)
     f = sp.Function(PAYLOAD)
     for entry in (1 + p * x**2, sp.erf(x) + f(y)):
@@ -318,18 +318,18 @@ def toml(data) -> str:
 
 
 def read_tetrad(path):
-    """A space with everything computed that a report would show."""
+    """Read a space and compute what a report shows."""
     space = spaces.read_file(path)
     return str(space.frame.metric), space.frame.anholonomy.nonzero()
 
 
 def read_scene(path):
-    """A scene with its equations."""
+    """Read a scene and derive its equations."""
     return str(scenes.read_file(path).selection)
 
 
 def read_answers(path):
-    """Answers checked one by one."""
+    """Read answers and check them one by one."""
     answers: dict[str, Any] = dict(read_submission(path).answers)
     return [exercises.check(key, given, 1) for key, given in answers.items()]
 
@@ -344,7 +344,7 @@ READERS = {
 
 @pytest.mark.parametrize("kind", READERS)
 def test_no_file_is_run(kind, tmp_path):
-    """The payload in every value of a file, in every shape that the format knows."""
+    """The payload in any value of a file, in any shape that the format allows, is not executed."""
     data, write, name, read = READERS[kind]
     path = tmp_path / name
     path.write_text(write(data))
@@ -365,7 +365,7 @@ def test_no_file_is_run(kind, tmp_path):
 
 
 def test_the_file_that_ran_code(tmp_path, monkeypatch):
-    """What the review found: a list in the place of an expression in a file of loops."""
+    """A list instead of an expression in a file of loops, which once ran as code, is refused."""
     monkeypatch.chdir(tmp_path)
     evil = [{"curve": {"expressions": [["__import__('os').system('touch PWNED')"], "1", "0"]}}]
     Path("evil.json").write_text(json.dumps(evil))
@@ -376,7 +376,7 @@ def test_the_file_that_ran_code(tmp_path, monkeypatch):
 
 
 def test_no_table_of_loops_is_run(tmp_path):
-    """CSV: the payload in every column."""
+    """The payload in each column of a CSV file is not executed."""
     path = tmp_path / "loops.csv"
     for header, row in [
         ("x,y,radius,plane,name", ["0", "0", "1", "x y", "a"]),
@@ -394,7 +394,7 @@ def test_no_table_of_loops_is_run(tmp_path):
 
 @pytest.mark.parametrize("kind", ["solution", "flow", "scene", "grid"])
 def test_no_array_file_is_run(kind, tmp_path):
-    """NPZ: objects, text and the payload in the place of every array, and in the metadata."""
+    """Objects, text and the payload instead of each array of an NPZ file are not executed."""
     path = tmp_path / "saved.npz"
     saved = {
         "solution": (canary_cases.SOLVED.save, gt.SavedSolution.load),
@@ -410,7 +410,7 @@ def test_no_array_file_is_run(kind, tmp_path):
     objects = np.array([PAYLOAD, {}], dtype=object)
     for name in arrays:
         for wrong in (np.array(PAYLOAD), np.array([PAYLOAD]), objects, np.zeros(())):
-            # Any array may be named as it likes; the type takes one name for an option.
+            # Arrays may have any name; the type checker mistakes one name for an option.
             np.savez(path, **arrays | {name: wrong})  # type: ignore[arg-type]
             error, seen = WATCH.during(lambda: read(path))
             assert not seen, name
@@ -440,12 +440,12 @@ COMMANDS = {
     "exercises hint": ["1.1"],
     "exercises export": ["--to", "nbgrader", "-o", "course", "--only", "3.1"],
 }
-# They start servers or pages, or write pictures that are tested elsewhere.
+# These start servers or pages, or write pictures that other tests cover.
 UNTRIED = {"lab", "paper"}
 
 
 def commands(group, path=()):
-    """Every command with its name."""
+    """Each command with its name."""
     if isinstance(group, click.Group) or hasattr(group, "commands"):
         for name, command in group.commands.items():
             yield from commands(command, (*path, name))
@@ -457,13 +457,13 @@ ALL_COMMANDS = dict(commands(get_command(app)))
 
 
 def test_all_commands_are_known():
-    """Each command is tried below, or has a reason not to be."""
+    """Each command is tried below or listed in UNTRIED."""
     assert set(ALL_COMMANDS) - UNTRIED <= set(COMMANDS), set(ALL_COMMANDS) - set(COMMANDS)
 
 
 @pytest.mark.parametrize("name", [name for name in COMMANDS if name in ALL_COMMANDS])
 def test_no_option_is_run(name, tmp_path, monkeypatch):
-    """The payload as every argument and every option of every command."""
+    """The payload as each argument and each option of each command is not executed."""
     monkeypatch.chdir(tmp_path)
     base = [*name.split(), *COMMANDS[name]]
     given = len(name.split())
@@ -471,7 +471,7 @@ def test_no_option_is_run(name, tmp_path, monkeypatch):
     for parameter in ALL_COMMANDS[name].params:
         option = next((o for o in parameter.opts if o.startswith("--")), None)
         if option and not getattr(parameter, "is_flag", False):
-            # Output goes where it is told to, in a folder of the name of the payload.
+            # These options may create a folder with the name of the payload.
             if parameter.name in ("output", "folder", "directory"):
                 continue
             tries.append([*base, option, PAYLOAD])
@@ -484,5 +484,5 @@ def test_no_option_is_run(name, tmp_path, monkeypatch):
 
 
 def test_payloads_are_of_all_kinds():
-    """Text bare and nested, arrays, objects: as many shapes as are named."""
+    """The payloads include text, nested text, arrays and objects."""
     assert {"text", "list", "tuple", "table", "array", "object", "symbol"} <= set(payloads())

@@ -1,4 +1,4 @@
-"""Editors and checkers of types know every public name: planted mistakes are found, no others."""
+"""Types: type checkers find each planted mistake in code that uses the package, and no others."""
 
 import os
 import re
@@ -47,7 +47,7 @@ PLANTED = {k for k, line in enumerate(CLIENT.splitlines(), 1) if line.endswith("
 
 
 def lines_found(checker, tmp_path):
-    """Numbers of the lines in which a checker finds mistakes."""
+    """Numbers of the lines in which a checker reports errors."""
     (tmp_path / "client.py").write_text(CLIENT, "utf-8")
     options = {
         "mypy": ["--strict", "--cache-dir", str(tmp_path / "cache"), "client.py"],
@@ -64,22 +64,22 @@ def lines_found(checker, tmp_path):
     return {int(line) for line in found}
 
 
-# mypy reads the whole package for as long as a hundred other tests take.
+# mypy reads the whole package, which takes as long as a hundred other tests.
 @pytest.mark.parametrize("checker", [pytest.param("mypy", marks=pytest.mark.slow), "pyright"])
 def test_planted_mistakes(checker, tmp_path):
-    """Twelve of twelve, and nothing else."""
+    """A checker reports the twelve mistakes and nothing else."""
     pytest.importorskip(checker)
     assert len(PLANTED) == 12
     assert lines_found(checker, tmp_path) == PLANTED
 
 
 def test_the_package_says_that_it_is_typed():
-    """Without this file checkers would not look."""
+    """The package has the file py.typed, without which checkers ignore its types."""
     assert (Path(geomtorsion.__file__).parent / "py.typed").exists()
 
 
 def test_every_public_name_is_declared():
-    """Each name that loads later stands among those that checkers see."""
+    """Each name that is loaded on demand is declared for type checkers."""
     text = Path(geomtorsion.__file__).read_text("utf-8")
     seen = text[text.index("if TYPE_CHECKING") : text.index("_LATER")]
     missing = [name for name in geomtorsion._HOME if not re.search(rf"\b{name}\b", seen)]
@@ -88,7 +88,7 @@ def test_every_public_name_is_declared():
 
 
 def test_version():
-    """It stands in pyproject.toml alone."""
+    """The package reports the version in pyproject.toml."""
     text = (ROOT / "pyproject.toml").read_text("utf-8")
     stated = re.search(r'^version = "(.*)"$', text, re.MULTILINE)
     assert stated is not None
@@ -97,7 +97,7 @@ def test_version():
 
 
 def test_the_version_is_told_alike():
-    """The changelog has a section of it with a date, and who cites it finds both in the README."""
+    """Changelog and citation in the README have the version, and the same date."""
     changes = (ROOT / "CHANGELOG.md").read_text("utf-8")
     sections = re.findall(r"^## \[(\d[\d.]*)\] - (\d{4}-\d{2}-\d{2})$", changes, re.MULTILINE)
     version, date = sections[0]

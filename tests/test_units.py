@@ -1,4 +1,4 @@
-"""Units: what is written comes out in SI, and what does not fit is refused."""
+"""Units: written quantities are converted to SI, and a unit that does not fit is refused."""
 
 import math
 
@@ -38,7 +38,7 @@ from geomtorsion.units import quantity, unit, with_unit
     ],
 )
 def test_quantities(given, field, value):
-    """Each as a person writes it, in the unit of its field; to a rounding or two."""
+    """A quantity as a person writes it has its value in the unit of the field, up to rounding."""
     assert quantity(given, field) == pytest.approx(value, rel=4e-16)
 
 
@@ -60,7 +60,7 @@ def test_quantities(given, field, value):
     ],
 )
 def test_units_that_do_not_fit(given, field, says):
-    """The message names both units, or the nearest one."""
+    """A wrong unit is refused; the message names both units, or the nearest known one."""
     with pytest.raises(UnitError, match=says):
         quantity(given, field)
 
@@ -72,20 +72,20 @@ def test_units_that_do_not_fit(given, field, says):
      "0." + 5000 * "1" + "*2", "2**2**2**2**2**2"],
 )  # fmt: skip
 def test_what_is_no_number(given):
-    """Names, code, and numbers that are not finite: an error of ours."""
+    """Names, code, and numbers that are not finite are refused with an error of ours."""
     with pytest.raises((ExpressionError, LimitError, UnitError)):
         quantity(given, "m")
 
 
 def test_expressions_keep_their_text():
-    """What depends on time is parted from its unit and stays an expression."""
+    """An expression keeps its text; its unit is split off."""
     assert with_unit("5*exp(-t/2) N")[0] == "5*exp(-t/2)"
     assert with_unit("5*sin(2*t) + 1") == ("5*sin(2*t) + 1", None)
     assert with_unit("1e-3") == ("1e-3", None)
 
 
 def test_kinds_of_derived_units():
-    """Derived units against base units."""
+    """Derived units equal their combinations of base units."""
     assert unit("N").kind == unit("kg m/s^2").kind == "kg*m/s^2"
     assert unit("T").powers == unit("N A^-1 m^-1").powers
     assert unit("J/T").powers == unit("A m^2").powers

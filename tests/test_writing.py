@@ -1,4 +1,4 @@
-"""Writing: everything that writes or reads a file refuses what is none in one kind of words."""
+"""Writing: each function that writes or reads a file refuses an invalid name in the same words."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from tests.materials.lines.synthetic_networks import rings
 
 @cache
 def things() -> dict[str, Any]:
-    """What is saved."""
+    """Objects to save, by name."""
     scene = scenes.load("straight_line")
     return {
         "solution": gt.solve(gt.ODE.of({"x": "-x"}, [1]), 1.0),
@@ -37,7 +37,7 @@ def things() -> dict[str, Any]:
 
 
 def saved(name: str) -> Callable[[Any], object]:
-    """What writes one of the things."""
+    """A function that saves one of the objects."""
 
     def save(path: object) -> object:
         return things()[name].save(path)
@@ -45,7 +45,7 @@ def saved(name: str) -> Callable[[Any], object]:
     return save
 
 
-# A file -> what writes it.
+# Kind of file: the function that writes it.
 FILES: dict[str, Callable[[Any], object]] = {
     "solution": saved("solution"),
     "sampled frame": saved("grid"),
@@ -77,7 +77,7 @@ NOT_NAMES = (None, 3, ["a.npz"], b"a.npz")
 @pytest.mark.parametrize("given", NOT_NAMES, ids=repr)
 @pytest.mark.parametrize("what", dict.fromkeys([*FILES, *FOLDERS, *READERS]))
 def test_what_is_no_name(what: str, given: object):
-    """Said as an argument of another kind, by each that writes and each that reads."""
+    """A value that is not a file name is refused as an argument, by writers and readers."""
     for table in (FILES, FOLDERS, READERS):
         if what in table:
             with pytest.raises((ArgumentError, ImageError), match="expected the name of a file"):
@@ -86,7 +86,7 @@ def test_what_is_no_name(what: str, given: object):
 
 @pytest.mark.parametrize("what", FILES)
 def test_places_where_no_file_can_be(tmp_path: Path, what: str):
-    """A folder that is not there, a folder itself, a file that is none, a name that is none."""
+    """A missing folder, a folder, a path through a file and an invalid name are refused."""
     (tmp_path / "folder.npz").mkdir()
     (tmp_path / "file").write_text("")
     for place, reason in {
@@ -107,7 +107,7 @@ def test_places_where_no_file_can_be(tmp_path: Path, what: str):
 
 @pytest.mark.parametrize("what", FOLDERS)
 def test_places_where_no_folder_can_be(tmp_path: Path, what: str):
-    """A folder is made, but not in a file."""
+    """A new folder is created, but not within a file."""
     (tmp_path / "file").write_text("")
     with pytest.raises(FileFormatError, match="cannot be written: Not a directory. Name another"):
         FOLDERS[what](tmp_path / "file" / "a")

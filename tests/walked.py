@@ -1,7 +1,7 @@
-"""What a reader passes who follows the first motion of a process: `python -m tests.walked`.
+"""Walked: the code that runs in the first motion of a process: `python -m tests.walked`.
 
-Prints how many files have a function that is called between `geodesic` and the end of `solve`, and
-how many frames of the package stand in each other at most; what imports run does not count.
+Prints the number of files with a function that runs between `geodesic` and the end of `solve`, and
+the largest number of nested calls within the package. Code that runs on import does not count.
 """
 
 import sys
@@ -9,7 +9,7 @@ import threading
 from pathlib import Path
 from types import FrameType
 
-# Not of the package, and loaded before anything is counted.
+# Other packages are loaded before counting starts.
 import flint  # noqa: F401
 import scipy.interpolate  # noqa: F401
 
@@ -17,25 +17,25 @@ import geomtorsion
 from geomtorsion import geodesic, solve, spaces
 
 PACKAGE = str(Path(geomtorsion.__file__).parent)
-# It stands for functools, of which a reader passes nothing.
+# It replaces functools, in which a reader would read nothing.
 CACHING = str(Path(geomtorsion.__file__).parent / "caching.py")
 
 
 def is_passed(frame: FrameType) -> bool:
-    """Whether a reader passes the function of a frame."""
+    """Whether someone who follows the motion reads the function of a frame."""
     name = frame.f_code.co_filename
     return name.startswith(PACKAGE) and name != CACHING
 
 
 class Walk:
-    """The files passed so far, and the deepest stack."""
+    """The files visited so far and the depth of the deepest stack."""
 
     def __init__(self) -> None:
         self.files: set[str] = set()
         self.depth = 0
 
     def __call__(self, frame: FrameType, event: str, _: object) -> None:
-        """Notes a call."""
+        """Record a call."""
         if event != "call" or not is_passed(frame):
             return
         depth, at = 0, frame
@@ -50,7 +50,7 @@ class Walk:
 
 
 def main() -> None:
-    """An orbit around Kerr's hole."""
+    """Solve one orbit around a Kerr black hole and print the counts."""
     kerr, walk = spaces.load("kerr").frame, Walk()
     threading.setprofile(walk)
     sys.setprofile(walk)

@@ -1,1 +1,1 @@
-"""Benchmarks: what the geometry of known spaces costs, alone and beside other packages."""
+"""Benchmarks: times of the geometry of known spaces, by themselves and beside other packages."""

@@ -1,6 +1,6 @@
-"""Action: the cases whose equations of motion are timed, each made anew in every round.
+"""Action: cases whose equations of motion are timed, each with a fresh frame in each run.
 
-python -m tests.benchmarks.action prints what the first derivation of a process takes.
+python -m tests.benchmarks.action prints the time of the first derivation in a process.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def so3() -> Case:
 
 
 def r3xso3() -> Case:
-    """The free body that turns and flies."""
+    """The free body that rotates and moves."""
     return fresh("r3xso3"), FLIGHT, ()
 
 
@@ -64,7 +64,7 @@ def disc() -> Case:
     frame = fresh("r3xso3")
     phi1, phi2 = frame.coordinates[:2]
     radius = sp.Symbol("R", positive=True)
-    # From the centre to the lowest point of the rim, in the axes of the body.
+    # Vector from the centre to the lowest point of the rim, in the axes of the body.
     contact = radius * sp.Matrix([sp.cos(phi1), -sp.sin(phi1), 0])
     rolling = sp.Matrix(U[3:]) + sp.Matrix(U[:3]).cross(contact)
     energy = FLIGHT.subs(MOMENTS[1], MOMENTS[0]) - MASS * GRAVITY * radius * sp.sin(phi2)
@@ -83,7 +83,7 @@ def derived(case: Case) -> Any:
 
 
 def whole(case: Case) -> Any:
-    """The same written out as sympy, proved against Euler and Lagrange, with what is kept."""
+    """The equations in sympy, proved against Euler and Lagrange, with conserved quantities."""
     found = derived(case)
     _ = found.rates
     assert found.agrees is True

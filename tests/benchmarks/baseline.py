@@ -1,4 +1,4 @@
-"""Baseline: the definitions typed into sympy, `simplify` on every component."""
+"""Baseline: the definitions typed into sympy, with `simplify` on each component."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tests.benchmarks.outcome import Outcome, Reached
 
 
 def sympy_with_simplify(case: Case, reached: Reached) -> Outcome:
-    """Everything geomtorsion is asked for where there is a coframe, else its Riemannian part."""
+    """The same tensors as geomtorsion where there is a coframe, else the Riemannian part."""
     n, q, g = case.dimension, case.coordinates, case.metric
     inverse = g.inv().applyfunc(sp.simplify)
 
@@ -56,5 +56,5 @@ def sympy_with_simplify(case: Case, reached: Reached) -> Outcome:
 
 
 def _put(index: tuple[int, ...], place: int, value: int) -> tuple[int, ...]:
-    """The index with one place changed."""
+    """The index with one position changed."""
     return (*index[:place], value, *index[place + 1 :])

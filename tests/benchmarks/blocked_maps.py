@@ -1,4 +1,4 @@
-"""Maps of fields that are nowhere in memory: time and peak memory from 1e7 to 1e9 nodes.
+"""Blocked maps: time and peak memory for fields of 1e7 to 1e9 nodes that are never in memory.
 
 python -m tests.benchmarks.blocked_maps   # 1e7, 1e8 and 1e9 nodes, each in a process of its own
 python -m tests.benchmarks.blocked_maps --nodes 1e7 --scheduler threads --workers 2
@@ -28,7 +28,7 @@ LENGTHS = 700.0, 900.0
 
 
 class Field:
-    """e = sin(y / 900) dx + cos(x / 700) dy, of which a part is computed where it is read."""
+    """e = sin(y / 900) dx + cos(x / 700) dy, computed only for the part that is read."""
 
     dtype = np.dtype(float)
 
@@ -43,14 +43,14 @@ class Field:
 
 
 def expected(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """b of the squares at these corners."""
+    """Burgers vectors of the squares at these corners."""
     across = np.diff(np.cos(np.array([x, x + SIZE]) / LENGTHS[0]), axis=0)[0]
     along = np.diff(np.sin(np.array([y, y + SIZE]) / LENGTHS[1]), axis=0)[0]
     return SIZE * np.subtract.outer(across, along)
 
 
 def run(nodes: float, scheduler: str, workers: int) -> None:
-    """One map of squares side by side, checked block by block."""
+    """Compute one map of adjacent squares and check it block by block."""
     side = round(math.sqrt(nodes))
     with (
         tempfile.TemporaryDirectory() as folder,
@@ -76,14 +76,14 @@ def run(nodes: float, scheduler: str, workers: int) -> None:
 
 
 def processor() -> tuple[float, float]:
-    """Processor time of this process and of those that it has waited for."""
+    """Processor time of this process and of its finished children."""
     both = (resource.getrusage(k) for k in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
     own, children = (used.ru_utime + used.ru_stime for used in both)
     return own, children
 
 
 def alone(target: Callable[..., None], *arguments: Any) -> None:
-    """A call in a process of its own; its failure ends this one."""
+    """Run a call in a process of its own; its failure ends this process."""
     process = multiprocessing.get_context("spawn").Process(target=target, args=arguments)
     process.start()
     process.join()
@@ -92,7 +92,7 @@ def alone(target: Callable[..., None], *arguments: Any) -> None:
 
 
 def main() -> None:
-    """Every number of nodes in a process of its own, so that peaks are apart."""
+    """Run each number of nodes in a process of its own, so that their peaks are separate."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--nodes", type=float, nargs="*", default=[1e7, 1e8, 1e9])
     parser.add_argument("--workers", type=int, default=1)

@@ -1,4 +1,4 @@
-"""Cases: the spaces that every contestant is timed on, as plain sympy."""
+"""Cases: the spaces on which each contestant is timed, in plain sympy."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ LORENTZ4 = (-1, 1, 1, 1)
 class Case:
     """One space, given by a coframe or by a metric.
 
-    name, title      how it is asked for; how a table shows it
+    name, title      its name on the command line and in a table
     coordinates      sympy symbols
     coframe          rows i, columns mu; None where the space is given by its metric
     line_element     metric g[mu, nu]; None where it follows from the coframe
     signature        diagonal of eta
-    vacuum           Ricci vanishes identically, which a contestant has to find out
+    vacuum           Ricci vanishes identically, which a contestant has to find
     """
 
     name: str
@@ -43,7 +43,7 @@ class Case:
 
     @cached_property
     def metric(self) -> sp.ImmutableMatrix:
-        """Metric in the shape a textbook prints; simplified here, outside every clock."""
+        """Metric in the form of a textbook; simplified here, before any timing."""
         if self.line_element is not None:
             return self.line_element
         assert self.coframe is not None
@@ -56,7 +56,7 @@ def _matrix(rows: object) -> sp.ImmutableMatrix:
 
 
 def sphere() -> Case:
-    """The unit 2-sphere: warms a process up, is never reported."""
+    """The unit 2-sphere, which warms a process up and is never reported."""
     return Case("sphere", "S^2", (theta, phi), (1, 1), _matrix(sp.diag(1, sin(theta))))
 
 
@@ -252,7 +252,7 @@ NAMES = tuple(maker.__name__ for maker in MAKERS)
 
 
 def load(name: str) -> Case:
-    """The case of that name (`sphere` included)."""
+    """The case with the given name (`sphere` included)."""
     for maker in (*MAKERS, sphere):
         if maker.__name__ == name:
             return maker()

@@ -1,9 +1,9 @@
-"""Cold: what the very first call costs, what importing costs, and how much memory it takes.
+"""Cold: time of the very first call and of the import, and peak memory.
 
     python -m tests.benchmarks.cold [--cases so3 goedel] [--runs 3]
 
-Each figure is the best of a few fresh processes, all of them with compiled bytecode at hand, as
-an installed package has it. The first call is timed by itself, after `import geomtorsion` and
+Each figure is the best of a few fresh processes. All use compiled bytecode, as in
+an installed package. The first call is timed by itself, after `import geomtorsion` and
 after the sympy expressions of the case have been made.
 """
 
@@ -48,7 +48,7 @@ print(json.dumps([spent, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 10
 
 
 def _fresh(program: str, argument: str, runs: int, bytecode: str) -> list[list[float]]:
-    """The figures that the program prints, from so many processes."""
+    """The figures that the program prints, from `runs` processes."""
     environment = {**os.environ, "PYTHONPYCACHEPREFIX": bytecode}
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
 
@@ -79,7 +79,7 @@ def first_calls(cases: list[str], runs: int, bytecode: str) -> str:
 
 
 def imports(runs: int, bytecode: str) -> str:
-    """Markdown table: import of sympy alone and of geomtorsion, sympy included."""
+    """Markdown table: import of sympy, and of geomtorsion including sympy."""
     lines = ["| import | time | peak memory |", "|---|---|---|"]
     for module in ("sympy", "geomtorsion"):
         figures = _fresh(_IMPORT, module, max(runs, 5), bytecode)

@@ -1,16 +1,17 @@
-"""Compare: one table of times and ratios, every contestant in the same run.
+"""Compare: one table of times and ratios, with all contestants in the same run.
 
-    python -m tests.benchmarks.compare                       every case, everyone installed
+    python -m tests.benchmarks.compare                       every case, every installed contestant
     python -m tests.benchmarks.compare --cases so3 goedel --limit 20
-    python -m tests.benchmarks.compare --turns 3             everyone again and again, in turn
-    python -m tests.benchmarks.compare --keep results.jsonl  go on where an earlier call ended
+    python -m tests.benchmarks.compare --turns 3             every race three times, in turn
+    python -m tests.benchmarks.compare --keep results.jsonl  resume an earlier run
 
-Times are CPU seconds of the best round of the whole work in a warm process, objects fresh in every
-round. With --turns all of a case race again, one after the other, and the best of all counts.
-geomtorsion does both connections, torsion, contortion, both curvatures and converts every
-component to sympy; the others do what they can: Christoffel, Riemann, Ricci, Kretschmann; the
-column "metric only" has geomtorsion do no more than these. Python packages are timed from
-sympy matrices, checked and read, to sympy expressions, Maxima from its matrices to its expressions.
+Times are CPU seconds of the best round of the whole work in a warm process, with fresh objects in
+each round. With --turns all contestants of a case race again in turn, and the best round counts.
+geomtorsion computes both connections, torsion, contortion and both curvatures, and converts each
+component to sympy. The others compute what they can: Christoffel, Riemann, Ricci, Kretschmann; in
+the column "metric only" geomtorsion computes only these. Python packages are timed from sympy
+matrices, which they check and read, to sympy expressions; Maxima from its matrices to its
+expressions.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ def seconds(value: float) -> str:
 
 
 def cell(result: Result | None, ours: Result | None = None) -> str:
-    """What the table says of one race."""
+    """Text of the table for one race."""
     if result is None:
         return "-"
     if result.failure and not result.rounds:
@@ -64,7 +65,7 @@ def _figures(ratio: float) -> str:
 
 
 def table(results: dict[tuple[str, str], Result]) -> str:
-    """The Markdown table: a row a case, a column a contestant that took part."""
+    """Markdown table with a row for each case and a column for each contestant that took part."""
     present = [c for c in ALL if any(name == c.name for name, _ in results)]
     cases = [name for name in NAMES if any(case == name for _, case in results)]
     head = ["space", *(c.title for c in present)]
@@ -83,7 +84,7 @@ def table(results: dict[tuple[str, str], Result]) -> str:
 
 
 def versions() -> str:
-    """What took part, for the line under the table."""
+    """Versions of all that took part, for the line under the table."""
     found = [f"Python {platform.python_version()}"]
     for package in _PACKAGES:
         try:
@@ -94,7 +95,7 @@ def versions() -> str:
 
 
 def is_wanted(contestant: Contestant, case: str) -> bool:
-    """Whether this race says anything that another one does not."""
+    """Whether a race differs from all others."""
     if contestant.name == "maxima_frame":
         return load(case).coframe is not None
     return contestant.takes_coframe or case not in _SAME_METRIC
@@ -108,7 +109,7 @@ def _kept(path: Path | None) -> dict[tuple[str, str], Result]:
 
 
 def main() -> None:
-    """Command line: race everyone, print the table."""
+    """Command line: run all races and print the table."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--cases", nargs="+", default=NAMES, choices=NAMES, metavar="CASE")
     parser.add_argument("--contestants", nargs="+", default=[c.name for c in ALL], metavar="NAME")

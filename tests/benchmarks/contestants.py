@@ -1,4 +1,4 @@
-"""Contestants: who takes part, what each needs installed, and how one is timed."""
+"""Contestants: the packages that take part, their requirements, and how each is timed."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from tests.benchmarks import baseline, maxima, rivals
 from tests.benchmarks.cases import Case, sphere
 from tests.benchmarks.outcome import Outcome, Reached
 
-# A measurement ends after this many rounds, or after the round that passes this many seconds.
+# A measurement ends after ROUNDS rounds, or after the round that ends past ENOUGH seconds.
 ROUNDS, ENOUGH = 20, 3.0
 
-# How a measurement speaks: say("stage", "ricci", seconds), say("round", cpu seconds, seconds).
+# Reports of a measurement: say("stage", "ricci", seconds), say("round", cpu seconds, seconds).
 Say = Callable[[str, str | float, float], None]
 Work = Callable[[Case, Reached], Outcome]
 
 
 @dataclass(frozen=True)
 class Contestant:
-    """name: how it is asked for; title: for tables; module: what has to be installed.
+    """name: on the command line; title: in tables; module: the package that it requires.
 
-    measure       does the rounds, says how it goes, hands back the last outcome
-    takes_coframe False for those who are given the metric only
+    measure       runs the rounds, reports its progress and returns the last outcome
+    takes_coframe False for contestants that receive only the metric
     """
 
     name: str
@@ -42,11 +42,11 @@ class Contestant:
 
 
 def _in_python(work: Work, case: Case, say: Say) -> Outcome:
-    """Fresh objects every round in a process that has done a 2-sphere before."""
+    """Time rounds with fresh objects in a process that has first computed a 2-sphere."""
     work(sphere(), lambda _: None)
     spent, turn = 0.0, 0
     while True:
-        # A limit of CPU seconds makes the clock of the process advance in steps, not the thread's.
+        # With a CPU limit the clock of the process advances in steps, unlike the thread's.
         start, cpu = time.perf_counter(), time.thread_time()
 
         def reached(stage: str, start: float = start, loud: bool = turn == 0) -> None:
@@ -62,7 +62,7 @@ def _in_python(work: Work, case: Case, say: Say) -> Outcome:
 
 
 def _in_maxima(frame: bool, case: Case, say: Say) -> Outcome:
-    """One session; a second one with more rounds where the first shows that they are cheap."""
+    """Run one session, and a second one with more rounds if the first shows that they are short."""
     outcome, total = _maxima_session(frame, case, say, rounds=1)
     if total * ROUNDS < 2 * ENOUGH:
         outcome, _ = _maxima_session(frame, case, say, rounds=ROUNDS)
@@ -89,14 +89,14 @@ def _maxima_session(frame: bool, case: Case, say: Say, rounds: int) -> tuple[Out
 
 
 def _geomtorsion(case: Case, reached: Reached) -> Outcome:
-    """Imported here: a rival's process is not to carry geomtorsion."""
+    """All tensors by geomtorsion, imported here because no rival's process should load it."""
     from tests.benchmarks.geometry import whole_geometry
 
     return whole_geometry(case, reached)
 
 
 def _of_metric(case: Case, reached: Reached) -> Outcome:
-    """What the others do, too: no Cartan connection, no torsion."""
+    """The same tensors as the rivals: no Cartan connection, no torsion."""
     from tests.benchmarks.geometry import OF_METRIC, whole_geometry
 
     return whole_geometry(case, reached, OF_METRIC)
@@ -121,7 +121,7 @@ ALL: tuple[Contestant, ...] = (
 
 
 def find(name: str) -> Contestant:
-    """The contestant of that name."""
+    """The contestant with the given name."""
     for contestant in ALL:
         if contestant.name == name:
             return contestant

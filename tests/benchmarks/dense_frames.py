@@ -3,10 +3,10 @@
 python -m tests.benchmarks.dense_frames                       # 100 frames in 2 to 6 dimensions
 python -m tests.benchmarks.dense_frames --frames 20 --seed 3
 
-Each is read and computed in a process of its own: it is decided whether torsion, contortion,
-Riemann and Ricci tensors, scalar and Kretschmann's vanish; torsion and scalar are printed unless
-they are longer than what is ever printed. Then the scalar is compared with difference quotients of
-the metric in 60 digits.
+A process of its own reads and computes each frame: it decides whether torsion, contortion,
+Riemann tensor, Ricci tensor, scalar and Kretschmann scalar vanish, and prints torsion and scalar
+unless they exceed the limit of printing. Then the scalar is compared with difference quotients
+of the metric in 60 digits.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from tests.benchmarks.memory import peak_gigabytes
 from tests.laws.dense import COORDINATES
 from tests.laws.test_dense_frames import M, check_numbers
 
-# Nothing takes longer than this without its own error.
+# Longest time in seconds without an error of the package.
 LONGEST = 60
 
 
@@ -41,7 +41,7 @@ class Asked:
 
 @dataclass(frozen=True)
 class Found:
-    """What one took, and whether it is right."""
+    """Cost of one frame, and whether its numbers are right."""
 
     seconds: float
     printed: int
@@ -51,7 +51,7 @@ class Found:
 
 
 def random_frame(seed: int) -> Asked:
-    """A tetrad of unlike functions, full in two and three dimensions, partly above."""
+    """A tetrad of varied functions, full in two and three dimensions, partly filled above."""
     rng = random.Random(seed)
     n = rng.choice([2, 2, 2, 3, 3, 4, 5, 6])
     names = [f"x{k}" for k in range(n)]
@@ -91,7 +91,7 @@ def random_frame(seed: int) -> Asked:
 
 
 def computed(asked: Asked) -> Found:
-    """One frame, from its text on."""
+    """Compute one frame from its text."""
     warnings.simplefilter("ignore")
     began = time.process_time()
     symbols = {str(symbol): symbol for symbol in (*COORDINATES, M)}
@@ -109,7 +109,7 @@ def computed(asked: Asked) -> Found:
     except LimitError as error:
         limit = str(error)
     for tensor in (cartan(frame).torsion.S, levi_civita(frame).curvature.scalar):
-        # What would be a book is refused, and told where it is asked for.
+        # A text beyond the limit of printing is refused when it is requested.
         with suppress(LimitError):
             printed += bool(str(tensor))
     spent, peak = time.process_time() - began, peak_gigabytes()
@@ -122,7 +122,7 @@ def computed(asked: Asked) -> Found:
 
 
 def main() -> None:
-    """All of them, one after the other."""
+    """Compute all frames, one after the other."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--frames", type=int, default=100)
     parser.add_argument("--seed", type=int, default=0)

@@ -1,8 +1,8 @@
-"""Front: the five rows of the README's table of speed.
+"""Front: the five rows of the speed table in the README.
 
     python -m tests.benchmarks.front
 
-Prints the table as Markdown. Times are processor time, the best of several rounds in a warm process
+Prints the table as Markdown. A time is the best processor time of several runs in a warm process
 (code of motions and loops compiled, frames of tensors fresh). Needs the extra `fast`.
 """
 
@@ -22,7 +22,7 @@ ROUNDS = 5
 
 
 def best(call: Callable[[], object]) -> float:
-    """Processor time of the fastest round, after one that compiles."""
+    """Processor time of the fastest run, after one that compiles."""
     call()
     times: list[float] = []
     for _ in range(ROUNDS):
@@ -33,7 +33,7 @@ def best(call: Callable[[], object]) -> float:
 
 
 def rows() -> dict[str, Callable[[], object]]:
-    """What each row measures, by its words in the table."""
+    """The measured call of each row, by its text in the table."""
     so3 = gt.spaces.load("so3").frame
     loop = gt.Loop.circle([0.3, 1.0, 0.2], 1e-3)
     straight = gt.autoparallel(gt.cartan(so3), [0.3, 1.0, 0.2], [0.9, 0.4, 0.7])

@@ -9,14 +9,14 @@ from tests.benchmarks.cases import Case
 from tests.benchmarks.outcome import Outcome, Reached
 
 Stages = tuple[tuple[str, tuple[str, ...]], ...]
-# In the order of asking; each is converted to sympy in full before the next is asked for.
+# Order of requests; each quantity is converted to sympy in full before the next is requested.
 STAGES: Stages = (
     ("torsion", ("cartan_connection", "torsion", "christoffel", "contortion")),
     ("riemann", ("cartan_curvature", "riemann")),
     ("ricci", ("ricci", "scalar_curvature")),
     ("kretschmann", ("kretschmann",)),
 )
-# What follows from the metric, which the others have, too.
+# Quantities of the metric, which the rivals also compute.
 OF_METRIC: Stages = (
     ("christoffel", ("christoffel",)),
     ("riemann", ("riemann",)),
@@ -25,7 +25,7 @@ OF_METRIC: Stages = (
 
 
 def fresh_frame(case: Case) -> gt.Frame:
-    """A frame that shares nothing with an earlier one; the signature as the case states it."""
+    """A frame that shares nothing with an earlier one, with the signature of the case."""
     if case.coframe is None:
         assert case.line_element is not None
         return gt.Frame.from_metric(case.coordinates, case.line_element, signature=case.signature)

@@ -21,10 +21,10 @@ load(ctensor)$ display2d:false$ linel:1000000$
 wavy(x):=ratsimp(trigsimp(x))$
 """
 
-# What is timed, in one function, so that reading the commands is not: from matrices in Maxima's
-# memory to Maxima's expressions. init_ctensor and what is given are not timed either.
-# ctensor leaves Ricci in coordinates and the invariant as sums: they are simplified by hand.
-# In a frame riemann makes the lower components first; lriemann would make them a second time.
+# One function holds the timed work, so that reading the commands is not timed: from matrices in
+# Maxima's memory to Maxima's expressions. init_ctensor and the input are not timed either.
+# ctensor leaves Ricci in coordinates and the invariant as sums, so these are simplified here.
+# In a frame riemann computes the lower components first; lriemann would compute them again.
 _WORK = """\
 work():=(start:elapsed_real_time(), cpu:elapsed_run_time(),
 cmetric(false), christof(false),
@@ -46,7 +46,7 @@ _REPORT = 'print("@ empty", empty)$ print("@ scalar", string(scalar))$\n'
 
 
 def environment() -> dict[str, str] | None:
-    """What to start Maxima with: the one on the PATH, else the wheel of passagemath-maxima."""
+    """Environment for Maxima: the one on the PATH, else the wheel of passagemath-maxima."""
     if shutil.which("maxima"):
         return dict(os.environ)
     wheel = find_spec("sage_wheels")
@@ -61,24 +61,24 @@ def environment() -> dict[str, str] | None:
 
 
 def _matrix(matrix: sp.ImmutableMatrix) -> str:
-    """The matrix in Maxima's words; unknown functions by their names alone."""
+    """The matrix in Maxima's syntax; unknown functions appear by name only."""
     names = {f: sp.Symbol(f.func.__name__) for f in matrix.atoms(AppliedUndef)}
     rows = (",".join(str(entry.subs(names)) for entry in matrix.row(i)) for i in range(matrix.rows))
     return "matrix(" + ",".join(f"[{row}]" for row in rows) + ")"
 
 
 def _script(case: Case, frame: bool, rounds: int) -> str:
-    """The function that does the work, and as many calls of it."""
+    """The function with the work, and `rounds` calls of it."""
     given = f"lg:{_matrix(case.metric)}$"
     if frame and case.coframe is not None:
         eta = sp.diag(*case.signature).as_immutable()
         given = f"lfg:{_matrix(eta)}$ fri:{_matrix(case.coframe)}$"
-    # Without sine and cosine trigsimp takes three times as long to no effect.
+    # Without sine and cosine trigsimp takes three times as long and changes nothing.
     waves = case.metric.has(sp.sin, sp.cos)
     work = _WORK.format(
         lower="" if frame else "lriemann(false),",
         simple="wavy" if waves else "ratsimp",
-        # In a frame eta is diagonal; ctensor asks for that by hand and then saves triple sums.
+        # In a frame eta is diagonal; ctensor needs a flag for this, and then saves triple sums.
         diagonal="diagmetric:true," if frame else "",
     )
     once = _ROUND.format(
@@ -99,7 +99,7 @@ def run(case: Case, frame: bool, rounds: int) -> Iterator[tuple[str, str]]:
     )
     text = _PRELUDE + _script(sphere(), frame, 1) + 'print("@ warm")$\n'
     text += declared + "\n" + _script(case, frame, rounds) + _REPORT
-    # Its Lisp outlives the signal of a limit that may be raised, so the limit is made final.
+    # Maxima's Lisp survives the signal of a soft limit, so the limit is made hard.
     soft, _ = resource.getrlimit(resource.RLIMIT_CPU)
     final = "unlimited" if soft == resource.RLIM_INFINITY else soft
     command = ["sh", "-c", f"ulimit -t {final}; exec maxima --very-quiet"]

@@ -1,8 +1,8 @@
-"""Memory: the largest part of it that this process has held."""
+"""Memory: the peak memory of this process."""
 
 import resource
 
 
 def peak_gigabytes() -> float:
-    """Since its start, hence of all tests that ran before as well."""
+    """Peak memory in GB since the start of the process, hence including all earlier tests."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6

@@ -1,4 +1,4 @@
-"""What motions race against: heyoka and scipy by hand, scipy on Christoffel symbols."""
+"""Motion rivals: heyoka and scipy by hand, and scipy on Christoffel symbols."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tests.benchmarks.motions import SAMPLES, Case, exact
 
 
 def best_times(functions: Sequence[Callable[[], Any]], seconds: float = 0.4) -> list[float]:
-    """CPU seconds of the fastest of many calls of each, by turns: what slows one slows all."""
+    """CPU seconds of the fastest of many calls of each function; calls alternate under one load."""
     best, began, rounds = [float("inf")] * len(functions), time.process_time(), 0
     while rounds < 3 or time.process_time() - began < seconds:
         for k, function in enumerate(functions):
@@ -32,10 +32,10 @@ Run = Callable[[], Any]
 
 
 def heyoka_by_hand(case: Case, accuracy: float) -> tuple[Run, Run] | None:
-    """heyoka at the loosest tolerance that reaches the accuracy, compiled: plain; and checked.
+    """heyoka, compiled, at the loosest tolerance that reaches the accuracy; plain and checked run.
 
-    Nobody knows that tolerance beforehand: it is found here by comparing with the truth. The
-    check is a second integration with a hundredth of the tolerance, and the largest difference.
+    A user would not know that tolerance; here a comparison with the truth finds it. The check is
+    a second integration with a hundredth of the tolerance, and the largest difference.
     """
     hy = import_module("heyoka")
 
@@ -61,12 +61,12 @@ def heyoka_by_hand(case: Case, accuracy: float) -> tuple[Run, Run] | None:
 
 
 def _checked(run: Run, finer: Run) -> Run:
-    """A run, a finer one, and how far they are apart."""
+    """A run and a finer run; returns their largest difference."""
     return lambda: np.abs(run() - finer()).max()
 
 
 def _error(states: Any, truth: Any, blocks: Sequence[slice] = (slice(None),)) -> float:
-    """Largest difference over the largest value, block by block."""
+    """Largest difference divided by the largest value, the maximum over the blocks."""
     if len(states) < len(truth):
         return float("inf")
     gaps = np.abs(states - truth)
@@ -83,7 +83,7 @@ def _second_order(case: Case, n: int) -> tuple[list[Any], list[Any]]:
 
 
 def christoffel_ode(case: Case) -> ODE | None:
-    """The geodesic in its coordinates, with Christoffel symbols, for an engine of ours."""
+    """The geodesic in its coordinates, with Christoffel symbols, for one of our engines."""
     if case.connection is None or not isinstance(case.problem, CurveProblem):
         return None
     q = case.problem.frame.coordinates
@@ -107,7 +107,7 @@ def scipy_on_christoffel(case: Case, accuracy: float, limit: float = 20.0) -> fl
     n, q = frame.dimension, list(frame.coordinates)
     v, right = _second_order(case, n)
     numbers = {s: float(case.problem.parameters[s.name]) for s in frame.parameters}
-    # The rival takes what sympy.lambdify makes of it, common subexpressions shared.
+    # The rival uses the function of sympy.lambdify, with common subexpressions shared.
     function = sp.lambdify([*q, *v], [x.subs(numbers) for x in right], "numpy", cse=True)
     start = np.concatenate(
         ([float(x) for x in case.problem.start or ()], np.asarray(case.problem.velocity))
@@ -137,10 +137,10 @@ def scipy_on_christoffel(case: Case, accuracy: float, limit: float = 20.0) -> fl
 
 
 def scipy_by_hand(case: Case, accuracy: float) -> tuple[Run, Run] | None:
-    """scipy's DOP853 on the same equations as heyoka's, as plain Python; plain, and checked.
+    """scipy's DOP853 on heyoka's equations in plain Python: a plain and a checked run.
 
-    sympy.lambdify shares common subexpressions and calls the math module: no array of a few
-    numbers is made in the rates.
+    sympy.lambdify shares common subexpressions and calls the math module, so the rates make no
+    small arrays.
     """
     hy = import_module("heyoka")
     equations, start, values = case.by_hand(hy)

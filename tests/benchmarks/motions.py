@@ -1,4 +1,4 @@
-"""Motions to race: each with a hand-written heyoka integrator and scipy on Christoffel symbols."""
+"""Motions: problems to race, each with a hand-written heyoka integrator."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ MOMENTS = (1.1, 2.2, 3.3)
 SPIN = (0.9, 0.4, 0.7)
 ANGLES = (0.3, 1.0, 0.2)
 SAMPLES = 65
-# The heavy top: two equal moments (Lagrange's; others are chaotic, and no answer keeps twelve
-# digits to t = 100), mass times gravity times lever, and the vertical at the start.
+# The heavy top: two equal moments (Lagrange's; the others are chaotic, and no solution keeps twelve
+# digits to t = 100), mass times gravity times lever arm, and the vertical at the start.
 LAGRANGE = (2.2, 2.2, 1.1)
 WEIGHT = 1.5
 UPRIGHT = (0.6, 0.0, 0.8)
@@ -30,9 +30,9 @@ UPRIGHT = (0.6, 0.0, 0.8)
 
 @dataclass(frozen=True)
 class Case:
-    """A problem, how far it goes, a rival's equations and its own second-order form.
+    """A problem, its final time, a rival's equations and its connection for second-order equations.
 
-    blocks: states of the rival that are measured together, as ours are.
+    blocks: states of the rival whose error is measured together, as in our solutions.
     """
 
     name: str
@@ -66,25 +66,25 @@ def attitude(hy: Any) -> tuple[list[Any], list[float], list[float]]:
 
 
 def angles(hy: Any) -> tuple[list[Any], list[float], list[float]]:
-    """The attitude in Euler angles, Euler's rates with it."""
+    """The attitude in Euler angles, with Euler's rates."""
     f1, f2, f3, x, y, z = hy.make_vars("f1", "f2", "f3", "x", "y", "z")
     rates, spin, values = euler_rates(hy)
     return [*_angle_rates(hy, f1, f2, x, y, z, f3), *rates], [*ANGLES, *spin], values
 
 
 def straight(hy: Any) -> tuple[list[Any], list[float], list[float]]:
-    """The autoparallel: angles with constant body rates."""
+    """The autoparallel: Euler angles with constant body rates."""
     f1, f2, f3 = hy.make_vars("f1", "f2", "f3")
     p = hy.par
     return _angle_rates(hy, f1, f2, p[0], p[1], p[2], f3), list(ANGLES), list(SPIN)
 
 
 def kerr_orbit(hy: Any) -> tuple[list[Any], list[float], list[float]]:
-    """Carter's equations, differentiated once: no root, no sine, all constants worked out.
+    """Carter's equations, differentiated once: no root, no sine, all constants precomputed.
 
     With S = r^2 + a^2 z^2, z = cos theta: S r' = x, S z' = -y, x' = R'(r) / 2S, y' = -Z'(z) / 2S,
-    where x^2 = R(r) and y^2 = Z(z) are Carter's polynomials of degree four. Of what was tried
-    (Hamilton's equations in r and theta, the same with R(r)) this is the fastest by a half.
+    where x^2 = R(r) and y^2 = Z(z) are Carter's polynomials of degree four. Two other forms
+    were tried (Hamilton's equations in r and theta, and with R(r)); this is faster by a half.
     """
     problem = kerr()
     start, values = carter(problem, problem.frame_velocity)
@@ -131,7 +131,7 @@ def carter(problem: CurveProblem, velocity: Any) -> tuple[list[float], list[floa
 
 
 def heavy_top(hy: Any) -> tuple[list[Any], list[float], list[float]]:
-    """Body rates and the vertical seen from the body; the weight hangs on the third axis."""
+    """Body rates and the vertical in the body frame; the weight is on the third axis."""
     x, y, z, n1, n2, n3 = hy.make_vars("x", "y", "z", "n1", "n2", "n3")
     p = hy.par
     a, _, c = LAGRANGE
@@ -147,7 +147,7 @@ def heavy_top(hy: Any) -> tuple[list[Any], list[float], list[float]]:
 
 
 def heavy_ode() -> ODE:
-    """The same equations, ours: I u' = I u x u + w n x e3 with Ix = Iy, n' = n x u."""
+    """The same equations for our solver: I u' = I u x u + w n x e3 with Ix = Iy, n' = n x u."""
     names = ("x", "y", "z", "n1", "n2", "n3")
     rates = {
         "x": "((A - C)*y*z + w*n2)/A",
@@ -178,7 +178,7 @@ def _quaternion() -> list[float]:
 
 
 def kerr() -> CurveProblem:
-    """A bound orbit off the equator, r from 7.5 to 10.8; some two hundred steps to t = 1500."""
+    """A bound orbit off the equator, r from 7.5 to 10.8; about two hundred steps to t = 1500."""
     return geodesic(
         load("kerr").frame,
         [0, 8.0, 1.4, 0],
@@ -197,7 +197,7 @@ def kinetic_frame() -> Frame:
 
 
 def cases() -> list[Case]:
-    """The problems of the table in the issue; the heavy top alone has a force."""
+    """The problems of the speed table; only the heavy top has a force."""
     so3 = load("so3").frame
     top = geodesic(so3, ANGLES, frame_velocity=SPIN, metric=MOMENTS)
     line = autoparallel(cartan(so3), ANGLES, frame_velocity=SPIN)
@@ -221,7 +221,7 @@ def cases() -> list[Case]:
 
 
 def exact(rates: Any, start: Any, values: Any, grid: Any) -> Any:
-    """A rival's own equations to 1e-18."""
+    """Solution of a rival's equations to 1e-18."""
     hy = import_module("heyoka")
 
     tight = hy.taylor_adaptive(
@@ -236,7 +236,7 @@ def exact(rates: Any, start: Any, values: Any, grid: Any) -> Any:
 
 
 def true_error(case: Case, solution: Any) -> float:
-    """Error of one of our solutions against closed form or quadruple precision."""
+    """Error of one of our solutions, from a closed form or extended precision."""
     grid = np.linspace(0, case.t, SAMPLES)
     if isinstance(case.problem, CurveProblem):
         return truth_of(case.problem, grid).error(solution)

@@ -1,4 +1,4 @@
-"""Outcome: what a contestant hands back, and how it says how far it came."""
+"""Outcome: the result of a contestant, and the type of its progress reports."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ Reached = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Outcome:
-    """kretschmann: the scalar; ricci: all components, as the contestant left them."""
+    """kretschmann: the scalar; ricci: all components, as the contestant returned them."""
 
     kretschmann: sp.Expr
     ricci: tuple[sp.Expr, ...]
 
     @property
     def ricci_is_zero(self) -> bool:
-        """Every component came out as 0 itself: nothing is left to a reader to simplify."""
+        """Whether each component is literally 0, with nothing left to simplify."""
         return all(component == 0 for component in self.ricci)

@@ -1,4 +1,4 @@
-"""Point: thirty digits of the Kretschmann scalar by a route that no contestant takes."""
+"""Point: thirty digits of the Kretschmann scalar by a method that no contestant uses."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ _DIGITS = 30
 
 
 def _value(symbol: sp.Symbol) -> sp.Rational:
-    """A value inside the domain of every case, from the name alone: contestants make symbols."""
+    """A value in every case's domain, from the name only: contestants make their own symbols."""
     spread = sum(map(ord, symbol.name)) % 17
     return _VALUES.get(symbol.name, sp.Rational(7 + spread, 19))
 
 
 def _concrete(function: AppliedUndef) -> sp.Expr:
-    """A polynomial without symmetries in the place of an unknown function."""
+    """A polynomial without symmetries that replaces an unknown function."""
     rank = ord(function.func.__name__[0]) % 7
     quadratic = sum((k + 2) * q**2 for k, q in enumerate(function.args))
     return rank + 2 + quadratic / sp.Integer(11) + sp.prod(function.args) / sp.Integer(rank + 3)
 
 
 def at_point(expression: sp.Expr) -> sp.Expr:
-    """The number that an expression takes at the point, unknown functions made concrete."""
+    """Value of an expression at the point; unknown functions are replaced."""
     functions = {f: _concrete(f) for f in expression.atoms(AppliedUndef)}
     closed = expression.subs(functions).doit()
     return closed.subs({s: _value(s) for s in closed.free_symbols}).evalf(_DIGITS)

@@ -1,7 +1,7 @@
 """Race: one contestant on one case in a process of its own, ended at a limit of CPU seconds.
 
-As a module (`python -m tests.benchmarks.race CONTESTANT CASE LIMIT`) it is that process, and prints
-one JSON list a line: ["stage", name, seconds], ["round", cpu, seconds], ["checked", ...].
+`python -m tests.benchmarks.race CONTESTANT CASE LIMIT` is that process. It prints one JSON list
+per line: ["stage", name, seconds], ["round", cpu, seconds], ["checked", ...].
 """
 
 from __future__ import annotations
@@ -19,21 +19,21 @@ from tests.benchmarks.cases import load
 from tests.benchmarks.contestants import find
 
 ROOT = Path(__file__).resolve().parents[2]
-# CPU seconds for the check of the answer, which is no part of the work.
+# CPU seconds for the check of the answer, which does not count as work.
 CHECK = 30.0
-# A machine that is busier than this many times over ends a race by the clock on the wall.
+# A race also ends when its wall time exceeds its CPU limit by this factor, on a busy machine.
 BUSY = 6.0
 
 
 @dataclass
 class Result:
-    """What one race showed.
+    """Result of one race.
 
     rounds, cpu     wall and CPU seconds of the whole work, round by round
-    reached         stage that was done last, with the seconds it took to get there
+    reached         last finished stage, with the time at which it was reached
     ricci_is_zero   Ricci came out as 0 without further simplification by a reader
     agrees          the Kretschmann scalar has the right value at a point; None: not checked
-    failure         last line of an error, where there was one
+    failure         last line of an error, if any
     """
 
     contestant: str
@@ -49,12 +49,12 @@ class Result:
 
     @property
     def best(self) -> float | None:
-        """CPU seconds of the best round: on a busy machine wall time would tell of the others."""
+        """CPU seconds of the best round; wall time would depend on the load of the machine."""
         return min(self.cpu, default=None)
 
 
 def race(contestant: str, case: str, limit: float = 60.0) -> Result:
-    """Run the race in a process of its own, which ends after `limit` CPU seconds in all."""
+    """Run the race in a process of its own, which ends after `limit` CPU seconds in total."""
     result = Result(contestant, case, limit)
     errors: list[str] = []
     with subprocess.Popen(
@@ -79,7 +79,7 @@ def race(contestant: str, case: str, limit: float = 60.0) -> Result:
 
 
 def _follow(process: subprocess.Popen[str], result: Result) -> None:
-    """Write down what the process says until it ends or is ended."""
+    """Record the reports of the process until it ends or is stopped."""
     stopper = threading.Timer(BUSY * (result.limit + CHECK), _end, (process,))
     stopper.start()
     for line in process.stdout or ():
@@ -97,18 +97,18 @@ def _follow(process: subprocess.Popen[str], result: Result) -> None:
 
 
 def _end(process: subprocess.Popen[str]) -> None:
-    """End the process and what it started."""
+    """End the process and its children."""
     if process.poll() is None:
         os.killpg(process.pid, signal.SIGKILL)
 
 
 def _say(kind: str, name: str | float, value: float) -> None:
-    # The real one: some packages print, and their printing is caught.
+    # The original standard output: the output of some packages is captured.
     print(json.dumps([kind, name, value]), file=sys.__stdout__, flush=True)
 
 
 def main(name: str, case_name: str, limit: str) -> None:
-    """The process of one race; what it starts has the same limit."""
+    """The process of one race; its children have the same limit."""
     import resource
 
     from tests.benchmarks.point import at_point, kretschmann_at_point

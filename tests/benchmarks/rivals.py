@@ -1,8 +1,8 @@
-"""Rivals: the same work done by other packages, each through its documented interface.
+"""Rivals: the same work by other packages, each through its documented interface.
 
-What a package does not offer is done on top of it the way its users do it, with the simplifier
-that the package itself applies; none of them knows torsion, so none is asked for it.
-Imports by name: none of these packages is needed to read this file.
+Work that a package does not offer is done on top of it in the way of its users, with the
+simplifier of the package itself. None of them supports torsion, so torsion is not requested.
+Packages are imported by name, so none is required to read this file.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from tests.benchmarks.outcome import Outcome, Reached
 
 
 def einsteinpy(case: Case, reached: Reached) -> Outcome:
-    """EinsteinPy: no Kretschmann scalar of its own; contracted by its change_config."""
+    """EinsteinPy: it has no Kretschmann scalar; change_config gives the tensors to contract."""
     package = import_module("einsteinpy.symbolic")
     metric = package.MetricTensor(case.metric.tolist(), case.coordinates)
     christoffel = package.ChristoffelSymbols.from_metric(metric)
@@ -38,7 +38,7 @@ def einsteinpy(case: Case, reached: Reached) -> Outcome:
 
 
 def gravipy(case: Case, reached: Reached) -> Outcome:
-    """GraviPy: indices from 1, negative ones up; no Kretschmann scalar of its own."""
+    """GraviPy: indices count from 1, negative ones are up; it has no Kretschmann scalar."""
     package = import_module("gravipy.tensorial")
     coordinates = package.Coordinates("q", list(case.coordinates))
     metric = package.MetricTensor("g", coordinates, sp.Matrix(case.metric))
@@ -62,7 +62,7 @@ def gravipy(case: Case, reached: Reached) -> Outcome:
 
 
 def ogrepy(case: Case, reached: Reached) -> Outcome:
-    """OGRePy: simplifies everything it makes; the Kretschmann scalar is one of its own."""
+    """OGRePy: it simplifies each result and has a Kretschmann scalar."""
     with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
         package = import_module("OGRePy")
         coordinates = package.Coordinates(*case.coordinates)
@@ -80,7 +80,7 @@ def ogrepy(case: Case, reached: Reached) -> Outcome:
 
 
 def lyra_geometry(case: Case, reached: Reached) -> Outcome:
-    """lyra-geometry: the constructor computes Christoffel to Einstein in one go."""
+    """lyra-geometry: the constructor computes everything from Christoffel to Einstein at once."""
     package = import_module("lyra_geometry")
     space = package.SpaceTime(coords=case.coordinates, metric=sp.Matrix(case.metric))
     reached("ricci")
@@ -90,10 +90,10 @@ def lyra_geometry(case: Case, reached: Reached) -> Outcome:
 
 
 def pytearcat(case: Case, reached: Reached) -> Outcome:
-    """Pytearcat: a line element as text; factors, does not simplify."""
+    """Pytearcat: it takes a line element as text; it factors but does not simplify."""
     with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
         package = import_module("pytearcat")
-        # It expects a notebook, and a second metric in a process is confirmed at the keyboard.
+        # It expects a notebook, and asks at the keyboard before a second metric in a process.
         builtins.__dict__.update(display=lambda *_: None, input=lambda *_: "yes")
         return _pytearcat(package, case, reached)
 

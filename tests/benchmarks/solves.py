@@ -1,7 +1,7 @@
-"""Twenty-eight motions to solve, and a worker that solves them for `two_checkouts`.
+"""Solves: twenty-eight motions, and a worker that solves them for `two_checkouts`.
 
-Runs with any checkout of the package that is first on the path. Every name that differs between
-checkouts stands in the first part of this file and nowhere else.
+It runs with the checkout of the package that is first on the path. Each name that differs between
+checkouts is in the first part of this file only.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ NEW = "ODE" in gt.__all__
 def ode(
     rates: Any, start: Any, parameters: Any = None, *, switches: Any = (), unit: Any = ()
 ) -> Any:
-    """An initial value problem; switches are (time, new values), unit are groups of length one."""
+    """An initial value problem; switches are (time, new values), unit are groups of unit length."""
     package: Any = gt
     numbers = parameters or {}
     if NEW:
@@ -43,7 +43,7 @@ def ode(
 
 
 def gap(one: Any, two: Any) -> float:
-    """Largest difference of two solutions, as the checkout itself measures errors."""
+    """Largest difference of two solutions, by the error measure of the checkout."""
     one, two = (getattr(solution, "solution", solution) for solution in (one, two))
     if NEW:
         compare = import_module("geomtorsion.ode.error_estimate").difference
@@ -54,7 +54,7 @@ def gap(one: Any, two: Any) -> float:
 
 
 def forgetting() -> Callable[[], None]:
-    """A function that removes what earlier solutions have taught, where that is kept."""
+    """A function that deletes what earlier solutions have taught the systems, if they keep it."""
     kept = [thing for thing in gc.get_objects() if type(thing).__name__ == "System"]
 
     def forget() -> None:
@@ -73,13 +73,13 @@ ORBIT = {"frame_velocity": [1.2, 0.05, 0.2, 0.36], "parameters": HOLE, "causal":
 
 @dataclass(frozen=True)
 class Case:
-    """A problem, made anew by `make`, and the time to which it is solved."""
+    """A problem, which `make` makes again for each use, and its final time."""
 
     make: Callable[[], Any]
     t: float
 
     def asked(self, accuracy: float) -> Any:
-        """The problem; a scene holds its accuracy itself."""
+        """The problem; a scene contains its own accuracy."""
         problem = self.make()
         return (
             dataclasses.replace(problem, accuracy=accuracy)
@@ -88,24 +88,24 @@ class Case:
         )
 
     def solve(self, problem: Any, accuracy: float, engine: Any) -> Any:
-        """A solution with its error."""
+        """A solution with its error estimate."""
         if type(problem).__name__ == "Scene":
             return problem.run(engine=engine)
         return gt.solve(problem, self.t, accuracy, engine)
 
 
 def frame(name: str) -> gt.Frame:
-    """Of a shipped space."""
+    """Frame of a shipped space."""
     return gt.spaces.load(name).frame
 
 
 def geodesic(name: str, start: Any, u: Any, **more: Any) -> Any:
-    """From frame velocities."""
+    """Geodesic from frame velocities."""
     return gt.geodesic(frame(name), start, frame_velocity=u, **more)
 
 
 def between(name: str, start: Any, u: Any, **more: Any) -> Any:
-    """An autoparallel half way between both connections."""
+    """Autoparallel of the mean of the Levi-Civita and the Cartan connection."""
     given = frame(name)
     connection = gt.blend(gt.levi_civita(given), gt.cartan(given), sp.Rational(1, 2))
     return gt.autoparallel(connection, start, frame_velocity=u, **more)
@@ -117,7 +117,7 @@ def top() -> Any:
 
 
 def heavy_top() -> Any:
-    """Lagrange's."""
+    """Lagrange's heavy top."""
     rates = {
         "x": "((A - C)*y*z + w*n2)/A", "y": "((C - A)*z*x - w*n1)/A", "z": "0",
         "n1": "n2*z - n3*y", "n2": "n3*x - n1*z", "n3": "n1*y - n2*x",
@@ -137,19 +137,19 @@ def attitude() -> Any:
 
 
 def kepler(eccentricity: float) -> Any:
-    """From the pericentre."""
+    """Kepler orbit from the pericentre."""
     e = eccentricity
     rates = {"x": "u", "y": "v", "u": "-x/(x^2+y^2)^(3/2)", "v": "-y/(x^2+y^2)^(3/2)"}
     return ode(rates, [1 - e, 0, 0, float(np.sqrt((1 + e) / (1 - e)))])
 
 
 def scene(name: str, t: float, **more: Any) -> Any:
-    """A shipped scene to another time."""
+    """A shipped scene with another final time."""
     return dataclasses.replace(gt.scenes.load(name), t=t, samples=65, **more)
 
 
 def one(rates: Any, start: Any, t: float, **more: Any) -> Case:
-    """A case of one's own equations."""
+    """A case with equations given by text."""
     return Case(lambda: ode(rates, start, **more), t)
 
 
@@ -193,7 +193,7 @@ CASES: dict[str, Case] = {
         ),
         5.0,
     ),
-    # Equations of one's own
+    # Equations given by text
     "heavy top": Case(heavy_top, 100.0),
     "attitude by hand": Case(attitude, 50.0),
     "pendulum": one({"x": "v", "v": "-sin(x)"}, [2.0, 0.0], 50.0),
@@ -214,14 +214,14 @@ CASES: dict[str, Case] = {
 ENGINES = {"default": lambda: None, "RungeKutta": gt.RungeKutta}
 
 
-# Beyond what double precision can show.
+# Accuracy of the true solution, beyond double precision.
 TRUTH = 1e-20
 
 # -- worker ------------------------------------------------------------------------------------
 
 
 def seconds(call: Callable[[], Any], before: Callable[[], None], length: float) -> float:
-    """Least CPU time of a call, of as many as fit into a length of time, and three at least."""
+    """Least CPU time of a call: at least three calls, and as many as fit into `length` seconds."""
     least, spent, count = np.inf, 0.0, 0
     while spent < length or count < 3:
         before()
@@ -233,21 +233,21 @@ def seconds(call: Callable[[], Any], before: Callable[[], None], length: float) 
 
 
 class Worker:
-    """Problems of this process, made once each, and their solutions in a hundred bits."""
+    """Problems of this process, each made once, and their solutions in a hundred bits."""
 
     def __init__(self) -> None:
         self.problems: dict[tuple[str, float], Any] = {}
         self.truths: dict[str, Any] = {}
 
     def call(self, name: str, accuracy: float, engine: str) -> Callable[[], Any]:
-        """The call that solves; nothing is solved yet."""
+        """A function that solves; it has solved nothing yet."""
         if (name, accuracy) not in self.problems:
             self.problems[name, accuracy] = CASES[name].asked(accuracy)
         problem = self.problems[name, accuracy]
         return lambda: CASES[name].solve(problem, accuracy, ENGINES[engine]())
 
     def warm(self, name: str, accuracy: float, engine: str, length: float) -> dict[str, Any]:
-        """Least CPU seconds of a solve that has been done before, with nothing remembered."""
+        """Least CPU seconds of a repeated solve without remembered step sizes."""
         call = self.call(name, accuracy, engine)
         call()
         return {"seconds": seconds(call, forgetting(), length)}
@@ -260,7 +260,7 @@ class Worker:
         return {"seconds": time.process_time() - began}
 
     def error(self, name: str, accuracy: float, engine: str) -> dict[str, Any]:
-        """What was claimed, and what is true."""
+        """Error estimate and true error of a solution."""
         solution = self.call(name, accuracy, engine)()
         if name not in self.truths:
             exact = CASES[name].asked(TRUTH)
@@ -269,9 +269,9 @@ class Worker:
 
 
 def main() -> None:
-    """Answer one JSON line for each that comes: {"do": "warm", "name": ..., ...}."""
+    """Answer each JSON line of the input with one line: {"do": "warm", "name": ..., ...}."""
     if sys.modules.get("heyoka", True) is not None:
-        import heyoka  # what other processes compiled must not count
+        import heyoka  # code compiled by other processes must not count
 
         heyoka.llvm_state.set_diskcache_enabled(False)
     worker = Worker()

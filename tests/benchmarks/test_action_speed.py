@@ -1,8 +1,8 @@
-"""Speed of mechanics: equations of motion from a Lagrangian, warm, beside sympy's own.
+"""Speed of mechanics: equations of motion from a Lagrangian, warm, beside sympy's method.
 
     pytest tests/benchmarks/test_action_speed.py
 
-Asked for are: so3 in 50 ms, r3xso3 in 0.5 s, six dimensions with a potential in 2 s.
+The goals are so3 in 50 ms, r3xso3 in 0.5 s, six dimensions with a potential in 2 s.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from tests.benchmarks.action import CASES, MOMENTS, derived, whole
 
 @pytest.mark.parametrize("name", CASES)
 def test_equations_of_motion(benchmark: BenchmarkFixture, name: str) -> None:
-    """Boltzmann and Hamel, solved for the accelerations; a fresh frame in every round."""
+    """Time of Boltzmann and Hamel, solved for the accelerations; each run has a fresh frame."""
     found = benchmark.pedantic(
         derived, setup=lambda: ((CASES[name](),), {}), rounds=10, warmup_rounds=1
     )
@@ -26,7 +26,7 @@ def test_equations_of_motion(benchmark: BenchmarkFixture, name: str) -> None:
 
 @pytest.mark.parametrize("name", CASES)
 def test_with_proof_and_invariants(benchmark: BenchmarkFixture, name: str) -> None:
-    """Everything: written out, proved equal to Euler and Lagrange, invariants found and proved."""
+    """Time of all steps: equations in sympy, proof of Euler and Lagrange, proved invariants."""
     found = benchmark.pedantic(
         whole, setup=lambda: ((CASES[name](),), {}), rounds=3, warmup_rounds=1
     )
@@ -34,7 +34,7 @@ def test_with_proof_and_invariants(benchmark: BenchmarkFixture, name: str) -> No
 
 
 def test_lagranges_method_of_sympy(benchmark: BenchmarkFixture) -> None:
-    """so3 in the angles by sympy.physics.mechanics, up to M q'' = f, not solved."""
+    """Time of sympy.physics.mechanics for so3 in angles, up to M q'' = f, not solved."""
 
     def formed() -> LagrangesMethod:
         angles = dynamicsymbols("phi1 phi2 phi3")

@@ -1,7 +1,7 @@
-"""Competitors: the same cases by everyone installed, each in a process with a time limit.
+"""Competitors: all installed packages on the same cases, each in a process with a time limit.
 
-Nobody is asserted to be fast or slow; who gives an answer has to give the right one.
-The table of ratios is printed by `python -m tests.benchmarks.compare`.
+No time is asserted; a package that gives an answer has to give the right one.
+`python -m tests.benchmarks.compare` prints the table of ratios.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ def test_race(
     request: pytest.FixtureRequest,
     record_property: Callable[[str, object], None],
 ) -> None:
-    """A contestant within the limit agrees with the point route; without, it says how far."""
+    """A contestant that ends within the limit has the right scalar; others report progress."""
     if not contestant.is_installed:
-        # Not importorskip: a package that prints or warns on import stays out of this process.
+        # importorskip would import the package here, and some packages print or warn on import.
         pytest.skip(f"{contestant.title} is not installed")
     if not is_wanted(contestant, case):
         pytest.skip(f"{contestant.title} takes metrics only: the same race as another case")

@@ -1,4 +1,4 @@
-"""Speed of crystals: atoms per second of CPU, in turns with OVITO's extraction where it is."""
+"""Speed of crystals: atoms per second of CPU, beside OVITO's extraction if it is installed."""
 
 import time
 from collections.abc import Callable
@@ -21,7 +21,7 @@ def seconds(call: Callable[[], object]) -> float:
 
 
 def specimens() -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """Sparse defects, 1 % vacancies, 10 % noise, in a = 3.1652."""
+    """Crystals with four lines, 1 % vacancies or 10 % noise, with a = 3.1652."""
     lines = quadrupole("bcc", (32, 32, 16), (0, 0, 1))
     places, cell = block("bcc", (32, 32, 16))
     rng = np.random.default_rng(0)
@@ -33,7 +33,7 @@ def specimens() -> dict[str, tuple[np.ndarray, np.ndarray]]:
 
 @pytest.mark.parametrize("name", ["lines", "vacancies", "noise"])
 def test_against_ovito(name: str) -> None:
-    """The same atoms, by turns in one process, the best of three: at most four times as long."""
+    """At most OVITO's time for lines and four times OVITO's time for vacancies and noise."""
     data = pytest.importorskip("ovito.data")
     modifiers = pytest.importorskip("ovito.modifiers")
     pipelines = pytest.importorskip("ovito.pipeline")
@@ -61,7 +61,7 @@ def test_against_ovito(name: str) -> None:
 
 
 def test_a_million_atoms() -> None:
-    """Four lines in a million atoms, orientation and constant found, in 30 s of CPU."""
+    """In a million atoms four lines, the orientation and the constant are found in 30 s of CPU."""
     places, cell = quadrupole("bcc", (100, 100, 50), (0, 0, 1))
     lines: list[int] = []
     spent = seconds(lambda: lines.append(len(Crystal(places, cell).dislocations().lines)))

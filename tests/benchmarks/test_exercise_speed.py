@@ -1,6 +1,6 @@
 """Speed of the grader: right answers in forms at which known graders fail.
 
-The goal is 50 ms for each answer; the table shows the time of all of a name together.
+The goal is 50 ms for each answer; the table shows the total time of all answers of a name.
 """
 
 import pytest
@@ -12,7 +12,7 @@ from tests.teaching.exercises.hard_answers import HARD
 
 @pytest.mark.parametrize("name", HARD)
 def test_hard_answers(benchmark: BenchmarkFixture, name: str) -> None:
-    """All right answers to one solution, which has been solved before; the best of ten rounds."""
+    """Time of all right answers to one solution that has been computed before; best of ten runs."""
     question = HARD[name].question()
     answers = HARD[name].right
     assert all(check_question(question, answer).right for answer in answers)

@@ -1,4 +1,4 @@
-"""Speed: the whole geometry of each case, warm process, a fresh frame in every round."""
+"""Speed of geometry: all tensors of each case in a warm process, with a fresh frame in each run."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tests.benchmarks.point import at_point, kretschmann_at_point
 
 @pytest.mark.parametrize("name", NAMES)
 def test_whole_geometry(benchmark: BenchmarkFixture, name: str) -> None:
-    """Fast is worth nothing when wrong: Ricci and the Kretschmann scalar are checked."""
+    """The timed work has the right Ricci tensor and Kretschmann scalar."""
     case = load(name)
     outcome = benchmark.pedantic(whole_geometry, args=(case,), rounds=10, warmup_rounds=1)
     assert outcome.ricci_is_zero == case.vacuum

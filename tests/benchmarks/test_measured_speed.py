@@ -16,7 +16,7 @@ SIDE = 1000
 
 
 def noisy_field(*, holes: bool) -> gt.SampledFrame:
-    """A perfect crystal in space on a plane of SIDE^2 nodes, with noise and perhaps holes."""
+    """A perfect crystal on a plane of SIDE^2 nodes, with noise and on request with holes."""
     rng = np.random.default_rng(0)
     values = np.eye(3)[:, :, None, None] + rng.normal(0, 0.01, (3, 3, SIDE, SIDE))
     mask = rng.random((SIDE, SIDE)) < 1e-3 if holes else None
@@ -27,25 +27,25 @@ def noisy_field(*, holes: bool) -> gt.SampledFrame:
 @pytest.mark.parametrize("size", [1, 8, 64])
 @pytest.mark.parametrize("holes", [False, True], ids=["whole", "holes"])
 def test_all_circuits_of_a_size(benchmark: BenchmarkFixture, size: int, holes: bool) -> None:
-    """|b| of every square, with its noise."""
+    """Time of |b| and its noise for each square."""
     field = noisy_field(holes=holes)
     significance = benchmark.pedantic(lambda: field.burgers_map(size).significance, rounds=2)
-    # Noise is all there is.
+    # The field contains only noise.
     assert np.nanmedian(significance) == pytest.approx(np.sqrt(3), rel=0.15)
 
 
 def test_nye_tensor(benchmark: BenchmarkFixture) -> None:
-    """The Nye tensor at every node."""
+    """Time of the Nye tensor at each node."""
 
     def setup() -> tuple[tuple[gt.SampledFrame], dict[str, object]]:
-        # It is worked out once for each field.
+        # A field computes it only once.
         return (noisy_field(holes=False),), {}
 
     assert np.isfinite(benchmark.pedantic(lambda field: field.nye, setup=setup, rounds=2)).all()
 
 
 def test_a_lattice_image_of_a_megapixel(benchmark: BenchmarkFixture) -> None:
-    """Spots, phases, coframe and a circuit, from the pixels on."""
+    """Time of spots, phases, coframe and a circuit from the pixels."""
     values = np.kron(np.ones((2, 2)), crystal(512, "square").values)
 
     def work() -> gt.LatticeBurgers:

@@ -1,7 +1,7 @@
-"""Errors of motions: many spaces and starts; the estimate is held against the truth every time.
+"""Errors of motions: for many spaces and starts the estimate is compared with the truth.
 
 Run with `python -m pytest tests/benchmarks/test_motion_errors.py`; it takes minutes, mostly to
-compile quadruple precision.
+compile in quadruple precision.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def _posed(kind, frame, start, u, numbers):
 
 
 def _within(problem, t):
-    """The time, or half of what a motion has that runs out of the only chart of its law."""
+    """The time, or half of the time after which a motion leaves the only chart of its space."""
     try:
         solve(problem, t, 1e-3)
     except ChartEdgeError as ended:
@@ -55,7 +55,7 @@ def _within(problem, t):
 @pytest.mark.parametrize("name", SPACES)
 @pytest.mark.parametrize("kind", ["autoparallel", "geodesic", "between"])
 def test_estimates_hold(name, kind):
-    """Truth below what was asked, estimate from a tenth to a hundred times the truth."""
+    """The true error is within the accuracy; the estimate is 0.1 to 100 times the true error."""
     start, numbers = SPACES[name]
     frame = load(name).frame
     numbers = {symbol.name: 1.2 for symbol in frame.parameters} | numbers

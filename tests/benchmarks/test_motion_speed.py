@@ -1,7 +1,7 @@
-"""Speed of motions: solve against hand-written heyoka and scipy on Christoffel symbols.
+"""Speed of motions: solve beside hand-written heyoka and scipy on Christoffel symbols.
 
 Run with `python -m pytest tests/benchmarks/test_motion_speed.py -s`. Ratios are taken in one run;
-what is asserted are errors, not times.
+errors are asserted, times are not.
 """
 
 from __future__ import annotations
@@ -38,11 +38,11 @@ def _ms(seconds: float | None) -> str:
 
 @pytest.mark.parametrize("case", cases(), ids=lambda case: case.name)
 def test_against_rivals(case, capsys):
-    """CPU milliseconds; the error is below the accuracy and its estimate holds."""
+    """The error is within the accuracy and its estimate holds; CPU milliseconds are printed."""
     hy.llvm_state.set_diskcache_enabled(False)
     rows = []
     for accuracy in ACCURACIES:
-        # Of the engine that compiles; zero where an equal order was compiled before.
+        # Compile time of the Taylor engine; zero if the same order was compiled before.
         seconds = solve(case.problem, case.t, accuracy).cost.compile_seconds
         for engine, by_hand in (
             (Taylor(), heyoka_by_hand),
@@ -90,17 +90,17 @@ def test_against_rivals(case, capsys):
 
 @pytest.mark.parametrize("case", cases(), ids=lambda case: case.name)
 def test_frame_beats_christoffel_symbols(case, capsys):
-    """One engine on equations in the frame, and on those with Christoffel symbols: milliseconds."""
+    """Equations in the frame and with Christoffel symbols agree; milliseconds are printed."""
     other = christoffel_ode(case)
     if other is None:
         pytest.skip("no geodesic: no Christoffel symbols")
     rows, n = [], case.problem.frame.dimension
-    # Christoffel symbols of the top in its angles do not reach 1e-12.
+    # With Christoffel symbols the top in its angles does not reach 1e-12.
     for accuracy in ACCURACIES[:2]:
         for engine in (Taylor(), RungeKutta()):
             runs = [partial(solve, p, case.t, accuracy, engine) for p in (case.problem, other)]
             ours, theirs = [run() for run in runs]
-            apart = ours.coordinates - theirs.states[:, :n]  # but for whole turns of an angle
+            apart = ours.coordinates - theirs.states[:, :n]  # up to whole turns of an angle
             apart -= 2 * np.pi * np.round(apart / (2 * np.pi))
             assert np.abs(apart).max() <= 2 * accuracy * np.abs(theirs.states).max()
             plain = [min(run().cost.run_seconds for _ in range(20)) for run in runs]
@@ -116,7 +116,7 @@ def test_frame_beats_christoffel_symbols(case, capsys):
 @pytest.mark.parametrize("accuracy", ACCURACIES)
 @pytest.mark.parametrize("with_attitude", [False, True], ids=["rates", "attitude"])
 def test_batch(accuracy, with_attitude, capsys):
-    """Ten thousand tops to t = 10 against a plain loop over a hand-written batch integrator."""
+    """Ten thousand tops to t = 10, beside a plain loop over a hand-written batch integrator."""
     spins = np.random.default_rng(0).normal(size=(10_000, 3))
     start = [0.3, 1.0, 0.2] if with_attitude else None
     problem = geodesic(load("so3").frame, start, frame_velocity=[1, 0, 0], metric=MOMENTS)
@@ -138,7 +138,7 @@ def test_batch(accuracy, with_attitude, capsys):
 
 @pytest.mark.parametrize("accuracy", ACCURACIES)
 def test_batch_of_orbits(accuracy, capsys):
-    """Two thousand bound orbits in Kerr's space, against Carter's equations in batches by hand."""
+    """Two thousand bound Kerr orbits, beside Carter's equations in hand-written batches."""
     problem = kerr().with_charts("kerr")
     ahead = np.array([float(u) for u in problem.frame_velocity])
     velocities = ahead * (1 + 0.03 * np.random.default_rng(0).normal(size=(2000, 4)))
@@ -159,7 +159,7 @@ def test_batch_of_orbits(accuracy, capsys):
 
 
 def _verified(solved, accuracy):
-    """The ensemble; at most one in a thousand members may lack digits, as unstable ones do."""
+    """The ensemble; at most one in a thousand members, unstable ones, may miss the accuracy."""
     try:
         many = solved()
     except AccuracyError as lacking:
@@ -170,14 +170,14 @@ def _verified(solved, accuracy):
 
 
 def _rate(solved):
-    """Motions per second of the processor of a call of solve_many that verifies one of them."""
+    """Motions per CPU second of a call of solve_many that verifies one member."""
     began = time.process_time()
     many = solved(check=1)
     return len(many) / (time.process_time() - began)
 
 
 def _by_hand(spins, tolerance, with_attitude):
-    """Trajectories per second of heyoka's batch mode in a plain loop."""
+    """Trajectories per CPU second of heyoka's batch mode in a plain loop."""
     from tests.benchmarks.motions import attitude, euler_rates
 
     rates, start, values = (attitude if with_attitude else euler_rates)(hy)
@@ -188,7 +188,7 @@ def _by_hand(spins, tolerance, with_attitude):
 
 
 def _batches(rates, columns, pars, lanes, tolerance, end):
-    """Trajectories per second of heyoka's batch mode in a plain loop; one column for each."""
+    """Trajectories per CPU second of heyoka's batch mode in a plain loop, one per column."""
     integrator = hy.taylor_adaptive_batch(
         rates, columns[:, :lanes].copy(), pars=pars[:, :lanes].copy(), tol=tolerance
     )

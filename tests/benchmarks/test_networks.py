@@ -1,4 +1,4 @@
-"""Networks: a million edges, bases of cycles, developments; ratios in one run."""
+"""Speed of networks: a million edges, bases of cycles, developments; ratios in one run."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ REAL = "networks/180chains_16.10e.data"
 
 
 def square_net(edges: int) -> EdgeList:
-    """A net in the plane z = 0.1 with about that many edges, off the origin."""
+    """A net in the plane z = 0.1 with about the given number of edges, off the origin."""
     side = round((edges / 2) ** 0.5)
     line = np.linspace(-1, 1, side) + 0.1 / side
     x, y = np.meshgrid(line, line, indexing="ij")
@@ -38,7 +38,7 @@ def square_net(edges: int) -> EdgeList:
 
 @pytest.mark.parametrize("edges", [10_000, 100_000, 1_000_000])
 def test_all_cycles_of_a_large_network(benchmark: BenchmarkFixture, edges: int) -> None:
-    """From positions to the closure of every fundamental cycle; a million edges in seconds."""
+    """Positions of a million edges give the closures of all fundamental cycles in under 10 s."""
     frame, net = load("screw_dislocation").frame, square_net(edges)
 
     def closures() -> Network:
@@ -47,7 +47,7 @@ def test_all_cycles_of_a_large_network(benchmark: BenchmarkFixture, edges: int) 
         return network
 
     found = benchmark.pedantic(closures, rounds=2, warmup_rounds=1 if edges < 10**6 else 0)
-    # Torsion sits on the axis alone: every cycle has 0 or 1 turns of it.
+    # The torsion is only on the axis: each cycle has 0 or 1 turns around it.
     windings = found.forest.closure[:, 2]
     assert np.abs(windings - windings.round()).max() < 1e-9
     assert windings.round().any()
@@ -56,7 +56,7 @@ def test_all_cycles_of_a_large_network(benchmark: BenchmarkFixture, edges: int) 
 
 
 def test_all_cycles_of_a_million_measured_steps(benchmark: BenchmarkFixture) -> None:
-    """Whole numbers on the edges, without a frame: from arrays to every closure."""
+    """Whole numbers on a million edges, without a frame, give all closures in under 2 s."""
     net = square_net(1_000_000)
     steps = np.rint(np.diff(net.positions[net.pairs], axis=1)[:, 0] * 707 / 2).astype(int)
     steps[1234] += (0, 0, 5)
@@ -75,13 +75,13 @@ def test_all_cycles_of_a_million_measured_steps(benchmark: BenchmarkFixture) -> 
 
 
 def shortest(benchmark: BenchmarkFixture) -> float:
-    """The shortest round, in seconds."""
+    """The shortest run, in seconds."""
     assert benchmark.stats is not None
     return float(benchmark.stats["min"])
 
 
 def lines_asked(benchmark: BenchmarkFixture, path: Path, loop: Loop) -> DislocationNetwork:
-    """From a ParaDiS file to the node rule, families and a circuit; says what each took."""
+    """Read a ParaDiS file, compute node rule, families and a circuit, and print the times."""
     took: dict[str, float] = {}
     found: list[DislocationNetwork] = []
 
@@ -103,7 +103,7 @@ def lines_asked(benchmark: BenchmarkFixture, path: Path, loop: Loop) -> Dislocat
 
 
 def test_a_dislocation_network_of_100000_lines(benchmark: BenchmarkFixture, tmp_path: Path) -> None:
-    """Five thousand rings in a periodic box."""
+    """Five thousand rings in a periodic box take less than 40 s."""
     made = rings(5000, seed=2, size=1000.0, sides=20)
     DislocationNetwork.of_arrays(made).save(tmp_path / "rings.data")
     net = lines_asked(benchmark, tmp_path / "rings.data", Loop.circle([500, 500, 500], 300))
@@ -113,14 +113,14 @@ def test_a_dislocation_network_of_100000_lines(benchmark: BenchmarkFixture, tmp_
 
 
 def test_a_dislocation_network_of_5930_lines(benchmark: BenchmarkFixture) -> None:
-    """The one that a simulation ended with, where it lies beside the project."""
+    """Time of the network of a simulation, if its file is beside the project."""
     net = lines_asked(benchmark, real(REAL), Loop.circle([0, 0, 0], 20_000))
     assert len(net.lines) == 5930
     assert net.node_rule() == ()
 
 
 def test_forest_against_networkx(benchmark: BenchmarkFixture) -> None:
-    """The forest of scipy and pointer doubling against networkx walking every cycle."""
+    """The forest of scipy and pointer doubling is ten times faster than networkx on each cycle."""
     frame, net = load("heisenberg").frame, square_net(20_000)
     values = {symbol.name: 1.0 for symbol in frame.parameters}
     network = Network(frame, net, parameters=values)
@@ -141,7 +141,7 @@ def test_forest_against_networkx(benchmark: BenchmarkFixture) -> None:
 
 
 def _fresh(network: Network) -> Network:
-    """The same network with nothing computed but its integrals."""
+    """The same network with only its integrals computed."""
     again = Network(network.frame, network.graph, parameters=network.parameters)
     again.__dict__["integrals"] = network.integrals
     return again
@@ -149,7 +149,7 @@ def _fresh(network: Network) -> Network:
 
 @pytest.mark.parametrize("name", ["screw_dislocation", "heisenberg", "so3"])
 def test_a_hundred_thousand_cells(benchmark: BenchmarkFixture, name: str) -> None:
-    """Every tetrahedron of a Delaunay net: found, line integrals and fluxes checked."""
+    """The tetrahedra of a Delaunay net are found and their integrals and fluxes checked in 4 s."""
     rng = np.random.default_rng(1)
     points = rng.uniform([0.3, 0.4, -1], [1.5, 2.0, 1], (10_800, 3))
     corners = Delaunay(points).simplices
@@ -159,7 +159,7 @@ def test_a_hundred_thousand_cells(benchmark: BenchmarkFixture, name: str) -> Non
     network = Network(frame, net, parameters={s.name: 1.0 for s in frame.parameters})
     _ = network.integrals
     rule = benchmark.pedantic(network.node_rule, rounds=3)
-    # Four nodes that are joined pairwise need not be neighbours: a third more than simplices.
+    # Four pairwise joined nodes need not be a simplex: there are a third more than simplices.
     assert rule.checked > max(len(corners), 100_000)
     assert rule.holds
     assert not rule.pierced
@@ -172,7 +172,7 @@ CONNECTIONS = {"so3, Cartan": ("so3", cartan), "so3, Levi-Civita": ("so3", levi_
 @pytest.mark.parametrize("name", list(CONNECTIONS))
 @pytest.mark.parametrize("radius", [0.3, 1e-6])
 def test_one_development(benchmark: BenchmarkFixture, name: str, radius: float) -> None:
-    """One loop by both routes, once compiled, to twelve digits."""
+    """Time of one compiled loop by both methods, to twelve digits."""
     space, maker = CONNECTIONS[name]
     connection: Connection = maker(load(space).frame)
     loop = Loop.circle([0.3, 1.0, 0.2], radius, (1, 2))
@@ -182,7 +182,7 @@ def test_one_development(benchmark: BenchmarkFixture, name: str, radius: float) 
 
 
 def test_plaquettes_of_a_large_grid(benchmark: BenchmarkFixture) -> None:
-    """A distortion field on 512 x 512 nodes: every cell with its error."""
+    """Time of all cells, with errors, of a distortion field on 512 x 512 nodes."""
     axes = [np.linspace(-1, 1, 512)] * 2
     x, y = np.meshgrid(*axes, indexing="ij")
     grid = SampledFrame(axes, np.array([[np.cos(y), x * y], [np.sin(x * y), 1 + x]]))

@@ -1,8 +1,8 @@
-"""Speed of orientation maps: 10^6 pixels in a process of its own, with its memory.
+"""Speed of orientation maps: 10^6 pixels in a process of its own, with its peak memory.
 
     pytest tests/benchmarks/test_orientations_speed.py -s
 
-Asked for are: grains, variants, noise and all squares of a size in under 10 s and 2 GB.
+The goal: grains, variants, noise and all squares of a size in under 10 s and 2 GB.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ print(json.dumps({
 
 
 def test_a_million_pixels() -> None:
-    """Time of the processor (others may be at work), memory, and that the answer is right."""
+    """Processor time and memory are within the goal and the answer is right."""
     done = subprocess.run(
         [sys.executable, "-c", WORK], capture_output=True, text=True, check=True, timeout=120
     )
@@ -51,5 +51,5 @@ def test_a_million_pixels() -> None:
     assert found["gigabytes"] < 2
     assert 390 <= found["grains"] <= 400
     assert found["clean"] > 700_000
-    # Noise is all there is: its scatter is what is told.
+    # The map contains only noise, and its scatter is the reported noise.
     assert abs(found["share"] - 1) < 0.05

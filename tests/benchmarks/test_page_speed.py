@@ -1,7 +1,7 @@
-"""How long the page takes from a slider that is moved to the new picture, in a real browser.
+"""Speed of the page: time from a moved slider to the new picture, in a real browser.
 
-Run with `python -m pytest tests/benchmarks/test_page_speed.py -s`. What is asserted is that every
-movement is answered, not how soon.
+Run with `python -m pytest tests/benchmarks/test_page_speed.py -s`. The test asserts that each
+movement changes the picture, and no time.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from tests.browser import (  # noqa: F401 (fixtures)
     watched,
 )
 
-# Milliseconds from the next key to the next change of what is said about the loop.
+# Milliseconds from the next key to the next change of the text about the loop.
 TIMING = """(before) => {
     let pressed = 0;
     const press = () => { pressed = performance.now(); };
@@ -36,7 +36,7 @@ TIMING = """(before) => {
 
 
 def test_from_slider_to_picture(lab: Watched, capsys: pytest.CaptureFixture[str]):  # noqa: F811 (the fixture)
-    """The radius of the loop, moved by key ten times."""
+    """Each of ten key presses on the slider of the radius changes the result of the loop."""
     page = lab.tab("Loops")
     page.wait_for_selector("#loop svg")
     page.get_by_role("slider").first.focus()

@@ -1,7 +1,7 @@
-"""Speed of scenes: the free top against three equations by hand, and what each effect adds.
+"""Speed of scenes: the free top beside three equations by hand, and the cost of each effect.
 
 Run with `python -m pytest tests/benchmarks/test_scene_speed.py -s`. Ratios are taken in one run;
-what is asserted are errors and states, not times.
+errors and states are asserted, times are not.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ ROUNDS = 300
 
 
 def best(run):
-    """Shortest of many, in seconds."""
+    """Shortest of many runs, in seconds."""
     seconds = []
     for _ in range(ROUNDS):
         began = time.perf_counter()
@@ -32,7 +32,7 @@ def best(run):
 
 
 def by_hand(tolerance, times):
-    """Three equations, as somebody who knows heyoka writes them; numbers are compiled in."""
+    """Three equations as a user of heyoka writes them, with numbers compiled in."""
     a, b, c = hy.make_vars("a", "b", "c")
     i, j, k = MOMENTS
     rates = [(a, (j - k) / i * b * c), (b, (k - i) / j * c * a), (c, (i - j) / k * a * b)]
@@ -50,7 +50,7 @@ def by_hand(tolerance, times):
     ("accuracy", "last"), [(1e-6, 100), (1e-9, 100), (1e-12, 100), (1e-6, 1000), (1e-9, 1000)]
 )
 def test_free_top_against_three_equations(accuracy, last, capsys):
-    """A scene that watches omega is three equations, as fast as those by hand."""
+    """A scene that watches omega integrates only three equations, within its accuracy."""
     times = np.linspace(0, last, 65)
     scene = gt.Scene(
         gt.Body(moments=MOMENTS), (), gt.State(omega=OMEGA), ["omega"], times, accuracy
@@ -61,7 +61,7 @@ def test_free_top_against_three_equations(accuracy, last, capsys):
     result = scene.run(engine=engine)
     assert np.abs(result["omega"] - truth).max() < accuracy
     solution = gt.solve(scene.ode, times, accuracy, engine)
-    # The answer by itself, without the finer run that gives its error.
+    # The solution only, without the finer run that gives its error.
     solved = [gt.solve(scene.ode, times, accuracy, engine) for _ in range(ROUNDS)]
     ours = min(each.cost.run_seconds for each in solved)
     hand = best(by_hand(solution.trajectory.tolerance, times))
@@ -78,7 +78,7 @@ def test_free_top_against_three_equations(accuracy, last, capsys):
 
 
 def test_a_free_top_in_closed_form(capsys):
-    """A thousand attitudes and rates up to t = 1e6, from the top on; errors against 50 digits."""
+    """A thousand attitudes and rates up to t = 1e6 have errors below 5e-15 against 50 digits."""
     rates, start = (0.3, 0.5, 0.7), (1.0, 0.0, 0.0, 0.0)
     times = np.linspace(1e3, 1e6, 1000)
     found = gt.free_top(MOMENTS, rates, start).states(times)
@@ -95,7 +95,7 @@ def test_a_free_top_in_closed_form(capsys):
 
 
 def test_what_each_effect_adds(capsys):
-    """`scene.cost()` of a body on which much acts."""
+    """`scene.cost()` of a body with many effects counts the states that each effect adds."""
     effects = [
         E.AngularDamping(0.01), E.BodyMoment((0, 0, 0.01)), E.Magnet((0, 0, 0.1), (0, 0, 1)),
         E.Rotor((0, 0, 1), 0.2), E.Gravity(), E.LinearDrag(0.05), E.Thrust((0, 0, 1), end=5),
@@ -103,7 +103,7 @@ def test_what_each_effect_adds(capsys):
     start = gt.State(omega=OMEGA, euler=(0, 0.3, 0), velocity=(1, 0, 0))
     scene = gt.Scene(gt.Body(moments=MOMENTS), effects, start, ["omega"], 10, title="watch omega")
     cost = scene.cost(repeats=30)
-    # Gravity and drag at the centre of mass never reach the rotation: they cost nothing.
+    # Gravity and drag at the centre of mass do not affect the rotation: they cost nothing.
     assert [row.states for row in cost.rows] == [3, 3, 3, 6, 6, 6, 6, 6]
     whole = scene.with_values(watch=["omega", "position"], title="watch omega and position")
     full = whole.cost(repeats=30)
@@ -113,7 +113,7 @@ def test_what_each_effect_adds(capsys):
 
 
 def test_time_to_the_first_number(capsys):
-    """Planning and assembling, without compiling: milliseconds."""
+    """Time to plan and assemble the equations, without compiling, in milliseconds."""
     start = gt.State(omega=(0, 0, 20), euler=(0, 0.3, 0))
 
     def planned():

@@ -1,12 +1,12 @@
-"""Two checkouts raced: the same 28 solves by both, in turn, in one run.
+"""Two checkouts: a race of both on the same 28 solves, in turn, in one run.
 
     python -m tests.benchmarks.two_checkouts OLD NEW [--what warm cold errors] [--only Kerr ...]
         [--accuracies 1e-6 1e-9 1e-12] [--engine RungeKutta] [--without-heyoka] [--rounds 5]
 
-OLD and NEW are folders that hold `geomtorsion`. Each has a process of its own; problem by problem
-and round by round they are asked in turn, so that both meet the same load. Times are CPU times,
-the least of all rounds; the ratio is NEW over OLD. Cold is the first solve of a fresh process.
-Errors are measured in a hundred bits (compiled for each problem: minutes).
+OLD and NEW are folders that contain `geomtorsion`. Each has a process of its own. Both receive each
+problem of each round in turn, so that they run under the same load. A time is the least CPU time
+of all rounds; the ratio is NEW over OLD. Cold is the first solve of a fresh process.
+Errors are measured with a hundred bits (compiled for each problem, which takes minutes).
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ import numpy as np
 from tests.benchmarks.solves import CASES, ENGINES
 
 WORKER = Path(__file__).with_name("solves.py")
-# CPU seconds that a worker spends on one problem before it is the other's turn.
+# CPU seconds that a worker spends on one problem before the other worker's turn.
 TURN = 0.1
 COLD_ACCURACY = 1e-9
 
@@ -48,7 +48,7 @@ class Checkout:
         )
 
     def ask(self, do: str, name: str, accuracy: float, **more: Any) -> dict[str, Any]:
-        """The answer of the worker."""
+        """Answer of the worker to a request."""
         assert self.process.stdin is not None
         assert self.process.stdout is not None
         asked = {"do": do, "name": name, "accuracy": accuracy, "engine": self.engine} | more
@@ -67,12 +67,12 @@ class Checkout:
 
 
 def least(answers: list[dict[str, Any]]) -> float:
-    """The least time, infinity if one was refused."""
+    """The least time; infinity if one solve was refused."""
     return min(answer.get("seconds", np.inf) for answer in answers)
 
 
 def row(name: str, accuracy: float, old: float, new: float) -> float:
-    """Print both times; their ratio, NaN where one of them was refused."""
+    """Print both times and return their ratio, NaN if a solve was refused."""
     ratio = new / old if np.isfinite([old, new]).all() else np.nan
     times = "  ".join("   refused" if t == np.inf else f"{1e3 * t:7.3g} ms" for t in (old, new))
     print(f"{name:20} {accuracy:.0e}  {times}  {ratio:5.2f}", flush=True)
@@ -80,7 +80,7 @@ def row(name: str, accuracy: float, old: float, new: float) -> float:
 
 
 def summary(ratios: list[float]) -> None:
-    """Geometric mean and worst."""
+    """Print the geometric mean and the worst of the ratios."""
     known = [ratio for ratio in ratios if np.isfinite(ratio)]
     if known:
         mean = float(np.exp(np.mean(np.log(known))))
@@ -88,7 +88,7 @@ def summary(ratios: list[float]) -> None:
 
 
 def warm(options: argparse.Namespace) -> None:
-    """Repeated solves, in turn."""
+    """Race repeated solves, in turn."""
     print("warm: CPU time of a repeated solve with its error, nothing remembered")
     pair = [Checkout(root, options) for root in (options.old, options.new)]
     ratios = []
@@ -105,7 +105,7 @@ def warm(options: argparse.Namespace) -> None:
 
 
 def cold(options: argparse.Namespace) -> None:
-    """First solves of fresh processes, in turn."""
+    """Race first solves of fresh processes, in turn."""
     print("cold: CPU time of the first solve in a fresh process, problem made before")
     ratios = []
     for name in options.only:
@@ -120,7 +120,7 @@ def cold(options: argparse.Namespace) -> None:
 
 
 def errors(options: argparse.Namespace) -> None:
-    """What was asked, what is true, what was claimed."""
+    """Print true and estimated errors of both checkouts."""
     print("errors: real and claimed (claimed/real) of both")
     pair = [Checkout(root, options) for root in (options.old, options.new)]
     above, under, over = [0, 0], [0, 0], [0, 0]
