@@ -195,10 +195,7 @@ def _chosen(
         return (
             line,
             False,
-            (
-                "line: the flux of the torsion is another, so a defect is enclosed where the "
-                "frame is singular"
-            ),
+            "line: the flux of the torsion differs, so the loop encloses a defect of the frame",
         )
     if not better:
         return line, True, "line: both routes agree, its error is the smaller"

@@ -482,7 +482,7 @@ class Solution:
         lines = [
             str(self.problem),
             f"{reach}, {len(self.times)} times, by {self.engine} ({self.reason})",
-            f"error below {self.error:.2g} (asked: {self.accuracy:.2g}); {self.cost}",
+            f"error below {self.error:.2g} (requested: {self.accuracy:.2g}); {self.cost}",
         ]
         drifts = ", ".join(f"{name} {size_text(value)}" for name, value in self.drift.items())
         return "\n".join([*lines, f"drift: {drifts}"] if drifts else lines)

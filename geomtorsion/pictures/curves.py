@@ -78,7 +78,7 @@ def caption(pair: Pair) -> list[str]:
         parts.append(f"with {assigned(list(pair.parameters), list(pair.parameters.values()))}")
     asked = pair.straight.accuracy
     error = max(solution.error for solution in pair.curves.values())
-    parts.append(f"accuracy {number(asked)} asked, error below {number(float(f'{error:.1e}'))}")
+    parts.append(f"accuracy {number(asked)} requested, error below {number(float(f'{error:.1e}'))}")
     ends = {curve: float(pair.curves[curve].times[-1]) for curve in pair.stops}
     stops = [f"The {curve} stopped at t = {number(end)}." for curve, end in ends.items()]
     return ["; ".join(parts) + ".", *stops]
@@ -308,10 +308,14 @@ def distance_picture(pair: Pair) -> Figure:
         axes.plot(times, visible(pair.distance), **line, label="distance")
         asked = pair.straight.accuracy
         axes.axhline(
-            asked, color="#666b73", linestyle=(0, (5, 1.6)), linewidth=1.2, label="accuracy asked"
+            asked,
+            color="#666b73",
+            linestyle=(0, (5, 1.6)),
+            linewidth=1.2,
+            label="requested accuracy",
         )
         axes.set_yscale("log")
-        axes.set_title("The two motions are one, to the accuracy asked", fontsize=11)
+        axes.set_title("Both motions agree to the requested accuracy", fontsize=11)
         legend(figure, axes)
     else:
         axes.plot(times, pair.distance, **line)
@@ -350,7 +354,7 @@ def quality_picture(pair: Pair) -> Figure:
         color="#666b73",
         linestyle=(0, (1, 1.6)),
         linewidth=1.4,
-        label="accuracy asked",
+        label="requested accuracy",
     )
     left.set_title("Error estimate, relative", fontsize=11)
     right: Axes = figure.add_subplot(1, 2, 2, sharey=left)

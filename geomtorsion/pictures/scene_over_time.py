@@ -167,7 +167,7 @@ def trust_picture(
         )
     axes.axhline(
         asked, color="#666b73", linestyle=(0, (1, 1.6)), linewidth=1.5,
-        label=f"accuracy asked, {number(asked)}",
+        label=f"requested accuracy, {number(asked)}",
     )  # fmt: skip
     axes.set_yscale("log")
     axes.set_ylim(bottom=NOTHING / 2)

@@ -236,7 +236,7 @@ class SceneResult:
         lines = [
             f"{self.title or 'scene'}: {', '.join(self.values)}",
             f"to t = {float(self.times[-1]):.6g} s{ended}, {len(self.times)} times, by {how}",
-            f"error below {self.error:.2g} (asked: {self.accuracy:.2g}); {self.cost}",
+            f"error below {self.error:.2g} (requested: {self.accuracy:.2g}); {self.cost}",
         ]
         drifts = ", ".join(f"{name} {size_text(value)}" for name, value in self.drift.items())
         return "\n".join([*lines, f"drift: {drifts}"] if drifts else lines)

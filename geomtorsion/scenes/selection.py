@@ -254,7 +254,7 @@ def _rows(selection: StateSelection) -> tuple[SelectionRow, ...]:
             why = f"{title}; acts on {acts}" if acts else f"{title}; watched, or stops the motion"
         else:
             acts = _listed(selection._touched(key))
-            why = f"acts on {acts} only, which nothing that is watched needs"
+            why = f"acts only on {acts}; no output needs these"
             if not acts:
                 why = "acts on nothing here"
         rows.append(SelectionRow("effect", key, inside, why))
@@ -280,9 +280,9 @@ def _state_rows(selection: StateSelection) -> Iterable[SelectionRow]:
     ):  # fmt: skip
         if group in listed_groups:
             continue
-        why = "nothing that is watched or acts needs it"
+        why = "no output and no effect needs it"
         if group == "attitude" and "vertical" in listed_groups:
-            why = "the vertical is enough: nothing needs the turn about it"
+            why = "the vertical is enough: nothing needs the rotation about it"
         elif group == "vertical" and "attitude" in listed_groups:
             why = "part of the attitude"
         elif symbols[0] in substitutions:

@@ -167,7 +167,7 @@ class SceneSweep:
             where, why = self.unfinished[0]
             lines.append(f"{len(self.unfinished)} without a value; the first with {where}: {why}")
         return "\n".join(
-            [*lines, f"error below {size_text(self.error)} (asked {self.accuracy:.1e})"]
+            [*lines, f"error below {size_text(self.error)} (requested {self.accuracy:.1e})"]
         )
 
     __repr__ = __str__

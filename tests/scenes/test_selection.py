@@ -76,12 +76,12 @@ def test_the_table_says_why():
     assert len(lines) == 9
     assert [line[:8].strip() for line in lines[1:]] == ["in"] * 5 + ["omitted"] * 3
     assert "vertical  n1..n3: watched as nutation" in text
-    assert "attitude  the vertical is enough: nothing needs the turn about it" in text
+    assert "attitude  the vertical is enough: nothing needs the rotation about it" in text
     assert "position  given by the constraint" in text
     assert "gravity   uniform gravity, downwards; acts on Omega1..Omega3" in text
     free = Scene(BODY, (E.Gravity(),), START, ["omega"], t=1).selection
     assert free.left_out == ("drift", "gravity", "attitude", "vertical", "position", "velocity")
-    assert "acts on vz only, which nothing that is watched needs" in str(free)
+    assert "acts only on vz; no output needs these" in str(free)
 
 
 def test_who_asks_for_the_vertical():
