@@ -60,14 +60,14 @@ def exponential_frame() -> Frame:
     ids=lambda loop: loop.name,
 )
 def test_screw_has_b_for_every_turn(loop: Loop) -> None:
-    """Any loop around the axis gives b e3, and the result states that a defect is enclosed."""
+    """Any loop around the axis gives b e3, and the result states that a encloses a defect."""
     frame = load("screw_dislocation").frame
     for turns in (1, -2, 3):
         b = burgers_vector(frame, loop.times(turns), parameters={"b": 0.7})
         assert b.vector == pytest.approx([0, 0, 0.7 * turns], abs=SAME)
         assert b.route == "line"
         assert b.check.agrees is False
-        assert "defect is enclosed" in b.reason
+        assert "encloses a defect" in b.reason
         assert b.check.difference == pytest.approx(b.vector)
 
 

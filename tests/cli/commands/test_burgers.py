@@ -53,7 +53,7 @@ def test_text_says_route_check_and_cost() -> None:
         assert words in shown
     assert "smaller than any double" in run("so3", "--circle", "0.3,1,0.2:1e-300").stdout
     assert (
-        "defect is enclosed"
+        "encloses a defect"
         in run("screw_dislocation", "--set", "b=1/2", "--circle", "0,0,0:1").stdout
     )
 
