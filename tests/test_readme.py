@@ -109,7 +109,7 @@ def test_commands_are_found():
     [pytest.param(x, marks=pytest.mark.slow) if x in LONG else x for x in COMMANDS],
 )
 def test_commands_run(command, tmp_path, monkeypatch):
-    """Each command ends with code 0 and prints something; some read maps, images, atoms or lines."""
+    """Each command ends with code 0 and prints something; some read maps, images, atoms, lines."""
     monkeypatch.chdir(tmp_path)
     write(tmp_path, ctf(bent((12, 14), 0.1)), "scan.ctf")
     for name, library, make in (
