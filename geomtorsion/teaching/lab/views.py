@@ -33,8 +33,8 @@ GUIDES: Mapping[str, Guide] = {
         "Press Play, drag the globe to turn it, and set the course to 90 degrees, where the blue "
         "ship stays on its circle of latitude and the orange ship leaves it.",
         {
-            "torsion": "a property of the legs (unit vectors) at all points, here east and north. "
-            "Two small steps along two legs end at different points if their order is changed.",
+            "torsion": "two small steps along the legs (unit vectors, here east and north) end at "
+            "different points if their order is changed.",
         },
     ),
     "Loops": Guide(
