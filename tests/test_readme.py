@@ -11,8 +11,10 @@ from typer.testing import CliRunner
 
 import geomtorsion
 from geomtorsion.cli.app import app
+from geomtorsion.materials.lines import DislocationNetwork
 from tests.materials.crystals.making import copper_screw, written
 from tests.materials.images.atoms import crystal
+from tests.materials.lines.synthetic_networks import rings
 from tests.materials.maps.synthetic import bent
 from tests.materials.maps.test_map_files import ctf, write
 
@@ -28,7 +30,7 @@ PAGES = sorted((ROOT / "examples" / "site").glob("**/*.md"))
 PAGES = [page for page in PAGES if page.parent.name != "pages"]
 EXAMPLES = [page for page in (README, *PAGES) if "```pycon" in page.read_text("utf-8")]
 EXPECTED_PYTHON = 120
-EXPECTED_COMMANDS = 33
+EXPECTED_COMMANDS = 34
 
 
 def blocks(language: str, text: str = TEXT) -> list[str]:
@@ -107,7 +109,7 @@ def test_commands_are_found():
     [pytest.param(x, marks=pytest.mark.slow) if x in LONG else x for x in COMMANDS],
 )
 def test_commands_run(command, tmp_path, monkeypatch):
-    """Each command ends with code 0 and prints something; some read maps, images or atoms."""
+    """Each command ends with code 0 and prints something; some read maps, images, atoms, lines."""
     monkeypatch.chdir(tmp_path)
     write(tmp_path, ctf(bent((12, 14), 0.1)), "scan.ctf")
     for name, library, make in (
@@ -117,6 +119,8 @@ def test_commands_run(command, tmp_path, monkeypatch):
         if name in command:
             make(pytest.importorskip(library))
     written(tmp_path, copper_screw())
+    if "chains.data" in command:
+        DislocationNetwork.of_arrays(rings(20, seed=6)).save("chains.data")
     result = CliRunner().invoke(app, shlex.split(command)[1:])
     assert result.exit_code == 0, result.output
     assert result.output.strip()

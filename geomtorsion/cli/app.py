@@ -23,9 +23,9 @@ class Commands(LazyGroup):
         "curve": "Follow the straightest and the shortest path from one start.",
         "accuracy": "Measure the cost of accuracy, and recommend an engine.",
         "burgers": "Compute the Burgers vectors of loops: the gaps by which they fail to close.",
-        "map": "Map |b| per area of a measured field, and compare it with noise.",
+        "map": "Map the Burgers vector per area of a measured field, and compare it with noise.",
         "crystal": "Find the dislocation lines of a crystal, with their Burgers vectors.",
-        "network": "Read a dislocation network: node rule, families, densities, circuits.",
+        "network": "Read a dislocation network, and check that b is conserved at its nodes.",
         "run": "Run a scene: a body, the effects on it, and the watched quantities.",
         "scenes": "List the shipped scenes; with a name, print that scene as a file.",
         "paper": "Recompute the equations of Fiziev and Kleinert (1994).",
@@ -77,7 +77,7 @@ def geomtorsion(
         ),
     ] = False,
 ) -> None:
-    """Give it any tetrad; get its geometry, exactly.
+    """Compute the exact geometry of a tetrad (a field of rulers).
 
     \b
     Examples:

@@ -115,7 +115,7 @@ SpaceOrMeasured = Annotated[
     str,
     argument(
         "SPACE|FILE",
-        "A shipped space, a tetrad file (TOML), or measured: .npz, .csv, .ctf, .ang, .png ...",
+        "A shipped space, a tetrad file (TOML), or measured data (.npz, .csv, .ctf, ...).",
         _spaces,
     ),
 ]
@@ -135,7 +135,7 @@ MeasuredSigma = Annotated[
     option(
         "--sigma",
         metavar="X",
-        text="Measured: noise of each value (grids) or orientation (degrees), or `estimate`.",
+        text="Measured data: noise of each value (grids) or orientation (degrees), or `estimate`.",
     ),
 ]
 MeasuredThreshold = Annotated[

@@ -96,7 +96,7 @@ def crystal(
     b is given exactly, in lattice constants along the axes of the crystal, and in the coordinates
     of the file. A trajectory is analysed frame by frame in the axes of its first frame; each line
     keeps its number over time. With -o the finished frames stay in DIR if the command is stopped or
-    killed, and --resume continues to the same result, bit by bit.
+    killed, and --resume continues to the same result, bit for bit.
 
     FILE may be an array of positions: .npy, or .npz with the arrays positions, cell and periodic.
 

@@ -27,12 +27,13 @@ def gravity(
         Form, typer.Option("--format", help="text to read, json for programs.")
     ] = Form.text,
 ) -> None:
-    """Show the field equations of a Lagrangian on a space (default: tegr).
+    """Show the field equations of a Lagrangian on a space.
 
-    E is the equation of the coframe; E_[ij], its antisymmetric part, is the equation of the spin
-    connection of a teleparallel theory. A space with its own connection also has C, the equation
-    of the connection, and M, the equation of the metric. Indices count legs of the frame from 1;
-    in JSON they count from 0. The command ends with 1 if a Noether identity fails.
+    The default Lagrangian is tegr. E is the equation of the coframe; E_[ij], its antisymmetric
+    part, is the equation of the spin connection of a teleparallel theory. A space with its own
+    connection also has C, the equation of the connection, and M, the equation of the metric.
+    Indices count legs of the frame from 1; in JSON they count from 0. The command ends with 1 if a
+    Noether identity fails.
 
     \b
     Examples:

@@ -98,7 +98,7 @@ def map(
     ] = None,
     form: Pictures = PictureFormat.png,
 ) -> None:
-    """Map |b| per area of a measured field, and compare it with noise.
+    """Map the Burgers vector per area of a measured field, and compare it with noise.
 
     FILE holds a grid (coframe or distortion: .npz, .nc, .csv, .h5, .vtk, .vtu), an orientation map
     (.ctf, .ang, .h5) or an image of a lattice (.png, .tif, .npy). A square circuit of the given
@@ -107,7 +107,7 @@ def map(
     A field in an array (.npy of shape (rows, columns, grid...), .zarr) may be larger than memory:
     its map is computed in blocks, and written to map.zarr in DIR with map.json and a picture. If
     the command is stopped or killed, the finished blocks stay there, and --resume computes the
-    others to the same result, bit by bit.
+    others to the same result, bit for bit.
 
     \b
     Examples:

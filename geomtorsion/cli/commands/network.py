@@ -59,10 +59,11 @@ def network(
         directory("Directory for network.json and network.png, created if missing."),
     ] = None,
 ) -> None:
-    """Read a dislocation network: node rule, families, densities, circuits.
+    """Read a dislocation network, and check that b is conserved at its nodes.
 
-    Burgers vectors and lengths are in the units of the file. A circuit around a line, right-handed
-    about its sense, has the b of the line. The command ends with 1 if b is not conserved at an
+    The output also lists the families of lines with their densities, and b of circuits. Burgers
+    vectors and lengths are in the units of the file. A circuit around a line, right-handed about
+    its sense, has the b of the line. The command ends with 1 if b is not conserved at an
     inner node, or a circuit fails.
 
     \b

@@ -77,7 +77,7 @@ def run(
     """Run a scene: a body, the effects on it, and the watched quantities.
 
     With -o the run is saved in DIR/checkpoint.npz while it is computed. If it is stopped by Ctrl-C
-    or killed, --resume continues it from there to the same result, bit by bit, and --kept writes
+    or killed, --resume continues it from there to the same result, bit for bit, and --kept writes
     the computed part. The command ends with 1 if the motion stops before its last time; the
     computed part is still shown and written.
 

@@ -97,8 +97,8 @@ def _around_the_axis(
     closed = bool(np.hypot(*motion.burgers[:2]) <= motion.error)
     turn = motion.angle
     text = (
-        f"The legs come back turned by {turn:.6g} rad, the Frank vector of the line. The line is a "
-        "disclination, and b depends on the start of the loop."
+        f"The legs come back turned by {turn:.6g} rad (the Frank vector). A line with this "
+        "property is a disclination. b depends on the start of the loop."
         if abs(turn) > motion.turn_error + motion.error
         else "The legs come back unchanged, and b = 0 for circles around the axis. The torsion "
         "around the axis is not zero, so other loops can have b ≠ 0."

@@ -164,16 +164,18 @@ def _plane(places: dict[str, np.ndarray], names: Sequence[str], title: str, *, e
 
 
 def _distance(pair: Pair) -> str:
-    """Their distance over time; on a logarithmic axis if the curves coincide."""
+    """The distance between them over time; on a logarithmic axis if the curves coincide."""
     times = pair.times[: len(pair.distance)]
     if pair.coincide:
-        figure, axes = plane("Distance of the curves: zero within the accuracy", ("t", "distance"))
+        figure, axes = plane(
+            "Distance between the curves: zero within the accuracy", ("t", "distance")
+        )
         axes.plot(times, visible(pair.distance), **DISTANCE.line)
         axes.axhline(PAGE.accuracy, **SERIES[5].line, label="requested accuracy")
         axes.set_yscale("log")
         key(figure, axes)
         return svg(figure)
-    figure, axes = plane("Distance of the two curves over time", ("t", "distance"))
+    figure, axes = plane("Distance between the two curves over time", ("t", "distance"))
     stroke, last = DISTANCE, (times[-1], pair.distance[-1])
     axes.plot(times, pair.distance, **stroke.line)
     mark(axes, last, stroke.color, stroke.end, number(float(pair.distance[-1])))

@@ -32,10 +32,15 @@ GUIDES: Mapping[str, Guide] = {
         "torsion separates their paths.",
         "Press Play, drag the globe to turn it, and set the course to 90 degrees, where the blue "
         "ship stays on its circle of latitude and the orange ship leaves it.",
+        {
+            "torsion": "two small steps along the legs (unit vectors, here east and north) end at "
+            "different points if their order is changed.",
+        },
     ),
     "Loops": Guide(
         "The blue curve is a closed loop in two coordinates, the green curve adds up the same "
-        "steps along the legs of the frame, and its gap (orange) is the Burgers vector b.",
+        "steps, measured along the legs (unit vectors) of the frame at each point, and its gap "
+        "(orange) is the Burgers vector b.",
         "Make the radius smaller and compare b with 2 S A in the table, then choose the space "
         "screw_dislocation, where b is the same for every circle around the line.",
         {
@@ -43,8 +48,8 @@ GUIDES: Mapping[str, Guide] = {
             "one component for each leg of the frame.",
             "X¹, X², ...": "the sums of the steps along legs 1, 2, ...: the coordinates of the "
             "green curve.",
-            "flux of torsion": "the integral of the torsion over a surface inside the loop. By "
-            "Stokes' theorem it equals b, unless the frame is singular on a line through the "
+            "flux of torsion": "the integral of the torsion over a surface bounded by the loop. "
+            "By Stokes' theorem it equals b, unless the frame is singular on a line through the "
             "surface.",
             "2 S A": "twice the torsion S at the centre times the area A inside the loop: the flux "
             "of a small loop.",
@@ -60,21 +65,20 @@ GUIDES: Mapping[str, Guide] = {
         {
             "straightest (autoparallel)": "a curve whose velocity has constant components u1, u2, "
             "... along the legs of the frame.",
-            "shortest (geodesic)": "the shortest connection of any two close points on it. The "
-            "moments I1, I2, I3 weight the squares of u1, u2, u3 in its length.",
+            "shortest (geodesic)": "the shortest path between any two close points on it. With "
+            "moments of inertia, the square of the speed is I1 u1² + I2 u2² + I3 u3².",
             "torsion force": "2 S_a^c_b q'^a q'^b, the acceleration that separates the straightest "
             "curve from the shortest; S is the torsion, and q' the velocity in coordinates.",
             "t": "the time, the parameter of both curves.",
             "marks": "a black dot is the start, the other marks are the ends; the green line is "
-            "the distance of the two curves.",
+            "the distance between the two curves.",
             "units": "lengths have the unit of the frame, and angles are in radians. Only the "
             "ratios of the moments matter.",
         },
     ),
     "The top": Guide(
-        "The angular velocity ω of a turning body is the line where its body cone (orange) rolls "
-        "on the space cone (blue), and the chart compares the right law of motion with a wrong "
-        "one.",
+        "The body cone (orange) rolls on the space cone (blue) and touches it along the angular "
+        "velocity ω, and the chart compares the right law of motion with a wrong one.",
         "Press Play, then set all three moments to 2, where both laws agree, and then switch on "
         "gravity and the fixed point to get a heavy top.",
         {
@@ -93,7 +97,8 @@ GUIDES: Mapping[str, Guide] = {
             "body axes turn.",
             "nutation": "the angle between body axis 3 and the vertical z; tilt is its value at "
             "the start.",
-            "attitude": "the matrix R from body axes to the axes x, y, z.",
+            "attitude": "the matrix R that turns components along the body axes into components "
+            "along x, y, z.",
             "black dot": "the start of a curve.",
         },
     ),
@@ -105,17 +110,18 @@ GUIDES: Mapping[str, Guide] = {
         {
             "error": "the largest deviation divided by the largest component, against a closed "
             "form or a computation with many more digits.",
-            "trapezoid, Gauss": "rules that integrate along the loop; each mark has another number "
-            "of points.",
-            "flux": "the integral of the torsion over the disk inside the loop.",
+            "trapezoid, Gauss": "rules that integrate along the loop; each mark has a different "
+            "number of points.",
+            "flux": "the integral of the torsion over the disk bounded by the loop.",
             "burgers_vector": "the function of this library: it computes the loop and the flux and "
             "estimates the error.",
             "Taylor, RungeKutta": "the two methods of this library that solve equations of motion.",
         },
     ),
     "Any tetrad": Guide(
-        "Each row of fields holds the coefficients of one one-form, and the page computes the "
-        "metric, the connections, the torsion and the curvature of all rows exactly.",
+        "Each row of fields holds the coefficients of one one-form, and the page computes "
+        "exactly, from all rows together, the metric, the connections, the torsion and the "
+        "curvature.",
         "Start from flat_polar, where the torsion is not zero, then type cos(phi) and -r*sin(phi) "
         "into row 1, sin(phi) and r*cos(phi) into row 2: the metric stays the same and the torsion "
         "vanishes.",
@@ -126,15 +132,17 @@ GUIDES: Mapping[str, Guide] = {
             "these signs.",
             "torsion S": "the part of the connection that is antisymmetric in its lower indices. "
             "Two small steps end at different points if their order is changed.",
-            "bar": "marks the Levi-Civita connection and its curvature.",
+            "Levi-Civita connection": "the connection without torsion that keeps lengths. A bar "
+            "marks it and its curvature.",
+            "Cartan connection": "the connection in which the legs are parallel everywhere.",
             "contortion K": "the Cartan connection minus the Levi-Civita connection.",
             "unknown function": "a function such as a(t). The result contains its derivatives.",
-            "indices": "the name of a coordinate is a coordinate index. A number with a hat counts "
-            "the legs of the frame from 1.",
+            "indices": "an index written as a coordinate name belongs to that coordinate. A "
+            "number with a hat counts the legs of the frame from 1.",
         },
     ),
     "Exercises": Guide(
-        "The page checks your answer exactly, accepts every equivalent form of it, and names the "
+        "The page checks your answer exactly, accepts every equivalent form of it, and shows the "
         "likely mistake if it is wrong.",
         "Type an answer, press Check, and take a hint if you need one; every variant number is "
         "another task of the same kind, and an unreadable answer costs no points.",
@@ -143,9 +151,9 @@ GUIDES: Mapping[str, Guide] = {
 
 # Two more parts of the tab for loops.
 ATOMS = Guide(
-    "The first figure is a square crystal with an edge dislocation, and the second figure repeats "
-    "your steps in a perfect lattice, where the gap b of a closed circuit is a whole number of "
-    "lattice vectors.",
+    "The first figure is a square crystal with an edge dislocation. A circuit is a closed walk "
+    "from atom to atom. The second figure repeats your steps in a perfect lattice, where the gap b "
+    "of a circuit is a whole number of lattice vectors.",
     "Press Show a circuit, then click circuits of your own around the core and beside it, and "
     "choose two opposite dislocations to go around one, the other and both.",
     {
@@ -158,15 +166,15 @@ ATOMS = Guide(
 MEASURED = Guide(
     "Choose a grid of a coframe or distortion (NPZ or CSV, as SampledFrame.save writes it), an "
     f"orientation map ({', '.join(TEXT_MAPS)}) or a lattice image (PNG, TIFF, NPY). The page draws "
-    "it and reports b for the square circuit. Colours show |b| per area of the circuits of this "
-    f"size, each at its centre. The limits are {PAGE.upload / 1e6:g} MB, {PAGE.nodes:,} nodes and "
+    "it and reports b for the square circuit. The colour at a point is |b| / area of a circuit of "
+    f"this size centred there. The limits are {PAGE.upload / 1e6:g} MB, {PAGE.nodes:,} nodes and "
     f"{PAGE.pixels:,} pixels. The file stays in the memory of the machine that serves this page.",
     "Move the circuit to a bright spot and then beside it. Make it larger and watch the noise per "
     "area fall. Move it across a grain boundary or the edge of a hole and read the message. In a "
     "lattice image, look where the whole numbers change.",
     {
         "whole numbers": "the number of turns of the phases of two lattice waves along the "
-        "circuit. In an image b is exact, unless noise turns a phase once more.",
+        "circuit. In an image b is exact, unless noise adds or removes a full turn of a phase.",
         "noise": "one standard deviation of each component, added up from the noise of each node "
         "or pixel along this circuit.",
         "interpolation": "the change of b with another order of interpolation between the nodes.",
@@ -355,8 +363,8 @@ def map_circuit(reply: Json) -> str:
 
 @_or_problem
 def compass(reply: Json) -> str:
-    """The globe with both paths."""
-    return f'<div class="globe" id="compass">{framed(reply)}</div>'
+    """The globe with both paths, and the terms."""
+    return f'<div class="globe" id="compass">{framed(reply)}</div>{words(COMPASS)}'
 
 
 @_or_problem

@@ -7,9 +7,10 @@ import re
 import pytest
 
 from geomtorsion.teaching.lab.space_info import typable
-from geomtorsion.teaching.lab.views import GUIDES, LOOPS, PATHS, TABS, TOP, intro, words
+from geomtorsion.teaching.lab.views import COMPASS, GUIDES, LOOPS, PATHS, TABS, TOP, intro, words
 
 TERMS = {
+    COMPASS: ("torsion",),
     LOOPS: ("b", "2 S A", "flux of torsion"),
     PATHS: ("torsion force", "straightest (autoparallel)", "shortest (geodesic)"),
     TOP: ("body cone", "space cone", "torsion force", "nutation"),
