@@ -142,7 +142,7 @@ def hits_of(file: Path) -> list[Hit]:
 
 
 def places() -> dict[str, list[Path]]:
-    """The files of each package, the support files, the README, the changelog and the site."""
+    """The files of each package, support files, README, changelog, site, examples and tests."""
     found: dict[str, list[Path]] = {}
     for file in sorted(PACKAGE.rglob("*.py")):
         parts = file.relative_to(PACKAGE).parts
@@ -151,6 +151,10 @@ def places() -> dict[str, list[Path]]:
     pages = [x for x in sorted(site.rglob("*")) if x.suffix in (".md", ".rst", ".py")]
     found["site"] = [file for file in pages if file.parent.name != "pages"]
     found["README"], found["CHANGELOG"] = [ROOT / "README.md"], [ROOT / "CHANGELOG.md"]
+    found["examples"] = sorted((ROOT / "examples").glob("*.py"))
+    # This module and its test name each pattern.
+    own = {Path(__file__), ROOT / "tests" / "test_language.py"}
+    found["tests"] = sorted(set((ROOT / "tests").rglob("*.py")) - own)
     return found
 
 

@@ -124,7 +124,7 @@ def test_shapes_and_frames_are_checked(frame: Frame) -> None:
         from_coefficients(frame, zeros(3))
     with pytest.raises(ShapeError, match="another frame"):
         from_coefficients(frame, cartan(other).coefficients)
-    with pytest.raises(TensorIndexError, match="'ddu' were needed"):
+    with pytest.raises(TensorIndexError, match="expected slots 'ddu', got 'ddd'"):
         from_coefficients(frame, cartan(frame).torsion.T.lowered(2))
     with pytest.raises(ShapeError, match="expected connections over one frame"):
         blend(cartan(frame), cartan(other))
