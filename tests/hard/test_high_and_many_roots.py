@@ -62,7 +62,7 @@ def test_identities_of_a_frame_with_roots(name):
 def test_many_roots_of_roots_are_refused():
     """What would take very long to be decided is refused with the way out."""
     frame = Frame([x, y], [[1, 0], [0, ROOTS["a product of thirty orders"]]])
-    with pytest.raises(LimitError, match="which is the limit. Name a power"):
+    with pytest.raises(LimitError, match="which is the limit. Replace a power"):
         identities(cartan(frame))
 
 
@@ -88,7 +88,7 @@ def test_zeros_with_roots_are_decided(name):
 )
 def test_products_of_many_sums_of_roots_are_refused(expression):
     """Multiplied out they would fill the memory."""
-    with pytest.raises(LimitError, match="the limit.* Name a power"):
+    with pytest.raises(LimitError, match="the limit.* Replace a power"):
         Frame([x, y], [[1, 0], [0, expression]])
 
 
