@@ -48,9 +48,11 @@ SHAPED = "{subject}: expected shape {wanted}, got {came}."
 WHOLE = "{subject}: expected a whole number {range}, got {value}."
 FLAG = "{subject}: expected True or False, got {value}."
 WORD = "{subject}: expected one of {known}, got {value}."
-TEXT = "{subject}: expected a text, got {value}."
+TEXT = "{subject}: expected text, got {value}."
 UNKNOWN = "{subject}: {value} is not known. {hint}Known are {known}."
 EXPRESSION = "{subject}: expected one expression, got {value}."
+# Remedy where a zero cannot be decided.
+KNOWN_IDENTITIES = "Use functions whose identities the library knows (roots, sin, exp, ...)."
 # Assumption of a symbol in sympy, and the property that its values need. Zero is the limit of
 # positive values.
 DECLARED = {
@@ -942,7 +944,7 @@ def text(
     >>> from geomtorsion.errors import SceneError
     >>> text(3, "name", SceneError)
     Traceback (most recent call last):
-    geomtorsion.errors.SceneError: name: expected a text, got 3.
+    geomtorsion.errors.SceneError: name: expected text, got 3.
     """
     if isinstance(value, str) and len(value) <= longest:
         return value

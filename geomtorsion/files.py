@@ -646,5 +646,5 @@ def _differs(value: Any, form: Any, where: str) -> str:
         return ""
     if form in (str, bool) and isinstance(value, form):
         return ""
-    words = {float: "a finite number", int: "a whole number", str: "a text", bool: "true or false"}
+    words = {float: "a finite number", int: "a whole number", str: "text", bool: "true or false"}
     return f"{place}expected {words[form]}, got {shown(value)}."

@@ -247,7 +247,7 @@ def test_words_and_texts():
             checks.choice(value, ["line", "flux"], "method", LoopError)
     assert checks.text("abc", "name", LoopError, longest=3) == "abc"
     for value in ("abcd", 3, b"abc", None):
-        with pytest.raises(LoopError, match="name: expected a text"):
+        with pytest.raises(LoopError, match="name: expected text"):
             checks.text(value, "name", LoopError, longest=3)
 
 

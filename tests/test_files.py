@@ -185,7 +185,7 @@ def test_forms():
         ({"b": [1, 2.5]}, r"f: b\[1\]: expected a whole number"),
         ({"b": [True]}, r"f: b\[0\]: expected a whole number"),
         ({"c": []}, "f: c: expected a table"),
-        ({"c": {"x": 1}}, "f: c.x: expected a text"),
+        ({"c": {"x": 1}}, "f: c.x: expected text"),
         ({"d": 1}, "f: d: expected true or false"),
     ]:
         with pytest.raises(FileFormatError, match=says):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
+from geomtorsion import checks
 from geomtorsion.action.tangent_bundle import TangentBundle
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import ConstraintError, KineticMatrixError, LimitError, UndecidedError
@@ -217,7 +218,7 @@ class Hamel:
         if size.is_zero is None:
             raise UndecidedError(
                 f"whether the kinetic matrix is singular cannot be decided: its determinant is "
-                f"{size}. Use functions with known relations."
+                f"{size}. {checks.KNOWN_IDENTITIES}"
             )
         if not size.is_zero:
             return

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import sympy
 from sympy.core.function import AppliedUndef
 
+from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import GeomtorsionError, SingularPointError, UndecidedError
 from geomtorsion.exact.functions import with_roots
@@ -134,8 +135,8 @@ class Expansion:
         for order, coefficient in enumerate(coefficients):
             if coefficient.is_zero is None:
                 raise UndecidedError(
-                    f"whether {coefficient} vanishes cannot be decided, so that the limit "
-                    f"{self.approach} is not known. Use functions with known relations."
+                    f"whether {coefficient} vanishes cannot be decided, so the limit "
+                    f"{self.approach} is not known. {checks.KNOWN_IDENTITIES}"
                 )
             if not coefficient.is_zero:
                 return order, coefficient, coefficients

@@ -159,7 +159,7 @@ def _worked_out(field: Tower, one: Lazy, briefly: bool) -> Whole | None:
         return None
     raise LimitError(
         f"products of more than {LARGEST_PRODUCT:,} pairs of terms are needed, which is the limit. "
-        "Name a power, a sum or a root in the expression by an unknown function"
+        "Replace a power, a sum or a root in the expression by an unknown function"
     )
 
 

@@ -93,7 +93,7 @@ def product_too_large(a: Element, b: Element) -> LimitError:
     """The error for a product of polynomials that would fill the memory."""
     return LimitError(
         f"a product of {len(a._num):,} by {len(b._num):,} terms is needed; the limit is "
-        f"{LARGEST_PRODUCT:,} pairs. Name a power, a sum or a root by an unknown function"
+        f"{LARGEST_PRODUCT:,} pairs. Replace a power, a sum or a root by an unknown function"
     )
 
 
@@ -112,7 +112,7 @@ def check_size(element: Element) -> None:
     if terms > most:
         raise LimitError(
             f"the expression has {terms:,} terms when it is multiplied out; the limit is {most:,}. "
-            "Name a power or a sum in it by an unknown function of its coordinates"
+            "Replace a power or a sum in it by an unknown function of its coordinates"
         )
     check_digits(element, 1)
 
@@ -130,7 +130,7 @@ def check_digits(element: Element, exponent: int) -> None:
     if digits and max(sizes, default=0) * exponent > digits * log2(10):
         raise LimitError(
             f"a number in the expression has more than {digits:,} digits when it is multiplied "
-            "out. Name it by a parameter"
+            "out. Replace it by a parameter"
         )
 
 
@@ -146,7 +146,7 @@ def check_exponent(exponent: Element) -> None:
         size = exponent.field.sample.value(exponent)
         if mpmath.mag(abs(size)) > _WORD:
             raise LimitError(
-                f"exp of a number of more than {_WORD} bits is needed. Name it by a parameter"
+                f"exp of a number of more than {_WORD} bits is needed. Replace it by a parameter"
             )
 
 

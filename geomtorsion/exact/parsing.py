@@ -326,12 +326,13 @@ class _Reader:
 
     def _too_long(self, node: Node) -> NoReturn:
         reason = f"a number here has more digits than the limit of {self.limits.digits:,}"
-        raise self.source.limit(node.start, node.end, reason, "Name it as a parameter.")
+        raise self.source.limit(node.start, node.end, reason, "Replace it by a parameter.")
 
     def _too_high(self, node: Node, exponent: Any) -> NoReturn:
         shown = str(exponent) if _bits(exponent) < 64 else "a number of many digits"
         reason = f"the exponent is {shown}; the limit is {self.limits.exponent}"
-        raise self.source.limit(node.start, node.end, reason, "Name it as a parameter, as in r**n.")
+        remedy = "Replace it by a parameter, as in r**n."
+        raise self.source.limit(node.start, node.end, reason, remedy)
 
 
 def _parts(node: Node) -> tuple[Node, ...]:

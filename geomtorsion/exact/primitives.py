@@ -127,8 +127,8 @@ class Primitives:
         field = self._field
         if not field.is_complex:
             raise ExpressionError(
-                f"log of {element}, which is negative at the sample point; "
-                "give a domain where it is positive, or turn its sign"
+                f"contains log of {element}, which is negative at the sample point; "
+                "change its sign, or give a domain where it is positive"
             )
         return field.read(sympy.pi) * field.imaginary
 

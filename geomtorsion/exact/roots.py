@@ -66,8 +66,9 @@ def _square_root(field: Tower, element: Element, radical: sympy.Expr | None) -> 
     """The square root: inside the field where it exists there, else a new generator."""
     if not field.sample.prefer_positive(element) and not field.is_complex:
         raise ExpressionError(
-            f"the square root of {element}, which is negative at every place that was tried; turn "
-            "its sign, give a domain where it is positive, or declare the frame complex"
+            f"contains the square root of {element}, which is negative at every point that was "
+            "tried; change its sign, give a domain where it is positive, or declare the frame "
+            "complex"
         )
     inside = square_root_inside(field, element)
     if inside is not None:
@@ -184,7 +185,7 @@ def _odd_root(field: Tower, element: Element, order: int) -> Element:
         _state_odd(field, element, order, result)
     if sign < 0 and field.is_complex:
         raise ExpressionError(
-            f"the root of order {order} of {element} has a negative radicand at the sample "
+            f"contains the root of order {order} of {element}, which is negative at the sample "
             "point; give a domain where it is positive"
         )
     return result * sign

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import sympy
 
+from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, LimitError, SingularPointError, UndecidedError
 from geomtorsion.exact.element import Certainty, Element, Term, least_certain
 
@@ -277,8 +278,8 @@ class TruncatedField:
         verdict = element.parts[0].is_zero
         if verdict is None:
             raise UndecidedError(
-                f"whether {element.parts[0]} vanishes cannot be decided, so that {what} has no "
-                "known order. Use functions with known relations."
+                f"whether {element.parts[0]} vanishes cannot be decided, so the order of {what} "
+                f"is not known. {checks.KNOWN_IDENTITIES}"
             )
         if verdict:
             raise SingularPointError(

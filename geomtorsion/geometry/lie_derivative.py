@@ -32,7 +32,7 @@ def vector(frame: Frame, values: object, name: str = "vector") -> Tensor:
     if values.frame is not frame:
         raise ShapeError(
             f"{name}: expected a vector over the same frame, got one over another frame. Build "
-            "both over one."
+            "both over the same frame."
         )
     if len(values.slots) != 1:
         raise TensorIndexError(

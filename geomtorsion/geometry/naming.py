@@ -64,8 +64,8 @@ def names(field: Field, found: Meanings) -> Names:
         whole = field.brief(element)
         if element.is_zero is None:
             raise UndecidedError(
-                f"whether {symbol} = {found[symbol]} vanishes cannot be decided. Use functions "
-                "with known relations."
+                f"whether {symbol} = {found[symbol]} vanishes cannot be decided. "
+                f"{checks.KNOWN_IDENTITIES}"
             )
         if whole is None or element.is_zero or not whole.symbols:
             raise ArgumentError(

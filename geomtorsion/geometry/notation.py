@@ -433,7 +433,7 @@ def index_names(tensor: Tensor, names: Names | None) -> tuple[str, ...]:
     if len(valid) != n or len(listed) != n or len(set(valid)) != n:
         raise TensorIndexError(
             f"names: expected {n} different names, one for each of {', '.join(coordinates)}, got "
-            f"{checks.shown(names)}. Give them as a text of {n} letters, or as a list of texts."
+            f"{checks.shown(names)}. Give them as a string of {n} letters, or as a list of strings."
         )
     return tuple(valid)
 

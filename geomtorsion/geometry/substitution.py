@@ -153,7 +153,7 @@ def _parameter(
         names = [one.name for one in parameters]
         raise UnknownNameError(
             f"values: expected a parameter, got {symbol}. "
-            f"{checks.did_you_mean(symbol.name, names)}There are {', '.join(names) or 'none'}."
+            f"{checks.did_you_mean(symbol.name, names)}Parameters: {', '.join(names) or 'none'}."
         )
     return symbol
 
@@ -186,7 +186,7 @@ def _function(
         names = sorted(str(one) for one in known)
         raise UnknownNameError(
             f"values: expected an unknown function of this tensor, got {key.func}. "
-            f"{checks.did_you_mean(str(key.func), names)}There are {', '.join(names) or 'none'}."
+            f"{checks.did_you_mean(str(key.func), names)}Functions: {', '.join(names) or 'none'}."
         )
     if len(set(arguments)) < len(arguments) or not all(isinstance(x, sp.Symbol) for x in arguments):
         raise ArgumentError(

@@ -220,8 +220,9 @@ class Tensor:
             return self
         if k in self.anchored and KINDS[slot] != KINDS[self.slots[k]]:
             raise TensorIndexError(
-                f"index {k} of {self.label} cannot change its basis: this is not a tensor there. "
-                "For the coefficients of a connection in the frame use connection.spin_connection."
+                f"index {k} of {self.label} cannot change its basis: {self.label} is not a tensor "
+                "in this index. For the coefficients of a connection in the frame use "
+                "connection.spin_connection."
             )
         slots = self.slots[:k] + slot + self.slots[k + 1 :]
         name, turned = EXCHANGES[self.slots[k] + slot]

@@ -261,7 +261,7 @@ def check_regular(field: Field, entries: dict[tuple[int, int], Element], n: int,
     if det.is_zero is None:
         raise UndecidedError(
             f"whether the determinant of the {name} vanishes cannot be decided: it is {det}, which "
-            "is zero or too small to distinguish from zero. Use functions with known relations."
+            f"is zero or too small to distinguish from zero. {checks.KNOWN_IDENTITIES}"
         )
     if not det.is_zero:
         return

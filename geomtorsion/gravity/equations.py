@@ -492,7 +492,7 @@ def _fault(geometry: str, connections: Sequence[Connection]) -> str:
     if geometry == "riemannian":
         return "is not the Levi-Civita connection of the metric"
     if geometry != "metric" and not others:
-        return "is not flat by its construction"
+        return "is not constructed as a flat connection"
     if geometry != "metric" and not all(one.is_flat for one in others):
         return "is not flat"
     if geometry == "symmetric teleparallel":

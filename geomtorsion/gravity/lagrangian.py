@@ -261,8 +261,8 @@ def _check_name(name: str, own: Mapping, known: Mapping[str, str]) -> None:
         )
     if name in MATTER:
         raise GravityError(
-            f"lagrangian: expected the matter that {name} belongs to, got none. Give matter="
-            f"{MATTER[name]}, or another name to a parameter."
+            f"lagrangian: {name} belongs to a matter field, and none is given. Give matter="
+            f"{MATTER[name]}, or rename the parameter if {name} is yours."
         )
     if name in INVARIANTS:
         dimension = INVARIANTS[name].only

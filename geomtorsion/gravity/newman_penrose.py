@@ -150,8 +150,8 @@ def _vanishes(element: Element) -> bool:
     verdict = element.is_zero
     if verdict is None:
         raise UndecidedError(
-            f"whether {element} vanishes cannot be decided, so that the Petrov type is not known. "
-            "Use functions with known relations."
+            f"whether {element} vanishes cannot be decided, so the Petrov type is not known. "
+            + checks.KNOWN_IDENTITIES
         )
     return verdict
 

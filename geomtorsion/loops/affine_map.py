@@ -187,7 +187,7 @@ class AffineMap:
         n = len(self.increment) - 1
         if n != dimension:
             raise ShapeError(
-                f"{what} has a meaning in {dimension} dimensions, but there are {n}. "
+                f"{what} is defined only in {dimension} dimensions, not in {n}. "
                 "Use .frank, the logarithm of the rotation, in any dimension."
             )
 

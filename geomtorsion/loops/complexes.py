@@ -65,7 +65,7 @@ class Complex:
         if len(images) != len(pairs):
             raise NetworkError(
                 f"images: expected one row for each of {len(pairs)} edges, got {len(images)}. "
-                "Give whole periods from the first node of an edge to the second."
+                "Each row counts the periods from the first node of an edge to the second."
             )
         object.__setattr__(self, "images", images)
         # A range of numbers stays a range: a list of a million names is made only on request.

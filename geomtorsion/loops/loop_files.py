@@ -74,7 +74,7 @@ def loop_from_data(frame: Frame, data: Any, where: str = "loop") -> Loop:
     name = data.get("name", kind)
     if not isinstance(name, str):
         came = checks.shown(name)
-        raise FileFormatError(f"{where}: name: expected a text, got {came}.")
+        raise FileFormatError(f"{where}: name: expected text, got {came}.")
     maker = {"curve": Loop.parametric}.get(kind) or getattr(Loop, kind)
     try:
         loop = maker(**values, name=name)

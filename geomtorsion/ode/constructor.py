@@ -367,5 +367,5 @@ def _array(what: str, values: object) -> np.ndarray:
 
 def _hint(name: str, known: Sequence[str]) -> str:
     near = checks.near_names(name, known)
-    listed = f"There are {', '.join(known)}." if known else "There are none."
+    listed = f"There are {', '.join(known)}." if known else "The system has none."
     return f"Did you mean {near}? {listed}" if near else listed

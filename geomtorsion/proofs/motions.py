@@ -108,8 +108,8 @@ def follow(
                 "steps become ever shorter",
                 time,
                 (
-                    "The motion ends there, or reaches the edge of a function. Prove a shorter "
-                    "motion."
+                    "The motion ends there, or reaches the edge of the domain of a function. "
+                    "Prove a shorter motion."
                 ),
             )
         stop = None if leg.fall is None else _stop(leg.fall, step, time)

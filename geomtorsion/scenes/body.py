@@ -204,7 +204,7 @@ def check_triangle(moments: Sequence[float], what: str) -> None:
     # A plate has A + B = C, and rounding may leave it a little on the wrong side.
     if large > (small + middle) + CALCULATED * large:
         raise BodyError(
-            f"{what}: principal moments {_listed(moments)} are impossible, for "
+            f"{what}: principal moments {_listed(moments)} are impossible, because "
             f"{large:.6g} > {small:.6g} + {middle:.6g}. No distribution of mass has them; "
             "the largest may be at most the sum of the other two."
         )

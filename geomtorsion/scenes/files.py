@@ -212,7 +212,7 @@ def scene_from(file: TomlFile, name: str = "") -> Scene:
 def _text(file: TomlFile, key: str) -> str:
     value = file.data.get(key, "")
     if not isinstance(value, str):
-        file.fail((key,), f"{key}: expected a text in quotes, got {value!r}.")
+        file.fail((key,), f"{key}: expected text in quotes, got {value!r}.")
     return value
 
 

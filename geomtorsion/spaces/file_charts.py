@@ -60,7 +60,7 @@ def _atlas(
         name = table["name"]
         if not isinstance(name, str) or not name or name in charts:
             raise FileFormatError(
-                f"{words.file}: {place}.name: expected a text that no other chart has, got "
+                f"{words.file}: {place}.name: expected a name that no other chart has, got "
                 f"{shown(name)}."
             )
         inner = _words(words, table, place)

@@ -159,7 +159,7 @@ def _only(file: str, data: Mapping[str, object], keys: tuple[str, ...], *, requi
 def _text(file: str, data: Mapping[str, object], key: str) -> str:
     value = data.get(key, "")
     if not isinstance(value, str) or isinstance(value, Decimal):
-        raise FileFormatError(f"{file}: {key}: expected a text in quotes, got {shown(value)}.")
+        raise FileFormatError(f"{file}: {key}: expected text in quotes, got {shown(value)}.")
     return value
 
 

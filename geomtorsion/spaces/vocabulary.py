@@ -125,11 +125,11 @@ def vocabulary(file: str, data: Mapping[str, object], dimension: int) -> Vocabul
 
 
 def texts(file: str, value: object, place: str) -> list[str]:
-    """A list of texts; a single text counts as a list of one."""
+    """A list of strings; a single string counts as a list of one."""
     items = [value] if isinstance(value, str) else value
     if not isinstance(items, list) or not all(isinstance(item, str) for item in items):
         raise FileFormatError(
-            f"{file}: {place}: expected a list of texts, got {_kind(value)}. "
+            f"{file}: {place}: expected a list of strings, got {_kind(value)}. "
             f'Write {place} = ["..."].'
         )
     return items

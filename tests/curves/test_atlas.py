@@ -255,7 +255,7 @@ def test_a_change_of_charts_is_asked_for_wrongly(coordinates, parameters, messag
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ((1, "b", (X, Y), (X, Y)), "source: expected a text"),
+        ((1, "b", (X, Y), (X, Y)), "source: expected text"),
         (("a", "b", "xy", (X, Y)), "coordinates: expected a list"),
         (("a", "b", (X, "y"), (X, Y)), r"coordinates\[1\]: expected a Symbol"),
         (("a", "b", (X, Y), 5), "expressions: expected a list"),

@@ -149,7 +149,7 @@ def test_a_root_that_becomes_a_square_is_told():
     ("values", "error", "message"),
     [
         ({"r": 1}, CoordinateError, "got the coordinate r. .* tensor.limit"),
-        ({sp.Symbol("q"): 1}, UnknownNameError, "expected a parameter, got q. There are k"),
+        ({sp.Symbol("q"): 1}, UnknownNameError, "expected a parameter, got q. Parameters: k"),
         ({"q": 1}, GeomtorsionError, "q"),
         ({"k": "r"}, CoordinateError, "expected a value without coordinates .*, got r,"),
         ({"k": -1}, CoordinateError, "k: expected a value that is positive, .*got -1"),

@@ -37,7 +37,10 @@ REFUSED = {
     "one connection": (lambda: g.equations(CARTAN, "T*Rbar"), "Give the other connection also"),
     "second connection": (lambda: g.equations(CARTAN, "T*R_2"), "Give the other connection also"),
     "curved": (lambda: g.equations(CURVED, g.tegr), "which is not flat"),
-    "of the metric": (lambda: g.equations(BAR, g.f_of("T")), "not flat by its construction"),
+    "of the metric": (
+        lambda: g.equations(BAR, g.f_of("T")),
+        "not constructed as a flat connection",
+    ),
     "not metric": (lambda: g.equations(AFFINE, g.poincare()), "expected a metric connection"),
     "torsion": (lambda: g.equations(CARTAN, g.stegr), "which has torsion"),
     "not Riemannian": (
@@ -78,7 +81,10 @@ REFUSED = {
         "expected an antisymmetric matrix",
     ),
     "potential": (lambda: g.equations(CARTAN, "F2", g.maxwell([1])), "expected 3 entries"),
-    "F2 alone": (lambda: g.equations(CARTAN, "T + F2").L, "expected the matter"),
+    "F2 alone": (
+        lambda: g.equations(CARTAN, "T + F2").L,
+        "F2 belongs to a matter field, and none is given. Give matter=",
+    ),
     "fluid": (
         lambda: g.equations(CARTAN, "T", g.fluid(1, 0, [1, 0, 0])).identities(),
         "Omit the fluid",

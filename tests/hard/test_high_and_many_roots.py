@@ -62,7 +62,7 @@ def test_identities_of_a_frame_with_roots(name):
 def test_many_roots_of_roots_are_refused():
     """A decision that would take very long is refused with a remedy."""
     frame = Frame([x, y], [[1, 0], [0, ROOTS["a product of thirty orders"]]])
-    with pytest.raises(LimitError, match="which is the limit. Name a power"):
+    with pytest.raises(LimitError, match="which is the limit. Replace a power"):
         identities(cartan(frame))
 
 
@@ -88,7 +88,7 @@ def test_zeros_with_roots_are_decided(name):
 )
 def test_products_of_many_sums_of_roots_are_refused(expression):
     """Products of many sums of roots, which would fill the memory expanded, are refused."""
-    with pytest.raises(LimitError, match="the limit.* Name a power"):
+    with pytest.raises(LimitError, match="the limit.* Replace a power"):
         Frame([x, y], [[1, 0], [0, expression]])
 
 

@@ -83,7 +83,7 @@ JSON = [
     ('[{"circle": 3}]', "expected a mapping"),
     ("[3]", "expected a mapping"),
     ('[{"times": 3}]', "exactly one of .* got none"),
-    ('[{"circle": {"centre": [0, 0], "radius": 1}, "name": 3}]', "name: expected a text"),
+    ('[{"circle": {"centre": [0, 0], "radius": 1}, "name": 3}]', "name: expected text"),
     ('{"loops": [1], "q": 3}', "unknown key 'q'"),
     ('{"loops": [1], "parameters": 3}', "parameters: expected names and values"),
     ('{"loops": [1], "accuracy": "x"}', "accuracy: expected a number"),

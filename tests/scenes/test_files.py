@@ -160,7 +160,7 @@ REFUSED = [
         "line 23: start: quaternion: expected length 1, got 0",
     ),
     ('euler = [0, "30 deg", 0]', "quaternion = [1, 1, 0, 0]", "line 23: start:.*length"),
-    ('"a heavy top"', "7", "line 2: title: expected a text in quotes"),
+    ('"a heavy top"', "7", "line 2: title: expected text in quotes"),
     ("[start]", "[[start]]", "start: expected a table"),
     ("[[effects]]\nkind", "[effects]\nkind", "line 13.*expected TOML|effects"),
     ("samples = 51", "samples = 1", "line 7: samples = 1"),

@@ -190,7 +190,7 @@ def _in_blocks(
     """A map that is saved block by block."""
     others = {k: v for k, v in reading.given.items() if k not in ("--sigma", "--order")}
     for name in [*others, *(["--circle"] if circle else [])]:
-        raise GridError(f"{name}: expected a map without blocks, got one in blocks. Omit it.")
+        raise GridError(f"{name} does not work for a map in blocks. Omit {name}.")
     if output is None:
         raise CheckpointError(
             f"{path.name}: expected a directory for the blocks, got none. Name it with -o."

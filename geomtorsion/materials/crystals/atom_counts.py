@@ -73,7 +73,7 @@ def check_count_of_gro(name: str, rows: list[str]) -> None:
     count = rows[1].strip() if len(rows) > 1 else ""
     if not count.isdecimal() or len(count) > 18 or len(rows) != int(count) + 3:
         raise FileFormatError(
-            f"{name}: line 2: expected the number of atoms, and below it as many rows and one "
-            f"with the cell, got {shown(count)} and {max(len(rows) - 2, 0):,} rows. Is the file "
-            "complete, and does it hold only one frame?"
+            f"{name}: line 2: expected the number of atoms, then one row for each atom and one row "
+            f"with the cell. Line 2 is {shown(count)}, and {max(len(rows) - 2, 0):,} rows follow. "
+            "Is the file complete, and does it hold only one frame?"
         )

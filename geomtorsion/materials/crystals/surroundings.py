@@ -107,8 +107,8 @@ class Places:
             points, numbers = around.points, around.numbers
             if around.whole and len(points) <= count:
                 raise CrystalError(
-                    f"positions: expected atoms with {count} neighbours, got {len(points)} atoms. "
-                    "Give more of the crystal."
+                    f"positions: each atom needs {count} neighbours; there are only {len(points)} "
+                    "atoms. Give more of the crystal."
                 )
             if len(points) > count:
                 distances, near = around.apart.tree.query(centres[left], k=count + 1)

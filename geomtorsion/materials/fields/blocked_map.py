@@ -364,7 +364,8 @@ def blocked_map(
     sides = _several(size, 2, "size", 0)
     if 0 in sides and sides != (0, 0):
         raise GridError(
-            f"size: expected 0 for both axes (torsion) or for neither, got {checks.shown(size)}."
+            "size: size 0 means a map of torsion; give 0 for both axes or for neither, not "
+            f"{checks.shown(size)}."
         )
     for k, side in zip(pair, sides, strict=True):
         checks.count(side, "size", GridError, 0, grid[k] - 1)

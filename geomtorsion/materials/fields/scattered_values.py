@@ -41,8 +41,8 @@ def mesh_of(
     boundary = checked_polygons(options.get("boundary"))
     if boundary and places.shape[1] != 2:
         raise GridError(
-            "boundary: expected points in a plane, got points in space, which polygons do not "
-            "bound. Omit the boundary."
+            "boundary: a boundary needs points in a plane; these have three coordinates. Omit "
+            "the boundary."
         )
     mask = mask_of(options.get("mask"), (len(places),)) | unknown
     return Triangulation.of(places, mask, longest, boundary), texts

@@ -248,8 +248,8 @@ def read_json_lines(
         raise FileFormatError(f"{name}: {error}") from None
     except (ValueError, OverflowError):
         raise FileFormatError(
-            f"{name}: expected lists of equal lengths and whole numbers of 64 bits, got a "
-            "position, a pair or a b of another length or size. Is the file complete?"
+            f"{name}: expected lists of equal lengths and whole numbers of 64 bits. A position, a "
+            "pair or a b has another length or size. Is the file complete?"
         ) from None
     return lines, vectors
 

@@ -206,11 +206,11 @@ def reordered(value: object, order: tuple[int, ...]) -> Value:
 _NAME = re.compile(r"(\S+) is neither a coordinate nor a declared parameter$", re.MULTILINE)
 _DECLARE = re.compile(r"(?:Otherwise d|D)eclare \S+ as a parameter\.\Z")
 _FUNCTION = re.compile(r"(?:Otherwise d|D)eclare it as an unknown function with .*\Z")
-_SMALLER = re.compile(r"Name it as a parameter.*\Z")
+_SMALLER = re.compile(r"Replace it by a parameter.*\Z")
 _PRIMES = re.compile(r"([^\W\d]\w*)\s*(['′’]{1,2}|″)")
 ASKED = {
     "expression": "an expression",
-    "components": "components, indices counted from 1",
+    "components": "components",
     "equations": "equations, separated by semicolons",
     "number": "a number",
     "choice": "one of",
@@ -224,7 +224,7 @@ def how_to_answer(question: Question, *, options: bool = True) -> str:
     --------
     >>> from geomtorsion.teaching.exercises import load
     >>> how_to_answer(load("3.2").questions[0])
-    'an expression in `phi1`, `phi2`'
+    'an expression. Use the names `phi1`, `phi2`'
     """
     text = ASKED[question.kind]
     if question.kind == "choice":
@@ -238,10 +238,22 @@ def how_to_answer(question: Question, *, options: bool = True) -> str:
             return f"{text}{unit}, exactly"
         return f"{text}{unit}, relative tolerance {question.tolerance:.2g}"
     if question.kind == "components":
-        matrix = " or a matrix `[[...], [...]]`" if len(question.shape) == 2 else ""
-        text = f"{text}, as `{example(question)}`{matrix},"
-    names = ", ".join(f"`{name}`" for name in symbol_names(question))
-    return f"{text} in {names}" if names else f"{text} without symbols"
+        matrix = "a matrix `[[...], [...]]` or " if len(question.shape) == 2 else ""
+        text = f"{matrix}{text} `{example(question)}`; indices count from 1"
+    return f"{text}. {names_to_use([f'`{name}`' for name in symbol_names(question)])}"
+
+
+def names_to_use(names: Sequence[str]) -> str:
+    """A sentence about the names in an answer, without its full stop.
+
+    Examples
+    --------
+    >>> names_to_use(["R"]), names_to_use(["r", "phi"]), names_to_use([])
+    ('Use the name R', 'Use the names r, phi', 'Use no symbols')
+    """
+    if not names:
+        return "Use no symbols"
+    return f"Use the name{'s' * (len(names) > 1)} {', '.join(names)}"
 
 
 def symbol_names(question: Question) -> tuple[str, ...]:

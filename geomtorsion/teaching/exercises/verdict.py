@@ -62,10 +62,12 @@ MESSAGES: Mapping[str, str] = MappingProxyType(
         "rest of it.",
         "branch": "That is right only on a part of the domain: an inverse function gives its "
         "principal value, which is wrong on the rest of it.",
-        "naive": "That follows from a variation in the frame as if its forms were closed. The "
-        "gyroscopic terms are missing.",
-        "principle": "That follows from the other action principle. Check whether the variations "
-        "must be closed in the coordinates or in the image.",
+        "naive": "You varied as if the frame components of the velocity were time derivatives of "
+        "coordinates. They are not, so the gyroscopic terms (such as "
+        r"$\Omega\times p$) are missing.",
+        "principle": "That follows from the other action principle. Which end points of the varied "
+        "paths are fixed: in the coordinates (Hamilton) or in the flat image $x^i(t)$ with "
+        r"$\dot x^i = u^i$ (Kleinert)?",
         "forgotten": "A term is missing.",
         "another": "That is another quantity. Read the question again.",
         "counted": "Indices are counted from 1 here, but yours seem to be counted from 0.",

@@ -76,7 +76,7 @@ def test_units_are_kept_and_shown():
     assert "in um, b in a/um um" in repr(grid)
     assert "lengths in um" in repr(grid.burgers_map(2))
     assert SampledFrame([AXIS, AXIS], WAVES, unit="nm").burgers(Loop.circle([3, 3], 1)).unit == "nm"
-    with pytest.raises(GridError, match="unit: expected a text"):
+    with pytest.raises(GridError, match="unit: expected text"):
         SampledFrame([AXIS, AXIS], WAVES, unit=3)  # type: ignore[arg-type]
 
 

@@ -323,7 +323,7 @@ def test_texts_of_hdf5_may_be_bytes_and_lists(tmp_path):
     assert (found.unit, found.names, found.periodic) == ("nm", ("x", "y"), (False, True))
     with square(tmp_path / "a.h5") as file:
         file.attrs["unit"] = 3
-    with pytest.raises(FileFormatError, match="unit: expected a text"):
+    with pytest.raises(FileFormatError, match="unit: expected text"):
         SampledFrame.read(tmp_path / "a.h5")
 
 

@@ -6,9 +6,11 @@ import pytest
 import sympy as sp
 
 from geomtorsion import exercises
+from geomtorsion.errors import LimitError
+from geomtorsion.exact import limits
 from geomtorsion.teaching.exercises.checking import check_question
 from geomtorsion.teaching.exercises.domain import Domain
-from geomtorsion.teaching.exercises.question import Mistake, Question
+from geomtorsion.teaching.exercises.question import Mistake, Question, advice
 
 x, y = sp.symbols("x y", real=True)
 t = sp.Symbol("t", positive=True)
@@ -390,6 +392,19 @@ def test_advice_is_for_those_who_answer(kind, given, says):
     assert says in said
     assert "arameter" not in said
     assert "eclare" not in said
+
+
+def test_advice_replaces_the_parameter_of_every_limit():
+    """Whichever limit a number exceeds, an answer gets advice without a parameter."""
+    question = asked(x)
+    field = question.domain.field()
+    with pytest.raises(LimitError) as digits:
+        limits.check_digits(field.read(sp.Integer(10) ** 3000 * x), 2)
+    with pytest.raises(LimitError) as exponent:
+        limits.check_exponent(field.read(sp.Integer(10) ** 300))
+    for refused in (digits, exponent):
+        assert "Replace it by a parameter" in str(refused.value)
+        assert advice(question, str(refused.value)).endswith(" Write a smaller one.")
 
 
 def test_advice_where_no_names_occur():

@@ -46,7 +46,7 @@ MISTAKES = {
     ("5.2", "burgers"): "direction factor forgotten",
     ("5.3", "burgers"): "basis direction factor forgotten",
     ("5.4", "around"): "direction factor forgotten",
-    ("5.4", "beside"): "forgotten",
+    ("5.4", "beside"): "another",
     ("5.5", "riemann"): "cartan degrees direction factor forgotten",
     ("5.5", "cartan"): "levi-civita",
     ("5.6", "burgers"): "direction factor forgotten",

@@ -255,7 +255,7 @@ def test_the_plan_follows_the_switches():
 
 def test_what_cannot_be_is_refused():
     """An impossible body and contradictory effects are refused."""
-    with pytest.raises(GeomtorsionError, match="are impossible"):
+    with pytest.raises(GeomtorsionError, match="are impossible, because"):
         top([1, 1, 3], [0, 0, 1], 0.3, 1.0)
     with pytest.raises(GeomtorsionError, match="contradict"):
         top([1, 2, 3], [0, 0, 1], 0.3, 1.0, ["torsion", "pivot"])

@@ -68,11 +68,12 @@ def make(draw: Draw) -> Variant:
             ),
         ),
         hints=steps(
-            "Only $e^3$ is not closed.",
-            "By Stokes' theorem its loop integral is the integral of "
-            f"${tex.tex(cartan(frame).torsion.T.in_frame()[0, 1, 2])}$ over the disk.",
-            r"Substitute $x = x_0 + \rho\cos\alpha$. Over a full turn, odd powers of the cosine "
-            r"average to zero, and $\cos^2\alpha$ averages to $\tfrac12$.",
+            r"Only $\mathrm{d}e^3$ is not zero.",
+            r"By Stokes' theorem $b^3 = \oint e^3$ is the integral of "
+            f"${tex.tex(cartan(frame).torsion.T.in_frame()[0, 1, 2])}$ over the area of the disk.",
+            r"Substitute $x = x_0 + \rho\cos\alpha$, where $x_0$ is the $x$ of the centre. Over a "
+            r"full turn, odd powers of the cosine average to zero, and $\cos^2\alpha$ averages to "
+            r"$\tfrac12$.",
         ),
         worked=lambda: _worked(frame, centre, radius),
     )
@@ -87,11 +88,12 @@ def _worked(frame: Frame, centre: int, radius: sp.Symbol) -> tuple[Step, ...]:
     ring = sp.integrate(inner, (alpha, 0, 2 * sp.pi))
     flux = sp.expand(sp.integrate(ring, (rho, 0, radius)))
     return (
-        Step(f"Only $e^3$ is not closed: $${by_hand.differentials(frame)}.$$"),
+        Step(f"Only $\\mathrm{{d}}e^3$ is not zero: $${by_hand.differentials(frame)}.$$"),
         Step(
-            f"On the disk $x = {centre} + \\rho\\cos\\alpha$, and the area element is "
-            r"$\rho\,\mathrm{d}\rho\,\mathrm{d}\alpha$. The integral over $\alpha$ is "
-            f"${tex.tex(ring)}$."
+            f"On the disk $x = {f'{centre} + ' if centre else ''}\\rho\\cos\\alpha$. Replace "
+            r"$\mathrm{d}x\wedge\mathrm{d}y$ by the area element "
+            r"$\rho\,\mathrm{d}\rho\,\mathrm{d}\alpha$. The integral over $\alpha$ from $0$ to "
+            f"$2\\pi$ gives ${tex.tex(ring)}$."
         ),
         Step(
             f"The integral over $\\rho$ from $0$ to $R$ gives $b^3 = {tex.tex(flux)}$. The other "

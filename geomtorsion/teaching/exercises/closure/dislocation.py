@@ -40,14 +40,14 @@ def make(draw: Draw) -> Variant:
             "A crystal has a screw dislocation along the $z$ axis. Its coframe is\n\n"
             r"$$e^1 = \mathrm{d}x,\quad e^2 = \mathrm{d}y,\quad e^3 = \mathrm{d}z + "
             r"\frac{b}{2\pi}\,\frac{x\,\mathrm{d}y - y\,\mathrm{d}x}{x^2+y^2}.$$"
-            "\n\nThe torsion vanishes everywhere off the axis."
+            "\n\nHere $b$ is a constant. The torsion vanishes everywhere except on the axis."
         ),
         questions=(
             Question(
                 name="around",
                 kind="components",
-                prompt=f"Find the Burgers vector of a circle of radius ${radius}$ about the axis, "
-                f"traversed {_turning(turns)}.",
+                prompt=f"Find the Burgers vector of a circle of radius ${radius}$ in the plane "
+                f"$z = 0$ with its centre on the axis, traversed {_turning(turns)}.",
                 domain=Domain((b,)),
                 answer=lambda: vector(winding),
                 errors=lambda: [
@@ -60,8 +60,8 @@ def make(draw: Draw) -> Variant:
                     Mistake(
                         "forgotten",
                         {},
-                        "The torsion vanishes on the loop, but not on the axis, which the loop "
-                        "encloses.",
+                        "The torsion vanishes on the loop. But the loop encloses the axis, where "
+                        "the torsion does not vanish.",
                     ),
                 ],
                 shape=(3,),
@@ -70,19 +70,24 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="beside",
                 kind="components",
-                prompt="Find the Burgers vector of a circle of half that radius about "
-                f"$({away}, 0, 0)$, traversed once.",
+                prompt="Find the Burgers vector of a circle of half that radius in the same plane, "
+                f"with the centre $({away}, 0, 0)$, traversed once.",
                 domain=Domain((b,)),
                 answer=lambda: vector(next_to_it),
                 errors=lambda: [
-                    Mistake("forgotten", vector(around), "Does this loop enclose the axis?")
+                    Mistake(
+                        "another",
+                        vector(around),
+                        "That is the Burgers vector of a circle around the axis. Does this circle "
+                        "enclose the axis?",
+                    )
                 ],
                 shape=(3,),
                 label="b",
             ),
         ),
         hints=steps(
-            r"Off the axis, with the polar angle $\phi$, "
+            r"Use the polar angle $\phi$ around the axis: "
             r"$x\,\mathrm{d}y - y\,\mathrm{d}x = (x^2+y^2)\,\mathrm{d}\phi$.",
             r"So $e^3 = \mathrm{d}(z + b\phi/2\pi)$. By how much does $\phi$ change along the "
             "loop?",
@@ -102,8 +107,9 @@ def _worked(turns: int, b: sp.Symbol) -> tuple[Step, ...]:
     return (
         Step(
             r"With $x = \rho\cos\phi$ and $y = \rho\sin\phi$ the last form is "
-            r"$e^3 = \mathrm{d}z + \frac{b}{2\pi}\,\mathrm{d}\phi$. It is closed, but $\phi$ "
-            r"changes by $2\pi$ on each turn around the axis."
+            r"$e^3 = \mathrm{d}z + \frac{b}{2\pi}\,\mathrm{d}\phi$. So "
+            r"$\mathrm{d}e^3 = 0$ except on the axis, but $\phi$ changes by $2\pi$ on each turn "
+            r"around the axis."
         ),
         Step(
             f"The loop winds around the axis {_turning(turns)}: "

@@ -54,7 +54,7 @@ def make(draw: Draw) -> Variant:
                 name="cartan",
                 kind="number",
                 prompt="By which angle is it rotated if it is transported by the **Cartan** "
-                "connection, in which the two legs are parallel?",
+                "connection, for which the two legs are parallel everywhere?",
                 unit="rad",
                 answer=lambda: angle(loop, cartan),
                 errors=lambda: [Mistake("levi-civita", angle(loop))],
@@ -63,8 +63,8 @@ def make(draw: Draw) -> Variant:
             ),
         ),
         hints=steps(
-            "On a surface the angle is the integral of the Gaussian curvature over the enclosed "
-            "area.",
+            "For the Levi-Civita connection on a surface, the angle is the integral of the "
+            "Gaussian curvature over the enclosed area. On the unit sphere the curvature is 1.",
             f"The enclosed area is $(\\cos {low:g} - \\cos {high:g})\\cdot {width:g}$.",
             "The legs are parallel for the Cartan connection: each leg returns unchanged.",
         ),

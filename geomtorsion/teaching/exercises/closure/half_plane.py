@@ -49,7 +49,7 @@ def make(draw: Draw) -> Variant:
         statement=(
             "A square lattice is viewed along an edge dislocation, with $x$ to the right and $y$ "
             f"up. A circuit from atom to atom takes {sides}. It returns to the atom from which it "
-            "started, and the dislocation line is inside."
+            "started, and it encloses the dislocation line."
         ),
         questions=(
             Question(
@@ -69,8 +69,8 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="place",
                 kind="choice",
-                prompt="On which side of the line are the extra half planes of atoms (one or "
-                "more)?",
+                prompt="The dislocation line is the edge of one or more extra half planes of "
+                "atoms. On which side of the line are they?",
                 answer=lambda: place,
                 errors=lambda: [
                     Mistake(
@@ -107,8 +107,9 @@ def make(draw: Draw) -> Variant:
         ),
         hints=steps(
             "Add the steps: opposite steps cancel.",
-            "A side that crosses the half planes has one more step for each of them.",
-            "However large the circuit is, it crosses the same half planes.",
+            "The side of the circuit that crosses the half planes has one more step for each half "
+            "plane.",
+            "A larger circuit crosses the same half planes.",
         ),
         worked=lambda: _worked(place, planes, counts, larger, asked),
     )

@@ -34,9 +34,9 @@ def make(draw: Draw) -> Variant:
     return Variant(
         statement=(
             "The body-fixed frame of a rigid body has the coframe "
-            f"$$e = {tex.coframe(frame)}.$$ In the plane of the angles $\\phi_{one}$ and "
-            f"$\\phi_{two}$, a circle of radius ${radius:g}$ about "
-            f"$\\phi = ({', '.join(f'{x:g}' for x in centre)})$ is traversed once, from "
+            f"$$e = {tex.coframe(frame)},$$ in which each row is a one-form. In the plane of the "
+            f"angles $\\phi_{one}$ and $\\phi_{two}$, a circle of radius ${radius:g}$ with the "
+            f"centre $\\phi = ({', '.join(f'{x:g}' for x in centre)})$ is traversed once, from "
             f"$\\phi_{one}$ towards $\\phi_{two}$."
         ),
         questions=(
@@ -63,8 +63,8 @@ def make(draw: Draw) -> Variant:
             ),
         ),
         hints=steps(
-            r"Insert the circle $\phi(s)$ and its derivative, and integrate numerically over $s$ "
-            r"from $0$ to $2\pi$.",
+            r"Describe the circle by an angle $s$. Insert $\phi(s)$ and its derivative into the "
+            r"loop integral, and integrate numerically over $s$ from $0$ to $2\pi$.",
             "For a smooth periodic function, a sum over equal steps is very accurate: a few dozen "
             "steps are enough.",
             "In Python: `gt.burgers_vector(frame, gt.Loop.circle(centre, radius, plane=...))`.",
@@ -99,7 +99,7 @@ def _worked(centre: list[float], radius: float, plane: tuple[int, int]) -> tuple
             r"$b^k = \int_0^{2\pi} e^k{}_\mu\,\phi'^\mu\,\mathrm{d}s$."
         ),
         Step(
-            r"The sum over $N$ equal steps, $\frac{2\pi}{N}\sum_k e^i{}_\mu\phi'^\mu(s_k)$, is "
+            r"The sum over $N$ equal steps, $\frac{2\pi}{N}\sum_n e^k{}_\mu\phi'^\mu(s_n)$, is "
             + "; ".join(f"$({vector})$ for $N = {count}$" for count, vector in sums.items())
             + "."
         ),

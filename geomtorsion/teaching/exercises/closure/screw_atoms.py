@@ -46,10 +46,11 @@ def make(draw: Draw) -> Variant:
 
     return Variant(
         statement=(
-            "In a crystal of iron (bcc, lattice constant $a$) a circuit runs from atom to atom "
-            f"around a dislocation line along ${_vector(along)}$, right-handed about the line, and "
-            "returns to the atom from which it started. Each step is replaced by the nearest "
-            "vector of the perfect lattice. In units of $a$ these vectors are "
+            f"In a crystal of iron (bcc, lattice constant $a$) a dislocation line runs along "
+            f"${_vector(along)}$. A circuit from atom to atom encloses this line and is "
+            "right-handed about it. It returns to the atom from which it started. Each step is "
+            "replaced by the nearest vector of the perfect lattice. In units of $a$ these vectors "
+            "are "
             f"{listed}, and finally once ${_vector(last)}$."
         ),
         questions=(
@@ -94,12 +95,17 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="handed",
                 kind="choice",
-                prompt="A path along the lattice planes, once around a right-handed screw "
-                "dislocation, advances along the line. A step back against the line then leads to "
-                "the starting atom. Which screw does the circuit above enclose?",
+                prompt="Around a right-handed screw dislocation, a path along the lattice planes "
+                "advances along the line when it makes one right-handed turn. A step against the "
+                "line then leads back to the starting atom. Which screw does the circuit above "
+                "enclose?",
                 answer=lambda: "left" if _along(closure(), along) > 0 else "right",
                 errors=lambda: [
-                    Mistake("direction", "right" if _along(closure(), along) > 0 else "left")
+                    Mistake(
+                        "direction",
+                        "right" if _along(closure(), along) > 0 else "left",
+                        "Does $b$, the step back to the start, point along the line or against it?",
+                    )
                 ],
                 options=HANDED,
             ),
@@ -107,8 +113,8 @@ def make(draw: Draw) -> Variant:
         hints=steps(
             "Opposite steps cancel, however many there are.",
             f"Two steps remain: ${_vector(up)}$ and the last step.",
-            "In Python: `gt.Cochain.of_edges(pairs, steps).around(nodes)` adds whole numbers: "
-            "use units of $a/2$.",
+            "In Python: `gt.Cochain.of_edges(pairs, steps).around(nodes)` adds whole numbers, "
+            "so use units of $a/2$.",
         ),
         worked=lambda: _worked(sides, along),
     )

@@ -32,9 +32,10 @@ def make(draw: Draw) -> Variant:
     return Variant(
         statement=(
             f"Consider the one-forms\n\n$${tex.forms(frame)}$$\n\nin the coordinates "
-            f"${tex.symbols(frame)}$. A very small loop in the plane of the legs $E_{i + 1}$ and "
-            f"$E_{j + 1}$ runs from the first leg towards the second and encloses the area $A$, "
-            "measured in the frame. Its closure failure is the Burgers vector "
+            f"${tex.symbols(frame)}$. The legs $E_i$ are dual to the one-forms. A very small "
+            f"loop in the plane of the legs $E_{i + 1}$ and $E_{j + 1}$ turns from the first leg "
+            "towards the second. It encloses the area $A$, measured with unit length for each leg. "
+            "Its closure failure is the Burgers vector "
             r"$b^k = \oint e^k{}_\mu\,\mathrm{d}q^\mu$."
         ),
         questions=(
@@ -49,8 +50,8 @@ def make(draw: Draw) -> Variant:
                     Mistake(
                         "factor",
                         scaled(burgers(), sp.Rational(1, 2)),
-                        "A factor 2 is missing: the sum $b^k = S_{ij}{}^k A^{ij}$ contains each "
-                        "pair of indices in both orders, so "
+                        r"A factor 2 is missing: the sum $\mathrm{d}e^k = S_{ij}{}^k\,e^i\wedge "
+                        r"e^j$ contains each pair of indices in both orders, so "
                         f"$b^k = 2S_{{{i + 1}{j + 1}}}{{}}^k A$.",
                     ),
                 ],
@@ -60,8 +61,9 @@ def make(draw: Draw) -> Variant:
         ),
         hints=steps(
             r"Stokes' theorem: $\oint e^k = \int \mathrm{d}e^k$.",
-            r"$\mathrm{d}e^k = \tfrac12\,(2S_{ij}{}^k)\,e^i\wedge e^j$, and $e^i\wedge e^j$ "
-            "measures the area in the plane of the legs $E_i$ and $E_j$.",
+            r"$\mathrm{d}e^k = \tfrac12\,(2S_{ij}{}^k)\,e^i\wedge e^j$, where $2S_{ij}{}^k$ is the "
+            "torsion of the Cartan connection in the frame. In the plane of this loop only "
+            f"$e^{{{i + 1}}}\\wedge e^{{{j + 1}}}$ counts, and its integral is the area $A$.",
         ),
         worked=lambda: _worked(frame, i, j, area),
     )
@@ -78,9 +80,9 @@ def _worked(frame: Frame, i: int, j: int, area: sp.Symbol) -> tuple[Step, ...]:
             f"$${by_hand.differentials(frame)}.$$"
         ),
         Step(
-            f"In the plane of $E_{i + 1}$ and $E_{j + 1}$ all products of forms vanish except "
-            f"$e^{{{i + 1}}}\\wedge e^{{{j + 1}}}$, whose integral is the area $A$: "
-            f"$b^k = 2S_{{{i + 1}{j + 1}}}{{}}^k A$ with "
+            f"In the plane of $E_{i + 1}$ and $E_{j + 1}$ only "
+            f"$e^{{{i + 1}}}\\wedge e^{{{j + 1}}}$ counts. Its integral is the area $A$. So "
+            f"$b^k = 2S_{{{i + 1}{j + 1}}}{{}}^k A$ with the torsion in the frame "
             f"$${by_hand.listed('2S', pairs)}.$$"
         ),
         Step(f"So $b = ({', '.join(map(tex.tex, vector))})$.", "burgers", vector),

@@ -42,9 +42,10 @@ def make(draw: Draw) -> Variant:
             r"A rigid body has the attitude $R_z(\phi_3)R_y(\phi_2)R_z(\phi_1)$. In the plane of "
             rf"its angles $\phi_{one}$ and $\phi_{two}$, a circle has the radius $\rho = 10^{{-"
             rf"{decades}}}$ and the centre $\phi = (0.3, {middle:g}, 0.2)$. The size of its "
-            r"Burgers vector is about $\pi\rho^2$. It is computed in double precision (16 digits) "
-            r"as the sum of $e^i{}_\mu\,\Delta\phi^\mu$ along the circle. The terms of the sum "
-            r"have the size of $\rho$."
+            r"Burgers vector is about $\pi\rho^2$. The vector is computed in double precision (16 "
+            r"digits) as the sum of $e^i{}_\mu\,\Delta\phi^\mu$ over steps $\Delta\phi$ along the "
+            r"circle, where $e^i{}_\mu$ is the body-fixed coframe. The terms of the sum have the "
+            r"size of $\rho$."
         ),
         questions=(
             Question(
@@ -57,12 +58,13 @@ def make(draw: Draw) -> Variant:
                         "forgotten",
                         max(ALL_DIGITS - 2 * decades, 0) or 0.5,
                         "The rounding errors are proportional to the terms: they have the size "
-                        "$10^{-16}\\rho$, not $10^{-16}$. Compare that with $\\rho^2$.",
+                        "$10^{-16}\\rho$, not $10^{-16}$. Compare this size with $\\rho^2$.",
                     ),
                     Mistake(
                         "forgotten",
                         ALL_DIGITS,
-                        "The terms nearly cancel. Each is right to 16 digits, but the sum is not.",
+                        "The terms nearly cancel. Each term is right to 16 digits, but the sum is "
+                        "not.",
                     ),
                 ],
                 tolerance=0.9 / (ALL_DIGITS - decades),
@@ -78,7 +80,8 @@ def make(draw: Draw) -> Variant:
                     Mistake(
                         "forgotten",
                         by_line(),
-                        "Nothing cancels in the flux: the torsion has one sign on the disk.",
+                        "That is the number for the sum. In the flux nothing cancels, because the "
+                        "torsion has one sign on the disk.",
                     )
                 ],
                 tolerance=0.15,
@@ -87,9 +90,11 @@ def make(draw: Draw) -> Variant:
         ),
         hints=steps(
             "Rounding gives each term a relative error of $10^{-16}$.",
-            r"The error is $10^{-16}\rho$, and the result is about $\rho^2$. How large is the "
-            "relative error?",
-            "In Python: `gt.burgers_vector(frame, loop).check` has the results of both methods.",
+            r"The error of the sum is about $10^{-16}\rho$, and the result is about $\rho^2$. How "
+            r"large "
+            "is the relative error?",
+            "In Python: `gt.burgers_vector(frame, loop).check` contains the results of both "
+            "methods.",
         ),
         worked=lambda: _worked(decades),
     )

@@ -52,22 +52,23 @@ def make(draw: Draw) -> Variant:
         statement=(
             f"On {name} in polar coordinates, with ${tex.forms(frame)}$, a geodesic starts at "
             f"$r = {begin:g}$ and runs radially outwards with speed 1. A computer makes a small "
-            r"error $\delta\phi$ in the initial angle and no error afterwards: it follows a "
-            "neighbouring geodesic, which also comes from the origin."
+            r"error $\delta\phi$ in the initial coordinate $\phi$ and no error afterwards. So it "
+            "follows a neighbouring geodesic, which also comes from the origin."
         ),
         questions=(
             Question(
                 name="length",
                 kind="number",
-                prompt="The error is measured as a **length**. By which factor has it grown at "
-                f"$t = {last:g}$?",
+                prompt="Measure the error as the **distance** between the two geodesics at the "
+                "same "
+                f"$t$. By which factor has it grown at $t = {last:g}$?",
                 answer=factor,
                 errors=lambda: [
                     Mistake(
                         "basis",
                         deviation(),
                         r"That is the factor for the coordinate error $\delta\phi$, which is "
-                        r"constant. The length of the error is $f(r)\,\delta\phi$.",
+                        f"constant. The distance is ${tex.tex(length(r))}\\,\\delta\\phi$.",
                     ),
                     *(
                         Mistake("another", factor(f), f"That is the factor on {other}.")
@@ -81,14 +82,14 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="twice",
                 kind="number",
-                prompt="Two such errors are compared; the first is twice as large as the second. "
-                "What is the ratio of their lengths at the end?",
+                prompt="Compare two such errors. At the start the first is twice as large as the "
+                "second. How many times as large as the second is it at the end?",
                 answer=lambda: deviation(2.0) / deviation(),
                 errors=lambda: [
                     Mistake(
                         "another",
                         2 * factor(),
-                        "Both errors grow by the same factor, which cancels.",
+                        "Both errors grow by the same factor, which cancels in the ratio.",
                     )
                 ],
                 tolerance=1e-3,
@@ -96,10 +97,11 @@ def make(draw: Draw) -> Variant:
             ),
         ),
         hints=steps(
-            r"The neighbouring geodesic is another ray: $\delta\phi$ is constant.",
-            r"The length of the error is $f(r)\,\delta\phi$ with $r = r_0 + t$.",
+            r"The neighbouring geodesic is another ray from the origin: $\delta\phi$ is constant.",
+            r"Between points with the same $r$ the one-form $e^2$ gives the distance "
+            f"${tex.tex(length(r))}\\,\\delta\\phi$. Here $r = {begin:g} + t$.",
             "The error grows like $e^t$ in the hyperbolic plane and like $t$ in the plane, and it "
-            "is bounded on a sphere. Exponential growth makes a motion expensive to compute.",
+            "is bounded on a sphere. Motions with exponential growth are expensive to compute.",
         ),
         worked=lambda: _worked(length, begin, last),
     )

@@ -40,7 +40,8 @@ def make(draw: Draw) -> Variant:
     return Variant(
         statement=(
             f"A body with the moments of inertia ${moments}$ {moves}. Its motion is solved as a "
-            r"system of first order, $\dot q^\mu = E_i{}^\mu u^i$, $\dot u^k = \ldots$ The solver "
+            r"system of first order for the coordinates $q^\mu$ and the frame velocities $u^k$: "
+            r"$\dot q^\mu = E_i{}^\mu u^i$ with the legs $E_i$, and $\dot u^k = \ldots$ The solver "
             "integrates only the variables that the requested quantities depend on."
         ),
         questions=(
@@ -73,8 +74,8 @@ def make(draw: Draw) -> Variant:
             ),
             ask(
                 "quaternion",
-                "How many variables are there if a quaternion, which needs no change of charts, "
-                "describes the attitude instead of the angles?",
+                "How many variables are there if a quaternion instead of three angles describes "
+                "the attitude? (A quaternion needs no change of charts.)",
                 whole,
                 "quaternion",
                 (
@@ -94,7 +95,7 @@ def make(draw: Draw) -> Variant:
                     "levi-civita",
                     whole,
                     name,
-                    "On an autoparallel the frame velocities are constant.",
+                    "On an autoparallel frame velocities are constant and not integrated.",
                 ),
             ),
         ),
@@ -115,10 +116,10 @@ def states(problem: CurveProblem, chart: str | None) -> int:
 def _worked(flying: bool) -> tuple[Step, ...]:
     """Counting velocities and coordinates."""
     n = 6 if flying else 3
-    moved = "three of rotation and three of translation" if flying else "three of rotation"
+    moved = ": three of rotation and three of translation" if flying else ""
     return (
         Step(
-            f"The frame has {n} velocities, {moved}. On a group their equations contain no "
+            f"The frame has {n} velocities{moved}. On a group their equations contain no "
             f"coordinates: {n} variables.",
             "omega",
             n,

@@ -48,10 +48,12 @@ def make(draw: Draw) -> Variant:
 
     return Variant(
         statement=(
-            f"The body-fixed frame of a rigid body has the coframe $$e = {tex.coframe(frame)}.$$ "
-            f"A circle in the plane of $\\phi_1$ and $\\phi_2$ has the radius ${radius:g}$ and the "
-            f"centre $\\phi = ({first:g}, {middle:g}, 0.2)$. Its Burgers vector is computed in two "
-            "ways from $N$ points $\\phi_k$ at equal angles around the circle:\n\n"
+            f"The body-fixed frame of a rigid body has the coframe $$e = {tex.coframe(frame)},$$ "
+            f"in which each row is a one-form. A circle in the plane of $\\phi_1$ and $\\phi_2$ "
+            f"has the radius ${radius:g}$ and the centre $\\phi = ({first:g}, {middle:g}, 0.2)$. "
+            f"Its Burgers vector is computed in two "
+            "ways from $N$ points $\\phi_k = \\phi(s_k)$ at equal angles $s_k$ around the "
+            "circle:\n\n"
             r"- **chords**: $\sum_k e^i{}_\mu(\text{midpoint of the chord})\,"
             r"(\phi^\mu_{k+1}-\phi^\mu_k)$,"
             "\n"
@@ -66,7 +68,12 @@ def make(draw: Draw) -> Variant:
                 "order $p$?",
                 answer=lambda: log2(error(COARSE, True) / error(2 * COARSE, True)),
                 errors=lambda: [
-                    Mistake("forgotten", 1, "The midpoint is more accurate than either end."),
+                    Mistake(
+                        "forgotten",
+                        1,
+                        "That is the order with an end of each chord. The midpoint is more "
+                        "accurate.",
+                    ),
                     Mistake("another", 4, "That is the order of Simpson's rule."),
                 ],
                 tolerance=0.05,
@@ -76,7 +83,7 @@ def make(draw: Draw) -> Variant:
                 name="points",
                 kind="number",
                 prompt="How many points does the **trapezoid** sum need for an error below "
-                "$10^{-10}$ of the largest component? Your answer may differ by a fifth.",
+                "$10^{-10}$ of the largest component? An answer within 20 % is accepted.",
                 answer=needed,
                 errors=lambda: [
                     Mistake(
@@ -92,9 +99,11 @@ def make(draw: Draw) -> Variant:
             ),
         ),
         hints=steps(
-            "Try $N = 64$ and $N = 128$: the ratio of the errors is $2^p$.",
-            "The trapezoid sum over a period is exact for all harmonics below $N$. The error comes "
-            "from the higher harmonics of the integrand, which decrease rapidly.",
+            "Compute the sum over chords for $N = 64$ and $N = 128$. The ratio of the errors is "
+            "$2^p$.",
+            "The trapezoid sum over a period is exact for the harmonics $\\cos(m s)$ and "
+            "$\\sin(m s)$ with $0 < m < N$. The error comes from the higher harmonics of the "
+            "integrand, which decrease rapidly with $m$.",
             "In Python: `gt.numpy_function` makes the coframe a function of arrays. Ten to twenty "
             "points are enough.",
         ),
@@ -132,14 +141,16 @@ def coframe_at(frame: Frame, place: tuple[float, ...]) -> np.ndarray:
 def _worked(error: Callable[[int, bool], float], needed: Callable[[], int]) -> tuple[Step, ...]:
     """The errors of both sums, and the orders that follow from them."""
     chords = {count: error(count, True) for count in (COARSE, 2 * COARSE)}
-    shown = "; ".join(f"$N = {count}$: {value:.3g}" for count, value in chords.items())
+    shown = "; ".join(f"{value:.3g} for $N = {count}$" for count, value in chords.items())
     count = needed()
-    steps = "; ".join(f"$N = {n}$: {error(n, False):.2g}" for n in range(count - 4, count + 1, 2))
+    steps = "; ".join(
+        f"{error(n, False):.2g} for $N = {n}$" for n in range(count - 4, count + 1, 2)
+    )
     return (
         Step(f"The errors of the sum over chords are {shown}."),
         Step(
-            "Twice as many points make the error four times smaller, $2^p = 4$. The order is 2, as "
-            "for the midpoint rule.",
+            "With twice as many points the error is four times smaller: $2^p = 4$. The order is "
+            "$p = 2$, as for the midpoint rule.",
             "order",
             2,
         ),

@@ -32,7 +32,8 @@ def make(draw: Draw) -> Variant:
     bar, straight = levi_civita(frame), cartan(frame)
     return Variant(
         statement=(
-            "A surface consists of circles. The circle at $\\phi_2$, with "
+            "A surface consists of circles, and $\\phi_1$ is the angle along a circle. The circle "
+            "at $\\phi_2$, with "
             f"$0 < \\phi_2 < {tex.tex(end)}$, has the length $2\\pi f$ with $f = {tex.tex(f)}$; "
             "$\\phi_2$ is the distance measured across the circles. The legs along and across the "
             f"circles are dual to ${tex.forms(frame)}$. "

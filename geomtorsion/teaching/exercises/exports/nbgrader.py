@@ -71,7 +71,7 @@ def _question(exercise: Exercise, question: Question) -> Iterator[Json]:
     key = f"{exercise.number.replace('.', '-')}-{question.name}"
     variable = f"{question.name}_{exercise.number.replace('.', '_')}"
     how = how_to_answer(question)
-    yield _text(f"asked-{key}", f"{question.prompt}\n\n*Answer: `{variable} =` {how}, in quotes.*")
+    yield _text(f"asked-{key}", f"{question.prompt}\n\n*Answer, in quotes: `{variable} =` {how}.*")
     answer = json.dumps(answer_text(question, question.solution), ensure_ascii=False)
     yield code_cell(
         f"answer-{key}",

@@ -22,7 +22,13 @@ from geomtorsion.teaching.exercises.exports.maxima import (
     maxima_text,
 )
 from geomtorsion.teaching.exercises.exports.tasks import can_be_rounded, feedback
-from geomtorsion.teaching.exercises.question import Mistake, Question, how_to_answer, looks_like
+from geomtorsion.teaching.exercises.question import (
+    Mistake,
+    Question,
+    how_to_answer,
+    looks_like,
+    names_to_use,
+)
 
 # Replaces a mistake that only other variants have; no answer is equal to it.
 MISSING = "nomistake"
@@ -131,7 +137,7 @@ class Part:
 
     def _how(self, question: Question) -> str:
         names = [maxima_name(symbol.name) for symbol in question.domain.symbols]
-        listed = f" in {', '.join(names)}" if names else ""
+        listed = f" {names_to_use(names)}." if names else ""
         rates = any(symbol.name.endswith("_d") for symbol in question.domain.symbols)
         prime = " The d before a name means a derivative (its dot or prime)." if rates else ""
         if self.kind == "choice":
@@ -140,10 +146,10 @@ class Part:
             text = how_to_answer(question)
             return f"Answer: {text.replace(' `[x, y, ...]`', ', one in each box')}."
         if self.kind == "equations":
-            return f"Answer: the right-hand side of each equation{listed}.{prime}"
+            return f"Answer: the right-hand side of each equation.{listed}{prime}"
         if self.shape:
-            return f"Answer: one component in each box{listed}. Leave 0 for zero components.{prime}"
-        return f"Answer: an expression{listed}.{prime}"
+            return f"Answer: one component in each box. Leave 0 for zero components.{listed}{prime}"
+        return f"Answer: an expression.{listed}{prime}"
 
     # -- values ---------------------------------------------------------------------------------
 

@@ -24,7 +24,7 @@ def make(draw: Draw) -> Variant:
         statement=(
             f"In the coordinates ${tex.symbols(frame)}$, the coframe "
             r"$e^i = e^i{}_\mu\,\mathrm{d}q^\mu$ has the matrix"
-            f"\n\n$${tex.coframe(frame)},$$\n\nwith one form per row. "
+            f"\n\n$${tex.coframe(frame)},$$\n\nin which each row is a one-form. "
             r"The legs $E_i = E_i{}^\mu\,\partial_\mu$ are the vectors dual to it: "
             r"$e^i{}_\mu E_j{}^\mu = \delta^i_j$."
         ),

@@ -48,14 +48,15 @@ def make(draw: Draw) -> Variant:
             Mistake(
                 "principle",
                 rates("closed_in_image"),
-                "These are the autoparallels of the six-dimensional frame, on which the body moves "
-                "like a screw. A free body moves on a straight line.",
+                "These are the equations of the autoparallels (straightest lines) of the frame of "
+                "rotations and translations. On an autoparallel the body moves like a screw. The "
+                "centre of mass of a free body moves on a straight line.",
             ),
             Mistake(
                 "axes",
                 turned,
-                "The sign of $\\Omega\\times V$ is wrong: it belongs to axes that rotate in the "
-                "opposite direction.",
+                "The term with $\\Omega\\times V$ has the opposite sign. In body axes, a vector "
+                "that is constant in space has the rate $-\\Omega\\times V$.",
             ),
             Mistake("forgotten", cross, "The force is missing."),
             Mistake(
@@ -74,8 +75,8 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="equations",
                 kind="equations",
-                prompt="Give three equations for `V1'`, `V2'`, `V3'` in `V1`, `V2`, `V3`, "
-                "`Omega1`, `Omega2`, `Omega3` and `M`, separated by semicolons.",
+                prompt="Give three equations for `V1'`, `V2'`, `V3'`, separated by semicolons. "
+                "`V1'` is the time derivative of `V1`.",
                 domain=Domain((*turns, *speeds, mass)),
                 answer=rates,
                 errors=expected,
@@ -85,9 +86,10 @@ def make(draw: Draw) -> Variant:
             ),
         ),
         hints=steps(
-            r"In space $\dot p = f$. If a vector is constant in space, how do its body "
-            "components change?",
-            r"$\dot P + \Omega\times P = F$ with $P = MV$.",
+            r"Along axes fixed in space, momentum $p$ and force $f$ obey $\dot p = f$. If a vector "
+            "is constant in space, how do its components along the axes of the body change?",
+            r"Let $P = MV$ and $F$ be the momentum and the force along the axes of the body. They "
+            r"obey $\dot P + \Omega\times P = F$.",
         ),
         worked=lambda: _worked(mass, push),
     )
@@ -100,8 +102,9 @@ def _worked(mass: sp.Symbol, push: list[sp.Expr]) -> tuple[Step, ...]:
     rates = [x + f / mass for x, f in zip(turning, push, strict=True)]
     return (
         Step(
-            r"A vector that is constant in space rotates backwards as seen from the body: "
-            r"$\dot P = -\Omega\times P$. With a force, $\dot P + \Omega\times P = F$, $P = MV$."
+            r"Seen from the body, a vector that is constant in space rotates with $-\Omega$: "
+            r"$\dot P = -\Omega\times P$. With the force $F$ along the axes of the body, the "
+            r"momentum $P = MV$ obeys $\dot P + \Omega\times P = F$."
         ),
         Step(
             r"The vector product is "

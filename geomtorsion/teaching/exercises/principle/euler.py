@@ -33,15 +33,16 @@ def make(draw: Draw) -> Variant:
         statement=(
             r"A body rotates freely about its centre of mass. Its Lagrangian is the kinetic energy "
             r"$L = \tfrac12\,(I_1\Omega_1^2 + I_2\Omega_2^2 + I_3\Omega_3^2)$" + where + r", where "
-            r"$\Omega$ is the angular velocity along the axes of the body. Vary the action with "
-            "fixed angles at both ends (Hamilton's principle in the frame of the body)."
+            r"$\Omega$ is the angular velocity along the axes of the body. Vary the action. The "
+            "rotation angles stay fixed at the start and at the end time (Hamilton's principle in "
+            "the frame of the body)."
         ),
         questions=(
             Question(
                 name="equations",
                 kind="equations",
                 prompt="Give three equations for `Omega1'`, `Omega2'`, `Omega3'`, separated by "
-                "semicolons, in any equivalent form.",
+                "semicolons, in any equivalent form. `Omega1'` is the time derivative of `Omega1`.",
                 domain=Domain((*turns, *symbols)),
                 answer=lambda: turning(frame, moments),
                 errors=lambda: [
@@ -49,14 +50,15 @@ def make(draw: Draw) -> Variant:
                     Mistake(
                         "axes",
                         turning(load("so3_right").frame, moments),
-                        "The gyroscopic terms have the sign for axes fixed in space. In the body "
-                        "$\\dot p = -\\Omega\\times p$.",
+                        "The terms with $\\Omega\\times p$ have the opposite sign. In body axes "
+                        "$\\dot p = -\\Omega\\times p$ with $p_i = I_i\\,\\Omega_i$.",
                     ),
                     Mistake(
                         "principle",
                         turning(frame, moments, "closed_in_image"),
-                        "These are the equations of the autoparallels. They follow from "
-                        "Kleinert's principle, with variations closed in the image.",
+                        "These are the equations of the autoparallels (straightest lines). They "
+                        "follow from Kleinert's principle, which fixes the end points of the flat "
+                        "image $x^i(t)$ with $\\dot x^i = \\Omega_i$. Here the angles are fixed.",
                     ),
                 ],
                 unknowns=tuple(f"Omega{k}'" for k in (1, 2, 3)),
@@ -65,8 +67,10 @@ def make(draw: Draw) -> Variant:
             ),
         ),
         hints=steps(
-            r"$\frac{\mathrm{d}}{\mathrm{d}t} p_k = 2S_{kj}{}^i\,u^j p_i$ with "
-            r"$p_i = \partial L/\partial u^i$ and $2S_{ijk} = -\epsilon_{ijk}$.",
+            r"The frame velocities are $u^i = \Omega_i$. The torsion in the frame consists of the "
+            r"structure constants of the rotations: $2S_{ijk} = -\epsilon_{ijk}$, where "
+            r"$\epsilon_{123} = 1$ and each exchange of two indices changes the sign. Insert them "
+            r"into $\dot p_k = 2S_{kj}{}^i\,u^j p_i$ with $p_i = \partial L/\partial u^i$.",
             r"As vectors: $\dot p = -\Omega\times p$ with $p = (I_1\Omega_1, I_2\Omega_2, "
             r"I_3\Omega_3)$.",
             r"The first equation is $I_1\dot\Omega_1 = (I_2 - I_3)\,\Omega_2\Omega_3$.",
@@ -103,8 +107,8 @@ def _worked(moments: tuple[sp.Expr, ...]) -> tuple[Step, ...]:
             f"{', '.join(map(tex.tex, momenta))})$."
         ),
         Step(
-            r"With $2S_{ijk} = -\epsilon_{ijk}$ the equations $\dot p_k = 2S_{kj}{}^i\,\Omega^j "
-            r"p_i$ become $\dot p = -\Omega\times p$: "
+            r"The torsion in this frame is $2S_{ijk} = -\epsilon_{ijk}$. So the equations of "
+            r"motion $\dot p_k = 2S_{kj}{}^i\,\Omega^j p_i$ become $\dot p = -\Omega\times p$: "
             f"$$\\dot p = {tex.matrix([[sp.factor(x)] for x in change])}.$$"
         ),
         Step(

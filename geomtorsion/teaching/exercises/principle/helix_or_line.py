@@ -25,9 +25,9 @@ from geomtorsion.teaching.exercises.authoring import (
 )
 
 PRINCIPLES = {
-    "coordinates": "variations closed in the coordinates (Hamilton, Poincare)",
-    "image": "variations closed in the flat image (Kleinert)",
-    "naive": "variations closed in the frame, as if its forms were closed",
+    "coordinates": "end points fixed in the coordinates (Hamilton, Poincare)",
+    "image": "end points fixed in the flat image of the path (Kleinert)",
+    "naive": "variations in the frame, as if its forms were differentials of coordinates",
 }
 LONG = {"coordinates": "closed_in_coordinates", "image": "closed_in_image", "naive": "naive"}
 U = sp.symbols("u1:7", real=True)
@@ -63,11 +63,12 @@ def make(draw: Draw) -> Variant:
     return Variant(
         statement=(
             "A rigid body in space has six coordinates: three angles and the position of its "
-            "centre of mass (in this order). Its frame $(e^1, e^2, e^3) = \\Omega\\,\\mathrm{d}t$, "
-            "$(e^4, e^5, e^6) = V\\,\\mathrm{d}t$ gives the angular velocity and the velocity "
-            "along the axes of the body. If the body only rotates, the autoparallels (straightest "
-            "lines) of such a frame are geodesics (shortest lines). **Here they are not.** So the "
-            "conclusion that bodies follow straightest lines must be read with care.\n\n"
+            "centre of mass (in this order). Its frame gives the angular velocity $\\Omega$ and "
+            "the velocity $V$ along the axes of the body: on a motion, $(e^1, e^2, e^3) = "
+            "\\Omega\\,\\mathrm{d}t$ and $(e^4, e^5, e^6) = V\\,\\mathrm{d}t$. If the body only "
+            "rotates, the autoparallels (straightest lines) of such a frame are geodesics "
+            "(shortest lines). **Here they are not.** So be careful with the conclusion that "
+            "bodies follow straightest lines.\n\n"
             "The kinetic energy is $\\tfrac12\\,(\\Omega^2 + V^2)$: the moments of inertia and the "
             "mass are all 1."
         ),
@@ -101,8 +102,8 @@ def make(draw: Draw) -> Variant:
                     Mistake(
                         "forgotten",
                         {},
-                        "The force vanishes if the body only rotates. But here $S$ is not totally "
-                        "antisymmetric.",
+                        "The force vanishes only if $S_{ijk}$ is totally antisymmetric, as for a "
+                        "body that only rotates. Here it is not.",
                     ),
                     Mistake("factor", scaled(force(frame), sp.Rational(1, 2))),
                 ],
@@ -181,8 +182,9 @@ def make(draw: Draw) -> Variant:
         hints=steps(
             r"The axes along which $V$ is measured rotate with the body: "
             r"$\mathrm{d}e^{3+i} = \epsilon_{ijk}\,e^k\wedge e^{3+j}$ for $i, j, k = 1, 2, 3$.",
-            r"On an autoparallel $\dot u = 0$, on a geodesic $\dot\Omega = 0$ and "
-            r"$\dot V = -\Omega\times V$: the torsion force is the difference.",
+            r"On an autoparallel $\dot u = 0$. On a geodesic $\dot\Omega = 0$ and "
+            r"$\dot V = -\Omega\times V$. The torsion force is $\dot u$ on the autoparallel minus "
+            r"$\dot u$ on the geodesic.",
             "On the autoparallel the velocity is constant along the axes of the body. So in space "
             "the velocity rotates with the angular velocity of the body.",
             "The free body has a constant velocity in space. Compare a circle with its tangent.",
@@ -226,9 +228,9 @@ def _worked(spin: int, across: int, last: float) -> tuple[Step, ...]:
             sp.Integer(-1),
         ),
         Step(
-            r"A geodesic has $\dot\Omega = 0$ and $\dot V + \Omega\times V = 0$, an autoparallel "
-            r"$\dot\Omega = 0$ and $\dot V = 0$. Inserted into the geodesic equations, "
-            r"the autoparallel leaves the force $f = (0, \Omega\times V)$. Its last three "
+            r"On a geodesic $\dot\Omega = 0$ and $\dot V = -\Omega\times V$. On an autoparallel "
+            r"$\dot\Omega = 0$ and $\dot V = 0$. The autoparallel minus the geodesic gives the "
+            r"torsion force $f = (0, \Omega\times V)$. Its last three "
             f"components are $${tex.matrix([[x] for x in pull])}.$$",
             "force",
             [sp.S.Zero] * 3 + pull,
@@ -241,16 +243,16 @@ def _worked(spin: int, across: int, last: float) -> tuple[Step, ...]:
             circle,
         ),
         Step(
-            "The centre of the free body moves along the tangent. The motion along the axis is the "
-            "same. The components of the distance perpendicular to the axis are "
-            f"$\\rho\\sin {spin * last:g} - {across * last:g}$ and $\\rho(1 - \\cos "
-            f"{spin * last:g})$ with the radius $\\rho$. The distance is ${gap:.6g}$.",
+            "The centre of the free body moves along the tangent of the circle. Both centres move "
+            "equally along the axis. Perpendicular to the axis, the components of their distance "
+            f"are $\\rho\\sin {spin * last:g} - {across * last:g}$ and $\\rho(1 - \\cos "
+            f"{spin * last:g})$, where $\\rho$ is the radius. The distance is ${gap:.6g}$.",
             "apart",
             gap,
         ),
         Step(
             r"$\dot V + \Omega\times V = 0$ is the equation of the geodesics. It follows from "
-            "Hamilton's principle: variations closed in the coordinates.",
+            "Hamilton's principle, with end points fixed in the coordinates.",
             "principle",
             "coordinates",
         ),

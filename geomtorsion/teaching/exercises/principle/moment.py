@@ -48,8 +48,9 @@ def make(draw: Draw) -> Variant:
             "A top rotates about a fixed point. Its attitude is "
             r"$R = R_z(\phi_3)R_y(\phi_2)R_z(\phi_1)$, and its body-fixed coframe is "
             f"$$e = {tex.coframe(frame)}.$$ "
-            f"Its centre of mass is at $({', '.join(map(str, place))})$ in the body, and its "
-            "weight times the unit of length is $W$. The potential energy is "
+            "Along the axes of the body, its centre of mass is at "
+            f"$({', '.join(map(str, place))})$. $W$ is the weight times the unit of "
+            "length. The potential energy is "
             f"\n\n$$V = {tex.tex(potential)}.$$"
         ),
         questions=(
@@ -57,14 +58,15 @@ def make(draw: Draw) -> Variant:
                 name="moment",
                 kind="components",
                 prompt=r"Find the torque of the weight along the axes of the **body**, "
-                r"$M_k = -E_k{}^\mu\,\partial_\mu V$.",
+                r"$M_k = -E_k{}^\mu\,\partial_\mu V$. The leg $E_k$ is column $k$ of $e^{-1}$.",
                 domain=Domain.of(frame, weight),
                 answer=moment,
                 errors=lambda: [
                     Mistake(
                         "basis",
                         [-potential.diff(x) for x in frame.coordinates],
-                        r"These are the components $-\partial_\mu V$ in the coordinates.",
+                        r"These are the components $-\partial_\mu V$ in the coordinates. Multiply "
+                        r"them by the legs $E_k{}^\mu$.",
                     ),
                     Mistake("inverse", pushed(frame, legs=False)),
                     Mistake("axes", pushed(BODY.space_frame)),
@@ -80,10 +82,11 @@ def make(draw: Draw) -> Variant:
             ),
         ),
         hints=steps(
-            "The power of the torque is $M_k\\Omega^k = -\\dot V$.",
+            "If the body has the angular velocity $\\Omega$, the power of the torque is "
+            "$M_k\\Omega^k = -\\dot V$.",
             r"As vectors in the body: $M = -W\,l\times n$, where $l$ is the position of the centre "
             "of mass and $n$ the unit vector of the upward vertical.",
-            r"In the body, the vertical is the last row of $R$: "
+            r"Along the axes of the body, $n$ is the last row of $R$: "
             f"$$n = {tex.matrix(BODY.rotation()[2, :].tolist())}.$$",
         ),
         worked=lambda: _worked(place, weight),
@@ -100,7 +103,8 @@ def _worked(place: tuple[int, ...], weight: sp.Symbol) -> tuple[Step, ...]:
             f"$$n = {tex.matrix([vertical])}.$$"
         ),
         Step(
-            r"In the body $\dot n = -\Omega\times n$, so $V = W\,l\cdot n$ has the derivative "
+            r"Let $l$ be the position of the centre of mass in the body. Seen from the body, "
+            r"$\dot n = -\Omega\times n$. So the potential energy $V = W\,l\cdot n$ has the rate "
             r"$\dot V = -W\,l\cdot(\Omega\times n) = W\,\Omega\cdot(l\times n)$. The power of the "
             r"torque is $M\cdot\Omega = -\dot V$, so $M = -W\,l\times n$."
         ),

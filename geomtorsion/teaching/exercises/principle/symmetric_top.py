@@ -55,32 +55,41 @@ def make(draw: Draw) -> Variant:
                 domain=domain,
                 answer=in_body,
                 errors=lambda: [
-                    Mistake("axes", in_space(), "That is the rotation as seen from space.")
+                    Mistake(
+                        "axes", in_space(), "That is the angular velocity of the axis in space."
+                    )
                 ],
             ),
             Question(
                 name="space",
                 kind="expression",
-                prompt="Seen from **space**, the third axis rotates about the angular momentum. "
-                "With which angular velocity?",
+                prompt="Seen from **space**, the third axis of the body rotates about the angular "
+                "momentum. With which angular velocity?",
                 domain=domain,
                 answer=in_space,
                 errors=lambda: [
-                    Mistake("axes", in_body(), "That is the rotation as seen from the body."),
+                    Mistake(
+                        "axes",
+                        in_body(),
+                        "That is $\\lambda$, the angular velocity as seen from the body.",
+                    ),
                     Mistake(
                         "forgotten",
                         along * w / across,
-                        "That contains only the part of the angular momentum along the axis.",
+                        "That contains only the component of the angular momentum along the third "
+                        "axis. Use the length of the whole vector.",
                     ),
                 ],
                 points=2,
             ),
         ),
         hints=steps(
-            r"$\Omega_3$ is constant, so the other two of Euler's equations are linear.",
-            r"In space the angular momentum $L$ is constant, and with the unit vector $n$ of the "
-            r"axis $\Omega = L/I_1 + (1 - I_3/I_1)\,\Omega_3\,n$. Only the first term moves the "
-            "axis.",
+            r"$\Omega_3$ is constant, so the other two of Euler's equations are linear in "
+            r"$\Omega_1$ and $\Omega_2$.",
+            r"In space the angular momentum $L$ is constant. Let $n$ be the unit vector along the "
+            r"third axis. Then $\Omega = L/I_1 + (1 - I_3/I_1)\,\Omega_3\,n$. The second term is a "
+            r"rotation about $n$, so it does not move $n$. Only the first term moves $n$.",
+            r"At the start $L = (I_1 v, 0, I_3 w)$ along the axes of the body. So "
             r"$|L|^2 = I_1^2 v^2 + I_3^2 w^2$.",
         ),
         worked=lambda: _worked(across, along, w, v),
@@ -104,9 +113,9 @@ def _worked(across: sp.Expr, along: sp.Expr, w: sp.Symbol, v: sp.Symbol) -> tupl
             inside,
         ),
         Step(
-            r"In space $\Omega = L/I_1 + (1 - I_3/I_1)\,w\,n$ with the unit vector $n$ of the "
-            r"axis. A rotation about $n$ does not move $n$, so the axis rotates about $L$ with the "
-            r"angular velocity $|L|/I_1$."
+            r"In space $\Omega = L/I_1 + (1 - I_3/I_1)\,w\,n$, where $L$ is the constant angular "
+            r"momentum and $n$ the unit vector along the third axis. A rotation about $n$ does not "
+            r"move $n$, so $n$ rotates about $L$ with the angular velocity $|L|/I_1$."
         ),
         Step(
             r"With $|L| = \sqrt{I_1^2 v^2 + I_3^2 w^2}$, the angular velocity is "

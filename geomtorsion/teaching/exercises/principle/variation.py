@@ -56,7 +56,8 @@ def make(draw: Draw) -> Variant:
             f"${tex.symbols(frame)}$. "
             r"A path has the frame velocities $u^i = e^i{}_\mu\dot q^\mu$. It is varied by "
             r"$\delta q^\mu$, with the frame components $\delta\Phi^i = e^i{}_\mu\,\delta q^\mu$. "
-            "Because the forms are not closed, the variation of the velocities has a second term:"
+            r"Because some $\mathrm{d}e^i$ are not zero, the variation $\bar\delta u^i$ of the "
+            r"frame velocities has a second term, with the torsion $2S_{kj}{}^i$ in the frame:"
             "\n\n"
             r"$$\bar\delta u^i = \frac{\mathrm{d}}{\mathrm{d}t}\delta\Phi^i + "
             r"2S_{kj}{}^i\,u^j\,\delta\Phi^k.$$"
@@ -66,7 +67,7 @@ def make(draw: Draw) -> Variant:
                 name="terms",
                 kind="components",
                 prompt=r"Find the second term, $2S_{kj}{}^i\,u^j\,\delta\Phi^k$, for $i = 1, 2, "
-                "3$, in `u1`, `u2`, `u3` and `dPhi1`, `dPhi2`, `dPhi3`.",
+                r"3$. Write `dPhi1` for $\delta\Phi^1$.",
                 domain=Domain((*u, *images)),
                 answer=lambda: terms(frame),
                 errors=expected,
@@ -76,10 +77,12 @@ def make(draw: Draw) -> Variant:
             ),
         ),
         hints=steps(
+            r"Compute the second term in the coordinates: "
             r"$\delta(e^i{}_\mu\dot q^\mu) - \frac{\mathrm{d}}{\mathrm{d}t}(e^i{}_\mu\delta q^\mu)"
             r" = (\partial_\nu e^i{}_\mu - \partial_\mu e^i{}_\nu)\,\delta q^\nu\dot q^\mu$.",
-            r"Write $\delta q = E\,\delta\Phi$ and $\dot q = E\,u$: the curl becomes "
-            r"$2S_{kj}{}^i$, with the first index for $\delta\Phi$.",
+            r"Insert $\delta q^\nu = E_k{}^\nu\,\delta\Phi^k$ and $\dot q^\mu = E_j{}^\mu\,u^j$ "
+            r"with the legs $E$. The bracket becomes $2S_{kj}{}^i$. Its first index $k$ belongs to "
+            r"$\delta\Phi^k$.",
         ),
         worked=lambda: _worked(frame, u, images),
     )
@@ -99,13 +102,14 @@ def _worked(
     ]
     shown = {d: sp.Symbol(f"Phi{k}") for k, d in enumerate(images, 1)}
     return (
-        Step(f"The forms are not closed: $${by_hand.differentials(frame)}.$$"),
+        Step(f"The derivatives of the forms are $${by_hand.differentials(frame)}.$$"),
         Step(
             r"In the frame, $\mathrm{d}e^i = \tfrac12\,2S_{kj}{}^i\,e^k\wedge e^j$ with "
             f"$${by_hand.listed('2S', half)}.$$ Exchanging the lower indices changes the sign."
         ),
         Step(
-            r"Summed over $k$ and $j$, with $\Phi_k$ for $\delta\Phi^k$: "
+            r"Sum over $k$ and $j$. With the short notation $\Phi_k$ for $\delta\Phi^k$, the terms "
+            r"for $i = 1, 2, 3$ are "
             f"$${tex.matrix([[x.subs(shown)] for x in terms])}.$$",
             "terms",
             terms,
