@@ -111,7 +111,7 @@ BUDGET = {
     "materials": 14900,
     "ode": 5150,
     "paper": 750,
-    "pictures": 3650,
+    "pictures": 3700,
     "proofs": 2050,
     "rigid": 650,
     "scenes": 3900,
