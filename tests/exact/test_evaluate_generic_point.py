@@ -18,5 +18,5 @@ def test_how_long_a_positive_radicand_is_looked_for(beyond: str, found: bool) ->
     if found:
         assert field.sample.value(field.read(root)) > 0
     else:
-        with pytest.raises(ExpressionError, match="negative at every place that was tried"):
+        with pytest.raises(ExpressionError, match="negative at every point that was tried"):
             field.read(root)

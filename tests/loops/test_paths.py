@@ -102,7 +102,7 @@ def test_motions_have_invariants_to_the_last_digit():
 def test_motions_of_other_kinds_are_refused():
     """Refused: an axis outside three dimensions, an angle of another map, bad shapes."""
     plane = AffineMap.of(np.array([[0.0, 1.0], [-1.0, 0.0]]), [0.0, 0.0])
-    with pytest.raises(ValueError, match="3 dimensions, but there are 2"):
+    with pytest.raises(ValueError, match="only in 3 dimensions, not in 2"):
         _ = plane.axis
     with pytest.raises(LoopError, match="not a rotation"):
         _ = plane.angle

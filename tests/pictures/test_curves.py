@@ -82,7 +82,7 @@ def test_the_caption_says_all():
     """The caption gives start, velocity, parameters, accuracy and stops."""
     lines = " ".join(caption(pair_of("s2", start=[0.5, 0.0], velocity=[-0.2, 1.0], t=6)))
     lines = lines.replace("\xa0", " ")
-    for part in ("θ = 0.5", "φ′ = 1", "R = 1", "1e−6 asked", "autoparallel stopped at t = 2.4"):
+    for part in ("θ = 0.5", "φ′ = 1", "R = 1", "1e−6 requested", "autoparallel stopped at t = 2.4"):
         assert part in lines
 
 

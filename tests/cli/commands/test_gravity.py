@@ -57,4 +57,7 @@ def test_two_connections_and_json() -> None:
 def test_refusals_of_the_command() -> None:
     """An unknown name and a connection that does not fit end with code 2 and a message."""
     assert "Did you mean T1" in run("gravity", "s2", "-L", "t1", code=2).stderr
-    assert "not flat" in run("gravity", "s2", "-L", "tegr", "-c", "levi-civita", code=2).stderr
+    assert (
+        "expected a flat metric connection"
+        in run("gravity", "s2", "-L", "tegr", "-c", "levi-civita", code=2).stderr
+    )

@@ -367,7 +367,7 @@ COMPLEX = da.from_array(FLAT, chunks=10).map_blocks(lambda x: x + 1j, dtype=floa
         (FLAT, {"block": 0}, "block: expected a whole number from 1"),
         (FLAT, {"block": (1, 2, 3)}, "block: expected one number or 2"),
         (FLAT, {"size": 40}, "size: expected a whole number from 0 to 36"),
-        (FLAT, {"size": (0, 2)}, "size: expected 0 for both"),
+        (FLAT, {"size": (0, 2)}, "size: size 0 means a map of torsion; give 0 for both"),
         (FLAT, {"plane": (0, 0)}, "two different axes"),
         (FLAT, {"plane": (0.0, 1.0)}, "two different axes"),
         (FLAT, {"sigma": -1}, "sigma: expected 0 or more"),
