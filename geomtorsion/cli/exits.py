@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 import signal
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from enum import IntEnum
 from pathlib import Path
@@ -166,6 +166,19 @@ def more_on(error: GeomtorsionError, site: Path = SITE) -> str:
     lines = page.read_text("utf-8").splitlines()
     title = next(line[2:] for line in lines if line.startswith("# "))
     return f'(More on this: "{title}", examples/site/{error.page}.md)'
+
+
+@contextmanager
+def resumable(left: Callable[[], str]) -> Iterator[None]:
+    """End with 130 on Ctrl-C, and report which results exist.
+
+    left: returns these results and how to resume, after a semicolon; or empty.
+    """
+    try:
+        yield
+    except KeyboardInterrupt:
+        stopped(left())
+        raise typer.Exit(ExitCode.interrupted) from None
 
 
 def stopped(more: str = "") -> None:

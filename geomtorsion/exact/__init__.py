@@ -3,6 +3,7 @@
 from geomtorsion.exact import limits, names, syntax, tokens
 from geomtorsion.exact.element import Certainty, Element
 from geomtorsion.exact.field import Field
+from geomtorsion.exact.functions import unknown_functions
 from geomtorsion.exact.generators import Branch, Generator
 from geomtorsion.exact.parsing import parse_expression, read_tokens
 from geomtorsion.exact.printing import PrintedOnce, TexPrinter
@@ -26,5 +27,6 @@ __all__ = [
     "read_tokens",
     "syntax",
     "tokens",
+    "unknown_functions",
     "vanishing_sums",
 ]

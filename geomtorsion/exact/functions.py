@@ -9,16 +9,23 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import sympy
+from sympy.core.function import AppliedUndef
 
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.special import NAMED
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from geomtorsion.exact.element import Element
     from geomtorsion.exact.tower import Tower
+
+
+def unknown_functions(elements: Iterable[Element]) -> list[AppliedUndef]:
+    """The unknown functions that occur in elements, in the order of their text."""
+    functions = {f for element in elements for f in element.sympy.atoms(AppliedUndef)}
+    return sorted(functions, key=str)
 
 
 class RootOfSquare(sympy.Function):

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import sympy as sp
-from sympy.core.function import AppliedUndef
 
 from geomtorsion import checks
 from geomtorsion.codegen import numpy_function
@@ -19,7 +18,7 @@ from geomtorsion.errors import (
     SingularPointError,
     UnknownNameError,
 )
-from geomtorsion.exact import Element
+from geomtorsion.exact import Element, unknown_functions
 from geomtorsion.exact.form import form, of_factor
 from geomtorsion.geometry.derived import derived
 from geomtorsion.loops.arcs import Parameters, shown
@@ -254,7 +253,7 @@ def _form(
     entries: Mapping[tuple[int, ...], Element], arguments: Sequence[sp.Symbol], n: int, width: int
 ) -> Form:
     """Entries (row, column) -> element as one function."""
-    unknown = sorted({str(f) for x in entries.values() for f in x.sympy.atoms(AppliedUndef)})
+    unknown = [str(function) for function in unknown_functions(entries.values())]
     if unknown:
         raise MissingValueError(
             f"the frame contains unknown functions ({', '.join(unknown)}), but loops need numbers: "

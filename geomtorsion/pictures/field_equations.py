@@ -61,7 +61,7 @@ def field_equations_html(equations: FieldEquations) -> str:
 
 
 def field_equations_data(equations: FieldEquations) -> dict[str, Any]:
-    """Lagrangian, invariants, equations and identities as text.
+    """Lagrangian, invariants and equations as text.
 
     Indices count from 0; vanishing components are omitted.
     """
@@ -73,5 +73,4 @@ def field_equations_data(equations: FieldEquations) -> dict[str, Any]:
             name: {",".join(map(str, i)): plain_text(x) for i, x in tensor.nonzero().items()}
             for name, tensor in equations.tensors.items()
         },
-        "identities": {check.name: check.holds for check in equations.identities()},
     }

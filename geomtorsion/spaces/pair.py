@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 import sympy as sp
-from sympy.core.function import AppliedUndef
 
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.curves import CurveProblem, autoparallel, distance_apart, geodesic
 from geomtorsion.errors import AccuracyError, ChartEdgeError, StartError, TimeError
+from geomtorsion.exact import unknown_functions
 from geomtorsion.geometry import cartan
 from geomtorsion.ode import Engine, Solution, solve
 from geomtorsion.ode.numbers import Numbers, check_memory
@@ -251,17 +251,13 @@ def refuse_unknown_functions(space: Space) -> None:
     tensors = [space.frame.coframe]
     if space.connection is not None:
         tensors.append(space.connection.coefficients)
-    functions = {
-        function
-        for tensor in tensors
-        for value in tensor.components.independent.values()
-        for function in value.sympy.atoms(AppliedUndef)
-    }
-    names = sorted(map(str, functions))
-    if names:
+    functions = unknown_functions(
+        element for tensor in tensors for element in tensor.components.independent.values()
+    )
+    if functions:
         raise StartError(
             f"expected a space with numbers, got {space.name}, which contains the unknown function "
-            f"{names[0]}. Write a tetrad file with a formula instead of it."
+            f"{functions[0]}. Write a tetrad file with a formula instead of it."
         )
 
 

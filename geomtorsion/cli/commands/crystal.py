@@ -13,7 +13,7 @@ import typer
 
 from geomtorsion.checks import cut, shown
 from geomtorsion.cli.crystal_page import crystal_page
-from geomtorsion.cli.exits import ExitCode, stopped
+from geomtorsion.cli.exits import resumable
 from geomtorsion.cli.options import Form, argument, directory, option
 from geomtorsion.cli.terminal import some_rows
 from geomtorsion.conventions import burgers
@@ -124,7 +124,11 @@ def crystal(
     folder = _folder(output, resume=resume, overwrite=overwrite)
     documents: list[Json] = []
     line_makers: list[Callable[[], DislocationNetwork]] = []
-    try:
+
+    def left() -> str:
+        return f"; {len(documents)} frames are in {folder}; resume with --resume" if folder else ""
+
+    with resumable(left):
         with bar(file.name) as progress:
 
             def seen(done: float, total: int, what: str) -> None:
@@ -143,10 +147,6 @@ def crystal(
             _save(document, line_makers[0](), output)
             if folder is not None:
                 forget(folder)
-    except KeyboardInterrupt:
-        more = f"; {len(documents)} frames are in {folder}; resume with --resume" if folder else ""
-        stopped(more)
-        raise typer.Exit(ExitCode.interrupted) from None
 
 
 def _shown(file: Path, found: list[Json], form: Form) -> Json:

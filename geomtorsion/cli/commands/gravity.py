@@ -49,7 +49,9 @@ def gravity(
         # Components are computed here, so that limits and the progress line apply.
         zero = {name: tensor.is_zero for name, tensor in equations.tensors.items()}
     if form is Form.json:
-        typer.echo(json.dumps({"space": space.name, **field_equations_data(equations)}, indent=2))
+        document = {"space": space.name, **field_equations_data(equations)}
+        document["identities"] = {check.name: check.holds for check in identities}
+        typer.echo(json.dumps(document, indent=2))
     else:
         _show(space, equations, zero)
         for check in identities:

@@ -11,7 +11,7 @@ import typer
 
 from geomtorsion.checks import count, cut, shown
 from geomtorsion.cli.commands.burgers import loop_data
-from geomtorsion.cli.exits import ExitCode, stopped
+from geomtorsion.cli.exits import ExitCode, resumable
 from geomtorsion.cli.options import (
     MeasuredFile,
     MeasuredLaue,
@@ -196,30 +196,32 @@ def _in_blocks(
             f"{path.name}: expected a directory for the blocks, got none. Name it with -o."
         )
     place = output / "map.zarr"
+
+    def left() -> str:
+        begun = run_in(place) is not None
+        return f"; finished blocks are in {place}; resume with --resume" if begun else ""
+
     try:
-        steps = None if wanted.steps is None else _numbers(wanted.steps)
-        sigma = None if reading.sigma is None else sigma_of(reading.sigma)
-        with working(path.name):
-            field = open_in_blocks(
-                path, steps=steps, unit=wanted.unit, sigma=sigma, order=reading.order
-            )
-        # One worker is this thread itself.
-        number = count(wanted.workers, "workers", GridError, 1)
-        kind = "threads" if number > 1 else "synchronous"
-        with module("dask", path).config.set(scheduler=kind, num_workers=number):
-            survey = map_in_blocks(
-                field, place, wanted.block, size, _plane(plane, field.names),
-                resume=wanted.resume, overwrite=wanted.overwrite,
-            )  # fmt: skip
-        with working("writing") as progress:
-            progress("summary and picture")
-            numbers, lines, written = _report(survey, form.value)
+        with resumable(left):
+            steps = None if wanted.steps is None else _numbers(wanted.steps)
+            sigma = None if reading.sigma is None else sigma_of(reading.sigma)
+            with working(path.name):
+                field = open_in_blocks(
+                    path, steps=steps, unit=wanted.unit, sigma=sigma, order=reading.order
+                )
+            # One worker is this thread itself.
+            number = count(wanted.workers, "workers", GridError, 1)
+            kind = "threads" if number > 1 else "synchronous"
+            with module("dask", path).config.set(scheduler=kind, num_workers=number):
+                survey = map_in_blocks(
+                    field, place, wanted.block, size, _plane(plane, field.names),
+                    resume=wanted.resume, overwrite=wanted.overwrite,
+                )  # fmt: skip
+            with working("writing") as progress:
+                progress("summary and picture")
+                numbers, lines, written = _report(survey, form.value)
     except (GridError, OrientationError, ImageError) as error:
         raise dashed(error) from None
-    except KeyboardInterrupt:
-        begun = run_in(place) is not None
-        stopped(f"; finished blocks are in {place}; resume with --resume" if begun else "")
-        raise typer.Exit(ExitCode.interrupted) from None
     if as_json:
         typer.echo(json.dumps(numbers, indent=2))
     else:

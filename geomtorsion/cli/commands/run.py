@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from geomtorsion.cli.exits import ExitCode, stopped
+from geomtorsion.cli.exits import ExitCode, resumable
 from geomtorsion.cli.options import (
     NO_PICTURES,
     EngineName,
@@ -95,7 +93,7 @@ def run(
         typer.echo(_partial(scene, checkpoint, solver))
         return
     written: list[Path] = []
-    with _resumable(scene, checkpoint, solver):
+    with resumable(lambda: _left(scene, checkpoint, solver)):
         result = _solved(scene, solver, checkpoint)
         with working(scene.title or scene.name) as progress:
             if output is not None:
@@ -136,16 +134,6 @@ def _checkpoint(output: Path | None, *, resume: bool, overwrite: bool) -> Path |
         path.unlink(missing_ok=True)
     output.mkdir(parents=True, exist_ok=True)
     return path
-
-
-@contextmanager
-def _resumable(scene: Scene, checkpoint: Path | None, engine: Engine | None) -> Iterator[None]:
-    """Report on Ctrl-C which results exist, and how to resume."""
-    try:
-        yield
-    except KeyboardInterrupt:
-        stopped(_left(scene, checkpoint, engine))
-        raise typer.Exit(ExitCode.interrupted) from None
 
 
 def _solved(scene: Scene, engine: Engine | None, checkpoint: Path | None) -> SceneResult:

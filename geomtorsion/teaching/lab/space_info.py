@@ -8,9 +8,9 @@ from itertools import combinations
 from typing import TYPE_CHECKING
 
 import sympy as sp
-from sympy.core.function import AppliedUndef
 from sympy.core.relational import Relational
 
+from geomtorsion.exact import unknown_functions
 from geomtorsion.pictures.text import plain_text
 from geomtorsion.spaces import SPACES, load
 from geomtorsion.spaces.first_motion import first_motion
@@ -154,9 +154,8 @@ def _loop_ranges(name: str, count: int) -> list[list[float]]:
 
 def _functions(frame: Frame) -> list[str]:
     """Unknown functions in the coframe, with their arguments."""
-    n = range(frame.dimension)
-    functions = {f for i in n for k in n for f in frame.coframe[i, k].atoms(AppliedUndef)}
-    return sorted(plain_text(function) for function in functions)
+    entries = frame.coframe.components.independent.values()
+    return sorted(plain_text(function) for function in unknown_functions(entries))
 
 
 def _signature(frame: Frame) -> str:

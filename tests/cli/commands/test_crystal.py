@@ -146,6 +146,9 @@ def test_a_trajectory_that_is_stopped_goes_on_to_the_same_bits(
     made = trajectories.crystal_report
     calls = []
 
+    def interrupted(*_: Any) -> None:
+        raise KeyboardInterrupt
+
     def stopping(*arguments: Any) -> Any:
         calls.append(1)
         if len(calls) == 3:
@@ -158,6 +161,11 @@ def test_a_trajectory_that_is_stopped_goes_on_to_the_same_bits(
     monkeypatch.setattr(trajectories, "crystal_report", made)
     assert "--resume" in run(str(file), "-o", str(parts), code=2).stderr
     assert "other settings" in run(str(file), *AXES, "-o", str(parts), "--resume", code=2).stderr
+    with monkeypatch.context() as patch:
+        # Ctrl-C while the results are written.
+        patch.setattr("geomtorsion.cli.commands.crystal._save", interrupted)
+        late = run(str(file), "-o", str(parts), "--resume", code=130)
+        assert "4 frames are in" in late.stderr
     run(str(file), "-o", str(parts), "--resume")
     names = sorted(path.name for path in whole.iterdir())
     assert sorted(path.name for path in parts.iterdir()) == names

@@ -319,7 +319,7 @@ FLAT = np.ones((1, 2, len(X)))
             "boundary: expected polygons with finite corners",
         ),
         (
-            lambda: ScatteredFrame.from_coframe(POINTS, FLAT).burgers_map(plane=1),  # type: ignore[arg-type]
+            lambda: ScatteredFrame.from_coframe(POINTS, FLAT).burgers_map(plane=1),  # type: ignore[arg-type]  # on purpose
             "plane: expected two different axes from 0 to 1, got 1",
         ),
         (
