@@ -104,18 +104,21 @@ class Watched:
         expect(part).to_contain_text(text, use_inner_text=True, timeout=PATIENCE)
         return part.inner_text()
 
-    def typed(self, texts: dict[str, str], shown: Any) -> None:
+    def typed(self, texts: dict[str, str], shown: Any, filler: str = " ", key: str = "") -> None:
         """Type into fields, found by their labels, until the expected result is shown.
 
         A field that was just drawn shows typed text but does not report it for some tenths of a
         second, and the end of this time is not visible. Text that is typed again has to differ, so
-        each attempt appends spaces, which have no meaning here.
+        each attempt appends a filler, which has no meaning in this field. key: sends the text.
         """
         from playwright.sync_api import expect
 
         for again, patience in enumerate((PATIENCE // 20, PATIENCE // 6, PATIENCE)):
             for label, text in texts.items():
-                self.page.get_by_label(label, exact=True).fill(text + " " * again)
+                field = self.page.get_by_label(label, exact=True)
+                field.fill(text + filler * again)
+                if key:
+                    field.press(key)
             try:
                 return expect(shown).to_be_visible(timeout=patience)
             except AssertionError:
