@@ -437,8 +437,7 @@ def verdict(reply: Json | None) -> str:
             f"{row['copy']}</div>"
         )
     notes = "".join(f'<p class="note">{escape(note)}</p>' for note in reply["notes"])
-    points = f"{reply['earned']:.3g} of {reply['points']} points"
-    parts.append(f'{notes}<p class="note">{points}</p>')
+    parts.append(f'{notes}<p class="note">{escape(reply["points"])}</p>')
     return wrapped(f'<div class="sideways" id="verdict">{"".join(parts)}</div>')
 
 

@@ -458,14 +458,18 @@ def test_a_single_answer_and_unknown_names():
     [("3.2", "1/2 cot phi2/2"), ("3.2", "cot(phi2"), ("3.2", "cot(theta)"), ("2.1", "1,2,2 = 1/2r"),
      ("1.1", "[[1, 0], [0"), ("3.1", {"cartan": "perhaps", "riemann": "zero", "torsion": "zero"})],
 )  # fmt: skip
-def test_what_cannot_be_read_costs_no_points(number, text):
-    """An unreadable answer is neither right nor wrong: its question's points are not counted."""
+def test_what_cannot_be_read_makes_a_range(number, text):
+    """An unreadable answer is neither right nor wrong; the possible points count its question."""
     verdict = exercises.load(number).check(text)
     first, *others = verdict.questions
     assert first.state == "could not be read"
     assert not first.right
     assert verdict.unread == (first.name,)
-    assert verdict.points == sum(one.points for one in others)
+    assert verdict.points == first.points + sum(one.points for one in others)
+    assert verdict.at_most == verdict.earned + first.points
+    assert verdict.points_text == (
+        f"{verdict.earned:.3g} to {verdict.at_most:.3g} of {verdict.points} points"
+    )
     assert f"{first.name}: could not be read." in str(verdict)
     assert "wrong" not in str(verdict).partition("\n")[0]
 

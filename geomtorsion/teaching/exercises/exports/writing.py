@@ -11,7 +11,7 @@ from types import MappingProxyType
 from geomtorsion import checks
 from geomtorsion.errors import ArgumentError
 from geomtorsion.files import written
-from geomtorsion.teaching.exercises.exports.nbgrader import course_files
+from geomtorsion.teaching.exercises.exports.nbgrader import UNREAD, course_files
 from geomtorsion.teaching.exercises.exports.stack import stack_quiz
 from geomtorsion.teaching.exercises.exports.tasks import Task, tasks
 
@@ -42,7 +42,9 @@ def _stack(found: Sequence[Task]) -> tuple[Files, str]:
 def _nbgrader(found: Sequence[Task]) -> tuple[Files, str]:
     note = (
         "The folder is an nbgrader course. nbgrader generate_assignment writes the notebooks for "
-        "students, and nbgrader autograde grades them. Both need geomtorsion in their kernel."
+        "students, and nbgrader autograde grades them. Both need geomtorsion in their kernel. "
+        "nbgrader gives 0 points to an answer that cannot be read, and the message under it begins "
+        f'with "{UNREAD.partition(":")[0]}". Read these answers, and set their points in formgrader.'
     )
     return course_files(found), note
 
