@@ -481,8 +481,11 @@ def _write(
     table: Path, rows: Sequence[Mapping[str, str]], numbers: Sequence[str], chosen: str
 ) -> None:
     """Write the table to a temporary file and rename it: it is never half a table."""
-    table.parent.mkdir(parents=True, exist_ok=True)
-    with written(table) as aside, aside.open("w", encoding="utf-8", newline="") as file:
+    with (
+        written(table.parent, is_folder=True),
+        written(table) as aside,
+        aside.open("w", encoding="utf-8", newline="") as file,
+    ):
         if table.suffix == ".json":
             whole = {
                 "counted": list(numbers),

@@ -9,7 +9,7 @@ from os import PathLike
 from pathlib import Path
 
 from geomtorsion import checks
-from geomtorsion.files import written
+from geomtorsion.files import write_texts
 from geomtorsion.pictures.formula import FONT_SOURCE, font_face
 from geomtorsion.pictures.text import greek_name
 from geomtorsion.teaching.exercises.worker_pool import Json
@@ -70,13 +70,7 @@ def write_pages(
     pictures and move sliders. Writing starts after all computations.
     """
     directory = checks.file_name(directory, "directory")
-    contents = pages(progress)
-    paths = []
-    with written(directory, is_folder=True) as target:
-        for name, html in contents.items():
-            paths.append(target / name)
-            paths[-1].write_text(html, "utf-8")
-    return tuple(paths)
+    return write_texts(directory, pages(progress))
 
 
 def pages(progress: Progress = lambda _: None) -> dict[str, str]:

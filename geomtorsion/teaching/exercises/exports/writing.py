@@ -10,7 +10,7 @@ from types import MappingProxyType
 
 from geomtorsion import checks
 from geomtorsion.errors import ArgumentError
-from geomtorsion.files import written
+from geomtorsion.files import write_texts
 from geomtorsion.teaching.exercises.exports.nbgrader import UNREAD, course_files
 from geomtorsion.teaching.exercises.exports.stack import stack_quiz
 from geomtorsion.teaching.exercises.exports.tasks import Task, tasks
@@ -120,11 +120,4 @@ def export(
         for exercise in task.variants:
             _ = exercise.solution(), exercise.worked if chosen.worked else ()
     files, note = chosen.make(task_list)
-    paths = []
-    with written(directory, is_folder=True) as folder:
-        for name, content in files.items():
-            path = folder / name
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_bytes(content.encode())
-            paths.append(path)
-    return Export(tuple(paths), (note,))
+    return Export(write_texts(directory, files), (note,))
