@@ -44,7 +44,7 @@ def things() -> dict[str, Any]:
 
 def saved(name: str) -> Callable[[Any], object]:
     """A function that saves one of the objects."""
-    return lambda path: things()[name].save(path)
+    return lambda path: things()[name].save(path)  # noqa: PLW0108 (made only when called)
 
 
 # Kind of file: the function that writes it.
@@ -60,7 +60,7 @@ FOLDERS: dict[str, Callable[[Any], object]] = {
     "sheet": lambda path: write_sheet("3", path),
     "export": lambda path: export("nbgrader", path, ["3.2"]),
     "Moodle export": lambda path: export("stack", path, ["3.2"]),
-    "pages": lambda path: lab_pages.write_pages(path),
+    "pages": lab_pages.write_pages,
 }
 READERS: dict[str, Callable[[Any], object]] = {
     "solution": gt.SavedSolution.load,
@@ -145,7 +145,7 @@ def files_in(folder: Path) -> dict[str, bytes]:
 
 
 def check_full_disk(write: Callable[[Any], object], target: Path, folder: Path) -> None:
-    """A write that fails half-way leaves the files as they were: absent, or with their old bytes."""
+    """A write that fails half-way leaves the files as they were: absent, or their old bytes."""
     write(target)
     whole = files_in(folder)
     assert whole
@@ -194,10 +194,8 @@ def test_a_full_disk_leaves_no_half_animation(tmp_path: Path, kind: str):
     if kind == "mp4" and not shutil.which("ffmpeg"):
         pytest.skip("needs ffmpeg")
     turns = np.tile(np.eye(3), (4, 1, 1))
-    film = partial(
-        write_film, times=np.arange(4.0), matrices=turns, positions=None, sides=(1, 1, 1)
-    )
-    check_full_disk(lambda path: film(path, seconds=0.2), tmp_path / f"a.{kind}", tmp_path)
+    film = partial(write_film, times=np.arange(4.0), matrices=turns, seconds=0.2)
+    check_full_disk(film, tmp_path / f"a.{kind}", tmp_path)
 
 
 @pytest.mark.parametrize("table", ["marks.csv", "marks.json"])

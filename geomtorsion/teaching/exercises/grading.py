@@ -440,8 +440,8 @@ def _mark(
     status = TWICE if others else PARTLY if unseen else GRADED
     earned = round(sum(parts.values()), 3)
     return Mark(path.name, read.student, seed, earned, round(most, 3), worth, status,
-                f"{answered} of {asked}", unread, parts=parts, diagnoses="; ".join(codes), remarks=" ".join(remarks),
-                counted=counted, fingerprint=fingerprint)  # fmt: skip
+                f"{answered} of {asked}", unread, parts=parts, diagnoses="; ".join(codes),
+                remarks=" ".join(remarks), counted=counted, fingerprint=fingerprint)  # fmt: skip
 
 
 def _rows_of(table: Path, numbers: Sequence[str]) -> dict[str, Mapping[str, str]]:

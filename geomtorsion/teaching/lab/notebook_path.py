@@ -15,9 +15,7 @@ Message = MutableMapping[str, Any]
 _PROJECT = re.compile(rb'("rootUri": ")file:[^"]*"')
 
 
-def without_path(
-    answer: Sequence[Message], notebook: Path
-) -> list[Message]:
+def without_path(answer: Sequence[Message], notebook: Path) -> list[Message]:
     """The messages of an answer whose text has the name of the notebook instead of its path.
 
     Examples

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from geomtorsion import Frame, Loop, burgers_vector, exercises, spaces
+from geomtorsion.teaching.lab.guides import TABS
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.space_info import space_form, typable
-from geomtorsion.teaching.lab.views import TABS
 from tests.browser import PATIENCE, Watched
 
 # The element that each tab shows when it is ready.

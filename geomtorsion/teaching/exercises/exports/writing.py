@@ -43,8 +43,8 @@ def _nbgrader(found: Sequence[Task]) -> tuple[Files, str]:
     note = (
         "The folder is an nbgrader course. nbgrader generate_assignment writes the notebooks for "
         "students, and nbgrader autograde grades them. Both need geomtorsion in their kernel. "
-        "nbgrader gives 0 points to an answer that cannot be read, and the message under it begins "
-        f'with "{UNREAD.partition(":")[0]}". Read these answers, and set their points in formgrader.'
+        "nbgrader gives 0 points to an answer that cannot be read, and the message below it begins "
+        f'with "{UNREAD.partition(":")[0]}". Read it, and set its points in formgrader.'
     )
     return course_files(found), note
 
