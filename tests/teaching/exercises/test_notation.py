@@ -164,6 +164,14 @@ RIGHT = [
 
 # Texts with two meanings, and the advice on how to write them.
 TWO_WAYS = [
+    ("1/x sin y", "Write (1/x)*sin(y) or 1/(x*sin(y))."),
+    ("1/x sin(y)", "Write (1/x)*sin(y) or 1/(x*sin(y))."),
+    ("2/x sin^2 2y", "Write (2/x)*sin^2(2*y) or 2/(x*sin^2(2*y))."),
+    ("1/(x+1) cos -y", "Write (1/(x+1))*cos(-y) or 1/((x+1)*cos(-y))."),
+    ("y/cos(x) (y+1)", "Write (y/cos(x))*(y+1) or y/(cos(x)*(y+1))."),
+    ("sin x/(x+1)", "Write sin(x)/(x+1) or sin(x/(x+1))."),
+    ("e^2 sin x", "Write exp(2*sin(x)) or exp(2)*sin(x)."),
+    ("1/x sin", "Write (1/x)*sin(...) or 1/(x*sin(...))."),
     ("sin x/2", "Write sin(x)/2 or sin(x/2)."),
     ("sin x^2", "Write sin(x)^2 or sin(x^2)."),
     ("cos x y", "Write cos(x)*y or cos(x*y)."),
@@ -173,7 +181,7 @@ TWO_WAYS = [
     ("sqrt 2 x", "Write sqrt(2)*x or sqrt(2*x)."),
     ("√2x", "Write sqrt(2)*x or sqrt(2*x)."),
     ("2½", "Write 5/2 for two and a half."),
-    ("sin x (1+y)", "Write sin(x)*(...) or sin(x*(...))."),
+    ("sin x (1+y)", "Write sin(x)*(1+y) or sin(x*(1+y))."),
     ("y/2 x", "Write (y/2)*x or y/(2*x)."),
 ]
 
