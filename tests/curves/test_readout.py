@@ -129,10 +129,10 @@ ROOT = sp.sqrt(2)
 @pytest.mark.parametrize("start", [None, [0.3, 1.0, 0.2]])
 def test_a_kinetic_metric_of_exact_constants(metric, start):
     """Roots and pi are exact moments; the motion is the one of the same numbers as floats."""
-    velocity = {"frame_velocity": [0.3, 0.8, 0.5]}
-    exact = solve(geodesic(SO3, start, metric=metric, **velocity), 8.0, 1e-11)
+    u = [0.3, 0.8, 0.5]
+    exact = solve(geodesic(SO3, start, frame_velocity=u, metric=metric), 8.0, 1e-11)
     floats = np.array(sp.Matrix(metric).tolist(), float).squeeze()
-    plain = solve(geodesic(SO3, start, metric=floats.tolist(), **velocity), 8.0, 1e-11)
+    plain = solve(geodesic(SO3, start, frame_velocity=u, metric=floats.tolist()), 8.0, 1e-11)
     assert exact.frame_velocity == pytest.approx(plain.frame_velocity, abs=1e-9)
     assert max(exact.drift.values()) < 1e-9
     assert "energy" in exact.drift

@@ -288,7 +288,7 @@ def test_the_page_names_no_folder_of_this_machine(address: str):
     text = content.decode()
     assert int(length) == len(content)
     assert "<marimo-filename hidden>page.py</marimo-filename>" in text
-    for folder in (ROOT, ROOT / "geomtorsion", Path(marimo.__file__).parent):
+    for folder in (ROOT, ROOT / "geomtorsion", Path(str(marimo.__file__)).parent):
         for form in (str(folder), folder.as_uri(), urllib.parse.quote(str(folder), safe="")):
             assert form not in text, form
 
