@@ -374,7 +374,7 @@ def equations(
     lagrangian: Lagrangian | str | sp.Expr,
     matter: MatterField | Fluid | Iterable[MatterField | Fluid] = (),
     *,
-    constants: str | Iterable[str | sp.Symbol] = (),
+    constants: str | sp.Symbol | Iterable[str | sp.Symbol] = (),
 ) -> FieldEquations:
     """Field equations of a Lagrangian on given connections, exactly.
 

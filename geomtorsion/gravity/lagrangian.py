@@ -163,6 +163,11 @@ def read(given: Lagrangian, vocabulary: Vocabulary) -> Reading:
     frame, names = vocabulary.frame, vocabulary.names
     expression = given.expression
     if isinstance(expression, str):
+        if not expression.strip():
+            raise GravityError(
+                "lagrangian: expected a formula in invariants, got an empty text. Write one such "
+                "as T + c*T**2."
+            )
         expression = _parsed(expression, vocabulary)
     changed: dict[sp.Symbol, sp.Symbol] = {}
     for symbol in sorted(expression.free_symbols, key=str):

@@ -23,7 +23,9 @@ MATTER = {
     "F2": "gravity.maxwell(A)",
 }
 # The cosmological constant: the one constant that is added to invariants without a declaration.
-COSMOLOGICAL = "Lambda"
+COSMOLOGICAL = ("Lambda", "Λ")
+# The boundary term in f(T, B), which has derivatives of torsion.
+BOUNDARY = "B"
 # Other names of invariants, in small letters. "C" and "G" are constants in too many papers.
 SYNONYMS = {
     "kretschmann": "R1", "riemann2": "R1", "riem2": "R1", "ricci2": "R4", "ric2": "R4",
@@ -36,14 +38,11 @@ SYNONYMS = {
 OPERATORS = frozenset(
     "box d del div curl grad nabla lap laplace laplacian dalembert dalembertian partial".split()
 )
-NUMBERS = frozenset("nan inf infinity oo zoo".split())
+# Words of programs that are not quantities, in small letters.
+WORDS = frozenset("nan inf infinity oo zoo none null true false self".split())
 _FAMILY = re.compile(r"[TRQPU][1-9]\d*(bar|_[2-9])?")
 _SUFFIX = re.compile(r"(.+?)(bar|_[2-9]\d*)")
 _INDICES = re.compile(r"(Riem(ann)?|Ric(ci)?|Weyl|[TRQSKC])_[a-z]{2,4}")
-_BOUNDARY = (
-    "If B is the boundary term, it is Rbar + T: give equations([gt.cartan(frame), "
-    "gt.levi_civita(frame)], ...) and write f(T, Rbar + T). "
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +90,12 @@ class Vocabulary:
             return True
         return name in self.symbols and name in self._of_connections
 
+    @property
+    def _listed(self) -> str:
+        """The names for a message, without second names: Rbar where R means the same."""
+        alone = len(self.connections) == 1
+        return ", ".join(x for x in self.names if not (alone and x.endswith("bar")))
+
     def check_name(self, name: str) -> None:
         """Refuse a name that has two meanings, or that looks like one that is not there."""
         if name in self.names:
@@ -109,11 +114,12 @@ class Vocabulary:
         near = checks.close_names(name, [one for one in self.names if len(one) > 2], cutoff=0.75)
         same = [one for one in self.names if one.lower() == name.lower()]
         indexed = bool(_INDICES.fullmatch(name))
-        if near or same or indexed or _FAMILY.fullmatch(name) or name.lower() in SYNONYMS:
+        other = name == BOUNDARY or name.lower() in SYNONYMS
+        if near or same or indexed or other or _FAMILY.fullmatch(name):
             raise GravityError(
                 f"lagrangian: expected the name of an invariant or of a parameter, got {name}. "
-                f"{self._hint(name)}Known are {', '.join(self.names)}. Give a parameter another "
-                f"name, or declare it: {_declaration([name])}."
+                f"{self._hint(name)}Known are {self._listed}. Give a parameter another name, or "
+                f"declare it: {_declaration([*self.declared, name])}."
             )
 
     def _check_invariant(self, name: str) -> None:
@@ -137,17 +143,21 @@ class Vocabulary:
                 f"lagrangian: {name} belongs to {owned}, and none is given. Give matter="
                 f"{MATTER[base]}, or rename the parameter if {name} is yours."
             )
-        if name.lower() in NUMBERS:
+        if name.lower() in WORDS:
             raise GravityError(
-                f"lagrangian: expected finite numbers, got {name}. Give a number or a formula."
+                f"lagrangian: expected a formula in invariants, got {name}. Write one such as "
+                "T + c*T**2."
             )
 
     def _hint(self, name: str) -> str:
         """A question or a remark about a name that means nothing."""
         if _INDICES.fullmatch(name):
             return "Contractions have names, such as R1 for R_abcd R^abcd. "
-        if name == "B":
-            return _BOUNDARY
+        if name == BOUNDARY:
+            return (
+                "The boundary term B is Rbar + T: give equations([gt.cartan(frame), "
+                "gt.levi_civita(frame)], ...) and write f(T, Rbar + T). "
+            )
         meant = SYNONYMS.get(name.lower())
         for one in (meant, f"{meant}bar"):
             if one in self.names:
@@ -192,13 +202,14 @@ class Vocabulary:
                     f"constants: expected names that occur in the Lagrangian, got {name}. {hint}"
                     "Remove it, or correct it."
                 )
-        scales = {*invariants, *(x for x in new if x.name == COSMOLOGICAL)}
+        scales = {*invariants, *(x for x in new if x.name in COSMOLOGICAL)}
         free = {x for x in new if x.name not in self.declared} - scales
         for symbol, place in _misplaced(expression, scales, free):
+            context = "" if place == symbol else f" in {checks.cut(str(place))}"
             raise GravityError(
                 f"lagrangian: expected invariants, or constants that multiply them, got "
-                f"{symbol.name} in {checks.cut(str(place))}. {self._hint(symbol.name)}Invariants "
-                f"are {', '.join(self.names)}. If {symbol.name} is a constant, declare it: "
+                f"{symbol.name}{context}. {self._hint(symbol.name)}Known are "
+                f"{self._listed}. If {symbol.name} is a constant, declare it: "
                 f"{_declaration([*self.declared, symbol.name])}."
             )
         return tuple(sorted({x.name for x in new}))
@@ -248,21 +259,16 @@ def _misplaced(
     expression: sp.Basic, scales: set[sp.Symbol], new: set[sp.Symbol]
 ) -> Iterator[tuple[sp.Symbol, sp.Basic]]:
     """New symbols that multiply nothing that varies, each with the place where it occurs."""
-    if not expression.free_symbols & new:
-        return
-    if not expression.free_symbols & scales:
-        for symbol in sorted(expression.free_symbols & new, key=str):
-            yield symbol, expression
-        return
-    for part in expression.args:
+    varies = bool(expression.free_symbols & scales)
+    for part in expression.args if varies else (expression,):
+        if part.free_symbols & scales:
+            yield from _misplaced(part, scales, new)
         # The other factors of a product are the coefficient of those that vary.
-        if expression.is_Mul and not part.free_symbols & scales:
-            continue
-        for symbol, place in _misplaced(part, scales, new):
-            yield symbol, expression if place is part else place
+        elif not varies or not expression.is_Mul:
+            yield from ((symbol, expression) for symbol in sorted(part.free_symbols & new, key=str))
 
 
-def declared_constants(constants: str | Iterable[str | sp.Symbol]) -> tuple[str, ...]:
+def declared_constants(constants: str | sp.Symbol | Iterable[str | sp.Symbol]) -> tuple[str, ...]:
     """Names of constants from text or a list.
 
     Examples
@@ -271,11 +277,12 @@ def declared_constants(constants: str | Iterable[str | sp.Symbol]) -> tuple[str,
     ('alpha', 'beta')
     """
     message = '{subject}: expected names such as "alpha beta", got {value}.'
-    entries = (
-        constants.replace(",", " ").split()
-        if isinstance(constants, str)
-        else checks.entries(constants, "constants", GravityError, message=message)
-    )
+    if isinstance(constants, str):
+        entries = constants.replace(",", " ").split()
+    elif isinstance(constants, sp.Symbol):
+        entries = [constants]
+    else:
+        entries = checks.entries(constants, "constants", GravityError, message=message)
     return tuple(dict.fromkeys(new_name(entry, "constants") for entry in entries))
 
 
@@ -287,7 +294,7 @@ def new_name(entry: object, subject: str) -> str:
     suffixed = _SUFFIX.fullmatch(name)
     base = suffixed[1] if suffixed else name
     taken = base in INVARIANTS or base in ("X", "F2") or name in words.FUNCTIONS
-    if taken or name in words.CONSTANTS or name.lower() in NUMBERS:
+    if taken or name in words.CONSTANTS or name.lower() in WORDS:
         raise GravityError(
             f"{subject}: expected a new name, got {name}, which has a meaning in Lagrangians. Give "
             "another name."
