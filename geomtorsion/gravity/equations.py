@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from types import UnionType
 
@@ -12,7 +12,7 @@ from sympy.core.function import AppliedUndef
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import GravityError
-from geomtorsion.exact import Element
+from geomtorsion.exact import Element, Truncated, TruncatedField
 from geomtorsion.geometry import Connection, Frame, IdentityCheck, Tensor, antisymmetric
 from geomtorsion.gravity.fields import HALF, FrameFields, Index, Terms
 from geomtorsion.gravity.fluids import Fluid
@@ -151,6 +151,8 @@ class FieldEquations:
     def written(self, element: Element) -> sp.Expr:
         """An element as it is printed, with unknown functions of an invariant: f(T), f'(T).
 
+        In an expanded frame they are taken at order zero: f(T_0).
+
         Examples
         --------
         >>> import geomtorsion as gt
@@ -160,7 +162,23 @@ class FieldEquations:
         (a(t)**2*f(T) - 12*Derivative(a(t), t)**2*Derivative(f(T), T))/a(t)**2
         """
         functions = {one.func for one in self.expression.atoms(AppliedUndef)}
-        return with_names(self.frame.written(element), self.scalars, functions)
+        field = self.frame.field
+        if isinstance(field, TruncatedField) and not isinstance(element, Truncated):
+            element = field.raised(element)
+        return with_names(self.frame.written(element), self._places, functions)
+
+    @cached_property
+    def _places(self) -> Mapping[str, sp.Expr]:
+        """Arguments of unknown functions by name: T, or T_0 for a series at order zero."""
+        reading, field = self._reading, self.frame.field
+        if not isinstance(field, TruncatedField):
+            return self.scalars
+        series = {f"{name}_0": reading.values[x] for x, name in reading.symbols.items()}
+        return {
+            name: self.frame.written(field.raised(value.parts[0]))
+            for name, value in series.items()
+            if isinstance(value, Truncated)
+        }
 
     def scalar(self, name: str) -> Tensor:
         """An invariant by its name in the Lagrangian, whether it occurs there or not.

@@ -254,6 +254,9 @@ def test_tensor_modes_of_any_f_of_T() -> None:
     assert agree(linear, (1, 1), wanted)
     assert agree(linear, (2, 2), -wanted)
     assert set(linear.nonzero()) == {(1, 1), (2, 2)}
+    text = str(found.written(linear.element(1, 1)))
+    assert "Derivative(f(T_0), T_0)" in text
+    assert "xi" not in text
     # L to second order: f + f' (h_z^2/a^2 - h'^2)/2, from which the linear equation follows.
     quadratic = first * (sp.diff(h, Z) ** 2 / a**2 - rate**2) / 2
     assert agree(found.L.order(2), (), quadratic)
