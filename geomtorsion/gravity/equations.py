@@ -87,8 +87,7 @@ class FieldEquations:
 
     @cached_property
     def _matter_names(self) -> dict[str, tuple[MatterField, str]]:
-        fields = [one for one in self.matter if isinstance(one, MatterField)]
-        return {name: (one, name) for one in fields for name in one.names}
+        return {name: (one, name) for one in self._fields for name in one.names}
 
     def check_names(self) -> None:
         """Refuse names in the Lagrangian that mean nothing here."""
@@ -96,7 +95,7 @@ class FieldEquations:
 
     @cached_property
     def _named(self) -> Reading:
-        frame, fields = self.frame, self.matter_fields
+        frame, fields = self.frame, self._fields
         vocabulary = Vocabulary(
             frame,
             self.connections,
@@ -255,7 +254,7 @@ class FieldEquations:
             for one, divergence in zip(self.momenta, divergences, strict=True):
                 terms += one.coframe_terms(i, n)
                 terms.append((-2, divergence((n, i))))
-            terms += [term for one in self.matter_fields for term in one.coframe_terms(self, i, n)]
+            terms += [term for one in self._fields for term in one.coframe_terms(self, i, n)]
             terms += [(1, source.components.get(index)) for source in sources]
             return field.sum(terms)
 
@@ -270,10 +269,10 @@ class FieldEquations:
         own = bare.lowered().components.get
         return Tensor(frame, "DD", lower, (), "E", "coframe equation").raised(1)
 
-    @property
-    def matter_fields(self) -> list[MatterField]:
-        """The matter without fluids."""
-        return [one for one in self.matter if isinstance(one, MatterField)]
+    @cached_property
+    def _fields(self) -> list[MatterField]:
+        """Matter fields with the numbers by which their names differ."""
+        return [one for one in numbered(self.matter) if isinstance(one, MatterField)]
 
     @property
     def _fluids(self) -> list[Fluid]:
@@ -316,7 +315,7 @@ class FieldEquations:
         """2 M_ij = E_ji + D_n C^n_ij, slots DD: the metric equation, which follows from both."""
         frame = self.frame
         lower = self.E.lowered(1).components.get
-        turned = [get.lowered().components.get for get in self.turned]
+        turned = [get.lowered().components.get for get in self._turned]
 
         def rule(index: Index) -> Element:
             i, j = index
@@ -326,7 +325,7 @@ class FieldEquations:
         return Tensor(frame, "DD", rule, (), "M", "metric equation")
 
     @cached_property
-    def turned(self) -> tuple[Tensor, ...]:
+    def _turned(self) -> tuple[Tensor, ...]:
         """(1/e) D_n(e C^{ni}_j), slots UD, of each connection."""
         pairs = zip(self.momenta, self.connection_equations, strict=True)
         return tuple(one.fields.divergence(c) for one, c in pairs)
@@ -361,7 +360,7 @@ class FieldEquations:
     @cached_property
     def matter_equations(self) -> dict[str, Tensor]:
         """(1/e) d(eL)/d(field) of each matter field, by its name."""
-        return {one.symbol: one.equation(self) for one in self.matter_fields}
+        return {one.symbol: one.equation(self) for one in self._fields}
 
     def slope(self, name: str) -> Element:
         """dL/dI of a name in the Lagrangian, zero where it does not occur."""
@@ -384,7 +383,17 @@ class FieldEquations:
                 "identities: expected a Lagrangian without a fluid, got a fluid, whose equations "
                 "of motion are not derived from it. Omit the fluid."
             )
-        return [translations(self), rotations(self)]
+        parts = [
+            (one.fields, C, turned)
+            for one, C, turned in zip(
+                self.momenta, self.connection_equations, self._turned, strict=True
+            )
+        ]
+
+        def matter(i: int) -> Terms:
+            return [term for one in self._fields for term in one.noether_terms(self, i)]
+
+        return [translations(self.E, self.M, parts, matter), rotations(self.M)]
 
 
 def equations(
@@ -454,10 +463,10 @@ def equations(
         "{subject}: expected gravity.scalar_field, gravity.maxwell, gravity.fluid or "
         "gravity.weyssenhoff, or a list of these, got {value}."
     )
-    sources = numbered(_listed(matter, MatterField | Fluid, "matter", message))
+    sources = _listed(matter, MatterField | Fluid, "matter", message)
     for source in sources:
         source.check(several[0].frame)
-    result = FieldEquations(tuple(several), theory, sources)
+    result = FieldEquations(tuple(several), theory, tuple(sources))
     # Reads the Lagrangian, so that a wrong name is refused here.
     result.check_names()
     return result

@@ -41,8 +41,8 @@ class Varied(Protocol):
 class MatterField(ABC):
     """A field with its own invariants in the Lagrangian.
 
-    kind: of the field, in words.
-    number: of the field among those of its kind, from 1.
+    kind: the kind of field, in words.
+    number: its number among fields of its kind, from 1.
     """
 
     kind: ClassVar[str]
@@ -71,7 +71,7 @@ class MatterField(ABC):
         return None
 
     def parts(self, frame: Frame) -> set[AppliedUndef]:
-        """The unknown functions of which the field is made, without those of the frame."""
+        """The unknown functions of which the field is made, without functions of the frame."""
         functions = unknown_functions(self.elements(frame))
         coframe = frame.coframe.components.nonzero.values() if functions else ()
         return set(functions).difference(unknown_functions(coframe))
@@ -103,7 +103,7 @@ class ScalarField(MatterField):
 
     phi: expression in the coordinates.
     name: in the Lagrangian, or None: phi, phi_2, ...
-    number: of the field among scalar fields: X, X_2, ...
+    number: its number among scalar fields: X, X_2, ...
     """
 
     phi: sp.Expr | str
@@ -179,7 +179,7 @@ class Maxwell(MatterField):
     """An electromagnetic field; the Lagrangian has F2 = F_ab F^ab.
 
     potential: A_mu, one expression for each coordinate.
-    number: of the field among Maxwell fields: F2, F2_2, ...
+    number: its number among Maxwell fields: F2, F2_2, ...
     """
 
     potential: Sequence[sp.Expr | str]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import product
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
@@ -220,7 +221,7 @@ class Vocabulary:
         return {part.func.__name__ for part in self.parts}
 
     def with_fields(self, expression: sp.Expr) -> sp.Expr:
-        """The expression with the names of matter fields in place of their functions.
+        """The expression with matter fields by name: phi for phi(t).
 
         Raises
         ------
@@ -239,8 +240,8 @@ class Vocabulary:
                     f"lagrangian: expected matter fields by their names, got {part}, a part of "
                     f"{owners[key]}. Write names such as X, phi and F2."
                 )
-        for slope in expression.atoms(sp.Derivative):
-            if slope.expr in changed:
+        for slope, part in product(expression.atoms(sp.Derivative), changed):
+            if slope.expr.has(part) and not part.free_symbols.isdisjoint(slope.variables):
                 raise GravityError(
                     f"lagrangian: expected derivatives of a scalar field in X, got {slope}. Write "
                     "X = g^ij d_i phi d_j phi."

@@ -206,6 +206,17 @@ def test_a_field_by_its_own_function() -> None:
     assert other.matter_equations["chi"] == -sp.diff(U, T, 2) - 4 * U**3
 
 
+def test_a_slope_of_the_potential() -> None:
+    """V'(phi(t)) as sympy writes it is V'(phi)."""
+    V, phi = sp.Function("V"), sp.Function("phi")(T)
+    found = g.equations(
+        gt.levi_civita(FLAT), -g.names["X"] / 2 - V(phi).diff(phi) * phi, g.scalar_field(phi)
+    )
+    cubic = {V: sp.Lambda(X, X**3)}
+    equation = found.matter_equations["phi"][()].subs(cubic).doit()
+    assert sp.simplify(equation + sp.diff(phi, T, 2) + 9 * phi**2) == 0
+
+
 def test_the_name_of_a_scalar_field() -> None:
     """A black hole with an angle phi has a scalar field chi with a mass."""
     frame = gt.spaces.load("schwarzschild").frame
@@ -236,6 +247,11 @@ MATTER_REFUSED = {
     "rate of the field": (
         "-X/2 + diff(u(t), t)**2",
         g.scalar_field("u(t)", name="chi"),
+        "expected derivatives of a scalar field in X",
+    ),
+    "rate of a function of the field": (
+        g.names["X"] + sp.Derivative(U**2, T),
+        g.scalar_field(U),
         "expected derivatives of a scalar field in X",
     ),
     "part of the field": ("-X/2 - u(t)**2", g.scalar_field("2*u(t)"), "u(t), a part of phi"),
