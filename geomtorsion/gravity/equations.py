@@ -102,7 +102,7 @@ class FieldEquations:
             (*self._meanings, *self._matter_names),
             {one: field.symbol for field in fields for one in field.parts(frame)},
             {one: x.symbol for x in fields if (one := x.function(frame)) is not None},
-            self.lagrangian.constants,
+            declared_constants(self.lagrangian.constants),
         )
         reading = read(self.lagrangian, vocabulary)
         occurring = set(reading.symbols.values())
@@ -455,9 +455,8 @@ def equations(
             "equations: expected the Levi-Civita connection once, got it twice. Give it once."
         )
     theory = known_as(lagrangian)
-    declared = declared_constants(constants)
-    if declared:
-        theory = replace(theory, constants=(*theory.constants, *declared))
+    declared = (*declared_constants(theory.constants), *declared_constants(constants))
+    theory = replace(theory, constants=declared)
     check_geometry(theory, several)
     message = (
         "{subject}: expected gravity.scalar_field, gravity.maxwell, gravity.fluid or "

@@ -63,7 +63,7 @@ class Lagrangian:
     geometry: "any", "teleparallel", "symmetric teleparallel", "metric", "riemannian", or
         "metric-affine", whose connection is varied freely also where it is metric.
     name: of the theory, for messages.
-    constants: names of constants that do not only multiply invariants.
+    constants: names of constants that do not only multiply invariants, "n v" or a tuple.
 
     Examples
     --------
@@ -74,7 +74,7 @@ class Lagrangian:
     expression: str | sp.Expr
     geometry: str = "any"
     name: str = "Lagrangian"
-    constants: tuple[str, ...] = ()
+    constants: str | tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         return f"{self.name}: L = {self.expression}"

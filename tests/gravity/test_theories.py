@@ -228,7 +228,7 @@ def test_a_connection_that_is_metric_by_its_numbers() -> None:
     part = g.equations(bare, "R2").C.lowered(1)
     assert (full - turned - part * 2).is_zero
     assert not (full + turned).is_zero
-    # A Lagrangian with nonmetricity belongs to that theory, too.
+    # A Lagrangian with nonmetricity also belongs to that theory.
     mixed = g.equations(bare, "U1").C.lowered(1)
     assert not (mixed + gt.contract("nij->nji", mixed)).is_zero
 

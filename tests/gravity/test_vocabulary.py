@@ -92,7 +92,7 @@ ACCEPTED = {
 
 @pytest.mark.parametrize("text", ACCEPTED)
 def test_coefficients_are_constants(text: str) -> None:
-    """A name that multiplies invariants is a constant, Lambda also alone; the result lists them."""
+    """A name that multiplies invariants is a constant, and the result lists it. Lambda is added."""
     found = g.equations(CARTAN, text)
     assert found.constants == ACCEPTED[text]
     listed = f"constants: {' '.join(found.constants)}"
@@ -104,8 +104,9 @@ def test_declared_constants(constants: object) -> None:
     """A declared name may be an exponent, a term or an argument."""
     found = g.equations(CARTAN, "T**n + f(T, v)", constants=constants)
     assert found.constants == ("n", "v")
-    theory = g.Lagrangian("T**n + v", "teleparallel", "power law", ("n", "v"))
-    assert g.equations(CARTAN, theory).constants == ("n", "v")
+    for own in ("n v", ("n", "v")):
+        theory = g.Lagrangian("T**n + v", "teleparallel", "power law", own)
+        assert g.equations(CARTAN, theory).constants == ("n", "v")
     assert "Ric2" in g.equations(BAR, "R + Ric2/2", constants="Ric2").constants
 
 
@@ -149,7 +150,7 @@ def test_symbols_of_the_connection_have_a_meaning() -> None:
 
 
 def test_the_boundary_term() -> None:
-    """B = Rbar + T is a divergence: it has no equation alone, but B**2 has one."""
+    """B = Rbar + T is a divergence: it has no equation, but f(T, B) has one."""
     frame = gt.spaces.load("frw_flat").frame
     pair = [gt.cartan(frame), gt.levi_civita(frame)]
     t = frame.coordinates[0]
