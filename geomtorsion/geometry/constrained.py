@@ -10,7 +10,7 @@ import sympy as sp
 
 from geomtorsion import checks
 from geomtorsion.errors import ConstraintError, MetricError, TensorIndexError
-from geomtorsion.exact import Element, Field, parse_expression
+from geomtorsion.exact import Element, parse_expression
 from geomtorsion.geometry.components import Index, minus
 from geomtorsion.geometry.connection import Connection
 from geomtorsion.geometry.connections import frame_of, from_spin_connection, levi_civita
@@ -196,8 +196,8 @@ def _differentials(
     rest = value.subs(dict.fromkeys(differentials, 0))
     if not frame.read([(where, rest)])[0].is_zero:
         raise ConstraintError(
-            f"{where}: expected a constraint without a part free of velocities, got {text!r}, which "
-            f"contains {rest}. For a surface that moves, use gt.equations_of_motion(frame, L, "
+            f"{where}: expected a constraint without a part free of velocities, got {text!r} "
+            f"with the part {rest}. For a surface that moves, use gt.equations_of_motion(frame, L, "
             "constraints=...)."
         )
     linear = sp.Add(*(x * y for x, y in zip(coefficients, differentials, strict=True)))
@@ -259,10 +259,8 @@ def _product(metric: Tensor, one: Row, two: Row) -> Element:
     )
 
 
-def _normalised(
-    frame: Frame, constraints: list[Row]
-) -> tuple[list[list[Element]], list[int]]:
-    """The one-forms made orthonormal in order (Gram and Schmidt), and the signs of their squares."""
+def _normalised(frame: Frame, constraints: list[Row]) -> tuple[list[list[Element]], list[int]]:
+    """The one-forms made orthonormal in order (Gram and Schmidt), and signs of their squares."""
     field, metric = frame.field, frame.inverse_metric
     orthogonal: list[tuple[Element, Row]] = []
     forms, signs = [], []
@@ -279,7 +277,9 @@ def _normalised(
         orthogonal.append((square, row))
         sign = 1 if field.sample.is_positive(square) else -1
         length = field.root(square * sign, 2)
-        forms.append([row[mu] / length if mu in row else field.zero for mu in range(frame.dimension)])
+        forms.append(
+            [row[mu] / length if mu in row else field.zero for mu in range(frame.dimension)]
+        )
         signs.append(sign)
     return forms, signs
 

@@ -53,7 +53,7 @@ class Integrability:
 
 
 def integrability(torsion: Tensor, allowed: Collection[int]) -> Integrability:
-    """Verdict of Frobenius on the span of the allowed legs, from T_ab^c of a constrained connection.
+    """Verdict of Frobenius on the span of permitted legs, from T_ab^c of a constrained connection.
 
     Along a forbidden leg k the torsion of two permitted legs is minus the bracket of the two, so
     that all brackets stay permitted exactly where these components vanish.
