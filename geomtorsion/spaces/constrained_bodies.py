@@ -117,6 +117,8 @@ def _space(
         known=(
             KnownAnswer("connection_torsion", torsion, basis="frame"),
             KnownAnswer("connection_nonmetricity", {}),
+            # The kinetic energy is that of a free body, in coordinates of its centre of mass.
+            KnownAnswer("riemann", {}),
         ),
         connection=bound,
         notes=NOTES,
