@@ -3,6 +3,7 @@
 from sympy import Rational, cos, diag, sin, sqrt, symbols
 
 from geomtorsion.geometry import Connection, Frame, constrained
+from geomtorsion.spaces.embedding import Embedding
 from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, Table, antisymmetric
 
 x, y, theta, phi = symbols("x y theta phi", real=True)
@@ -10,7 +11,7 @@ HALF = Rational(1, 2)
 # The blade, or the axle, permits no velocity to the side.
 NO_SLIDING = "cos(theta)*dy - sin(theta)*dx"
 NOTES = (
-    "The metric is that of the kinetic energy, g(v, v)/2. The constrained body follows the "
+    "The kinetic energy is g(v, v)/2. The constrained body follows the "
     "autoparallel, the free body the geodesic; start with a velocity that the constraints permit."
 )
 
@@ -90,7 +91,7 @@ def _robot(name: str, title: str) -> Space:
         constrained(energy, [NO_SLIDING]),
         antisymmetric(torsion),
         story=(
-            "A robot drives and turns. Forward, turn, back, turn back: it stands to one side.\n"
+            "A robot drives and turns. Forward, turn, back, turn back: it ends to one side.\n"
             "That sideways step is a Burgers vector, and torsion 1 is its amount per unit of area."
         ),
         source="R. M. Murray, S. S. Sastry, Nonholonomic motion planning, IEEE Trans. Autom. "
@@ -123,5 +124,17 @@ def _space(
         connection=bound,
         notes=NOTES,
         motion=motion,
+        embedding=_track,
         group="bodies with constraints",
+    )
+
+
+def _track(frame: Frame) -> Embedding:
+    """The track on the ground."""
+    return Embedding(
+        frame.coordinates,
+        place=(x, y),
+        axes=("x", "y"),
+        isometric=False,
+        title="the track on the ground",
     )
