@@ -69,7 +69,7 @@ def constrained(
         the metric is not positive on the permitted velocities, or permitted legs are not orthogonal
         to forbidden ones.
     TensorIndexError
-        a number is no leg, or occurs twice.
+        a number does not name a leg, or occurs twice.
 
     Examples
     --------

@@ -118,7 +118,7 @@ def _space(
         known=(
             KnownAnswer("connection_torsion", torsion, basis="frame"),
             KnownAnswer("connection_nonmetricity", {}),
-            # The kinetic energy is that of a free body, in coordinates of its centre of mass.
+            # In coordinates of the centre of mass the kinetic energy has constant coefficients.
             KnownAnswer("riemann", {}),
         ),
         connection=bound,

@@ -74,6 +74,10 @@ def read_file(path: str | PathLike[str]) -> Space:
         At most one: omega[a][i][j], K[a][b][c] or Gamma[a][b][c] of a connection of the space's
         own, a being the direction of differentiation; nested lists or a table of the entries that
         do not vanish, ``"0,1,2" = "1/r"``, indices counted from 0.
+    constraints
+        Instead of a connection: one-forms that vanish on the permitted velocities,
+        ``["cos(theta)*dy - sin(theta)*dx"]``. The kinetic energy is g(v, v)/2; see `constrained`
+        for the frame and the connection.
     edge, margin
         An expression that is positive inside the coordinates, and the value below which motions
         move over to another chart.

@@ -94,7 +94,7 @@ def test_unconstrained_connections_are_integrable():
 
 
 def test_connection_is_metric_and_all_legs_permitted_is_levi_civita():
-    """Metric in every case; without a forbidden leg nothing is left out."""
+    """Metric in every case; without a forbidden leg nothing changes."""
     assert sleigh().metric_compatible is True
     frame = gt.spaces.load("s2").frame
     everything = gt.constrained(frame, (0, 1))
@@ -117,7 +117,7 @@ def test_forms_text_and_components_agree():
 
 
 def test_copies_substitutions_and_coordinates_keep_the_constraints():
-    """What is made from a constrained connection is constrained."""
+    """Copies, substitutions and changes of coordinates are constrained."""
     connection = sleigh()
     u, v = sp.symbols("u v", real=True)
     moved = connection.in_coordinates([u, v, theta], [u + v, u - v, theta])
@@ -185,7 +185,7 @@ TURNED = gt.Frame(
     ],
 )
 def test_what_is_no_constraint_is_refused(frame, allowed, error, words):
-    """Each with what was expected."""
+    """Each message names the expected value."""
     with pytest.raises(error, match=words):
         gt.constrained(frame, allowed)
 
