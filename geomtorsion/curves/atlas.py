@@ -506,6 +506,14 @@ class Atlas:
             "atlas."
         )
 
+    def continued(self, chart: str, points: np.ndarray) -> np.ndarray:
+        """Points of a curve, shape (m, n), with angles that pass a full turn without a jump."""
+        routes = [self.route(name, chart) for name in self.makers]
+        smooth = np.array(points, dtype=float)
+        for k in {k for route in routes if route for k in route[-1].angles}:
+            smooth[:, k] = np.unwrap(smooth[:, k])
+        return smooth
+
     def same_frame(self, source: str, target: str) -> bool:
         """Whether two charts have the same frame vectors."""
         return self.chart(source).keeps_frame and self.chart(target).keeps_frame

@@ -12,7 +12,6 @@ from geomtorsion import checks
 from geomtorsion.curves import CurveProblem
 from geomtorsion.errors import ArgumentError, ShapeError
 from geomtorsion.ode import Ensemble, Solution
-from geomtorsion.pictures.curves import carried_on
 from geomtorsion.pictures.style import (
     SERIES,
     STYLE,
@@ -115,7 +114,7 @@ def _finely(found: Solution) -> tuple[np.ndarray, Lines]:
     times = np.linspace(0.0, float(found.times[-1]), STYLE.samples)
     moment, problem = found.at(times), found.problem
     if isinstance(problem, CurveProblem) and problem.start is not None:
-        smooth = carried_on(problem.atlas, problem.atlas.home, moment.coordinates)
+        smooth = problem.atlas.continued(problem.atlas.home, moment.coordinates)
         columns: dict[str, np.ndarray] = dict(zip(problem.coordinates, smooth.T, strict=True))
     else:
         columns = dict(problem.columns(moment))

@@ -82,10 +82,15 @@ class Pair:
 
     @cached_property
     def coordinates(self) -> dict[str, np.ndarray]:
-        """For each curve its coordinates in that chart, shape (m, n)."""
-        if self.chart == self.problem.atlas.home:
-            return {name: solution.coordinates for name, solution in self.curves.items()}
-        return {name: solution.in_chart(self.chart) for name, solution in self.curves.items()}
+        """For each curve its coordinates in that chart, shape (m, n); angles do not jump."""
+        atlas = self.problem.atlas
+        return {
+            name: atlas.continued(
+                self.chart,
+                solution.coordinates if self.chart == atlas.home else solution.in_chart(self.chart),
+            )
+            for name, solution in self.curves.items()
+        }
 
     @cached_property
     def distance(self) -> np.ndarray:
