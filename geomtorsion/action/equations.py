@@ -92,7 +92,7 @@ class EquationsOfMotion:
     frame: the frame whose forms give the velocities.
     lagrangian: L(q, u, t).
     forces: F_k(q, u, t), one for each form of the frame: F_k u^k is their power.
-    constraints: expressions linear in u, with a part free of u or not, that stay zero.
+    constraints: expressions that stay zero, linear in u plus a term without u.
     principle: how the action is varied.
     hamel, lagrange: the two derivations, in exact elements.
     """
@@ -189,7 +189,7 @@ class EquationsOfMotion:
 
     @cached_property
     def invariants(self) -> ConservedQuantities:
-        """Name -> f(q, u, t) that the motion keeps, each proved by exact zero."""
+        """Name -> conserved quantity f(q, u, t), each proved by exact zero."""
         return conserved(self.hamel, self.frame, self.lagrange.bundle.frame)
 
     @cached_property

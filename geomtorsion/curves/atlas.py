@@ -122,18 +122,18 @@ class ElementMatrix:
 
 @dataclass(frozen=True, eq=False)
 class Chart:
-    """Coordinates in which a motion can be followed.
+    """Coordinate system in which a motion is computed.
 
-    name: by which an atlas knows it.
+    name: its name in the atlas.
     coordinates: symbols; more than the dimension of the space in a redundant chart.
     legs: for each coordinate the pairs (i, E[mu, i]) that do not vanish: q'^mu = E[mu, i] u^i.
     frame: the frame written in these coordinates; None for a redundant chart.
     keeps_frame: whether its legs are the fields of the home chart's frame.
     edge: an element that vanishes where the chart ends; None if the frame itself defines its edges.
-    margin: below this value of |edge| the solver moves over to another chart.
+    margin: below this value of |edge| the solver changes the chart.
     kept: an element that equals one everywhere (redundant charts).
-    antipodal: indices of coordinates whose signs may all change without another point being meant.
-    end: where motions end that do not reach the edge, in words.
+    antipodal: indices of coordinates whose common sign does not change the point.
+    end: where a motion ends before it reaches the edge, in words.
     """
 
     name: str
@@ -421,7 +421,7 @@ class MovingPoint(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Atlas:
-    """Charts of one space and the maps between them, made when they are first used.
+    """Charts of a space and the maps between them, created on first use.
 
     home: name of the chart of the frame that the user works with.
     makers: name -> function without arguments that makes the chart.
@@ -480,7 +480,7 @@ class Atlas:
         return self.order or tuple(self.makers)
 
     def only(self, *names: str) -> Atlas:
-        """The same space with only these charts."""
+        """This atlas restricted to some charts."""
         for name in names:
             if name not in self.makers:
                 self.chart(name)
@@ -506,14 +506,6 @@ class Atlas:
             "atlas."
         )
 
-    def continued(self, chart: str, points: np.ndarray) -> np.ndarray:
-        """Points of a curve, shape (m, n), with angles that pass a full turn without a jump."""
-        routes = [self.route(name, chart) for name in self.makers]
-        smooth = np.array(points, dtype=float)
-        for k in {k for route in routes if route for k in route[-1].angles}:
-            smooth[:, k] = np.unwrap(smooth[:, k])
-        return smooth
-
     def same_frame(self, source: str, target: str) -> bool:
         """Whether two charts have the same frame vectors."""
         return self.chart(source).keeps_frame and self.chart(target).keeps_frame
@@ -526,7 +518,7 @@ class Atlas:
         parameters: Mapping[str, Real],
         bits: int,
     ) -> MovingPoint:
-        """A moving point in another chart; above 53 bits with mpmath numbers throughout.
+        """Position and velocity in another chart, as mpmath numbers above 53 bits.
 
         Raises
         ------

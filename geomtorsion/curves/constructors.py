@@ -54,7 +54,7 @@ def autoparallel(
     force: object = None,
     potential: object = None,
 ) -> CurveProblem:
-    """A straightest line: the velocity is carried parallel along itself.
+    """Straightest line: its velocity is transported parallel along itself.
 
     Equation
     --------
@@ -188,7 +188,7 @@ def geodesic(
 def parallel_transport(
     problem: CurveProblem, vectors: Any, connection: Connection | None = None
 ) -> CurveProblem:
-    """The same motion with vectors carried parallel along it.
+    """The same motion with vectors that are transported parallel along it.
 
     Equation
     --------
@@ -236,7 +236,7 @@ def parallel_transport(
 def geodesic_deviation(
     problem: CurveProblem, offset: Numbers, rate: Numbers | None = None
 ) -> CurveProblem:
-    """The same motion with the deviation to a neighbouring one.
+    """The same motion with the deviation from a neighbouring motion.
 
     Parameters
     ----------

@@ -26,16 +26,16 @@ from geomtorsion.ode.system import STEPS_AT_ONCE, checked_engine
 
 @dataclass(frozen=True, eq=False)
 class LogMap:
-    """A motion that leads from one point to another in unit time.
+    """Motion from one point to another in unit time.
 
     vector: its initial frame velocity u^i.
     miss: distance of its end from the target, in the frame at the target, all signs of eta as
         positive.
     solution: the motion.
-    shots: how many motions Newton's iteration followed to find it.
+    shots: number of motions that Newton's iteration computed.
     length: sqrt(|eta_ij u^i u^j|); the length of the motion, or its proper time.
     conjugate: parts of the motion, between 0 and 1, at which a point is conjugate to the start.
-    guarantee: among which motions it is the shortest, in words.
+    guarantee: the set of motions among which it is the shortest, in words.
     """
 
     vector: np.ndarray

@@ -66,7 +66,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class CurveProblem:
-    """A curve to be solved for: law, frame, start; made by `geodesic`, `autoparallel`, ...
+    """Curve to solve for: law, frame and start; made by `geodesic`, `autoparallel`, ...
 
     name: of the curve.
     frame: its coordinates and frame vectors are those in which start and answer are given.
@@ -77,7 +77,7 @@ class CurveProblem:
     atlas: charts of the space.
     carried: quantities carried along: transported vectors or a deviation.
     coordinate_velocity: q'^mu at t = 0 where that was given; more digits of u^i come from it.
-    stops: conditions that end the curve where they fall through zero.
+    stops: expressions; the curve ends where one of them decreases through zero.
 
     Examples
     --------
@@ -125,7 +125,7 @@ class CurveProblem:
 
     @cached_property
     def charts(self) -> tuple[str, ...]:
-        """Names of the charts in which this motion can be followed, by preference."""
+        """Names of the charts in which this motion can be computed, by preference."""
         if self.start is None:
             return ("",)
         charts = []
@@ -214,7 +214,7 @@ class CurveProblem:
         return replace(self, start=place, frame_velocity=speeds, coordinate_velocity=rates)
 
     def carry(self, carried: Carried) -> CurveProblem:
-        """The same motion with something carried along."""
+        """The same motion with transported vectors or a deviation."""
         return replace(self, carried=carried, _written={})
 
     def with_charts(self, *names: str) -> CurveProblem:
@@ -540,6 +540,10 @@ class CurveProblem:
         self.atlas.chart(name)
         return readout.in_chart(self, trajectory, name)
 
+    def continued(self, points: np.ndarray, chart: str) -> np.ndarray:
+        """Points of the curve in a chart, shape (m, n), without jumps of angles by full turns."""
+        return readout.continued(self, chart, points)
+
     def invariant_changes(self, trajectory: Trajectory) -> dict[str, np.ndarray]:
         """Relative change of each invariant at each sample, counted separately in each chart."""
         return readout.invariant_changes(self, trajectory)
@@ -665,8 +669,8 @@ def checked_start(frame: Frame, start: object, parameters: Mapping[str, Real]) -
         size = 0.0
     if size == 0.0 or not math.isfinite(size):
         raise StartError(
-            f"expected a regular frame at the start {where}, got {frame.name or 'one'}, which is "
-            f"singular there: its determinant vanishes or has no value. {_advice(frame, point)}"
+            f"the frame {frame.name or ''}".rstrip() + f" is singular at the start {where}: its "
+            f"determinant vanishes or has no value. {_advice(frame, point)}"
         )
     return place
 

@@ -448,7 +448,7 @@ class Connection:
         return self
 
     def __repr__(self) -> str:
-        return f"{self.name}: {self.coefficients!r}"
+        return f"{self.name} {repr(self.coefficients).removeprefix(f'{self.coefficients.name} ')}"
 
     def _repr_latex_(self) -> str:
         return self.coefficients._repr_latex_()

@@ -30,7 +30,7 @@ from geomtorsion.gravity.vocabulary import Vocabulary, declared_constants, meani
 @exclusive
 @dataclass(frozen=True, eq=False, repr=False)
 class FieldEquations:
-    """Left sides of the field equations of a Lagrangian; a solution makes them vanish.
+    """Field equations of a Lagrangian: the expressions that vanish on a solution.
 
     connections: the connections over one frame.
     lagrangian: the theory.
@@ -92,7 +92,7 @@ class FieldEquations:
         return {name: (one, name) for one in self._fields for name in one.names}
 
     def check_names(self) -> None:
-        """Refuse names in the Lagrangian that mean nothing here."""
+        """Raise an error for unknown names in the Lagrangian."""
         _ = self._named
 
     @cached_property

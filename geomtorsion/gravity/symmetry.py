@@ -21,7 +21,7 @@ KEEPS = ("metric", "teleparallel")
 
 @exclusive
 def symmetries(frame: Frame, keep: str | Connection = "metric") -> Symmetries:
-    """Symmetries of a frame: the vector fields along which a geometry does not change.
+    """Vector fields along which the geometry of a frame does not change.
 
     Equation
     --------

@@ -72,7 +72,7 @@ def burgers_vector(
     parameters: Parameters | None = None,
     exact: bool = False,
 ) -> object:
-    """Burgers vector of a loop: what the frame misses when the loop closes in coordinates.
+    """Burgers vector of a loop: the gap in the frame of a loop that closes in the coordinates.
 
     Equation
     --------
@@ -198,10 +198,10 @@ def _chosen(
             "line: the flux of the torsion differs, so the loop encloses a defect of the frame",
         )
     if not better:
-        return line, True, "line: both routes agree, its error is the smaller"
+        return line, True, "line: both methods agree; the line integral is more accurate"
     error, largest = float(line.error[0]), float(np.abs(line.values).max())
     if error <= accuracy * largest:
-        return flux, True, "flux: both routes agree, its error is the smaller"
+        return flux, True, "flux: both methods agree; the flux integral is more accurate"
     digits = f"{error / largest:.0e}" if largest else "no digit"
     why = f"flux: the loop is so small that the line integral is good to {digits} of b only"
     return flux, True, why

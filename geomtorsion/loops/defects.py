@@ -44,9 +44,9 @@ class Defect:
     point: a point on it, exact, shape (n,).
     across: two coordinates, or two covectors of shape (n,), that are constant along it: loops
         turn positively from the first to the second. None if it has more than two such
-        directions: then loops do not wind around it.
+        directions, because loops do not wind around it then.
     name: its name.
-    source: "declared", or the expression whose zero it is.
+    source: "declared", or the expression that vanishes on it.
     names: of the coordinates; free: numbers of those that vary along it.
 
     Examples
@@ -94,7 +94,7 @@ class Defect:
         return tuple(numbers)
 
     def winding(self, loop: Loop, parameters: Parameters | None = None) -> int:
-        """How often a loop winds around it.
+        """Winding number of a loop around it.
 
         Raises
         ------

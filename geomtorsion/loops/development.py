@@ -129,9 +129,9 @@ class RouteCheck:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Development:
-    """What a loop misses when it is rolled out: a motion, seen in the frame at its base point.
+    """Closure failure of a developed loop: translation and rotation in the frame at the base.
 
-    connection, loop: what it belongs to.
+    connection, loop: the connection and the loop that was developed.
     motion: v -> rotation v + burgers, with its invariants.
     error: bound on the error of burgers; turn_error: of the entries of the rotation.
     route: "line", "cone", or "line and cone" where parts of the loop needed different ones.
@@ -161,7 +161,7 @@ class Development:
 
     @property
     def rotation(self) -> np.ndarray:
-        """R^j_i, shape (n, n): where the legs arrive, seen from those at the base point."""
+        """R^j_i, shape (n, n): the transported legs in the frame at the base point."""
         return self.motion.rotation
 
     @property
@@ -176,16 +176,16 @@ class Development:
 
     @property
     def axis(self) -> np.ndarray | None:
-        """Axis of that turn in three dimensions, None without a turn."""
+        """Rotation axis in three dimensions; None if there is no rotation."""
         return self.motion.axis
 
     @property
     def along_axis(self) -> float:
-        """Burgers vector along the axis of the turn: the same from every base point."""
+        """Burgers vector along the rotation axis, the same from every base point."""
         return self.motion.along_axis
 
     def seen_from(self, path: AffineMap) -> AffineMap:
-        """The motion of the same loop from the end of a path that starts at the base point."""
+        """Development of the same loop from the end of a path that starts at the base point."""
         return self.motion.seen_from(path)
 
     def __repr__(self) -> str:

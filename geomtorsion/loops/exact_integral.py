@@ -193,9 +193,9 @@ Piece = tuple[tuple[sp.Expr, ...], sp.Symbol, sp.Expr, sp.Expr]
 class ExactBurgersVector:
     """The Burgers vector of one loop in closed form, frame components.
 
-    frame, loop: what it belongs to.
+    frame, loop: the frame and the loop of the vector.
     vector: b^i, exact expressions in the parameters of frame and loop.
-    checked_at: where it was compared with a proved integral, to 15 digits.
+    checked_at: values at which it agrees with a proved integral to 15 digits.
     seconds: wall time.
     """
 

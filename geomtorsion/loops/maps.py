@@ -38,12 +38,12 @@ class BurgersMap:
     plane: the two directions of the plane, shape (2, n).
     centres: q^mu, shape (n, *shape); shape: of the map, as (rows, columns) of a grid.
     areas: signed area of each loop in the coordinates of the plane, shape (*shape).
-    vectors: b^i in the frame, shape (n, *shape); NaN where a loop was not done or is singular.
+    vectors: b^i in the frame, shape (n, *shape); NaN where a loop is unfinished or singular.
     density: b^i per area, shape (n, *shape): it does not underflow.
     errors: bound on the error of the largest component, shape (*shape).
-    expected: 2 S_{mn}^i A^{mn} at the centre: what a small loop has, shape (n, *shape).
+    expected: 2 S_{mn}^i A^{mn} at the centre, the limit of a small loop, shape (n, *shape).
     enclosed: where line and flux differ because a defect is inside, shape (*shape).
-    done: how many loops were finished; fewer than all after Ctrl-C.
+    done: number of finished loops; after Ctrl-C it is smaller than the number of loops.
     evaluations: points at which coframe or curl were evaluated; seconds: wall time.
     """
 
@@ -68,7 +68,7 @@ class BurgersMap:
 
     @property
     def reached(self) -> np.ndarray:
-        """Where the requested relative error was reached, shape (*shape)."""
+        """Whether each loop reached the requested relative error, shape (*shape)."""
         return self.errors <= self.accuracy * np.abs(self.vectors).max(axis=0)
 
     @property

@@ -141,7 +141,7 @@ def develop_period(
 
 @dataclass(frozen=True, eq=False)
 class DevelopedPath:
-    """A loop and its development, step by step.
+    """A loop and its development as points along both.
 
     points: along the loop, coordinates, shape (n, k).
     places: their images in the frame at the base point, shape (n, k).

@@ -29,9 +29,9 @@ if TYPE_CHECKING:
 class Check:
     """The two independent routes side by side.
 
-    line, flux: b^i by each, shape (n,); flux is None where the torsion is not smooth inside.
+    line, flux: b^i by each route, shape (n,); flux is None if the torsion has a defect inside.
     line_error, flux_error: their own error estimates.
-    agrees: True, False, or None where there is nothing to compare.
+    agrees: True, False, or None if only one route exists.
     text: the comparison in words.
     """
 
@@ -44,7 +44,7 @@ class Check:
 
     @property
     def difference(self) -> np.ndarray | None:
-        """Line minus flux, shape (n,); where the routes disagree: what sits on a defect."""
+        """Line minus flux, shape (n,): the part of enclosed defects if the routes disagree."""
         return None if self.flux is None else self.line - self.flux
 
     def __str__(self) -> str:
@@ -56,12 +56,12 @@ class Check:
 class BurgersVector(Signed):
     """The Burgers vector of one loop, frame components.
 
-    frame, loop: what it belongs to.
+    frame, loop: the frame and the loop of the vector.
     reduced: b^i / size**power, shape (n,): finite even where b itself is below all doubles.
     reduced_error: bound on the error of its largest component, in the same unit.
     size, power: the unit: the size of the loop, and 1 or 2.
     route: "line", "flux", or "line and flux" where the parts of the loop needed different ones.
-    reason: why that route, in words.
+    reason: why this route was chosen, in words.
     check: the other route, and whether both agree.
     accuracy: the requested relative error.
     evaluations: points at which coframe or curl were evaluated; seconds: wall time.
@@ -99,7 +99,7 @@ class BurgersVector(Signed):
 
     @property
     def relative_error(self) -> float:
-        """Error over largest component: 0 for an exact zero, infinite for a zero that is not."""
+        """Error over the largest component: 0 for an exact zero, infinite for an inexact zero."""
         largest = float(np.abs(self.reduced).max())
         if largest:
             return self.reduced_error / largest
@@ -117,7 +117,7 @@ class BurgersVector(Signed):
 
     @cached_property
     def enclosed(self) -> tuple[EnclosedDefect, ...]:
-        """Defects inside with place and turns, where line and flux disagree and they are found.
+        """Enclosed defects with position and winding number, if line and flux disagree.
 
         A loop around a defect has a Burgers vector although the torsion vanishes all along it.
         """
@@ -168,7 +168,7 @@ class BurgersVector(Signed):
         return self.frame.legs.at(self._named(values)) @ self.vector
 
     def screw(self, direction: Sequence[float]) -> np.ndarray:
-        """The part of b along a direction (frame components), as of a screw dislocation.
+        """Screw part of b: its component along a direction (frame components).
 
         Raises
         ------
@@ -182,7 +182,7 @@ class BurgersVector(Signed):
         return along * ((along @ self._eta @ self.vector) / square)
 
     def edge(self, direction: Sequence[float]) -> np.ndarray:
-        """The part of b across a direction (frame components), as of an edge dislocation."""
+        """Edge part of b: its component perpendicular to a direction (frame components)."""
         return self.vector - self.screw(direction)
 
     def to_json(self) -> dict[str, Any]:

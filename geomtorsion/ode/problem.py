@@ -38,7 +38,7 @@ class ODE:
 
     rates: the equations.
     start: numbers in the order of the states, at t = 0.
-    parameters: name -> number, as they are at t = 0.
+    parameters: name -> number, the initial values.
     invariants, outputs: name -> expression, or expressions that make a vector.
     events: changes at given times, in order of time.
     normalized: groups of states that have length one together.

@@ -98,7 +98,7 @@ def notes_of(result: SceneResult) -> list[str]:
     error = number(float(f"{result.error:.1e}"))
     how = result.closed_form or result.engine
     ended = "" if result.outcome == "done" else f"; {result.outcome}"
-    return [f"By {how}; error below {error}, {number(result.accuracy)} asked{ended}."]
+    return [f"By {how}; error below {error}, {number(result.accuracy)} requested{ended}."]
 
 
 def watched(result: SceneResult) -> Figure:

@@ -89,7 +89,7 @@ ADVICE = "Write one with SceneResult.save."
 
 @dataclass(frozen=True, eq=False)
 class SceneResult:
-    """A scene that was solved.
+    """Solved scene: its outputs over time, with an error estimate.
 
     scene: the solved scene; None if the result was loaded from a file.
     times: shape (m,), s.
@@ -138,7 +138,7 @@ class SceneResult:
 
     @property
     def complete(self) -> bool:
-        """Whether the scene was followed to its end: the last time, or where it stops."""
+        """Whether the motion reached the last time or the stop condition."""
         return self.outcome in ("done", "stopped")
 
     def __getitem__(self, name: str) -> np.ndarray:
@@ -152,7 +152,7 @@ class SceneResult:
         )
 
     def at(self, time: ArrayLike) -> Mapping[str, np.ndarray]:
-        """Watched quantities at any times up to the last, by name.
+        """Outputs by name at any times up to the last.
 
         Between the times of the result they are interpolated by the engine, or exact where there
         is a closed form. Angles that continue beyond pi restart in each call.
@@ -179,7 +179,7 @@ class SceneResult:
         return {k: v.reshape((*asked.shape, *v.shape[1:])) for k, v in quantities.items()}
 
     def changes(self) -> dict[str, np.ndarray]:
-        """Change of each invariant at the times since the start (since the last switch), relative.
+        """Relative change of each invariant since the start, or since the last switch.
 
         The largest value of each is the one in `drift`; a result from a file has none.
 

@@ -33,7 +33,7 @@ class Frequencies:
     """Angular frequencies of an orbit per unit of one time; M = 1.
 
     radial, polar, azimuthal: 2 pi over the period of r, of theta, and of phi in the mean.
-    time: which time; rate: that time per unit of Mino time, in the mean.
+    time: name of the time; rate: mean of this time per unit of Mino time.
     """
 
     radial: float

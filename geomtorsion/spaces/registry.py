@@ -124,7 +124,7 @@ def titles() -> dict[str, str]:
 
 
 def load(name: str | PathLike[str]) -> Space:
-    """The shipped space of this name, or that in a tetrad file (a path, or a text with .toml).
+    """Space with this name, or from a tetrad file (a path, or a text that ends in .toml).
 
     Imports the module of the space and no other one.
 

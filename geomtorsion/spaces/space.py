@@ -28,7 +28,7 @@ Table = dict[Index, sympy.Expr]
 
 @dataclass(frozen=True)
 class KnownAnswer:
-    """A closed form that somebody else derived and this package must reproduce.
+    """Published closed form that this package must reproduce.
 
     Fields
     ------
@@ -90,14 +90,14 @@ class FirstMotion:
 
 @dataclass(frozen=True, repr=False)
 class Space:
-    """A shipped or read space: a frame with its story, its source and known answers.
+    """Space from the library or a file: a frame with its description, source and known results.
 
     Fields
     ------
     name, title
         The key by which it is loaded, and a one-line title.
     story
-        Two lines: the use of the space and the character of its torsion.
+        Two lines: what the space is used for, and what its torsion is like.
     source
         Book or paper, with place.
     frame

@@ -27,7 +27,7 @@ from geomtorsion.pictures.style import (
 from geomtorsion.scenes.plotting import drawings
 from geomtorsion.spaces.registry import embedding_of
 
-# Figures of a scene that show the motion in space, the most telling first.
+# Figures of a scene that show the motion in space, the clearest first.
 IN_SPACE = ("laws", "axis", "path", "cones", "attitude")
 FINELY = np.linspace(0.0, 1.0, 801)
 

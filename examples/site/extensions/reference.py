@@ -97,7 +97,7 @@ def class_pages() -> dict[str, str]:
 
 
 def _write_pages(app) -> None:
-    """Write each page that changed, and remove those of classes that are gone."""
+    """Write each page that changed, and remove pages of removed classes."""
     CLASSES.mkdir(exist_ok=True)
     pages = {CLASSES / f"{name}.rst": text for name, text in class_pages().items()}
     for path in set(CLASSES.iterdir()) - set(pages):

@@ -15,7 +15,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[3]
 SITE = ROOT / "examples" / "site"
-# Written while the site is built: the pages of examples, and those of classes.
+# Written while the site is built: pages of examples, and pages of classes.
 MADE = SITE / "gallery" / "pages"
 CLASSES = SITE / "api" / "pages"
 FOLDERS = ("geomtorsion", "examples")
