@@ -267,7 +267,9 @@ class AtomCircuits:
             if previous < 0:
                 raise CrystalError(
                     f"atoms {one[0]} and {two[0]}: expected bonds between them that are lattice "
-                    "vectors, got a core or a void. Lead the circuit around it."
+                    "vectors, got a core, a void or a stacking fault. Lead the circuit around it. "
+                    "Where a fault reaches the surface, dislocations(partials=True) finds the "
+                    "partial dislocation at its edge."
                 )
             back.append(previous)
         way = back[::-1]

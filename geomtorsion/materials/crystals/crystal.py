@@ -125,15 +125,15 @@ class Crystal(InFrame):
         """Number of atoms."""
         return len(self.positions)
 
-    @cached_property
+    @property
     def frame(self) -> Frame:
         """Lattice, orientation and lattice constant together; in a polycrystal those in grain 0."""
-        frame, fit = self._found
-        if self._own is not None:
-            return frame
-        atoms = sampled(len(self.positions))
-        many = seems_many(self._specimen, atoms, fit.whole)
-        return self.grains.grains[0].frame if many else frame
+        return self._recognized[0]
+
+    @property
+    def share(self) -> float:
+        """Share of the atoms whose neighbours all fit the lattice of their grain."""
+        return self._recognized[1]
 
     @cached_property
     def overlapping(self) -> np.ndarray:
@@ -153,11 +153,24 @@ class Crystal(InFrame):
         """
         return self._places.within(self._places.reach).overlapping
 
-    @property
-    def share(self) -> float:
-        """Share of the atoms whose neighbours all fit the lattice of their grain."""
-        share = self.grains.fitting if self.frame is not self._found[0] else None
-        return float(self._found[1].whole.mean()) if share is None else share
+    @cached_property
+    def _recognized(self) -> tuple[Frame, float]:
+        """The frame, and the share of the atoms that fit, which is large enough to find lines."""
+        frame, fit = self._found
+        share = float(fit.whole.mean())
+        if self._own is not None:
+            return frame, share
+        if seems_many(self._specimen, sampled(len(self.positions)), fit.whole):
+            first, fitting = self.grains.grains[0].frame, self.grains.fitting
+            frame, share = first, share if fitting is None else fitting
+        if share < METHOD.least:
+            raise CrystalError(
+                f"positions: expected a crystal, got atoms of which only {share:.1%} have the "
+                f"neighbours of the likeliest lattice, {frame.lattice.name}. Give atoms with less "
+                "noise, such as a cooled frame or a mean over time, or one sublattice of a "
+                "compound."
+            )
+        return frame, share
 
     @cached_property
     def _found(self) -> tuple[Frame, Fit]:
@@ -404,7 +417,8 @@ class Crystal(InFrame):
         partials
             Whether partial dislocations at the edges of stacking faults are separated: 1/6<112> in
             fcc and diamond, partials of basal faults in hcp (Shockley 1/3<1-100>, Frank
-            1/6<20-23>); if not, their sum is given.
+            1/6<20-23>); if not, their sum is given, and a partial whose fault reaches a surface
+            is no line.
 
         Returns
         -------
@@ -444,12 +458,23 @@ def _spanned(positions: np.ndarray, cell: Cell) -> float:
     """Approximate volume that the atoms fill.
 
     It is the cell without its widest empty layers, or a box around the atoms.
+
+    Raises
+    ------
+    CrystalError
+        Up to rounding all atoms are in one plane.
     """
     shares = (positions @ cell.inverse).T
     sizes = [
         _filled(one) if flag else np.ptp(one)
         for one, flag in zip(shares, cell.periodic.tolist(), strict=True)
     ]
+    widths = np.array(sizes) * cell.heights
+    if widths.min() <= 64 * np.finfo(float).eps * widths.max():
+        raise CrystalError(
+            f"positions: expected atoms that fill space, got {len(positions)} atoms in one plane "
+            "or on one line. Give several layers of the crystal."
+        )
     return float(np.prod(sizes) * abs(np.linalg.det(cell.vectors)))
 
 
