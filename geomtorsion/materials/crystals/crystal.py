@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -87,6 +88,7 @@ class Crystal(InFrame):
     _given: Given
     _own: Grain | None
     _before: KnownGrains | None
+    _where: str
 
     def __init__(
         self,
@@ -108,6 +110,7 @@ class Crystal(InFrame):
         put("_given", inputs)
         put("_own", None)
         put("_before", None)
+        put("_where", "")
         put("species", None)
         if species is not None:
             names = checks.entries(species, "species", CrystalError)
@@ -165,7 +168,7 @@ class Crystal(InFrame):
             frame, share = first, share if fitting is None else fitting
         if share < METHOD.least:
             raise CrystalError(
-                f"positions: expected a crystal, got atoms of which only {share:.1%} have the "
+                f"{self._where}positions: expected a crystal, got atoms of which only {share:.1%} have the "
                 f"neighbours of the likeliest lattice, {frame.lattice.name}. Give atoms with less "
                 "noise, such as a cooled frame or a mean over time, or one sublattice of a "
                 "compound."
@@ -175,6 +178,13 @@ class Crystal(InFrame):
     @cached_property
     def _found(self) -> tuple[Frame, Fit]:
         """The frame, and how well a sample of the atoms fits into it."""
+        try:
+            return self._in_frame()
+        except CrystalError as error:
+            raise CrystalError(f"{self._where}{error}") from None
+
+    def _in_frame(self) -> tuple[Frame, Fit]:
+        """The frame that is given, or the one that is found."""
         inputs = self._given
         if self._own is not None:
             own = self._own.frame
@@ -285,6 +295,13 @@ class Crystal(InFrame):
             self.species,
         )  # fmt: skip
         object.__setattr__(crystal, "_before", grains)
+        object.__setattr__(crystal, "_where", self._where)
+        return crystal
+
+    def from_file(self, where: str) -> Crystal:
+        """The same crystal; errors of its recognition name a file and frame."""
+        crystal = copy(self)
+        object.__setattr__(crystal, "_where", f"{where}: ")
         return crystal
 
     def grain(self, number: int) -> Crystal:

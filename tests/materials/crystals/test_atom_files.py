@@ -141,7 +141,7 @@ def test_damage_is_named_by_its_line(tmp_path: Path, line: int, new: str, messag
         ("ITEM: BOX", "ITEM: CUBE", "expected ITEM: BOX"),
         ("\n256\n", "\n99999999999\n", "ends after 256 of 99,999,999,999"),
         ("\n256\n", "\n-1\n", "line 4: expected the number of atoms"),
-        ("\n256\n", "\n255\n", "line 4: expected 255 atoms, as this line declares, got 256 rows"),
+        ("\n256\n", "\n255\n", "line 265: expected ITEM: TIMESTEP after the 255 atoms that line 4 declares"),
         ("\n7 1 ", "\n7 one ", "line 259: expected a number in column 2"),
     ],
 )
@@ -196,7 +196,7 @@ def test_a_mark_of_the_byte_order_is_no_part_of_a_number(tmp_path: Path, name: s
     assert len(read(path).positions) == 256
     path.write_text(text.replace("256", "255", 1))
     with pytest.raises(
-        FileFormatError, match=r"expected 255 atoms|line 258: expected the number of atoms"
+        FileFormatError, match=r"after the 255 atoms|line 258: expected the number of atoms"
     ):
         read(path)
 
