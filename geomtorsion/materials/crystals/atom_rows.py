@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from geomtorsion import checks
 from geomtorsion.checks import cut, shown
 from geomtorsion.errors import FileFormatError
 
@@ -108,9 +109,7 @@ def table_of(
     return np.ascontiguousarray(values), [table[f"f{k}"].tolist() for k in words]
 
 
-def odd_row(
-    name: str, line: int, row: str, width: int, numbers: Sequence[int]
-) -> FileFormatError:
+def odd_row(name: str, line: int, row: str, width: int, numbers: Sequence[int]) -> FileFormatError:
     """The error for a row that cannot be read."""
     words = row.split()
     for k in numbers if len(words) == width else ():
@@ -144,15 +143,20 @@ def is_number(word: str) -> bool:
     return True
 
 
-def completed(edges: np.ndarray) -> np.ndarray | None:
+def completed(where: str, edges: np.ndarray) -> np.ndarray | None:
     """Edges of a cell, with unit vectors across the others for zero edges; None without any.
+
+    where: the file, for messages.
 
     Examples
     --------
-    >>> abs(completed(np.array([[2.0, 0, 0], [0, 3, 0], [0, 0, 0]]))[2]).tolist()
+    >>> abs(completed("a.xyz", np.array([[2.0, 0, 0], [0, 3, 0], [0, 0, 0]]))[2]).tolist()
     [0.0, 0.0, 1.0]
     """
+    checks.array(edges, f"{where}: cell", FileFormatError)
     there = edges.any(axis=1)
+    for k, edge in enumerate(edges):
+        checks.measured(edge, f"{where}: cell[{k}]", FileFormatError, is_length=True)
     if not there.any():
         return None
     vectors = edges.copy()

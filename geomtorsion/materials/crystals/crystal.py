@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from copy import copy
 from dataclasses import dataclass
 
@@ -41,7 +42,7 @@ from geomtorsion.materials.crystals.specimen import (
     seems_many,
     share_of_lattices,
 )
-from geomtorsion.materials.crystals.surroundings import Places
+from geomtorsion.materials.crystals.surroundings import Places, spanned
 from geomtorsion.materials.crystals.torn_faces import TornFaces
 from geomtorsion.materials.crystals.torsion import Torsion
 from geomtorsion.materials.crystals.triangulation import Cell, Triangulation, triangulated
@@ -168,18 +169,24 @@ class Crystal(InFrame):
             frame, share = first, share if fitting is None else fitting
         if share < METHOD.least:
             raise CrystalError(
-                f"{self._where}positions: expected a crystal, got atoms of which only {share:.1%} have the "
-                f"neighbours of the likeliest lattice, {frame.lattice.name}. Give atoms with less "
-                "noise, such as a cooled frame or a mean over time, or one sublattice of a "
-                "compound."
+                f"{self._where}positions: expected a crystal, got atoms of which only {share:.1%} "
+                f"have the neighbours of the likeliest lattice, {frame.lattice.name}. Give atoms "
+                "with less noise, such as a cooled frame or a mean over time, or one sublattice of "
+                "a compound."
             )
         return frame, share
 
     @cached_property
     def _found(self) -> tuple[Frame, Fit]:
         """The frame, and how well a sample of the atoms fits into it."""
-        try:
+        with self._naming_the_file():
             return self._in_frame()
+
+    @contextmanager
+    def _naming_the_file(self) -> Iterator[None]:
+        """Errors name the file of the atoms, if they are from one."""
+        try:
+            yield
         except CrystalError as error:
             raise CrystalError(f"{self._where}{error}") from None
 
@@ -233,7 +240,7 @@ class Crystal(InFrame):
     def _places(self) -> Places:
         """The atoms in the cell, with the atoms around each."""
         # Most atoms have as many neighbours as a frame needs within it, for any structure.
-        reach = 3 * (_spanned(self.positions, self._box) / len(self.positions)) ** (1 / 3)
+        reach = 3 * (spanned(self.positions, self._box) / len(self.positions)) ** (1 / 3)
         return Places(self._wrapped[0], self._box, reach)
 
     # -- grains -----------------------------------------------------------------------------------
@@ -262,8 +269,10 @@ class Crystal(InFrame):
         grains = None
         if self._own is None:
             near = None if self._is_narrow else self._shells.near
-            if not is_single(self._specimen, near):
-                grains = segmented(self._specimen)
+            specimen = self._specimen
+            if not is_single(specimen, near):
+                with self._naming_the_file():
+                    grains = segmented(specimen)
         if grains is None:
             grains = single_grain(self._found[0], self._wrapped[0])
         return grains if self._before is None else self._before.followed(grains)
@@ -469,39 +478,3 @@ class Crystal(InFrame):
         count = len(self.positions)
         axes = "".join("T" if flag else "F" for flag in self.periodic.tolist())
         return f"Crystal({count:,} atoms, {self.lattice}, a = {self.constant:.6g}, periodic {axes})"
-
-
-def _spanned(positions: np.ndarray, cell: Cell) -> float:
-    """Approximate volume that the atoms fill.
-
-    It is the cell without its widest empty layers, or a box around the atoms.
-
-    Raises
-    ------
-    CrystalError
-        Up to rounding all atoms are in one plane.
-    """
-    shares = (positions @ cell.inverse).T
-    sizes = [
-        _filled(one) if flag else np.ptp(one)
-        for one, flag in zip(shares, cell.periodic.tolist(), strict=True)
-    ]
-    widths = np.array(sizes) * cell.heights
-    if widths.min() <= 64 * np.finfo(float).eps * widths.max():
-        raise CrystalError(
-            f"positions: expected atoms that fill space, got {len(positions)} atoms in one plane "
-            "or on one line. Give several layers of the crystal."
-        )
-    return float(np.prod(sizes) * abs(np.linalg.det(cell.vectors)))
-
-
-def _filled(shares: np.ndarray) -> float:
-    """Share of a period without the widest layer that contains no atom.
-
-    The period is divided into as many slices as there are atoms.
-    """
-    count = len(shares)
-    slices = np.floor((shares - np.floor(shares)) * count).astype(np.int64)
-    taken = np.flatnonzero(np.bincount(slices))
-    gaps = np.diff(taken, append=taken[0] + count)
-    return 1 - float(gaps.max() - 1) / count

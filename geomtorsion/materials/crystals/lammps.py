@@ -170,7 +170,7 @@ def dump_frame(name: str, line: int, rows: list[str], where: str) -> AtomData:
     positions = origin + values @ edges if scaled else values
     order = np.argsort(table[:, 3], kind="stable") if "id" in columns else np.arange(len(body))
     species = tuple(words[0][k] for k in order.tolist()) if words else None
-    return AtomData(positions[order], completed(edges), periodic, species, where)
+    return AtomData(positions[order], completed(where, edges), periodic, species, where)
 
 
 def _box(
@@ -341,7 +341,7 @@ def _cell(name: str, said: Said) -> np.ndarray | None:
         return [x for x in values if x is not None]
 
     if "avec" in said:
-        return completed(np.array([numbers(key, 3) for key in ("avec", "bvec", "cvec")]))
+        return completed(name, np.array([numbers(key, 3) for key in ("avec", "bvec", "cvec")]))
     sides = np.array([numbers(f"{axis}lo {axis}hi", 2) for axis in "xyz"])
     tilts = numbers("xy xz yz", 3) if "xy xz yz" in said else [0.0, 0.0, 0.0]
-    return completed(_edges(sides[:, 1] - sides[:, 0], tilts[0], tilts[1], tilts[2]))
+    return completed(name, _edges(sides[:, 1] - sides[:, 0], tilts[0], tilts[1], tilts[2]))

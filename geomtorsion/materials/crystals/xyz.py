@@ -86,7 +86,7 @@ def xyz_frame(name: str, line: int, rows: list[str], where: str) -> AtomData:
                 "got none. Give it (Lattice in extended XYZ), or write pbc F for this edge."
             )
     names = tuple(species[0]) if species else None
-    return AtomData(positions, completed(edges), periodic, names, where)
+    return AtomData(positions, completed(where, edges), periodic, names, where)
 
 
 def _columns(
