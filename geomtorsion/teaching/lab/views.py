@@ -9,6 +9,7 @@ from html import escape
 from pathlib import Path
 
 from geomtorsion.teaching.exercises.worker_pool import Json
+from geomtorsion.teaching.lab.plot import saving
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.uploads import TEXT_MAPS
 
@@ -210,11 +211,6 @@ def copying() -> str:
 
 
 @cache
-def saving() -> str:
-    """The script that saves pictures; turnable pictures also contain it."""
-    return Path(__file__).with_name("save.js").read_text("utf-8")
-
-
 def wrapped(html: str) -> str:
     """HTML to which the style sheet applies."""
     return f'<div class="lab">{html}</div>'
