@@ -252,7 +252,7 @@ def _text(document: Json, partials: bool) -> str:
     table = [
         _columns(line, frame, several, in_grains) for frame in frames for line in frame["lines"]
     ]
-    # A partial whose fault reaches a surface is no whole line.
+    # A partial whose fault reaches a surface is omitted without the option.
     faults = not partials and any(frame["lattice"] != "bcc" for frame in frames)
     hint = "; --partials also finds partial dislocations at the edges of faults" if faults else ""
     if not table:

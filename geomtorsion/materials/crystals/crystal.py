@@ -444,7 +444,7 @@ class Crystal(InFrame):
             Whether partial dislocations at the edges of stacking faults are separated: 1/6<112> in
             fcc and diamond, partials of basal faults in hcp (Shockley 1/3<1-100>, Frank
             1/6<20-23>); if not, their sum is given, and a partial whose fault reaches a surface
-            is no line.
+            is omitted.
 
         Returns
         -------

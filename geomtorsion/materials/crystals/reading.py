@@ -64,8 +64,8 @@ def read(
         The file is missing, damaged (the message names the line if there is one), does not have
         this frame or species, or has a format that may hold more than numbers.
     CrystalError
-        Positions or cell are not those of a crystal. That the atoms are no crystal is raised when
-        lattice or lines are requested.
+        Positions or cell are refused. Atoms without a lattice are refused when lattice or lines are
+        requested.
     MissingExtraError
         ase, which reads all formats but XYZ and LAMMPS, is not installed: the extra `crystals`.
 
