@@ -200,7 +200,9 @@ ENTRANCES = {
     "coframe": lambda x: gt.SampledFrame(LINES, with_entry(twist(X, Y), x)),
     "axis": lambda x: gt.SampledFrame([LINES[0] * x, LINES[1]], twist(X, Y)),
     "sigma": lambda x: gt.SampledFrame(LINES, twist(X, Y), sigma=x),
-    "displacement": lambda x: gt.SampledFrame.from_displacement(LINES, with_entry([X, Y], x)),
+    "displacement": lambda x: gt.SampledFrame.from_displacement(
+        LINES, with_entry(np.array([X, Y]), x)
+    ),
     "points": lambda x: gt.ScatteredFrame.from_coframe(POINTS * x, twist(*POINTS.T)),
     "point": lambda x: gt.ScatteredFrame.from_coframe(with_entry(POINTS, x), twist(*POINTS.T)),
     "values": lambda x: gt.ScatteredFrame.from_coframe(POINTS, with_entry(twist(*POINTS.T), x)),

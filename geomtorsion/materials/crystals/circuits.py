@@ -159,8 +159,9 @@ class AtomCircuits:
         centre = checks.array(point, "point", CrystalError, shape=(3,))
         axis = checks.array(normal, "normal", CrystalError, shape=(3,))
         size = checks.positive(radius, "radius", CrystalError)
-        for value, name in ((centre, "point"), (axis, "normal"), (size, "radius")):
-            checks.measured(value, name, CrystalError)
+        for values, name in ((centre, "point"), (axis, "normal")):
+            checks.measured(values, name, CrystalError)
+        checks.measured(size, "radius", CrystalError)
         if not np.linalg.norm(axis) > 0:
             raise CrystalError(
                 "normal: expected a direction, got (0, 0, 0). Give a vector that is not zero."

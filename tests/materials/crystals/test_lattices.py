@@ -170,7 +170,8 @@ def noisy(places, cell, share):
 def test_a_lattice_that_hardly_an_atom_fits_is_refused(name, noise):
     """Noise makes another lattice look like a shipped one: the message names the share of atoms
     that fit, and neither lattice nor lines are returned."""
-    crystal = Crystal(*noisy(*OTHERS[name](), noise))
+    places, cell = OTHERS[name]()
+    crystal = Crystal(*noisy(places, cell, noise))
     for question in (lambda: crystal.lattice, crystal.dislocations, lambda: crystal.share):
         with pytest.raises(CrystalError, match=r"only 0\.\d% (of the atoms fit|have the neigh)"):
             question()
