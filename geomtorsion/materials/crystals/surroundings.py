@@ -137,13 +137,15 @@ def spanned(positions: np.ndarray, cell: Cell) -> float:
         _filled(one) if flag else np.ptp(one)
         for one, flag in zip(shares, cell.periodic.tolist(), strict=True)
     ]
-    widths = np.array(sizes) * cell.heights
-    if widths.min() <= 64 * np.finfo(float).eps * widths.max():
+    volume = float(np.prod(sizes) * abs(np.linalg.det(cell.vectors)))
+    # Along each edge, since a single atom may be far away.
+    rounding = 64 * np.finfo(float).eps * np.abs(shares).max(axis=1, initial=0.0)
+    if not volume or (np.array(sizes) <= rounding)[~cell.periodic].any():
         raise CrystalError(
             f"positions: expected atoms that fill space, got {len(positions)} atoms in one plane "
             "or on one line. Give several layers of the crystal."
         )
-    return float(np.prod(sizes) * abs(np.linalg.det(cell.vectors)))
+    return volume
 
 
 def _filled(shares: np.ndarray) -> float:
