@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -21,6 +22,7 @@ SAVE = (
 )
 
 
+@cache
 def saving() -> str:
     """The script that saves pictures; turnable pictures also contain it."""
     return Path(__file__).with_name("save.js").read_text("utf-8")

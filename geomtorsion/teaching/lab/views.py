@@ -36,7 +36,6 @@ def copying() -> str:
     return Path(__file__).with_name("copy.js").read_text("utf-8") + saving()
 
 
-@cache
 def wrapped(html: str) -> str:
     """HTML to which the style sheet applies."""
     return f'<div class="lab">{html}</div>'
