@@ -80,7 +80,7 @@ def reports(
             grains = known_of(report, _owner(file, report))
         else:
             seen(number, total, "lattice")
-            _ = frame.crystal
+            _ = frame.crystal.frame
             seen(number + 0.5, total, "lines")
             report = {"frame": number, **frame.report()}
             grains = KnownGrains.of(frame.crystal.grains)
