@@ -47,6 +47,8 @@ class Bounds:
     with its noise has two hundred.
     unpacked, unpacked_each: bytes to which any packed file may unpack, and more for each of its
     bytes: a frame on a regular grid packs to a tenth, equal values everywhere to a hundredth.
+    unpacked_text: in the place of `unpacked_each` for text that is read as a whole, beyond
+        LARGEST_TEXT. Its rows take some fifty times their bytes, and tables pack to a tenth.
     portion: bytes that are unpacked at once while sizes are compared.
     beginning: bytes in which a text file shows its format: headers of maps have some hundred lines.
     """
@@ -58,6 +60,7 @@ class Bounds:
     arrays: int = 1000
     unpacked: int = 200_000_000
     unpacked_each: int = 100
+    unpacked_text: int = 20
     portion: int = 2**20
     beginning: int = 2**17
 
@@ -150,10 +153,11 @@ class _Unpacked(io.RawIOBase):
 
 
 @contextmanager
-def opened(path: str | PathLike[str], most: int | None = None) -> Iterator[BinaryIO]:
+def opened(path: str | PathLike[str], text: int | None = None) -> Iterator[BinaryIO]:
     """The bytes of a file, unpacked where it is packed by gzip or bzip2.
 
-    most: bytes to which it may unpack; in proportion to its length if not given.
+    They are counted while they are unpacked, against a limit in proportion to the length of the
+    file. text: the largest text that is read as a whole; its limit is lower.
 
     Raises
     ------
@@ -185,10 +189,24 @@ def opened(path: str | PathLike[str], most: int | None = None) -> Iterator[Binar
         if unpack is None:
             yield file
             return
-        size = BOUNDS.unpacked + BOUNDS.unpacked_each * path.stat().st_size
-        bound = min(checks.LARGEST_ARRAYS, size) if most is None else most
+        size = path.stat().st_size
+        if text is None:
+            bound = min(
+                checks.LARGEST_ARRAYS, BOUNDS.unpacked + BOUNDS.unpacked_each * size
+            )
+        else:
+            bound = min(text, LARGEST_TEXT + BOUNDS.unpacked_text * size)
         with unpack(file) as source:
             yield io.BufferedReader(_Unpacked(path.name, source, bound))
+
+
+def _read(file: BinaryIO, most: int) -> bytes:
+    """The bytes of a file, up to so many; a single call would allocate all of them before."""
+    portions, left = [], most
+    while left and (portion := file.read(min(left, BOUNDS.portion))):
+        portions.append(portion)
+        left -= len(portion)
+    return b"".join(portions)
 
 
 def read_text(
@@ -208,7 +226,7 @@ def read_text(
     path = checks.file_name(path)
     try:
         with opened(path, largest) as file:
-            content = file.read(largest + 1)
+            content = _read(file, largest + 1)
     except OSError as error:
         reason = error.strerror or type(error).__name__
         raise FileFormatError(f"{path}: the file cannot be read: {reason}.") from None

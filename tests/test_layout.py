@@ -37,7 +37,7 @@ ROOT = TESTS.parent
 # Lowest layer first; packages in one layer do not import each other.
 BELOW_THE_WALL = (
     ("caching", "errors", "outgoing"),
-    ("checks", "copies", "displays", "precision", "progress"),
+    ("checks", "copies", "displays", "precision", "progress", "workers"),
     ("allowance", "conventions", "files"),
     ("npz",),
     ("hdf5",),
