@@ -135,9 +135,7 @@ def machine_memory() -> int | None:
 # -- work of this process, done by a worker -------------------------------------------------------
 
 
-def work_within(
-    bounds: Bounds, work: Callable[[Callable[[], None]], object], reported: int
-) -> int:
+def work_within(bounds: Bounds, work: Callable[[Callable[[], None]], object], reported: int) -> int:
     """Exit code of a worker that calls `work`; the worker is ended when it exceeds a limit.
 
     On Linux the worker is a fork, which starts at once; elsewhere it is a new process, and `work`
@@ -156,8 +154,8 @@ def work_within(
     """
     if bounds.megabytes is not None and resident() is None:
         raise LimitError(
-            "megabytes: expected a system that reports the memory of a process, got none. Give only "
-            "seconds."
+            "megabytes: expected a system that reports the memory of a process, got none. Give "
+            "only seconds."
         )
     # Forks are unsafe on other systems: their libraries have threads.
     context = get_context("fork" if sys.platform == "linux" else "spawn")

@@ -205,4 +205,4 @@ def stopped(stop: KeyboardInterrupt, more: str = "") -> typer.Exit:
 
 def exceeded(message: str) -> AllowanceError:
     """The error about a limit of a command, with the options that set it."""
-    return AllowanceError(f"{message}. Give a larger limit (--seconds, --megabytes), or request less")
+    return AllowanceError(f"{message}. Give larger --seconds or --megabytes, or request less")

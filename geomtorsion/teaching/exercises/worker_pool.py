@@ -10,7 +10,6 @@ import contextlib
 import json
 import os
 import queue
-import sys
 import threading
 from collections.abc import Callable, Iterable, Mapping
 from importlib import import_module
