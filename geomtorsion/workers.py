@@ -12,12 +12,13 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from multiprocessing import get_context
-from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import IO
+from typing import IO, TYPE_CHECKING
 
 from geomtorsion.errors import AllowanceError, LimitError
+
+if TYPE_CHECKING:
+    from multiprocessing.process import BaseProcess
 
 # Seconds between two looks at a process, each of which takes a fraction of a millisecond.
 LOOK = 0.02
@@ -157,6 +158,9 @@ def work_within(bounds: Bounds, work: Callable[[Callable[[], None]], object], re
             "megabytes: expected a system that reports the memory of a process, got none. Give "
             "only seconds."
         )
+    # The package imports this file; multiprocessing loads sockets, selectors and more.
+    from multiprocessing import get_context
+
     # Forks are unsafe on other systems: their libraries have threads.
     context = get_context("fork" if sys.platform == "linux" else "spawn")
     begun = context.Event()
