@@ -255,7 +255,7 @@ def quiet_libraries() -> Iterator[None]:
     handler = logging.NullHandler()
     loggers = [logging.getLogger(name) for name in ("tifffile", "rsciio", "PIL", "ase")]
     for logger in loggers:
-        # Without any handler Python prints what is logged; handlers of the user still get it.
+        # Python prints a record that has no handler; handlers of the user still get each record.
         logger.addHandler(handler)
     try:
         with warnings.catch_warnings():

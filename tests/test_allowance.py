@@ -282,7 +282,7 @@ def curvature():
     "work", [numbers, readings, printing, roots, derivatives, motions, curvature]
 )
 def test_every_kind_of_work_looks_at_the_limits(work):
-    """A limit that has passed at the beginning ends a single round of each kind of work."""
+    """A limit that has passed at the beginning ends each kind of work at its first check."""
     with pytest.raises(AllowanceError), gt.limits(seconds=1e-9):
         work()
 

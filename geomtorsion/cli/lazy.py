@@ -149,8 +149,6 @@ def _by_worker(bounds: Bounds, arguments: list[str]) -> int:
 
 def _run(arguments: list[str], begun: Callable[[], None]) -> None:
     """Run a command line in a worker; begun: is called when the work of the command begins."""
-    # The commands import this file.
-    from geomtorsion.cli.app import app
-
     signal.signal(signal.SIGINT, stop_at_once)
-    app(arguments, obj=begun)
+    # By its name, since the commands import this file.
+    import_module("geomtorsion.cli.app").app(arguments, obj=begun)

@@ -143,7 +143,7 @@ def checked(
     """
     kind, piece, start, end = token.kind, token.text, token.start, token.end
     if kind == "number" and "_" in piece and not _GROUPED.fullmatch(piece):
-        reason = f"{piece[:20]} is not a number: an underscore stands between two digits only"
+        reason = f"{piece[:20]} is not a number: underscores may only separate digits"
         raise source.error(start, end, reason, "Write it without underscores.")
     if kind == "number" and not piece.replace("_", "").isdecimal():
         _check_digits(source, piece, start, end, limits)
