@@ -191,8 +191,9 @@ class Started:
         )
 
     def until_kept(self) -> None:
-        """Wait until the checkpoint exists."""
-        while not (self.out / "checkpoint.npz").exists():
+        """Wait until the checkpoint holds a part of the run, besides its metadata."""
+        path = self.out / "checkpoint.npz"
+        while not path.exists() or len(np.load(path).files) < 2:
             assert self.process.poll() is None, self.process.communicate()
             time.sleep(0.005)
 
