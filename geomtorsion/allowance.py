@@ -7,18 +7,16 @@ their finished quantities, and the next call continues from there.
 from __future__ import annotations
 
 import time
-from contextvars import ContextVar
 from traceback import clear_frames, walk_tb
 from typing import TYPE_CHECKING
 
 from geomtorsion import checks
 from geomtorsion.errors import AllowanceError, ArgumentError, LimitError
+from geomtorsion.exclusive import BLOCKS
 from geomtorsion.workers import resident
 
 if TYPE_CHECKING:
     from types import TracebackType
-
-_BLOCKS: ContextVar[tuple[Limits, ...]] = ContextVar("blocks", default=())
 
 
 class _Met(BaseException):
@@ -34,7 +32,7 @@ class _Met(BaseException):
 
 def check_limits() -> None:
     """Raise if a limit of a block around this call is met: for the loops of exact work."""
-    blocks = _BLOCKS.get()
+    blocks = BLOCKS.get()
     if blocks:
         now = time.monotonic()
         for block in blocks:
@@ -60,7 +58,7 @@ class Limits:
         self._before = before or 0
         self._end = float("inf") if self.seconds is None else now + self.seconds
         self._next = float("inf") if self.megabytes is None else now
-        _BLOCKS.set((*_BLOCKS.get(), self))
+        BLOCKS.set((*BLOCKS.get(), self))
         return self
 
     def check(self, now: float) -> None:
@@ -81,7 +79,7 @@ class Limits:
         trace: TracebackType | None,
     ) -> None:
         """Stop counting; name the quantity that exceeded a limit."""
-        _BLOCKS.set(_BLOCKS.get()[:-1])
+        BLOCKS.set(BLOCKS.get()[:-1])
         if isinstance(error, _Met) and error.block is self:
             quantity, place = interrupted_work(trace)
             # Generators that were not finished end now, and set precisions back.
