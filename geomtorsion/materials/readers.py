@@ -8,8 +8,6 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from geomtorsion import checks
 from geomtorsion.checks import shown
 from geomtorsion.errors import (
@@ -33,6 +31,7 @@ from geomtorsion.materials.images.image_files import KINDS as IMAGES
 from geomtorsion.materials.maps import OrientationMap
 from geomtorsion.materials.maps.map_formats import FORMATS as MAPS
 from geomtorsion.materials.source import Source
+from geomtorsion.npz import mapped_npy
 
 __all__ = ["READERS", "Kind", "Reader", "is_source", "open_in_blocks", "open_source"]
 
@@ -144,7 +143,7 @@ def is_array(path: Path) -> bool:
     if path.suffix.lower() != ".npy" or not path.is_file():
         return False
     try:
-        return np.load(path, mmap_mode="r", allow_pickle=False).ndim > 3
+        return mapped_npy(path).ndim > 3
     except (OSError, ValueError, EOFError):
         return False
 

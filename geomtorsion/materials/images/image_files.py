@@ -17,6 +17,7 @@ from geomtorsion.checks import cut
 from geomtorsion.errors import FileFormatError, ImageError, LimitError, MissingExtraError
 from geomtorsion.hdf5 import check_hdf5
 from geomtorsion.npz import unpacked_size
+from geomtorsion.outgoing import quiet_libraries
 
 # Number of a TIFF compression -> its incremental decompressor. Libraries limit all others.
 UNPACKERS = {8: zlib.decompressobj, 32946: zlib.decompressobj, 34925: lzma.LZMADecompressor}
@@ -64,7 +65,8 @@ def read_pixels(path: Path, page: int = 0, most: int | None = None) -> np.ndarra
         ) from None
     load = {"tifffile": _tiff, "PIL.Image": _png, "numpy": _npy}.get(name, _microscope)
     try:
-        pixels = load(library, path, page, most)
+        with quiet_libraries():
+            pixels = load(library, path, page, most)
     except (FileFormatError, LimitError):
         raise
     except MemoryError:
