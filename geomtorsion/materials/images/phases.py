@@ -22,6 +22,7 @@ from geomtorsion.materials.images.circuits import (
     pixel_path,
     wound,
 )
+from geomtorsion.materials.images.pixel_sizes import of_size
 from geomtorsion.materials.images.regions import Region, pixels_of
 from geomtorsion.materials.images.spots import Spots
 from geomtorsion.materials.images.squares import rings_of, squares_of, whole_turns
@@ -389,7 +390,7 @@ class LatticePhases:
         vectors = ", ".join(f"({x:.4g}, {y:.4g})" for x, y in self.lattice.tolist())
         strength = self.levels / np.median(self.noise, axis=(1, 2))
         return (
-            f"LatticeImage({columns} x {rows} pixels of {self.step:.6g} {self.unit})",
+            f"LatticeImage({columns} x {rows} pixels{of_size(self.step, self.unit)})",
             f"lattice vectors {vectors} {self.unit}, averaged over {self.resolution:.3g}",
             (
                 f"amplitudes {strength[0]:.3g} and {strength[1]:.3g} times their noise; holes: "
