@@ -93,6 +93,8 @@ class Passages:
 
         values: shape (rows, holes).
         """
+        if not self.rings.count:
+            return np.zeros((len(values), *self.windows.places(self.rings.missing.shape)))
         return self.windows.sums(*self.windows.along(*self.rings.shares(values)))
 
     @cached_property
@@ -103,12 +105,16 @@ class Passages:
     @cached_property
     def change(self) -> np.ndarray:
         """Change of the enclosed area in cells, shape (places...)."""
+        if not self.rings.count:
+            return np.zeros(self.windows.places(self.rings.missing.shape))
         total = self.windows.rounds(*self.windows.along(*self.rings.changes))[0]
         return self.windows.sense * total
 
     @cached_property
     def refused(self) -> np.ndarray:
         """Whether a circuit meets a hole without a ring, or passes too many holes, (places...)."""
+        if not self.rings.missing.any():
+            return np.zeros(self.windows.places(self.rings.missing.shape), dtype=bool)
         blocked = (x.astype(np.int32) for x in self.rings.blocked)
         met = self.windows.sums(*self.windows.along(*blocked)) > 0
         inner = (x.astype(np.int32) for x in self.rings.inner)

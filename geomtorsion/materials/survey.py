@@ -249,6 +249,11 @@ class Survey:
             return f"{' x '.join(map(str, self.size))} cells"
         return f"{self.size[0]} rings of triangles" if self.size[0] else "one triangle"
 
+    @property
+    def _area_varies(self) -> bool:
+        """Whether circuits on a grid have different areas, because of detours."""
+        return self.on_grid and np.ndim(self.area) > 0
+
     # -- numbers and files ------------------------------------------------------------------------
 
     def summary(self) -> Json:
@@ -333,7 +338,7 @@ class Survey:
             "grid_error": self.laid(self.systematic_error),
             "significance": self.laid(self.significance),
             "known": self.laid(self.known),
-            "area": self.area if np.ndim(self.area) == 0 else self.laid(np.asarray(self.area)),
+            "area": self.laid(np.asarray(self.area)) if self._area_varies else self.area,
             "size": self.size,
             "names": list(self.axes),
             "layers": list(self.layers),

@@ -14,6 +14,17 @@ from geomtorsion.files import finite_number
 MISSING = ("", "nan")
 
 
+def lines_of(text: str) -> list[str]:
+    """Lines of a text with the line ends of any system.
+
+    Examples
+    --------
+    >>> lines_of("a\\r\\nb\\rc\\n")
+    ['a', 'b', 'c', '']
+    """
+    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+
+
 def number_rows(
     name: object,
     rows: Sequence[str],

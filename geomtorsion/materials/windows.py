@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +21,13 @@ class Windows:
     size: tuple[int, int]
     periodic: tuple[bool, ...]
     sense: int = 1
+
+    def places(self, shape: Sequence[int]) -> tuple[int, ...]:
+        """Number of circuits along each axis of a grid with this number of nodes."""
+        counts = list(shape)
+        for k, n in zip(self.plane, self.size, strict=True):
+            counts[k] -= 0 if self.periodic[k] else n
+        return tuple(counts)
 
     def along(self, one: np.ndarray, two: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Sums along all sides, from values of edges along the first and along the second axis."""

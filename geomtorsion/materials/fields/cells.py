@@ -151,12 +151,12 @@ def _corner(values: np.ndarray, grid: Grid, shifts: dict[int, tuple[int, int]]) 
     return values
 
 
-def curl(sampled: Field, plane: tuple[int, int]) -> np.ndarray:
+def curl(sampled: Field, plane: tuple[int, int], out: np.ndarray | None = None) -> np.ndarray:
     """d_a e_b - d_b e_a at the nodes, shape (rows, grid...).
 
-    NaN without enough known nodes in a row.
+    NaN without enough known nodes in a row. out: array for the result.
     """
-    return _curl(sampled, plane, _slopes(sampled, plane))
+    return _curl(sampled, plane, _slopes(sampled, plane), out)
 
 
 def _slopes(sampled: Field, plane: tuple[int, int]) -> tuple[Rule, Rule]:
@@ -165,17 +165,26 @@ def _slopes(sampled: Field, plane: tuple[int, int]) -> tuple[Rule, Rule]:
     return one, two
 
 
-def _curl(sampled: Field, plane: tuple[int, int], rules: tuple[Rule, Rule]) -> np.ndarray:
-    parts = []
-    for rule, k, m in zip(rules, plane, plane[::-1], strict=True):
-        part = rule(sampled.values[:, m], 1 + k)
-        part /= sampled.grid.steps[k]
-        if not rule.known.all():
-            part[:, ~on_grid(rule.known, sampled.grid.shape, k)] = np.nan
-        parts.append(part)
-    one, two = parts
-    one -= two
-    return one
+def _curl(
+    sampled: Field,
+    plane: tuple[int, int],
+    rules: tuple[Rule, Rule],
+    out: np.ndarray | None = None,
+) -> np.ndarray:
+    if out is None:
+        out = np.empty((sampled.rows, *sampled.grid.shape))
+    spare = np.empty((1, *sampled.grid.shape))
+    (a, b), (one, two) = plane, rules
+    for i, row in enumerate(out):
+        one(sampled.values[i : i + 1, b], 1 + a, out=row[None])
+        row *= 1 / sampled.grid.steps[a]
+        two(sampled.values[i : i + 1, a], 1 + b, out=spare)
+        spare *= 1 / sampled.grid.steps[b]
+        row -= spare[0]
+        for rule, k in zip(rules, plane, strict=True):
+            if not rule.known.all():
+                row[~on_grid(rule.known, sampled.grid.shape, k)] = np.nan
+    return out
 
 
 def torsion(sampled: Field, plane: tuple[int, int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -238,7 +238,11 @@ class SampledFrame(Samples):
         """
         if self.displacement is not None:
             return np.stack([self._torsion(pair)[0] for pair in self._nye_planes], axis=1)
-        return np.stack([cells.curl(self._field, pair) for pair in self._nye_planes], axis=1)
+        planes = self._nye_planes
+        tensor = np.empty((self.rows, len(planes), *self._grid.shape))
+        for k, pair in enumerate(planes):
+            cells.curl(self._field, pair, tensor[:, k])
+        return tensor
 
     @cached_property
     def nye_noise(self) -> np.ndarray:

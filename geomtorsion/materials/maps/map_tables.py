@@ -14,7 +14,7 @@ from geomtorsion.errors import FileFormatError
 from geomtorsion.files import BOUNDS, read_text
 from geomtorsion.materials.maps.map_phases import check_laue, described
 from geomtorsion.materials.maps.map_points import MapFile, MapPoints, gridded
-from geomtorsion.materials.text_rows import number_rows
+from geomtorsion.materials.text_rows import lines_of, number_rows
 
 # Name of a column in other programs, in lower case without units -> its name here.
 _NAMES = {
@@ -51,7 +51,7 @@ def read_map_table(path: Path, given: Mapping[int, str] | None = None) -> MapFil
     """
     laue = checks.table(given, "laue", FileFormatError)
     text = read_text(path, LARGEST_ARRAYS, otherwise="latin-1")
-    lines = re.split(r"\r\n|\r|\n", text)
+    lines = lines_of(text)
     header = _header(lines)
     if header is None:
         first = next((line for line in lines if line.strip()), "")

@@ -356,13 +356,17 @@ class StepGrid:
         over windows are shared. Arrays have the axes x, y last.
         """
         passages = Passages(self.rings, Windows((0, 1), (n, n), (False, False)))
-        absent = self.grains.grain < 0
-        # Steps that end at a pixel without orientation are decided by the passages.
-        right = ~self.grains.right & ~(absent[:, :-1] | absent[:, 1:])
-        down = ~self.grains.down & ~(absent[:-1] | absent[1:])
-        lines = passages.windows
-        crossed = lines.sums(*lines.along(right.T.astype(np.int32), down.T.astype(np.int32)))
-        clean = (crossed == 0) & ~passages.refused
+        right, down, lines = ~self.grains.right, ~self.grains.down, passages.windows
+        absent = self.rings.missing.T
+        if absent.any():
+            # Steps that end at a pixel without orientation are decided by the passages.
+            right &= ~(absent[:, :-1] | absent[:, 1:])
+            down &= ~(absent[:-1] | absent[1:])
+        clean = np.logical_not(passages.refused)
+        if right.any() or down.any():
+            clean &= (
+                lines.sums(*lines.along(right.T.astype(np.int32), down.T.astype(np.int32))) == 0
+            )
         return self.rounds(passages, self.right, self.down), clean, passages
 
     def square_bends(self, passages: Passages) -> np.ndarray:
