@@ -50,7 +50,7 @@ class Rings:
         periodic: Sequence[bool] = (False, False),
         usable: Edges | None = None,
     ) -> Rings:
-        """Rings around missing nodes; a ring with an edge that is not usable is left out.
+        """Rings around missing nodes; a ring with an edge that is not usable is omitted.
 
         periodic: of all axes of the grid. usable: truth values of edges along both axes.
         """

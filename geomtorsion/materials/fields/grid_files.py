@@ -114,8 +114,10 @@ def read_scattered(path: Path) -> DisplacedPoints:
     """
     if not path.is_file():
         raise FileFormatError(f"{path}: there is no such file.")
-    readers = dict.fromkeys((".csv", ".txt", ".dat"), read_points)
-    readers |= dict.fromkeys((".vtk", ".vtu"), tables.read_mesh)
+    readers: dict[str, Callable[[Path], DisplacedPoints]] = {
+        **dict.fromkeys((".csv", ".txt", ".dat"), read_points),
+        **dict.fromkeys((".vtk", ".vtu"), tables.read_mesh),
+    }
     if ending(path) not in readers:
         raise FileFormatError(
             f"{path}: expected a name ending in {', '.join(readers)}, got {path.suffix!r}. For "

@@ -217,7 +217,7 @@ class StepGrid:
         return rings.totals_of(np.stack([x * x, y * y, x * y]))
 
     def _around(self, chain: Chain) -> tuple[Chain, np.ndarray]:
-        """A chain with the steps of rings in the place of steps to pixels that are not indexed.
+        """A chain with steps of rings instead of steps to pixels that are not indexed.
 
         Also returns the holes of all steps into and out of holes, with repetitions.
         """

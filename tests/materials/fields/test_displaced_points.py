@@ -43,6 +43,7 @@ def test_a_table_of_dice(tmp_path: Path):
     for name, head in (("DICe_solution_0.txt", ""), ("a.csv", comments)):
         frame = SampledFrame.read(dice(tmp_path / name, failed, head))
         assert frame.mask[failed].all()
+        assert frame.displacement is not None
         assert np.nanmax(np.abs(frame.displacement.values - np.where(failed, np.nan, U))) < 1e-8
         grid = SampledFrame.from_displacement(
             [AXIS, AXIS], frame.displacement.values, mask=failed, branch=[[B, 0]]
@@ -76,12 +77,13 @@ def mesh(path: Path, name: str, values: np.ndarray, points: np.ndarray) -> Path:
 @pytest.mark.parametrize("name", ["displacement", "Displacement", "U", "u", "DISP"])
 @pytest.mark.parametrize("end", [".vtu", ".vtk"])
 def test_a_mesh_of_finite_elements_on_a_grid(tmp_path: Path, name: str, end: str):
-    """A vector at the nodes is a displacement; a component normal to the mesh is left out."""
+    """A vector at the nodes is a displacement; a component normal to the mesh is omitted."""
     points = np.stack([X.ravel(), Y.ravel(), 0 * X.ravel()], axis=1)
     values = np.stack([*U.reshape(2, -1), 0 * X.ravel()], axis=1)
     frame = SampledFrame.read(mesh(tmp_path / f"a{end}", name, values, points))
+    assert frame.displacement is not None
     assert frame.displacement.values == pytest.approx(U)
-    assert open_source(tmp_path / f"a{end}").rows == 2
+    assert open_source(tmp_path / f"a{end}").names == ("x", "y")
 
 
 def test_a_mesh_with_scattered_nodes(tmp_path: Path):
