@@ -20,6 +20,7 @@ from geomtorsion.curves.equations import (
     inverted,
     velocity_names,
 )
+from geomtorsion.curves.forces import Forced, forced
 from geomtorsion.curves.problem import (
     CurveProblem,
     check_causal,
@@ -32,7 +33,10 @@ from geomtorsion.curves.transported import Deviation, TransportedVectors
 from geomtorsion.errors import MetricError, ShapeError, StartError
 from geomtorsion.geometry import Connection, Frame, levi_civita
 from geomtorsion.geometry.derived import derived
-from geomtorsion.ode.numbers import Numbers, checked_numbers
+from geomtorsion.ode.numbers import Numbers, checked_numbers, floats
+
+# A velocity typed with twelve digits meets a constraint to this part of its size.
+ROUNDED = 1e-11
 
 
 def autoparallel(
@@ -45,12 +49,15 @@ def autoparallel(
     causal: str | None = None,
     atlas: Atlas | None = None,
     stop: object = None,
+    force: object = None,
+    potential: object = None,
 ) -> CurveProblem:
     """A straightest line: the velocity is carried parallel along itself.
 
     Equation
     --------
-    q''^m + Gamma_ab^m q'^a q'^b = 0, solved as q'^mu = E_i^mu u^i, u'^k = -omega_ij^k u^i u^j
+    q''^m + Gamma_ab^m q'^a q'^b = F^m, solved as q'^mu = E_i^mu u^i,
+    u'^k = -omega_ij^k u^i u^j + F^k
 
     Parameters
     ----------
@@ -72,11 +79,19 @@ def autoparallel(
         `When`), or a list of them: the curve ends where one falls through zero, and
         `Solution.stopped_by` is that one. The curve is followed in charts whose maps give what
         occurs in it without jumps.
+    force
+        F_k in the frame, n functions of the coordinates (expressions or text): F_k u^k is the power
+        where g(v, v)/2 is the kinetic energy. Zero if not given. Under constraints only the parts
+        along the permitted legs act.
+    potential
+        V, a function of the coordinates, which adds F_k = -E_k^mu dV/dq^mu. For forces that depend
+        on velocity or time use `equations_of_motion`.
 
     Raises
     ------
     StartError
-        the start is singular, not finite, or incomplete.
+        the start is singular, not finite, or incomplete, or the constraints of the connection
+        forbid its velocity.
     ExpressionError
         `stop` cannot be read.
     ShapeError
@@ -109,10 +124,13 @@ def autoparallel(
         law = CartanAutoparallel()
     elif connection.kind == "levi-civita":
         law = Geodesic()
-    frame = connection.frame
-    return _posed(
-        "autoparallel", frame, law, start, velocity, frame_velocity, parameters, causal, atlas, stop
-    )
+    law = forced(law, connection, force, potential)
+    problem = _posed(
+        "autoparallel", connection.frame, law, start, velocity, frame_velocity, parameters, causal,
+        atlas, stop,
+    )  # fmt: skip
+    _check_permitted(connection, problem)
+    return problem
 
 
 def geodesic(
@@ -281,6 +299,22 @@ def kinetic_metric(metric: Any, n: int) -> tuple[tuple[Fraction, ...], ...]:
     return tuple(table)
 
 
+def _check_permitted(connection: Connection, problem: CurveProblem) -> None:
+    """Refuse a start whose velocity the constraints forbid."""
+    if connection.allowed is None:
+        return
+    speeds = np.array(floats(problem.frame_velocity))
+    permitted = np.isin(np.arange(len(speeds)), connection.allowed)
+    forbidden = np.abs(speeds[~permitted]).max(initial=0.0)
+    if forbidden > ROUNDED * np.abs(speeds).max():
+        nearest = np.where(permitted, speeds, 0.0).tolist()
+        raise StartError(
+            "expected a velocity that the constraints permit, got one with a part of "
+            f"{forbidden:.3g} along the forbidden legs. The closest permitted one is "
+            f"frame_velocity={[float(f'{x:.6g}') for x in nearest]}."
+        )
+
+
 def _posed(
     name: str,
     frame: Frame,
@@ -333,4 +367,6 @@ def law_key(law: Law) -> str:
     if isinstance(law, Autoparallel):
         # The law holds its connection, so that this number stays its own.
         return f"equations of {id(law.connection)}"
+    if isinstance(law, Forced):
+        return f"{law_key(law.law)} with {law.acceleration}, {law.potential}"
     return f"equations of {law}"

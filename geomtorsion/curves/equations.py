@@ -38,12 +38,19 @@ class Law(Protocol):
     """A law of motion for the frame velocities u^i.
 
     needs_frame: whether the law is about this very frame field, not only its metric.
+    is_quadratic: whether all rates are quadratic in the velocities, so that a motion from twice the
+        velocity is the same path in half the time.
     text: its equation, in one line.
     """
 
     @property
     def needs_frame(self) -> bool:
         """Whether another frame of the same metric would have another law."""
+        ...
+
+    @property
+    def is_quadratic(self) -> bool:
+        """Whether all rates are quadratic in the velocities."""
         ...
 
     @property
@@ -64,7 +71,7 @@ class Law(Protocol):
 class CartanAutoparallel:
     """Autoparallels of the Cartan connection: all frame velocities are constant."""
 
-    needs_frame = True
+    needs_frame = is_quadratic = True
     text = "u'^k = 0"
 
     def rates(self, frame: Frame, names: Sequence[str]) -> Rates | None:
@@ -82,7 +89,7 @@ class Autoparallel:
 
     connection: Connection
 
-    needs_frame = True
+    needs_frame = is_quadratic = True
     text = "u'^k = -omega_ij^k u^i u^j"
 
     def rates(self, frame: Frame, names: Sequence[str]) -> Rates | None:
@@ -109,6 +116,7 @@ class Geodesic:
 
     metric: tuple[tuple[Fraction, ...], ...] | None = None
 
+    is_quadratic = True
     text = "G_kl u'^l = C_kj^i u^j G_im u^m"
 
     @property

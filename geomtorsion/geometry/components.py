@@ -666,15 +666,15 @@ def dependence(field: Field, entries: Entries, n: int) -> dict[int, Element] | N
             if pivot not in row:
                 continue
             factor = row[pivot] / pivot_row[pivot]
-            row = _minus(field, row, pivot_row, factor)
-            combination = _minus(field, combination, others, factor)
+            row = minus(field, row, pivot_row, factor)
+            combination = minus(field, combination, others, factor)
         if not row:
             return combination
         done.append((min(row), row, combination))
     return None
 
 
-def _minus(
+def minus(
     field: Field, first: Mapping[int, Element], second: Mapping[int, Element], factor: Element
 ) -> dict[int, Element]:
     """first - factor * second, without zeros."""

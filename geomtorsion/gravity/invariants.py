@@ -247,6 +247,11 @@ class Invariant:
     only: int = 0
     antisymmetric: bool = False
 
+    def has_nonmetricity(self, dimension: int) -> bool:
+        """Whether it contains the nonmetricity."""
+        parts = self.of(dimension)
+        return any(x in MIXED or (x in MAPS and MAPS[x][0] == "nonmetricity") for x in parts)
+
 
 def _plain(name: str, meaning: str) -> Invariant:
     """An invariant that is one map."""

@@ -75,7 +75,7 @@ class Momenta:
     def C(self) -> Tensor:
         """(1/e) d(eL)/d omega_ni^j = 2 P^{ni}_j - 2 N^{ni}_j - (2/e) D_m(e Z^{mni}_j), slots UUD.
 
-        Its part antisymmetric in ij where the connection is metric by its construction.
+        Its part antisymmetric in ij where the connection stays metric.
         """
         frame = self.fields.frame
         p, q = self.P.lowered().components.get, self.N.lowered().components.get

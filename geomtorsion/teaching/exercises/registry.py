@@ -44,6 +44,7 @@ EXERCISES: tuple[tuple[str, str, str, str], ...] = (
     ("4.2", "straightest.force", "The torsion force", "exercise"),
     ("4.3", "straightest.equations", "Equations of the autoparallels", "exercise"),
     ("4.4", "straightest.compass", "By compass and on the great circle", "exercise"),
+    ("4.5", "straightest.constraint", "The torsion of a constraint", "exercise"),
     ("5.1", "closure.small_loop", "A small loop", "warm-up"),
     ("5.2", "closure.circle", "A circle in closed form", "exercise"),
     ("5.3", "closure.rotations", "A loop in the rotations", "exercise"),
