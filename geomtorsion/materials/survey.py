@@ -59,8 +59,8 @@ class Survey:
     whole: b in lattice vectors where it is counted, shape (k, places...); empty otherwise.
     passages: how often each circuit goes around missing nodes, see `Burgers.detour`, shape
         (places...); None where no node is missing. `area` is then the area of the circuits with
-        their detours, and the errors include those of the detours; the noise of a detour is an
-        upper bound, the noise of the whole ring around the missing nodes.
+        their detours, and the errors include the detours. The noise of a detour is an upper bound:
+        the noise of the whole ring around the missing nodes.
     directed: computes b along the axes of the source where `vectors` refers to other axes.
     """
 

@@ -26,8 +26,8 @@ UNITS = {
 UNSIZED = "px"
 # Units of the resolution tags of TIFF.
 _TAG_UNITS = {2: "inch", 3: "cm"}
-# Resolution tags below this number of pixels per inch are those of a screen, a printer or a
-# scanner, which programs write by default.
+# Programs write resolution tags below this number of pixels per inch for screens, printers and
+# scanners by default.
 PRINTED = 10_000
 _OME = re.compile(r"<(?:\w+:)?Pixels\b[^>]*>")
 _ATTRIBUTE = re.compile(r'\b(PhysicalSize[XY](?:Unit)?)\s*=\s*"([^"]*)"')

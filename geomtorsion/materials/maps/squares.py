@@ -28,7 +28,6 @@ def survey_of_squares(
     phase: number of the phase of each pixel. noise: covariance of orientations of each phase.
     """
     vectors, clean, passages = grid.squares(n)
-    # The crystal axes of a square are those of the grain at its corner, or at its first pixel.
     vectors[:, ~clean] = np.nan
     cell = grid.steps[0] * grid.steps[1]
     return Survey(
