@@ -9,6 +9,27 @@ from flint import acb, arb
 
 from geomtorsion.precision import ball_precision
 
+# Polygamma functions are brought to the right of zero from as far as this, one unit a time.
+FARTHEST_LEFT = 1000
+
+
+def _polygamma(order: acb, z: acb) -> acb:
+    """psi^(m); left of zero, where Arb has no bounds of wide balls, by its recurrence.
+
+    psi^(m)(z) = psi^(m)(z + 1) - (-1)^m m! / z^(m + 1)
+    """
+    value = z.polygamma(order)
+    if not (order.imag.is_zero() and order.real.is_integer()):
+        return value
+    if not value.is_finite() and z.real > -FARTHEST_LEFT:
+        m, place, total = int(order.real.fmpz()), z, acb(0)
+        while m >= 0 and not place.real > 1:
+            total, place = total + place ** -(m + 1), place + 1
+        value = place.polygamma(order) - (-1) ** m * arb(m + 1).gamma() * total
+    # It is real on the whole real axis, where Arb gives a small imaginary ball.
+    return acb(value.real) if z.imag.is_zero() else value
+
+
 # Numbers of functions by Arb, by the names of sympy's classes; mpmath takes ten seconds for 200
 # digits of Y_2.
 VALUES: dict[str, Callable[..., acb]] = {
@@ -23,7 +44,7 @@ VALUES: dict[str, Callable[..., acb]] = {
     "LambertW": lambda z, branch=0: z.lambertw(int(float(acb(branch).real))),
     "gamma": acb.gamma,
     "loggamma": acb.lgamma,
-    "polygamma": lambda m, z: z.polygamma(m),
+    "polygamma": _polygamma,
     "factorial": lambda x: (x + 1).gamma(),
     "beta": lambda x, y: x.gamma() * y.gamma() * (x + y).rgamma(),
     "uppergamma": lambda s, x: x.gamma_upper(s),
