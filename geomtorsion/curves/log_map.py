@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,17 +11,19 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.curves.constructors import autoparallel
-from geomtorsion.curves.problem import checked_start
+from geomtorsion.curves.problem import CurveProblem, checked_start
 from geomtorsion.curves.search import STALE, Followed, Hit, Search, reach_of
-from geomtorsion.curves.shooting import Line, Shooter, tried
-from geomtorsion.errors import EndpointError
+from geomtorsion.curves.shooting import Line, Shooter, lengths_of, tried
+from geomtorsion.errors import EndpointError, GeomtorsionError
 from geomtorsion.geometry import Connection
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
-from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.numbers import Numbers, checked_accuracy, checked_numbers
 from geomtorsion.ode.solution import Solution
-from geomtorsion.ode.solve import solve
+from geomtorsion.ode.solve import engines, solve
 from geomtorsion.ode.system import STEPS_AT_ONCE, checked_engine
+
+# The relative accuracy to which a motion is aimed again where the requested one found no answer.
+SHARPEST = 1e-14
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,15 +108,37 @@ def log_map(
     checked_engine(engine)
     problem = autoparallel(connection, start, frame_velocity=[0] * n, parameters=parameters)
     target = np.array([float(x) for x in checked_start(frame, end, problem.parameters)])
+    solver = _solver(problem, accuracy, engine)
+
+    def choice(aimed: float) -> _Choice:
+        shooter = Shooter(problem, solver, solver.first(aimed / 10))
+        search = Search(shooter, shooter.aim(target), aimed)
+        return _Choice(connection, search, engine, (start, end))
+
+    if guess is not None:
+        first = np.array([float(x) for x in checked_numbers(guess, n, "guess")])
+        near = choice(accuracy)
+        return near.from_guess(near.search.shooter.weights @ first, guess)
+    try:
+        return choice(accuracy).shortest(target)
+    except EndpointError as error:
+        # Near a conjugate point only motions that are as sharp as floats allow tell directions
+        # apart.
+        if accuracy <= SHARPEST or engine is not None:
+            raise
+        try:
+            return choice(SHARPEST).shortest(target)
+        except GeomtorsionError:
+            raise error from None
+
+
+def _solver(problem: CurveProblem, accuracy: float, engine: Engine | None) -> Engine:
+    """The requested engine, or the one that `solve` tries first."""
+    if engine is not None:
+        return engine
+    first, _ = next(iter(engines(problem, accuracy, None)), (RungeKutta(), ""))
     # A motion with this many steps approaches an edge forever, and does not hit.
-    solver = engine or (Taylor(max_steps=STEPS_AT_ONCE) if is_available() else RungeKutta())
-    shooter = Shooter(problem, solver, solver.first(accuracy / 10))
-    search = Search(shooter, shooter.aim(target), accuracy)
-    choice = _Choice(connection, search, engine, (start, end))
-    if guess is None:
-        return choice.shortest(target)
-    first = np.array([float(x) for x in checked_numbers(guess, n, "guess")])
-    return choice.from_guess(shooter.weights @ first, guess)
+    return replace(first, max_steps=STEPS_AT_ONCE) if isinstance(first, Taylor) else first
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,11 +200,17 @@ class _Choice:
         # Among equal motions the first is kept, which took the fewest differences of coordinates.
         hits = sorted(self.search.apart(hits), key=lambda hit: hit.length)
         if not hits:
+            near = self.search.near_conjugate
+            reason = (
+                "The end is conjugate to the start, or so near to a conjugate point that errors of "
+                f"the motions hide the direction (at a length of {lengths_of(near[-1]):.9g})"
+                if near
+                else "The end may be beyond an edge of the chart"
+            )
             raise EndpointError(
                 f"expected a motion {self.where}, got none from {len(followed)} images of "
-                f"the end and {len(directions)} directions. The end may be conjugate to the start "
-                "or beyond an edge of the chart. Give a guess (initial frame velocity), a "
-                "nearer end, or start and end in the opposite order."
+                f"the end and {len(directions)} directions. {reason}. Give a guess (initial frame "
+                "velocity), a nearer end, or start and end in the opposite order."
             )
         self.check_length(hits[0], lines)
         self.check_unique(hits)
@@ -257,6 +287,9 @@ class _Choice:
         conjugate = self.search.conjugate_parts(found.vector)
         if not conjugate and found.vector.any():
             guarantee += "; no conjugate point on it was noticed"
+            turn = self.search.direction_error(found, shot.size)
+            if turn > 100 * self.search.accuracy:
+                guarantee += f"; near a conjugate point its direction is good to {turn:.1g}"
         length = found.length
         if length and not shooter.is_definite:
             unit = velocity / length

@@ -13,6 +13,7 @@ from geomtorsion.errors import ArgumentError
 from geomtorsion.geometry import Frame
 from geomtorsion.loops.arcs import Parameters, Part
 from geomtorsion.loops.defects import lines_alone
+from geomtorsion.loops.domain import refuse_outside
 from geomtorsion.loops.exact_integral import ExactBurgersVector, exact_burgers_vector
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.integrals import (
@@ -113,6 +114,8 @@ def burgers_vector(
         A value contradicts the assumptions of its parameter.
     SingularPointError
         The loop passes through a point where the coframe is singular.
+    ChartEdgeError
+        The loop leaves the domain that the frame declares.
 
     Examples
     --------
@@ -142,6 +145,7 @@ def burgers_vector(
     compiled = forms(frame, parameters)
     for part in loop.parts:
         refuse_other_periods(compiled, part)
+    refuse_outside(frame, loop.parts, parameters)
     near = [refuse_poles(compiled.poles, part) for part in loop.parts]
     pairs = [
         (line_route(compiled, part, accuracy, cuts), flux_route(compiled, part, accuracy))

@@ -32,6 +32,7 @@ from geomtorsion.exact import Field
 from geomtorsion.geometry import Frame
 from geomtorsion.loops.arcs import Arc, Curve, Ellipse, Parameters, Part, exact_number
 from geomtorsion.loops.defects import find_defects
+from geomtorsion.loops.domain import refuse_outside
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.integrals import refuse_other_periods
 from geomtorsion.loops.integration_process import integrated
@@ -338,6 +339,7 @@ def _refuse_poles(frame: Frame, loop: Loop, where: Mapping[sp.Symbol, sp.Expr]) 
     except MissingValueError:
         # Unknown functions have no numbers, and so no poles that could be looked for.
         return
+    refuse_outside(frame, here.parts, values)
     for part in here.parts:
         refuse_poles(compiled.poles, part)
     if frame.field.relied_on:

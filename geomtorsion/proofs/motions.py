@@ -152,8 +152,8 @@ def _check_stiff(lengths: Sequence[fmpq], leg: Leg, time: fmpq) -> None:
     needed = int(float(arb((leg.end - time) / max(lengths[-STIFF_STEPS:]))))
     if needed > MOST_STIFF:
         raise RefusalError(
-            f"the equations are stiff, or the edge of a function is near: {len(lengths)} steps were "
-            f"shorter than a thousandth of the time in which the motion changes, and some "
+            f"the equations are stiff, or the edge of a function is near: {len(lengths)} steps "
+            "were shorter than a thousandth of the time in which the motion changes, and some "
             f"{needed:,} more would be needed",
             time,
             "Prove a shorter motion.",
