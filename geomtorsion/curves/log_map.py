@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from geomtorsion.caching import cached_property
 from geomtorsion.curves.constructors import autoparallel
 from geomtorsion.curves.problem import CurveProblem, checked_start
 from geomtorsion.curves.search import STALE, Followed, Hit, Search, reach_of
-from geomtorsion.curves.shooting import Line, Shooter, lengths_of, tried
+from geomtorsion.curves.shooting import ROUNDING, Line, Shooter, lengths_of, tried
 from geomtorsion.errors import EndpointError, GeomtorsionError
 from geomtorsion.geometry import Connection
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
@@ -23,7 +23,7 @@ from geomtorsion.ode.solve import engines, solve
 from geomtorsion.ode.system import STEPS_AT_ONCE, checked_engine
 
 # The relative accuracy to which a motion is aimed again where the requested one found no answer.
-SHARPEST = 1e-14
+SHARPEST = 4 * ROUNDING
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,7 +138,7 @@ def _solver(problem: CurveProblem, accuracy: float, engine: Engine | None) -> En
         return engine
     first, _ = next(iter(engines(problem, accuracy, None)), (RungeKutta(), ""))
     # A motion with this many steps approaches an edge forever, and does not hit.
-    return replace(first, max_steps=STEPS_AT_ONCE) if isinstance(first, Taylor) else first
+    return Taylor(max_steps=STEPS_AT_ONCE) if first == Taylor() else first
 
 
 @dataclass(frozen=True, eq=False)

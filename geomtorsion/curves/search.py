@@ -14,9 +14,6 @@ from geomtorsion.ode.numbers import PARTS
 SHOTS = 40
 # Below this singular value of the slopes two motions count as one found twice.
 CONJUGATE = 1e-6
-# Slopes are as good as this many times the square of their relative difference: a singular value
-# below that is a conjugate point, or as near to one as makes no difference.
-SLOPE_NOISE = 4
 # Slopes are computed again where a shot misses by more than this part of the last miss.
 STALE = 0.05
 
@@ -169,9 +166,9 @@ class Search:
         return vt.T @ np.diag(1 / s) @ u.T
 
     def slope_noise(self, vector: np.ndarray, aim: Aim) -> float:
-        """Error of slopes, which are differences."""
+        """Error of slopes by central differences, whose two parts balance; with some room."""
         share = self.shooter.difference(vector, aim) / float(lengths_of(vector))
-        return SLOPE_NOISE * share**2
+        return (2 * share) ** 2
 
     def direction_error(self, hit: Hit, miss: float) -> float:
         """Angle by which the direction of a hit may be off, for its miss; or infinite."""

@@ -9,25 +9,12 @@ from flint import acb, arb
 
 from geomtorsion.precision import ball_precision
 
-# Polygamma functions are brought to the right of zero from as far as this, one unit a time.
-FARTHEST_LEFT = 1000
-
 
 def _polygamma(order: acb, z: acb) -> acb:
-    """psi^(m); left of zero, where Arb has no bounds of wide balls, by its recurrence.
-
-    psi^(m)(z) = psi^(m)(z + 1) - (-1)^m m! / z^(m + 1)
-    """
+    """Real on the whole real axis, where Arb gives a small imaginary ball left of zero."""
     value = z.polygamma(order)
-    if not (order.imag.is_zero() and order.real.is_integer()):
-        return value
-    if not value.is_finite() and z.real > -FARTHEST_LEFT:
-        m, place, total = int(order.real.fmpz()), z, acb(0)
-        while m >= 0 and not place.real > 1:
-            total, place = total + place ** -(m + 1), place + 1
-        value = place.polygamma(order) - (-1) ** m * arb(m + 1).gamma() * total
-    # It is real on the whole real axis, where Arb gives a small imaginary ball.
-    return acb(value.real) if z.imag.is_zero() else value
+    is_real = z.imag.is_zero() and order.imag.is_zero() and order.real.is_integer()
+    return acb(value.real) if is_real else value
 
 
 # Numbers of functions by Arb, by the names of sympy's classes; mpmath takes ten seconds for 200

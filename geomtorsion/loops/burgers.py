@@ -145,8 +145,8 @@ def burgers_vector(
     compiled = forms(frame, parameters)
     for part in loop.parts:
         refuse_other_periods(compiled, part)
-    refuse_outside(frame, loop.parts, parameters)
     near = [refuse_poles(compiled.poles, part) for part in loop.parts]
+    refuse_outside(frame, loop.parts, parameters)
     pairs = [
         (line_route(compiled, part, accuracy, cuts), flux_route(compiled, part, accuracy))
         for part, cuts in zip(loop.parts, near, strict=True)

@@ -261,9 +261,9 @@ def develop(
     check_accuracy(accuracy)
     start = time.perf_counter()
     loop, parameters = with_numbers(frame, loop, parameters)
-    refuse_outside(frame, loop.parts, parameters)
     form = AffineForm(connection, parameters)
     lines = [repeated(along_line(form, part, accuracy), part.times) for part in loop.parts]
+    refuse_outside(frame, loop.parts, parameters)
     cones = [
         None if part.gap or _doubtful(form, part) else around_cone(form, part, accuracy)
         for part in loop.parts

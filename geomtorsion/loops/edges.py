@@ -181,9 +181,9 @@ def edge_integrals(
             "networks are summed in real numbers, but the frame is declared complex. "
             "Use burgers_vector or develop for single loops, or a real frame."
         )
-    _refuse_outside(frame, starts, ends, parameters)
     compiled = forms(frame, parameters)
     shares, distances = _nearest_line(frame, starts, ends, parameters)
+    _refuse_outside(frame, starts, ends, parameters)
     vectors, errors = np.empty(starts.shape), np.empty(len(starts))
     evaluations = 0
     alone = _near_other_poles(frame, compiled, starts, ends)

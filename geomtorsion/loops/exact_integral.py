@@ -339,9 +339,9 @@ def _refuse_poles(frame: Frame, loop: Loop, where: Mapping[sp.Symbol, sp.Expr]) 
     except MissingValueError:
         # Unknown functions have no numbers, and so no poles that could be looked for.
         return
-    refuse_outside(frame, here.parts, values)
     for part in here.parts:
         refuse_poles(compiled.poles, part)
+    refuse_outside(frame, here.parts, values)
     if frame.field.relied_on:
         # Raises where a root has not the sign with which it was read.
         compiled.coframe.at(here.points())

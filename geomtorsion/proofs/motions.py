@@ -20,9 +20,9 @@ from geomtorsion.proofs.wanted import log2
 TOO_WIDE = -8.0
 # Work that a proof may take: minutes of the double pendulum.
 MOST_STEPS = 100_000
-# A motion is stiff where so many steps in a row are shorter than this part of the time in which it
-# changes, and where so many more would be needed: minutes in which nothing happens.
-STIFF_STEPS, STIFF_PART, MOST_STIFF = 100, 1 / 1000, 10_000
+# A motion is stiff where so many steps in a row are so many times shorter than the time in which it
+# changes, and so many times as many would be needed: minutes in which nothing happens.
+STIFF = 100
 # Steps shorter than this part of the interval lead to a point where the motion ends.
 STANDSTILL = 2**50
 
@@ -116,9 +116,7 @@ def follow(
                     "Prove a shorter motion."
                 ),
             )
-        stiff = (
-            [*stiff, step.length] if float(arb(step.length)) < STIFF_PART * step.own_time else []
-        )
+        stiff = [*stiff, step.length] if STIFF * float(arb(step.length)) < step.own_time else []
         _check_stiff(stiff, leg, time)
         stop = None if leg.fall is None else _stop(leg.fall, step, time)
         last = arb(step.length) if stop is None else stop
@@ -147,13 +145,13 @@ def follow(
 
 def _check_stiff(lengths: Sequence[fmpq], leg: Leg, time: fmpq) -> None:
     """Refuse a motion whose steps have long been far shorter than the time in which it changes."""
-    if len(lengths) < STIFF_STEPS:
+    if len(lengths) < STIFF:
         return
-    needed = int(float(arb((leg.end - time) / max(lengths[-STIFF_STEPS:]))))
-    if needed > MOST_STIFF:
+    needed = int(float(arb((leg.end - time) / max(lengths[-STIFF:]))))
+    if needed > STIFF**2:
         raise RefusalError(
             f"the equations are stiff, or the edge of a function is near: {len(lengths)} steps "
-            "were shorter than a thousandth of the time in which the motion changes, and some "
+            "were shorter than a hundredth of the time in which the motion changes, and some "
             f"{needed:,} more would be needed",
             time,
             "Prove a shorter motion.",

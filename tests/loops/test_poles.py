@@ -169,7 +169,7 @@ def test_right_or_refused_from_rounding_to_the_radius(seed: int) -> None:
     try:
         cycle = Network(frame, square, parameters=B).burgers([0, 1, 2, 3])
         assert abs(cycle.vector[row] - inside) <= cycle.error < 1e-2
-    except SingularPointError:
+    except (SingularPointError, ChartEdgeError):
         assert distance < 1e-9
     many = burgers_vectors(frame, [[1 + x, 0, 0]], 1.0, accuracy=max(accuracy, 1e-10), parameters=B)
     if np.isfinite(many.vectors).all():
@@ -212,7 +212,7 @@ def test_near_a_curved_line(distance: float, inside: int) -> None:
     corners = [[x, 0, -0.5], [1.6, 0, -0.5], [1.6, 0, 0.5], [x, 0, 0.5]]
     try:
         found = burgers_vector(RING, Loop.polygon(corners), 1e-8)
-    except SingularPointError:
+    except (SingularPointError, ChartEdgeError):
         assert distance < 1e-7
     else:
         assert abs(found.vector[2] - inside) <= found.error < 0.5
