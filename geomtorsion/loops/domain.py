@@ -80,14 +80,14 @@ def refuse_outside(frame: Frame, parts: Sequence[Part], parameters: Parameters |
                 _refuse(edges, k, part, arc, s, row)
 
 
-def refuse_points(edges: Poles, points: np.ndarray, owner: str = "loop") -> None:
+def refuse_points(edges: Poles, points: np.ndarray, owner: str = "a loop") -> None:
     """Refuse points, shape (n, k), outside the domain; owner: of the points, for the message."""
     outside = ~(np.real(edges.values(points)) > 0)
     if outside.any():
         k, j = np.argwhere(outside)[0]
         raise ChartEdgeError(
-            f"expected a {owner} inside the domain of the frame, {edges.names[k]}, got the point "
-            f"{shown(points[:, j])}. Move the {owner} inside, or use other coordinates."
+            f"expected {owner} inside the domain of the frame, {edges.names[k]}, got the point "
+            f"{shown(points[:, j])}. Move it inside, or use other coordinates."
         )
 
 
@@ -97,13 +97,16 @@ def _refuse(edges: Poles, k: int, part: Part, arc: Arc, s: np.ndarray, row: np.n
     if not row[worst] > 0:
         refuse_points(edges, part.points(arc, s[worst : worst + 1])[0])
         return
-    before, here, after = row[:-2], row[1:-1], row[2:]
-    dips = (here <= before) & (here <= after) & (2 * here < np.maximum(before, after))
-    for j in np.flatnonzero(dips):
-        low, high = s[j], s[j + 2]
+    padded = np.concatenate(([np.inf], row, [np.inf]))
+    for j in np.flatnonzero((row <= padded[:-2]) & (row <= padded[2:])):
+        low, high = s[max(j - 1, 0)], s[min(j + 1, len(s) - 1)]
         while high - low > NARROWEST:
             near = np.linspace(low, high, 9)
             points = part.points(arc, near)[0]
             refuse_points(edges, points)
-            best = int(np.real(edges.values(points)[k]).argmin())
+            values = np.real(edges.values(points)[k])
+            best = int(values.argmin())
+            if 2 * values[best] > values.max():
+                # So flat a dip does not reach zero.
+                break
             low, high = near[max(best - 1, 0)], near[min(best + 1, 8)]

@@ -261,7 +261,7 @@ def _refuse_outside(
     for begin in range(0, len(starts), together):
         low, high = starts[begin : begin + together].T, ends[begin : begin + together].T
         points = low[:, :, None] + (high - low)[:, :, None] * s
-        refuse_points(domain, points.reshape(len(points), -1), "edge")
+        refuse_points(domain, points.reshape(len(points), -1), "an edge")
 
 
 def _near_other_poles(
