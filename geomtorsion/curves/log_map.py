@@ -13,14 +13,14 @@ from geomtorsion.caching import cached_property
 from geomtorsion.curves.constructors import autoparallel
 from geomtorsion.curves.problem import CurveProblem, checked_start
 from geomtorsion.curves.search import STALE, Followed, Hit, Search, reach_of
-from geomtorsion.curves.shooting import ROUNDING, Line, Shooter, lengths_of, tried
+from geomtorsion.curves.shooting import ROUNDING, Line, Shooter, lengths_of
 from geomtorsion.errors import EndpointError, GeomtorsionError
 from geomtorsion.geometry import Connection
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
 from geomtorsion.ode.numbers import Numbers, checked_accuracy, checked_numbers
 from geomtorsion.ode.solution import Solution
 from geomtorsion.ode.solve import engines, solve
-from geomtorsion.ode.system import STEPS_AT_ONCE, checked_engine
+from geomtorsion.ode.system import STEPS_AT_ONCE, WorkLimitError, checked_engine
 
 # The relative accuracy to which a motion is aimed again where the requested one found no answer.
 SHARPEST = 4 * ROUNDING
@@ -110,24 +110,25 @@ def log_map(
     target = np.array([float(x) for x in checked_start(frame, end, problem.parameters)])
     solver = _solver(problem, accuracy, engine)
 
-    def choice(aimed: float) -> _Choice:
+    first = None if guess is None else checked_numbers(guess, n, "guess")
+
+    def answer(aimed: float) -> LogMap:
         shooter = Shooter(problem, solver, solver.first(aimed / 10))
         search = Search(shooter, shooter.aim(target), aimed)
-        return _Choice(connection, search, engine, (start, end))
+        choice = _Choice(connection, search, engine, (start, end))
+        if first is None or guess is None:
+            return choice.shortest(target)
+        return choice.from_guess(shooter.weights @ np.array([float(x) for x in first]), guess)
 
-    if guess is not None:
-        first = np.array([float(x) for x in checked_numbers(guess, n, "guess")])
-        near = choice(accuracy)
-        return near.from_guess(near.search.shooter.weights @ first, guess)
     try:
-        return choice(accuracy).shortest(target)
+        return answer(accuracy)
     except EndpointError as error:
         # Near a conjugate point only motions that are as sharp as floats allow tell directions
         # apart.
         if accuracy <= SHARPEST or engine is not None:
             raise
         try:
-            return choice(SHARPEST).shortest(target)
+            return answer(SHARPEST)
         except GeomtorsionError:
             raise error from None
 
@@ -274,12 +275,16 @@ class _Choice:
         return answer
 
     def answer(self, found: Hit, guarantee: str) -> LogMap | None:
-        """A motion solved to the accuracy; None if that fails or its end misses."""
+        """A motion solved to the accuracy; None if its end misses."""
         shooter, velocity = self.search.shooter, self.search.shooter.velocity(found.vector)
         problem = shooter.problem.with_start(frame_velocity=velocity)
-        solution = tried(solve, problem, [1.0], self.search.accuracy / 10, self.engine)
-        if solution is None:
-            return None
+        try:
+            solution = solve(problem, [1.0], self.search.accuracy / 10, self.engine)
+        except (ArithmeticError, WorkLimitError) as reason:
+            raise EndpointError(
+                f"expected a motion {self.where} to accuracy {self.search.accuracy:.3g}, but the "
+                f"one found cannot be solved: {reason}"
+            ) from None
         place = solution.in_chart(self.search.aim.label)[-1].astype(float)
         shot = shooter.measured(found.vector, self.search.aim.label, place, self.search.aim)
         if shot.size > 10 * self.search.allowed(found.vector, self.search.aim):
@@ -289,7 +294,8 @@ class _Choice:
             guarantee += "; no conjugate point on it was noticed"
             turn = self.search.direction_error(found, shot.size)
             if turn > 100 * self.search.accuracy:
-                guarantee += f"; near a conjugate point its direction is good to {turn:.1g}"
+                good = f"good to {turn:.1g}" if np.isfinite(turn) else "not determined"
+                guarantee += f"; so near to a conjugate point its direction is {good}"
         length = found.length
         if length and not shooter.is_definite:
             unit = velocity / length

@@ -171,11 +171,11 @@ class Search:
         return (2 * share) ** 2
 
     def direction_error(self, hit: Hit, miss: float) -> float:
-        """Angle by which the direction of a hit may be off, for its miss; or infinite."""
+        """Angle by which the direction of a hit may be off, twice that of its miss; or infinite."""
         inverse = self.inverse_slopes(hit.shot, hit.aim)
         if inverse is None:
             return np.inf
-        return float(np.linalg.norm(inverse, 2)) * miss / hit.length
+        return float(2 * np.linalg.norm(inverse, 2)) * miss / hit.length
 
     def directions(self, found: list[Hit]) -> list[np.ndarray]:
         """Unit vectors of the fan: back along each motion found, then axes and between axes."""

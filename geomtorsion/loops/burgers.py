@@ -16,6 +16,7 @@ from geomtorsion.loops.defects import lines_alone
 from geomtorsion.loops.domain import refuse_outside
 from geomtorsion.loops.exact_integral import ExactBurgersVector, exact_burgers_vector
 from geomtorsion.loops.forms import forms
+from geomtorsion.loops.hidden_flux import hidden_flux
 from geomtorsion.loops.integrals import (
     Route,
     agreement,
@@ -161,6 +162,9 @@ def burgers_vector(
     with np.errstate(over="ignore", invalid="ignore"):
         # Loops beyond 1e154 have vectors beyond all doubles; `numbers` has them.
         reduced, error = _total(loop, picked, power)
+        if error == 0 and compiled.curl is not None:
+            # Samples that are zero do not show that the torsion is.
+            error = hidden_flux(frame, loop.parts, parameters) / loop.size**power
         check = _check(loop, pairs, [agrees for _, agrees, _ in chosen])
     return BurgersVector(
         frame=frame,
