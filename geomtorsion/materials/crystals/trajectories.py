@@ -86,8 +86,8 @@ def reports(
             grains = KnownGrains.of(frame.crystal.grains)
             if file is not None:
                 # A run that fails in its first frame leaves no files, so that it can be corrected.
-                file.parent.mkdir(parents=True, exist_ok=True)
-                write_text(file.with_name(SETTINGS), settings)
+                with written(file.parent, is_folder=True):
+                    write_text(file.with_name(SETTINGS), settings)
                 if "grains" in report:
                     with written(file.with_suffix(".npy")) as part, part.open("wb") as stream:
                         np.save(stream, grains.owner)
