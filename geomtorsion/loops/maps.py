@@ -267,7 +267,7 @@ class _Family:
             return np.zeros(count, dtype=bool)
         points = places.points(self.shape.rim(2).points)
         inside = np.real(edges.values(points.reshape(len(points), -1))) > 0
-        return ~inside.reshape(len(inside), count, -1).all(axis=(0, 2))
+        return np.asarray(~inside.reshape(len(inside), count, -1).all(axis=(0, 2)))
 
     def _alone(self, result: _Values, k: int, centre: np.ndarray, axes: np.ndarray) -> int:
         """One loop that the rules for many could not settle, and points evaluated."""

@@ -4,6 +4,8 @@ A bound that is too small makes a ball wrong; one that is much too large would l
 pass, so each is compared with its exact value on both sides.
 """
 
+# pyright: reportOptionalMemberAccess=false
+
 from __future__ import annotations
 
 import math
