@@ -97,7 +97,7 @@ def follow(
     boxes: list[list[arb]] = []
     waiting = list(leg.samples)
     time, radius, steps = leg.begin, None, 0
-    stiff: list[fmpq] = []
+    lengths, slow = list[fmpq](), 0
     while waiting and waiting[0] == time:
         boxes.append(whole.hull)
         waiting.pop(0)
@@ -116,8 +116,9 @@ def follow(
                     "Prove a shorter motion."
                 ),
             )
-        stiff = [*stiff, step.length] if STIFF * float(arb(step.length)) < step.own_time else []
-        _check_stiff(stiff, leg, time)
+        lengths = [*lengths[-STIFF:], step.length]
+        slow = slow + 1 if STIFF * float(arb(step.length)) < step.own_time else 0
+        _check_pace(lengths, slow, leg, time)
         stop = None if leg.fall is None else _stop(leg.fall, step, time)
         last = arb(step.length) if stop is None else stop
         if stop is None:
@@ -143,16 +144,18 @@ def follow(
     return Followed(boxes, whole, None, steps)
 
 
-def _check_stiff(lengths: Sequence[fmpq], leg: Leg, time: fmpq) -> None:
-    """Refuse a motion whose steps have long been far shorter than the time in which it changes."""
+def _check_pace(lengths: Sequence[fmpq], slow: int, leg: Leg, time: fmpq) -> None:
+    """Refuse a motion that would need too many steps as short as all of the last ones.
+
+    slow: how many in a row were far shorter than the time in which the motion changes.
+    """
     if len(lengths) < STIFF:
         return
-    needed = int(float(arb((leg.end - time) / max(lengths[-STIFF:]))))
-    if needed > STIFF**2:
+    needed = int(float(arb((leg.end - time) / max(lengths))))
+    if needed > MOST_STEPS or (slow >= STIFF and needed > STIFF**2):
         raise RefusalError(
-            f"the equations are stiff, or the edge of a function is near: {len(lengths)} steps "
-            "were shorter than a hundredth of the time in which the motion changes, and some "
-            f"{needed:,} more would be needed",
+            f"after {STIFF} steps as short as these some {needed:,} more would be needed: the "
+            "equations are stiff, the edge of a function is near, or the motion is too long",
             time,
             "Prove a shorter motion.",
         )

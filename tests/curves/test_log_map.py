@@ -41,17 +41,17 @@ def great_circle(start, angle, length):
 
 @pytest.mark.parametrize("short", [1e-5, 1e-6])
 def test_a_generic_great_circle_almost_to_the_antipode(short):
-    """The length is right, and the direction to what the answer says of it."""
+    """The length is right, and the direction to what the answer states."""
     end = great_circle([1.0, 0.3], 0.4, np.pi - short)
     answer = log_map(levi_civita(load("s2").frame), [1.0, 0.3], end, parameters={"R": 1})
     assert answer.length == pytest.approx(np.pi - short, abs=1e-9)
     turn = np.abs(answer.vector / answer.length - [np.cos(0.4), np.sin(0.4)]).max()
-    _, _, said = answer.guarantee.partition("direction is good to ")
-    assert turn < (float(said) if said else 1e-8)
+    _, _, stated = answer.guarantee.partition("direction is good to ")
+    assert turn < (float(stated) if stated else 1e-8)
 
 
 def test_the_reason_is_that_the_end_is_almost_conjugate():
-    """So near to the antipode that errors hide the direction, the refusal says that."""
+    """So near to the antipode that errors hide the direction, the refusal gives that as its reason."""
     end = great_circle([0.7, -1.2], 0.4, np.pi - 1e-9)
     with pytest.raises(EndpointError, match="conjugate|cut locus"):
         log_map(levi_civita(load("s2").frame), [0.7, -1.2], end, parameters={"R": 1})
