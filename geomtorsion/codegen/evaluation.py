@@ -126,10 +126,12 @@ def exact_number(value: Any, bits: int) -> Exact:
     """
     with working_precision(bits):
         fraction = rational(value)
+        if type(value).__name__ in LONG_FLOATS:
+            if fraction is None:
+                return mpmath.mpf(float(value))
+            return mpmath.mpf(fraction.numerator) / fraction.denominator
         if fraction is not None:
             return fraction
-        if type(value).__name__ in LONG_FLOATS:
-            return mpmath.mpf(float(value))
         if hasattr(value, "evalf"):
             return mpmath.mpmathify(value.evalf(mpmath.mp.dps + 5))
         return +mpmath.mpmathify(value)

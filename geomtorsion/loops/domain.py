@@ -28,8 +28,10 @@ def loop_edges(frame: Frame) -> tuple[Edge, ...]:
 
     Frames of parallel lines declare none: their coframe has no finite value on a line.
     """
-    inside = set(frame.coordinates)
-    return tuple(edge for edge in domain_edges(frame) if edge.element.symbols & inside)
+    inside, branches = set(frame.coordinates), {str(branch) for branch in frame.branches}
+    edges = (edge for edge in domain_edges(frame) if edge.element.symbols & inside)
+    # Values of the coframe themselves refuse the other side of a branch.
+    return tuple(edge for edge in edges if edge.condition not in branches)
 
 
 @derived
