@@ -206,10 +206,10 @@ def _chosen(
             "line: the flux of the torsion differs, so the loop encloses a defect of the frame",
         )
     if not better:
-        return line, True, "line: both methods agree; the line integral is more accurate"
+        return line, True, "line: both methods agree; this one is more accurate"
     error, largest = float(line.error[0]), float(np.abs(line.values).max())
     if error <= accuracy * largest:
-        return flux, True, "flux: both methods agree; the flux integral is more accurate"
+        return flux, True, "flux: both methods agree; this one is more accurate"
     digits = f"{error / largest:.0e}" if largest else "no digit"
     why = f"flux: the loop is so small that the line integral is good to {digits} of b only"
     return flux, True, why
