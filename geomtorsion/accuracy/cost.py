@@ -226,7 +226,9 @@ def accuracy_cost(
     """
     asked = [checked_accuracy(accuracy) for accuracy in accuracies]
     if not asked:
-        raise AccuracyError("no accuracy was given; give some, such as [1e-6, 1e-9].")
+        raise AccuracyError(
+            "accuracies: expected at least one, got none. Give some, such as [1e-6, 1e-9]."
+        )
     solvers = list(engines or ([Taylor()] if is_available() else []) + [RungeKutta()])
     times, grid = checked_times(t)
     truth = truth_of(problem, grid, exact)

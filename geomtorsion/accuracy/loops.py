@@ -130,7 +130,7 @@ def loop_costs(
     """
     unknown = [rule for rule in rules if rule not in RULES]
     if unknown:
-        raise LoopError(f"there is no rule {unknown[0]!r}; known are {', '.join(RULES)}.")
+        raise LoopError(f"rules: expected some of {', '.join(RULES)}, got {unknown[0]!r}.")
     truth = reference(frame, loop, parameters)
     largest = max(abs(x) for x in truth)
     # Values that half of the digits do not distinguish from zero are rounding.

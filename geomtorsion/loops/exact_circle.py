@@ -58,7 +58,7 @@ def exact_circle(
         if value is None:
             raise UndecidedError(
                 f"b^{i} of this circle has no closed form that is known here: the integrand is "
-                f"{checks.shown(f)}. Ask for numbers, with burgers_vector."
+                f"{checks.shown(f)}. Use burgers_vector(...) for a number."
             )
         components.append(short(value))
     where = sample_of(frame, sp.Tuple(*piece[0]).free_symbols - {piece[1]})
@@ -87,8 +87,8 @@ def _refuse_changes(frame: Frame, piece: Piece) -> None:
     path = piece[0]
     if frame.field.relied_on:
         raise UndecidedError(
-            "the coframe has roots whose sign is known on a part of the space only; whether the "
-            "circle stays there is found by numbers. Ask for them, with burgers_vector."
+            "expected a coframe without choices of sign, got roots that were read for a part "
+            "of the space. Use burgers_vector(...) for a number."
         )
     table = dict(zip(frame.coordinates, path, strict=True))
     for value in [*frame.coframe.nonzero().values(), *frame.coframe.undecided().values()]:
@@ -97,6 +97,6 @@ def _refuse_changes(frame: Frame, piece: Piece) -> None:
         if not below.is_nonzero:
             raise UndecidedError(
                 f"the denominator {checks.shown(sp.denom(sp.together(value)))} of the coframe "
-                "changes along the circle; whether it vanishes there is found by numbers. Put the "
-                "centre where it stays the same, or ask for numbers, with burgers_vector."
+                "changes along the circle and may vanish there. Put the centre where it stays the "
+                "same, or use burgers_vector(...) for a number."
             )

@@ -317,14 +317,14 @@ def exact_burgers_vector(
                     if value is None:
                         raise UndecidedError(
                             f"b^{i} of this loop has no closed form that is known here: the "
-                            f"integrand is {f}. Ask for numbers, without exact=True."
+                            f"integrand is {f}. Use exact=False for a number."
                         )
                     total[i] += times * value
                     numbers[i].append(times * _number(f, piece, where))
             vector = tuple(short(x) for x in total)
     except AllowanceError:
         raise UndecidedError(
-            f"no closed form was found in {seconds:g} s. Ask for numbers, without exact=True."
+            f"no closed form was found in {seconds:g} s. Use exact=False for a number."
         ) from None
     _verify(vector, numbers, where)
     return ExactBurgersVector(frame, loop, vector, where, time.perf_counter() - start)
@@ -471,7 +471,7 @@ def _verify(
             shown = number.str(DIGITS, radius=False) if number.is_finite() else "not proved"
         raise UndecidedError(
             f"the closed form {expression} for b^{i} was found, but it is {value.evalf(DIGITS)} "
-            f"where the integral is {shown}. Ask for numbers, without exact=True."
+            f"where the integral is {shown}. Use exact=False for a number."
         )
 
 
