@@ -1,11 +1,15 @@
 """Fields: frames and displacements on grids and at scattered points."""
 
 from geomtorsion.materials.fields.blocked_map import BlockMap, blocked_map
+from geomtorsion.materials.fields.densities import Conservation, DefectDensities, Density
 from geomtorsion.materials.fields.sampled import SampledFrame
 from geomtorsion.materials.fields.scattered import ScatteredFrame
 
 __all__ = [
     "BlockMap",
+    "Conservation",
+    "DefectDensities",
+    "Density",
     "SampledFrame",
     "ScatteredFrame",
     "blocked_map",

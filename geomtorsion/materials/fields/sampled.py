@@ -14,9 +14,18 @@ from geomtorsion.loops import Cochain, EdgeIntegrals, Loop
 from geomtorsion.materials.burgers import PLANE, Burgers, Section
 from geomtorsion.materials.fields import cells, holes
 from geomtorsion.materials.fields.circuits import (
+    Field,
     edge_cochain,
     sampled_burgers,
     sampled_edges,
+)
+from geomtorsion.materials.fields.densities import (
+    Conservation,
+    DefectDensities,
+    Density,
+    conservation_of,
+    densities_of,
+    incompatibility_of,
 )
 from geomtorsion.materials.fields.displaced import (
     displaced_burgers,
@@ -271,6 +280,113 @@ class SampledFrame(Samples):
         both = (self.nye, self.nye_noise)
         values, floor = (np.sqrt((x**2).sum(axis=(0, 1))) / b for x in both)
         return values, floor
+
+    @cached_property
+    def incompatibility(self) -> Density:
+        """Incompatibility eta_kl = eps_kab eps_lcd d_a d_c E_bd of the strain, with its errors.
+
+        E is the symmetric part of the coframe, whose distortion is small. A strain that comes from
+        a displacement has eta = 0 [Kroener 1958]. The values have shape (3, 3, N_1, N_2, N_3); on a
+        plane grid only k = l = 3 is known, with shape (1, 1, N_1, N_2).
+
+        Raises
+        ------
+        GridError
+            The grid has more than three axes, or the field fewer rows than axes.
+
+        Examples
+        --------
+        >>> axes = [np.linspace(-1, 1, 9)] * 2
+        >>> x, y = np.meshgrid(*axes, indexing="ij")
+        >>> strain = np.array([[3 * y**2, 0 * x], [0 * x, x**2]])
+        >>> eta = SampledFrame.from_distortion(axes, strain, sigma=1e-3).incompatibility
+        >>> eta.values[0, 0].mean().round(9), eta.error[0, 0, 4, 4].round(3)
+        (np.float64(8.0), np.float64(0.069))
+        """
+        return incompatibility_of(self._smooth("incompatibility"), self._per_area(""))
+
+    def defect_densities(self, bend: SampledFrame | None = None) -> DefectDensities:
+        """Densities of dislocations and disclinations, and the incompatibility, with their errors.
+
+        Parameters
+        ----------
+        bend
+            kappa^m_a, rows m, radians per unit of length: lattice curvature that is measured
+            without a rotation, for example up to symmetry. The coframe is then 1 + strain. Without
+            a bend, the coframe includes the rotation, and there are no disclinations.
+
+        Raises
+        ------
+        GridError
+            The fields have different nodes, too few rows, or more than three axes.
+
+        Examples
+        --------
+        A bend about z along y that grows along x: disclinations along z.
+
+        >>> axes = [np.linspace(-1, 1, 9)] * 3
+        >>> x, y, z = np.meshgrid(*axes, indexing="ij")
+        >>> kappa = np.zeros((3, 3, 9, 9, 9))
+        >>> kappa[2, 1] = x
+        >>> strain = SampledFrame.from_distortion(axes, np.zeros_like(kappa))
+        >>> densities = strain.defect_densities(SampledFrame(axes, kappa))
+        >>> densities.disclination.values[:, :, 4, 4, 4].round(9)[2].tolist()
+        [0.0, 0.0, 1.0]
+        """
+        units = self._per_area(self.vector_unit), self._per_area("rad"), self._per_area("")
+        if bend is not None:
+            checks.instance(bend, SampledFrame, "bend")
+        curved = None if bend is None else bend._smooth("bend")
+        return densities_of(self._smooth("defect_densities"), curved, units)
+
+    def conservation(self, disclination: SampledFrame | None = None) -> Conservation:
+        """Whether this field, read as a dislocation density alpha^{ik}, obeys its conservation law.
+
+        d_k alpha^{ik} = eps_imk theta^{mk}, d_k theta^{mk} = 0 [de Wit 1973]. Without
+        disclinations theta, dislocations end nowhere. A density computed from one coframe satisfies
+        the law identically, so that the check is for densities from other measurements.
+
+        Parameters
+        ----------
+        disclination
+            theta^{mk} at the same nodes, rows m.
+
+        Raises
+        ------
+        GridError
+            The fields do not have three rows on three axes, or have different nodes.
+
+        Examples
+        --------
+        Screw dislocations along z, whose number grows along z because many end inside:
+
+        >>> axes = [np.linspace(-1, 1, 9)] * 3
+        >>> z = np.meshgrid(*axes, indexing="ij")[2]
+        >>> alpha = np.zeros((3, 3, 9, 9, 9))
+        >>> alpha[2, 2] = z
+        >>> SampledFrame(axes, alpha, sigma=0.01).conservation().mismatch > 5
+        True
+        """
+        theta = None
+        if disclination is not None:
+            checks.instance(disclination, SampledFrame, "disclination")
+            theta = disclination._smooth("disclination")
+        return conservation_of(self._smooth("conservation"), theta)
+
+    def _per_area(self, of: str) -> str:
+        """Unit of a density."""
+        if of == self.unit:
+            return f"1/{self.unit}" if self.unit else ""
+        return f"{of or 1}/{self.unit}^2" if self.unit else of
+
+    def _smooth(self, name: str) -> Field:
+        """The values, if they are no differences of a displacement."""
+        if self.displacement is not None:
+            raise GridError(
+                f"{name}: expected a distortion, got differences of a displacement, whose "
+                "densities vanish except at cores. Use burgers_map, or SampledFrame(axes, coframe)."
+            )
+        return self._field
 
     @cached_property
     def cochain(self) -> Cochain:
