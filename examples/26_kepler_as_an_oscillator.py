@@ -5,7 +5,7 @@
 
 The map from four dimensions to three of Kustaanheimo and Stiefel (1965), which Duru and Kleinert
 (1979) used for the hydrogen atom. In the frame of this map, the acceleration -x/r^3 acts on a point
-with an angle. In pseudo-time s, with dt = r ds, the same motion is an oscillation of u.
+with an angle. In pseudo-time s, with dt = r ds, the same motion is an oscillation of q.
 """
 
 import argparse
@@ -15,36 +15,36 @@ import numpy as np
 import geomtorsion as gt
 
 SPACE = gt.spaces.load("kustaanheimo_stiefel")
-POTENTIAL = "-1/(u1**2 + u2**2 + u3**2 + u4**2)"
+POTENTIAL = "-1/(q1**2 + q2**2 + q3**2 + q4**2)"
 
 
 def lifted(place: list[float]) -> list[float]:
-    """One u above a point with z + r > 0; the others differ by an angle."""
+    """One q above a point with z + r > 0; the others differ by an angle."""
     x, y, z = place
     one = np.sqrt((np.linalg.norm(place) + z) / 2)
     return [float(one), 0.0, float(x / (2 * one)), float(y / (2 * one))]
 
 
 def oscillator(place: list[float], velocity: list[float]) -> gt.ODE:
-    """d2u/ds2 = E/2 u and dt/ds = r, from a place and a velocity in space."""
+    """d2q/ds2 = E/2 q and dt/ds = r, from a place and a velocity in space."""
     energy = np.dot(velocity, velocity) / 2 - 1 / np.linalg.norm(place)
-    u = lifted(place)
+    q = lifted(place)
     frame = gt.numpy_function(SPACE.frame.legs, SPACE.frame.coordinates)
-    # The fourth velocity is zero. dt = r ds multiplies all velocities by r = u^2.
-    slopes = np.dot(u, u) * np.asarray(frame(*u)) @ [*velocity, 0.0]
-    rates = {"t": "u1**2 + u2**2 + u3**2 + u4**2"}
+    # The fourth velocity is zero. dt = r ds multiplies all velocities by r = q^2.
+    slopes = np.dot(q, q) * np.asarray(frame(*q)) @ [*velocity, 0.0]
+    rates = {"t": "q1**2 + q2**2 + q3**2 + q4**2"}
     start = {"t": 0.0}
     for k in range(4):
-        rates |= {f"u{k + 1}": f"p{k + 1}", f"p{k + 1}": f"E*u{k + 1}/2"}
-        start |= {f"u{k + 1}": u[k], f"p{k + 1}": float(slopes[k])}
+        rates |= {f"q{k + 1}": f"p{k + 1}", f"p{k + 1}": f"E*q{k + 1}/2"}
+        start |= {f"q{k + 1}": q[k], f"p{k + 1}": float(slopes[k])}
     return gt.ODE.of(rates, start, parameters={"E": float(energy)}, time="s")
 
 
 def places(solution: gt.Solution) -> np.ndarray:
     """Points in space of a solution, shape (m, 3)."""
-    u = np.stack([solution[f"u{k}"] for k in (1, 2, 3, 4)], axis=1)
+    q = np.stack([solution[f"q{k}"] for k in (1, 2, 3, 4)], axis=1)
     assert SPACE.embedding is not None
-    return SPACE.embedding(SPACE.frame).places(u, {})
+    return SPACE.embedding(SPACE.frame).places(q, {})
 
 
 def orbit(eccentricity: float) -> None:
@@ -81,7 +81,7 @@ def physical_time() -> None:
         gt.cartan(SPACE.frame), lifted(place), frame_velocity=[*velocity, 0.0], potential=POTENTIAL
     )
     end = gt.solve(problem, float(solution["t"][-1]), 1e-12).coordinates[-1]
-    gap = max(abs(end[k] - solution[f"u{k + 1}"][-1]) for k in range(4))
+    gap = max(abs(end[k] - solution[f"q{k + 1}"][-1]) for k in range(4))
     print(f"autoparallel with the potential -1/r: differs by {gap:.1e}")
     assert gap < 1e-10
 

@@ -15,7 +15,7 @@ R = sum(u**2 for u in U)
 
 
 def place(u: tuple[sp.Symbol, ...]) -> list[sp.Expr]:
-    """x, y, z with spinors: x^i = z* sigma^i z for z = (u1 + i u2, u3 + i u4)."""
+    """x, y, z with spinors: x^i = z* sigma^i z for z = (q1 + i q2, q3 + i q4)."""
     z = sp.Matrix([u[0] + sp.I * u[1], u[2] + sp.I * u[3]])
     pauli = ([[0, 1], [1, 0]], [[0, -sp.I], [sp.I, 0]], [[1, 0], [0, -1]])
     return [sp.expand((z.H * sp.Matrix(sigma) * z)[0]) for sigma in pauli]
@@ -28,7 +28,7 @@ def places(curve: gt.Solution) -> np.ndarray:
 
 
 def test_three_forms_are_the_differentials_of_a_point_in_space() -> None:
-    """The embedding is the map by Pauli matrices, and |x| = u^2."""
+    """The embedding is the map by Pauli matrices, and |x| = q^2."""
     assert SPACE.embedding is not None
     shown = SPACE.embedding(FRAME).place
     assert [sp.expand(a - b) for a, b in zip(shown, place(U), strict=True)] == [0, 0, 0]
@@ -39,9 +39,9 @@ def test_three_forms_are_the_differentials_of_a_point_in_space() -> None:
 
 
 def test_only_the_fourth_form_has_torsion() -> None:
-    """The fourth form is not closed: T^4 = -4 (du1 ^ du2 + du3 ^ du4)."""
+    """The fourth form is not closed: T^4 = -4 (dq1 ^ dq2 + dq3 ^ dq4)."""
     assert all(CARTAN.torsion_form(k).is_zero for k in range(3))
-    assert str(CARTAN.torsion_form(3)) == "-4 du1 ^ du2 - 4 du3 ^ du4"
+    assert str(CARTAN.torsion_form(3)) == "-4 dq1 ^ dq2 - 4 dq3 ^ dq4"
 
 
 def test_autoparallels_are_straight_lines_in_space() -> None:
