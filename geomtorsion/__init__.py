@@ -15,41 +15,13 @@ begin_command()
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion import conventions, errors, spaces
-from geomtorsion.allowance import limits
+from geomtorsion import errors
 from geomtorsion.errors import GeomtorsionError
-from geomtorsion.exact import Certainty, parse_expression
-from geomtorsion.geometry import (
-    Connection,
-    Curvature,
-    DependencyGraph,
-    Form,
-    Frame,
-    IdentityCheck,
-    Integrability,
-    Surface,
-    Tensor,
-    Torsion,
-    blend,
-    cartan,
-    constrained,
-    contract,
-    from_coefficients,
-    from_contortion,
-    from_spin_connection,
-    from_torsion,
-    identities,
-    levi_civita,
-    lie,
-    lie_bracket,
-    surface,
-)
-from geomtorsion.spaces import read_file as read
 
 if TYPE_CHECKING:
     __version__: str
     # For editors and type checkers, which do not load names one by one.
-    from geomtorsion import gravity, pictures, scenes
+    from geomtorsion import conventions, gravity, pictures, scenes, spaces
     from geomtorsion.accuracy import (
         CostRow,
         CostTable,
@@ -64,6 +36,7 @@ if TYPE_CHECKING:
         linearized,
         variation,
     )
+    from geomtorsion.allowance import limits
     from geomtorsion.curves import (
         Atlas,
         Chart,
@@ -79,6 +52,32 @@ if TYPE_CHECKING:
         log_map,
         parallel_transport,
         spinning,
+    )
+    from geomtorsion.exact import Certainty, parse_expression
+    from geomtorsion.geometry import (
+        Connection,
+        Curvature,
+        DependencyGraph,
+        Form,
+        Frame,
+        IdentityCheck,
+        Integrability,
+        Surface,
+        Tensor,
+        Torsion,
+        blend,
+        cartan,
+        constrained,
+        contract,
+        from_coefficients,
+        from_contortion,
+        from_spin_connection,
+        from_torsion,
+        identities,
+        levi_civita,
+        lie,
+        lie_bracket,
+        surface,
     )
     from geomtorsion.geometry.numpy_functions import (
         numpy_function,
@@ -113,7 +112,12 @@ if TYPE_CHECKING:
         parallel_screws,
     )
     from geomtorsion.materials import crystals, images
-    from geomtorsion.materials.fields import SampledFrame, ScatteredFrame
+    from geomtorsion.materials.fields import (
+        SampledFrame,
+        ScatteredFrame,
+        defect_conservation,
+        defect_densities,
+    )
     from geomtorsion.materials.images import (
         LatticeBurgers,
         LatticeImage,
@@ -158,11 +162,21 @@ if TYPE_CHECKING:
         StateSelection,
         effects,
     )
+    from geomtorsion.spaces import read_file as read
     from geomtorsion.spaces.kerr_orbits import Frequencies, KerrOrbit, kerr_orbit
     from geomtorsion.teaching import exercises
 
-# Imported on first use, so that geometry starts as fast as sympy.
+# Imported on first use: sympy alone takes longer than the start of a program should.
 _LATER = {
+    "allowance": ("limits",),
+    "exact": ("Certainty", "parse_expression"),
+    "geometry": (
+        "Connection", "Curvature", "DependencyGraph", "Form", "Frame", "IdentityCheck",
+        "Integrability", "Surface", "Tensor", "Torsion", "blend", "cartan", "constrained",
+        "contract", "from_coefficients", "from_contortion", "from_spin_connection",
+        "from_torsion", "identities", "levi_civita", "lie", "lie_bracket", "surface",
+    ),
+    "spaces": ("read",),
     "geometry.numpy_functions": ("numpy_function",),
     "action": (
         "EquationsOfMotion", "Linearization", "Variation", "conserved_quantities",
@@ -187,7 +201,9 @@ _LATER = {
         "dispiration", "enclosed_defects", "exact_burgers_vector", "find_defects",
         "parallel_dislocations", "parallel_edges", "parallel_screws",
     ),
-    "materials.fields": ("SampledFrame", "ScatteredFrame"),
+    "materials.fields": (
+        "SampledFrame", "ScatteredFrame", "defect_conservation", "defect_densities",
+    ),
     "materials.lines": ("Box", "DislocationNetwork", "LineArrays", "Reaction"),
     "materials.maps": ("Circuit", "OrientationMap", "Phase"),
     "materials.images": ("LatticeBurgers", "LatticeImage", "LatticePhases"),
@@ -200,9 +216,13 @@ _LATER = {
 }  # fmt: skip
 # Packages that users reach by a public name, imported on first use.
 _PACKAGES = {
-    "crystals": "materials.crystals", "exercises": "teaching.exercises",
+    "conventions": "conventions", "crystals": "materials.crystals",
+    "exercises": "teaching.exercises",
     "gravity": "gravity", "images": "materials.images", "pictures": "pictures", "scenes": "scenes",
+    "spaces": "spaces",
 }  # fmt: skip
+# Names that differ from those inside the package.
+_INSIDE = {"read": "read_file"}
 _HOME = {name: package for package, names in _LATER.items() for name in names}
 
 __all__ = [
@@ -286,6 +306,8 @@ __all__ = [
     "contract",
     "conventions",
     "crystals",
+    "defect_conservation",
+    "defect_densities",
     "develop",
     "develop_path",
     "develop_period",
@@ -349,7 +371,7 @@ if not TYPE_CHECKING:
             return import_module(f"geomtorsion.{_PACKAGES[name]}")
         if name not in _HOME:
             raise AttributeError(f"module 'geomtorsion' has no attribute {name!r}")
-        found = getattr(import_module(f"geomtorsion.{_HOME[name]}"), name)
+        found = getattr(import_module(f"geomtorsion.{_HOME[name]}"), _INSIDE.get(name, name))
         # Kept, because a second import costs as much as a short solution.
         globals()[name] = found
         return found

@@ -14,6 +14,7 @@ from geomtorsion.checks import instance
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ShapeError, TensorIndexError
 from geomtorsion.exact import Element
+from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import riemannian
 from geomtorsion.geometry.components import (
     Components,
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
 HALF = Fraction(1, 2)
 
 
+@exclusive
 @dataclass(frozen=True, eq=False, repr=False)
 class Connection:
     """An affine connection over a frame.

@@ -43,7 +43,7 @@ TOPICS: dict[str, str] = {
     "Developments": "develop develop_path develop_period Development AffineMap",
     "Steps on a network": "Cochain Complex EdgeList Network NodeRule",
     "Measured fields, maps and images": "SampledFrame ScatteredFrame OrientationMap Circuit Phase "
-    "LatticeImage LatticePhases LatticeBurgers images",
+    "LatticeImage LatticePhases LatticeBurgers images defect_densities defect_conservation",
     "Atoms and dislocation lines": "crystals DislocationNetwork LineArrays Box Reaction",
     "Rigid bodies": "Body Scene State effects scenes SceneResult StateSelection SceneCost FreeTop "
     "free_top",

@@ -17,6 +17,7 @@ from geomtorsion.errors import GridError
 from geomtorsion.loops.quadrature import ROUNDING
 from geomtorsion.materials.fields.circuits import Field, unexplained
 from geomtorsion.materials.fields.grid import Grid
+from geomtorsion.materials.fields.samples import Samples
 from geomtorsion.materials.fields.sides import on_grid
 
 if TYPE_CHECKING:
@@ -100,7 +101,7 @@ class DefectDensities:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Conservation:
+class DefectConservation:
     """Whether measured densities satisfy their conservation laws, in units of their errors.
 
     Equation
@@ -133,7 +134,7 @@ class Conservation:
         return tuple(int(k) for k in np.unravel_index(int(place), shape))
 
     def __repr__(self) -> str:
-        return f"Conservation(mismatch {self.mismatch:.3g} errors, largest at {self.worst})"
+        return f"DefectConservation(mismatch {self.mismatch:.3g} errors, largest at {self.worst})"
 
 
 def _ratio(density: Density) -> np.ndarray:
@@ -332,38 +333,97 @@ def check_equal_grids(one: Grid, two: Grid, name: str) -> None:
         )
 
 
-def incompatibility_of(sampled: Field, unit: str) -> Density:
+def incompatibility_of(samples: Samples) -> Density:
     """eta_kl = eps_kab eps_lcd d_a d_c E_bd of the symmetric part of a distortion."""
-    grid = sampled.grid
-    check_field(grid, sampled.rows, grid.dimension, "incompatibility", second=True)
-    return _density([(_Operators(sampled), _eta(grid.dimension))], unit)
+    sampled = _smooth(samples, "incompatibility")
+    dimension = sampled.grid.dimension
+    check_field(sampled.grid, sampled.rows, dimension, "incompatibility", second=True)
+    return _density([(_Operators(sampled), _eta(dimension))], _per_area(samples, ""))
 
 
-def densities_of(
-    sampled: Field, bend: Field | None, units: tuple[str, str, str]
-) -> DefectDensities:
-    """All densities of a distortion, or of a strain with a bend.
+def defect_densities(strain: Samples, bend: Samples | None = None) -> DefectDensities:
+    """Densities of dislocations and disclinations, and the incompatibility, with their errors.
 
-    units: of dislocations, disclinations and incompatibility.
+    Parameters
+    ----------
+    strain
+        A frame on a grid, with the coframe 1 + strain if there is a bend. Without a bend, the
+        coframe includes the rotation, and there are no disclinations.
+    bend
+        kappa^m_a on the same grid, rows m, radians per unit of length: lattice curvature that is
+        measured without a rotation, for example up to symmetry.
+
+    Raises
+    ------
+    GridError
+        The fields have different nodes, too few rows, or more than three axes.
+
+    Examples
+    --------
+    A bend about z along y that grows along x: disclinations along z.
+
+    >>> from geomtorsion import SampledFrame
+    >>> axes = [np.linspace(-1, 1, 9)] * 3
+    >>> x, y, z = np.meshgrid(*axes, indexing="ij")
+    >>> kappa = np.zeros((3, 3, 9, 9, 9))
+    >>> kappa[2, 1] = x
+    >>> strain = SampledFrame.from_distortion(axes, np.zeros_like(kappa))
+    >>> densities = defect_densities(strain, SampledFrame(axes, kappa))
+    >>> densities.disclination.values[:, :, 4, 4, 4].round(9)[2].tolist()
+    [0.0, 0.0, 1.0]
     """
-    grid = sampled.grid
-    dimension = grid.dimension
-    eta = incompatibility_of(sampled, units[2])
-    own = _Operators(sampled)
+    eta = incompatibility_of(strain)
+    sampled = _smooth(strain, "strain")
+    dimension, own = sampled.grid.dimension, _Operators(sampled)
+    unit = _per_area(strain, strain.vector_unit)
     if bend is None:
-        alpha = _density([(own, _alpha(sampled.rows, dimension))], units[0])
+        alpha = _density([(own, _alpha(sampled.rows, dimension))], unit)
         return DefectDensities(alpha, None, eta)
-    check_field(grid, sampled.rows, 3, "strain with a bend")
-    check_field(bend.grid, bend.rows, 3, "bend")
-    check_equal_grids(grid, bend.grid, "bend")
-    turned = _Operators(bend)
-    alpha = _density([(own, _alpha(3, dimension)), (turned, _bent(dimension))], units[0])
-    return DefectDensities(alpha, _density([(turned, _alpha(3, dimension))], units[1]), eta)
+    curved = _smooth(bend, "bend")
+    check_field(sampled.grid, sampled.rows, 3, "strain with a bend")
+    check_field(curved.grid, curved.rows, 3, "bend")
+    check_equal_grids(sampled.grid, curved.grid, "bend")
+    turned = _Operators(curved)
+    alpha = _density([(own, _alpha(3, dimension)), (turned, _bent(dimension))], unit)
+    theta = _density([(turned, _alpha(3, dimension))], _per_area(strain, "rad"))
+    return DefectDensities(alpha, theta, eta)
 
 
-def conservation_of(alpha: Field, theta: Field | None) -> Conservation:
-    """Residuals of the conservation laws of densities, as fields with rows i and columns k."""
-    for name, sampled in (("dislocation density", alpha), ("disclination", theta)):
+def defect_conservation(
+    dislocation: Samples, disclination: Samples | None = None
+) -> DefectConservation:
+    """Whether measured densities of defects obey their conservation laws.
+
+    A density that is computed from one coframe satisfies them identically, so that the check is for
+    densities from other measurements.
+
+    Parameters
+    ----------
+    dislocation
+        alpha^{ik} on a grid of three axes, rows i and columns k, as a `SampledFrame`.
+    disclination
+        theta^{mk} at the same nodes, rows m; zero if not given.
+
+    Raises
+    ------
+    GridError
+        The fields do not have three rows on three axes, or have different nodes.
+
+    Examples
+    --------
+    Screw dislocations along z, whose number grows along z because many end inside:
+
+    >>> from geomtorsion import SampledFrame
+    >>> axes = [np.linspace(-1, 1, 9)] * 3
+    >>> z = np.meshgrid(*axes, indexing="ij")[2]
+    >>> alpha = np.zeros((3, 3, 9, 9, 9))
+    >>> alpha[2, 2] = z
+    >>> defect_conservation(SampledFrame(axes, alpha, sigma=0.01)).mismatch > 5
+    True
+    """
+    alpha = _smooth(dislocation, "dislocation")
+    theta = None if disclination is None else _smooth(disclination, "disclination")
+    for name, sampled in (("dislocation", alpha), ("disclination", theta)):
         if sampled is None:
             continue
         if sampled.grid.dimension != 3 or sampled.rows != 3:
@@ -372,14 +432,31 @@ def conservation_of(alpha: Field, theta: Field | None) -> Conservation:
                 f"{sampled.grid.dimension} axes. A divergence needs derivatives along all axes."
             )
         check_field(sampled.grid, sampled.rows, 3, name)
-    own = _Operators(alpha)
-    parts = [(own, _divergence())]
+    parts = [(_Operators(alpha), _divergence())]
     if theta is None:
-        return Conservation(_flat(_density(parts)))
+        return DefectConservation(_flat(_density(parts)))
     check_equal_grids(alpha.grid, theta.grid, "disclination")
     turned = _Operators(theta)
     parts.append((turned, _source()))
-    return Conservation(_flat(_density(parts)), _flat(_density([(turned, _divergence())])))
+    return DefectConservation(_flat(_density(parts)), _flat(_density([(turned, _divergence())])))
+
+
+def _per_area(samples: Samples, of: str) -> str:
+    """Unit of a density."""
+    if of == samples.unit:
+        return f"1/{samples.unit}" if samples.unit else ""
+    return f"{of or 1}/{samples.unit}^2" if samples.unit else of
+
+
+def _smooth(samples: Samples, name: str) -> Field:
+    """The values, if they are no differences of a displacement."""
+    checks.instance(samples, Samples, name)
+    if samples.displacement is not None:
+        raise GridError(
+            f"{name}: expected a distortion, got differences of a displacement, whose densities "
+            "vanish except at cores. Use burgers_map, or SampledFrame(axes, coframe)."
+        )
+    return samples._field
 
 
 def _flat(density: Density) -> Density:

@@ -21,6 +21,7 @@ from geomtorsion.teaching.lab.guides import (
     TOP,
     Guide,
 )
+from geomtorsion.teaching.lab.plot import saving
 
 
 @cache
@@ -33,12 +34,6 @@ def style() -> str:
 def copying() -> str:
     """The scripts that copy LaTeX and save pictures."""
     return Path(__file__).with_name("copy.js").read_text("utf-8") + saving()
-
-
-@cache
-def saving() -> str:
-    """The script that saves pictures; turnable pictures also contain it."""
-    return Path(__file__).with_name("save.js").read_text("utf-8")
 
 
 def wrapped(html: str) -> str:
