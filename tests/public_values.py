@@ -48,6 +48,7 @@ def values() -> dict[str, Callable[[], Any]]:
         "Complex": lambda: gt.Complex.grid((4, 3)),
         "ComponentTable": lambda: so3.metric.table("abc"),
         "Crystal": lambda: gt.crystals.Crystal(atoms, np.diag([18.0] * 3)),
+        "Diffusion": lambda: gt.diffusion(gt.cartan(so3)),
         "DislocationNetwork": lambda: gt.DislocationNetwork.of_arrays(arrays),
         "EquationsOfMotion": lambda: gt.equations_of_motion(so3, energy),
         "Form": lambda: gt.levi_civita(so3).curvature_form(),
