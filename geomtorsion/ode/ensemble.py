@@ -27,6 +27,7 @@ from geomtorsion.ode.error_estimate import (
     roundings_matter,
 )
 from geomtorsion.ode.members import BatchRows, Members, Rows, run_members
+from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.numbers import (
     PARTS,
     check_memory,
@@ -117,7 +118,7 @@ class Ensemble:
         UnknownNameError
             nothing has this name.
         """
-        return self.values[name]
+        return Moment(self.times, self.values)[name]
 
     @property
     def states(self) -> np.ndarray:
