@@ -536,6 +536,12 @@ class CurveProblem:
         """Differences of coordinates and velocities in the home chart, each with its size."""
         return readout.gaps(self, one, two, count, doubles=doubles)
 
+    def member_gaps(
+        self, members: Members, one: Rows, two: Rows
+    ) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Pairs of what is read at home of two runs of members, each (number, m, n)."""
+        return readout.member_gaps(self, members, one, two)
+
     def together(self, name: str) -> tuple[str, ...]:
         """Coordinates, velocities or carried components that are measured together with one."""
         equations = self.equations(self.atlas.home)

@@ -327,6 +327,27 @@ def read_members(
     return table | {name: u[..., k] for k, name in enumerate(equations.velocities)}
 
 
+def member_gaps(
+    problem: CurveProblem, members: Members, one: Rows, two: Rows
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Pairs of coordinates (by groups) and of velocities at home, each (number, m, n).
+
+    Nothing where the members are at home: these are their states.
+    """
+    home = problem.atlas.home
+    if members.label in (home, ""):
+        return []
+    times = np.zeros(one.states.shape[1])
+    try:
+        here, there = (read_members(problem, members, rows, times) for rows in (one, two))
+    except ChartEdgeError:
+        return []
+    groups = coordinate_groups(problem.atlas.chart(home))
+    pairs = [(here["frame_velocity"], there["frame_velocity"])]
+    q, p = here["coordinates"], there["coordinates"]
+    return pairs + [(q[..., list(group)], p[..., list(group)]) for group in groups]
+
+
 def start_lists(
     problem: CurveProblem, starts: object, velocities: object, frame_velocities: object
 ) -> tuple[np.ndarray | None, np.ndarray]:

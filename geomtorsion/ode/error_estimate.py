@@ -36,7 +36,7 @@ from geomtorsion.precision import EPS, GOLDEN
 SAFETY = 2.0
 # The same where the difference may be a random number, which is below a tenth of its mean in some
 # ten of a hundred cases; and for the difference of two runs that differ by roundings only.
-CHANCE, SPREAD = 20.0, 4.0
+CHANCE, SPREAD = 20.0, 2.0
 # Each tolerance aims at this part of the accuracy, for errors do not follow it to the letter and
 # one more pair of runs costs more than a finer one.
 AIM = 0.02
@@ -115,8 +115,9 @@ def verified(
     tolerance: float | None = engine.first(aim / growth if growth > 1 else aim)
     while tolerance is not None and (finer := engine.finer(tolerance)) is not None:
         answer = run(engine, tolerance)
-        # A change of less than a last place would be rounded away.
-        part, least = (rounding(engine, answer.steps / x) for x in (PLACES, 1))
+        least = rounding(engine, answer.steps)
+        # Less than a last place would be rounded away.
+        part = max(change_by_rounding(engine, answer.steps / PLACES), rounding(engine, 1))
         reference = run(engine, finer, part)
         runs += [answer, reference]
         gap = max(difference(problem, answer, reference, accuracy), least)

@@ -393,6 +393,10 @@ class ODE:
         """Nothing but states is read at the samples, apart from outputs."""
         return []
 
+    def member_gaps(self, *_rows: object) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Nothing but states is read off members, apart from outputs."""
+        return []
+
     def together(self, name: str) -> tuple[str, ...]:
         """The states that are measured together with one; nothing for an output."""
         groups = ([self.states[k] for k in group] for group in self.first_stage(53, 0.0).groups)

@@ -16,7 +16,7 @@ from geomtorsion.codegen.steps import ROUNDINGS
 from geomtorsion.copies import only_fields
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ArgumentError, ExpressionError, TimeError
-from geomtorsion.ode.error_estimate import SAFETY, UNALIKE, difference, rounding
+from geomtorsion.ode.error_estimate import CHANCE, SAFETY, UNALIKE, difference, rounding
 from geomtorsion.ode.moment import Moment, Term
 from geomtorsion.ode.numbers import PARTS, times_between
 from geomtorsion.ode.roots import crossings
@@ -453,7 +453,9 @@ class Solution:
         if self.reference is None or self.reference.count != self.trajectory.count:
             return float("inf")
         gap = float(np.abs(here - self._finer[name]).max(initial=0.0))
-        least = SAFETY * rounding(self.trajectory.engine, self.trajectory.steps)
+        # A smaller difference of a single name may be chance.
+        few = CHANCE * rounding(self.trajectory.engine, self.trajectory.steps)
+        least = min(few, self.error)
         if gap == 0:
             return least
         together = self.problem.together(name)

@@ -172,7 +172,8 @@ def claim(name: str, problem: Any, end: float, accuracy: float) -> Claim | None:
     anything, named, worst = 0.0, 0.0, ""
     for word in solution.moment.values:
         here, there = (np.asarray(x[word], dtype=float) for x in (solution, exact))
-        size = float(np.abs(there).max(initial=0.0))
+        together = problem.together(word) or (word,)
+        size = max(float(np.abs(exact[x].astype(float)).max(initial=0.0)) for x in together)
         gap = float(np.abs(here - there).max(initial=0.0)) - LEAST * size
         if gap <= 0 or not size:
             continue

@@ -2,7 +2,6 @@
 
 import math
 import sys
-import time
 from functools import cache
 
 import mpmath
@@ -276,18 +275,17 @@ def test_nothing_to_compare_is_said(monkeypatch):
 
 @needs_heyoka
 @pytest.mark.parametrize("engine", [None, RungeKutta()], ids=["default", "RungeKutta"])
-def test_stiff_equations_are_refused_at_once(engine):
+def test_stiff_equations_are_refused_at_once(engine, blocks):
     """A stiff motion with too many steps left is refused early; an implicit engine solves it."""
     k = 1e9
     decay = ODE.of({"x": "-k*(x - cos(t))"}, [0], parameters={"k": k})
     kinetics = ODE.of(
         {"a": "-a/25 + 1e4*b*c", "b": "a/25 - 1e4*b*c - 3e7*b**2", "c": "3e7*b**2"}, [1, 0, 0]
     )
-    began = time.process_time()
     for problem, end in ((decay, 1.0), (kinetics, 1e11)):
         with pytest.raises(LimitError, match=r"stiff at t = .*Use engine=Stiff\(\)\."):
             solve(problem, end, 1e-6, engine)
-    assert time.process_time() - began < 5
+    assert len(blocks) <= 4
     found = solve(decay, 1.0, 1e-6, Stiff())
     assert found["x"][-1] == pytest.approx(np.cos(1.0) + np.sin(1.0) / k, abs=1e-6)
 
@@ -303,10 +301,8 @@ def test_a_long_conservative_motion_is_not_taken_for_stiff(eccentricity, end):
         {"x": "u", "y": "v", "u": "-x/(x*x + y*y)**(3/2)", "v": "-y/(x*x + y*y)**(3/2)"},
         {"x": near, "y": 0, "u": 0, "v": math.sqrt((1 + eccentricity) / near)},
     )
-    began = time.process_time()
     found = solve(orbit, end, 1e-7)
     assert found.engine == "Taylor"
-    assert time.process_time() - began < 5
 
 
 def test_robertsons_problem():
