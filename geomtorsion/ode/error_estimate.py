@@ -26,7 +26,6 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from geomtorsion.ode.numbers import floats
-from geomtorsion.ode.roundings import PLACES
 from geomtorsion.ode.system import Engine, columns
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory
 from geomtorsion.precision import EPS, GOLDEN
@@ -39,7 +38,7 @@ SAFETY = 2.0
 CHANCE, SPREAD = 20.0, 2.0
 # Each tolerance aims at this part of the accuracy, for errors do not follow it to the letter and
 # one more pair of runs costs more than a finer one.
-AIM = 0.02
+AIM = 0.1
 # States that are no larger than so many roundings of the terms of their rates have no size of their
 # own.
 NOISE = 100.0
@@ -68,13 +67,9 @@ class Integration(Protocol):
     """Integrates a motion."""
 
     def __call__(
-        self, engine: Engine, tolerance: float, part: float = 0.0, pattern: int = 1
+        self, engine: Engine, tolerance: float, answer: Trajectory | None = None, pattern: int = 1
     ) -> Trajectory:
-        """The trajectory.
-
-        part: of a run to compare, the relative change of the state in each place; pattern: number
-        of the pattern of their signs.
-        """
+        """The trajectory; to compare it with an answer, with changes of a pattern on the way."""
         ...
 
 
@@ -116,16 +111,14 @@ def verified(
     while tolerance is not None and (finer := engine.finer(tolerance)) is not None:
         answer = run(engine, tolerance)
         least = rounding(engine, answer.steps)
-        # Less than a last place would be rounded away.
-        part = max(change_by_rounding(engine, answer.steps / PLACES), rounding(engine, 1))
-        reference = run(engine, finer, part)
+        reference = run(engine, finer, answer)
         runs += [answer, reference]
         gap = max(difference(problem, answer, reference, accuracy), least)
         error = SAFETY * gap
         if error <= accuracy and roundings_matter(engine, answer.steps, tolerance):
             error = CHANCE * gap
             if error > accuracy:
-                second = run(engine, finer, part, 2)
+                second = run(engine, finer, answer, 2)
                 runs.append(second)
                 other = difference(problem, answer, second, accuracy)
                 reference, gap = (second, other) if other > gap else (reference, gap)
@@ -151,9 +144,9 @@ def roundings_matter(engine: Engine, steps: int, tolerance: float) -> bool:
     """Whether roundings may be a noticeable part of the error of a run.
 
     The motion carries the rounding of a step to the end as it carries what the step omits, which is
-    about the tolerance. A step may omit less where it counts: therefore AIM twice.
+    about the tolerance. A step may omit less where it counts.
     """
-    return rounding(engine, steps) > AIM**2 * tolerance
+    return rounding(engine, steps) > tolerance / NOISE
 
 
 def change_by_rounding(engine: Engine, steps: float) -> float:

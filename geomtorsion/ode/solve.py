@@ -15,14 +15,20 @@ from geomtorsion.errors import AccuracyError, StartError, TimeError
 from geomtorsion.ode.checkpoint import Checkpoint, fingerprint
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
 from geomtorsion.ode.engines.taylor import is_available
-from geomtorsion.ode.error_estimate import SAFETY, Verified, verified
+from geomtorsion.ode.error_estimate import (
+    SAFETY,
+    Verified,
+    change_by_rounding,
+    rounding,
+    verified,
+)
 from geomtorsion.ode.numbers import (
     PARTS,
     check_memory,
     checked_accuracy,
     checked_times,
 )
-from geomtorsion.ode.roundings import Roundings
+from geomtorsion.ode.roundings import PLACES, Roundings
 from geomtorsion.ode.solution import DOUBLE, Cost, Problem, Solution
 from geomtorsion.ode.system import WorkLimitError, checked_engine
 from geomtorsion.ode.trajectory import Trajectory, integrate
@@ -202,20 +208,28 @@ class _Runs:
         return tuple(float(self.grid[-1]) * (k / PARTS) for k in range(1, PARTS))
 
     def run(
-        self, engine: Engine, tolerance: float, part: float = 0.0, pattern: int = 1
+        self,
+        engine: Engine,
+        tolerance: float,
+        answer: Trajectory | None = None,
+        pattern: int = 1,
     ) -> Trajectory:
         # A run to compare starts a rounding away; cut where the answer is cut, it would pass over
         # the same.
-        moved = SAFETY * 2.0 ** (1 - engine.precision) if part else 0.0
-        roundings = Roundings(part, float(self.grid[-1]), pattern) if part else None
-        longest = self.limit if part else math.inf
+        moved, roundings, longest = 0.0, None, math.inf
+        if answer is not None:
+            moved, longest = SAFETY * 2.0 ** (1 - engine.precision), self.limit
+            # Less than a last place would be rounded away.
+            part = max(change_by_rounding(engine, answer.steps / PLACES), rounding(engine, 1))
+            steps = max(answer.steps, int(PARTS / GOLDEN))
+            roundings = Roundings(part, steps, float(self.grid[-1]), pattern)
         try:
             return integrate(
                 self.problem.first_stage(engine.precision, moved),
                 self.grid,
                 tolerance,
                 engine,
-                cuts=() if part and self.kept is None else self.cuts,
+                cuts=() if answer and self.kept is None else self.cuts,
                 roundings=roundings,
                 longest=longest,
                 runner=self.kept and self.kept.runner(engine, tolerance, moved, longest, roundings),

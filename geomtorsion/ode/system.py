@@ -472,9 +472,9 @@ class Engine(Protocol):
         longest
             no step is longer, in the units of `times`.
         changes
-            after a step whose time has reached `changes.due` the run continues from the state
-            `changes.made(time, state, state at the start)`; only given to engines with
-            `changes_on_the_way`.
+            after a step for which `changes.due()` holds the run continues from the state
+            `changes.made(state, state at the start)`; `due` is called after each step. Only given
+            to engines with `changes_on_the_way`.
 
         Returns
         -------
@@ -586,8 +586,6 @@ def scaled_run(
         return checked_run(engine, run, times)
     unit = units.time
     sizes = units.sizes.tolist()
-    if changes is not None:
-        more["changes"] = changes.in_units(unit)
     try:
         run = engine.run(
             scaled_system(system),

@@ -169,7 +169,7 @@ def test_dense_output_may_be_worse_than_the_times():
     problem = autoparallel(
         cartan(load("so3").frame), [0.3, 1.0, 0.2], frame_velocity=[0.1, 1.3, 0.2]
     )
-    sol = solve(problem, [6.0], 1e-7, RungeKutta())
+    sol = solve(problem, [6.0], 1e-9, RungeKutta())
     known = closed_form(problem)
     assert known is not None
     times = np.linspace(0.05, 5.95, 60)

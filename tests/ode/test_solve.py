@@ -12,6 +12,7 @@ from geomtorsion.accuracy.cost import truth_of
 from geomtorsion.curves import autoparallel, distance_apart, geodesic
 from geomtorsion.errors import (
     AccuracyError,
+    ArgumentError,
     ChartEdgeError,
     LimitError,
     StuckError,
@@ -20,7 +21,7 @@ from geomtorsion.errors import (
 )
 from geomtorsion.geometry import cartan, levi_civita
 from geomtorsion.geometry.connections import blend
-from geomtorsion.ode import ODE, At, RungeKutta, Stiff, Taylor, solve
+from geomtorsion.ode import ODE, At, RungeKutta, Stiff, Taylor, solve, solve_many
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.spaces import load
 from tests.chosen import one_in
@@ -303,6 +304,36 @@ def test_a_long_conservative_motion_is_not_taken_for_stiff(eccentricity, end):
     )
     found = solve(orbit, end, 1e-7)
     assert found.engine == "Taylor"
+
+
+@needs_heyoka
+@pytest.mark.parametrize("accuracy", [1e-3, 1e-4, 1e-5])
+def test_stiff_steps_that_blow_up_are_called_stiff(accuracy):
+    """Steps of a low order blow up at once; the reason is stiffness, not a singularity."""
+    kinetics = ODE.of(
+        {"a": "-a/25 + 1e4*b*c", "b": "a/25 - 1e4*b*c - 3e7*b**2", "c": "3e7*b**2"}, [1, 0, 0]
+    )
+    with pytest.raises(LimitError, match=r"stiff at t = .*Use engine=Stiff\(\)\."):
+        solve(kinetics, 1e8, accuracy)
+
+
+def test_hasattr_knows_what_a_motion_has():
+    """An ODE has states and no coordinates, alone and in an ensemble."""
+    decay = ODE.of({"x": "-x"}, [1])
+    for solution in (solve(decay, 1.0), solve(decay, 1.0).at(0.5), solve_many(decay, [[1]], 1.0)):
+        assert hasattr(solution, "states")
+        assert not hasattr(solution, "coordinates")
+
+
+def test_progress_shows_a_bar(capsys):
+    """True shows a bar, False nothing; anything else but a function is refused."""
+    decay = ODE.of({"x": "-x"}, [1])
+    solve(decay, 1.0, progress=True)
+    assert "100 %" in capsys.readouterr().err
+    solve(decay, 1.0, progress=False)
+    assert capsys.readouterr().err == ""
+    with pytest.raises(ArgumentError, match="progress: expected a function of the finished"):
+        solve(decay, 1.0, progress=3)
 
 
 def test_robertsons_problem():

@@ -300,8 +300,8 @@ def stepwise_run(
             done = count
         if outcome == "edge":
             break
-        if changes is not None and walk.sign * walk.time >= changes.due:
-            walk.move(changes.made(walk.time, np.array(walk.state), samples[0]).tolist())
+        if changes is not None and changes.due():
+            walk.move(changes.made(np.array(walk.state), samples[0]).tolist())
     if where is None:
         where = samples[-1].copy()
     ended = time.perf_counter()

@@ -308,8 +308,8 @@ class Taylor:
         return 2.0 ** -(self.precision + 9)
 
     def first(self, accuracy: float) -> float:
-        """See `Engine.first`: the error of a motion is near the tolerance of its series."""
-        order = max(order_of(max(accuracy, self.finest)), LOWEST_ORDER)
+        """See `Engine.first`: one order finer than the accuracy, as errors grow on the way."""
+        order = max(order_of(max(accuracy, self.finest)) + 1, LOWEST_ORDER)
         # The finest two have no finer run with which to compare them.
         return tolerance_of(min(order, order_of(self.finest) - 2))
 
@@ -544,10 +544,8 @@ class _Changing:
 
     def __call__(self, integrator: Any) -> bool:
         """Change the state where a change is due; True continues."""
-        time = integrator.time * self.changes.sign
-        if time >= self.changes.due:
-            state = self.changes.made(float(integrator.time), integrator.state, self.start)
-            integrator.state[:] = state
+        if self.changes.due():
+            integrator.state[:] = self.changes.made(integrator.state, self.start)
         return True
 
 
