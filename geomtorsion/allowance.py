@@ -9,18 +9,16 @@ from __future__ import annotations
 import os
 import sys
 import time
-from contextvars import ContextVar
 from pathlib import Path
 from traceback import clear_frames, walk_tb
 from typing import TYPE_CHECKING
 
 from geomtorsion import checks
 from geomtorsion.errors import AllowanceError, ArgumentError, LimitError
+from geomtorsion.exclusive import BLOCKS
 
 if TYPE_CHECKING:
     from types import TracebackType
-
-_BLOCKS: ContextVar[tuple[Limits, ...]] = ContextVar("blocks", default=())
 
 
 class _Met(BaseException):
@@ -36,7 +34,7 @@ class _Met(BaseException):
 
 def check_limits() -> None:
     """Raise if a limit of a block around this call is met: for the loops of exact work."""
-    blocks = _BLOCKS.get()
+    blocks = BLOCKS.get()
     if blocks:
         now = time.monotonic()
         for block in blocks:
@@ -62,7 +60,7 @@ class Limits:
         self._before = before or 0
         self._end = float("inf") if self.seconds is None else now + self.seconds
         self._next = float("inf") if self.megabytes is None else now
-        _BLOCKS.set((*_BLOCKS.get(), self))
+        BLOCKS.set((*BLOCKS.get(), self))
         return self
 
     def check(self, now: float) -> None:
@@ -83,7 +81,7 @@ class Limits:
         trace: TracebackType | None,
     ) -> None:
         """Stop counting; name the quantity that exceeded a limit."""
-        _BLOCKS.set(_BLOCKS.get()[:-1])
+        BLOCKS.set(BLOCKS.get()[:-1])
         if isinstance(error, _Met) and error.block is self:
             quantity, place = _where(trace)
             # Generators that were not finished end now, and set precisions back.

@@ -18,7 +18,7 @@ import re
 import tomllib
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -359,7 +359,34 @@ def write_text(path: str | PathLike[str], text: str) -> None:
         The system does not allow writing there.
     """
     with written(path) as file:
-        file.write_text(text, "utf-8")
+        file.write_text(text, "utf-8", newline="\n")
+
+
+def write_texts(directory: str | PathLike[str], texts: Mapping[str, str]) -> tuple[Path, ...]:
+    """Write files of UTF-8 text into a folder, which is made: all of them or none.
+
+    texts: name, which may begin with folders -> text.
+
+    Raises
+    ------
+    FileFormatError
+        The system does not allow writing there.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     [path.read_text() for path in write_texts(folder, {"a.txt": "a", "b/c.txt": "c"})]
+    ['a', 'c']
+    """
+    with written(directory, is_folder=True) as folder, ExitStack() as stack:
+        paths = tuple(folder / name for name in texts)
+        for path, text in zip(paths, texts.values(), strict=True):
+            stack.enter_context(written(path.parent, is_folder=True))
+            # The files get their names after the last one is on the disk.
+            part = stack.enter_context(written(path))
+            part.write_text(text, "utf-8", newline="\n")
+    return paths
 
 
 # -- TOML -----------------------------------------------------------------------------------------

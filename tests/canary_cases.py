@@ -83,14 +83,17 @@ def gravity_functions() -> list[Case]:
     return [
         _of(
             "gravity.equations", g.equations, connections=[CARTAN, RIEMANN],
-            lagrangian="T + c*Rbar", matter=[],
+            lagrangian="T + c*Rbar + v", matter=[], constants="v",
         ),
         _of("gravity.fluid", lambda **given: _with_matter(g.fluid(**given)), **fluid),
         _of(
             "gravity.weyssenhoff", lambda **given: _with_matter(g.weyssenhoff(**given)),
             **fluid, spin=[[0, 0], [0, 0]],
         ),
-        _of("gravity.scalar_field", lambda phi: _with_matter(g.scalar_field(phi)), phi="x"),
+        _of(
+            "gravity.scalar_field", lambda phi, name: _with_matter(g.scalar_field(phi, name)),
+            phi="x", name="chi",
+        ),
         _of(
             "gravity.maxwell", lambda potential: _with_matter(g.maxwell(potential)),
             potential=["y", 0],
@@ -108,7 +111,8 @@ def gravity_functions() -> list[Case]:
 
 
 def _with_matter(matter: Any) -> Any:
-    return gt.gravity.equations(CARTAN, "T", matter)
+    names = getattr(matter, "names", ())
+    return gt.gravity.equations(CARTAN, " + ".join(["T", *names]), matter)
 
 
 def public_functions() -> list[Case]:

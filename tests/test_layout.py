@@ -37,6 +37,7 @@ ROOT = TESTS.parent
 # Lowest layer first; packages in one layer do not import each other.
 BELOW_THE_WALL = (
     ("caching", "errors", "outgoing"),
+    ("exclusive",),
     ("checks", "copies", "displays", "precision", "progress"),
     ("allowance", "conventions", "files"),
     ("npz",),

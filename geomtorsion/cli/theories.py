@@ -32,8 +32,17 @@ LagrangianOption = Annotated[
         "--lagrangian",
         metavar="TEXT",
         show_default=False,
-        help="Formula in T, T1, T2, T3, R, Q, P1 ... and parameters, or the name of a theory: "
-        f"{', '.join(THEORIES)}.",
+        help="Formula in T, T1, T2, T3, R, Q, P1 ... and constants that multiply them, or the name "
+        f"of a theory: {', '.join(THEORIES)}.",
+    ),
+]
+ConstantsOption = Annotated[
+    str,
+    typer.Option(
+        "--constants",
+        metavar="NAMES",
+        show_default=False,
+        help='Other constants in the formula, such as "n v" for T**n + v. Lambda needs none.',
     ),
 ]
 ConnectionOption = Annotated[
@@ -49,12 +58,13 @@ ConnectionOption = Annotated[
 
 
 def field_equations(
-    space: Space, lagrangian: str, connections: Sequence[Over] | None
+    space: Space, lagrangian: str, connections: Sequence[Over] | None, constants: str = ""
 ) -> FieldEquations:
     """The field equations of a Lagrangian or of a named theory on a space."""
     theory = getattr(gravity, lagrangian) if lagrangian in THEORIES else lagrangian
     chosen = connections or [Over.levi_civita if lagrangian in RIEMANNIAN else Over.own]
-    return gravity.equations([_connection(space, one) for one in chosen], theory)
+    own = [_connection(space, one) for one in chosen]
+    return gravity.equations(own, theory, constants=constants)
 
 
 def _connection(space: Space, over: Over) -> Connection:

@@ -7,6 +7,7 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
+import sympy as sp
 
 from geomtorsion import checks
 from geomtorsion.codegen import rational
@@ -17,9 +18,9 @@ from geomtorsion.curves.equations import (
     CartanAutoparallel,
     Geodesic,
     Law,
-    inverted,
     velocity_names,
 )
+from geomtorsion.curves.forces import Forced, forced
 from geomtorsion.curves.problem import (
     CurveProblem,
     check_causal,
@@ -30,9 +31,14 @@ from geomtorsion.curves.problem import (
 from geomtorsion.curves.stops import read_stops
 from geomtorsion.curves.transported import Deviation, TransportedVectors
 from geomtorsion.errors import MetricError, ShapeError, StartError
+from geomtorsion.exact.reading import checked
 from geomtorsion.geometry import Connection, Frame, levi_civita
+from geomtorsion.geometry.components import determinant
 from geomtorsion.geometry.derived import derived
-from geomtorsion.ode.numbers import Numbers, checked_numbers
+from geomtorsion.ode.numbers import Numbers, checked_numbers, floats
+
+# A velocity typed with twelve digits meets a constraint to this part of its size.
+ROUNDED = 1e-11
 
 
 def autoparallel(
@@ -45,12 +51,15 @@ def autoparallel(
     causal: str | None = None,
     atlas: Atlas | None = None,
     stop: object = None,
+    force: object = None,
+    potential: object = None,
 ) -> CurveProblem:
     """A straightest line: the velocity is carried parallel along itself.
 
     Equation
     --------
-    q''^m + Gamma_ab^m q'^a q'^b = 0, solved as q'^mu = E_i^mu u^i, u'^k = -omega_ij^k u^i u^j
+    q''^m + Gamma_ab^m q'^a q'^b = F^m, solved as q'^mu = E_i^mu u^i,
+    u'^k = -omega_ij^k u^i u^j + F^k
 
     Parameters
     ----------
@@ -72,11 +81,19 @@ def autoparallel(
         `When`), or a list of them: the curve ends where one falls through zero, and
         `Solution.stopped_by` is that one. The curve is followed in charts whose maps give what
         occurs in it without jumps.
+    force
+        F_k in the frame, n functions of the coordinates (expressions or text): F_k u^k is the power
+        where g(v, v)/2 is the kinetic energy. Zero if not given. Under constraints only the parts
+        along the permitted legs act.
+    potential
+        V, a function of the coordinates, which adds F_k = -E_k^mu dV/dq^mu. For forces that depend
+        on velocity or time use `equations_of_motion`.
 
     Raises
     ------
     StartError
-        the start is singular, not finite, or incomplete.
+        the start is singular, not finite, or incomplete, or the constraints of the connection
+        forbid its velocity.
     ExpressionError
         `stop` cannot be read.
     ShapeError
@@ -109,10 +126,13 @@ def autoparallel(
         law = CartanAutoparallel()
     elif connection.kind == "levi-civita":
         law = Geodesic()
-    frame = connection.frame
-    return _posed(
-        "autoparallel", frame, law, start, velocity, frame_velocity, parameters, causal, atlas, stop
-    )
+    law = forced(law, connection, force, potential)
+    problem = _posed(
+        "autoparallel", connection.frame, law, start, velocity, frame_velocity, parameters, causal,
+        atlas, stop,
+    )  # fmt: skip
+    _check_permitted(connection, problem)
+    return problem
 
 
 def geodesic(
@@ -140,8 +160,8 @@ def geodesic(
     start, velocity, frame_velocity, parameters, causal, atlas, stop
         as in `autoparallel`.
     metric
-        kinetic metric in the frame, constant: n moments I_i, or a symmetric n x n matrix;
-        None takes eta.
+        kinetic metric in the frame, constant: n moments I_i, or a symmetric n x n matrix, of
+        numbers or exact constants such as sqrt(2); None takes eta.
 
     Raises
     ------
@@ -159,7 +179,7 @@ def geodesic(
     """
     frame = space.frame if isinstance(space, Connection) else space
     checks.instance(frame, Frame, "space")
-    law = Geodesic(None if metric is None else kinetic_metric(metric, frame.dimension))
+    law = Geodesic(None if metric is None else kinetic_metric(metric, frame))
     return _posed(
         "geodesic", frame, law, start, velocity, frame_velocity, parameters, causal, atlas, stop
     )
@@ -247,8 +267,12 @@ def geodesic_deviation(
     return problem.carry(deviation)
 
 
-def kinetic_metric(metric: Any, n: int) -> tuple[tuple[Fraction, ...], ...]:
-    """Moments or a matrix as exact numbers; symmetric and regular."""
+def kinetic_metric(metric: Any, frame: Frame) -> tuple[tuple[Fraction | sp.Expr, ...], ...]:
+    """Moments or a matrix as exact numbers; symmetric and regular.
+
+    A root or pi is kept as it is.
+    """
+    n = frame.dimension
     rows: Any = metric.tolist() if isinstance(metric, np.ndarray) else metric
     if not isinstance(rows, list | tuple):
         raise ShapeError(
@@ -261,24 +285,42 @@ def kinetic_metric(metric: Any, n: int) -> tuple[tuple[Fraction, ...], ...]:
         raise ShapeError(f"metric: expected {n} rows, got {len(rows)}.")
     table = []
     for i, row in enumerate(rows):
-        numbers = [rational(x) for x in checked_numbers(row, n, f"metric[{i}]")]
-        if None in numbers:
-            raise MetricError(f"metric[{i}]: expected numbers, fractions or floats, got {row}.")
-        table.append(tuple(Fraction(x) for x in numbers if x is not None))
+        entries = checked_numbers(row, n, f"metric[{i}]")
+        table.append(tuple(_constant(x, f"metric[{i}, {j}]") for j, x in enumerate(entries)))
+    read = frame.field.read
     for i in range(n):
         for j in range(i):
-            if table[i][j] != table[j][i]:
+            if not (read(table[i][j]) - read(table[j][i])).is_zero:
                 raise MetricError(
                     f"the kinetic metric is not symmetric: [{i}, {j}] is {table[i][j]}, "
                     f"[{j}, {i}] is {table[j][i]}. Make them equal."
                 )
-    try:
-        inverted(table)
-    except ZeroDivisionError:
-        raise MetricError(
-            "the kinetic metric is singular. Give moments that do not vanish."
-        ) from None
+    entries = {(i, j): read(x) for i, row in enumerate(table) for j, x in enumerate(row) if x != 0}
+    if determinant(frame.field, entries, n).is_zero:
+        raise MetricError("the kinetic metric is singular. Give moments that do not vanish.")
     return tuple(table)
+
+
+def _constant(value: Any, subject: str) -> Fraction | sp.Expr:
+    """A number as a fraction, or an exact constant such as sqrt(2)."""
+    number = rational(value)
+    return checked(subject, value) if number is None else Fraction(number)
+
+
+def _check_permitted(connection: Connection, problem: CurveProblem) -> None:
+    """Refuse a start whose velocity the constraints forbid."""
+    if connection.allowed is None:
+        return
+    speeds = np.array(floats(problem.frame_velocity))
+    permitted = np.isin(np.arange(len(speeds)), connection.allowed)
+    forbidden = np.abs(speeds[~permitted]).max(initial=0.0)
+    if forbidden > ROUNDED * np.abs(speeds).max():
+        nearest = np.where(permitted, speeds, 0.0).tolist()
+        raise StartError(
+            "expected a velocity that the constraints permit, got one with a part of "
+            f"{forbidden:.3g} along the forbidden legs. The closest permitted one is "
+            f"frame_velocity={[float(f'{x:.6g}') for x in nearest]}."
+        )
 
 
 def _posed(
@@ -333,4 +375,6 @@ def law_key(law: Law) -> str:
     if isinstance(law, Autoparallel):
         # The law holds its connection, so that this number stays its own.
         return f"equations of {id(law.connection)}"
+    if isinstance(law, Forced):
+        return f"{law_key(law.law)} with {law.acceleration}, {law.potential}"
     return f"equations of {law}"

@@ -155,12 +155,17 @@ class CurveProblem:
 
     @property
     def time_unit(self) -> float:
-        """A power of two near the largest frame velocity: time is measured in its inverse."""
+        """A power of two near the largest frame velocity: time is measured in its inverse.
+
+        With a force the path depends on the speed, and time is measured as it is.
+        """
         # Types do not take a cached property for the property of `Problem`.
         return self._time_unit
 
     @cached_property
     def _time_unit(self) -> float:
+        if not self.law.is_quadratic:
+            return 1.0
         size = max((abs(float(u)) for u in self.frame_velocity), default=0.0)
         return 2.0 ** round(math.log2(size)) if size else 1.0
 

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
-from math import factorial
+from itertools import product
+from math import factorial, prod
 from typing import TYPE_CHECKING, Any, cast
 
 import sympy
+from sympy.core.function import AppliedUndef
 
 from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, LimitError, SingularPointError, UndecidedError
 from geomtorsion.exact.element import Certainty, Element, Term, least_certain
+from geomtorsion.exclusive import exclusive
 
 if TYPE_CHECKING:
     import flint
@@ -22,6 +25,7 @@ if TYPE_CHECKING:
     from geomtorsion.exact.generators import Branch, Generator, Names
 
 
+@exclusive
 class Truncated(Element):
     """A series c0 + c1 epsilon + ... + cn epsilon^n of a `TruncatedField`.
 
@@ -103,6 +107,7 @@ def _is_plain_zero(element: Element) -> bool:
     return not element.is_kept and not element._num
 
 
+@exclusive
 class TruncatedField:
     """Series in a small parameter over an exact field, with the interface of `Field`.
 
@@ -349,6 +354,9 @@ class TruncatedField:
             self._check_leading(base, "a root of it")
             first = self.base.root(base.parts[0], int(value.exp.q)) ** int(value.exp.p)
             return self._power(base, Fraction(int(value.exp.p), int(value.exp.q)), first)
+        if isinstance(value, AppliedUndef):
+            places = tuple(self._expanded(part, where) for part in value.args)
+            return self.jet(value.func, (0,) * len(places), places)
         if isinstance(value, sympy.Function) and len(value.args) == 1:
             return self._taylor(value, where)
         return self._differentiated(value, where)
@@ -364,6 +372,29 @@ class TruncatedField:
             coefficient = self.base.read(_finite(slope.subs(slot, point).doit(), value, where))
             terms.append((Fraction(1, factorial(k)), self.raised(coefficient), power))
             slope, power = slope.diff(slot), power * rest
+        return self.sum(terms)
+
+    def jet(
+        self,
+        function: sympy.FunctionClass,
+        orders: tuple[int, ...],
+        arguments: tuple[Truncated, ...],
+    ) -> Truncated:
+        """A partial derivative of an unknown function at series, by Taylor's formula."""
+        points = tuple(argument.parts[0] for argument in arguments)
+        rests = [
+            cast(Truncated, argument - self.raised(point))
+            for argument, point in zip(arguments, points, strict=True)
+        ]
+        # A rest starts at order one, so that no more than `order` factors are needed.
+        powers = [range(self.order + 1 if rest.filled else 1) for rest in rests]
+        terms: list[Term] = []
+        for counts in product(*powers):
+            if sum(counts) <= self.order:
+                up = tuple(n + k for n, k in zip(orders, counts, strict=True))
+                slope = self.raised(self.base.jet(function, up, points))
+                factors = [x for x, k in zip(rests, counts, strict=True) for _ in range(k)]
+                terms.append((Fraction(1, prod(map(factorial, counts))), slope, *factors))
         return self.sum(terms)
 
     def _differentiated(self, value: sympy.Expr, where: str) -> Truncated:

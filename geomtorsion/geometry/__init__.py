@@ -12,11 +12,13 @@ from geomtorsion.geometry.connections import (
     from_torsion,
     levi_civita,
 )
+from geomtorsion.geometry.constrained import constrained
 from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.curvature import Curvature
 from geomtorsion.geometry.forms import Form
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.identity import IdentityCheck, identities
+from geomtorsion.geometry.integrability import Integrability
 from geomtorsion.geometry.lie_derivative import lie, lie_bracket
 from geomtorsion.geometry.quantities import DependencyGraph
 from geomtorsion.geometry.surfaces import Surface, surface
@@ -30,12 +32,14 @@ __all__ = [
     "Form",
     "Frame",
     "IdentityCheck",
+    "Integrability",
     "Surface",
     "Tensor",
     "Torsion",
     "antisymmetric",
     "blend",
     "cartan",
+    "constrained",
     "contract",
     "from_coefficients",
     "from_contortion",

@@ -9,14 +9,14 @@ from typing import Any
 import sympy as sp
 
 from geomtorsion import checks
-from geomtorsion.errors import CoordinateError, ShapeError, TensorIndexError
+from geomtorsion.errors import CoframeError, CoordinateError, ShapeError, TensorIndexError
 from geomtorsion.exact import Element, parse_expression
 from geomtorsion.exact.functions import with_roots
-from geomtorsion.exact.reading import counted_as
+from geomtorsion.exact.reading import checked
 from geomtorsion.geometry import constructors, validation
 from geomtorsion.geometry.components import Index, change_slot, effective, inverse
 from geomtorsion.geometry.connection import Connection
-from geomtorsion.geometry.connections import cartan, levi_civita
+from geomtorsion.geometry.connections import levi_civita
 from geomtorsion.geometry.derived import derived
 from geomtorsion.geometry.expansion import again, whole_of
 from geomtorsion.geometry.frame import Frame
@@ -107,7 +107,7 @@ def coordinate_map(frame: Frame, new: object, old: object, count: int | None = N
             CoordinateError,
             read=lambda text: parse_expression(text, names),
         )
-        functions.append(function.xreplace(counted_as(function.free_symbols, [*names.values()])))
+        functions.append(checked(f"old coordinate {own}", function, tuple(names.values())))
     return Map(symbols, frame.coordinates, tuple(functions))
 
 
@@ -184,8 +184,15 @@ def connection_in(connection: Connection, new: object, old: object, domain: obje
     over, way = _changed(frame, new, old, domain)
     if connection.kind == "levi-civita":
         return levi_civita(over)
-    if connection.kind == "cartan" and frame.shape != "metric":
-        return cartan(over)
+    # A metric chooses its legs again; legs that were given stay the same legs.
+    if connection.maker is not None and frame.shape != "metric":
+        return connection.maker(over)
+    if connection.allowed is not None:
+        raise CoframeError(
+            "expected legs given as one-forms or vectors, got legs that a metric chose: in other "
+            "coordinates it chooses others. Make the frame from its coframe: "
+            "gt.Frame(frame.coordinates, frame.coframe.to_sympy())."
+        )
     difference = (connection.coefficients - levi_civita(frame).coefficients).components
     extra = _tensor_in(Tensor(frame, "ddu", difference), over, way)
     total = levi_civita(over).coefficients + extra

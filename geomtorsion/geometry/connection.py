@@ -14,6 +14,7 @@ from geomtorsion.checks import instance
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ShapeError, TensorIndexError
 from geomtorsion.exact import Element
+from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import riemannian
 from geomtorsion.geometry.components import (
     Components,
@@ -26,6 +27,7 @@ from geomtorsion.geometry.components import (
 from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.frame_matrices import is_dense, parallel_rows
+from geomtorsion.geometry.integrability import Integrability, integrability
 from geomtorsion.geometry.notation import ComponentTable, Names, Where
 from geomtorsion.geometry.parts import nonmetricity_parts
 from geomtorsion.geometry.substitution import Values
@@ -39,6 +41,7 @@ if TYPE_CHECKING:
 HALF = Fraction(1, 2)
 
 
+@exclusive
 @dataclass(frozen=True, eq=False, repr=False)
 class Connection:
     """An affine connection over a frame.
@@ -49,6 +52,7 @@ class Connection:
     kind: "cartan" or "levi-civita" where a shorter way to its curvature is known, "metric" where
         it is metric compatible by its construction, else "general".
     maker: function that makes it from only the frame, or None; copies and pickles use it.
+    allowed: numbers of the legs that constraints permit (see `constrained`); None: all legs.
 
     Examples
     --------
@@ -65,6 +69,7 @@ class Connection:
     name: str = "connection"
     kind: str = "general"
     maker: Callable[[Frame], Connection] | None = None
+    allowed: tuple[int, ...] | None = None
 
     def __getitem__(self, index: tuple[int, int, int]) -> sp.Expr:
         """Gamma_ab^c as a sympy expression."""
@@ -416,6 +421,16 @@ class Connection:
     def metric_compatible(self) -> bool | None:
         """Whether the metric is parallel, so that transport keeps lengths and angles."""
         return self.nonmetricity.is_zero
+
+    @cached_property
+    def integrable(self) -> Integrability:
+        """Whether the permitted velocities belong to surfaces: the constraints are holonomic.
+
+        They are exactly where the torsion components along the forbidden legs vanish (Frobenius);
+        see `constrained`. Without constraints the answer is yes.
+        """
+        legs = range(self.frame.dimension) if self.allowed is None else self.allowed
+        return integrability(self.torsion.T, legs)
 
     @property
     def is_torsion_free(self) -> bool | None:

@@ -42,7 +42,7 @@ def cartan(frame: Frame | Connection) -> Connection:
     >>> cartan(Frame([r, phi], [[1, 0], [0, r]])).torsion.T[0, 1, 1]
     1/r
     """
-    return _cartan(_frame_of(frame))
+    return _cartan(frame_of(frame))
 
 
 @derived
@@ -75,7 +75,7 @@ def levi_civita(frame: Frame | Connection) -> Connection:
     >>> levi_civita(Frame([r, phi], [[1, 0], [0, r]])).is_flat
     True
     """
-    return _levi_civita(_frame_of(frame))
+    return _levi_civita(frame_of(frame))
 
 
 @derived
@@ -84,7 +84,7 @@ def _levi_civita(frame: Frame) -> Connection:
     return Connection(frame, coefficients, "Levi-Civita connection", "levi-civita", levi_civita)
 
 
-def _frame_of(given: object) -> Frame:
+def frame_of(given: object) -> Frame:
     """A frame, or the frame over which a connection was made."""
     return given.frame if isinstance(given, Connection) else checks.instance(given, Frame, "frame")
 

@@ -36,15 +36,23 @@ def orthonormal_rows(
     return rows, squares, eta
 
 
-def completed_squares(field: Field, metric: Entries, n: int) -> dict[int, tuple[Element, Row]]:
-    """g = sum of q theta^2 over n one-forms: row -> (q, theta), theta(w) = 1, q = g(w, w)."""
+def completed_squares(
+    field: Field, metric: Entries, n: int, leading: int | None = None
+) -> dict[int, tuple[Element, Row]]:
+    """g = sum of q theta^2 over n one-forms: row -> (q, theta), theta(w) = 1, q = g(w, w).
+
+    leading: only as many squares, whose vectors w span as many of the first given vectors; the
+        metric must be regular on these.
+    """
+    count = n if leading is None else leading
     rest = dict(metric)
     squares: dict[int, tuple[Element, Row]] = {}
-    for _ in range(n):
-        direction = _direction(field, rest, n)
+    for _ in range(count):
+        direction = _direction(rest, count, n)
         if direction is None:
+            where = "" if leading is None else " on the permitted velocities"
             raise MetricError(
-                "metric is degenerate: its determinant vanishes identically. "
+                f"metric is degenerate{where}: its determinant vanishes identically. "
                 "Drop a coordinate, or correct the entries."
             )
         form = _added_rows(field, [_row(rest, i, n) for i in direction])
@@ -65,13 +73,13 @@ def completed_squares(field: Field, metric: Entries, n: int) -> dict[int, tuple[
     return squares
 
 
-def _direction(field: Field, rest: Entries, n: int) -> tuple[int, ...] | None:
-    """A vector of non-zero length: a coordinate vector, the sparsest one, or the sum of two."""
-    diagonal = [i for i in range(n) if (i, i) in rest]
+def _direction(rest: Entries, candidates: int, n: int) -> tuple[int, ...] | None:
+    """A vector of non-zero length among the first ones: the sparsest, or the sum of two."""
+    diagonal = [i for i in range(candidates) if (i, i) in rest]
     if diagonal:
         return (min(diagonal, key=lambda i: (len(_row(rest, i, n)), i)),)
     # All coordinate vectors may be null; the sum of two that are not orthogonal is not.
-    return min(rest, default=None)
+    return min((pair for pair in rest if max(pair) < candidates), default=None)
 
 
 def _row(entries: Entries, i: int, n: int) -> Row:

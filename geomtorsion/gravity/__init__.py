@@ -1,10 +1,11 @@
 """Gravity: a Lagrangian of torsion, curvature and nonmetricity in, field equations out."""
 
 from geomtorsion.gravity.equations import FieldEquations, equations
+from geomtorsion.gravity.fluids import fluid, torsion_from_spin, weyssenhoff
 from geomtorsion.gravity.inertial import inertial
 from geomtorsion.gravity.invariants import Invariant, invariants
 from geomtorsion.gravity.lagrangian import Lagrangian, names
-from geomtorsion.gravity.matter import fluid, maxwell, scalar_field, torsion_from_spin, weyssenhoff
+from geomtorsion.gravity.matter import maxwell, scalar_field
 from geomtorsion.gravity.newman_penrose import NewmanPenrose, newman_penrose
 from geomtorsion.gravity.statistical import statistical
 from geomtorsion.gravity.symmetry import Symmetries, killing_equations, symmetries

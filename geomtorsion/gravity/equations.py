@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
-from itertools import product
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from types import UnionType
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
@@ -12,16 +12,22 @@ from sympy.core.function import AppliedUndef
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import GravityError
-from geomtorsion.exact import Certainty, Element
+from geomtorsion.exact import Element, Truncated, TruncatedField
+from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Connection, Frame, IdentityCheck, Tensor, antisymmetric
 from geomtorsion.gravity.fields import HALF, FrameFields, Index, Terms
+from geomtorsion.gravity.fluids import Fluid
+from geomtorsion.gravity.geometries import check_geometry
+from geomtorsion.gravity.identities import rotations, translations
 from geomtorsion.gravity.invariants import INVARIANTS, Scalars
-from geomtorsion.gravity.lagrangian import GEOMETRIES, Lagrangian, Reading, known_as, read
-from geomtorsion.gravity.matter import Fluid, MatterField
+from geomtorsion.gravity.lagrangian import Lagrangian, Reading, known_as, read
+from geomtorsion.gravity.matter import MatterField, numbered
 from geomtorsion.gravity.momenta import Momenta
 from geomtorsion.gravity.naming import with_names
+from geomtorsion.gravity.vocabulary import Vocabulary, declared_constants, meanings
 
 
+@exclusive
 @dataclass(frozen=True, eq=False, repr=False)
 class FieldEquations:
     """Left sides of the field equations of a Lagrangian; a solution makes them vanish.
@@ -45,7 +51,8 @@ class FieldEquations:
 
     def __repr__(self) -> str:
         names = ", ".join(one.name for one in self.connections)
-        return f"field equations of {self.lagrangian!r} ({names})"
+        constants = ", constants: " + " ".join(self.constants) if self.constants else ""
+        return f"field equations of {self.lagrangian!r} ({names}){constants}"
 
     @property
     def frame(self) -> Frame:
@@ -56,29 +63,33 @@ class FieldEquations:
 
     @cached_property
     def _scalars(self) -> tuple[Scalars, ...]:
-        return tuple(Scalars(FrameFields(one)) for one in self.connections)
+        return tuple(
+            Scalars(FrameFields(one, self._stays_metric(number)))
+            for number, one in enumerate(self.connections)
+        )
+
+    def _stays_metric(self, number: int) -> bool:
+        """Whether a connection is metric, and is varied among metric connections only."""
+        connection, n = self.connections[number], self.frame.dimension
+        if connection.kind == "levi-civita":
+            return True
+        if self.lagrangian.geometry == "metric-affine":
+            return False
+        if connection.kind != "general":
+            return True
+        own = (self._meanings.get(name) for name in self._named.symbols.values())
+        entries = [INVARIANTS[one[1]] for one in own if one is not None and one[0] == number]
+        if any(entry.has_nonmetricity(n) for entry in entries):
+            return False
+        return connection.metric_compatible is True
 
     @cached_property
     def _meanings(self) -> dict[str, tuple[int, str]]:
-        """Name in the Lagrangian -> (number of the connection, name of the invariant)."""
-        meanings: dict[str, tuple[int, str]] = {}
-        count = 1
-        for number, connection in enumerate(self.connections):
-            suffixes = [""]
-            if connection.kind == "levi-civita":
-                suffixes = ["bar"] if len(self.connections) > 1 else ["", "bar"]
-            else:
-                suffixes = [""] if count == 1 else [f"_{count}"]
-                count += 1
-            for entry in INVARIANTS.values():
-                if entry.only in (0, self.frame.dimension):
-                    meanings |= {entry.name + suffix: (number, entry.name) for suffix in suffixes}
-        return meanings
+        return meanings(self.connections)
 
     @cached_property
     def _matter_names(self) -> dict[str, tuple[MatterField, str]]:
-        fields = [one for one in self.matter if isinstance(one, MatterField)]
-        return {name: (one, name) for one in fields for name in one.names}
+        return {name: (one, name) for one in self._fields for name in one.names}
 
     def check_names(self) -> None:
         """Refuse names in the Lagrangian that mean nothing here."""
@@ -86,8 +97,30 @@ class FieldEquations:
 
     @cached_property
     def _named(self) -> Reading:
-        names = {name: name for name in (*self._meanings, *self._matter_names)}
-        return read(self.lagrangian, self.frame, names)
+        frame, fields = self.frame, self._fields
+        vocabulary = Vocabulary(
+            frame,
+            self.connections,
+            (*self._meanings, *self._matter_names),
+            {one: field.symbol for field in fields for one in field.parts(frame)},
+            {one: x.symbol for x in fields if (one := x.function(frame)) is not None},
+            declared_constants(self.lagrangian.constants),
+        )
+        reading = read(self.lagrangian, vocabulary)
+        occurring = set(reading.symbols.values())
+        for field in fields:
+            if occurring.isdisjoint(field.names):
+                raise GravityError(
+                    f"matter: expected a Lagrangian with {' or '.join(field.names)}, got "
+                    f"{checks.cut(str(self.lagrangian.expression))}. Add a term of the "
+                    f"{field.kind} {field.symbol} to the Lagrangian, or omit the field."
+                )
+        return reading
+
+    @property
+    def constants(self) -> tuple[str, ...]:
+        """Names of the constants that the Lagrangian introduces, sorted."""
+        return self._named.constants
 
     @cached_property
     def _reading(self) -> Reading:
@@ -119,6 +152,8 @@ class FieldEquations:
     def written(self, element: Element) -> sp.Expr:
         """An element as it is printed, with unknown functions of an invariant: f(T), f'(T).
 
+        In an expanded frame they are taken at order zero: f(T_0).
+
         Examples
         --------
         >>> import geomtorsion as gt
@@ -128,7 +163,23 @@ class FieldEquations:
         (a(t)**2*f(T) - 12*Derivative(a(t), t)**2*Derivative(f(T), T))/a(t)**2
         """
         functions = {one.func for one in self.expression.atoms(AppliedUndef)}
-        return with_names(self.frame.written(element), self.scalars, functions)
+        field = self.frame.field
+        if isinstance(field, TruncatedField) and not isinstance(element, Truncated):
+            element = field.raised(element)
+        return with_names(self.frame.written(element), self._places, functions)
+
+    @cached_property
+    def _places(self) -> Mapping[str, sp.Expr]:
+        """Arguments of unknown functions by name: T, or T_0 for a series at order zero."""
+        reading, field = self._reading, self.frame.field
+        if not isinstance(field, TruncatedField):
+            return self.scalars
+        series = {f"{name}_0": reading.values[x] for x, name in reading.symbols.items()}
+        return {
+            name: self.frame.written(field.raised(value.parts[0]))
+            for name, value in series.items()
+            if isinstance(value, Truncated)
+        }
 
     def scalar(self, name: str) -> Tensor:
         """An invariant by its name in the Lagrangian, whether it occurs there or not.
@@ -220,9 +271,10 @@ class FieldEquations:
         own = bare.lowered().components.get
         return Tensor(frame, "DD", lower, (), "E", "coframe equation").raised(1)
 
-    @property
+    @cached_property
     def _fields(self) -> list[MatterField]:
-        return [one for one in self.matter if isinstance(one, MatterField)]
+        """Matter fields with the numbers by which their names differ."""
+        return [one for one in numbered(self.matter) if isinstance(one, MatterField)]
 
     @property
     def _fluids(self) -> list[Fluid]:
@@ -253,8 +305,9 @@ class FieldEquations:
     def C(self) -> Tensor:
         """C^{ni}_j = (1/e) d(eL)/d omega_ni^j, slots UUD: the equation of the first connection.
 
-        Antisymmetric in ij for a connection that is metric by its construction. Zero for the
-        Levi-Civita connection, whose variation is part of E. The connection of a teleparallel
+        Antisymmetric in ij for a metric connection, which is varied among metric connections,
+        unless the Lagrangian contains nonmetricity or its geometry is "metric-affine". Zero for
+        the Levi-Civita connection, whose variation is part of E. The connection of a teleparallel
         theory has no equation besides the antisymmetric part of E.
         """
         return self.connection_equations[0]
@@ -297,11 +350,12 @@ class FieldEquations:
     @cached_property
     def tensors(self) -> dict[str, Tensor]:
         """E and E_[ij]; C where a connection is varied on its own, M where it is not metric."""
-        kinds = {one.kind for one in self.connections}
+        metric = [one.fields.is_metric for one in self._scalars]
         tensors = {"E": self.E, "E_[ij]": self.antisymmetric}
-        if kinds - {"cartan", "levi-civita"}:
+        kinds = {one.kind for one in self.connections}
+        if kinds - {"cartan", "levi-civita"} or not all(metric):
             tensors["C"] = self.C
-        if "general" in kinds:
+        if not all(metric):
             tensors["M"] = self.M
         return tensors
 
@@ -331,75 +385,25 @@ class FieldEquations:
                 "identities: expected a Lagrangian without a fluid, got a fluid, whose equations "
                 "of motion are not derived from it. Omit the fluid."
             )
-        n = range(self.frame.dimension)
-        return [
-            _checked(
-                "translations",
-                "D_n(e E_i^n)/e = T_in^j E_j^n + R_ink^j C^{nk}_j + Q_ijk M^jk",
-                [(i,) for i in n],
-                self._noether,
-            ),
-            _checked(
-                "rotations",
-                "E_[ji] + D_n C^n_[ij] = 0",
-                [(i, j) for i in n for j in n if i < j],
-                self._rotation,
-            ),
+        parts = [
+            (one.fields, C, turned)
+            for one, C, turned in zip(
+                self.momenta, self.connection_equations, self._turned, strict=True
+            )
         ]
 
-    def _rotation(self, index: Index) -> Element:
-        get = self.M.components.get
-        return self.frame.field.sum([(1, get(index)), (-1, get(index[::-1]))])
+        def matter(i: int) -> Terms:
+            return [term for one in self._fields for term in one.noether_terms(self, i)]
 
-    def _noether(self, index: Index) -> Element:
-        (i,) = index
-        frame, n = self.frame, range(self.frame.dimension)
-        first = self.momenta[0].fields
-        e = self.E.components.get
-        flow = first.divergence(Tensor(frame, "UD", lambda place: e(place[::-1])))
-        m = self.M.raised().components.get
-        t, q = first.torsion.components.get, first.nonmetricity.components.get
-        terms: Terms = [(1, flow.components.get(index))]
-        terms += [(-1, t((i, a, j)), e((j, a))) for a in n for j in n]
-        terms += [(-1, q((i, j, k)), m((j, k))) for j in n for k in n]
-        for one, equation, turned in zip(
-            self.momenta, self.connection_equations, self._turned, strict=True
-        ):
-            c, r = equation.components.get, one.fields.curvature.raised(3).components.get
-            terms += [(-1, r((i, a, k, j)), c((a, k, j))) for a, k, j in product(n, repeat=3)]
-            if one is not self.momenta[0]:
-                # Each further connection turns with the legs as the first one does.
-                own, other, d = one.fields.omega, first.omega, turned.components.get
-                for k, j in product(n, repeat=2):
-                    terms.append((1, own.components.get((i, k, j)), d((k, j))))
-                    terms.append((-1, other.components.get((i, k, j)), d((k, j))))
-        terms += [term for one in self._fields for term in one.noether_terms(self, i)]
-        return frame.field.sum(terms)
-
-
-def _checked(
-    name: str, equation: str, indices: Sequence[Index], value: Callable[[Index], Element]
-) -> IdentityCheck:
-    """Evaluate the difference of both sides at every index."""
-    holds: bool | None = True
-    worst, chances, proved = None, 0.0, True
-    for index in indices:
-        element = value(index)
-        verdict = element.is_zero
-        if verdict is not False:
-            proved = proved and element.certainty.proved
-            chances += element.certainty.error
-        if (verdict is False and holds is not False) or (verdict is None and holds):
-            holds, worst = verdict, index
-    return IdentityCheck(
-        name, equation, holds, len(indices), worst, Certainty(proved, min(chances, 1.0))
-    )
+        return [translations(self.E, self.M, parts, matter), rotations(self.M)]
 
 
 def equations(
     connections: Connection | Iterable[Connection],
     lagrangian: Lagrangian | str | sp.Expr,
     matter: MatterField | Fluid | Iterable[MatterField | Fluid] = (),
+    *,
+    constants: str | sp.Symbol | Iterable[str | sp.Symbol] = (),
 ) -> FieldEquations:
     """Field equations of a Lagrangian on given connections, exactly.
 
@@ -414,15 +418,19 @@ def equations(
         One connection, or several over one frame. Names of invariants of the second and third
         connection end in _2, _3; names of the Levi-Civita connection beside others end in bar.
     lagrangian
-        Text, a sympy expression in `gravity.names`, or a theory such as `gravity.tegr`. New names
-        are parameters; functions such as f(T) may be unknown.
+        Text, a sympy expression in `gravity.names`, or a theory such as `gravity.tegr`. A new name
+        that multiplies invariants is a constant; functions such as f(T) may be unknown.
     matter
-        Matter fields, whose names occur in the Lagrangian, and fluids, which are sources.
+        Matter fields, whose names occur in the Lagrangian, and fluids, which are sources. A second
+        scalar field is X_2 and phi_2, a second Maxwell field F2_2.
+    constants
+        Names of other constants, "alpha beta". Lambda needs no declaration.
 
     Raises
     ------
     GravityError
-        The Lagrangian has an unknown name, or the connection is not of the theory.
+        The Lagrangian has an unknown name, a matter field does not occur in it, or the connection
+        is not of the theory.
 
     Examples
     --------
@@ -432,27 +440,32 @@ def equations(
     >>> gravity.equations(gt.levi_civita(cosmos), "R").antisymmetric.is_zero
     True
     """
-    several = [connections] if isinstance(connections, Connection) else _listed(connections)
+    message = "{subject}: expected one connection or a list of connections, got {value}."
+    several = _listed(connections, Connection, "connections", message)
     if not several:
         raise GravityError(
             "equations: expected a connection, got an empty list. Give gt.cartan(frame) or another."
         )
     for connection in several:
-        checks.instance(connection, Connection, "connection", GravityError)
         if connection.frame is not several[0].frame:
             raise GravityError(
                 "equations: expected connections over one frame, got different frames. Make all "
                 "connections from one Frame object."
             )
+    if sum(one.kind == "levi-civita" for one in several) > 1:
+        raise GravityError(
+            "equations: expected the Levi-Civita connection once, got it twice. Give it once."
+        )
     theory = known_as(lagrangian)
-    _check_geometry(theory, several)
-    sources = [matter] if isinstance(matter, MatterField | Fluid) else _listed(matter)
+    declared = (*declared_constants(theory.constants), *declared_constants(constants))
+    theory = replace(theory, constants=declared)
+    check_geometry(theory, several)
+    message = (
+        "{subject}: expected gravity.scalar_field, gravity.maxwell, gravity.fluid or "
+        "gravity.weyssenhoff, or a list of these, got {value}."
+    )
+    sources = _listed(matter, MatterField | Fluid, "matter", message)
     for source in sources:
-        if not isinstance(source, MatterField | Fluid):
-            raise GravityError(
-                "matter: expected gravity.scalar_field, gravity.maxwell, gravity.fluid or "
-                f"gravity.weyssenhoff, got {checks.shown(source)}."
-            )
         source.check(several[0].frame)
     result = FieldEquations(tuple(several), theory, tuple(sources))
     # Reads the Lagrangian, so that a wrong name is refused here.
@@ -460,41 +473,12 @@ def equations(
     return result
 
 
-def _listed(values: object) -> list:
-    message = "{subject}: expected one connection or a list of connections, got {value}."
-    return list(checks.entries(values, "connections", GravityError, message=message))
-
-
-def _check_geometry(theory: Lagrangian, connections: Sequence[Connection]) -> None:
-    """Refuse a connection that is not of the theory."""
-    checks.choice(theory.geometry, tuple(GEOMETRIES), "geometry", GravityError)
-    others = [one for one in connections if one.kind != "levi-civita"]
-    fits = {
-        "any": True,
-        "teleparallel": others and all(one.is_flat and one.metric_compatible for one in others),
-        "symmetric teleparallel": others
-        and all(one.is_flat and one.is_torsion_free for one in others),
-        "metric": all(one.metric_compatible for one in connections),
-        "riemannian": not others,
-    }
-    if not fits[theory.geometry]:
-        names = ", ".join(one.name for one in connections)
-        raise GravityError(
-            f"{theory.name}: expected {GEOMETRIES[theory.geometry]}, got {names}, which "
-            f"{_fault(theory.geometry, connections)}. Give another connection, or write the "
-            "Lagrangian as text, which takes any connection."
-        )
-
-
-def _fault(geometry: str, connections: Sequence[Connection]) -> str:
-    """Mismatch between a connection and the assumption of its theory."""
-    others = [one for one in connections if one.kind != "levi-civita"]
-    if geometry == "riemannian":
-        return "is not the Levi-Civita connection of the metric"
-    if geometry != "metric" and not others:
-        return "is not constructed as a flat connection"
-    if geometry != "metric" and not all(one.is_flat for one in others):
-        return "is not flat"
-    if geometry == "symmetric teleparallel":
-        return "has torsion"
-    return "is not metric"
+def _listed(values: object, kind: type | UnionType, subject: str, message: str) -> list:
+    """One value of a kind, or a list of some."""
+    if isinstance(values, kind):
+        return [values]
+    listed = list(checks.entries(values, subject, GravityError, message=message))
+    for value in listed:
+        if not isinstance(value, kind):
+            raise GravityError(message.format(subject=subject, value=checks.shown(value)))
+    return listed

@@ -7,6 +7,7 @@ from fractions import Fraction
 
 from geomtorsion.caching import cached_property
 from geomtorsion.exact import Element
+from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Connection, Frame, Tensor, antisymmetric, symmetric
 
 Index = tuple[int, ...]
@@ -22,11 +23,14 @@ def along(frame: Frame, leg: int, value: Element) -> Terms:
     return [(1, x, value.diff(frame.coordinates[mu])) for mu, x in entries]
 
 
+@exclusive
 @dataclass(frozen=True, eq=False)
 class FrameFields:
     """The fields of one connection, all indices in the frame.
 
     connection: the connection; in the frame its coefficients are omega_ai^j.
+    metric: whether omega_aij is antisymmetric in ij and stays so in variations; None: whether the
+        connection is metric by its construction.
 
     Equation
     --------
@@ -36,6 +40,7 @@ class FrameFields:
     """
 
     connection: Connection
+    metric: bool | None = None
 
     @property
     def frame(self) -> Frame:
@@ -49,8 +54,8 @@ class FrameFields:
 
     @property
     def is_metric(self) -> bool:
-        """Whether the connection is metric by its construction: omega_aij antisymmetric in ij."""
-        return self.connection.kind != "general"
+        """Whether omega_aij is antisymmetric in ij and stays so in variations."""
+        return self.connection.kind != "general" if self.metric is None else self.metric
 
     @cached_property
     def omega(self) -> Tensor:

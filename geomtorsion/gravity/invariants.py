@@ -12,6 +12,7 @@ from fractions import Fraction
 
 from geomtorsion.caching import cached_property
 from geomtorsion.exact import Element
+from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Frame, Tensor
 from geomtorsion.geometry import antisymmetric as odd
 from geomtorsion.geometry import symmetric as even
@@ -20,6 +21,7 @@ from geomtorsion.gravity.fields import HALF, FrameFields, Index, Terms
 QUARTER = Fraction(1, 4)
 
 
+@exclusive
 @dataclass(frozen=True, eq=False)
 class Traced:
     """A field with all indices down in the frame, and its traces, for the maps below."""
@@ -247,6 +249,11 @@ class Invariant:
     only: int = 0
     antisymmetric: bool = False
 
+    def has_nonmetricity(self, dimension: int) -> bool:
+        """Whether it contains the nonmetricity."""
+        parts = self.of(dimension)
+        return any(x in MIXED or (x in MAPS and MAPS[x][0] == "nonmetricity") for x in parts)
+
 
 def _plain(name: str, meaning: str) -> Invariant:
     """An invariant that is one map."""
@@ -367,6 +374,7 @@ def invariants() -> tuple[Invariant, ...]:
     return TABLE
 
 
+@exclusive
 @dataclass(frozen=True, eq=False)
 class Scalars:
     """The invariants of one connection: their values, and the images of the fields."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 
 import sympy as sp
@@ -15,13 +15,7 @@ from geomtorsion.exact import Element, parse_expression
 from geomtorsion.exact import names as words
 from geomtorsion.geometry import Frame, Tensor
 from geomtorsion.gravity.invariants import INVARIANTS
-
-# Names of matter fields, and the functions that introduce them.
-MATTER = {
-    "X": "gravity.scalar_field(phi)",
-    "phi": "gravity.scalar_field(phi)",
-    "F2": "gravity.maxwell(A)",
-}
+from geomtorsion.gravity.vocabulary import MATTER, Vocabulary
 
 
 class Names(Mapping[str, sp.Symbol]):
@@ -56,16 +50,9 @@ class Names(Mapping[str, sp.Symbol]):
 names = Names()
 
 _NAME = re.compile(r"[^\W\d]\w*")
-_FAMILY = re.compile(r"[TRQPU][1-9]\d*(bar|_[2-9])?")
-_SUFFIX = re.compile(r"(.+?)(bar|_[2-9])")
-# Geometry that a theory assumes: the property that a connection must have, in words.
-GEOMETRIES = {
-    "any": "any connection",
-    "teleparallel": "a flat metric connection, such as gt.cartan(frame)",
-    "symmetric teleparallel": "a flat connection without torsion",
-    "metric": "a metric connection",
-    "riemannian": "the connection gt.levi_civita(frame)",
-}
+# Names in calls that are not unknown functions.
+_CALLED = {*words.FUNCTIONS, *words.SPECIAL, *words.NOT_SMOOTH, *words.DERIVATIVE_NAMES}
+_CALLED.add(words.SUBSTITUTION_NAME)
 
 
 @dataclass(frozen=True)
@@ -73,8 +60,10 @@ class Lagrangian:
     """A theory: its Lagrangian and the connections for which it is meant.
 
     expression: text or sympy expression in `names`, parameters and opaque functions.
-    geometry: "any", "teleparallel", "symmetric teleparallel", "metric" or "riemannian".
+    geometry: "any", "teleparallel", "symmetric teleparallel", "metric", "riemannian", or
+        "metric-affine", whose connection is varied freely also where it is metric.
     name: of the theory, for messages.
+    constants: names of constants that do not only multiply invariants, "n v" or a tuple.
 
     Examples
     --------
@@ -85,6 +74,7 @@ class Lagrangian:
     expression: str | sp.Expr
     geometry: str = "any"
     name: str = "Lagrangian"
+    constants: str | tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         return f"{self.name}: L = {self.expression}"
@@ -109,11 +99,13 @@ class Reading:
 
     expression: in symbols of invariants, of the frame, and of parameters.
     symbols: symbol -> name of the invariant, for those that occur.
+    constants: names of the parameters that the Lagrangian introduces.
     """
 
     frame: Frame
     expression: sp.Expr
     symbols: dict[sp.Symbol, str]
+    constants: tuple[str, ...] = ()
     values: dict[sp.Symbol, Element] = field(default_factory=dict)
 
     def element(self, expression: sp.Expr) -> Element:
@@ -160,40 +152,49 @@ class Reading:
         return self.frame.field.jet(expression.func, orders, values)
 
 
-def read(given: Lagrangian, frame: Frame, known: Mapping[str, str]) -> Reading:
-    """A Lagrangian for a frame; known: name in the text -> its meaning.
+def read(given: Lagrangian, vocabulary: Vocabulary) -> Reading:
+    """A Lagrangian in the names of a vocabulary.
 
     Raises
     ------
     GravityError
         A name is unknown, has two meanings, or a function has no invariant in it.
     """
-    own = {symbol.name: symbol for symbol in frame.field.symbols}
+    frame, names = vocabulary.frame, vocabulary.names
     expression = given.expression
     if isinstance(expression, str):
-        expression = _parsed(expression, own, known)
-    meanings: dict[sp.Symbol, str] = {}
+        if not expression.strip():
+            raise GravityError(
+                "lagrangian: expected a formula in invariants, got an empty text. Write one such "
+                "as T + c*T**2."
+            )
+        expression = _parsed(expression, vocabulary)
     changed: dict[sp.Symbol, sp.Symbol] = {}
     for symbol in sorted(expression.free_symbols, key=str):
         name = symbol.name
-        if symbol in frame.field.symbols and (name not in known or symbol != sp.Symbol(name)):
+        # A symbol with assumptions is not the invariant of the same name.
+        if name in names and symbol in frame.field.symbols and symbol != sp.Symbol(name):
             continue
-        _check_name(name, own, known)
-        if name in known:
-            changed[symbol] = marked = sp.Symbol(name)
-            meanings[marked] = name
-        elif name in own:
-            changed[symbol] = own[name]
-    expression = expression.xreplace(changed)
-    _check_functions(expression, meanings, own)
-    return Reading(frame, expression, meanings)
+        vocabulary.check_name(name)
+        if name in names:
+            changed[symbol] = sp.Symbol(name)
+        elif name in vocabulary.symbols:
+            changed[symbol] = vocabulary.symbols[name]
+    expression = vocabulary.with_fields(expression.xreplace(changed))
+    meanings = {
+        symbol: symbol.name
+        for symbol in sorted(expression.free_symbols, key=str)
+        if symbol.name in names and symbol == sp.Symbol(symbol.name)
+    }
+    _check_functions(expression, meanings, vocabulary)
+    constants = vocabulary.constants(expression, meanings.keys())
+    return Reading(frame, expression, meanings, constants)
 
 
 def scalar_of(frame: Frame, value: object, where: str) -> Element:
     """An exact element of a number, an expression, text or a tensor of rank 0."""
     if isinstance(value, Tensor) and not value.slots and value.frame is frame:
         return value.element()
-    own = {symbol.name: symbol for symbol in frame.field.symbols}
     applied = {
         generator.argument[0].__name__: generator.shown
         for generator in frame.field.generators
@@ -206,7 +207,7 @@ def scalar_of(frame: Frame, value: object, where: str) -> Element:
         value,
         where,
         GravityError,
-        read=lambda text: _parsed(text, own, {}, where, applied),
+        read=lambda text: _parsed(text, Vocabulary(frame), where, applied),
         message=message,
     )
     (element,) = frame.read([(where, expression)])
@@ -215,8 +216,7 @@ def scalar_of(frame: Frame, value: object, where: str) -> Element:
 
 def _parsed(
     text: str,
-    own: Mapping[str, sp.Symbol],
-    known: Mapping[str, str],
+    vocabulary: Vocabulary,
     where: str = "lagrangian",
     applied: Mapping[str, sp.Expr] | None = None,
 ) -> sp.Expr:
@@ -226,61 +226,31 @@ def _parsed(
     """
     functions: dict[str, sp.Basic] = dict(applied or {})
     symbols = {}
+    names, own = vocabulary.names, vocabulary.symbols
+    fields = vocabulary.called
     for word in dict.fromkeys(_NAME.findall(text)):
-        if re.search(rf"\b{word}\s*\(", text):
-            if word not in words.FUNCTIONS and word not in words.SPECIAL and word not in known:
+        if re.search(rf"\b{word}\s*\(", text) and (word in fields or word not in names):
+            if word in fields or word not in _CALLED:
                 functions[word] = sp.Function(word)
+            if word in names and re.search(rf"\b{word}\b(?!\s*\()", text):
+                raise GravityError(
+                    f"lagrangian: expected one way to write {word}, got {word} and {word}(...). "
+                    f"Write {word}."
+                )
         elif word in functions:
             continue
-        elif word in own and word not in known:
+        elif word in own and word not in names:
+            vocabulary.check_name(word)
             symbols[word] = own[word]
-        elif word in known or word not in words.CONSTANTS:
-            _check_name(word, own, known)
+        elif word in names or word in vocabulary.declared or word not in words.CONSTANTS:
+            vocabulary.check_name(word)
             symbols[word] = sp.Symbol(word)
     return parse_expression(text, symbols, functions, where=where)
 
 
-def _check_name(name: str, own: Mapping, known: Mapping[str, str]) -> None:
-    """Refuse a name that has two meanings, or that looks like an invariant that is not there."""
-    if name in known:
-        if name in own:
-            raise GravityError(
-                f"lagrangian: {name} is an invariant and a symbol of the frame. Rename the "
-                "symbol of the frame."
-            )
-        return
-    if name in own:
-        return
-    if not known:
-        return
-    suffixed = _SUFFIX.fullmatch(name)
-    if suffixed and suffixed[1] in INVARIANTS:
-        raise GravityError(
-            f"lagrangian: expected invariants of the given connections, got {name}. Give the "
-            "other connection also: equations([gt.cartan(frame), gt.levi_civita(frame)], ...)."
-        )
-    if name in MATTER:
-        raise GravityError(
-            f"lagrangian: {name} belongs to a matter field, and none is given. Give matter="
-            f"{MATTER[name]}, or rename the parameter if {name} is yours."
-        )
-    if name in INVARIANTS:
-        dimension = INVARIANTS[name].only
-        raise GravityError(
-            f"lagrangian: {name} exists in {dimension} dimensions only. Use a frame of dimension "
-            f"{dimension}, or other invariants."
-        )
-    near = checks.close_names(name, [one for one in known if len(one) > 2], cutoff=0.75)
-    same = [one for one in known if one.lower() == name.lower()]
-    if near or same or _FAMILY.fullmatch(name):
-        hint = checks.did_you_mean(name, known)
-        raise GravityError(
-            f"lagrangian: expected the name of an invariant or of a parameter, got {name}. {hint}"
-            f"Known are {', '.join(known)}. Give a parameter another name."
-        )
-
-
-def _check_functions(expression: sp.Expr, found: Mapping, own: Mapping) -> None:
+def _check_functions(
+    expression: sp.Expr, invariants: Collection[sp.Symbol], vocabulary: Vocabulary
+) -> None:
     """Refuse a function without a varied argument, and anything that is not a scalar."""
     for part in sp.preorder_traversal(expression):
         if isinstance(part, sp.Indexed | sp.IndexedBase | sp.Integral | sp.MatrixBase | sp.Idx):
@@ -290,8 +260,10 @@ def _check_functions(expression: sp.Expr, found: Mapping, own: Mapping) -> None:
             )
         if isinstance(part, AppliedUndef):
             symbols = part.free_symbols
-            if not any(symbol in found or symbol.name in own for symbol in symbols):
+            if not any(x in invariants or vocabulary.is_own(x.name) for x in symbols):
                 raise GravityError(
                     f"lagrangian: expected invariants as arguments of {part.func}, got {part}. "
                     "Write f(T) or f(T, Rbar)."
                 )
+            if not symbols.isdisjoint(invariants):
+                vocabulary.check_function(part.func.__name__)

@@ -1,21 +1,23 @@
-"""Matter: fields that enter a Lagrangian by their invariants, and fluids that are sources."""
+"""Matter: fields that enter a Lagrangian by their invariants."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from fractions import Fraction
-from typing import Protocol
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar, Protocol
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
 from geomtorsion import checks
 from geomtorsion.errors import GravityError
-from geomtorsion.exact import Element
+from geomtorsion.exact import Element, unknown_functions
 from geomtorsion.geometry import Connection, Frame, Tensor, antisymmetric
-from geomtorsion.gravity.fields import HALF, FrameFields, Index, Terms, along
+from geomtorsion.gravity.fields import FrameFields, Index, Terms, along
+from geomtorsion.gravity.fluids import Fluid
 from geomtorsion.gravity.lagrangian import scalar_of
+from geomtorsion.gravity.vocabulary import new_name
 
 
 class Varied(Protocol):
@@ -39,12 +41,40 @@ class Varied(Protocol):
 class MatterField(ABC):
     """A field with its own invariants in the Lagrangian.
 
-    names: its names in the Lagrangian.
-    symbol: the name of the field.
+    kind: the kind of field, in words.
+    number: its number among fields of its kind, from 1.
     """
 
-    names: tuple[str, ...]
-    symbol: str
+    kind: ClassVar[str]
+    number: int
+
+    @property
+    @abstractmethod
+    def symbol(self) -> str:
+        """The name of the field."""
+
+    @property
+    @abstractmethod
+    def names(self) -> tuple[str, ...]:
+        """Its names in the Lagrangian."""
+
+    def numbered_name(self, name: str) -> str:
+        """X for the first field of its kind, X_2 for the second."""
+        return name if self.number == 1 else f"{name}_{self.number}"
+
+    @abstractmethod
+    def elements(self, frame: Frame) -> Sequence[Element]:
+        """The expressions of which the field is made."""
+
+    def function(self, frame: Frame) -> AppliedUndef | None:
+        """The unknown function that the field is, if it is one."""
+        return None
+
+    def parts(self, frame: Frame) -> set[AppliedUndef]:
+        """The unknown functions of which the field is made, without functions of the frame."""
+        functions = unknown_functions(self.elements(frame))
+        coframe = frame.coframe.components.nonzero.values() if functions else ()
+        return set(functions).difference(unknown_functions(coframe))
 
     @abstractmethod
     def check(self, frame: Frame) -> None:
@@ -72,15 +102,37 @@ class ScalarField(MatterField):
     """A scalar field; the Lagrangian has X = g^ij d_i phi d_j phi and phi.
 
     phi: expression in the coordinates.
+    name: in the Lagrangian, or None: phi, phi_2, ...
+    number: its number among scalar fields: X, X_2, ...
     """
 
     phi: sp.Expr | str
-    names = ("X", "phi")
-    symbol = "phi"
+    name: str | None = None
+    number: int = 1
+    kind = "scalar field"
+
+    @property
+    def symbol(self) -> str:
+        """The name of the field."""
+        return self.numbered_name("phi") if self.name is None else self.name
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """X and phi, or X_2 and phi_2."""
+        return self.numbered_name("X"), self.symbol
 
     def check(self, frame: Frame) -> None:
         """Read phi."""
         self._element(frame)
+
+    def elements(self, frame: Frame) -> Sequence[Element]:
+        """The expression of the field."""
+        return [self._element(frame)]
+
+    def function(self, frame: Frame) -> AppliedUndef | None:
+        """The unknown function that the field is, if it is one."""
+        expression = self._element(frame).sympy
+        return expression if isinstance(expression, AppliedUndef) else None
 
     def _element(self, frame: Frame) -> Element:
         return scalar_of(frame, self.phi, "phi")
@@ -92,7 +144,7 @@ class ScalarField(MatterField):
 
     def value(self, frame: Frame, name: str) -> Element:
         """The value of X or of phi."""
-        if name == "phi":
+        if name == self.symbol:
             return self._element(frame)
         slope = self._slope(frame)
         return (slope @ slope.raised()).element()
@@ -101,20 +153,20 @@ class ScalarField(MatterField):
         """- 2 dL/dX d_i phi d^n phi."""
         slope = self._slope(equations.frame)
         lower, upper = slope.components.get, slope.raised().components.get
-        return [(-2, equations.slope("X"), lower((i,)), upper((n,)))]
+        return [(-2, equations.slope(self.names[0]), lower((i,)), upper((n,)))]
 
     def equation(self, equations: Varied) -> Tensor:
         """dL/dphi - (1/e) d_m(2 e dL/dX d^m phi), rank 0."""
         frame = equations.frame
-        weight, upper = equations.slope("X"), self._slope(frame).raised().components.get
+        weight, upper = equations.slope(self.names[0]), self._slope(frame).raised().components.get
         flow = Tensor(frame, "U", lambda i: frame.field.sum([(2, weight, upper(i))]))
         fields = FrameFields(equations.connections[0])
 
         def rule() -> Element:
             divergence = fields.divergence(flow).element()
-            return frame.field.sum([(1, equations.slope("phi")), (-1, divergence)])
+            return frame.field.sum([(1, equations.slope(self.symbol)), (-1, divergence)])
 
-        return frame.scalar(rule, "phi", "scalar field equation")
+        return frame.scalar(rule, self.symbol, "scalar field equation")
 
     def noether_terms(self, equations: Varied, i: int) -> Terms:
         """- (d(eL)/dphi)/e d_i phi."""
@@ -127,11 +179,26 @@ class Maxwell(MatterField):
     """An electromagnetic field; the Lagrangian has F2 = F_ab F^ab.
 
     potential: A_mu, one expression for each coordinate.
+    number: its number among Maxwell fields: F2, F2_2, ...
     """
 
     potential: Sequence[sp.Expr | str]
-    names = ("F2",)
-    symbol = "A"
+    number: int = 1
+    kind = "Maxwell field"
+
+    @property
+    def symbol(self) -> str:
+        """A, or A_2."""
+        return self.numbered_name("A")
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """F2, or F2_2."""
+        return (self.numbered_name("F2"),)
+
+    def elements(self, frame: Frame) -> Sequence[Element]:
+        """A_mu."""
+        return [scalar_of(frame, x, f"potential[{k}]") for k, x in enumerate(self.potential)]
 
     def check(self, frame: Frame) -> None:
         """Read the potential."""
@@ -146,7 +213,7 @@ class Maxwell(MatterField):
     def strength(self, frame: Frame) -> Tensor:
         """F_ij = E_i^m E_j^n (d_m A_n - d_n A_m), slots DD."""
         q = frame.coordinates
-        potential = [scalar_of(frame, x, f"potential[{k}]") for k, x in enumerate(self.potential)]
+        potential = self.elements(frame)
 
         def rule(index: Index) -> Element:
             m, n = index
@@ -163,14 +230,14 @@ class Maxwell(MatterField):
 
     def coframe_terms(self, equations: Varied, i: int, n: int) -> Terms:
         """- 4 dL/dF2 F_ib F^nb."""
-        strength, weight = self.strength(equations.frame), equations.slope("F2")
+        strength, weight = self.strength(equations.frame), equations.slope(self.names[0])
         lower, upper = strength.components.get, strength.raised().components.get
         legs = range(equations.frame.dimension)
         return [(-4, weight, lower((i, b)), upper((n, b))) for b in legs]
 
     def equation(self, equations: Varied) -> Tensor:
         """- (4/e) d_m(e dL/dF2 F^mn), slots U."""
-        frame, weight = equations.frame, equations.slope("F2")
+        frame, weight = equations.frame, equations.slope(self.names[0])
         upper = self.strength(frame).raised().components.get
         flow = Tensor(frame, "UU", lambda i: frame.field.sum([(-4, weight, upper(i))]))
         fields = FrameFields(equations.connections[0])
@@ -183,106 +250,57 @@ class Maxwell(MatterField):
         return [(-1, lower((i, n)), current((n,))) for n in range(equations.frame.dimension)]
 
 
-@dataclass(frozen=True, eq=False)
-class Fluid:
-    """A perfect fluid, with spin if there is some; components in the frame.
-
-    density, pressure: scalars.
-    velocity: u^i with u_i u^i = 1 or -1.
-    spin: s_ij antisymmetric with s_ij u^j = 0, or None.
-
-    Equation
-    --------
-    E_i^n = p_i u^n + p (E_i^n - u_i u^n / u^2),  C^{n i}_j = s^i_j u^n / 2
-    p_i = (u^j D_n(e s_ij u^n)/e - rho u_i) / u^2
-    """
-
-    density: sp.Expr | str
-    pressure: sp.Expr | str
-    velocity: Sequence[sp.Expr | str]
-    spin: Sequence[Sequence[sp.Expr | str]] | Tensor | None = None
-
-    def check(self, frame: Frame) -> None:
-        """Refuse a velocity that is not normalised and a spin that is not transverse."""
-        square = self._square(frame)
-        if not (square - 1).is_zero and not (square + 1).is_zero:
-            raise GravityError(
-                f"velocity: expected u_i u^i = 1 or -1, got {square}. Give components in the frame."
-            )
-        spin = self._spin(frame)
-        n = range(frame.dimension)
-        u = self._velocity(frame).components.get
-        for i in n:
-            if not frame.field.sum([(1, spin.components.get((i, j)), u((j,))) for j in n]).is_zero:
-                raise GravityError(
-                    f"spin: expected s_ij u^j = 0, got another value for i = {i}. Give a spin "
-                    "without components along the velocity."
-                )
-
-    def _velocity(self, frame: Frame) -> Tensor:
-        """u^i, slots U."""
-        return _vector(frame, self.velocity, "velocity")
-
-    def _square(self, frame: Frame) -> Element:
-        u = self._velocity(frame)
-        return (u.lowered() @ u).element()
-
-    def _spin(self, frame: Frame) -> Tensor:
-        """s_ij, slots DD."""
-        if self.spin is None:
-            return Tensor(frame, "DD", {}, antisymmetric(2))
-        return antisymmetric_matrix(frame, self.spin, "spin")
-
-    def _flow(self, frame: Frame) -> Tensor:
-        """s_ij u^n at (n, i, j), slots UDD."""
-        u, s = self._velocity(frame).components.get, self._spin(frame).components.get
-        rule: Callable[[Index], Element] = lambda i: u(i[:1]) * s(i[1:])  # noqa: E731
-        return Tensor(frame, "UDD", rule, (((0, 2, 1), -1),))
-
-    def connection_source(self, connection: Connection) -> Tensor:
-        """C^{n i}_j of the fluid, slots UUD."""
-        frame = connection.frame
-        get = self._flow(frame).components.get
-        half = Tensor(frame, "UDD", lambda i: get(i) * HALF, (((0, 2, 1), -1),))
-        return half.raised(1)
-
-    def coframe_source(self, connection: Connection) -> Tensor:
-        """E_i^n of the fluid, slots DU."""
-        frame = connection.frame
-        n = range(frame.dimension)
-        velocity = self._velocity(frame)
-        u, lower = velocity.components.get, velocity.lowered().components.get
-        rho, p = (
-            scalar_of(frame, self.density, "density"),
-            scalar_of(frame, self.pressure, "pressure"),
-        )
-        sign = -1 if (self._square(frame) - 1).is_zero else 1
-        turning = FrameFields(connection).divergence(self._flow(frame)).components.get
-
-        def rule(index: Index) -> Element:
-            i, k = index
-            terms: Terms = [(sign, rho, lower((i,)), u((k,))), (sign, p, lower((i,)), u((k,)))]
-            terms += [(-sign, u((j,)), turning((i, j)), u((k,))) for j in n]
-            if i == k:
-                terms.append((1, p))
-            return frame.field.sum(terms)
-
-        return Tensor(frame, "DU", rule)
+def numbered(matter: Iterable[MatterField | Fluid]) -> tuple[MatterField | Fluid, ...]:
+    """Matter with numbers for fields of one kind, by which their names differ."""
+    counts: dict[str, int] = {}
+    owners: dict[str, str] = {}
+    result: list[MatterField | Fluid] = []
+    for one in matter:
+        if isinstance(one, ScalarField | Maxwell):
+            counts[one.kind] = counts.get(one.kind, 0) + 1
+            one = replace(one, number=counts[one.kind])
+            for name in dict.fromkeys((*one.names, one.symbol)):
+                if name in owners:
+                    raise GravityError(
+                        f"matter: expected different names, got {name} for two fields. Give "
+                        "another: scalar_field(..., name='chi')."
+                    )
+                owners[name] = one.kind
+        result.append(one)
+    return tuple(result)
 
 
-def scalar_field(phi: sp.Expr | str) -> ScalarField:
+def scalar_field(phi: sp.Expr | str, name: str | None = None) -> ScalarField:
     """A scalar field phi: the Lagrangian may name X = g^ij d_i phi d_j phi, and phi.
+
+    A second field of one theory has the names X_2 and phi_2.
+
+    Parameters
+    ----------
+    phi
+        Expression in the coordinates.
+    name
+        Another name than phi in the Lagrangian, as for a frame with an angle phi.
+
+    Raises
+    ------
+    GravityError
+        The name is not a new name of one word.
 
     Examples
     --------
-    >>> scalar_field("phi(t)").names
-    ('X', 'phi')
+    >>> scalar_field("phi(t)").names, scalar_field("u(t)", name="chi").names
+    (('X', 'phi'), ('X', 'chi'))
     """
-    return ScalarField(phi)
+    if name is not None:
+        name = new_name(name, "name")
+    return ScalarField(phi, name)
 
 
 def maxwell(potential: Sequence[sp.Expr | str]) -> Maxwell:
     """An electromagnetic field with potential A_mu: the Lagrangian may name F2 = F_ab F^ab.
+
+    A second field of one theory has the name F2_2.
 
     Examples
     --------
@@ -290,164 +308,3 @@ def maxwell(potential: Sequence[sp.Expr | str]) -> Maxwell:
     ('F2',)
     """
     return Maxwell(potential)
-
-
-def fluid(
-    density: sp.Expr | str, pressure: sp.Expr | str, velocity: Sequence[sp.Expr | str]
-) -> Fluid:
-    """A perfect fluid as a source; the velocity u^i has components in the frame.
-
-    Examples
-    --------
-    >>> fluid("rho", 0, [1, 0, 0, 0]).pressure
-    0
-    """
-    return Fluid(density, pressure, velocity)
-
-
-def weyssenhoff(
-    density: sp.Expr | str,
-    pressure: sp.Expr | str,
-    velocity: Sequence[sp.Expr | str],
-    spin: Sequence[Sequence[sp.Expr | str]] | Tensor,
-) -> Fluid:
-    """A fluid with spin density s_ij (Weyssenhoff), s_ij u^j = 0, as a source.
-
-    Its momentum density p_i follows from the identity of rotations.
-
-    Examples
-    --------
-    >>> spin = [[0] * 4, [0, 0, "s", 0], [0, "-s", 0, 0], [0] * 4]
-    >>> weyssenhoff("rho", 0, [1, 0, 0, 0], spin).velocity
-    [1, 0, 0, 0]
-    """
-    return Fluid(density, pressure, velocity, spin)
-
-
-def torsion_from_spin(
-    frame: Frame, tau: Tensor | Sequence, kappa: sp.Expr | str = "kappa"
-) -> Tensor:
-    """The torsion T_ij^a of a spin density in the theory L = R/(2 kappa) + L_m, slots DDU.
-
-    Equation
-    --------
-    T_ij^a + g_i^a v_j - g_j^a v_i = kappa tau^a_ij,  v_i = T_ij^j = - kappa tau^j_ij / (n - 2)
-
-    Parameters
-    ----------
-    tau
-        tau^a_ij = 2 C^a_ij of L_m, antisymmetric in ij, at [a][i][j], in the frame.
-    kappa
-        Coupling constant; a parameter kappa if not given.
-
-    Returns
-    -------
-    T with T = 2 S: `gt.from_torsion(frame, T / 2)` is its connection.
-
-    Raises
-    ------
-    GravityError
-        tau is not antisymmetric, or the frame has two dimensions.
-
-    Examples
-    --------
-    >>> import sympy as sp
-    >>> from geomtorsion.geometry import Frame
-    >>> flat = Frame(sp.symbols("t x y z"), sp.eye(4), (-1, 1, 1, 1))
-    >>> s = sp.Symbol("s")
-    >>> tau = sp.MutableDenseNDimArray.zeros(4, 4, 4)
-    >>> tau[0, 1, 2], tau[0, 2, 1] = s, -s
-    >>> torsion_from_spin(flat, tau.tolist()).nonzero()
-    {(1, 2, 0): kappa*s, (2, 1, 0): -kappa*s}
-    """
-    checks.instance(frame, Frame, "frame", GravityError)
-    n = frame.dimension
-    if n < 3:
-        raise GravityError(
-            f"frame: expected three or more dimensions, got {n}. The equation does not fix the "
-            "torsion vector in two."
-        )
-    strength = scalar_of(frame, kappa, "kappa")
-    spin = _spin_density(frame, tau).components.get
-    traces = [frame.field.sum([(1, spin((j, i, j))) for j in range(n)]) for i in range(n)]
-    share = Fraction(1, n - 2)
-
-    def rule(index: Index) -> Element:
-        i, j, a = index
-        terms: Terms = [(1, strength, spin((a, i, j)))]
-        if a == i:
-            terms.append((share, strength, traces[j]))
-        if a == j:
-            terms.append((-share, strength, traces[i]))
-        return frame.field.sum(terms)
-
-    return Tensor(frame, "DDU", rule, antisymmetric(3), "T", "torsion (2S)")
-
-
-def _spin_density(frame: Frame, tau: Tensor | Sequence) -> Tensor:
-    """tau^a_ij, slots UDD, checked."""
-    n = frame.dimension
-    if isinstance(tau, Tensor):
-        if tau.frame is not frame or len(tau.slots) != 3:
-            raise GravityError(
-                f"tau: expected a tensor tau^a_ij over this frame, got {tau.label}. Build it over "
-                "the frame of the equations."
-            )
-        tensor = tau.in_frame().lowered().raised(0)
-    else:
-        values = {}
-        for a, rows in enumerate(_square_list(tau, n, "tau")):
-            for i, row in enumerate(_square_list(rows, n, f"tau[{a}]")):
-                for j, x in enumerate(_square_list(row, n, f"tau[{a}][{i}]")):
-                    values[a, i, j] = scalar_of(frame, x, f"tau[{a}][{i}][{j}]")
-        tensor = Tensor(frame, "UDD", values)
-    get = tensor.components.get
-    for a, i, j in tensor.components.nonzero:
-        if not (get((a, i, j)) + get((a, j, i))).is_zero:
-            raise GravityError(
-                f"tau: expected tau^a_ij antisymmetric in ij, got components [{a}, {i}, {j}] and "
-                f"[{a}, {j}, {i}] that do not cancel. Give tau = 2 C of the matter Lagrangian."
-            )
-    return Tensor(frame, "UDD", tensor.components, (((0, 2, 1), -1),))
-
-
-def antisymmetric_matrix(frame: Frame, values: object, what: str) -> Tensor:
-    """An antisymmetric matrix in the frame, slots DD, checked."""
-    n = frame.dimension
-    if isinstance(values, Tensor):
-        if values.frame is not frame or len(values.slots) != 2:
-            raise GravityError(f"{what}: expected a tensor of rank 2 over this frame, got another.")
-        tensor = values.in_frame().lowered()
-    else:
-        entries = {}
-        for i, row in enumerate(_square_list(values, n, what)):
-            for j, x in enumerate(_square_list(row, n, f"{what}[{i}]")):
-                entries[i, j] = scalar_of(frame, x, f"{what}[{i}][{j}]")
-        tensor = Tensor(frame, "DD", entries)
-    get = tensor.components.get
-    for i, j in tensor.components.nonzero:
-        if not (get((i, j)) + get((j, i))).is_zero:
-            raise GravityError(
-                f"{what}: expected an antisymmetric matrix, got entries [{i}, {j}] and "
-                f"[{j}, {i}] that do not cancel. Change the sign of one of them."
-            )
-    return Tensor(frame, "DD", tensor.components, antisymmetric(2))
-
-
-def _square_list(values: object, n: int, what: str) -> list:
-    """A list of n entries."""
-    entries = list(checks.entries(checks.rows(values), what, GravityError))
-    if len(entries) != n:
-        raise GravityError(
-            f"{what}: expected {n} entries, got {len(entries)}. Give one for each leg."
-        )
-    return entries
-
-
-def _vector(frame: Frame, values: object, what: str) -> Tensor:
-    """Components of a vector in the frame, slots U."""
-    if isinstance(values, Tensor):
-        return values.in_frame().raised()
-    entries = _square_list(values, frame.dimension, what)
-    read = {(i,): scalar_of(frame, x, f"{what}[{i}]") for i, x in enumerate(entries)}
-    return Tensor(frame, "U", read)

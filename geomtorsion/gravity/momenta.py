@@ -7,6 +7,7 @@ from itertools import product
 
 from geomtorsion.caching import cached_property
 from geomtorsion.exact import Element
+from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Tensor, antisymmetric, symmetric
 from geomtorsion.gravity.fields import (
     HALF,
@@ -17,6 +18,7 @@ from geomtorsion.gravity.fields import (
 from geomtorsion.gravity.invariants import INVARIANTS, LINEAR, MAPS, MIXED, Scalars
 
 
+@exclusive
 @dataclass(frozen=True, eq=False)
 class Momenta:
     """Derivatives of the Lagrangian by the fields of one connection, all components counted.
@@ -75,7 +77,7 @@ class Momenta:
     def C(self) -> Tensor:
         """(1/e) d(eL)/d omega_ni^j = 2 P^{ni}_j - 2 N^{ni}_j - (2/e) D_m(e Z^{mni}_j), slots UUD.
 
-        Its part antisymmetric in ij where the connection is metric by its construction.
+        Its part antisymmetric in ij where the connection stays metric.
         """
         frame = self.fields.frame
         p, q = self.P.lowered().components.get, self.N.lowered().components.get

@@ -99,13 +99,15 @@ def poincare(
         raise GravityError(
             f"curvature: expected six factors, got {len(squares)}. Give one for each of P1 ... P6."
         )
-    total = _number(scalar) * (names["R"] - 2 * _number(cosmological))
+    constant = _number(cosmological)
+    total = _number(scalar) * (names["R"] - 2 * constant)
     total += sum(
         _number(x) * names[f"{part}2"]
         for part, x in (("tensor", tensor), ("vector", vector), ("axial", axial))
     )
     total += sum(_number(x) * names[f"P{k}"] for k, x in enumerate(squares, 1))
-    return Lagrangian(total, "metric", "Poincare gauge theory")
+    added = sorted(x.name for x in constant.free_symbols & total.free_symbols)
+    return Lagrangian(total, "metric", "Poincare gauge theory", tuple(added))
 
 
 def holst(barbero_immirzi: Number = "gamma") -> Lagrangian:

@@ -29,6 +29,7 @@ from geomtorsion.errors import (
     UndecidedError,
 )
 from geomtorsion.exact import Field
+from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Frame
 from geomtorsion.loops.arcs import Arc, Curve, Ellipse, Parameters, Part, exact_number
 from geomtorsion.loops.defects import find_defects
@@ -158,6 +159,7 @@ def _real(total: sp.Expr) -> sp.Expr:
     return sp.factor_terms(sp.expand(sp.expand_trig(sp.expand(total).rewrite(sp.cos))))
 
 
+@exclusive
 def _residues(f: sp.Expr, t: sp.Symbol) -> sp.Expr | None:
     """Rational functions of cos t and sin t with numbers in the denominator, over one turn."""
     on_circle = _in_circle(f, t)
@@ -214,6 +216,7 @@ class ExactBurgersVector:
         """Zero: the vector is exact."""
         return sp.S.Zero
 
+    @exclusive
     def at(self, values: Parameters | None = None) -> np.ndarray:
         """Numbers for given parameters, shape (n,).
 
@@ -446,6 +449,7 @@ def _proved(f: sp.Expr, t: sp.Symbol, low: sp.Expr, high: sp.Expr) -> acb:
     return width * integral(along, arb(10) ** (-DIGITS - 1))
 
 
+@exclusive
 def _verify(
     vector: tuple[sp.Expr, ...],
     numbers: Sequence[Sequence[acb]],

@@ -44,6 +44,9 @@ def field_equations_html(equations: FieldEquations) -> str:
     3
     """
     names = html_text(", ".join(one.name for one in equations.connections))
+    constants = html_text(
+        f"Constants: {', '.join(equations.constants)}. " * bool(equations.constants)
+    )
     lagrangian = latex_text(equations.expression)
     values = [
         mathml(f"{latex_name(name)} = {latex_text(value)}", display=True)
@@ -54,7 +57,8 @@ def field_equations_html(equations: FieldEquations) -> str:
     ]
     return (
         f'<section class="card"><p>Left sides of the field equations of '
-        f"{mathml(f'L = {lagrangian}')} ({names}). The space is a solution where they vanish.</p>"
+        f"{mathml(f'L = {lagrangian}')} ({names}). {constants}The space is "
+        f"a solution where they vanish.</p>"
         f'<div class="scroll">{"".join(values)}</div></section>'
         f"{''.join(map(section, quantities))}"
     )
@@ -68,6 +72,7 @@ def field_equations_data(equations: FieldEquations) -> dict[str, Any]:
     return {
         "lagrangian": str(equations.lagrangian.expression),
         "connections": [one.name for one in equations.connections],
+        "constants": list(equations.constants),
         "scalars": {name: plain_text(value) for name, value in equations.scalars.items()},
         "equations": {
             name: {",".join(map(str, i)): plain_text(x) for i, x in tensor.nonzero().items()}

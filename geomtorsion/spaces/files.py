@@ -14,6 +14,7 @@ from geomtorsion.files import Decimal, read_toml
 from geomtorsion.geometry import (
     Connection,
     Frame,
+    constrained,
     from_coefficients,
     from_contortion,
     from_spin_connection,
@@ -32,7 +33,7 @@ from geomtorsion.spaces.vocabulary import (
 TEXT_KEYS = ("name", "title", "story", "source", "notes")
 SYMBOL_KEYS = ("coordinates", "parameters", "functions", "domain", "names")
 SHAPE_KEYS = ("coframe", "frame", "metric", "structure_constants")
-CONNECTION_KEYS = ("spin_connection", "contortion", "connection")
+CONNECTION_KEYS = ("spin_connection", "contortion", "connection", "constraints")
 CHART_KEYS = ("edge", "margin", "charts")
 KEYS = (
     *TEXT_KEYS, *SYMBOL_KEYS, "signature", "complex", *SHAPE_KEYS, *CONNECTION_KEYS, *CHART_KEYS,
@@ -73,6 +74,10 @@ def read_file(path: str | PathLike[str]) -> Space:
         At most one: omega[a][i][j], K[a][b][c] or Gamma[a][b][c] of a connection of the space's
         own, a being the direction of differentiation; nested lists or a table of the entries that
         do not vanish, ``"0,1,2" = "1/r"``, indices counted from 0.
+    constraints
+        Instead of a connection: one-forms that vanish on the permitted velocities,
+        ``["cos(theta)*dy - sin(theta)*dx"]``. The kinetic energy is g(v, v)/2; see `constrained`
+        for the frame and the connection.
     edge, margin
         An expression that is positive inside the coordinates, and the value below which motions
         move over to another chart.
@@ -111,6 +116,10 @@ def read_file(path: str | PathLike[str]) -> Space:
     words = vocabulary(file, data, dimension_of(file, shape, data[shape]))
     name = one_line(_text(file, data, "name")) or path.stem
     frame = _named(words, data, _frame(words, data, shape, name))
+    connection = _connection(words, data, frame)
+    if connection is not None:
+        # Constraints adapt the frame to them.
+        frame = connection.frame
     if any(key in data for key in CHART_KEYS):
         # Motions load scipy, which files without charts do not need.
         from geomtorsion.spaces.file_charts import attach_charts
@@ -124,7 +133,7 @@ def read_file(path: str | PathLike[str]) -> Space:
         frame=frame,
         group="your own",
         notes=_text(file, data, "notes"),
-        connection=_connection(words, data, frame),
+        connection=connection,
     )
 
 
@@ -160,6 +169,16 @@ def _text(file: str, data: Mapping[str, object], key: str) -> str:
     value = data.get(key, "")
     if not isinstance(value, str) or isinstance(value, Decimal):
         raise FileFormatError(f"{file}: {key}: expected text in quotes, got {shown(value)}.")
+    return value
+
+
+def _texts(file: str, data: Mapping[str, object], key: str) -> list[str]:
+    value = data[key]
+    if not isinstance(value, list) or not all(isinstance(entry, str) for entry in value):
+        raise FileFormatError(
+            f"{file}: {key}: expected a list of texts, got {shown(value)}. Write "
+            f'{key} = ["cos(theta)*dy - sin(theta)*dx"].'
+        )
     return value
 
 
@@ -230,9 +249,11 @@ def _connection(words: Vocabulary, data: Mapping[str, object], frame: Frame) -> 
     key = _only(words.file, data, CONNECTION_KEYS, required=False)
     if not key:
         return None
+    if key == "constraints":
+        return constrained(frame, _texts(words.file, data, key))
     makers: dict[str, Callable[[Frame, Any], Connection]] = dict(
         zip(
-            CONNECTION_KEYS,
+            CONNECTION_KEYS[:3],
             (from_spin_connection, from_contortion, from_coefficients),
             strict=True,
         )

@@ -231,8 +231,10 @@ def pair_problems(
     numbers = dict(first.parameters) | values
     if {symbol.name for symbol in space.frame.parameters} - set(values):
         chosen.append("parameters")
+    connection = space.connection or cartan(space.frame)
     if velocity is None and frame_velocity is None:
-        frame_velocity = first.frame_velocity
+        legs = range(space.frame.dimension) if connection.allowed is None else connection.allowed
+        frame_velocity = [u if k in legs else 0.0 for k, u in enumerate(first.frame_velocity)]
     begin: dict[str, Any] = {
         "start": first.start if start is None else start,
         "velocity": velocity,
@@ -240,7 +242,7 @@ def pair_problems(
         "parameters": numbers,
     }
     problems = {
-        "autoparallel": autoparallel(space.connection or cartan(space.frame), **begin),
+        "autoparallel": autoparallel(connection, **begin),
         "geodesic": geodesic(space.frame, metric=moments, **begin),
     }
     return problems, tuple(chosen), first.t if t is None else checks.number(t, "t", TimeError)

@@ -67,6 +67,17 @@ def test_quantities_are_cut_series(frame: gt.Frame, name: str) -> None:
     agree(frame.expanded("epsilon", 2).quantity(name), frame.quantity(name), 2)
 
 
+def test_unknown_functions_are_expanded_by_taylors_formula() -> None:
+    """F(x + epsilon t, epsilon) and its derivatives by x and t to second order."""
+    F, G = sp.Function("F"), sp.Function("G")
+    lapse = F(x + epsilon * t, epsilon) + epsilon * G(x * (1 + epsilon))
+    frame = gt.Frame.from_metric([t, x], [[-(lapse**2), 0], [0, 1]])
+    series = frame.expanded("epsilon", 2)
+    agree(series.metric, frame.metric, 2)
+    bar, exact = gt.levi_civita(series), gt.levi_civita(frame)
+    agree(bar.coefficients, exact.coefficients, 2)
+
+
 def test_random_frames_are_cut_series() -> None:
     """As above for random triangular frames, in which epsilon occurs in different ways."""
 

@@ -26,10 +26,17 @@ def compiled(values: sp.Array, q: tuple) -> object:
 
 
 @pytest.mark.parametrize(
-    ("n", "metric"), [(3, True), (3, False), (4, True), (4, False), (5, False)]
+    ("n", "metric", "free"),
+    [
+        *((3, True, False), (3, False, False), (4, True, False), (4, False, False)),
+        *((5, False, False), (3, True, True), (4, True, True)),
+    ],
 )
-def test_equations_are_the_variation_of_the_action(n: int, metric: bool) -> None:
-    """E and C of a Lagrangian with random couplings agree with complex steps in the action."""
+def test_equations_are_the_variation_of_the_action(n: int, metric: bool, free: bool) -> None:
+    """E and C of a Lagrangian with random couplings agree with complex steps in the action.
+
+    free: a metric connection is varied among all connections, as in metric-affine gravity.
+    """
     seed = 10 * n + metric
     frame = sample_frame(n, seed)
     connection = sample_connection(frame, seed + 1, metric=metric)
@@ -38,7 +45,7 @@ def test_equations_are_the_variation_of_the_action(n: int, metric: bool) -> None
     couplings = {name: chosen.randint(-9, 9) for name in names}
     curved = "T1*R/3" if metric else "T1*R/3 - Q1*R"
     text = " + ".join(f"{x}*{name}/10" for name, x in couplings.items()) + " + " + curved
-    found = g.equations(connection, text)
+    found = g.equations(connection, g.Lagrangian(text, "metric-affine") if free else text)
     eta = np.diag([-1.0] + [1.0] * (n - 1))
 
     def density(e, de, w, dw):
@@ -60,7 +67,7 @@ def test_equations_are_the_variation_of_the_action(n: int, metric: bool) -> None
     C = e * np.einsum("nij,mn->mij", found.C.at(at), legs)
     assert np.abs(of_e).max() > 1
     assert np.allclose(E, of_e, rtol=1e-8, atol=1e-8 * np.abs(of_e).max())
-    if metric:
+    if metric and not free:
         # A metric connection is varied within metric connections: omega_aij antisymmetric.
         of_w = np.einsum("aij,jk->aik", of_w, eta)
         of_w = np.einsum("aik,kj->aij", (of_w - np.swapaxes(of_w, 1, 2)) / 2, eta)

@@ -7,6 +7,7 @@ import sympy as sp
 
 import geomtorsion as gt
 from geomtorsion import gravity as g
+from geomtorsion.errors import GravityError
 
 T, R, X, Y, Z = sp.symbols("t r x y z", real=True)
 THETA, PHI = sp.symbols("theta phi", real=True)
@@ -128,3 +129,159 @@ def test_matter_fields_keep_the_identities() -> None:
         assert all(check.holds for check in found.identities())
         assert set(found.matter_equations) == {"phi", "A"}
         assert not any(one.is_zero for one in found.matter_equations.values())
+
+
+FLAT = gt.Frame([T, X, Y, Z], sp.eye(4), LORENTZ)
+U, W = sp.Function("u")(T), sp.Function("w")(T)
+
+
+def test_two_scalar_fields_have_two_names() -> None:
+    """The energy of -X/2 - X_2/2 is (u'^2 + w'^2)/2, and each field has its own equation."""
+    pair = [g.scalar_field("u(t)"), g.scalar_field("w(t)")]
+    found = g.equations(gt.levi_civita(FLAT), "-X/2 - X_2/2 - 3*phi*phi_2**2", pair)
+    potential = 3 * U * W**2
+    assert FLAT.scalar(found.E[0, 0]) == -(sp.diff(U, T) ** 2 + sp.diff(W, T) ** 2) / 2 - potential
+    assert found.matter_equations["phi"] == -sp.diff(U, T, 2) - 3 * W**2
+    assert found.matter_equations["phi_2"] == -sp.diff(W, T, 2) - 6 * U * W
+    assert found.scalar("X_2") == -(sp.diff(W, T) ** 2)
+    named = g.equations(
+        gt.levi_civita(FLAT),
+        "-X/2 - X_2/2 - 3*phi*chi**2",
+        [g.scalar_field("u(t)"), g.scalar_field("w(t)", name="chi")],
+    )
+    assert (named.E - found.E).is_zero
+    assert set(named.matter_equations) == {"phi", "chi"}
+
+
+def test_two_maxwell_fields_have_two_names() -> None:
+    """A black hole with two charges: Q^2 = q^2 + p^2 with p of the second field."""
+    other = sp.Symbol("p", positive=True)
+    F = 1 - 2 * MASS / R + (CHARGE**2 + other**2) / R**2
+    coframe = sp.diag(sp.sqrt(F), 1 / sp.sqrt(F), R, R * sp.sin(THETA))
+    frame = gt.Frame([T, R, THETA, PHI], coframe, LORENTZ)
+    # A magnetic second field: A_phi = -p cos(theta).
+    pair = [g.maxwell([CHARGE / R, 0, 0, 0]), g.maxwell([0, 0, 0, -other * sp.cos(THETA)])]
+    found = g.equations(gt.levi_civita(frame), "R - F2 - F2_2", pair)
+    assert found.E.is_zero
+    assert set(found.matter_equations) == {"A", "A_2"}
+    assert all(one.is_zero for one in found.matter_equations.values())
+    assert found.scalar("F2_2") == 2 * other**2 / R**4
+    assert not g.equations(gt.levi_civita(frame), "R - F2 - 2*F2_2", pair).E.is_zero
+
+
+def test_several_matter_fields_keep_the_identities() -> None:
+    """Two fields of each kind off shell, with torsion and with products of their invariants."""
+    x, y, z = q = sp.symbols("x y z")
+    frame = gt.Frame(q, [[1 + y**2, x * z, 0], [0, 1, x * y], [z, 0, 1]], (-1, 1, 1))
+    matter = [
+        g.scalar_field(x * y + z**2),
+        g.scalar_field(x - y * z, name="chi"),
+        g.maxwell([y * z, x**2, x * y]),
+        g.maxwell([z, x * y, 0]),
+    ]
+    text = "T1*X + F2*X_2 + chi*phi**2 + W(phi, chi)*F2_2*T2"
+    found = g.equations(gt.cartan(frame), text, matter)
+    assert all(check.holds for check in found.identities())
+    assert set(found.matter_equations) == {"phi", "chi", "A", "A_2"}
+    assert not any(one.is_zero for one in found.matter_equations.values())
+
+
+def test_a_field_by_its_own_function() -> None:
+    """phi(t) in the Lagrangian is the field: the potential stays in its equation."""
+    names, square = g.names, sp.Function("phi")(T) ** 2 / 2
+    field = g.scalar_field(sp.Function("phi")(T))
+    found = [
+        g.equations(gt.levi_civita(FLAT), lagrangian, field)
+        for lagrangian in (
+            names["R"] / 2 - names["X"] / 2 - square,
+            "R/2 - X/2 - phi(t)**2/2",
+            "R/2 - X/2 - phi**2/2",
+        )
+    ]
+    phi = sp.Function("phi")(T)
+    for one in found:
+        assert one.matter_equations["phi"] == -sp.diff(phi, T, 2) - phi
+        assert all(check.holds for check in one.identities())
+    other = g.equations(gt.levi_civita(FLAT), "-X/2 - u(t)**4", g.scalar_field("u(t)", name="chi"))
+    assert other.matter_equations["chi"] == -sp.diff(U, T, 2) - 4 * U**3
+
+
+def test_a_slope_of_the_potential() -> None:
+    """V'(phi(t)) as sympy writes it is V'(phi)."""
+    V, phi = sp.Function("V"), sp.Function("phi")(T)
+    found = g.equations(
+        gt.levi_civita(FLAT), -g.names["X"] / 2 - V(phi).diff(phi) * phi, g.scalar_field(phi)
+    )
+    cubic = {V: sp.Lambda(X, X**3)}
+    equation = found.matter_equations["phi"][()].subs(cubic).doit()
+    assert sp.simplify(equation + sp.diff(phi, T, 2) + 9 * phi**2) == 0
+
+
+def test_the_name_of_a_scalar_field() -> None:
+    """A black hole with an angle phi has a scalar field chi with a mass."""
+    frame = gt.spaces.load("schwarzschild").frame
+    chi = g.scalar_field("u(r)", name="chi")
+    found = g.equations(gt.levi_civita(frame), "R/2 - X/2 - m**2*chi**2/2", chi)
+    r = frame.coordinates[1]
+    u, mass = sp.Function("u")(r), frame.parameters[0]
+    box = sp.diff(r * (r - 2 * mass) * sp.diff(u, r), r) / r**2
+    assert found.matter_equations["chi"] == box - sp.Symbol("m") ** 2 * u
+    assert found.constants == ("m",)
+    assert all(check.holds for check in found.identities())
+
+
+PAIR = [g.scalar_field("u(t)"), g.scalar_field("w(t)")]
+MATTER_REFUSED = {
+    "second field": ("-X/2", PAIR, "expected a Lagrangian with X_2 or phi_2"),
+    "second maxwell": (
+        "-F2",
+        [g.maxwell(["u(x)", 0, 0, 0])] * 2,
+        "expected a Lagrangian with F2_2, got -F2. Add a term of the Maxwell field A_2",
+    ),
+    "no such second field": ("-X/2 - X_2/2", PAIR[:1], "X_2 belongs to another matter field"),
+    "one name twice": (
+        "-X/2 - X_2/2",
+        [g.scalar_field("u(t)", name="chi"), g.scalar_field("w(t)", name="chi")],
+        "got chi for two fields",
+    ),
+    "rate of the field": (
+        "-X/2 + diff(u(t), t)**2",
+        g.scalar_field("u(t)", name="chi"),
+        "expected derivatives of a scalar field in X",
+    ),
+    "rate of a function of the field": (
+        g.names["X"] + sp.Derivative(U**2, T),
+        g.scalar_field(U),
+        "expected derivatives of a scalar field in X",
+    ),
+    "part of the field": ("-X/2 - u(t)**2", g.scalar_field("2*u(t)"), "u(t), a part of phi"),
+    "part of the potential": (
+        "-F2 - u(x)**2",
+        g.maxwell(["u(x)", 0, 0, 0]),
+        "u(x), a part of A",
+    ),
+    "symbol and function": ("-X/2 - phi*phi(t)", g.scalar_field("phi(t)"), "one way to write phi"),
+}
+
+
+@pytest.mark.parametrize("case", MATTER_REFUSED)
+def test_matter_that_is_refused(case: str) -> None:
+    """A field that the Lagrangian does not vary, and two fields of one name, are refused."""
+    lagrangian, matter, words = MATTER_REFUSED[case]
+    with pytest.raises(GravityError) as refused:
+        g.equations(gt.levi_civita(FLAT), lagrangian, matter)
+    assert words in str(refused.value)
+
+
+@pytest.mark.parametrize("name", ["R", "X", "a b", "sin", "Rbar", 3, ""])
+def test_names_that_a_field_cannot_have(name: object) -> None:
+    """A field cannot be called as an invariant, a function or by more than one word."""
+    with pytest.raises(GravityError, match="name: expected a"):
+        g.scalar_field("u(t)", name=name)  # type: ignore[arg-type]
+
+
+def test_the_angle_phi_points_to_another_name() -> None:
+    """In a frame with an angle phi the refusal of phi names the remedy."""
+    frame = gt.spaces.load("schwarzschild").frame
+    with pytest.raises(GravityError, match=r"scalar_field\(..., name='chi'\)"):
+        g.equations(gt.levi_civita(frame), "R - X/2 - phi**2", g.scalar_field("u(r)"))

@@ -207,6 +207,104 @@ def test_kerr_de_sitter_with_torsion() -> None:
     assert not g.equations(connection, solved.replace("P4", "P5")).C.is_zero
 
 
+def test_a_connection_that_is_metric_by_its_numbers() -> None:
+    """Kerr-de Sitter with torsion from bare coefficients has the same C = 0, antisymmetric."""
+    made = kerr_de_sitter()
+    bare = gt.from_coefficients(made.frame, made.coefficients)
+    assert (made.kind, bare.kind) == ("metric", "general")
+    text = "a*(R - 2*Lambda) + b*(tensor2 - 2*vector2) + w*(P1 - P2 - P4) + p*P6"
+    solved = text.replace("b*", "(2*Lambda*(w - p)/3 - a/2)*")
+    found = g.equations(bare, solved)
+    assert found.E.is_zero
+    assert found.C.is_zero
+    assert found.tensors.keys() == {"E", "E_[ij]", "C"}
+    free, wanted = g.equations(bare, text), g.equations(made, text)
+    assert not free.C.is_zero
+    assert (free.C - wanted.C).is_zero
+    assert (free.E - wanted.E).is_zero
+    # In metric-affine gravity the connection is varied freely, and C of R2 has a symmetric part.
+    full = g.equations(bare, g.Lagrangian("R2", "metric-affine")).C.lowered(1)
+    turned = gt.contract("nij->nji", full)
+    part = g.equations(bare, "R2").C.lowered(1)
+    assert (full - turned - part * 2).is_zero
+    assert not (full + turned).is_zero
+    # A Lagrangian with nonmetricity also belongs to that theory.
+    mixed = g.equations(bare, "U1").C.lowered(1)
+    assert not (mixed + gt.contract("nij->nji", mixed)).is_zero
+
+
+def tensor_modes(order: int) -> gt.Frame:
+    """Flat FLRW with a gravitational wave h(t, z), epsilon to some order."""
+    small, h = sp.Symbol("epsilon"), sp.Function("h")(T, Z)
+    stretch = sp.exp(small * h / 2)
+    frame = gt.Frame([T, X, Y, Z], sp.diag(1, a * stretch, a / stretch, a), LORENTZ)
+    return frame.expanded("epsilon", order)
+
+
+def test_tensor_modes_of_any_f_of_T() -> None:
+    """h'' + (3 H + T' f''/f') h' - h_zz/a^2 = 0 (Chen, Dent, Dutta, Saridakis 2011)."""
+    frame = tensor_modes(2)
+    found = g.equations(gt.cartan(frame), "f(T)")
+    h, slot = sp.Function("h")(T, Z), sp.Symbol("s")
+    value = 6 * H**2
+    first, second = (sp.Subs(sp.Derivative(f(slot), (slot, k)), slot, value) for k in (1, 2))
+    rate, wave = sp.diff(h, T), sp.diff(h, T, 2) - sp.diff(h, Z, 2) / a**2
+    wanted = first * (wave + 3 * H * rate) + second * sp.diff(value, T) * rate
+    linear = found.E.order(1)
+    assert agree(linear, (1, 1), wanted)
+    assert agree(linear, (2, 2), -wanted)
+    assert set(linear.nonzero()) == {(1, 1), (2, 2)}
+    text = str(found.written(linear.element(1, 1)))
+    assert "Derivative(f(T_0), T_0)" in text
+    assert "xi" not in text
+    # L to second order: f + f' (h_z^2/a^2 - h'^2)/2, from which the linear equation follows.
+    quadratic = first * (sp.diff(h, Z) ** 2 / a**2 - rate**2) / 2
+    assert agree(found.L.order(2), (), quadratic)
+    assert all(check.holds for check in found.identities())
+
+
+SLOTS = sp.symbols("s1 s2")
+ALPHA = sp.Symbol("alpha")
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("T + alpha*T**2", SLOTS[0] + ALPHA * SLOTS[0] ** 2),
+        ("exp(alpha*T)", sp.exp(ALPHA * SLOTS[0])),
+    ],
+)
+def test_an_expanded_function_is_the_function_expanded(text: str, value: sp.Expr) -> None:
+    """f(T) to second order, with f inserted afterwards, equals the expansion of that theory."""
+    frame = tensor_modes(2)
+    general, special = (g.equations(gt.cartan(frame), x).E for x in ("f(T)", text))
+    for order in range(3):
+        one, two = general.order(order), special.order(order)
+        for i in range(4):
+            inserted = one[i, i].subs(f, sp.Lambda(SLOTS[0], value)).doit()
+            assert agree(two, (i, i), inserted), (order, i)
+    assert not special.order(2).is_zero
+
+
+def test_functions_of_several_invariants_and_of_a_field_are_expanded() -> None:
+    """f(T, X) V(phi) about a moving background: the identities hold to second order."""
+    small, w = sp.Symbol("epsilon"), sp.Function("w")(T, Z)
+    frame = tensor_modes(2)
+    phi = sp.Function("u")(T) + small * w
+    found = g.equations(gt.cartan(frame), "f(T, X) + T*V(phi)", g.scalar_field(phi))
+    assert all(check.holds for check in found.identities())
+    plain = g.equations(gt.cartan(frame), "T*X**2 + T*phi**3", g.scalar_field(phi))
+    inserted = {
+        f: sp.Lambda(SLOTS, SLOTS[0] * SLOTS[1] ** 2),
+        sp.Function("V"): sp.Lambda(SLOTS[0], SLOTS[0] ** 3),
+    }
+    for order in range(3):
+        one = found.matter_equations["phi"].order(order)[()]
+        for name, value in inserted.items():
+            one = one.subs(name, value).doit()
+        assert agree(plain.matter_equations["phi"].order(order), (), one), order
+
+
 def density(frame: gt.Frame) -> gt.Tensor:
     """e P_0^{tr} of TEGR."""
     P = g.equations(gt.cartan(frame), g.tegr).P

@@ -99,6 +99,7 @@ DRAWINGS: dict[str, Callable[[], Any]] = {
     "21_kerr_de_sitter_with_torsion": orbit,
     "22_which_path_does_a_body_take": fall,
     "23_orbits_of_kerr": bound,
+    "24_constraints_are_torsion": lambda: paths("chaplygin_sleigh", t=6.0),
 }
 
 if __name__ == "__main__":

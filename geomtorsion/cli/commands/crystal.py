@@ -142,17 +142,17 @@ def crystal(
                 documents.append(report)
                 # Only the last frame is written as lines.
                 line_makers = [lines]
-        document = _shown(file, documents, form)
+        document = _shown(file, documents, form, partials)
         if output is not None:
             _save(document, line_makers[0](), output)
             if folder is not None:
                 forget(folder)
 
 
-def _shown(file: Path, found: list[Json], form: Form) -> Json:
+def _shown(file: Path, found: list[Json], form: Form, partials: bool) -> Json:
     """Results of all frames, in words or as JSON."""
     document = {"file": file.name, "frames": followed(found)}
-    typer.echo(json.dumps(document, indent=1) if form is Form.json else _text(document))
+    typer.echo(json.dumps(document, indent=1) if form is Form.json else _text(document, partials))
     return document
 
 
@@ -222,7 +222,7 @@ def _folder(output: Path | None, *, resume: bool, overwrite: bool) -> Path | Non
     return folder
 
 
-def _text(document: Json) -> str:
+def _text(document: Json, partials: bool) -> str:
     """The frames in words and columns."""
     frames = document["frames"]
     first = frames[0]
@@ -252,8 +252,11 @@ def _text(document: Json) -> str:
     table = [
         _columns(line, frame, several, in_grains) for frame in frames for line in frame["lines"]
     ]
+    # A partial whose fault reaches a surface is omitted without the option.
+    faults = not partials and any(frame["lattice"] != "bcc" for frame in frames)
+    hint = "; --partials also finds partial dislocations at the edges of faults" if faults else ""
     if not table:
-        return "\n".join([*rows, "", "  no dislocation line"])
+        return "\n".join([*rows, "", f"  no dislocation line{hint}"])
     heads = ["line", f"b / a ({first['convention']})", "b", "family", "length", "ends"]
     if in_grains:
         heads.insert(1, "grain")

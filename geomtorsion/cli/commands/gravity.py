@@ -11,7 +11,12 @@ from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.options import Form, SpaceOrFile
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import shows_greek, working
-from geomtorsion.cli.theories import ConnectionOption, LagrangianOption, field_equations
+from geomtorsion.cli.theories import (
+    ConnectionOption,
+    ConstantsOption,
+    LagrangianOption,
+    field_equations,
+)
 from geomtorsion.gravity import FieldEquations
 from geomtorsion.pictures.field_equations import field_equations_data
 from geomtorsion.pictures.latex import text_label, text_marks
@@ -23,6 +28,7 @@ def gravity(
     source: SpaceOrFile,
     lagrangian: LagrangianOption = None,
     connection: ConnectionOption = None,
+    constants: ConstantsOption = "",
     form: Annotated[
         Form, typer.Option("--format", help="text to read, json for programs.")
     ] = Form.text,
@@ -40,11 +46,13 @@ def gravity(
       geomtorsion gravity frw -L "T + c*T**2"
       geomtorsion gravity kerr -L tegr
       geomtorsion gravity schwarzschild -c levi-civita -L "R + alpha*GB"
+      geomtorsion gravity frw_flat -L "T**n" --constants n
       geomtorsion gravity frw -c cartan -c levi-civita -L "f(T, Rbar)"
     """
     with working(source):
         space = open_space(source)
-        equations = field_equations(space, lagrangian or "tegr", connection)
+        chosen = "tegr" if lagrangian is None else lagrangian
+        equations = field_equations(space, chosen, connection, constants)
         identities = equations.identities()
         # Components are computed here, so that limits and the progress line apply.
         zero = {name: tensor.is_zero for name, tensor in equations.tensors.items()}
@@ -65,6 +73,8 @@ def _show(space: Space, equations: FieldEquations, zero: dict[str, bool | None])
     names = ", ".join(one.name for one in equations.connections)
     typer.secho(f"{space.name}: L = {equations.lagrangian.expression}", bold=True)
     typer.echo(names)
+    if equations.constants:
+        typer.echo(f"constants: {' '.join(equations.constants)}")
     for name, value in equations.scalars.items():
         typer.echo(f"{name} = {expression_text(value, greek=greek)}")
     for name, tensor in equations.tensors.items():

@@ -11,7 +11,12 @@ import typer
 from geomtorsion.cli.options import Basis, BasisOption, SpaceOrFile, directory
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working
-from geomtorsion.cli.theories import ConnectionOption, LagrangianOption, field_equations
+from geomtorsion.cli.theories import (
+    ConnectionOption,
+    ConstantsOption,
+    LagrangianOption,
+    field_equations,
+)
 from geomtorsion.errors import GravityError
 from geomtorsion.pictures.report import write_report
 
@@ -28,6 +33,7 @@ def report(
     basis: BasisOption = Basis.natural,
     lagrangian: LagrangianOption = None,
     connection: ConnectionOption = None,
+    constants: ConstantsOption = "",
 ) -> None:
     """Write a page with the geometry, motions and a loop of a space.
 
@@ -46,9 +52,12 @@ def report(
         space = open_space(source)
         # The name in a file may be any text; the name of a directory may not.
         default = re.sub(r"[^\w-]+", "-", space.name) + "-report"
-        if connection and lagrangian is None:
-            raise GravityError("--connection: expected -L with it, got none. Add a Lagrangian.")
-        equations = field_equations(space, lagrangian, connection) if lagrangian else None
+        for option, value in (("--connection", connection), ("--constants", constants)):
+            if value and lagrangian is None:
+                raise GravityError(f"{option}: expected -L with it, got none. Add a Lagrangian.")
+        equations = None
+        if lagrangian is not None:
+            equations = field_equations(space, lagrangian, connection, constants)
         written = write_report(
             space, output or default, progress, pictures=pictures, basis=basis.value,
             equations=equations,

@@ -264,7 +264,7 @@ def _data(atoms: Atoms, where: str) -> AtomData:
             "periodic, got none. Give it (Lattice in extended XYZ), or write pbc F for this edge."
         )
     # Edges along which nothing repeats may be missing; perpendicular ones replace them.
-    cell = completed(edges)
+    cell = completed(where, edges)
     return AtomData(
         positions=np.array(atoms.positions, dtype=float),
         cell=cell,

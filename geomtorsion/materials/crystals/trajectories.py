@@ -80,14 +80,14 @@ def reports(
             grains = known_of(report, _owner(file, report))
         else:
             seen(number, total, "lattice")
-            _ = frame.crystal
+            _ = frame.crystal.frame
             seen(number + 0.5, total, "lines")
             report = {"frame": number, **frame.report()}
             grains = KnownGrains.of(frame.crystal.grains)
             if file is not None:
                 # A run that fails in its first frame leaves no files, so that it can be corrected.
-                file.parent.mkdir(parents=True, exist_ok=True)
-                write_text(file.with_name(SETTINGS), settings)
+                with written(file.parent, is_folder=True):
+                    write_text(file.with_name(SETTINGS), settings)
                 if "grains" in report:
                     with written(file.with_suffix(".npy")) as part, part.open("wb") as stream:
                         np.save(stream, grains.owner)

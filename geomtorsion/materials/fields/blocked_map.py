@@ -357,7 +357,8 @@ def blocked_map(
     d = len(grid)
     spacing = checks.numbers(steps, d, "steps", GridError)
     for k, step in enumerate(spacing):
-        checks.positive(step, f"steps[{k}]", GridError)
+        positive = checks.positive(step, f"steps[{k}]", GridError)
+        checks.measured(positive, f"steps[{k}]", GridError, is_length=True)
     names = tuple("xyzuvw"[:d])
     wraps = periodic_axes(periodic, names)
     pair = two_axes(plane, d)
@@ -378,7 +379,7 @@ def blocked_map(
             f"block: expected at most {MOST_BLOCKS:,} blocks, got {blocks_needed:,} for the shape "
             f"{array.shape}. Give larger blocks, or a part of the field."
         )
-    noise = checks.array(sigma, "sigma", GridError)
+    noise = checks.measured(checks.array(sigma, "sigma", GridError), "sigma", GridError)
     if noise.shape not in ((), components) or (noise < 0).any():
         raise GridError(
             f"sigma: expected 0 or more, as one number or in shape {components}, got "

@@ -395,7 +395,8 @@ def _data_set(h5py: Any, file: Any, name: str, path: Path) -> Any:
 def write_hdf5(path: Path, contents: Contents) -> None:
     """Write an HDF5 file with the names of an NPZ file."""
     h5py = module("h5py", path)
-    with h5py.File(path, "w") as file:
+    # In memory first: on a full disk HDF5 raises an error of its own and cannot close its file.
+    with h5py.File(path.name, "w", driver="core", backing_store=False) as file:
         file["coframe"] = contents.values
         for name, axis in zip(contents.names, contents.axes, strict=True):
             file[f"axis_{name}"] = axis
@@ -404,6 +405,8 @@ def write_hdf5(path: Path, contents: Contents) -> None:
                 file[key] = contents.options[key]
         for name, text in {"names": " ".join(contents.names), **_texts(contents)}.items():
             file.attrs[name] = text
+        file.flush()
+        path.write_bytes(file.id.get_file_image())
 
 
 @dataclass(frozen=True)

@@ -268,6 +268,7 @@ class SampledFrame(Samples):
             Length of the Burgers vector, in `vector_unit`.
         """
         b = checks.positive(burgers, "burgers", GridError)
+        checks.measured(b, "burgers", GridError, is_length=True)
         both = (self.nye, self.nye_noise)
         values, floor = (np.sqrt((x**2).sum(axis=(0, 1))) / b for x in both)
         return values, floor

@@ -72,13 +72,7 @@ class LatticeImage:
                 "a larger part."
             )
         check_size("image", values.shape)
-        # Products of four values have to be finite and nonzero.
-        most = float(np.abs(values).max())
-        if most and not 1e-70 < most < 1e70:
-            raise ImageError(
-                f"image: expected grey values between 1e-70 and 1e70, got {most:.3g}. Give them "
-                "in other units."
-            )
+        checks.measured(values, "image", ImageError, is_length=True)
         # The mean of equal floats differs from them by rounding, which must not count as a lattice.
         if np.ptp(values) <= 1e-12 * np.abs(values).max():
             raise ImageError(
@@ -86,12 +80,7 @@ class LatticeImage:
             )
         object.__setattr__(self, "values", values)
         step = checks.positive(self.step, "step", ImageError)
-        if not 1e-70 < step < 1e70:
-            raise ImageError(
-                f"step: expected a length between 1e-70 and 1e70, got {step:.3g}. Give it in "
-                "other units."
-            )
-        object.__setattr__(self, "step", step)
+        object.__setattr__(self, "step", checks.measured(step, "step", ImageError, is_length=True))
         checks.text(self.unit, "unit", ImageError)
 
     # -- makers -----------------------------------------------------------------------------------

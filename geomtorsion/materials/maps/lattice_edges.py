@@ -115,6 +115,7 @@ def given_covariance(sigma: object) -> np.ndarray:
         sizes = [checks.number(sigma, "sigma", OrientationError)] * 3
     else:
         sizes = [float(x) for x in checks.numbers(sigma, 3, "sigma", OrientationError)]
+    checks.measured(max(sizes), "sigma", OrientationError)
     if min(sizes) < 0:
         raise OrientationError(
             f"sigma: expected standard deviations of 0 or more, got {min(sizes):g}. Give degrees, "

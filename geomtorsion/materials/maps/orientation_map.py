@@ -116,7 +116,7 @@ class OrientationMap:
                 f"phase: expected one of {sorted(phases)} for each pixel, got {strange:g}. "
                 "Describe it in phases, or put 0 at pixels without an orientation."
             )
-        length = np.linalg.norm(q, axis=-1)
+        length = np.linalg.norm(checks.measured(q, "quaternions", OrientationError), axis=-1)
         indexed = phase > 0
         bad = indexed & ~(np.isfinite(length) & (length > 0))
         if bad.any():

@@ -20,8 +20,10 @@ def two_steps(steps: object) -> tuple[float, float]:
     values = (steps, steps)
     if checks.real(steps) is None:
         values = checks.numbers(steps, 2, "steps", OrientationError)
-    x, y = (checks.positive(step, "steps", OrientationError) for step in values)
-    return x, y
+    sizes = [checks.positive(step, "steps", OrientationError) for step in values]
+    for size in sizes:
+        checks.measured(size, "steps", OrientationError, is_length=True)
+    return sizes[0], sizes[1]
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ from tests.cli.running import run
 def test_equations_of_a_tetrad() -> None:
     """A quadratic f(T) in a cosmology: the scalar, the equations and both Noether identities."""
     text = run("gravity", "frw", "-L", "T + c*T**2").stdout
-    assert text.startswith("frw: L = T + c*T**2\nCartan connection\nT = ")
+    assert text.startswith("frw: L = T + c*T**2\nCartan connection\nconstants: c\nT = ")
     assert "\nE_1^1 = " in text
     assert "translations: holds" in text
     assert "rotations: holds" in text
@@ -47,6 +47,7 @@ def test_two_connections_and_json() -> None:
     data = json.loads(made.stdout)
     assert data["connections"] == ["Cartan connection", "Levi-Civita connection"]
     assert data["identities"] == {"translations": True, "rotations": True}
+    assert data["constants"] == []
     assert set(data["scalars"]) == {"T", "Rbar"}
     names = {"t": sp.Symbol("t"), "r": sp.Symbol("r"), "theta": sp.Symbol("theta")}
     names |= {"k": sp.Symbol("k")}
@@ -54,8 +55,20 @@ def test_two_connections_and_json() -> None:
         parse_expression(text, names)
 
 
+def test_constants_are_declared_and_printed() -> None:
+    """An exponent is declared by --constants, and the output and the data list it."""
+    text = run("gravity", "frw_flat", "-L", "T + c*T**n", "--constants", "n").stdout
+    assert "\nconstants: c n\n" in text
+    made = run("gravity", "frw_flat", "-L", "T**n", "--constants", "n", "--format", "json")
+    assert json.loads(made.stdout)["constants"] == ["n"]
+    assert "--constants n" in run("gravity", "frw_flat", "-L", "T**n", code=2).stderr
+
+
 def test_refusals_of_the_command() -> None:
     """An unknown name and a connection that does not fit end with code 2 and a message."""
+    for text in ("", "  ", "nan", "self", "R + Ric2/2", "f(T,B)", "kretschmann", "foo"):
+        error = run("gravity", "frw_flat", "-L", text, code=2).stderr
+        assert error.startswith("geomtorsion: lagrangian: expected")
     assert "Did you mean T1" in run("gravity", "s2", "-L", "t1", code=2).stderr
     assert (
         "expected a flat metric connection"

@@ -47,6 +47,13 @@ def test_report_with_field_equations(tmp_path):
     data = json.loads((out / "geometry.json").read_text("utf-8"))
     assert set(data["field_equations"]["equations"]) == {"E", "E_[ij]"}
     assert [one["holds"] for one in data["checks"]["Field equations"]] == [True, True]
-    run("report", "torsion_bounce", "-L", "R", "--no-pictures", "-o", str(out))
-    assert "Connection equation" in (out / "index.html").read_text("utf-8")
+    run(
+        *("report", "torsion_bounce", "-L", "R + c*T1 + v", "--constants", "v"),
+        *("--no-pictures", "-o", str(out)),
+    )
+    page = (out / "index.html").read_text("utf-8")
+    assert "Connection equation" in page
+    assert "Constants: c, v." in page
     assert "-L" in run("report", "s2", "-c", "cartan", code=2).stderr
+    assert "-L" in run("report", "s2", "--constants", "n", code=2).stderr
+    assert "empty text" in run("report", "s2", "-L", "", "-o", str(out), code=2).stderr

@@ -89,6 +89,12 @@ def test_sailing():
     assert solution("4.4", "cosine")[()] == pytest.approx(cosine, rel=1e-7)
 
 
+def test_constraints():
+    """A skate with unit lengths: de^3 = e^1 ^ e^2, and no surface holds it."""
+    assert equal(solution("4.5", "torsion"), {(): sp.S.One})
+    assert solution("4.5", "integrable") == {(): "no"}
+
+
 def test_loops():
     """-A on so3; -pi R^2 in Heisenberg's group; 2 b for two turns around a screw, 0 beside it."""
     area, radius = sp.Symbol("A", positive=True), sp.Symbol("R", positive=True)

@@ -41,6 +41,8 @@ MISTAKES = {
     ("4.4", "compass"): "degrees factor levi-civita sign",
     ("4.4", "circle"): "cartan degrees factor sign",
     ("4.2", "same"): "",
+    ("4.5", "torsion"): "factor sign",
+    ("4.5", "integrable"): "",
     ("4.4", "cosine"): "",
     ("5.1", "burgers"): "direction factor",
     ("5.2", "burgers"): "direction factor forgotten",
