@@ -1,13 +1,14 @@
 """Error estimate: one rule for everything that moves.
 
 The answer is compared with one more run, two orders finer; twice the largest difference is the
-error. The finer run starts a rounding away, and its state is changed on the way, in sixteen places,
-by as much as the roundings of the answer's steps add up to: roundings of two runs in doubles may
-agree by chance, and a motion that amplifies errors amplifies these changes as well.
+error. The finer run starts a rounding away.
 
-Where roundings may be much of the difference, this is a random number, and may be small by chance:
-the error is twenty times as large. If that misses the accuracy, a second run with other changes
-shows by its difference from the first how much roundings are.
+Roundings of two runs in doubles may agree by chance. Where they may be much of the difference, the
+state of the finer run is also changed on the way, in 64 places, by as much as the roundings of the
+answer's steps add up to: a motion that amplifies errors amplifies these changes as well. Such a
+difference is a random number, and may be small by chance: the error is twenty times as large. If
+that misses the accuracy, a second run with other changes shows by its difference from the first
+how much roundings are.
 
 No step of the finer run is longer than a hundredth of the way: a long step sees nothing of rates
 that change further ahead.
@@ -54,7 +55,7 @@ class Comparable(Protocol):
         ...
 
     def read_gaps(
-        self, one: Trajectory, two: Trajectory, count: int, *, doubles: bool
+        self, one: Trajectory, two: Trajectory, count: int, /, *, doubles: bool
     ) -> list[tuple[float, float]]:
         """What a reader gets at the first samples: largest differences, each with its size.
 

@@ -11,7 +11,7 @@ from geomtorsion.precision import GOLDEN
 
 # A motion is changed after each of so many equal numbers of steps: roundings are many where steps
 # are short.
-PLACES = 16
+PLACES = 64
 
 
 @dataclass(frozen=True)

@@ -98,7 +98,7 @@ class Problem(Protocol):
         ...
 
     def read_gaps(
-        self, one: Trajectory, two: Trajectory, count: int, *, doubles: bool
+        self, one: Trajectory, two: Trajectory, count: int, /, *, doubles: bool
     ) -> list[tuple[float, float]]:
         """What a reader gets at the first samples: largest differences, each with its size."""
         ...

@@ -20,6 +20,7 @@ from geomtorsion.ode.error_estimate import (
     Verified,
     change_by_rounding,
     rounding,
+    roundings_matter,
     verified,
 )
 from geomtorsion.ode.numbers import (
@@ -219,6 +220,7 @@ class _Runs:
         moved, roundings, longest = 0.0, None, math.inf
         if answer is not None:
             moved, longest = SAFETY * 2.0 ** (1 - engine.precision), self.limit
+        if answer is not None and roundings_matter(engine, answer.steps, answer.tolerance):
             # Less than a last place would be rounded away.
             part = max(change_by_rounding(engine, answer.steps / PLACES), rounding(engine, 1))
             steps = max(answer.steps, int(PARTS / GOLDEN))

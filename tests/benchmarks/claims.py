@@ -229,7 +229,7 @@ def shipped() -> Iterator[tuple[str, Any, float, float]]:
         scene = gt.scenes.load(name)
         problem = scene.run().solution.problem
         for accuracy in (1e-6, 1e-9, 1e-12):
-            yield f"scene {name}", problem, scene.t, accuracy
+            yield f"scene {name}", problem, float(scene.times[-1]), accuracy
 
 
 def table(claims: list[Claim]) -> str:
@@ -254,7 +254,7 @@ def table(claims: list[Claim]) -> str:
 
 def main() -> None:
     """Print each claim below the truth, and the table."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
     parser.add_argument("--number", type=int, default=400)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--shipped", action="store_true", help="only the shipped motions")
