@@ -20,7 +20,6 @@ from geomtorsion.errors import (
     SingularPointError,
     StartError,
     TimeError,
-    UndecidedError,
 )
 from geomtorsion.exact import Element, parse_expression
 from geomtorsion.exclusive import exclusive
@@ -44,7 +43,8 @@ class InvariantMeasure:
     h sqrt|g| dq^1 ... dq^n. For a metric connection 2 b_a is minus the torsion vector T_ab^b
                                     [Kleinert, Shabanov, J. Phys. A 31 (1998) 7005]
 
-    density: h sqrt|g|, up to a factor; None where no measure, or no closed form of it, is known.
+    density: h sqrt|g|, up to a factor; None where no closed form is known. A motion that is not
+        reversible may still have a measure, which these formulas do not give.
     reversible: whether the motion, run backwards, has the same law (detailed balance): the form
         2 b_a dq^a is closed. None if this cannot be decided.
     obstructions: (a, b) -> d_a 2 b_b - d_b 2 b_a, coordinates counted from 0, for all components
@@ -61,17 +61,10 @@ class InvariantMeasure:
     reversible: bool | None
     obstructions: Mapping[tuple[int, int], sp.Expr] = field(default_factory=dict)
 
-    def __bool__(self) -> bool:
-        if self.density is None and not self.obstructions:
-            raise UndecidedError(
-                "a reversible measure exists near each point, but no closed form of it was found. "
-                "Read the drift, and integrate 2 b_a along a path."
-            )
-        return self.density is not None
-
     def __repr__(self) -> str:
         words = {True: "reversible", False: "not reversible", None: "undecided"}[self.reversible]
-        parts = [f"density {self.density}" if self.density is not None else "no density", words]
+        density = self.density if self.density is not None else "not known"
+        parts = [f"density {density}", words]
         parts += [f"d(2 b)_{a + 1}{b + 1} = {x}" for (a, b), x in self.obstructions.items()]
         return f"InvariantMeasure({', '.join(parts)})"
 
@@ -218,7 +211,7 @@ class Diffusion:
 
     @cached_property
     def invariant_measure(self) -> InvariantMeasure:
-        """The measure that does not change in time, exact: it exists, or why not.
+        """The measure that does not change in time, exact, or what prevents a reversible one.
 
         If the drift is no gradient, but has no divergence, the volume itself is invariant.
         """
