@@ -213,7 +213,7 @@ class Diffusion:
     def invariant_measure(self) -> InvariantMeasure:
         """The measure that does not change in time, exact, or what prevents a reversible one.
 
-        If the drift is no gradient, but has no divergence, the volume itself is invariant.
+        If the drift is not a gradient, but has no divergence, the volume itself is invariant.
         """
         frame = self.connection.frame
         slope = Form(frame, 1, {k: 2 * x for (k,), x in _lowered(self.drift).items()})

@@ -37,7 +37,7 @@ def space(name: str, title: str) -> Space:
         embedding=_place,
         group="mechanics",
         notes="x = 2 (q1 q3 + q2 q4), y = 2 (q1 q4 - q2 q3), z = q1^2 + q2^2 - q3^2 - q4^2, and "
-        "r = q^2. A motion of the point alone has frame velocity u^4 = 0, which the autoparallels "
+        "r = q^2. A motion only of the point has frame velocity u^4 = 0, which the autoparallels "
         "keep. At the origin q = 0 the coframe is singular; the oscillator is not.",
     )
 

@@ -84,7 +84,7 @@ class DefectDensities:
 
     dislocation: alpha^{ik}, shape (rows, 3, grid...), in vector unit per unit squared.
     disclination: theta^{mk}, shape (3, 3, grid...), radians per unit squared; None without a bend.
-        A field of rotations alone has none: theta is then zero identically.
+        Rotations without an independent bend have none: theta is then zero identically.
     incompatibility: eta_kl, shape (3, 3, grid...), per unit squared.
     On a plane grid only k = l = 3 is known, and these axes have length 1.
     """
