@@ -449,7 +449,7 @@ def _per_area(samples: Samples, of: str) -> str:
 
 
 def _smooth(samples: Samples, name: str) -> Field:
-    """The values, if they are no differences of a displacement."""
+    """The values of a frame; differences of a displacement are refused."""
     checks.instance(samples, Samples, name)
     if samples.displacement is not None:
         raise GridError(
