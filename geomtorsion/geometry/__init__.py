@@ -15,6 +15,7 @@ from geomtorsion.geometry.connections import (
 from geomtorsion.geometry.constrained import constrained
 from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.curvature import Curvature
+from geomtorsion.geometry.embedded import embedded
 from geomtorsion.geometry.forms import Form
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.identity import IdentityCheck, identities
@@ -24,6 +25,7 @@ from geomtorsion.geometry.quantities import DependencyGraph
 from geomtorsion.geometry.surfaces import Surface, surface
 from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.geometry.torsion import Torsion
+from geomtorsion.geometry.volumes import ParallelVolume
 
 __all__ = [
     "Connection",
@@ -33,6 +35,7 @@ __all__ = [
     "Frame",
     "IdentityCheck",
     "Integrability",
+    "ParallelVolume",
     "Surface",
     "Tensor",
     "Torsion",
@@ -41,6 +44,7 @@ __all__ = [
     "cartan",
     "constrained",
     "contract",
+    "embedded",
     "from_coefficients",
     "from_contortion",
     "from_spin_connection",

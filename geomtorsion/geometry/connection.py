@@ -31,6 +31,7 @@ from geomtorsion.geometry.notation import ComponentTable, Names, Where
 from geomtorsion.geometry.parts import nonmetricity_parts
 from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.tensor import Tensor
+from geomtorsion.geometry.volumes import ParallelVolume, parallel_volume
 
 if TYPE_CHECKING:
     from geomtorsion.geometry.curvature import Curvature
@@ -372,6 +373,58 @@ class Connection:
         from geomtorsion.geometry.forms import connection_form
 
         return connection_form(self).part(*index) if index else connection_form(self)
+
+    # -- transposed, volume ----------------------------------------------------------------------
+
+    @cached_property
+    def transposed(self) -> Connection:
+        """The connection Gamma_ba^c: the same autoparallels, the opposite torsion.
+
+        A connection without torsion is its own transposed.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame, cartan
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> polar = cartan(Frame([r, phi], [[1, 0], [0, r]]))
+        >>> polar.torsion.S[0, 1, 1], polar.transposed.torsion.S[0, 1, 1]
+        (1/(2*r), -1/(2*r))
+        """
+        if self.is_torsion_free:
+            return self
+        get = self.coefficients.components.get
+
+        def rule(index: Index) -> Element:
+            a, b, c = index
+            return get((b, a, c))
+
+        coefficients = Tensor(self.frame, "ddu", rule, (), "\\Gamma", "connection", anchored=(1, 2))
+        return Connection(self.frame, coefficients, f"transposed {self.name}")
+
+    @cached_property
+    def volume(self) -> ParallelVolume:
+        """The volume f sqrt|g| that is parallel: exact, or the component that prevents it.
+
+        The connection is then called equi-affine. A metric connection keeps sqrt|g|. The volume of
+        `transposed` is the one over which D_a v^a integrates to a boundary term (Saa 1993): for a
+        metric connection it is exp(-3 Theta) sqrt|g| if the torsion vector is
+        v_a = T_ab^b = 3 d_a Theta (Fiziev 1998), and there is none if v_a is not a gradient.
+
+        Equation
+        --------
+        D_a (f sqrt|g|) = 0:  d_a log f = Gamma_ab^b - d_a log sqrt|g|
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame, cartan
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> polar = cartan(Frame([r, phi], [[1, 0], [0, r]]))
+        >>> polar.volume, polar.transposed.volume
+        (parallel volume: r, parallel volume: 1)
+        """
+        return parallel_volume(self.frame, self.coefficients, self.kind != "general")
 
     def subs(self, values: Values) -> Connection:
         """The connection with values for parameters and unknown functions (see Frame.subs).
