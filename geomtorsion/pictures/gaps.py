@@ -89,7 +89,7 @@ def draw_gap(variation: Variation, solution: Solution, *, size: float = 1.0) -> 
     text = (
         "Blue: the path; green: the varied path. The images close where dPhi vanishes at the end. "
     )
-    text += f"In the space the gap b stays open. Error below {number(solution.error)}."
+    text += f"In the space the gap b stays open. Error below {error}."
     captioned(figure, [text])
     return figure
 
