@@ -52,7 +52,8 @@ def swimmer() -> gt.Connection:
 def small_stroke() -> sp.Expr:
     """Component T_12^1 of the torsion, forward per area: T^1 = d e^1 - A ^ e^2, A the turn."""
     plane = gt.Frame(ALPHA, sp.eye(2), parameters=[RATIO])
-    forward, sideways, turn = (gt.Form(plane, 1, dict(enumerate(row))) for row in velocities().tolist())
+    rows = velocities().tolist()
+    forward, sideways, turn = (gt.Form(plane, 1, dict(enumerate(row))) for row in rows)
     return (forward.d - (turn ^ sideways))[0, 1]
 
 

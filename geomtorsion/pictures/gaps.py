@@ -86,11 +86,10 @@ def draw_gap(variation: Variation, solution: Solution, *, size: float = 1.0) -> 
         arrow(right, path[-1, [a, b]], moved[-1, [a, b]], GAP, 2.4)
     end = np.array([moment[name][-1] for name in gaps])
     right.set_title(f"in the space: |b| = {np.linalg.norm(end):.4g}", fontsize=11)
-    text = (
-        "Blue: the path; green: the varied path. The images close where dPhi vanishes at the end. "
-    )
-    text += f"In the space the gap b stays open. Error below {error}."
-    captioned(figure, [text])
+    error = number(float(f"{solution.error:.1e}"))
+    lines = ["Blue: the path; green: the varied path. The images close where dPhi ends at zero."]
+    lines.append(f"In the space the gap b stays open. Error below {error}.")
+    captioned(figure, lines)
     return figure
 
 
