@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from geomtorsion.action import validation
-from geomtorsion.action.gaps import gap_ode
+from geomtorsion.action.gaps import Gap
 from geomtorsion.action.hamel import coefficients_of, torsion_over
 from geomtorsion.action.principles import principle_named
 from geomtorsion.action.tangent_bundle import bundle_over, free_pattern, symbols_of
@@ -157,7 +157,8 @@ class Variation:
         >>> round(float(solve(beside, 2.0)["b2"][-1]), 6)
         -0.909297
         """
-        return gap_ode(self, motion, images, {} if parameters is None else parameters)
+        gap = Gap(self.frame, self.images, self.gaps, self.gap_rates, self.coordinates)
+        return gap.beside(motion, images, {} if parameters is None else parameters)
 
     @cached_property
     def proved(self) -> bool | None:

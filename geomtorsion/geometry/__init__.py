@@ -19,13 +19,12 @@ from geomtorsion.geometry.embedded import embedded
 from geomtorsion.geometry.forms import Form
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.identity import IdentityCheck, identities
-from geomtorsion.geometry.integrability import Integrability
+from geomtorsion.geometry.integrability import Integrability, ParallelVolume
 from geomtorsion.geometry.lie_derivative import lie, lie_bracket
 from geomtorsion.geometry.quantities import DependencyGraph
 from geomtorsion.geometry.surfaces import Surface, surface
 from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.geometry.torsion import Torsion
-from geomtorsion.geometry.volumes import ParallelVolume
 
 __all__ = [
     "Connection",

@@ -29,7 +29,7 @@ def embedded(
     """Metric connection with torsion of one-forms eps^i in flat space, more forms than coordinates.
 
     The forms map each step dq to a step eps^i_mu dq^mu in flat space with Cartesian coordinates
-    x^i; what is parallel there is projected back. Rows d x^i(q) embed a surface and give its
+    x^i. Parallel transport there is projected back. Rows d x^i(q) embed a surface and give its
     Levi-Civita connection. Rows that are not gradients give torsion. Parallel transport keeps
     lengths in both cases.
 

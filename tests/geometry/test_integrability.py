@@ -1,4 +1,4 @@
-"""Volumes: parallel volumes and transposed connections, against their definitions."""
+"""Integrability: parallel volumes and transposed connections, against their definitions."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def test_obstruction_is_the_trace_of_the_curvature():
 
 @pytest.mark.parametrize("name", ["so3", "schwarzschild", "heisenberg", "edge_dislocation"])
 def test_metric_connections_keep_the_metric_volume(name):
-    """D_a sqrt|g| = 0 by Gamma_ab^b = d_a log sqrt|g|; coefficients alone show the same."""
+    """D_a sqrt|g| = 0 by Gamma_ab^b = d_a log sqrt|g|; bare coefficients show the same."""
     frame = gt.spaces.load(name).frame
     volume = gt.cartan(frame).volume
     assert (frame.volume - volume.density).is_zero
@@ -117,7 +117,7 @@ def test_transposed_connection():
 
 
 def test_transposed_autoparallels():
-    """Autoparallels depend on the symmetric part alone: both connections have the same."""
+    """Autoparallels depend on the symmetric part only: both connections have the same."""
     so3 = gt.spaces.load("so3").frame
     ends = [
         gt.solve(gt.autoparallel(one, [0.3, 1.0, 0.2], [0.5, 0.4, -0.3]), 2.0, 1e-11).at(2.0)
@@ -144,7 +144,7 @@ OPEN = with_vector(BENT, [y, 0, 0]).transposed.volume
     ],
 )
 def test_refusals(call, error, words):
-    """Each message says why there is no answer."""
+    """Each message gives the reason."""
     with pytest.raises(error, match=words):
         call()
 
