@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import functools
-import sys
 from typing import TYPE_CHECKING, Any
 
-if TYPE_CHECKING or sys.version_info >= (3, 12):
+if TYPE_CHECKING:
     from functools import cached_property as cached_property
 else:
 
     class cached_property(functools.cached_property):
-        """As from Python 3.12 on.
+        """As in functools from Python 3.12 on, except that all threads get the same object.
 
         Before, one lock for all instances is held while a value is computed: two threads, each of
         which computes what the other needs, wait for each other for ever.
@@ -23,5 +22,6 @@ else:
                 return self
             cache = instance.__dict__
             if self.attrname not in cache:
-                cache[self.attrname] = self.func(instance)
+                # Two threads may compute it: the first value stays.
+                cache.setdefault(self.attrname, self.func(instance))
             return cache[self.attrname]

@@ -800,6 +800,63 @@ def array(
     return found
 
 
+@dataclass(frozen=True)
+class Measurable:
+    """Sizes of measured numbers: products of four are finite, and those of lengths are not zero."""
+
+    least: float = 1e-70
+    most: float = 1e70
+
+
+MEASURABLE = Measurable()
+Measured = TypeVar("Measured", float, "np.ndarray")
+
+
+def measured(
+    values: Measured, subject: str, error: ErrorClass, *, is_length: bool = False
+) -> Measured:
+    """Numbers of measured data, unchanged, refused outside of MEASURABLE.
+
+    values: a checked float or array; nan and infinity in it pass, since `array` decides about them.
+    is_length: whether they are lengths, which may not be too short either; of an array the largest
+    entry counts, and zero passes, since other checks decide about it.
+
+    Examples
+    --------
+    >>> from geomtorsion.errors import GridError
+    >>> measured(1e200, "step", GridError)
+    Traceback (most recent call last):
+    geomtorsion.errors.GridError: step: expected numbers between -1e+70 and 1e+70, got 1e+200. \
+Give them in another unit.
+    >>> measured(1e-90, "step", GridError, is_length=True)
+    Traceback (most recent call last):
+    geomtorsion.errors.GridError: step: expected lengths between 1e-70 and 1e+70, got 1e-90. Give \
+them in another unit.
+    """
+    # As for `array`: it takes long to load.
+    import numpy as np
+
+    given = np.asarray(values)
+    flat = given.ravel()
+    ends = [float(end.reduce(flat, initial=0.0)) for end in (np.fmin, np.fmax)]
+    if not np.isfinite(ends).all():
+        finite = flat[np.isfinite(flat)]
+        ends = [float(finite.min(initial=0.0)), float(finite.max(initial=0.0))]
+    size = max(ends, key=abs)
+    is_short = is_length and 0 < abs(size) < MEASURABLE.least
+    if abs(size) > MEASURABLE.most or is_short:
+        what = (
+            f"lengths between {MEASURABLE.least:g} and"
+            if is_length
+            else f"numbers between {-MEASURABLE.most:g} and"
+        )
+        raise error(
+            f"{subject}: expected {what} {MEASURABLE.most:g}, got "
+            f"{abs(size) if is_length else size:.3g}. Give them in another unit."
+        )
+    return values
+
+
 def unmasked(values: object) -> np.ndarray:
     """An array unchanged, real numbers with nan where they are masked.
 

@@ -10,10 +10,11 @@ import math
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from threading import RLock
 
 import flint
 import mpmath
+
+from geomtorsion.exclusive import LOCK
 
 # The distance from 1 to the next double; rounding changes a number by half of it at most.
 EPS = sys.float_info.epsilon
@@ -32,7 +33,6 @@ GOLDEN = (math.sqrt(5) - 1) / 2
 CONSTANT_BITS = 180
 # Bits of numbers that are not fractions in exact decisions: no engine has more.
 EXACT_BITS = 400
-_LOCK = RLock()
 
 
 @contextmanager
@@ -46,14 +46,14 @@ def working_precision(bits: int) -> Iterator[None]:
     >>> third == mpmath.mpf(1) / 3
     False
     """
-    with _LOCK, mpmath.workprec(bits):
+    with LOCK, mpmath.workprec(bits):
         yield
 
 
 @contextmanager
 def working_digits(digits: int) -> Iterator[None]:
     """Block in which mpmath works with a given number of decimal digits."""
-    with _LOCK, mpmath.workdps(digits):
+    with LOCK, mpmath.workdps(digits):
         yield
 
 
@@ -68,5 +68,5 @@ def ball_precision(bits: int) -> Iterator[None]:
     >>> float(third.rad()) < 1e-40
     True
     """
-    with _LOCK, flint.ctx.workprec(bits):
+    with LOCK, flint.ctx.workprec(bits):
         yield

@@ -12,6 +12,7 @@ from functools import cache
 from geomtorsion.checks import cut, did_you_mean, shown
 from geomtorsion.errors import ExpressionError, UnitError
 from geomtorsion.exact import parse_expression
+from geomtorsion.exclusive import exclusive
 
 # Exponents of kilogram, metre, second, ampere and angle.
 _Powers = tuple[int, int, int, int, int]
@@ -245,6 +246,7 @@ def quantity(value: object, field: str = "") -> float:
     return number
 
 
+@exclusive
 def _value(text: str) -> float:
     """The value of an expression without names."""
     if _PLAIN.fullmatch(text) or _NOT_FINITE.fullmatch(text):

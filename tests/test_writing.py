@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cache
+import ast
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +19,13 @@ from geomtorsion.errors import ArgumentError, FileFormatError, ImageError
 from geomtorsion.loops.loop_files import read_loops
 from geomtorsion.materials.readers import open_source
 from geomtorsion.pictures.report import write_report
+from geomtorsion.pictures.scene_film import write_film
+from geomtorsion.pictures.style import new_figure, save
 from geomtorsion.spaces.files import read_file
 from geomtorsion.teaching.exercises import export
-from geomtorsion.teaching.exercises.grading import read_submission
+from geomtorsion.teaching.exercises.grading import grade, read_submission
 from geomtorsion.teaching.exercises.sheets import write_sheet
+from geomtorsion.teaching.lab import export as lab_pages
 from tests.materials.lines.synthetic_networks import rings
 
 
@@ -38,11 +44,7 @@ def things() -> dict[str, Any]:
 
 def saved(name: str) -> Callable[[Any], object]:
     """A function that saves one of the objects."""
-
-    def save(path: object) -> object:
-        return things()[name].save(path)
-
-    return save
+    return lambda path: things()[name].save(path)  # noqa: PLW0108 (made only when called)
 
 
 # Kind of file: the function that writes it.
@@ -57,6 +59,8 @@ FOLDERS: dict[str, Callable[[Any], object]] = {
     "report": lambda path: write_report(gt.spaces.load("s2"), path, pictures=False),
     "sheet": lambda path: write_sheet("3", path),
     "export": lambda path: export("nbgrader", path, ["3.2"]),
+    "Moodle export": lambda path: export("stack", path, ["3.2"]),
+    "pages": lab_pages.write_pages,
 }
 READERS: dict[str, Callable[[Any], object]] = {
     "solution": gt.SavedSolution.load,
@@ -71,7 +75,15 @@ READERS: dict[str, Callable[[Any], object]] = {
     "loops": lambda path: read_loops(gt.spaces.load("s2").frame, path),
     "answers": read_submission,
 }
+GRIDS = ("npz", "csv", "vtk", "vtu", "h5", "nc")
 NOT_NAMES = (None, 3, ["a.npz"], b"a.npz")
+
+
+@pytest.fixture(autouse=True)
+def few_pages(monkeypatch: pytest.MonkeyPatch):
+    """Two pages instead of all, which take a minute to compute."""
+    texts = {"index.html": "index " * 5000, "loops.html": "loops " * 5000}
+    monkeypatch.setattr(lab_pages, "pages", lambda _: texts)
 
 
 @pytest.mark.parametrize("given", NOT_NAMES, ids=repr)
@@ -113,3 +125,118 @@ def test_places_where_no_folder_can_be(tmp_path: Path, what: str):
         FOLDERS[what](tmp_path / "file" / "a")
     FOLDERS[what](tmp_path / "new" / "folder")
     assert any((tmp_path / "new" / "folder").iterdir())
+
+
+@contextmanager
+def full_disk(room: int) -> Iterator[None]:
+    """No file may grow beyond this number of bytes: the system fails as on a full disk."""
+    resource = pytest.importorskip("resource")
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (room, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+def files_in(folder: Path) -> dict[str, bytes]:
+    """Name -> bytes of all files below a folder, hidden ones too."""
+    return {str(x.relative_to(folder)): x.read_bytes() for x in folder.rglob("*") if x.is_file()}
+
+
+def check_full_disk(write: Callable[[Any], object], target: Path, folder: Path) -> None:
+    """A write that fails half-way leaves the files as they were: absent, or their old bytes."""
+    write(target)
+    whole = files_in(folder)
+    assert whole
+    for old in ({}, dict.fromkeys(whole, b"old")):
+        for name in whole:
+            (folder / name).unlink(missing_ok=True)
+            if old:
+                (folder / name).write_bytes(old[name])
+        half = max(map(len, whole.values())) // 2
+        with full_disk(half), pytest.raises(FileFormatError, match="Free space on this disk"):
+            write(target)
+        assert files_in(folder) == old
+    write(target)
+    assert set(files_in(folder)) == set(whole)
+
+
+@pytest.mark.parametrize("what", FILES)
+def test_a_full_disk_leaves_no_half_file(tmp_path: Path, what: str):
+    """A file gets its name only when all of its bytes are on the disk."""
+    check_full_disk(FILES[what], tmp_path / "a.npz", tmp_path)
+
+
+@pytest.mark.parametrize("what", FOLDERS)
+def test_a_full_disk_leaves_no_half_export(tmp_path: Path, what: str):
+    """Files of an export get their names together, when all of them are on the disk."""
+    check_full_disk(FOLDERS[what], tmp_path, tmp_path)
+
+
+@pytest.mark.parametrize("kind", GRIDS)
+def test_a_full_disk_leaves_no_half_grid(tmp_path: Path, kind: str):
+    """The same in each format of a sampled frame, also where another library writes."""
+    check_full_disk(things()["grid"].save, tmp_path / f"a.{kind}", tmp_path)
+
+
+@pytest.mark.parametrize("kind", ["png", "svg", "pdf"])
+def test_a_full_disk_leaves_no_half_figure(tmp_path: Path, kind: str):
+    """The same for figures."""
+    figure = new_figure(3, 2)
+    figure.add_subplot().plot([0, 1])
+    check_full_disk(lambda path: save(figure, path), tmp_path / f"a.{kind}", tmp_path)
+
+
+@pytest.mark.parametrize("kind", ["gif", "mp4"])
+def test_a_full_disk_leaves_no_half_animation(tmp_path: Path, kind: str):
+    """The same for animations, which another program may write."""
+    if kind == "mp4" and not shutil.which("ffmpeg"):
+        pytest.skip("needs ffmpeg")
+    turns = np.tile(np.eye(3), (4, 1, 1))
+    film = partial(write_film, times=np.arange(4.0), matrices=turns, seconds=0.2)
+    check_full_disk(film, tmp_path / f"a.{kind}", tmp_path)
+
+
+@pytest.mark.parametrize("table", ["marks.csv", "marks.json"])
+def test_a_full_disk_leaves_no_half_marks(tmp_path: Path, table: str):
+    """The table of marks is whole or as it was before."""
+    answers, made = tmp_path / "answers", tmp_path / "made"
+    answers.mkdir()
+    (answers / "ada.toml").write_text('[answers]\n"3.2" = "cot(phi2)"\n', "utf-8")
+    check_full_disk(lambda path: grade(answers, path), made / table, made)
+
+
+# Files of the package that write to a path which their caller got from `written`, or to a
+# temporary file that they delete.
+WRITE_ELSEWHERE = {
+    "files.py", "materials/fields/grid_files.py", "materials/fields/tables.py",
+    "teaching/lab/uploads.py",
+}  # fmt: skip
+
+
+def test_texts_are_written_by_one_mechanism():
+    """`Path.write_text` and `write_bytes` are called only on a path that `written` yields."""
+    package = Path(gt.__file__).parent
+    calls = 0
+    for path in package.rglob("*.py"):
+        tree = ast.parse(path.read_text("utf-8"))
+        yielded = {
+            name.id
+            for block in ast.walk(tree)
+            if isinstance(block, ast.With)
+            for item in block.items
+            if isinstance(item.context_expr, ast.Call)
+            and getattr(item.context_expr.func, "id", "") == "written"
+            and isinstance(name := item.optional_vars, ast.Name)
+        }
+        for call in ast.walk(tree):
+            if isinstance(call, ast.Call) and getattr(call.func, "attr", "") in (
+                "write_text",
+                "write_bytes",
+            ):
+                calls += 1
+                receiver = getattr(call.func, "value", None)
+                where = path.relative_to(package).as_posix()
+                assert where in WRITE_ELSEWHERE or getattr(receiver, "id", "") in yielded, where
+    assert calls >= 4

@@ -17,14 +17,14 @@ import geomtorsion
 from geomtorsion import geodesic, solve, spaces
 
 PACKAGE = str(Path(geomtorsion.__file__).parent)
-# It replaces functools, in which a reader would read nothing.
-CACHING = str(Path(geomtorsion.__file__).parent / "caching.py")
+# They wrap a function as functools does; a reader goes on to the function itself.
+WRAPPERS = {str(Path(PACKAGE) / name) for name in ("caching.py", "exclusive.py")}
 
 
 def is_passed(frame: FrameType) -> bool:
     """Whether someone who follows the motion reads the function of a frame."""
     name = frame.f_code.co_filename
-    return name.startswith(PACKAGE) and name != CACHING
+    return name.startswith(PACKAGE) and name not in WRAPPERS
 
 
 class Walk:

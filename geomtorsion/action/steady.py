@@ -17,6 +17,7 @@ from geomtorsion.action.writing import rate_text
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import ConstraintError, MissingValueError, StartError, UnknownNameError
 from geomtorsion.exact import Field
+from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry.components import determinant, inverse
 from geomtorsion.ode.terms import expression
 from geomtorsion.precision import EXACT_BITS, PRINTED, working_precision
@@ -373,6 +374,7 @@ class Point:
         return grid
 
 
+@exclusive
 def is_small(element: Element, scale: Iterable[Element]) -> bool:
     """Whether an element is zero, or a number that rounding of the state explains."""
     if element.is_zero:

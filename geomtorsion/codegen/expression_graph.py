@@ -44,9 +44,11 @@ from geomtorsion.errors import BranchError
 from geomtorsion.exact.element import Element
 from geomtorsion.exact.generators import Branch
 from geomtorsion.exact.tower import Tower
+from geomtorsion.exclusive import exclusive
 from geomtorsion.precision import EXACT_BITS
 
 
+@exclusive
 def graph(
     arguments: Sequence[str],
     outputs: Sequence[Output],
@@ -333,6 +335,7 @@ class Graph:
 APART = 1e-3
 
 
+@exclusive
 def branch_check(fields: Iterable[Tower], names: Sequence[str]) -> BranchCheck | None:
     """The check of all branches on which elements of some fields rely; None where there is none.
 

@@ -21,6 +21,7 @@ from geomtorsion.codegen.special import of_arrays, of_floats
 from geomtorsion.codegen.steps import Signed, Step, is_one, uses
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact.special_values import VALUES
+from geomtorsion.exclusive import exclusive
 from geomtorsion.precision import EXACT_BITS
 
 
@@ -289,6 +290,7 @@ class _HeyokaWriter:
         for step in steps:
             self.made.append(self._step(step))
 
+    @exclusive
     def _step(self, step: Step) -> Expression:
         kind, detail = step.kind, step.detail
         if kind == "argument":

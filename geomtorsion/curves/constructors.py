@@ -7,6 +7,7 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
+import sympy as sp
 
 from geomtorsion import checks
 from geomtorsion.codegen import rational
@@ -17,7 +18,6 @@ from geomtorsion.curves.equations import (
     CartanAutoparallel,
     Geodesic,
     Law,
-    inverted,
     velocity_names,
 )
 from geomtorsion.curves.forces import Forced, forced
@@ -31,7 +31,9 @@ from geomtorsion.curves.problem import (
 from geomtorsion.curves.stops import read_stops
 from geomtorsion.curves.transported import Deviation, TransportedVectors
 from geomtorsion.errors import MetricError, ShapeError, StartError
+from geomtorsion.exact.reading import checked
 from geomtorsion.geometry import Connection, Frame, levi_civita
+from geomtorsion.geometry.components import determinant
 from geomtorsion.geometry.derived import derived
 from geomtorsion.ode.numbers import Numbers, checked_numbers, floats
 
@@ -158,8 +160,8 @@ def geodesic(
     start, velocity, frame_velocity, parameters, causal, atlas, stop
         as in `autoparallel`.
     metric
-        kinetic metric in the frame, constant: n moments I_i, or a symmetric n x n matrix;
-        None takes eta.
+        kinetic metric in the frame, constant: n moments I_i, or a symmetric n x n matrix, of
+        numbers or exact constants such as sqrt(2); None takes eta.
 
     Raises
     ------
@@ -177,7 +179,7 @@ def geodesic(
     """
     frame = space.frame if isinstance(space, Connection) else space
     checks.instance(frame, Frame, "space")
-    law = Geodesic(None if metric is None else kinetic_metric(metric, frame.dimension))
+    law = Geodesic(None if metric is None else kinetic_metric(metric, frame))
     return _posed(
         "geodesic", frame, law, start, velocity, frame_velocity, parameters, causal, atlas, stop
     )
@@ -265,8 +267,12 @@ def geodesic_deviation(
     return problem.carry(deviation)
 
 
-def kinetic_metric(metric: Any, n: int) -> tuple[tuple[Fraction, ...], ...]:
-    """Moments or a matrix as exact numbers; symmetric and regular."""
+def kinetic_metric(metric: Any, frame: Frame) -> tuple[tuple[Fraction | sp.Expr, ...], ...]:
+    """Moments or a matrix as exact numbers; symmetric and regular.
+
+    A root or pi is kept as it is.
+    """
+    n = frame.dimension
     rows: Any = metric.tolist() if isinstance(metric, np.ndarray) else metric
     if not isinstance(rows, list | tuple):
         raise ShapeError(
@@ -279,24 +285,26 @@ def kinetic_metric(metric: Any, n: int) -> tuple[tuple[Fraction, ...], ...]:
         raise ShapeError(f"metric: expected {n} rows, got {len(rows)}.")
     table = []
     for i, row in enumerate(rows):
-        numbers = [rational(x) for x in checked_numbers(row, n, f"metric[{i}]")]
-        if None in numbers:
-            raise MetricError(f"metric[{i}]: expected numbers, fractions or floats, got {row}.")
-        table.append(tuple(Fraction(x) for x in numbers if x is not None))
+        entries = checked_numbers(row, n, f"metric[{i}]")
+        table.append(tuple(_constant(x, f"metric[{i}, {j}]") for j, x in enumerate(entries)))
+    read = frame.field.read
     for i in range(n):
         for j in range(i):
-            if table[i][j] != table[j][i]:
+            if not (read(table[i][j]) - read(table[j][i])).is_zero:
                 raise MetricError(
                     f"the kinetic metric is not symmetric: [{i}, {j}] is {table[i][j]}, "
                     f"[{j}, {i}] is {table[j][i]}. Make them equal."
                 )
-    try:
-        inverted(table)
-    except ZeroDivisionError:
-        raise MetricError(
-            "the kinetic metric is singular. Give moments that do not vanish."
-        ) from None
+    entries = {(i, j): read(x) for i, row in enumerate(table) for j, x in enumerate(row) if x != 0}
+    if determinant(frame.field, entries, n).is_zero:
+        raise MetricError("the kinetic metric is singular. Give moments that do not vanish.")
     return tuple(table)
+
+
+def _constant(value: Any, subject: str) -> Fraction | sp.Expr:
+    """A number as a fraction, or an exact constant such as sqrt(2)."""
+    number = rational(value)
+    return checked(subject, value) if number is None else Fraction(number)
 
 
 def _check_permitted(connection: Connection, problem: CurveProblem) -> None:

@@ -10,12 +10,15 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
+import sympy as sp
+
 from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph, Products, graph
 from geomtorsion.copies import only_fields
 from geomtorsion.curves.atlas import Chart
 from geomtorsion.errors import ChartEdgeError, StartError
 from geomtorsion.exact.form import of_same_sign
+from geomtorsion.geometry.components import inverse
 from geomtorsion.ode.rates import SMALL
 from geomtorsion.ode.system import System
 
@@ -112,9 +115,10 @@ class Geodesic:
     """Geodesics of eta, or of a constant kinetic metric G in the frame (Boltzmann, Hamel).
 
     p'_k = C_kj^i u^j p_i with p = G u                        READING, sections 3 and 4, no force.
+    metric: G_ij as fractions, and as exact constants such as sqrt(2); None for eta.
     """
 
-    metric: tuple[tuple[Fraction, ...], ...] | None = None
+    metric: tuple[tuple[Fraction | sp.Expr, ...], ...] | None = None
 
     is_quadratic = True
     text = "G_kl u'^l = C_kj^i u^j G_im u^m"
@@ -127,9 +131,15 @@ class Geodesic:
     def rates(self, frame: Frame, names: Sequence[str]) -> Rates | None:
         """u'^l = G^lk C_kj^i G_im u^j u^m, each product of velocities once."""
         twist = frame.anholonomy.components.nonzero
-        if self.metric is not None:
-            return self._weighted(frame, twist, names)
+        fractions = _fractions(self.metric)
+        if fractions:
+            return self._weighted(frame, fractions, twist, names)
         up, down = frame.inverse_eta.components.rows, frame.eta.components.rows
+        if self.metric is not None:
+            n, down = frame.dimension, _lowered(frame, self.metric)
+            entries = {(i, j): value for i, row in enumerate(down) for j, value in row}
+            raised = sorted(inverse(frame.field, entries, n).items(), key=lambda item: item[0])
+            up = [[(row, value) for (row, j), value in raised if j == k] for k in range(n)]
         collected: dict[tuple[int, int, int], list[Any]] = {}
         for (k, j, i), value in twist.items():
             for row, first in up[k]:
@@ -138,10 +148,15 @@ class Geodesic:
                     collected.setdefault(place, []).append((1, first, value, second))
         return Rates(_products(frame, collected, names))
 
-    def _weighted(self, frame: Frame, twist: Mapping, names: Sequence[str]) -> Rates:
-        """The same with numbers for G: equal coefficients are added up exactly."""
-        assert self.metric is not None
-        metric, inverse, n = self.metric, inverted(self.metric), frame.dimension
+    def _weighted(
+        self,
+        frame: Frame,
+        metric: Sequence[Sequence[Fraction]],
+        twist: Mapping,
+        names: Sequence[str],
+    ) -> Rates:
+        """The same with fractions for G: equal coefficients are added up exactly."""
+        raised, n = inverted(metric), frame.dimension
         table: dict[tuple[int, int, int], dict[Element, Fraction]] = {}
         for (k, j, i), value in twist.items():
             if value.is_rational:
@@ -150,7 +165,7 @@ class Geodesic:
                 number, element = Fraction(1), value
             for row in range(n):
                 for m in range(n):
-                    weight = inverse[row][k] * number * metric[i][m]
+                    weight = raised[row][k] * number * metric[i][m]
                     if weight:
                         group = table.setdefault((row, min(j, m), max(j, m)), {})
                         if -element in group:
@@ -191,6 +206,12 @@ class Geodesic:
         return invariants
 
 
+def _fractions(metric: Sequence[Sequence[Fraction | sp.Expr]] | None) -> list[list[Fraction]]:
+    """The entries of a metric if all are fractions; otherwise an empty list."""
+    rows = [[x for x in row if isinstance(x, Fraction)] for row in metric or ()]
+    return rows if all(len(row) == len(rows) for row in rows) else []
+
+
 def _is_short(weight: Fraction) -> bool:
     """Whether a weight is compiled in."""
     return max(abs(weight.numerator), weight.denominator) <= SMALL
@@ -222,8 +243,11 @@ def _lowered(frame: Frame, metric: Any) -> list[list[tuple[int, Element]]]:
     """Rows of G_ij as elements: pairs (j, element)."""
     if metric is None:
         return [list(row) for row in frame.eta.components.rows]
-    rational = frame.field.rational
-    return [[(j, rational(x)) for j, x in enumerate(row) if x] for row in metric]
+    rational, read = frame.field.rational, frame.field.read
+    return [
+        [(j, rational(x) if isinstance(x, Fraction) else read(x)) for j, x in enumerate(row) if x]
+        for row in metric
+    ]
 
 
 def _square(frame: Frame, metric: Any, names: Sequence[str]) -> Products:

@@ -18,7 +18,6 @@ from geomtorsion.codegen.expression_graph import branch_check
 from geomtorsion.copies import only_fields
 from geomtorsion.curves import readout
 from geomtorsion.curves.atlas import Atlas, MovingPoint, atlas_of
-from geomtorsion.curves.edges import Edge
 from geomtorsion.curves.equations import Equations, Law, velocity_names, written
 from geomtorsion.curves.readout import laid_out, start_lists
 from geomtorsion.curves.stops import (
@@ -40,6 +39,7 @@ from geomtorsion.errors import (
     SingularPointError,
     StartError,
 )
+from geomtorsion.geometry.domain_edges import Edge
 from geomtorsion.geometry.evaluation import sign_of
 from geomtorsion.geometry.validation import broken_relations
 from geomtorsion.ode.engines import Taylor

@@ -15,6 +15,7 @@ from geomtorsion.allowance import check_limits
 from geomtorsion.errors import UndecidedError
 from geomtorsion.exact import polynomials
 from geomtorsion.exact.limits import LARGEST_PRODUCT, check_power, product_too_large
+from geomtorsion.exclusive import exclusive, unlocked
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -64,6 +65,7 @@ def least_certain(verdicts: Iterable[Certainty]) -> Certainty:
     return Certainty(proved=not chances, error=min(sum(chances), 1.0))
 
 
+@exclusive
 class Element(ABC):
     """A number of a differential field, canonical or lazy. Elements never change.
 
@@ -103,6 +105,7 @@ class Element(ABC):
     _sympy: sympy.Expr | None
 
     @property
+    @unlocked
     def field(self) -> Tower:
         """The field to which the element belongs."""
         return self._field
@@ -356,6 +359,7 @@ class Element(ABC):
         return f"Element({self.sympy})"
 
 
+@exclusive
 class Canonical(Element):
     """An element as a numerator over a product of irreducible factors.
 
@@ -375,6 +379,7 @@ class Canonical(Element):
         self._bits = self._diffs = self._form = self._hash = self._images = self._sympy = None
 
     @property
+    @unlocked
     def is_zero(self) -> bool | None:
         """See Element.is_zero."""
         if not self._num:
@@ -383,11 +388,13 @@ class Canonical(Element):
         return False if self._field.all_sure else self._field.decide_zero(self)
 
     @property
+    @unlocked
     def is_rational(self) -> bool:
         """See Element.is_rational."""
         return not self._den and bool(self._num.is_constant())
 
     @property
+    @unlocked
     def is_one(self) -> bool:
         """See Element.is_one."""
         return not self._den and self._num.is_one()
@@ -421,6 +428,7 @@ class Recipe:
         return (element for _, *elements in self.terms for element in elements)
 
 
+@exclusive
 class Lazy(Element):
     """An element kept as the sum, or one over the sum, from which it was built (see `kept`)."""
 
@@ -463,6 +471,7 @@ class Lazy(Element):
         return whole is not None and whole.is_rational
 
     @property
+    @unlocked
     def is_one(self) -> bool:
         """See Element.is_one."""
         return False

@@ -15,6 +15,7 @@ from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import GeomtorsionError, SingularPointError, UndecidedError
 from geomtorsion.exact.functions import with_roots
+from geomtorsion.exclusive import exclusive
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -64,6 +65,7 @@ class Approach:
         return f"{self.symbol} -> {self.point}{'' if self.at_infinity else sides[self.side]}"
 
 
+@exclusive
 class Expansion:
     """One expression near a point: a quotient of two sums of powers of the distance.
 

@@ -25,6 +25,7 @@ from geomtorsion.exact.serialization import from_json, to_json
 from geomtorsion.exact.special import slope
 from geomtorsion.exact.tower import Point, Tower
 from geomtorsion.exact.writing import shortest, to_sympy
+from geomtorsion.exclusive import exclusive
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -192,6 +193,7 @@ _RULES: dict[str, Rule] = {
 }
 
 
+@exclusive
 class Field(Tower):
     """The smallest differential field that contains everything read into it.
 

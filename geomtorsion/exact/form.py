@@ -19,6 +19,7 @@ from flint import fmpq
 from geomtorsion.exact import polynomials
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.roots import roots_restored
+from geomtorsion.exclusive import exclusive
 
 if TYPE_CHECKING:
     from flint import fmpq_mpoly
@@ -93,6 +94,7 @@ class Radicals:
                     self.circular.append((place, position))
 
 
+@exclusive
 def form(element: Element) -> Form:
     """The written form of an element, made once for all that are equal."""
     if element._form is None:

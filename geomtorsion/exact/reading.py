@@ -111,7 +111,7 @@ def _reason(part: sympy.Basic) -> str:
         exact = sympy.nsimplify(part, rational=True)
         return f"is a floating-point number; write it exactly, for example {exact}"
     if part in _INFINITE:
-        return "is not a finite number"
+        return "is not a finite number, such as the result of 1/0; give a finite expression"
     if isinstance(part, sympy.Integral | sympy.Sum | sympy.Product | sympy.Limit):
         return "is unevaluated; work it out, or use an unknown function with its derivative"
     if getattr(part, "is_Matrix", False) or isinstance(part, sympy.MatrixExpr):

@@ -23,6 +23,7 @@ from geomtorsion.exact.element import Canonical, Denominator, Element, occurring
 from geomtorsion.exact.generators import Branch, Generator, Generators, Names
 from geomtorsion.exact.kept import kept
 from geomtorsion.exact.polynomials import as_fmpq, factored, known_taken_out
+from geomtorsion.exclusive import exclusive
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -227,6 +228,7 @@ class Tower(ABC):
         """A name for the next generator that no other has."""
         return f"{kind[:2]}{len(self.generators)}"
 
+    @exclusive
     def rational(self, p: int | Fraction | fmpq, q: int = 1) -> Element:
         """The rational number p/q."""
         return Canonical(self, self.ctx.constant(as_fmpq(p) / q), (), self.level)
@@ -248,12 +250,14 @@ class Tower(ABC):
         return element
 
     @property
+    @exclusive
     def imaginary(self) -> Element:
         """The imaginary unit."""
         if not self.is_complex:
             raise ExpressionError("I occurs in a real frame; declare it with complex=True")
         return self.generator_element(self.by_name["I"])
 
+    @exclusive
     def generator_element(self, generator: Generator) -> Element:
         """A generator as an element."""
         return Canonical(self, self.ctx.gen(self.generators.index(generator)), (), self.level)
@@ -282,11 +286,13 @@ class Tower(ABC):
         """The branches on which values of elements rely: all of them, or those when it settled."""
         return self.branches if self._settled is None else self._settled
 
+    @exclusive
     def settle(self) -> None:
         """Fix the branches on which elements rely; later readings have other branches."""
         if self._settled is None:
             self._settled = self.branches
 
+    @exclusive
     def generators_of(self, element: Element) -> list[Generator]:
         """The generators that occur in an element."""
         stored, newest = element._bits, len(self.generators) - 1
@@ -302,6 +308,7 @@ class Tower(ABC):
             element._level = self.level
         return element._num
 
+    @exclusive
     def sum(self, terms: Iterable[tuple[Any, ...]]) -> Element:
         """A sum of products (rational coefficient, element, element, ...), normalised once.
 
@@ -396,6 +403,7 @@ class Tower(ABC):
             )
         return count
 
+    @exclusive
     def scaled(self, element: Element, factor: int | Fraction | fmpq) -> Element:
         """A rational multiple of an element."""
         if not factor or element is self.zero:
@@ -511,6 +519,7 @@ class Tower(ABC):
             powers[index] = powers.get(index, 0) + exponent
         return self._normalised(num, tuple(sorted(powers.items())))
 
+    @exclusive
     def denominator(self, element: Element) -> Element:
         """The denominator of an element as an element."""
         return Canonical(self, self.cofactor(element._den, ()), (), self.level)

@@ -14,6 +14,7 @@ from sympy.core.function import AppliedUndef
 from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, LimitError, SingularPointError, UndecidedError
 from geomtorsion.exact.element import Certainty, Element, Term, least_certain
+from geomtorsion.exclusive import exclusive
 
 if TYPE_CHECKING:
     import flint
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from geomtorsion.exact.generators import Branch, Generator, Names
 
 
+@exclusive
 class Truncated(Element):
     """A series c0 + c1 epsilon + ... + cn epsilon^n of a `TruncatedField`.
 
@@ -105,6 +107,7 @@ def _is_plain_zero(element: Element) -> bool:
     return not element.is_kept and not element._num
 
 
+@exclusive
 class TruncatedField:
     """Series in a small parameter over an exact field, with the interface of `Field`.
 

@@ -12,7 +12,7 @@ from geomtorsion import checks
 from geomtorsion.errors import CoframeError, CoordinateError, ShapeError, TensorIndexError
 from geomtorsion.exact import Element, parse_expression
 from geomtorsion.exact.functions import with_roots
-from geomtorsion.exact.reading import counted_as
+from geomtorsion.exact.reading import checked
 from geomtorsion.geometry import constructors, validation
 from geomtorsion.geometry.components import Index, change_slot, effective, inverse
 from geomtorsion.geometry.connection import Connection
@@ -107,7 +107,7 @@ def coordinate_map(frame: Frame, new: object, old: object, count: int | None = N
             CoordinateError,
             read=lambda text: parse_expression(text, names),
         )
-        functions.append(function.xreplace(counted_as(function.free_symbols, [*names.values()])))
+        functions.append(checked(f"old coordinate {own}", function, tuple(names.values())))
     return Map(symbols, frame.coordinates, tuple(functions))
 
 

@@ -15,6 +15,7 @@ from typing import Any
 from geomtorsion.caching import cached_property
 from geomtorsion.exact import Element, Field
 from geomtorsion.exact.element import inside_out
+from geomtorsion.exclusive import exclusive, unlocked
 
 Index = tuple[int, ...]
 Generator = tuple[tuple[int, ...], int]
@@ -194,6 +195,7 @@ Rule = Callable[[Index], Element]
 Row = tuple[tuple[int, Element], ...]
 
 
+@exclusive
 class Components:
     """Sparse array with a symmetry; a component that vanishes is the zero of the field.
 
@@ -284,6 +286,7 @@ class Components:
 
         return Components(field, self.rank, self.dimension, rule, self.symmetry)
 
+    @unlocked
     def get(self, index: Index) -> Element:
         """One component; the zero of the field where it vanishes."""
         try:
@@ -291,6 +294,7 @@ class Components:
         except KeyError:
             return self._compute(index)
 
+    @exclusive
     def _compute(self, index: Index) -> Element:
         """Evaluate the rule at a representative, derive the rest from it; the value is cached."""
         zero = self.field.zero
@@ -324,7 +328,8 @@ class Components:
             components = {i: v for i, v in self._known.items() if v is not zero and self._is_own(i)}
             components |= {i: x for i, x in self._bulk().items() if not self._vanishes(i, x)}
             self._known.update(components)
-            return components
+            # The order does not depend on which were computed before.
+            return dict(sorted(components.items()))
         components, cached, zero = {}, self._known, self.field.zero
         for index in self._orbits.representatives:
             value = cached[index] if index in cached else self._compute(index)
@@ -393,10 +398,12 @@ class Components:
         """How many components have been computed so far."""
         return len(self._known)
 
+    @unlocked
     def representative(self, index: Index) -> tuple[int, Index]:
         """Sign and representative of an index; sign 0 where symmetry makes it vanish."""
         return self._orbits.of(index)
 
+    @unlocked
     def pending(self, index: Index) -> bool:
         """Whether a bulk computation has to supply this component."""
         return self._is_own(index) and index not in self._known

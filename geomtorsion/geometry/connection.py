@@ -14,6 +14,7 @@ from geomtorsion.checks import instance
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ShapeError, TensorIndexError
 from geomtorsion.exact import Element
+from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import integrability, riemannian
 from geomtorsion.geometry.components import (
     Components,
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
 HALF = Fraction(1, 2)
 
 
+@exclusive
 @dataclass(frozen=True, eq=False, repr=False)
 class Connection:
     """An affine connection over a frame.
@@ -389,13 +391,9 @@ class Connection:
         """
         if self.is_torsion_free:
             return self
-        get, slots = self.coefficients.components.get, (1, 2)
-
-        def rule(index: Index) -> Element:
-            return get((index[1], index[0], index[2]))
-
-        gamma = Tensor(self.frame, "ddu", rule, (), "\\Gamma", "connection", anchored=slots)
-        return Connection(self.frame, gamma, f"transposed {self.name}")
+        get, what = self.coefficients.components.get, ("\\Gamma", "connection")
+        swapped = Tensor(self.frame, "ddu", lambda x: get((x[1], x[0], x[2])), (), *what, (1, 2))
+        return Connection(self.frame, swapped, f"transposed {self.name}")
 
     @cached_property
     def volume(self) -> integrability.ParallelVolume:

@@ -11,6 +11,7 @@ from geomtorsion.caching import cached_property
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ShapeError
 from geomtorsion.exact import Element
+from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import riemannian
 from geomtorsion.geometry.components import (
     RIEMANN,
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 HALF = Fraction(1, 2)
 
 
+@exclusive
 @dataclass(frozen=True, eq=False, repr=False)
 class Curvature:
     """Curvature of a connection.

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from functools import wraps
 from typing import Any, Protocol, TypeVar, TypeVarTuple
 
+from geomtorsion.exclusive import exclusive
+
 
 class Keeper(Protocol):
     """An object that keeps the quantities that follow from it: a frame."""
@@ -37,6 +39,7 @@ def derived(make: Callable[[F, *Arguments], T]) -> Callable[[F, *Arguments], T]:
     (r**2 + 1, True)
     """
 
+    @exclusive
     @wraps(make)
     def quantity(frame: F, *arguments: *Arguments) -> T:
         results, key = frame._derived, (make, *arguments)

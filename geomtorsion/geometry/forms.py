@@ -14,6 +14,7 @@ from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import ArgumentError, ShapeError, TensorIndexError, UndecidedError
 from geomtorsion.exact import Element
+from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry.components import (
     Entries,
     Index,
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 Source = Mapping[Index, Scalar] | Mapping[int, Scalar] | Callable[[Index], Element]
 
 
+@exclusive
 @dataclass(frozen=True, eq=False, repr=False)
 class Form:
     """Differential form over a frame, with values in numbers or in tensors.

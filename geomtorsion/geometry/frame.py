@@ -14,6 +14,7 @@ from geomtorsion.caching import cached_property
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ArgumentError
 from geomtorsion.exact import Branch, Element, Field
+from geomtorsion.exclusive import exclusive, unlocked
 from geomtorsion.geometry import (
     constructors,
     evaluation,
@@ -36,6 +37,7 @@ Elements = dict[tuple[int, int], Element]
 Plain = tuple[str, validation.Matrix] | tuple[Callable[..., "Frame"], tuple[object, ...]]
 
 
+@exclusive
 @dataclass(frozen=True, eq=False, repr=False, init=False)
 class Frame:
     """A frame field: n one-forms e^i = e^i_mu dq^mu and the constant metric eta of the frame.
@@ -85,6 +87,7 @@ class Frame:
     given: Mapping[str, Elements]
     attached: dict[str, Any]
 
+    @exclusive
     def __init__(
         self,
         coordinates: validation.Coordinates,
@@ -235,6 +238,7 @@ class Frame:
         return validation.read_more(self.field, entries)
 
     @property
+    @unlocked
     def dimension(self) -> int:
         """Number of coordinates."""
         return len(self.coordinates)

@@ -11,6 +11,7 @@ from geomtorsion.caching import cached_property
 from geomtorsion.checks import close_names, shown
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import UnknownNameError
+from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import frame_matrices
 from geomtorsion.geometry.components import effective, orbits
 from geomtorsion.geometry.connections import cartan, levi_civita
@@ -225,6 +226,7 @@ class Step:
     products: int
 
 
+@exclusive
 @dataclass(frozen=True, eq=False, repr=False)
 class DependencyGraph:
     """Computation of one quantity: its ancestors in the derivation graph, and no others.

@@ -12,6 +12,7 @@ from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import MetricError, ShapeError, TensorIndexError
 from geomtorsion.exact import Element
+from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry.change import Map, coordinate_map, moved_domain
 from geomtorsion.geometry.components import Components, Index, determinant, symmetric
 from geomtorsion.geometry.connections import levi_civita
@@ -81,6 +82,7 @@ def surface(
     return Surface(frame, way, tuple(moved_domain(frame, way, domain)), orientation)
 
 
+@exclusive
 @dataclass(frozen=True, eq=False, repr=False)
 class Surface:
     """A surface in the space of a frame.

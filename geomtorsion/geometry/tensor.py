@@ -16,6 +16,7 @@ from geomtorsion.errors import ArgumentError, TensorIndexError
 from geomtorsion.exact import Certainty, Element
 from geomtorsion.exact.element import least_certain
 from geomtorsion.exact.expansion import Expansion, limit
+from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import arithmetic, evaluation, notation
 from geomtorsion.geometry.components import Components, Index, Symmetry, change_slot, effective
 from geomtorsion.geometry.index_types import EXCHANGES, KINDS, moved
@@ -35,6 +36,7 @@ Points = Mapping[str, "Number | ArrayLike"] | Mapping[sp.Expr, "Number | ArrayLi
 Source = Components | Mapping[Index, Scalar] | Callable[[Index], Element]
 
 
+@exclusive
 @dataclass(frozen=True, eq=False, repr=False)
 class Tensor:
     """Tensor field over a frame: exact components, each computed when first read.

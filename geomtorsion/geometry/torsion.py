@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from geomtorsion.caching import cached_property
 from geomtorsion.displays import drawn_by
 from geomtorsion.exact import Element
+from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry.components import Index, alternating, antisymmetric, symmetric
 from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.from_arrays import tensor_from_array
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 HALF, THIRD, QUARTER = Fraction(1, 2), Fraction(1, 3), Fraction(1, 4)
 
 
+@exclusive
 @dataclass(frozen=True, eq=False, repr=False)
 class Torsion:
     """Torsion of a connection, with the half (S) and without (T), and its parts.

@@ -13,6 +13,7 @@ from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, Truncated, TruncatedField
+from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Connection, Frame, IdentityCheck, Tensor, antisymmetric
 from geomtorsion.gravity.fields import HALF, FrameFields, Index, Terms
 from geomtorsion.gravity.fluids import Fluid
@@ -26,6 +27,7 @@ from geomtorsion.gravity.naming import with_names
 from geomtorsion.gravity.vocabulary import Vocabulary, declared_constants, meanings
 
 
+@exclusive
 @dataclass(frozen=True, eq=False, repr=False)
 class FieldEquations:
     """Left sides of the field equations of a Lagrangian; a solution makes them vanish.

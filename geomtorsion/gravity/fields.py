@@ -7,6 +7,7 @@ from fractions import Fraction
 
 from geomtorsion.caching import cached_property
 from geomtorsion.exact import Element
+from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Connection, Frame, Tensor, antisymmetric, symmetric
 
 Index = tuple[int, ...]
@@ -22,6 +23,7 @@ def along(frame: Frame, leg: int, value: Element) -> Terms:
     return [(1, x, value.diff(frame.coordinates[mu])) for mu, x in entries]
 
 
+@exclusive
 @dataclass(frozen=True, eq=False)
 class FrameFields:
     """The fields of one connection, all indices in the frame.

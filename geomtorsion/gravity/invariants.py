@@ -12,6 +12,7 @@ from fractions import Fraction
 
 from geomtorsion.caching import cached_property
 from geomtorsion.exact import Element
+from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Frame, Tensor
 from geomtorsion.geometry import antisymmetric as odd
 from geomtorsion.geometry import symmetric as even
@@ -20,6 +21,7 @@ from geomtorsion.gravity.fields import HALF, FrameFields, Index, Terms
 QUARTER = Fraction(1, 4)
 
 
+@exclusive
 @dataclass(frozen=True, eq=False)
 class Traced:
     """A field with all indices down in the frame, and its traces, for the maps below."""
@@ -372,6 +374,7 @@ def invariants() -> tuple[Invariant, ...]:
     return TABLE
 
 
+@exclusive
 @dataclass(frozen=True, eq=False)
 class Scalars:
     """The invariants of one connection: their values, and the images of the fields."""

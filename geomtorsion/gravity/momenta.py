@@ -7,6 +7,7 @@ from itertools import product
 
 from geomtorsion.caching import cached_property
 from geomtorsion.exact import Element
+from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Tensor, antisymmetric, symmetric
 from geomtorsion.gravity.fields import (
     HALF,
@@ -17,6 +18,7 @@ from geomtorsion.gravity.fields import (
 from geomtorsion.gravity.invariants import INVARIANTS, LINEAR, MAPS, MIXED, Scalars
 
 
+@exclusive
 @dataclass(frozen=True, eq=False)
 class Momenta:
     """Derivatives of the Lagrangian by the fields of one connection, all components counted.

@@ -13,6 +13,7 @@ import sympy as sp
 from geomtorsion import checks
 from geomtorsion.errors import SignatureError, UndecidedError
 from geomtorsion.exact import Element
+from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Frame, levi_civita
 
 
@@ -64,6 +65,7 @@ L, N, M, BAR = range(4)
 WEYL = ((L, M, L, M), (L, N, L, M), (L, M, BAR, N), (L, N, BAR, N), (N, BAR, N, BAR))
 
 
+@exclusive
 @dataclass(frozen=True, eq=False, repr=False)
 class NewmanPenrose:
     """Curvature scalars of a null tetrad.

@@ -12,12 +12,14 @@ import sympy as sp
 from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, ShapeError
 from geomtorsion.exact import Echelon, Element, vanishing_sums
+from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Connection, Frame, Tensor, cartan, levi_civita, lie
 
 Row = list[Element]
 KEEPS = ("metric", "teleparallel")
 
 
+@exclusive
 def symmetries(frame: Frame, keep: str | Connection = "metric") -> Symmetries:
     """Symmetries of a frame: the vector fields along which a geometry does not change.
 
@@ -98,6 +100,7 @@ def killing_equations(frame: Frame) -> tuple[sp.Eq, ...]:
     return tuple(sp.Eq(change[a, b], 0, evaluate=False) for a in range(n) for b in range(a, n))
 
 
+@exclusive
 @dataclass(frozen=True, eq=False, repr=False)
 class Symmetries:
     """Vector fields along which a metric and a connection do not change.

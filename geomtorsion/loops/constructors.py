@@ -16,6 +16,7 @@ from geomtorsion.errors import ExpressionError, LoopError
 from geomtorsion.exact import parse_expression
 from geomtorsion.exact.names import FUNCTIONS
 from geomtorsion.exact.reading import counted_as
+from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry.validation import free_symbols
 from geomtorsion.loops import validation
 from geomtorsion.loops.arcs import (
@@ -204,6 +205,7 @@ def _check_closed(arc: Curve, part: Part) -> np.ndarray:
     return turns
 
 
+@exclusive
 def _gap(arc: Curve) -> np.ndarray:
     """End minus start, with more digits than a double has."""
     gaps = [

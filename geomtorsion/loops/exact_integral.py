@@ -30,9 +30,11 @@ from geomtorsion.errors import (
 )
 from geomtorsion.exact import Field
 from geomtorsion.exact.integration import integrated
+from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Frame
 from geomtorsion.loops.arcs import Arc, Curve, Ellipse, Parameters, Part, exact_number
 from geomtorsion.loops.defects import find_defects
+from geomtorsion.loops.domain import refuse_outside
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.integrals import refuse_other_periods
 from geomtorsion.loops.loop import Loop, check_loop
@@ -158,6 +160,7 @@ def _real(total: sp.Expr) -> sp.Expr:
     return sp.factor_terms(sp.expand(sp.expand_trig(sp.expand(total).rewrite(sp.cos))))
 
 
+@exclusive
 def _residues(f: sp.Expr, t: sp.Symbol) -> sp.Expr | None:
     """Rational functions of cos t and sin t with numbers in the denominator, over one turn."""
     on_circle = _in_circle(f, t)
@@ -214,6 +217,7 @@ class ExactBurgersVector:
         """Zero: the vector is exact."""
         return sp.S.Zero
 
+    @exclusive
     def at(self, values: Parameters | None = None) -> np.ndarray:
         """Numbers for given parameters, shape (n,).
 
@@ -340,6 +344,7 @@ def _refuse_poles(frame: Frame, loop: Loop, where: Mapping[sp.Symbol, sp.Expr]) 
         return
     for part in here.parts:
         refuse_poles(compiled.poles, part)
+    refuse_outside(frame, here.parts, values)
     if frame.field.relied_on:
         # Raises where a root has not the sign with which it was read.
         compiled.coframe.at(here.points())
@@ -446,6 +451,7 @@ def _proved(f: sp.Expr, t: sp.Symbol, low: sp.Expr, high: sp.Expr) -> acb:
     return width * integral(along, arb(10) ** (-DIGITS - 1))
 
 
+@exclusive
 def _verify(
     vector: tuple[sp.Expr, ...],
     numbers: Sequence[Sequence[acb]],

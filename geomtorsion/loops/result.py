@@ -14,6 +14,7 @@ from geomtorsion.caching import cached_property
 from geomtorsion.conventions import Signed
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import LoopError
+from geomtorsion.exclusive import exclusive
 from geomtorsion.loops import validation
 from geomtorsion.loops.arcs import Number, Parameters
 from geomtorsion.loops.defects import EnclosedDefect, enclosed_defects
@@ -50,6 +51,7 @@ class Check:
         return self.text
 
 
+@exclusive
 @dataclass(frozen=True, eq=False, repr=False)
 class BurgersVector(Signed):
     """The Burgers vector of one loop, frame components.

@@ -131,6 +131,11 @@ class Checkpoint:
         if self._took <= SHARE * (time.perf_counter() - self._written):
             self.write()
 
+    def begin(self) -> None:
+        """Write the file if there is none, so that a run that is stopped early is known."""
+        if not self.path.exists():
+            self.write()
+
     def write(self) -> None:
         """Replace the file at once: it is always whole, the old one or the new one."""
         began = time.perf_counter()

@@ -278,6 +278,8 @@ class ODE:
         guard = self.rates.guard_graph
         numbers = [float(parameters[name]) for name in self.rates.parameters]
         rows = [[*[float(x) for x in row[: self.size]], *numbers, time] for row in (state, start)]
+        if not np.isfinite(rows[0]).all():
+            return "stuck", "a state exceeds the range of floats"
         here, there = (np.array(guard.numpy()(*row)) for row in rows)
         if not np.isfinite(here).all():
             # Rounding has taken it just beyond; how far it was has a size in complex numbers.

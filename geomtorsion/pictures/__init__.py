@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.development import draw_development
     from geomtorsion.pictures.gaps import draw_gap
     from geomtorsion.pictures.loops import draw_closure, draw_map
+    from geomtorsion.pictures.measured import draw_circuits, draw_survey
     from geomtorsion.pictures.network import draw_dislocations, draw_lines, draw_network
     from geomtorsion.pictures.notebook_pictures import draw_plan
     from geomtorsion.pictures.report import write_report
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "can_draw": "style",
     "curve_pictures": "curve_files",
+    "draw_circuits": "measured",
     "draw_closure": "loops",
     "draw_development": "development",
     "draw_dislocations": "network",
@@ -41,6 +43,7 @@ _HOMES = {
     "draw_network": "network",
     "draw_plan": "notebook_pictures",
     "draw_solution": "solutions",
+    "draw_survey": "measured",
     "save": "style",
     "work_precision_picture": "costs",
     "write_report": "report",
@@ -49,6 +52,7 @@ _HOMES = {
 __all__ = [
     "can_draw",
     "curve_pictures",
+    "draw_circuits",
     "draw_closure",
     "draw_development",
     "draw_dislocations",
@@ -59,6 +63,7 @@ __all__ = [
     "draw_network",
     "draw_plan",
     "draw_solution",
+    "draw_survey",
     "save",
     "work_precision_picture",
     "write_report",

@@ -17,7 +17,7 @@ from sympy.core.relational import Relational
 
 from geomtorsion import checks
 from geomtorsion.errors import GeomtorsionError, StartError
-from geomtorsion.files import write_text, written
+from geomtorsion.files import write_texts
 from geomtorsion.loops import BurgersVector, Loop, burgers_vector
 from geomtorsion.ode import RungeKutta
 from geomtorsion.outgoing import html_text, size_text
@@ -354,7 +354,5 @@ def write_report(
     if equations is not None:
         data["field_equations"] = field_equations_data(equations)
     # From here on nothing can fail but the disk.
-    with written(directory, is_folder=True) as target:
-        write_text(target / "geometry.json", json.dumps(data, indent=2) + "\n")
-        write_text(target / "index.html", html)
-    return target / "index.html"
+    texts = {"index.html": html, "geometry.json": json.dumps(data, indent=2) + "\n"}
+    return write_texts(directory, texts)[0]

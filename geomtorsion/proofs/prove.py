@@ -16,6 +16,7 @@ from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.copies import only_fields
 from geomtorsion.errors import ArgumentError, ProofError, UnknownNameError
+from geomtorsion.exclusive import exclusive
 from geomtorsion.loops import BurgersVector, Development
 from geomtorsion.ode import Solution
 from geomtorsion.precision import EXACT_BITS, ball_precision
@@ -33,6 +34,7 @@ ALWAYS = (
 )
 
 
+@exclusive
 @dataclass(frozen=True, eq=False, repr=False)
 class Proof:
     """Balls that contain the true value of a result.
@@ -170,6 +172,7 @@ def _radius(ball: arb) -> float:
     return upper_float(abs(ball - arb(float(ball.mid()))))
 
 
+@exclusive
 def prove(
     result: Result,
     digits: int = 15,

@@ -130,15 +130,15 @@ def write_scene_film(result: SceneResult, path: Path) -> Path:
     values = result.at(times)
     body = scene.body
     moments = np.linalg.eigvalsh(body.tensor) if body.moments is None else body.moments
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_film(
-        path,
-        times,
-        values["matrix"].reshape(-1, 3, 3),
-        values.get("position"),
-        block_sides([float(x) for x in moments]),
-        title=scene.title or scene.name,
-    )
+    with written(path.parent, is_folder=True):
+        write_film(
+            path,
+            times,
+            values["matrix"].reshape(-1, 3, 3),
+            values.get("position"),
+            block_sides([float(x) for x in moments]),
+            title=scene.title or scene.name,
+        )
     return path
 
 

@@ -14,7 +14,9 @@ import numpy as np
 from geomtorsion.accuracy.cost import ACCURACIES, CostTable, accuracy_cost, truth_of
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import AccuracyError, StuckError, TimeError
-from geomtorsion.ode import Cost, Engine, solve
+from geomtorsion.ode import Checkpoint, Cost, Engine, solve
+from geomtorsion.ode.checkpoint import fingerprint
+from geomtorsion.ode.numbers import checked_times
 from geomtorsion.ode.solution import DOUBLE
 from geomtorsion.rigid import FreeTop, attitude, free_top
 from geomtorsion.scenes.context import OMEGA, POSITION, QUATERNION, VELOCITY, VERTICAL
@@ -180,6 +182,10 @@ def solve_scene(
             f"accuracy: expected {DOUBLE:.3g} or more, got {scene.accuracy:.3g}. The values of a "
             "scene are doubles; for more digits solve its equations, `solve(scene.ode, ...)`."
         )
+    if checkpoint is not None:
+        # From here on until the caller removes it, the file marks a run that can be resumed.
+        key = fingerprint(ode, checked_times(scene.times)[0], scene.accuracy, engine)
+        Checkpoint(checkpoint, key).begin()
     form = closed_form(scene) if engine is None else None
     if form is not None:
         result = _in_closed_form(scene, form)

@@ -10,7 +10,7 @@ import sympy as sp
 from geomtorsion.curves import autoparallel, geodesic
 from geomtorsion.curves.atlas import atlas_of
 from geomtorsion.curves.linear import closed_form
-from geomtorsion.errors import FileFormatError, MissingExtraError
+from geomtorsion.errors import FileFormatError, MetricError, MissingExtraError, StartError
 from geomtorsion.geometry import Frame, cartan
 from geomtorsion.ode import RungeKutta, SavedSolution, Taylor, solve
 from geomtorsion.ode.engines import taylor
@@ -112,6 +112,47 @@ def test_full_kinetic_metric():
     turned = solve(geodesic(SO3, frame_velocity=turn @ u, metric=moments), 8.0, 1e-10)
     plain = solve(geodesic(SO3, frame_velocity=u, metric=[1, 2, 3]), 8.0, 1e-10)
     assert turned.frame_velocity == pytest.approx(plain.frame_velocity @ turn.T, abs=1e-8)
+
+
+ROOT = sp.sqrt(2)
+
+
+@pytest.mark.parametrize(
+    "metric",
+    [
+        [1, ROOT, 3],
+        [[1, 0, 0], [0, ROOT, 0], [0, 0, 3]],
+        [[1, ROOT / 4, 0], [sp.sqrt(8) / 8, ROOT, 0], [0, 0, sp.pi]],
+    ],
+    ids=str,
+)
+@pytest.mark.parametrize("start", [None, [0.3, 1.0, 0.2]])
+def test_a_kinetic_metric_of_exact_constants(metric, start):
+    """Roots and pi are exact moments; the motion is the one of the same numbers as floats."""
+    u = [0.3, 0.8, 0.5]
+    exact = solve(geodesic(SO3, start, frame_velocity=u, metric=metric), 8.0, 1e-11)
+    floats = np.array(sp.Matrix(metric).tolist(), float).squeeze()
+    plain = solve(geodesic(SO3, start, frame_velocity=u, metric=floats.tolist()), 8.0, 1e-11)
+    assert exact.frame_velocity == pytest.approx(plain.frame_velocity, abs=1e-9)
+    assert max(exact.drift.values()) < 1e-9
+    assert "energy" in exact.drift
+
+
+@pytest.mark.parametrize(
+    ("metric", "words"),
+    [
+        ([1, sp.sqrt(2) - ROOT, 3], "singular"),
+        ([[ROOT, 2, 0], [2, sp.sqrt(8), 0], [0, 0, 1]], "singular"),
+        ([[1, ROOT, 0], [1, 3, 0], [0, 0, 1]], "not symmetric"),
+        ([1, sp.zoo, 3], "not a real number"),
+        ([1, sp.Symbol("a"), 3], "not a real number"),
+    ],
+    ids=str,
+)
+def test_a_kinetic_metric_that_is_refused(metric, words):
+    """A singular or asymmetric metric is found exactly, and entries must be numbers."""
+    with pytest.raises((MetricError, StartError), match=words):
+        geodesic(SO3, frame_velocity=[1, 1, 1], metric=metric)
 
 
 @every_engine

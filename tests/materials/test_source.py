@@ -1,12 +1,18 @@
 """Sources: for all kinds of data single circuits and surveys agree, and both can be drawn."""
 
 import pickle
+from collections.abc import Callable
 
+import networkx as nx
 import numpy as np
 import pytest
 
 import geomtorsion as gt
+from geomtorsion.errors import GeomtorsionError
 from geomtorsion.materials import Source, Survey
+from geomtorsion.materials.crystals import Crystal
+from geomtorsion.materials.lines import Box, DislocationNetwork
+from geomtorsion.materials.maps import Phase
 from geomtorsion.pictures.measured import draw_circuits, draw_survey
 from tests.materials.images.atoms import crystal
 from tests.materials.maps.synthetic import wall
@@ -145,3 +151,99 @@ def test_tables_of_scattered_points(tmp_path):
     survey.write_arrays(tmp_path / "t.npz")
     with np.load(tmp_path / "t.npz") as arrays:
         assert (arrays["area"] == survey.area).all()
+
+
+def with_entry(values: np.ndarray, entry: float) -> np.ndarray:
+    """An array with another first entry."""
+    changed = np.array(values, dtype=float)
+    changed.flat[0] = entry
+    return changed
+
+
+def orientations(**changes) -> gt.OrientationMap:
+    """A small map of one orientation, with some parts changed."""
+    parts = {
+        "quaternions": np.eye(4)[np.zeros((4, 4), dtype=int)],
+        "phase": np.ones((4, 4)),
+        "phases": {1: Phase("Cu", "m-3m")},
+        "steps": (1.0, 1.0),
+    }
+    return gt.OrientationMap(**(parts | changes))
+
+
+def network(place: float = 0.0, strength: float = 1.0) -> DislocationNetwork:
+    """A triangle of lines, with its first coordinate and its b."""
+    graph = nx.MultiDiGraph()
+    for k, position in enumerate([(place, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)]):
+        graph.add_node(k, position=position)
+        graph.add_edge(k, (k + 1) % 3, burgers=(strength, 0.0, 0.0))
+    return DislocationNetwork(graph)
+
+
+def message_of(make: Callable[[], object]) -> str:
+    """The message of our own error, or nothing."""
+    try:
+        make()
+    except GeomtorsionError as error:
+        return str(error)
+    return ""
+
+
+POINTS = np.random.default_rng(0).uniform(0, 5, (30, 2))
+SITES = np.array([
+    np.add(cell, site) * 3.2
+    for cell in np.ndindex(4, 4, 4)
+    for site in ((0, 0, 0), (0.5, 0.5, 0.5))
+])  # fmt: skip
+EDGE = 12.8
+ENTRANCES = {
+    "coframe": lambda x: gt.SampledFrame(LINES, with_entry(twist(X, Y), x)),
+    "axis": lambda x: gt.SampledFrame([LINES[0] * x, LINES[1]], twist(X, Y)),
+    "sigma": lambda x: gt.SampledFrame(LINES, twist(X, Y), sigma=x),
+    "displacement": lambda x: gt.SampledFrame.from_displacement(
+        LINES, with_entry(np.array([X, Y]), x)
+    ),
+    "points": lambda x: gt.ScatteredFrame.from_coframe(POINTS * x, twist(*POINTS.T)),
+    "point": lambda x: gt.ScatteredFrame.from_coframe(with_entry(POINTS, x), twist(*POINTS.T)),
+    "values": lambda x: gt.ScatteredFrame.from_coframe(POINTS, with_entry(twist(*POINTS.T), x)),
+    "longest": lambda x: gt.ScatteredFrame.from_coframe(POINTS, twist(*POINTS.T), longest=x),
+    "steps of a map": lambda x: orientations(steps=(1.0, x)),
+    "sigma of a map": lambda x: orientations(sigma=x),
+    "quaternion": lambda x: orientations(quaternions=np.full((4, 4, 4), x)),
+    "phase": lambda x: Phase("Cu", "m-3m", (x, 1.0, 1.0)),
+    "image": lambda x: gt.LatticeImage(with_entry(np.eye(64), x)),
+    "step of an image": lambda x: gt.LatticeImage(np.eye(64), x),
+    "node": lambda x: str(network(x)),
+    "b of a line": lambda x: network(strength=x),
+    "box": lambda x: Box(np.diag([x, 2.0, 2.0])),
+    "atom": lambda x: Crystal(with_entry(SITES, x), [EDGE] * 3),
+    "atom, open": lambda x: Crystal(with_entry(SITES, x)),
+    "cell": lambda x: Crystal(SITES, [x, EDGE, EDGE]),
+    "cell, open": lambda x: Crystal(SITES, [x, EDGE, EDGE], (False, True, True)),
+    "constant": lambda x: Crystal(SITES, [EDGE] * 3, constant=x),
+}
+LENGTHS = (
+    *("axis", "points", "longest", "steps of a map", "quaternion", "phase", "step of an image"),
+    *("b of a line", "box", "cell", "cell, open", "constant"),
+)
+# NaN is a hole in a field, and it and infinity have messages of their own.
+HOLES = ("coframe", "displacement", "values")
+
+
+@pytest.mark.parametrize("name", ENTRANCES)
+@pytest.mark.filterwarnings("ignore:.*:RuntimeWarning")
+def test_numbers_outside_of_the_range_are_refused(name):
+    """No source takes numbers whose products overflow, lengths whose products vanish, or infinity;
+    numbers just inside of the range are not refused for their size."""
+    make = ENTRANCES[name]
+    wild = [1e308, -1e308, 1e200, 1.1e70, np.inf, -np.inf]
+    for x in [*wild, *([] if name in HOLES else [np.nan])]:
+        with pytest.raises(
+            GeomtorsionError, match=r"finite|between|positive|infinity|or more|non-"
+        ):
+            make(x)
+    for x in (1e-320, 1e-200) if name in LENGTHS else ():
+        with pytest.raises(GeomtorsionError, match=r"between|not all 0|non-zero"):
+            make(x)
+    for x in (1e69, 2e-70):
+        assert "between" not in message_of(lambda x=x: make(x))

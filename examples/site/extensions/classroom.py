@@ -10,7 +10,7 @@ from docutils import nodes
 from docutils.parsers.rst import Directive
 from sphinx.application import Sphinx
 
-from geomtorsion.teaching.lab import problems, views
+from geomtorsion.teaching.lab import guides, problems, views
 
 NUMBER, QUESTION = "3.2", "christoffel"
 ANSWERS = ("-cos(phi2)/sin(phi2)", "1/tan(phi2)")
@@ -37,8 +37,8 @@ def picture() -> str:
     """
     style = views.style().replace(":root", ":host") + STYLE
     tabs = "".join(
-        f'<button role="tab" aria-selected="{str(tab == views.EXERCISES).lower()}">{tab}</button>'
-        for tab in views.TABS
+        f'<button role="tab" aria-selected="{str(tab == guides.EXERCISES).lower()}">{tab}</button>'
+        for tab in guides.TABS
     )
     stated = problems.statement(NUMBER)
     fields = []

@@ -18,7 +18,7 @@ from geomtorsion.cli.options import Form, argument, directory, option
 from geomtorsion.cli.terminal import some_rows
 from geomtorsion.conventions import burgers
 from geomtorsion.errors import CheckpointError, CrystalError, GeomtorsionError, MissingExtraError
-from geomtorsion.files import check_resumption, write_text, written
+from geomtorsion.files import check_resumption, plain_float, write_text, written
 from geomtorsion.materials.crystals import LATTICES
 from geomtorsion.materials.crystals.atom_arrays import is_atom_array
 from geomtorsion.materials.crystals.reports import Json, followed
@@ -142,17 +142,17 @@ def crystal(
                 documents.append(report)
                 # Only the last frame is written as lines.
                 line_makers = [lines]
-        document = _shown(file, documents, form)
+        document = _shown(file, documents, form, partials)
         if output is not None:
             _save(document, line_makers[0](), output)
             if folder is not None:
                 forget(folder)
 
 
-def _shown(file: Path, found: list[Json], form: Form) -> Json:
+def _shown(file: Path, found: list[Json], form: Form, partials: bool) -> Json:
     """Results of all frames, in words or as JSON."""
     document = {"file": file.name, "frames": followed(found)}
-    typer.echo(json.dumps(document, indent=1) if form is Form.json else _text(document))
+    typer.echo(json.dumps(document, indent=1) if form is Form.json else _text(document, partials))
     return document
 
 
@@ -161,7 +161,7 @@ def _cell(text: str | None) -> tuple[tuple[float, ...], ...] | None:
     if text is None:
         return None
     try:
-        rows = [[float(x) for x in part.split(",")] for part in text.split(";")]
+        rows = [[plain_float(x) for x in part.split(",")] for part in text.split(";")]
     except ValueError:
         rows = []
     if len(rows) == 1 and len(rows[0]) == 3:
@@ -193,7 +193,7 @@ def _axes(text: str | None) -> tuple[tuple[float, ...], ...] | None:
         return None
     message = f"--orient {cut(text)}: expected three directions such as 1,-1,0;1,1,1;-1,-1,2"
     try:
-        rows = np.array([[float(x) for x in part.split(",")] for part in text.split(";")])
+        rows = np.array([[plain_float(x) for x in part.split(",")] for part in text.split(";")])
     except ValueError:
         raise CrystalError(f"{message}, got other text. Write three numbers for each.") from None
     if rows.shape != (3, 3) or not np.isfinite(rows).all() or not rows.any(axis=1).all():
@@ -222,7 +222,7 @@ def _folder(output: Path | None, *, resume: bool, overwrite: bool) -> Path | Non
     return folder
 
 
-def _text(document: Json) -> str:
+def _text(document: Json, partials: bool) -> str:
     """The frames in words and columns."""
     frames = document["frames"]
     first = frames[0]
@@ -252,8 +252,11 @@ def _text(document: Json) -> str:
     table = [
         _columns(line, frame, several, in_grains) for frame in frames for line in frame["lines"]
     ]
+    # A partial whose fault reaches a surface is omitted without the option.
+    faults = not partials and any(frame["lattice"] != "bcc" for frame in frames)
+    hint = "; --partials also finds partial dislocations at the edges of faults" if faults else ""
     if not table:
-        return "\n".join([*rows, "", "  no dislocation line"])
+        return "\n".join([*rows, "", f"  no dislocation line{hint}"])
     heads = ["line", f"b / a ({first['convention']})", "b", "family", "length", "ends"]
     if in_grains:
         heads.insert(1, "grain")

@@ -193,10 +193,11 @@ def _say(verdict: Verdict) -> None:
     for note in verdict.notes:
         typer.echo(note)
     if len(verdict.questions) > 1:
-        typer.echo(f"{verdict.earned:g} of {verdict.points} points")
+        typer.echo(verdict.points_text)
     if verdict.unread:
         typer.echo(
-            f"Not understood, at no cost of points: {', '.join(verdict.unread)}. Write it again."
+            f"Not understood, so neither right nor wrong: {', '.join(verdict.unread)}. Write it "
+            "again."
         )
 
 
@@ -252,7 +253,7 @@ def export(
     Examples:
       geomtorsion exercises export --to moodle -o moodle
       geomtorsion exercises export --to moodle -o moodle --seeds 0,1,2,3,4
-      geomtorsion exercises export --to nbgrader -o course --only 3.1,3.2,3.3
+      geomtorsion exercises export --to nbgrader -o nbgrader --only 3.1,3.2,3.3
     """
     numbers = None if only is None else list(parts(only))
     variants: list[Any] | None = None if seeds is None else list(map(_seed, parts(seeds)))
@@ -323,15 +324,17 @@ def grade(
     # A long reason is cut here; the table contains the full text.
     for row in marks.rows:
         if row["remarks"] or row["status"] != grading.GRADED:
-            reason = row["remarks"] or row["diagnoses"]
-            typer.echo(f"{row['file']}: {row['status']}: {cut(reason, 100)}", err=True)
+            reason = cut(row["remarks"] or row["diagnoses"], 100)
+            share = f"{grading.range_text(row)}: " if int(row["unread"]) else ""
+            typer.echo(f"{row['file']}: {row['status']}: {share}{reason}", err=True)
     if marks.chosen == grading.OCCURRING:
         typer.echo(
             f"counted: {', '.join(marks.numbers) or 'nothing'}, all that any student answered; "
             "choose others with --only"
         )
-    fine = len(marks.rows) - len(marks.troubled)
     note = f", {marks.kept} of them in an earlier run" if marks.kept else ""
-    typer.echo(f"graded {fine} of {len(marks.rows)} students{note}: {output}")
+    if marks.troubled:
+        note += f"; {len(marks.troubled)} to be checked by you"
+    typer.echo(f"graded {len(marks.graded)} of {len(marks.rows)} students{note}: {output}")
     if marks.troubled:
         raise typer.Exit(ExitCode.failed)

@@ -58,7 +58,7 @@ def lab(
     Examples:
       geomtorsion lab --open
       geomtorsion lab --host 0.0.0.0 --sessions 40
-      geomtorsion lab --export course/torsion
+      geomtorsion lab --export pages
     """
     if export is not None:
         with working("lab") as progress:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from geomtorsion import checks
 from geomtorsion.checks import cut, shown
 from geomtorsion.errors import FileFormatError
 
@@ -53,38 +54,75 @@ class AtomData:
         )
 
 
-def words_of(name: str, lines: Sequence[int], rows: Sequence[str], width: int) -> list[list[str]]:
-    """The words of rows of one width; lines: the number of each row in the file."""
-    table = [row.split() for row in rows]
-    odd = next((k for k, words in enumerate(table) if len(words) != width), None)
-    if odd is not None:
-        raise FileFormatError(
-            f"{name}: line {lines[odd]}: expected {width} columns as in the other rows, got "
-            f"{shown(rows[odd].strip())}. Is the file complete?"
-        )
-    return table
+def table_of(
+    name: str,
+    lines: Sequence[int],
+    rows: Sequence[str],
+    width: int,
+    numbers: Sequence[int],
+    words: Sequence[int] = (),
+) -> tuple[np.ndarray, list[list[str]]]:
+    """Numbers in some columns of rows, shape (rows, numbers), and the words in others.
 
+    Parameters
+    ----------
+    name
+        Of the file, for messages.
+    lines
+        The number of each row in the file.
+    width
+        How many columns there are.
+    numbers, words
+        The columns to read, from 0.
 
-def numbers_of(
-    name: str, lines: Sequence[int], words: Sequence[Sequence[str]], columns: Sequence[int]
-) -> np.ndarray:
-    """The numbers in some columns of rows, shape (rows, columns)."""
-    texts = [row[k] for row in words for k in columns]
-    text = "".join(texts)
-    if text.isascii() and "_" not in text:
+    Raises
+    ------
+    FileFormatError
+        A row has another number of columns, or a word for a number; the message names its line.
+    """
+    # Other columns are read as single letters, which checks their number in each row.
+    kinds = ["U1"] * width
+    for k in numbers:
+        kinds[k] = "f8"
+    for k in words:
+        kinds[k] = "O"
+    form = np.dtype([(f"f{k}", kind) for k, kind in enumerate(kinds)])
+
+    def parsed(some: Sequence[str]) -> np.ndarray | None:
+        if not any(map(str.strip, some)):
+            return None if some else np.zeros(0, dtype=form)
         try:
-            return np.fromiter(map(float, texts), float, len(texts)).reshape(-1, len(columns))
+            table = np.loadtxt(some, dtype=form, comments=None, ndmin=1)
         except ValueError:
-            pass
-    for number, row in zip(lines, words, strict=False):
-        for k in columns:
-            if not is_number(row[k]):
-                raise FileFormatError(
-                    f"{name}: line {number}: expected a number in column {k + 1} as in the other "
-                    f"rows, got {shown(' '.join(row))}. Is the file complete?"
-                )
-            check_number(name, number, row[k])
-    return np.array(texts, dtype=float).reshape(-1, len(columns))
+            return None
+        # Empty rows are skipped.
+        return table if len(table) == len(some) else None
+
+    table = parsed(rows)
+    if table is None:
+        good, bad = 0, len(rows)
+        while bad - good > 1:
+            middle = (good + bad) // 2
+            good, bad = (good, middle) if parsed(rows[good:middle]) is None else (middle, bad)
+        raise odd_row(name, lines[good], rows[good], width, numbers)
+    values = np.array([table[f"f{k}"] for k in numbers]).reshape(len(numbers), -1).T
+    return np.ascontiguousarray(values), [table[f"f{k}"].tolist() for k in words]
+
+
+def odd_row(name: str, line: int, row: str, width: int, numbers: Sequence[int]) -> FileFormatError:
+    """The error for a row that cannot be read."""
+    words = row.split()
+    for k in numbers if len(words) == width else ():
+        check_number(name, line, words[k])
+        if not is_number(words[k]):
+            return FileFormatError(
+                f"{name}: line {line}: expected a number in column {k + 1} as in the other rows, "
+                f"got {shown(' '.join(words))}. Is the file complete?"
+            )
+    return FileFormatError(
+        f"{name}: line {line}: expected {width} columns as in the other rows, got "
+        f"{shown(row.strip())}. Is the file complete?"
+    )
 
 
 def check_number(name: str, line: int, word: str) -> None:
@@ -105,15 +143,20 @@ def is_number(word: str) -> bool:
     return True
 
 
-def completed(edges: np.ndarray) -> np.ndarray | None:
+def completed(where: str, edges: np.ndarray) -> np.ndarray | None:
     """Edges of a cell, with unit vectors across the others for zero edges; None without any.
+
+    where: the file, for messages.
 
     Examples
     --------
-    >>> abs(completed(np.array([[2.0, 0, 0], [0, 3, 0], [0, 0, 0]]))[2]).tolist()
+    >>> abs(completed("a.xyz", np.array([[2.0, 0, 0], [0, 3, 0], [0, 0, 0]]))[2]).tolist()
     [0.0, 0.0, 1.0]
     """
+    checks.array(edges, f"{where}: cell", FileFormatError)
     there = edges.any(axis=1)
+    for k, edge in enumerate(edges):
+        checks.measured(edge, f"{where}: cell[{k}]", FileFormatError, is_length=True)
     if not there.any():
         return None
     vectors = edges.copy()

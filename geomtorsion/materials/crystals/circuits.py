@@ -159,6 +159,9 @@ class AtomCircuits:
         centre = checks.array(point, "point", CrystalError, shape=(3,))
         axis = checks.array(normal, "normal", CrystalError, shape=(3,))
         size = checks.positive(radius, "radius", CrystalError)
+        for values, name in ((centre, "point"), (axis, "normal")):
+            checks.measured(values, name, CrystalError)
+        checks.measured(size, "radius", CrystalError)
         if not np.linalg.norm(axis) > 0:
             raise CrystalError(
                 "normal: expected a direction, got (0, 0, 0). Give a vector that is not zero."
@@ -267,7 +270,9 @@ class AtomCircuits:
             if previous < 0:
                 raise CrystalError(
                     f"atoms {one[0]} and {two[0]}: expected bonds between them that are lattice "
-                    "vectors, got a core or a void. Lead the circuit around it."
+                    "vectors, got a core, a void or a stacking fault. Lead the circuit around it. "
+                    "Where a fault reaches the surface, dislocations(partials=True) finds the "
+                    "partial dislocation at its edge."
                 )
             back.append(previous)
         way = back[::-1]

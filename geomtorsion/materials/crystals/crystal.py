@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,7 +42,7 @@ from geomtorsion.materials.crystals.specimen import (
     seems_many,
     share_of_lattices,
 )
-from geomtorsion.materials.crystals.surroundings import Places
+from geomtorsion.materials.crystals.surroundings import Places, spanned
 from geomtorsion.materials.crystals.torn_faces import TornFaces
 from geomtorsion.materials.crystals.torsion import Torsion
 from geomtorsion.materials.crystals.triangulation import Cell, Triangulation, triangulated
@@ -87,6 +89,7 @@ class Crystal(InFrame):
     _given: Given
     _own: Grain | None
     _before: KnownGrains | None
+    _where: str
 
     def __init__(
         self,
@@ -108,6 +111,7 @@ class Crystal(InFrame):
         put("_given", inputs)
         put("_own", None)
         put("_before", None)
+        put("_where", "")
         put("species", None)
         if species is not None:
             names = checks.entries(species, "species", CrystalError)
@@ -125,15 +129,15 @@ class Crystal(InFrame):
         """Number of atoms."""
         return len(self.positions)
 
-    @cached_property
+    @property
     def frame(self) -> Frame:
         """Lattice, orientation and lattice constant together; in a polycrystal those in grain 0."""
-        frame, fit = self._found
-        if self._own is not None:
-            return frame
-        atoms = sampled(len(self.positions))
-        many = seems_many(self._specimen, atoms, fit.whole)
-        return self.grains.grains[0].frame if many else frame
+        return self._recognized[0]
+
+    @property
+    def share(self) -> float:
+        """Share of the atoms whose neighbours all fit the lattice of their grain."""
+        return self._recognized[1]
 
     @cached_property
     def overlapping(self) -> np.ndarray:
@@ -153,15 +157,41 @@ class Crystal(InFrame):
         """
         return self._places.within(self._places.reach).overlapping
 
-    @property
-    def share(self) -> float:
-        """Share of the atoms whose neighbours all fit the lattice of their grain."""
-        share = self.grains.fitting if self.frame is not self._found[0] else None
-        return float(self._found[1].whole.mean()) if share is None else share
+    @cached_property
+    def _recognized(self) -> tuple[Frame, float]:
+        """The frame, and the share of the atoms that fit, which is large enough to find lines."""
+        frame, fit = self._found
+        share = float(fit.whole.mean())
+        if self._own is not None:
+            return frame, share
+        if seems_many(self._specimen, sampled(len(self.positions)), fit.whole):
+            first, fitting = self.grains.grains[0].frame, self.grains.fitting
+            frame, share = first, share if fitting is None else fitting
+        if share < METHOD.least:
+            raise CrystalError(
+                f"{self._where}positions: expected a crystal, got atoms of which only {share:.1%} "
+                f"have the neighbours of the likeliest lattice, {frame.lattice.name}. Give atoms "
+                "with less noise, such as a cooled frame or a mean over time, or one sublattice of "
+                "a compound."
+            )
+        return frame, share
 
     @cached_property
     def _found(self) -> tuple[Frame, Fit]:
         """The frame, and how well a sample of the atoms fits into it."""
+        with self._naming_the_file():
+            return self._in_frame()
+
+    @contextmanager
+    def _naming_the_file(self) -> Iterator[None]:
+        """Errors name the file of the atoms, if they are from one."""
+        try:
+            yield
+        except CrystalError as error:
+            raise CrystalError(f"{self._where}{error}") from None
+
+    def _in_frame(self) -> tuple[Frame, Fit]:
+        """The frame that is given, or the one that is found."""
         inputs = self._given
         if self._own is not None:
             own = self._own.frame
@@ -210,7 +240,7 @@ class Crystal(InFrame):
     def _places(self) -> Places:
         """The atoms in the cell, with the atoms around each."""
         # Most atoms have as many neighbours as a frame needs within it, for any structure.
-        reach = 3 * (_spanned(self.positions, self._box) / len(self.positions)) ** (1 / 3)
+        reach = 3 * (spanned(self.positions, self._box) / len(self.positions)) ** (1 / 3)
         return Places(self._wrapped[0], self._box, reach)
 
     # -- grains -----------------------------------------------------------------------------------
@@ -239,8 +269,10 @@ class Crystal(InFrame):
         grains = None
         if self._own is None:
             near = None if self._is_narrow else self._shells.near
-            if not is_single(self._specimen, near):
-                grains = segmented(self._specimen)
+            specimen = self._specimen
+            if not is_single(specimen, near):
+                with self._naming_the_file():
+                    grains = segmented(specimen)
         if grains is None:
             grains = single_grain(self._found[0], self._wrapped[0])
         return grains if self._before is None else self._before.followed(grains)
@@ -272,6 +304,13 @@ class Crystal(InFrame):
             self.species,
         )  # fmt: skip
         object.__setattr__(crystal, "_before", grains)
+        object.__setattr__(crystal, "_where", self._where)
+        return crystal
+
+    def from_file(self, where: str) -> Crystal:
+        """The same crystal; errors of its recognition name a file and frame."""
+        crystal = copy(self)
+        object.__setattr__(crystal, "_where", f"{where}: ")
         return crystal
 
     def grain(self, number: int) -> Crystal:
@@ -404,7 +443,8 @@ class Crystal(InFrame):
         partials
             Whether partial dislocations at the edges of stacking faults are separated: 1/6<112> in
             fcc and diamond, partials of basal faults in hcp (Shockley 1/3<1-100>, Frank
-            1/6<20-23>); if not, their sum is given.
+            1/6<20-23>); if not, their sum is given, and a partial whose fault reaches a surface
+            is omitted.
 
         Returns
         -------
@@ -438,28 +478,3 @@ class Crystal(InFrame):
         count = len(self.positions)
         axes = "".join("T" if flag else "F" for flag in self.periodic.tolist())
         return f"Crystal({count:,} atoms, {self.lattice}, a = {self.constant:.6g}, periodic {axes})"
-
-
-def _spanned(positions: np.ndarray, cell: Cell) -> float:
-    """Approximate volume that the atoms fill.
-
-    It is the cell without its widest empty layers, or a box around the atoms.
-    """
-    shares = (positions @ cell.inverse).T
-    sizes = [
-        _filled(one) if flag else np.ptp(one)
-        for one, flag in zip(shares, cell.periodic.tolist(), strict=True)
-    ]
-    return float(np.prod(sizes) * abs(np.linalg.det(cell.vectors)))
-
-
-def _filled(shares: np.ndarray) -> float:
-    """Share of a period without the widest layer that contains no atom.
-
-    The period is divided into as many slices as there are atoms.
-    """
-    count = len(shares)
-    slices = np.floor((shares - np.floor(shares)) * count).astype(np.int64)
-    taken = np.flatnonzero(np.bincount(slices))
-    gaps = np.diff(taken, append=taken[0] + count)
-    return 1 - float(gaps.max() - 1) / count

@@ -63,14 +63,7 @@ class Given:
 def positions_of(given: object) -> np.ndarray:
     """Positions of atoms, shape (atoms, 3), checked to span a finite volume."""
     positions = checks.array(given, POSITIONS, CrystalError, shape=(None, 3))
-    largest = float(max(positions.max(initial=0), -positions.min(initial=0)))
-    limit = float(np.finfo(float).max ** (1 / 3)) / 2
-    if largest > limit:
-        raise CrystalError(
-            f"{POSITIONS}: expected numbers up to {limit:.1e}, since their cubes are volumes, got "
-            f"{largest:.3g}. Give them in another unit of length."
-        )
-    return positions
+    return checks.measured(positions, POSITIONS, CrystalError)
 
 
 def _cell(given: ArrayLike) -> np.ndarray:
@@ -83,10 +76,10 @@ def _cell(given: ArrayLike) -> np.ndarray:
             f"cell: expected three edges as rows, shape (3, 3), got shape {edges.shape}. Give "
             "them, or three lengths of perpendicular edges."
         )
-    with np.errstate(all="ignore"):
-        volume = abs(np.linalg.det(edges))
-        sizes = np.prod(np.linalg.norm(edges, axis=1))
-    if not (np.isfinite(sizes) and volume > 8 * np.finfo(float).eps * sizes):
+    for k, edge in enumerate(edges):
+        checks.measured(edge, f"cell[{k}]", CrystalError, is_length=True)
+    volume = abs(np.linalg.det(edges))
+    if not volume > 8 * np.finfo(float).eps * np.prod(np.linalg.norm(edges, axis=1)):
         raise CrystalError(
             f"cell: expected three edges that span a volume, got {checks.shown(edges.tolist())}. "
             "Give an edge also where nothing repeats, or omit the cell of an open crystal."
@@ -114,4 +107,7 @@ def _rotation(given: ArrayLike | None) -> np.ndarray | None:
 
 def _constant(given: float | None) -> float | None:
     """A length."""
-    return None if given is None else float(checks.positive(given, "constant", CrystalError))
+    if given is None:
+        return None
+    size = checks.positive(given, "constant", CrystalError)
+    return checks.measured(size, "constant", CrystalError, is_length=True)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import io
 import re
 from collections.abc import Iterator, Sequence
 from io import TextIOBase
+from itertools import islice
 
 import numpy as np
 
@@ -15,8 +17,8 @@ from geomtorsion.materials.crystals.atom_rows import (
     AtomData,
     completed,
     is_number,
-    numbers_of,
-    words_of,
+    odd_row,
+    table_of,
 )
 
 # Key of a row above the sections of a data file -> number of the row, and its other words.
@@ -60,27 +62,47 @@ def seems_data(text: str) -> bool:
 def dump_blocks(name: str, stream: TextIOBase) -> Iterator[tuple[int, list[str]]]:
     """Frames of a dump as rows, with the numbers of their first lines.
 
-    UNITS and TIME may precede each frame.
+    UNITS and TIME may precede each frame. The row after a frame is read before the frame is given:
+    one atom too many is not a new frame.
     """
-    first, rows, inside = 1, [], False
-    for number, row in enumerate(stream, 1):
-        is_item = row.startswith("ITEM: ")
-        if inside and is_item:
-            yield first, _whole_dump(name, first, rows)
-            rows, inside = [], False
-        if not rows:
-            if not row.strip():
-                continue
-            if not is_item:
-                raise FileFormatError(
-                    f"{name}: line {number}: expected ITEM: TIMESTEP, got {shown(row.strip())}. "
-                    "Name the format of the file: form=... (--read-as)."
-                )
-            first = number
-        inside = inside or row.startswith("ITEM: ATOMS")
-        rows.append(row)
-    if rows:
-        yield first, _whole_dump(name, first, rows)
+    line, head = _next_item(name, stream, 1, "")
+    while head:
+        rows = [head]
+        while not rows[-1].startswith("ITEM: ATOMS") and (row := stream.readline()):
+            rows.append(row)
+        count, stated = _declared(name, line, rows)
+        rows += _body(name, line + len(rows) - 1, count, stream)
+        before = f" after the {count:,} atoms that line {line + stated} declares"
+        after = _next_item(name, stream, line + len(rows), before)
+        yield line, rows
+        line, head = after
+
+
+def _next_item(name: str, stream: TextIOBase, line: int, before: str) -> tuple[int, str]:
+    """The number of the first row of the next frame, and this row; empty at the end."""
+    while (row := stream.readline()) and not row.strip():
+        line += 1
+    if row and not row.startswith("ITEM: "):
+        remedy = "Correct it" if before else "Name the format of the file: form=... (--read-as)"
+        raise FileFormatError(
+            f"{name}: line {line}: expected ITEM: TIMESTEP{before}, got {shown(row.strip())}. "
+            f"{remedy}."
+        )
+    return line, row
+
+
+def _body(name: str, line: int, count: int, stream: TextIOBase) -> list[str]:
+    """The rows of the atoms of a frame; line: the number of the row before them."""
+    body = list(islice(stream, count))
+    end = next((k for k, row in enumerate(body) if row.startswith("ITEM: ")), len(body))
+    while end and not body[end - 1].strip():
+        end -= 1
+    if end < count:
+        raise FileFormatError(
+            f"{name}: line {line + end}: the frame ends after {end:,} of {count:,} atoms. Is the "
+            "file complete?"
+        )
+    return body
 
 
 def _marks(rows: Sequence[str]) -> dict[str, int]:
@@ -92,8 +114,11 @@ def _marks(rows: Sequence[str]) -> dict[str, int]:
     }
 
 
-def _whole_dump(name: str, first: int, rows: list[str]) -> list[str]:
-    """The rows of a frame, as many as its header states."""
+def _declared(name: str, first: int, rows: list[str]) -> tuple[int, int]:
+    """The number of atoms that the header of a frame states, and the row that states it.
+
+    first: number of the first row of the header in the file.
+    """
     marks = _marks(rows)
     for key in ("TIMESTEP", "NUMBER", "BOX", "ATOMS"):
         if key not in marks:
@@ -101,27 +126,14 @@ def _whole_dump(name: str, first: int, rows: list[str]) -> list[str]:
                 f"{name}: line {first}: expected ITEM: {key} ... in this frame, got "
                 f"{', '.join(marks)}. Is the file complete, and a dump of atoms (dump custom)?"
             )
-    count = marks["NUMBER"] + 1
-    number = rows[count].strip() if count < len(rows) else ""
+    row = marks["NUMBER"] + 1
+    number = rows[row].strip() if row < len(rows) else ""
     if not number.isdecimal() or len(number) > 18:
         raise FileFormatError(
-            f"{name}: line {first + count}: expected the number of atoms, got {shown(number)}. Is "
+            f"{name}: line {first + row}: expected the number of atoms, got {shown(number)}. Is "
             "the file complete?"
         )
-    while not rows[-1].strip():
-        rows.pop()
-    body = len(rows) - 1 - marks["ATOMS"]
-    if body > int(number):
-        raise FileFormatError(
-            f"{name}: line {first + count}: expected {number} atoms, as this line declares, got "
-            f"{body:,} rows. Correct the number, or export the file again."
-        )
-    if body < int(number):
-        raise FileFormatError(
-            f"{name}: line {first + len(rows) - 1}: the frame ends after {body:,} of "
-            f"{int(number):,} atoms. Is the file complete?"
-        )
-    return rows
+    return int(number), row
 
 
 def dump_frame(name: str, line: int, rows: list[str], where: str) -> AtomData:
@@ -134,7 +146,6 @@ def dump_frame(name: str, line: int, rows: list[str], where: str) -> AtomData:
     start = marks["ATOMS"]
     columns = rows[start].split()[2:]
     lines = range(line + start + 1, line + len(rows))
-    words = words_of(name, lines, rows[start + 1 :], len(columns))
     origin, edges, periodic = _box(name, line + marks["BOX"], rows[marks["BOX"] : start])
     choices = [one for one in _PLACES if set(one[0].split()) <= set(columns)]
     if not choices:
@@ -147,15 +158,20 @@ def dump_frame(name: str, line: int, rows: list[str], where: str) -> AtomData:
     kind = next((columns.index(x) for x in _KINDS if x in columns), None)
     numeric = [*axes.split(), *(["id"] if "id" in columns else [])]
     indices = [columns.index(x) for x in numeric]
-    if kind is not None and words and is_number(words[0][kind]):
+    body = rows[start + 1 :]
+    kinds = () if kind is None else (kind,)
+    table, words = table_of(name, lines, body, len(columns), indices, kinds)
+    if words and body and finite_number(words[0][0]) is not None:
         # Where types are numbers, a word among them is a damaged row.
-        indices.append(kind)
-    table = numbers_of(name, lines, words, indices)
+        wrong = {word for word in set(words[0]) if finite_number(word) is None}
+        if wrong:
+            k = next(k for k, word in enumerate(words[0]) if word in wrong)
+            raise odd_row(name, lines[k], body[k], len(columns), kinds)
     values = table[:, :3]
     positions = origin + values @ edges if scaled else values
-    order = np.argsort(table[:, 3], kind="stable") if "id" in columns else np.arange(len(words))
-    species = None if kind is None else tuple(words[k][kind] for k in order.tolist())
-    return AtomData(positions[order], completed(edges), periodic, species, where)
+    order = np.argsort(table[:, 3], kind="stable") if "id" in columns else np.arange(len(body))
+    species = tuple(words[0][k] for k in order.tolist()) if words else None
+    return AtomData(positions[order], completed(where, edges), periodic, species, where)
 
 
 def _box(
@@ -169,13 +185,13 @@ def _box(
     # Rows of old versions name no tilts.
     width = 4 if general else 3 if tilted else len(rows[1].split()) if len(rows) > 1 else 2
     lines = range(line + 1, line + 4)
-    words = words_of(name, lines, rows[1:4], width if width in (2, 3, 4) else 2)
-    if len(words) < 3:
+    if len(rows) < 4:
         raise FileFormatError(
-            f"{name}: line {line}: expected three rows of the box, got {len(words)}. Is the file "
-            "complete?"
+            f"{name}: line {line}: expected three rows of the box, got {len(rows) - 1}. Is the "
+            "file complete?"
         )
-    sides = numbers_of(name, lines, words, range(len(words[0])))
+    wide = width if width in (2, 3, 4) else 2
+    sides, _ = table_of(name, lines, rows[1:4], wide, range(wide))
     flags3 = (periodic[0], periodic[1], periodic[2])
     if general or sides.shape[1] == 4:
         return sides[:, 3], sides[:, :3].copy(), flags3
@@ -201,17 +217,22 @@ def data_frame(name: str, text: str) -> AtomData:
     The style of the atoms is the word after Atoms (Atoms # atomic), or else the style that columns
     allow. Species are labels of types, comments of Masses, or numbers.
     """
-    rows = text.split("\n")
+    # Rows without words take memory only in the text; the first row is a title.
+    numbered = [
+        (k, row) for k, row in enumerate(io.StringIO(text)) if k and row.partition("#")[0].strip()
+    ]
+    rows = [row for _, row in numbered]
+    places = [k for k, _ in numbered]
     plain = [row.partition("#")[0].split() for row in rows]
-    heads = [k for k, words in enumerate(plain) if k and words and words[0][0].isalpha()]
+    heads = [k for k, words in enumerate(plain) if words[0][0].isalpha()]
     sections = {" ".join(plain[k]): k for k in reversed(heads)}
     top = heads[0] if heads else len(rows)
     header: Said = {}
-    for k, words in enumerate(plain[1:top], 1):
+    for k, words in enumerate(plain[:top]):
         for key in _KEYS:
             ends = key.split()
             if words[-len(ends) :] == ends:
-                header[key] = k, words[: -len(ends)]
+                header[key] = places[k], words[: -len(ends)]
     if "Atoms" not in sections or "atoms" not in header:
         missing = (
             "section Atoms" if "Atoms" not in sections else "number of atoms (such as 5 atoms)"
@@ -222,18 +243,22 @@ def data_frame(name: str, text: str) -> AtomData:
         )
     start = sections["Atoms"]
     end = next((k for k in heads if k > start), len(rows))
-    body = [k for k in range(start + 1, end) if plain[k]]
+    body = range(start + 1, end)
     line, count = header["atoms"][0] + 1, " ".join(header["atoms"][1])
     if not count.isdecimal() or len(count) > 18 or int(count) != len(body):
         raise FileFormatError(
             f"{name}: line {line}: expected {cut(count)} atoms, as this line declares, got "
             f"{len(body):,} rows. Correct the number, or export the file again."
         )
-    lines = [k + 1 for k in body]
-    width = len(plain[body[0]]) if body else 0
-    words = words_of(name, lines, [" ".join(plain[k]) for k in body], width)
-    kind, x = _style(name, start + 1, rows[start].partition("#")[2].strip(), words, header)
-    values = numbers_of(name, lines, words, (0, x, x + 1, x + 2))
+    lines = [places[k] + 1 for k in body]
+    words, texts = [plain[k] for k in body], [rows[k].partition("#")[0] for k in body]
+    width = len(words[0]) if words else 0
+    odd = next((k for k, row in enumerate(words) if len(row) != width), None)
+    if odd is not None:
+        raise odd_row(name, lines[odd], texts[odd], width, ())
+    style = rows[start].partition("#")[2].strip()
+    kind, x = _style(name, places[start] + 1, style, words, header)
+    values, _ = table_of(name, lines, texts, width, (0, x, x + 1, x + 2) if body else ())
     order = np.argsort(values[:, 0], kind="stable")
     labels = _labels(rows, plain, sections, heads)
     types: list[str] = [words[k][kind] for k in order.tolist()]
@@ -299,7 +324,7 @@ def _labels(
         for k in range(start + 1, end):
             comment = rows[k].partition("#")[2].split()
             label = plain[k][1:2] if title == "Atom Type Labels" else comment[:1]
-            if plain[k] and label:
+            if label:
                 labels[plain[k][0]] = label[0]
     return labels
 
@@ -323,7 +348,7 @@ def _cell(name: str, said: Said) -> np.ndarray | None:
         return [x for x in values if x is not None]
 
     if "avec" in said:
-        return completed(np.array([numbers(key, 3) for key in ("avec", "bvec", "cvec")]))
+        return completed(name, np.array([numbers(key, 3) for key in ("avec", "bvec", "cvec")]))
     sides = np.array([numbers(f"{axis}lo {axis}hi", 2) for axis in "xyz"])
     tilts = numbers("xy xz yz", 3) if "xy xz yz" in said else [0.0, 0.0, 0.0]
-    return completed(_edges(sides[:, 1] - sides[:, 0], tilts[0], tilts[1], tilts[2]))
+    return completed(name, _edges(sides[:, 1] - sides[:, 0], tilts[0], tilts[1], tilts[2]))

@@ -64,7 +64,8 @@ def read(
         The file is missing, damaged (the message names the line if there is one), does not have
         this frame or species, or has a format that may hold more than numbers.
     CrystalError
-        The atoms are not a crystal.
+        Positions or cell are refused. Atoms without a lattice are refused when lattice or lines are
+        requested.
     MissingExtraError
         ase, which reads all formats but XYZ and LAMMPS, is not installed: the extra `crystals`.
 
@@ -119,14 +120,15 @@ def crystal_of(
     constant: float | None,
     known: KnownGrains | None = None,
 ) -> Crystal:
-    """The crystal of a frame, after one with known grains; errors name the file of the frame."""
+    """The crystal of a frame, after one with known grains; errors name the file of the frame.
+
+    Lattice and orientation are found when they are requested.
+    """
     try:
         crystal = Crystal(
             data.positions, data.cell, data.periodic, lattice, orient, constant, data.species
         )
-        crystal = crystal if known is None else crystal.following(known)
-        # Found now, so that a file without a crystal is reported with its name.
-        _ = crystal.frame
+        crystal = crystal.from_file(data.where)
+        return crystal if known is None else crystal.following(known)
     except CrystalError as error:
         raise CrystalError(f"{data.where}: {error}") from None
-    return crystal

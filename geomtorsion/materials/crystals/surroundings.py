@@ -120,3 +120,41 @@ class Places:
             # At corners, and in a gas around the crystal, neighbours are far away.
             reach = 2 * around.distance
         return nearest, vectors
+
+
+def spanned(positions: np.ndarray, cell: Cell) -> float:
+    """Approximate volume that the atoms fill.
+
+    It is the cell without its widest empty layers, or a box around the atoms.
+
+    Raises
+    ------
+    CrystalError
+        Up to rounding all atoms are in one plane.
+    """
+    shares = (positions @ cell.inverse).T
+    sizes = [
+        _filled(one) if flag else np.ptp(one)
+        for one, flag in zip(shares, cell.periodic.tolist(), strict=True)
+    ]
+    volume = float(np.prod(sizes) * abs(np.linalg.det(cell.vectors)))
+    # Along each edge, since a single atom may be far away.
+    rounding = 64 * np.finfo(float).eps * np.abs(shares).max(axis=1, initial=0.0)
+    if not volume or (np.array(sizes) <= rounding)[~cell.periodic].any():
+        raise CrystalError(
+            f"positions: expected atoms that fill space, got {len(positions)} atoms in one plane "
+            "or on one line. Give several layers of the crystal."
+        )
+    return volume
+
+
+def _filled(shares: np.ndarray) -> float:
+    """Share of a period without the widest layer that contains no atom.
+
+    The period is divided into as many slices as there are atoms.
+    """
+    count = len(shares)
+    slices = np.floor((shares - np.floor(shares)) * count).astype(np.int64)
+    taken = np.flatnonzero(np.bincount(slices))
+    gaps = np.diff(taken, append=taken[0] + count)
+    return 1 - float(gaps.max() - 1) / count

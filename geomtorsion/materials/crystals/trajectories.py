@@ -21,6 +21,7 @@ from geomtorsion.materials.crystals.known_grains import KnownGrains
 from geomtorsion.materials.crystals.reading import crystal_of
 from geomtorsion.materials.crystals.reports import Json, crystal_report, known_of
 from geomtorsion.materials.lines import DislocationNetwork
+from geomtorsion.npz import mapped_npy
 
 SETTINGS = "settings.json"
 
@@ -80,14 +81,14 @@ def reports(
             grains = known_of(report, _owner(file, report))
         else:
             seen(number, total, "lattice")
-            _ = frame.crystal
+            _ = frame.crystal.frame
             seen(number + 0.5, total, "lines")
             report = {"frame": number, **frame.report()}
             grains = KnownGrains.of(frame.crystal.grains)
             if file is not None:
                 # A run that fails in its first frame leaves no files, so that it can be corrected.
-                file.parent.mkdir(parents=True, exist_ok=True)
-                write_text(file.with_name(SETTINGS), settings)
+                with written(file.parent, is_folder=True):
+                    write_text(file.with_name(SETTINGS), settings)
                 if "grains" in report:
                     with written(file.with_suffix(".npy")) as part, part.open("wb") as stream:
                         np.save(stream, grains.owner)
@@ -136,7 +137,7 @@ def _owner(kept: Path, report: Json) -> np.ndarray:
         return np.zeros(count, dtype=np.int64)
     file = kept.with_suffix(".npy")
     try:
-        owner = np.load(file, mmap_mode="r", allow_pickle=False)
+        owner = mapped_npy(file)
     except (OSError, ValueError, EOFError):
         owner = np.zeros(0)
     if owner.shape != (count,) or owner.dtype != np.int64:

@@ -10,7 +10,7 @@ import numpy as np
 
 from geomtorsion.checks import shown
 from geomtorsion.errors import FileFormatError
-from geomtorsion.materials.crystals.atom_rows import AtomData, completed, numbers_of, words_of
+from geomtorsion.materials.crystals.atom_rows import AtomData, completed, table_of
 
 # key=value, where a value may be in quotes, in braces, or be a list.
 _FIELD = re.compile(r"""(\w+)\s*=\s*(?:"([^"]*)"|'([^']*)'|\{([^}]*)\}|(\[[^="']*\])|(\S+))""")
@@ -66,8 +66,9 @@ def xyz_frame(name: str, line: int, rows: list[str], where: str) -> AtomData:
     width = len(rows[2].split()) if len(rows) > 2 else 0
     place, kind, wide = _columns(f"{name}: line {line + 1}", values.get("properties"), rows, width)
     lines = range(line + 2, line + len(rows))
-    words = words_of(name, lines, rows[2:], wide)
-    positions = numbers_of(name, lines, words, range(place, place + 3))
+    kinds = () if kind is None else (kind,)
+    axes = range(place, place + 3)
+    positions, species = table_of(name, lines, rows[2:], wide, axes, kinds)
     edges = np.zeros((3, 3))
     if "lattice" in values:
         texts = re.split(r"[\s,\[\]]+", values["lattice"].strip(" []"))
@@ -76,7 +77,7 @@ def xyz_frame(name: str, line: int, rows: list[str], where: str) -> AtomData:
                 f"{name}: line {line + 1}: Lattice: expected nine numbers, three edges of the "
                 f"cell one after another, got {shown(values['lattice'])}. Correct it."
             )
-        edges = numbers_of(name, [line + 1], [texts], range(9)).reshape(3, 3)
+        edges = table_of(name, [line + 1], [" ".join(texts)], 9, range(9))[0].reshape(3, 3)
     periodic = _periodic(f"{name}: line {line + 1}", values.get("pbc"), "lattice" in values)
     for k, repeats in enumerate(periodic):
         if repeats and not edges[k].any():
@@ -84,8 +85,8 @@ def xyz_frame(name: str, line: int, rows: list[str], where: str) -> AtomData:
                 f"{where}: expected edge {k + 1} of the cell, along which the atoms are periodic, "
                 "got none. Give it (Lattice in extended XYZ), or write pbc F for this edge."
             )
-    species = None if kind is None else tuple(row[kind] for row in words)
-    return AtomData(positions, completed(edges), periodic, species, where)
+    names = tuple(species[0]) if species else None
+    return AtomData(positions, completed(where, edges), periodic, names, where)
 
 
 def _columns(

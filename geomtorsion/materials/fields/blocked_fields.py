@@ -77,7 +77,7 @@ def array_in_blocks(
         noise = estimated_sigma(source)
         origin = "the median of sixth differences along the axes, in a sample of the field"
     else:
-        value = checks.number(sigma, "sigma", GridError)
+        value = checks.measured(checks.number(sigma, "sigma", GridError), "sigma", GridError)
         noise, origin = np.full((source.shape[0], d), value), "given"
     return BlockedField(
         str(path), (0.0,) * d, tuple(map(float, spacing)), tuple("xyzuvw"[:d]), noise, origin,

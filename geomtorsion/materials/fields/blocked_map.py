@@ -220,8 +220,9 @@ class BlockMap:
         if self.size == (0, 0):
             curl, difference, sigmas = torsion(field, self.plane)
             return np.concatenate([curl, sigmas, difference.max(axis=0)[None]])
-        vectors, estimate = circuits(field, self.plane, self.size)
-        errors = estimate()
+        # A block does not contain the whole ring of each hole.
+        blocks = circuits(field, self.plane, self.size, detours=False)
+        vectors, errors = blocks.vectors, blocks.estimate()
         sigmas = np.zeros(vectors.shape)
         for i, row in enumerate(sigmas):
             row += np.sqrt(np.maximum(errors.covariance.get((i, i), 0.0), 0.0))
@@ -310,7 +311,8 @@ def blocked_map(
     ----------
     source
         The coframe, shape (rows, columns, N_1, ..., N_d), NaN in holes: the path of an .npy file or
-        a Zarr array, or an array of NumPy, Zarr or dask.
+        a Zarr array, or an array of NumPy, Zarr or dask. Circuits that meet a hole are NaN: only
+        `SampledFrame.burgers_map` goes around missing nodes.
     path
         Path of the Zarr array for the map. A killed run is resumed there.
     steps
@@ -357,7 +359,8 @@ def blocked_map(
     d = len(grid)
     spacing = checks.numbers(steps, d, "steps", GridError)
     for k, step in enumerate(spacing):
-        checks.positive(step, f"steps[{k}]", GridError)
+        positive = checks.positive(step, f"steps[{k}]", GridError)
+        checks.measured(positive, f"steps[{k}]", GridError, is_length=True)
     names = tuple("xyzuvw"[:d])
     wraps = periodic_axes(periodic, names)
     pair = two_axes(plane, d)
@@ -378,7 +381,7 @@ def blocked_map(
             f"block: expected at most {MOST_BLOCKS:,} blocks, got {blocks_needed:,} for the shape "
             f"{array.shape}. Give larger blocks, or a part of the field."
         )
-    noise = checks.array(sigma, "sigma", GridError)
+    noise = checks.measured(checks.array(sigma, "sigma", GridError), "sigma", GridError)
     if noise.shape not in ((), components) or (noise < 0).any():
         raise GridError(
             f"sigma: expected 0 or more, as one number or in shape {components}, got "

@@ -19,8 +19,8 @@ ORDERS = (2, 4, 6, 8)
 
 
 def numbers(values: object, where: str) -> np.ndarray:
-    """An array of real numbers."""
-    return checks.array(values, where, GridError, infinite=None)
+    """An array of real numbers; nan is unknown."""
+    return checks.measured(checks.array(values, where, GridError, infinite=None), where, GridError)
 
 
 def check_order(order: object) -> None:
@@ -54,6 +54,7 @@ def regular_axis(values: object, name: str) -> np.ndarray:
         bad = int(np.flatnonzero(~np.isfinite(axis))[0])
         raise GridError(f"axis {name}: expected finite numbers, got {axis[bad]} at entry {bad}.")
     step = (axis[-1] - axis[0]) / (len(axis) - 1)
+    checks.measured(axis[-1] - axis[0], f"axis {name}", GridError, is_length=True)
     worst = int(np.abs(np.diff(axis) - step).argmax())
     if step == 0 or abs(axis[worst + 1] - axis[worst] - step) > REGULAR * abs(step):
         raise GridError(
@@ -234,8 +235,9 @@ class Grid:
         ]
         raise GridError(
             f"the {what} touches a hole at {shown(point)}, where values are missing at node "
-            f"{self.pixels(nodes)}. Avoid the hole: .holes lists all holes, and "
-            ".loop_around(hole) makes a loop around one."
+            f"{self.pixels(nodes)}. Only a {what} in a plane of nodes, of at least twice the area "
+            "of the rings around its holes, goes around them. Avoid the hole: .holes lists all "
+            "holes, and .loop_around(hole) makes a loop around one."
         )
 
 

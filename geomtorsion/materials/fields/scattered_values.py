@@ -17,6 +17,7 @@ from geomtorsion.materials.fields.triangulation import Triangulation, checked_po
 def checked_points(given: object) -> np.ndarray:
     """Coordinates of points in the plane or in space, checked."""
     points = checks.array(given, "points", GridError, shape=(None, None))
+    checks.measured(points, "points", GridError, is_length=True)
     if points.shape[1] not in (2, 3) or len(points) <= points.shape[1]:
         raise GridError(
             "points: expected shape (N, 2) with N > 2 or (N, 3) with N > 3, one point in each row, "
@@ -38,6 +39,7 @@ def mesh_of(
     longest = options.get("longest")
     if longest is not None:
         longest = checks.positive(longest, "longest", GridError)
+        checks.measured(longest, "longest", GridError, is_length=True)
     boundary = checked_polygons(options.get("boundary"))
     if boundary and places.shape[1] != 2:
         raise GridError(

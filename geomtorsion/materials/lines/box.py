@@ -46,11 +46,12 @@ class Box:
                 f"periodic: expected three truth values, got {checks.shown(flags)}. Give one for "
                 "each edge of the box."
             )
-        with np.errstate(over="ignore", invalid="ignore"):
-            volume = _volume(vectors)
-            sizes = float(np.prod(np.linalg.norm(vectors, axis=1)))
+        for k, edge in enumerate(vectors):
+            checks.measured(edge, f"vectors of the box[{k}]", NetworkError, is_length=True)
+        checks.measured(origin, "origin of the box", NetworkError)
+        sizes = float(np.prod(np.linalg.norm(vectors, axis=1)))
         # Edges that span less than rounding error are in one plane.
-        if not (np.isfinite(sizes) and volume > 8 * np.finfo(float).eps * sizes):
+        if not _volume(vectors) > 8 * np.finfo(float).eps * sizes:
             raise NetworkError(
                 f"vectors of the box: expected three edges that span a finite volume, got "
                 f"{checks.shown(vectors.tolist())}. Give independent edges as rows."
@@ -69,6 +70,8 @@ class Box:
         """A box along the coordinates, from its lowest corner to its highest, shape (3,) each."""
         start = checks.array(low, "low", NetworkError, shape=(3,))
         end = checks.array(high, "high", NetworkError, shape=(3,))
+        for values, name in ((start, "low"), (end, "high")):
+            checks.measured(values, name, NetworkError)
         if not (end > start).all():
             raise NetworkError(
                 "box: expected a highest corner above the lowest, got "

@@ -72,9 +72,11 @@ class LineArrays:
             object.__setattr__(self, name, value)
 
         put("positions", checks.array(positions, "positions", NetworkError, shape=(None, 3)))
+        checks.measured(self.positions, "positions", NetworkError)
         count = len(self.positions)
         put("pairs", whole(pairs, "pairs", 2))
         put("burgers", checks.array(burgers, "burgers", NetworkError, shape=(None, None)))
+        checks.measured(self.burgers, "burgers", NetworkError)
         if len(self.burgers) != len(self.pairs):
             raise NetworkError(
                 f"burgers: expected one row for each of {len(self.pairs)} lines, got "

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -30,7 +29,8 @@ def exact_vector(values: Sequence[Number], where: str, dimension: int | None = N
     message = "{subject}: expected a Burgers vector, got {value}. Give a list of numbers."
     entries = checks.entries(values, where, NetworkError, message=message)
     # All of a hundred thousand lines of a simulation may have plain floats.
-    plain = all(type(value) is float and math.isfinite(value) for value in entries)
+    most = checks.MEASURABLE.most
+    plain = all(type(value) is float and abs(value) <= most for value in entries)
     result = tuple(entries) if plain else tuple(_number(value, where) for value in entries)
     if dimension is not None and len(result) != dimension:
         raise NetworkError(
@@ -42,12 +42,13 @@ def exact_vector(values: Sequence[Number], where: str, dimension: int | None = N
 
 def _number(value: Number, where: str) -> Entry:
     """An exact number or expression, or a finite float."""
+    message = "{subject}: expected finite numbers, got {value}."
+    approximate = checks.number(value, where, NetworkError, message=message, infinite=message)
+    checks.measured(approximate, where, NetworkError)
     if type(value) is int:
         return Fraction(value)
-    message = "{subject}: expected finite numbers, got {value}."
     if isinstance(value, sp.Expr) and not isinstance(value, sp.Rational | sp.Float):
         # Roots stay exact; a symbol has no length.
-        checks.number(value, where, NetworkError, message=message, infinite=message)
         return value
     number = checks.exact_number(value, where, NetworkError, message=message, infinite=message)
     # Floats are compared within a tolerance: they stay floats.

@@ -76,6 +76,7 @@ class Curvature:
             Length of the Burgers vector, in `unit`.
         """
         b = checks.positive(burgers, "burgers", OrientationError)
+        checks.measured(b, "burgers", OrientationError, is_length=True)
         # The other components are unknown at all pixels.
         components = self.nye[..., [0, 0, 1, 1, 2], [1, 2, 0, 2, 2]]
         return np.sqrt((components**2).sum(axis=-1)) / b

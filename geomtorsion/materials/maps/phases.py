@@ -51,6 +51,8 @@ class Phase:
         for key in ("lengths", "angles"):
             subject = f"phase {self.name!r}: {key}"
             values = checks.numbers(getattr(self, key), 3, subject, OrientationError)
+            for value in map(float, values):
+                checks.measured(value, subject, OrientationError, is_length=True)
             object.__setattr__(self, key, tuple(float(x) for x in values))
         if min(self.lengths) < 0 or not all(0 < x < 180 for x in self.angles):
             raise OrientationError(

@@ -118,9 +118,12 @@ def _flat(table: Mapping[str, object]) -> dict[str, object]:
 
 
 GRADED, PARTLY, TWICE, REFUSED = "graded", "partly", "given twice", "not graded"
-HEAD = ("file", "student", "seed", "earned", "points", "percent", "answered", "counted", "status")
+HEAD = (
+    "file", "student", "seed", "earned", "at_most", "points", "percent", "percent_at_most",
+    "answered", "unread", "counted", "status",
+)  # fmt: skip
 # Exercises that count by default: those that occur in any file.
-ASKED_FOR, OCCURRING = "as asked for", "whatever anybody answered"
+ASKED_FOR, OCCURRING = "as requested", "all that any student answered"
 TAIL = ("diagnoses", "remarks", "fingerprint")
 
 
@@ -128,9 +131,10 @@ TAIL = ("diagnoses", "remarks", "fingerprint")
 class Mark:
     """The marks of one student: a row of the table.
 
-    file, student, seed: the owner. earned, points: totals; answers that could not be read
-    count in neither.
-    answered: number of answered questions, and of all. counted: the exercises with points.
+    file, student, seed: the owner. earned: total. at_most: total if every answer is right that a
+    person must still read. points: of all questions that count.
+    answered: number of answered questions, and of all. unread: number of answers that could not be
+    read. counted: the exercises with points.
     status: GRADED, PARTLY (an answer was not checked: unreadable, or to an unknown question),
     TWICE (another file has the same student) or REFUSED.
     parts: number of an exercise -> points earned.
@@ -141,9 +145,11 @@ class Mark:
     student: str
     seed: int
     earned: float
+    at_most: float
     points: int
     status: str
     answered: str = ""
+    unread: int = 0
     counted: str = ""
     parts: Mapping[str, float] = field(default_factory=dict)
     diagnoses: str = ""
@@ -152,15 +158,18 @@ class Mark:
 
     def row(self, numbers: Sequence[str]) -> dict[str, str]:
         """The mark as a row of text."""
-        percent = 100 * self.earned / self.points if self.points else 0.0
+        share = 100 / self.points if self.points else 0.0
         return {
             "file": _harmless(self.file),
             "student": _harmless(self.student),
             "seed": str(self.seed),
             "earned": f"{self.earned:g}",
+            "at_most": f"{self.at_most:g}",
             "points": str(self.points),
-            "percent": f"{percent:.1f}",
+            "percent": f"{self.earned * share:.1f}",
+            "percent_at_most": f"{self.at_most * share:.1f}",
             "answered": self.answered,
+            "unread": str(self.unread),
             "counted": self.counted,
             "status": self.status,
             **{number: f"{self.parts.get(number, 0.0):g}" for number in numbers},
@@ -195,6 +204,24 @@ class Marks:
     def troubled(self) -> tuple[Mapping[str, str], ...]:
         """Rows that a person should check."""
         return tuple(row for row in self.rows if row["status"] != GRADED)
+
+    @property
+    def graded(self) -> tuple[Mapping[str, str], ...]:
+        """Rows with marks, also those that a person should check."""
+        return tuple(row for row in self.rows if row["status"] != REFUSED)
+
+
+def range_text(row: Mapping[str, str]) -> str:
+    """The range of percentages of a row with unread answers, in words.
+
+    Examples
+    --------
+    >>> range_text({"percent": "11.1", "percent_at_most": "100.0", "unread": "5"})
+    '11 % to 100 %, 5 answers to be read by you'
+    """
+    least, most = (f"{float(row[key]):.0f} %" for key in ("percent", "percent_at_most"))
+    answers = "1 answer" if row["unread"] == "1" else f"{row['unread']} answers"
+    return f"{least} to {most}, {answers} to be read by you"
 
 
 def grade(
@@ -375,21 +402,12 @@ def _mark(
     worth = sum(q.points for n in task.numbers for q in load(n).questions)
     counted = task.counted
     if isinstance(read, str):
-        return Mark(
-            path.name,
-            path.stem,
-            0,
-            0.0,
-            worth,
-            REFUSED,
-            remarks=read,
-            counted=counted,
-            fingerprint=fingerprint,
-        )
+        return Mark(path.name, path.stem, 0, 0.0, worth, worth, REFUSED, remarks=read,
+                    counted=counted, fingerprint=fingerprint)  # fmt: skip
     if None not in (task.seed, read.seed) and read.seed != task.seed:
         text = f"seed {read.seed} instead of {task.seed}"
-        return Mark(path.name, read.student, read.seed or 0, 0.0, worth, REFUSED, remarks=text,
-                    counted=counted, fingerprint=fingerprint)  # fmt: skip
+        return Mark(path.name, read.student, read.seed or 0, 0.0, worth, worth, REFUSED,
+                    remarks=text, counted=counted, fingerprint=fingerprint)  # fmt: skip
     seed = read.seed if read.seed is not None else task.seed or 0
     parts: dict[str, float] = {}
     codes: list[str] = []
@@ -397,7 +415,8 @@ def _mark(
     remarks += [f"{key!r} is outside of [answers]: it is not read." for key in read.outside]
     # A key that concerns the file only, such as a date, needs nobody's attention.
     unseen = bool(read.unknown) or any(key in names() for key in read.outside)
-    answered = asked = 0
+    answered = asked = unread = 0
+    most = 0.0
     for number in task.numbers:
         asked += len(load(number, seed).questions)
         if number not in read.answers:
@@ -408,8 +427,9 @@ def _mark(
         answered += sum(code != "empty" for _, code in codes_of)
         codes += [f"{number}:{name} {code}" for name, code in codes_of if code not in ("", "empty")]
         remarks += [f"{number}: {note}" for note in verdict.notes]
-        # A person decides on these; until then they cost no points.
-        worth -= sum(verdict[name].points for name in verdict.unread)
+        # A person decides on these: until then the marks are a range.
+        most += verdict.at_most
+        unread += len(verdict.unread)
         remarks += [f"{number}: {name} could not be read." for name in verdict.unread]
         unseen |= bool(verdict.notes or verdict.unread)
     if read.seed is None:
@@ -419,9 +439,9 @@ def _mark(
         remarks.insert(0, f"the same student as in {', '.join(others)}: decide which one counts.")
     status = TWICE if others else PARTLY if unseen else GRADED
     earned = round(sum(parts.values()), 3)
-    return Mark(path.name, read.student, seed, earned, worth, status, f"{answered} of {asked}",
-                parts=parts, diagnoses="; ".join(codes), remarks=" ".join(remarks),
-                counted=counted, fingerprint=fingerprint)  # fmt: skip
+    return Mark(path.name, read.student, seed, earned, round(most, 3), worth, status,
+                f"{answered} of {asked}", unread, parts=parts, diagnoses="; ".join(codes),
+                remarks=" ".join(remarks), counted=counted, fingerprint=fingerprint)  # fmt: skip
 
 
 def _rows_of(table: Path, numbers: Sequence[str]) -> dict[str, Mapping[str, str]]:
@@ -445,14 +465,15 @@ def _rows_of(table: Path, numbers: Sequence[str]) -> dict[str, Mapping[str, str]
 
 def _as_values(row: Mapping[str, str], numbers: Sequence[str]) -> dict[str, object]:
     """A row with its numbers as numbers."""
-    kinds = dict.fromkeys(("earned", "percent", *numbers), float) | {"seed": int, "points": int}
+    floats = ("earned", "at_most", "percent", "percent_at_most", *numbers)
+    kinds = dict.fromkeys(floats, float) | dict.fromkeys(("seed", "points", "unread"), int)
     return {key: kinds.get(key, str)(text) for key, text in row.items()}
 
 
 def _as_text(key: str, value: object) -> str:
     """A value of a row in the form of the table."""
     if isinstance(value, float):
-        return f"{value:.1f}" if key == "percent" else f"{value:g}"
+        return f"{value:.1f}" if key.startswith("percent") else f"{value:g}"
     return str(value)
 
 
@@ -460,8 +481,11 @@ def _write(
     table: Path, rows: Sequence[Mapping[str, str]], numbers: Sequence[str], chosen: str
 ) -> None:
     """Write the table to a temporary file and rename it: it is never half a table."""
-    table.parent.mkdir(parents=True, exist_ok=True)
-    with written(table) as aside, aside.open("w", encoding="utf-8", newline="") as file:
+    with (
+        written(table.parent, is_folder=True),
+        written(table) as aside,
+        aside.open("w", encoding="utf-8", newline="") as file,
+    ):
         if table.suffix == ".json":
             whole = {
                 "counted": list(numbers),

@@ -40,7 +40,6 @@ _RATE = re.compile(r"\bd\s*([^\W\d]\w*?)\s*/\s*d\s*t\b")
 _RATE_OF = re.compile(r"\bd\s*/\s*d\s*t\s*\(?\s*([^\W\d]\w*)\s*\)?")
 _SECOND_RATE = re.compile(r"\bd\s*(?:\^|\*\*)\s*\(?2\)?\s*([^\W\d]\w*?)\s*/\s*d\s*t\s*"
                           r"(?:\^|\*\*)\s*\(?2\)?")  # fmt: skip
-_BRACKETS = "([{"
 
 
 def read_typed(
@@ -307,17 +306,61 @@ class _Completer:
         """A product sign before word k, unless it is ambiguous."""
         word, before = self.words[k], self._at(k - 1)
         if self.under[-1] == "value" or (self.under[-1] == "number" and not word.spaced):
-            above = self._at(k - 3).shown if self._at(k - 2).text == "/" else "..."
-            above = "..." if above == ")" else above
-            below = f"{before.shown}*{word.shown}" if before.text != ")" else f"(...)*{word.shown}"
-            self._ambiguous(k, f"({above}/{below.replace('*', ')*', 1)} or {above}/({below})")
+            below, start = self._group_before(k - 1)
+            # A product may be above, of which the last factor is shown.
+            above = self._group_before(start - 2)[0] if self._at(start - 1).text == "/" else "..."
+            factor = self._factor(k)
+            self._ambiguous(k, f"({above}/{below})*{factor} or {above}/({below}*{factor})")
         power = self._at(k - 2).text == "**" and self._at(k - 3).text == "E"
         if power and before.kind == "number":
-            self._ambiguous(
-                k, f"exp({before.shown}*{word.shown}) or exp({before.shown})*{word.shown}"
-            )
+            factor = self._factor(k)
+            self._ambiguous(k, f"exp({before.shown}*{factor}) or exp({before.shown})*{factor}")
         self.under[-1] = ""
         self._add(k, "*")
+
+    def _factor(self, k: int) -> str:
+        """The value that begins at word k, for a message: a function with power and argument."""
+        word = self.words[k]
+        if word.kind not in ("function", "call"):
+            return self._group(k)[0]
+        text, k = word.shown, k + 1
+        if self._at(k).text == "**":
+            sign = "-" if self._at(k + 1).text == "-" else ""
+            power, k = self._group(k + 1 + len(sign))
+            text = f"{text}^{sign}{power}"
+        if self._at(k).text == "(":
+            return text + self._group(k)[0]
+        sign = "-" if self._at(k).text == "-" else ""
+        k += len(sign)
+        size = 2 if self._at(k).kind == "number" and self._is_name(k + 1) else 1
+        argument = "*".join(self._at(j).shown for j in range(k, k + size))
+        return f"{text}({sign}{argument or '...'})"
+
+    def _group(self, k: int) -> tuple[str, int]:
+        """The text of word k, or of the brackets that it opens if it is short; and its end."""
+        depth, end = 0, k
+        while end < len(self.words):
+            depth += {"(": 1, ")": -1}.get(self.words[end].text, 0)
+            end += 1
+            if depth <= 0:
+                break
+        return self._shown(k, end), end
+
+    def _group_before(self, k: int) -> tuple[str, int]:
+        """The text that ends with word k, with the function of its brackets; and its start."""
+        depth, start = 0, k + 1
+        while start > 0:
+            start -= 1
+            depth += {")": 1, "(": -1}.get(self.words[start].text, 0)
+            if depth <= 0:
+                break
+        start -= self._at(start - 1).kind in ("function", "call") and start <= k
+        return self._shown(start, k + 1), start
+
+    def _shown(self, start: int, end: int) -> str:
+        """Words as they were typed; brackets without their contents if these are long."""
+        text = "".join(word.shown for word in self.words[start:end])
+        return text if len(text) <= ANSWER.depth or end == start + 1 else "(...)"
 
     def _function(self, k: int) -> int:
         """A function with its power after its argument, and with brackets if it has none."""
@@ -377,11 +420,10 @@ class _Completer:
             word.starts_value and word.kind not in ("function", "call", "end")
         ):
             sign = "^" if word.text == "**" else word.text if word.text == "/" else "*"
-            rest = after.shown if word.text in ("**", "/") else word.shown
-            rest = "(...)" if rest in _BRACKETS else rest
+            rest = self._factor(k + 1 if word.text in ("**", "/") and after.text else k)
             self._ambiguous(k, f"{name}({argument}){sign}{rest} or {name}({argument}{sign}{rest})")
 
     def _ambiguous(self, k: int, ways: str) -> NoReturn:
-        near = self.words[max(0, k - 3) : k + 3]
+        near = self.words[max(0, k - 3) : k + 5]
         text = "".join(" " * word.spaced + word.shown for word in near).strip()
         raise ExpressionError(f"{self.where}: {text[:60]!r} can be read in two ways. Write {ways}.")

@@ -7,7 +7,7 @@ from functools import lru_cache
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from geomtorsion.checks import close_names, count
+from geomtorsion.checks import close_names, count, shown
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.teaching.exercises.draw import Draw
 from geomtorsion.teaching.exercises.exercise import Exercise
@@ -109,11 +109,17 @@ def load(number: str, seed: int = 0) -> Exercise:
     for key, module, title, level in EXERCISES:
         if key == number:
             return _loaded(key, module, title, level, seed)
-    near = close_names(str(number)[:20], names(), 3, 0.6)
+    if not isinstance(number, str):
+        example = str(number) if str(number) in names() else names()[0]
+        raise UnknownNameError(
+            f"expected the number of an exercise as text, got {shown(number)}. Write it in quotes: "
+            f'"{example}".'
+        )
+    near = close_names(number[:20], names(), 3, 0.6)
     hint = f" Did you mean {' or '.join(near)}?" if near else ""
     raise UnknownNameError(
         f"expected the number of an exercise, from {names()[0]} to {names()[-1]}, got "
-        f"{str(number)[:20]!r}.{hint} `geomtorsion exercises` lists all exercises."
+        f"{number[:20]!r}.{hint} `geomtorsion exercises` lists all exercises."
     )
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from geomtorsion import checks
 from geomtorsion.errors import UnknownNameError
-from geomtorsion.files import written
+from geomtorsion.files import write_texts, written
 from geomtorsion.pictures.formula import FONT_SOURCE, mathml
 from geomtorsion.pictures.latex import latex_name, latex_text
 from geomtorsion.pictures.report import stylesheet
@@ -129,8 +129,7 @@ def write_sheet(
     exercises = [load(number, seed) for number in names() if number.startswith(f"{chapter}.")]
     # Refused before any exercise is solved.
     with written(directory, is_folder=True) as folder:
-        teacher = folder / "teacher"
-        teacher.mkdir(exist_ok=True)
+        pass
     stem = f"chapter{chapter}" + (f"-seed{seed}" if seed else "")
     heading = f"{chapter}. {title}"
     progress("sheet")
@@ -140,15 +139,12 @@ def write_sheet(
         progress(f"solving {exercise.number}")
         solved.append(_card(exercise, solution=True))
     files = {
-        folder / f"{stem}.html": page_of(heading, seed, [_card(e) for e in exercises]),
-        folder / f"{stem}.ipynb": cells + "\n",
-        folder / f"{stem}-answers.toml": form_of(exercises, seed),
-        teacher / f"{stem}-solutions.html": page_of(f"{heading}: solutions", seed, solved),
+        f"{stem}.html": page_of(heading, seed, [_card(e) for e in exercises]),
+        f"{stem}.ipynb": cells + "\n",
+        f"{stem}-answers.toml": form_of(exercises, seed),
+        f"teacher/{stem}-solutions.html": page_of(f"{heading}: solutions", seed, solved),
     }
-    for path, text in files.items():
-        with written(path) as file:
-            file.write_text(text, "utf-8")
-    return tuple(files)
+    return write_texts(folder, files)
 
 
 def page_of(title: str, seed: int, cards: Sequence[str]) -> str:

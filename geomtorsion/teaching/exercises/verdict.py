@@ -39,7 +39,7 @@ TITLES: Mapping[str, str] = MappingProxyType(
         "too large": "too large to be checked",
     }
 )
-# Codes of answers that cost no points, because it is unknown whether they are right.
+# Codes of answers that a person must read: it is unknown whether they are right.
 UNREAD = ("unreadable", "too large")
 # Code -> message to a student, unless the exercise has its own.
 MESSAGES: Mapping[str, str] = MappingProxyType(
@@ -132,7 +132,7 @@ class QuestionVerdict:
 
     @property
     def was_read(self) -> bool:
-        """Whether the answer could be read and checked; otherwise it costs no points."""
+        """Whether the answer could be read and checked; otherwise a person must read it."""
         return self.diagnosis not in UNREAD
 
     @property
@@ -165,9 +165,13 @@ class Verdict:
 
     Examples
     --------
-    >>> verdict = Verdict("1.1", 0, (QuestionVerdict("legs", True, 1.0, "Right."),))
+    >>> legs = QuestionVerdict("legs", True, 1.0, "Right.")
+    >>> verdict = Verdict("1.1", 0, (legs,))
     >>> verdict.right, verdict.score
     (True, 1.0)
+    >>> unread = QuestionVerdict("metric", False, 0.0, "...", "unreadable", points=3)
+    >>> Verdict("1.2", 0, (legs, unread)).points_text
+    '1 to 4 of 4 points'
     """
 
     number: str
@@ -182,8 +186,8 @@ class Verdict:
 
     @property
     def points(self) -> int:
-        """Points of all questions but those whose answers could not be read."""
-        return sum(question.points for question in self.questions if question.was_read)
+        """Points of all questions."""
+        return sum(question.points for question in self.questions)
 
     @property
     def unread(self) -> tuple[str, ...]:
@@ -192,13 +196,25 @@ class Verdict:
 
     @property
     def earned(self) -> float:
-        """Earned points."""
+        """Earned points; an answer that could not be read earns none until a person reads it."""
         return sum(question.points * question.score for question in self.questions)
+
+    @property
+    def at_most(self) -> float:
+        """Earned points if every answer that could not be read is right."""
+        unread = (question.points for question in self.questions if not question.was_read)
+        return self.earned + sum(unread)
 
     @property
     def score(self) -> float:
         """Earned share of the points, 0 to 1."""
         return self.earned / self.points if self.points else 0.0
+
+    @property
+    def points_text(self) -> str:
+        """Earned points and all points in words; a range if an answer could not be read."""
+        earned, most = f"{self.earned:.3g}", f"{self.at_most:.3g}"
+        return f"{earned if earned == most else f'{earned} to {most}'} of {self.points} points"
 
     def to_json(self) -> Json:
         """Everything as plain values, ready for json.dumps."""
@@ -232,7 +248,7 @@ class Verdict:
         )
         head = "<tr><th>question</th><th>verdict</th><th></th><th>read as</th></tr>"
         notes = "".join(f"<p>{escape(note)}</p>" for note in self.notes)
-        points = f"<p>{self.earned:g} of {self.points} points</p>"
+        points = f"<p>{self.points_text}</p>"
         return f"<div><table>{head}{rows}</table>{points}{notes}</div>"
 
     def __str__(self) -> str:

@@ -12,8 +12,7 @@ import numpy as np
 
 from geomtorsion.loops import Cochain
 from geomtorsion.teaching.exercises.worker_pool import Json
-from geomtorsion.teaching.lab.plot import SAVE
-from geomtorsion.teaching.lab.views import saving
+from geomtorsion.teaching.lab.plot import SAVE, saving
 
 # Name of a crystal -> its edge dislocations: position, and b along x of the displacement.
 CRYSTALS: dict[str, tuple[tuple[float, float, int], ...]] = {

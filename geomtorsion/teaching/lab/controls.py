@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 
 from geomtorsion.pictures.text import greek_name
 from geomtorsion.teaching.exercises.worker_pool import Json
+from geomtorsion.teaching.lab.guides import COMPASS, GUIDES, TABS
 from geomtorsion.teaching.lab.query import Query, numbers_text
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.space_info import drawable
 from geomtorsion.teaching.lab.top import SWITCHES, WATCHED
 from geomtorsion.teaching.lab.uploads import TEXT_MAPS
-from geomtorsion.teaching.lab.views import COMPASS, TABS, intro
+from geomtorsion.teaching.lab.views import intro
 
 if TYPE_CHECKING:
     from marimo import ui
@@ -42,7 +43,7 @@ _ANGLES = ("phi", "theta", "psi", "chi", "yaw", "pitch", "roll")
 def tabs(mo: ModuleType, query: Query) -> ui.tabs:
     """The tabs; their only value is the open tab."""
     opened = query.one_of("tab", list(TABS), COMPASS)
-    return mo.ui.tabs({name: mo.Html(intro(name)) for name in TABS}, value=opened)
+    return mo.ui.tabs({name: mo.Html(intro(GUIDES[name])) for name in TABS}, value=opened)
 
 
 def course(mo: ModuleType, query: Query) -> ui.slider:

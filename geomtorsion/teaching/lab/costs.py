@@ -28,7 +28,8 @@ if TYPE_CHECKING:
 
 _RULES = ("trapezoid", "Gauss", "flux", "burgers_vector")
 _POINTS = (4, 8, 12, 16, 24, 32, 48)
-_CAPTION = "All times were measured now, on the machine that serves this page."
+# True also of a page without a server, and of a case that the server has measured before.
+_CAPTION = "All times were measured on the computer that made this page."
 
 
 def costs(kind: str, case: Json) -> Json:

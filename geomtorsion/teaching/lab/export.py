@@ -9,11 +9,11 @@ from os import PathLike
 from pathlib import Path
 
 from geomtorsion import checks
-from geomtorsion.files import written
+from geomtorsion.files import write_texts
 from geomtorsion.pictures.formula import FONT_SOURCE, font_face
 from geomtorsion.pictures.text import greek_name
 from geomtorsion.teaching.exercises.worker_pool import Json
-from geomtorsion.teaching.lab import views
+from geomtorsion.teaching.lab import guides, views
 from geomtorsion.teaching.lab.controls import path_case
 from geomtorsion.teaching.lab.space_info import space_info
 from geomtorsion.teaching.lab.tasks import task
@@ -61,42 +61,45 @@ main { max-width: 72rem; margin: 0 auto; padding: 1rem; }
 """
 
 
+_ABOUT = """
+<p class="guide">These pages show cases that geomtorsion has computed. Sliders choose among these
+cases, and figures can be turned and saved. The pages load nothing and need no server.</p>
+<p class="guide">Nothing is computed here. To type a tetrad of your own, to upload a map, or to have
+an answer checked, start the page with controls: <code>geomtorsion lab --open</code></p>
+"""
+
+
 def write_pages(
     directory: str | PathLike[str], progress: Progress = lambda _: None
 ) -> tuple[Path, ...]:
     """Write index.html and a page for each tab; return their paths, the index first.
 
-    The pages contain everything: style, pictures, mathematics (MathML) and the scripts that turn
-    pictures and move sliders. Writing starts after all computations.
+    The pages show computed cases. They check no answers and read no tetrads. They contain
+    everything: style, pictures, mathematics (MathML) and the scripts that turn pictures and move
+    sliders. Writing starts after all computations.
     """
     directory = checks.file_name(directory, "directory")
-    contents = pages(progress)
-    paths = []
-    with written(directory, is_folder=True) as target:
-        for name, html in contents.items():
-            paths.append(target / name)
-            paths[-1].write_text(html, "utf-8")
-    return tuple(paths)
+    return write_texts(directory, pages(progress))
 
 
 def pages(progress: Progress = lambda _: None) -> dict[str, str]:
     """File name -> page, the index first."""
     makers = {
-        views.COMPASS: compass, views.LOOPS: loops, views.PATHS: curves, views.TOP: tops,
-        views.COSTS: cost_tables, views.TETRAD: tetrads, views.EXERCISES: exercises,
+        guides.COMPASS: compass, guides.LOOPS: loops, guides.PATHS: curves, guides.TOP: tops,
+        guides.COSTS: cost_tables, guides.TETRAD: tetrads, guides.EXERCISES: exercises,
     }  # fmt: skip
     contents = {}
     for tab, maker in makers.items():
         progress(tab)
-        contents[_file(tab)] = _page(tab, f"{views.intro(tab, still=True)}{maker()}")
+        still = guides.STILL[tab]
+        inner = f"{views.intro(still.guide)}{maker()}{views.words(tab)}"
+        contents[_file(still.title)] = _page(still.title, inner)
     links = "".join(
-        f'<li><a href="{_file(tab)}">{escape(tab)}</a>: {escape(text)}</li>'
-        for tab, text in views.TABS.items()
+        f'<li><a href="{_file(still.title)}">{escape(still.title)}</a>: {escape(still.summary)}'
+        "</li>"
+        for still in guides.STILL.values()
     )
-    note = (
-        "<p>Made by geomtorsion; <code>geomtorsion lab</code> serves these pages with controls.</p>"
-    )
-    return {"index.html": _page("Torsion lab", f"<ul>{links}</ul>{note}"), **contents}
+    return {"index.html": _page("Torsion lab", f"{_ABOUT}<ul>{links}</ul>"), **contents}
 
 
 def _file(tab: str) -> str:
@@ -110,7 +113,8 @@ def _file(tab: str) -> str:
 
 def _page(title: str, inner: str) -> str:
     """A whole page."""
-    links = "".join(f'<a href="{_file(tab)}">{escape(tab)}</a>' for tab in views.TABS)
+    titles = (still.title for still in guides.STILL.values())
+    links = "".join(f'<a href="{_file(title)}">{escape(title)}</a>' for title in titles)
     return (
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
@@ -184,7 +188,7 @@ def loops() -> str:
             f'<input type="range" data-slides="loops-{name}" min="0" max="{len(RADII) - 1}" '
             f'value="4"></label><div id="loops-{name}">{"".join(slides)}</div>'
         )
-    parts.append(_nameless(views.atoms(task("atoms")())))
+    parts.append(views.atoms(task("atoms")()))
     return "".join(parts)
 
 
@@ -226,26 +230,50 @@ def cost_tables() -> str:
 
 
 def exercises() -> str:
-    """All exercises with their hints; answers are checked by the command line or the page."""
+    """All exercises with their hints, and the command that checks an answer."""
     parts = []
     for chapter, listed in task("listing")()["chapters"].items():
         parts.append(f"<h2>{escape(chapter)}</h2>")
         for number in listed:
             reply = task("exercise")(number=number)
             hints = task("hints")(number=number, seed=0, count=reply["hints"])["hints"]
-            asked = "".join(f"<li>{question['prompt']}</li>" for question in reply["questions"])
+            asked = "".join(
+                f'<li>{question["prompt"]}<p class="note">{escape(_how(question))}</p></li>'
+                for question in reply["questions"]
+            )
             steps = "".join(f"<li>{hint}</li>" for hint in hints)
             stated = _nameless(views.exercise(reply))
             parts.append(
                 f'<section class="card" id="e{number}">{stated}<ul>{asked}</ul>'
                 f"<details><summary>{len(hints)} hints</summary><ol>{steps}</ol></details>"
-                f"<p class='note'>Check: <code>geomtorsion exercises check {number} \"...\"</code>"
-                "</p></section>"
+                f"<p class='note'>Check: <code>{escape(_command(reply))}</code></p></section>"
             )
     return "".join(parts)
 
 
+def _how(question: Json) -> str:
+    """Instructions for an answer; a choice has its options, as the command line takes them."""
+    if question["kind"] != "choice":
+        return str(question["how"])
+    return "; ".join(f"{key}: {text}" for key, text in question["options"].items())
+
+
+def _command(exercise: Json) -> str:
+    """The command that checks the answers to an exercise.
+
+    >>> _command({"number": "1.2", "questions": [{"name": "metric"}, {"name": "volume"}]})
+    'geomtorsion exercises check 1.2 "metric=..." "volume=..."'
+    """
+    names = [question["name"] for question in exercise["questions"]]
+    words = [f'"{name}=..."' for name in names] if len(names) > 1 else ['"..."']
+    return f"geomtorsion exercises check {exercise['number']} {' '.join(words)}"
+
+
+# The terms at the end of a view, which a page with several views shows once.
+_WORDS = re.compile(r'<h3>In words</h3><dl class="words">.*?</dl>', re.DOTALL)
+
+
 def _nameless(html: str) -> str:
-    """HTML without the ids of its elements, for pages that contain it several times."""
+    """A view without ids and terms, for pages that contain it several times."""
     # An id must be unique on a page.
-    return re.sub(r' id="[a-z-]+"', "", html)
+    return re.sub(r' id="[a-z-]+"', "", _WORDS.sub("", html))

@@ -17,7 +17,7 @@ def _():
     import marimo as mo
 
     # Also imported here for this reason.
-    from geomtorsion.teaching.lab import controls, exercise_controls, tetrad_controls, views
+    from geomtorsion.teaching.lab import controls, exercise_controls, guides, tetrad_controls, views
     from geomtorsion.teaching.lab import element_keys as keys
     from geomtorsion.teaching.lab.query import Query, store
     from geomtorsion.teaching.lab.tasks import common_runner
@@ -30,6 +30,7 @@ def _():
         Query,
         controls,
         exercise_controls,
+        guides,
         keys,
         mo,
         query,
@@ -78,14 +79,16 @@ def _(Query, controls, mo, path_space, runner):
 
 
 @app.cell
-def _(course, curve, kind, loop_space, mo, path_space, place, radius, store, tab, top, views):
-    store(mo, {"tab": (tab.value, views.COMPASS)})
+def _(
+    course, curve, guides, kind, loop_space, mo, path_space, place, radius, store, tab, top, views
+):
+    store(mo, {"tab": (tab.value, guides.COMPASS)})
     _panels = {
-        views.COMPASS: [course],
-        views.LOOPS: [loop_space, radius, *place.values()],
-        views.PATHS: [path_space, *curve.values()],
-        views.TOP: top.values(),
-        views.COSTS: [kind],
+        guides.COMPASS: [course],
+        guides.LOOPS: [loop_space, radius, *place.values()],
+        guides.PATHS: [path_space, *curve.values()],
+        guides.TOP: top.values(),
+        guides.COSTS: [kind],
     }
     mo.stop(tab.value not in _panels)
     mo.Html(views.controls(_panels[tab.value], "after"))
@@ -108,8 +111,8 @@ def _(controls, curve, loop_facts, path_facts, place, radius, top):
 
 
 @app.cell
-def _(controls, course, mo, runner, store, tab, views):
-    mo.stop(tab.value != views.COMPASS)
+def _(controls, course, guides, mo, runner, store, tab, views):
+    mo.stop(tab.value != guides.COMPASS)
     store(mo, {"course": (f"{course.value:g}", f"{controls.PAGE.course:g}")})
     mo.Html(views.compass(runner.ask("compass", course=course.value)))
     return
@@ -149,6 +152,7 @@ def _(
     beginning,
     columns,
     entries,
+    guides,
     mo,
     names,
     runner,
@@ -158,9 +162,8 @@ def _(
     tetrad_controls,
     tetrad_facts,
     typed,
-    views,
 ):
-    mo.stop(tab.value != views.TETRAD)
+    mo.stop(tab.value != guides.TETRAD)
     typed.update(entries.value)
     _rows = tetrad_controls.rows(entries.value, len(columns))
     _show = [name for name, wanted in shown.value.items() if wanted]
@@ -172,8 +175,8 @@ def _(
 
 
 @app.cell
-def _(beginning, columns, entries, keys, mo, names, shown, tab, tetrad_reply, views):
-    mo.stop(tab.value != views.TETRAD)
+def _(beginning, columns, entries, guides, keys, mo, names, shown, tab, tetrad_reply, views):
+    mo.stop(tab.value != guides.TETRAD)
     _size = len(columns)
     _cells = [
         f"{entries[f'{i},{k}']}{views.fault(tetrad_reply, i, k)}"
@@ -192,8 +195,8 @@ def _(beginning, columns, entries, keys, mo, names, shown, tab, tetrad_reply, vi
 
 
 @app.cell
-def _(mo, tab, tetrad_reply, views):
-    mo.stop(tab.value != views.TETRAD)
+def _(guides, mo, tab, tetrad_reply, views):
+    mo.stop(tab.value != guides.TETRAD)
     mo.Html(views.tetrad(tetrad_reply))
     return
 
@@ -202,8 +205,8 @@ def _(mo, tab, tetrad_reply, views):
 
 
 @app.cell
-def _(cases, controls, loop_facts, mo, place, radius, runner, store, tab, views):
-    mo.stop(tab.value != views.LOOPS)
+def _(cases, controls, guides, loop_facts, mo, place, radius, runner, store, tab, views):
+    mo.stop(tab.value != guides.LOOPS)
     store(mo, controls.loop_query(loop_facts, place.value, radius.value))
     loop_reply = runner.ask("loop", **cases["loop"])
     mo.Html(views.loop(loop_reply))
@@ -211,15 +214,15 @@ def _(cases, controls, loop_facts, mo, place, radius, runner, store, tab, views)
 
 
 @app.cell
-def _(loop_reply, mo, tab, views):
-    mo.stop(tab.value != views.LOOPS)
+def _(guides, loop_reply, mo, tab, views):
+    mo.stop(tab.value != guides.LOOPS)
     mo.Html(views.loop_below(loop_reply))
     return
 
 
 @app.cell
-def _(mo, runner, tab, views):
-    mo.stop(tab.value != views.LOOPS)
+def _(guides, mo, runner, tab, views):
+    mo.stop(tab.value != guides.LOOPS)
     mo.Html(views.atoms(runner.ask("atoms")))
     return
 
@@ -235,8 +238,8 @@ def _(controls, mo):
 
 
 @app.cell
-def _(map_upload, mo, tab, views):
-    mo.stop(tab.value != views.LOOPS)
+def _(guides, map_upload, mo, tab, views):
+    mo.stop(tab.value != guides.LOOPS)
     mo.Html(views.map_field(map_upload))
     return
 
@@ -264,8 +267,8 @@ def _(controls, map_facts, map_measure, mo):
 
 
 @app.cell
-def _(map_facts, map_file, map_measure, map_places, map_settings, mo, runner, tab, views):
-    mo.stop(tab.value != views.LOOPS)
+def _(guides, map_facts, map_file, map_measure, map_places, map_settings, mo, runner, tab, views):
+    mo.stop(tab.value != guides.LOOPS)
     map_state = map_facts
     if map_settings.value:
         _chosen = map_settings.value
@@ -281,6 +284,7 @@ def _(map_facts, map_file, map_measure, map_places, map_settings, mo, runner, ta
 @app.cell
 def _(
     controls,
+    guides,
     map_facts,
     map_file,
     map_measure,
@@ -293,7 +297,7 @@ def _(
     views,
 ):
     # A cell above has already reported why the file cannot be read with these settings.
-    mo.stop(tab.value != views.LOOPS or not map_places.value or "problem" in map_state)
+    mo.stop(tab.value != guides.LOOPS or not map_places.value or "problem" in map_state)
     _case = controls.map_case(map_facts, map_places.value, map_measure.value) | map_settings.value
     map_reply = runner.ask("map_circuit", map_file.contents, name=map_file.name, **_case)
     mo.Html(views.map_circuit(map_reply))
@@ -304,8 +308,8 @@ def _(
 
 
 @app.cell
-def _(cases, controls, curve, mo, path_facts, runner, store, tab, views):
-    mo.stop(tab.value != views.PATHS)
+def _(cases, controls, curve, guides, mo, path_facts, runner, store, tab, views):
+    mo.stop(tab.value != guides.PATHS)
     store(mo, controls.path_query(path_facts, curve.value))
     path_reply = runner.ask("paths", **cases["straightest"])
     mo.Html(views.paths(path_reply))
@@ -313,8 +317,8 @@ def _(cases, controls, curve, mo, path_facts, runner, store, tab, views):
 
 
 @app.cell
-def _(mo, path_reply, tab, views):
-    mo.stop(tab.value != views.PATHS)
+def _(guides, mo, path_reply, tab, views):
+    mo.stop(tab.value != guides.PATHS)
     mo.Html(views.paths_below(path_reply))
     return
 
@@ -323,8 +327,8 @@ def _(mo, path_reply, tab, views):
 
 
 @app.cell
-def _(cases, controls, mo, runner, store, tab, top, views):
-    mo.stop(tab.value != views.TOP)
+def _(cases, controls, guides, mo, runner, store, tab, top, views):
+    mo.stop(tab.value != guides.TOP)
     store(mo, controls.top_query(top.value))
     top_reply = runner.ask("top", **cases["top"])
     mo.Html(views.top(top_reply))
@@ -332,8 +336,8 @@ def _(cases, controls, mo, runner, store, tab, top, views):
 
 
 @app.cell
-def _(mo, tab, top_reply, views):
-    mo.stop(tab.value != views.TOP)
+def _(guides, mo, tab, top_reply, views):
+    mo.stop(tab.value != guides.TOP)
     mo.Html(views.top_below(top_reply))
     return
 
@@ -342,8 +346,8 @@ def _(mo, tab, top_reply, views):
 
 
 @app.cell
-def _(cases, kind, mo, runner, store, tab, views):
-    mo.stop(tab.value != views.COSTS)
+def _(cases, guides, kind, mo, runner, store, tab, views):
+    mo.stop(tab.value != guides.COSTS)
     store(mo, {"measure": (kind.value, "loop")})
     mo.Html(views.costs(runner.ask("costs", kind=kind.value, case=cases[kind.value])))
     return
@@ -372,8 +376,8 @@ def _(Query, exercise, exercise_controls, mo, runner, seed):
 
 
 @app.cell
-def _(check, exercise, fields, mo, seed, stated, tab, views):
-    mo.stop(tab.value != views.EXERCISES)
+def _(check, exercise, fields, guides, mo, seed, stated, tab, views):
+    mo.stop(tab.value != guides.EXERCISES)
     mo.vstack(
         [
             mo.Html(views.controls([exercise, seed])),
@@ -386,8 +390,8 @@ def _(check, exercise, fields, mo, seed, stated, tab, views):
 
 
 @app.cell
-def _(exercise, exercise_controls, fields, mo, stated, store, tab, views):
-    mo.stop(tab.value != views.EXERCISES)
+def _(exercise, exercise_controls, fields, guides, mo, stated, store, tab):
+    mo.stop(tab.value != guides.EXERCISES)
     # Each input is saved at once, so that a reload loses nothing.
     _first = next(iter(exercise.options.values()))
     store(mo, exercise_controls.exercise_query(stated, _first, fields.value))
@@ -402,8 +406,8 @@ def _(check, exercise_controls, fields, send, stated):
 
 
 @app.cell
-def _(mo, runner, sent, stated, tab, views):
-    mo.stop(tab.value != views.EXERCISES)
+def _(guides, mo, runner, sent, stated, tab, views):
+    mo.stop(tab.value != guides.EXERCISES)
     _answers = sent()
     _reply = None
     if _answers is not None:
@@ -415,8 +419,8 @@ def _(mo, runner, sent, stated, tab, views):
 
 
 @app.cell
-def _(hint, mo, runner, stated, tab, views):
-    mo.stop(tab.value != views.EXERCISES or "number" not in stated)
+def _(guides, hint, mo, runner, stated, tab, views):
+    mo.stop(tab.value != guides.EXERCISES or "number" not in stated)
     _taken = runner.ask("hints", number=stated["number"], seed=stated["seed"], count=hint.value)
     mo.vstack([hint, mo.Html(views.steps(_taken))])
     return

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from functools import cache
 from html import escape
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from geomtorsion.pictures.style import Point, new_figure, quiet, svg_text
@@ -18,6 +20,12 @@ SAVE = (
     '<div class="save"><button type="button" class="copy" data-save="svg">Save SVG</button> '
     '<button type="button" class="copy" data-save="png">Save PNG</button></div>'
 )
+
+
+@cache
+def saving() -> str:
+    """The script that saves pictures; turnable pictures also contain it."""
+    return Path(__file__).with_name("save.js").read_text("utf-8")
 
 
 def plane(

@@ -147,8 +147,7 @@ def answer(number: str, seed: int, answers: Mapping[str, str]) -> Json:
     verdict = exercises.load(number, seed).check(texts)
     return {
         "right": verdict.right,
-        "earned": verdict.earned,
-        "points": verdict.points,
+        "points": verdict.points_text,
         "notes": list(verdict.notes),
         "questions": [
             {

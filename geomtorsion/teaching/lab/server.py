@@ -17,6 +17,7 @@ from urllib.parse import SplitResult, urlsplit
 from geomtorsion.errors import LimitError, MissingExtraError
 from geomtorsion.pictures.formula import font_face
 from geomtorsion.teaching.exercises.worker_pool import Json
+from geomtorsion.teaching.lab.notebook_path import without_path
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.tasks import common_runner
 from geomtorsion.teaching.lab.views import copying
@@ -69,7 +70,8 @@ class AccessControl:
     hosts: accepted names of the page; empty: any. A page of another site that is open
     in the same browser has another origin, and is refused. sessions: open at once; reserve:
     sessions at the end for clients with fewer sessions, a client being an address on the network.
-    ending: awaited before the server ends.
+    ending: awaited before the server ends. notebook: the file of the page, whose path is removed
+    from the answer.
     """
 
     def __init__(
@@ -79,8 +81,10 @@ class AccessControl:
         sessions: int = PAGE.sessions,
         ending: Callable[[], Awaitable[None]] | None = None,
         reserve: int = PAGE.reserve,
+        notebook: Path | None = None,
     ) -> None:
         self.app = app
+        self.notebook = notebook
         self.ending = ending
         self.hosts: frozenset[str] = frozenset(hosts)
         self.sessions = sessions
@@ -122,7 +126,7 @@ class AccessControl:
 
             async with self._opening:
                 await asyncio.wait_for(self.app(scope, _no_body(), kept), PAGE.opening)
-            for message in answer:
+            for message in answer if self.notebook is None else without_path(answer, self.notebook):
                 await _guarded(send)(message)
         else:
             await self.app(scope, _bounded(receive, most_bytes(scope)), _guarded(send))
@@ -432,7 +436,7 @@ def application(address: Address, sessions: int = PAGE.sessions) -> Any:
         for manager in managers:
             await manager.shutdown()
 
-    return AccessControl(inner, hosts, sessions, ending)
+    return AccessControl(inner, hosts, sessions, ending, notebook=page)
 
 
 def serve(

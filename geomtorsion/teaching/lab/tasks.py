@@ -16,6 +16,7 @@ from importlib import import_module
 from typing import Any, Protocol
 
 from geomtorsion.errors import GeomtorsionError, LimitError, UnknownNameError
+from geomtorsion.exclusive import exclusive
 from geomtorsion.teaching.exercises.worker_pool import EXCEEDED, Json, WorkerPool
 from geomtorsion.teaching.lab.settings import PAGE
 
@@ -215,6 +216,9 @@ class TaskRunner:
             return
         key = json.dumps(request)
         with self._lock:
+            if key in self.replies:
+                # A thread with an equal request was faster; its reply is counted once.
+                return
             self.replies[key] = reply
             self._characters += _length(key, reply)
             while self._characters > PAGE.kept:
@@ -234,6 +238,7 @@ def _length(key: str, reply: Json) -> int:
     return len(key) + sum(len(str(value)) for value in reply.values())
 
 
+@exclusive
 @cache
 def common_runner() -> TaskRunner:
     """The runner that all sessions of this process share; it ends with the process."""

@@ -11,13 +11,15 @@ from dataclasses import dataclass, field
 from functools import cache
 from html import escape
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from geomtorsion.pictures.style import Stroke
-from geomtorsion.teaching.exercises.worker_pool import Json
-from geomtorsion.teaching.lab.plot import SAVE
+from geomtorsion.teaching.lab.plot import SAVE, saving
 from geomtorsion.teaching.lab.settings import PAGE
-from geomtorsion.teaching.lab.views import saving
+
+if TYPE_CHECKING:
+    # The exercises take longer to load than the rest of these pictures.
+    from geomtorsion.teaching.exercises.worker_pool import Json
 
 T = TypeVar("T")
 _STYLE = """

@@ -145,12 +145,16 @@ def test_grade(tmp_path):
     marks = tmp_path / "marks.csv"
     result = run("exercises", "grade", str(folder), "-o", str(marks), code=1)
     assert "eve.toml: not graded" in result.stderr
-    assert "graded 2 of 3 students" in result.stdout
+    assert "graded 2 of 3 students; 1 to be checked by you" in result.stdout
     with marks.open(encoding="utf-8", newline="") as file:
         rows = {row["file"]: row for row in csv.DictReader(file)}
     assert rows["ada.toml"]["percent"] == "100.0"
     assert rows["bob.toml"]["diagnoses"] == "3.2:christoffel sign"
     assert rows["eve.toml"]["status"] == "not graded"
+    (folder / "eve.toml").write_text('seed = 0\n[answers]\n"3.2" = "cot(phi2"\n', "utf-8")
+    ranged = run("exercises", "grade", str(folder), "-o", str(marks), code=1)
+    assert "eve.toml: partly: 0 % to 100 %, 1 answer to be read by you: 3.2" in ranged.stderr
+    assert "graded 3 of 3 students, 2 of them in an earlier run; 1 to be" in ranged.stdout
     (folder / "eve.toml").unlink()
     again = run("exercises", "grade", str(folder), "-o", str(marks))
     assert "2 of them in an earlier run" in again.stdout
@@ -195,8 +199,8 @@ def test_moodle_is_another_name_of_stack(tmp_path):
 
 
 def test_what_cannot_be_read_is_neither_right_nor_wrong():
-    """An unreadable answer costs no points, and its question is named."""
+    """The question of an unreadable answer is named as neither right nor wrong."""
     text = run("exercises", "check", "3.2", "1/2 cot phi2/2", code=1).stdout
     assert "could not be read" in text
-    assert "Not understood, at no cost of points: christoffel" in text
+    assert "Not understood, so neither right nor wrong: christoffel" in text
     assert "read as: sec(phi2)" in run("exercises", "check", "3.2", "sec phi2", code=1).stdout

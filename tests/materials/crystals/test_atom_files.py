@@ -141,7 +141,11 @@ def test_damage_is_named_by_its_line(tmp_path: Path, line: int, new: str, messag
         ("ITEM: BOX", "ITEM: CUBE", "expected ITEM: BOX"),
         ("\n256\n", "\n99999999999\n", "ends after 256 of 99,999,999,999"),
         ("\n256\n", "\n-1\n", "line 4: expected the number of atoms"),
-        ("\n256\n", "\n255\n", "line 4: expected 255 atoms, as this line declares, got 256 rows"),
+        (
+            "\n256\n",
+            "\n255\n",
+            "line 265: expected ITEM: TIMESTEP after the 255 atoms that line 4 declares",
+        ),
         ("\n7 1 ", "\n7 one ", "line 259: expected a number in column 2"),
     ],
 )
@@ -196,7 +200,7 @@ def test_a_mark_of_the_byte_order_is_no_part_of_a_number(tmp_path: Path, name: s
     assert len(read(path).positions) == 256
     path.write_text(text.replace("256", "255", 1))
     with pytest.raises(
-        FileFormatError, match=r"expected 255 atoms|line 258: expected the number of atoms"
+        FileFormatError, match=r"after the 255 atoms|line 258: expected the number of atoms"
     ):
         read(path)
 
@@ -270,3 +274,32 @@ def test_a_lammps_data_file_counts_its_atoms(tmp_path: Path):
     more = "".join(f"{k} 0.0 0.0 0.0\n" for k in range(1, 257))
     path.write_text(f"{text.rstrip()}\n\nVelocities # metal\n\n{more}")
     assert len(read(path).positions) == 256
+
+
+SITES = [[(x + k / 2) / 4 for x in site] for site in np.ndindex(4, 4, 4) for k in (0, 1)]
+FRACTIONS = "\n".join("{} {} {}".format(*site) for site in SITES)
+ROWS = [[12.8 * x for x in site] for site in SITES]
+POSCAR = "W\n{scale}\n{edge} 0 0\n0 12.8 0\n0 0 12.8\nW\n128\nDirect\n" + FRACTIONS
+CELLS = {
+    "a.xyz": '128\nLattice="{edge} 0 0 0 12.8 0 0 0 12.8"\n'
+    + "\n".join("W {} {} {}".format(*row) for row in ROWS),
+    "a.dump": "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n128\nITEM: BOX BOUNDS pp pp pp\n0 {edge}\n"
+    "0 12.8\n0 12.8\nITEM: ATOMS id type x y z\n"
+    + "\n".join(f"{k} 1 {x} {y} {z}" for k, (x, y, z) in enumerate(ROWS)),
+    "a.data": "W\n\n128 atoms\n1 atom types\n0 {edge} xlo xhi\n0 12.8 ylo yhi\n0 12.8 zlo zhi\n\n"
+    "Atoms # atomic\n\n" + "\n".join(f"{k} 1 {x} {y} {z}" for k, (x, y, z) in enumerate(ROWS)),
+    "POSCAR": POSCAR,
+    "POSCAR scale": POSCAR,
+}
+
+
+@pytest.mark.parametrize("name", CELLS)
+@pytest.mark.parametrize("edge", ["inf", "-inf", "nan", "1e308", "1e200", "1e-320", "1e-200", "0"])
+def test_a_cell_outside_of_the_range_is_refused(tmp_path: Path, name: str, edge: str):
+    """An edge or a scale that is not finite, too large or too small is refused by our own error."""
+    path = tmp_path / name.split()[0]
+    scale = name == "POSCAR scale"
+    text = CELLS[name].replace("{scale}", edge if scale else "1")
+    path.write_text(text.replace("{edge}", "1" if scale else edge))
+    with pytest.raises(GeomtorsionError, match=name.split()[0]):
+        _ = read(path).lattice

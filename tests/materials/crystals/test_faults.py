@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+from geomtorsion.errors import CrystalError
 from geomtorsion.materials.crystals import LATTICES, Crystal
+from tests.cli.running import run
 from tests.materials.crystals.polycrystals import filled
 from tests.materials.crystals.synthetic import block, cylinder, displaced, torn
 from tests.materials.crystals.test_crystal import atoms_of
@@ -119,3 +121,22 @@ def test_a_dislocation_is_two_partials(lattice, line, percent):
         assert np.sign(part.image[2]) * np.array(part.burgers, float) == pytest.approx(-b)
     total = sum(b for _, b in put_in)
     assert np.sign(whole.image[2]) * np.array(whole.burgers, float) == pytest.approx(-total)
+
+
+def test_messages_about_a_fault_at_the_surface_name_the_option(tmp_path):
+    """A single partial, whose fault reaches the surface, is a line only with partials=True; the
+    refusal of a circuit across the fault and the command name the option."""
+    z, y = np.array([1, -1, 0]) / 2**0.5, np.ones(3) / 3**0.5
+    axes, period = np.array([np.cross(y, z), y, z]), 4 / 2**0.5
+    sites = cylinder("fcc", axes, period, radius=7, centre=(0, 0, 0))
+    places = torn(sites, [((0.03, 0.5 / 3**0.5), axes @ np.array([1, 1, -2]) / 6)])
+    crystal = Crystal(places, [60, 60, period], (False, False, True), "fcc")
+    assert crystal.dislocations().lines == ()
+    (line,) = crystal.dislocations(partials=True).lines
+    assert (line.family, line.kind) == ("1/6<1 1 2>", "periodic")
+    with pytest.raises(CrystalError, match=r"stacking fault.*dislocations\(partials=True\)"):
+        crystal.circuit.around((0, 0, period / 2), (0, 0, 1), 5)
+    np.savez(tmp_path / "fault.npz", positions=places)
+    words = ["crystal", str(tmp_path / "fault.npz"), "--cell", f"60,60,{period!r}"]
+    assert "--partials" in run(*words, "--periodic", "z").stdout
+    assert "--partials" not in run(*words, "--periodic", "z", "--partials").stdout

@@ -53,6 +53,6 @@ def test_what_is_no_crystal_is_told_with_its_file(tmp_path: Path):
     gas = Atoms("Ar500", rng.uniform(0, 20, (500, 3)), cell=[20] * 3, pbc=True)
     ase_io.write(tmp_path / "gas.xyz", gas)
     with pytest.raises(CrystalError, match=r"gas\.xyz: frame 0: .*expected a crystal"):
-        gt.crystals.read(tmp_path / "gas.xyz")
+        _ = gt.crystals.read(tmp_path / "gas.xyz").lattice
     with pytest.raises(CrystalError, match=r"cu_perfect\.xyz.*diamond.*%"):
-        gt.crystals.read(real("crystal/cu_perfect.xyz"), lattice="diamond")
+        _ = gt.crystals.read(real("crystal/cu_perfect.xyz"), lattice="diamond").lattice

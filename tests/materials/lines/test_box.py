@@ -25,7 +25,7 @@ def test_bad_boxes_are_refused():
     """Flat and infinite boxes, wrong shapes and flags, and positions in other units are refused."""
     for call, message in (
         (lambda: Box([[1, 0, 0], [0, 1, 0], [1, 1, 0]]), "span a finite volume"),
-        (lambda: Box(1e200 * np.eye(3)), "span a finite volume"),
+        (lambda: Box(1e200 * np.eye(3)), r"vectors of the box\[0\]: expected lengths between"),
         (lambda: Box([[1, 0], [0, 1]]), r"shape \(3, 3\)"),
         (lambda: Box(np.eye(3), periodic=(1, 2, 0)), "expected three truth values"),
         (lambda: Box(np.eye(3), periodic="yes"), "periodic"),

@@ -1,7 +1,5 @@
 """Checking: each diagnosis that depends only on the answer, and hostile answers."""
 
-import time
-
 import pytest
 import sympy as sp
 
@@ -11,6 +9,7 @@ from geomtorsion.exact import limits
 from geomtorsion.teaching.exercises.checking import check_question
 from geomtorsion.teaching.exercises.domain import Domain
 from geomtorsion.teaching.exercises.question import Mistake, Question, advice
+from tests.calls import python_calls
 
 x, y = sp.symbols("x y", real=True)
 t = sp.Symbol("t", positive=True)
@@ -354,18 +353,18 @@ HOSTILE = [
 @pytest.mark.parametrize("given", HOSTILE, ids=lambda text: repr(text[:24]))
 @pytest.mark.parametrize("kind", ["expression", "components", "equations", "number"])
 def test_hostile_answers_end_soon(kind, given):
-    """A hostile answer ends within 10 s of CPU time, with a message and without marks."""
+    """A hostile answer ends after few Python calls, with a message and without marks."""
     questions = {
         "expression": asked(sp.sin(x)),
         "components": components([[x, y], [0, 0]]),
         "equations": RATES,
         "number": number(1.5),
     }
-    start = time.process_time()
+    # Five times the largest number here.
+    assert 0 < python_calls(lambda: check_question(questions[kind], given)) < 2e6
     said = check_question(questions[kind], given)
     assert not said.right
     assert said.message
-    assert time.process_time() - start < 10
 
 
 @pytest.mark.parametrize(
@@ -415,13 +414,13 @@ def test_advice_where_no_names_occur():
 def test_hostile_forms_of_the_right_answer_end_soon():
     """A huge form of the right answer is refused for its size, not multiplied out."""
     one = "*".join(f"(sin({k}*x)^2 + cos({k}*x)^2)" for k in range(1, 24))
-    start = time.process_time()
-    said = check_question(asked(sp.sin(x)), f"sin(x)*{one}")
-    assert said.diagnosis == "too large"
+    question = asked(sp.sin(x))
+    assert python_calls(lambda: check_question(question, f"sin(x)*{one}")) < 2e5
+    assert check_question(question, f"sin(x)*{one}").diagnosis == "too large"
     roots = "*".join(f"sqrt({k} + t)^2/({k} + t)" for k in range(1, 9))
-    said = check_question(asked(sp.sin(x)), f"sin(x)*{roots}")
+    assert python_calls(lambda: check_question(question, f"sin(x)*{roots}")) < 2e5
+    said = check_question(question, f"sin(x)*{roots}")
     assert said.right or said.diagnosis == "too large"
-    assert time.process_time() - start < 10
 
 
 @pytest.mark.parametrize(
@@ -458,14 +457,18 @@ def test_a_single_answer_and_unknown_names():
     [("3.2", "1/2 cot phi2/2"), ("3.2", "cot(phi2"), ("3.2", "cot(theta)"), ("2.1", "1,2,2 = 1/2r"),
      ("1.1", "[[1, 0], [0"), ("3.1", {"cartan": "perhaps", "riemann": "zero", "torsion": "zero"})],
 )  # fmt: skip
-def test_what_cannot_be_read_costs_no_points(number, text):
-    """An unreadable answer is neither right nor wrong: its question's points are not counted."""
+def test_what_cannot_be_read_makes_a_range(number, text):
+    """An unreadable answer is neither right nor wrong; the possible points count its question."""
     verdict = exercises.load(number).check(text)
     first, *others = verdict.questions
     assert first.state == "could not be read"
     assert not first.right
     assert verdict.unread == (first.name,)
-    assert verdict.points == sum(one.points for one in others)
+    assert verdict.points == first.points + sum(one.points for one in others)
+    assert verdict.at_most == verdict.earned + first.points
+    assert verdict.points_text == (
+        f"{verdict.earned:.3g} to {verdict.at_most:.3g} of {verdict.points} points"
+    )
     assert f"{first.name}: could not be read." in str(verdict)
     assert "wrong" not in str(verdict).partition("\n")[0]
 

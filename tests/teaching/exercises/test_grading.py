@@ -93,8 +93,10 @@ def test_two_hundred_students(folder, tmp_path):
     for name, (earned, unread) in expected.items():
         assert float(rows[name]["earned"]) >= earned
         assert float(rows[name]["earned"]) <= earned + 2
-        # An unreadable answer costs no points, and a person must read it.
-        assert int(rows[name]["points"]) == whole - unread
+        # A person must read an unreadable answer; until then the marks are a range.
+        assert int(rows[name]["points"]) == whole
+        most = float(rows[name]["at_most"]) - float(rows[name]["earned"])
+        assert most == pytest.approx(unread)
         assert rows[name]["status"] == (PARTLY if unread else GRADED)
         assert ("could not be read" in rows[name]["remarks"]) == bool(unread)
     exact = sum(float(rows[name]["earned"]) == earned for name, (earned, _) in expected.items())
@@ -316,10 +318,44 @@ def test_how_many_answers_make_up_the_percentage_is_said(tmp_path):
     files = {"ada.toml": "seed = 0\n" + RIGHT}
     [row] = graded(tmp_path, files).values()
     assert (row["percent"], row["answered"]) == ("100.0", "1 of 1")
-    assert row["counted"] == "3.2 (whatever anybody answered)"
+    assert row["counted"] == "3.2 (all that any student answered)"
     [row] = graded(tmp_path, files, ["3.1", "3.2", "3.3"]).values()
     assert (row["percent"], row["answered"]) == ("16.7", "1 of 6")
-    assert row["counted"] == "3.1 3.2 3.3 (as asked for)"
+    assert row["counted"] == "3.1 3.2 3.3 (as requested)"
+
+
+@pytest.mark.parametrize(
+    ("christoffel", "least", "most"),
+    [("cot(phi2)", "100.0", "100.0"), ("-cot(phi2)", "0.0", "0.0"), ("", "0.0", "0.0"),
+     ("sin(", "0.0", "100.0")],
+)  # fmt: skip
+def test_points_possible_count_every_question(tmp_path, christoffel, least, most):
+    """An unreadable answer makes a range; it never removes points from the possible points."""
+    files = {"ada.toml": f'seed = 0\n[answers]\n"3.2" = "{christoffel}"\n'}
+    [row] = graded(tmp_path, files, ["3.2"]).values()
+    assert (row["percent"], row["percent_at_most"], row["points"]) == (least, most, "1")
+
+
+def test_one_right_answer_beside_unreadable_ones_is_no_full_mark(tmp_path):
+    """One right answer and "pass" in all other cells gives the same lower end as empty cells."""
+    one, *others = questions = exercises.load("3.3").questions
+    right = answer_text(one, one.solution)
+    rest = {question.name: "pass" for question in others}
+    files = {
+        "pass.toml": handed_in("Ada", 0, {"3.3": {one.name: right, **rest}, "3.2": {"x": "pass"}}),
+        "empty.toml": handed_in("Eve", 0, {"3.3": {one.name: right}}),
+        "whole.toml": handed_in("Bob", 0, {"3.3": {one.name: right, **rest}}),
+    }
+    rows = graded(tmp_path, files, ["3.3"])
+    points = sum(question.points for question in questions)
+    share = f"{100 * one.points / points:.1f}"
+    assert [rows[name]["percent"] for name in files] == [share] * 3
+    assert rows["empty.toml"]["percent_at_most"] == share
+    assert rows["pass.toml"]["percent_at_most"] == "100.0"
+    assert rows["pass.toml"]["unread"] == str(len(others))
+    assert grading.range_text(rows["pass.toml"]) == (
+        f"{float(share):.0f} % to 100 %, 1 answer to be read by you"
+    )
 
 
 def test_the_table_as_json(tmp_path):
@@ -327,7 +363,7 @@ def test_the_table_as_json(tmp_path):
     files = {"ada.toml": RIGHT, "bob.toml": "seed = 0\n" + RIGHT}
     rows = graded(tmp_path, files, table="marks.json")
     data = json.loads((tmp_path / "marks.json").read_text("utf-8"))
-    assert (data["counted"], data["chosen"]) == (["3.2"], "whatever anybody answered")
+    assert (data["counted"], data["chosen"]) == (["3.2"], "all that any student answered")
     first = data["rows"][0]
     assert (first["earned"], first["points"], first["seed"], first["3.2"]) == (1, 1, 0, 1)
     assert first["percent"] == 100

@@ -31,6 +31,9 @@ def test_loading_solves_nothing(monkeypatch):
 @pytest.mark.parametrize(
     ("number", "seed", "says"),
     [("9.9", 0, "from 1.1 to 7.4, got '9.9'"), ("3.22", 0, "Did you mean 3.2"),
+     (3.2, 0, "number of an exercise as text, got 3.2. Write it in quotes: \"3.2\""),
+     (None, 0, "as text, got None. Write it in quotes: \"1.1\""),
+     (["3.2"], 0, r"as text, got \['3.2'\]. Write it in quotes"),
      ("", 0, "the number of an exercise, .* got ''"),
      ("1.1", -1, "whole number from 0"), ("1.1", True, "whole number"),
      ("1.1", "7", "whole number"),

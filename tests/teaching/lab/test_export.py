@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from html import unescape
 from pathlib import Path
 from typing import Any
 
@@ -45,6 +46,55 @@ def test_every_exercise_is_there(pages: tuple[Path, ...]):
     for number in exercises.names():
         assert f'id="e{number}"' in text
     assert "Solution" not in text
+
+
+# Page -> a text that says what a page without a server is; texts that are true of the served page
+# only, on no page.
+SAYS = {
+    "index": "Nothing is computed here.",
+    "loops": "Make the radius smaller",
+    "five-tetrads": "Each tetrad is a list of one-forms, one in each row",
+    "exercises": "this page has no fields for answers",
+    "what-accuracy-costs": "measured on the computer that made this page",
+}
+SERVED_ONLY = (
+    "checks your answer", "Type ", "type cos", "press Check", "Each row of fields", "slider",
+    "measured now", "choose the space", "screw_dislocation and move", "serves this page.",
+    "moments to 2", "on its own tab", "Any tetrad",
+)  # fmt: skip
+
+
+def visible_text(page: Path) -> str:
+    """The text of a page that a reader sees, without scripts, styles and figures."""
+    text = page.read_text("utf-8").partition("<body>")[2]
+    text = re.sub(r"<(script|svg)\b.*?</\1>|<iframe[^>]*>", "", text, flags=re.DOTALL)
+    return " ".join(unescape(re.sub(r"<[^>]+>", " ", text)).split())
+
+
+def test_the_pages_say_what_they_are(pages: tuple[Path, ...]):
+    """Each page describes its own cases, and offers nothing that only the served page has."""
+    texts = {page.stem: visible_text(page) for page in pages}
+    for name, says in SAYS.items():
+        assert says in texts[name]
+    for name, text in texts.items():
+        for word in SERVED_ONLY:
+            assert word not in text, (name, word)
+
+
+def test_a_term_is_explained_once_on_a_page(pages: tuple[Path, ...]):
+    """A page with several views of one kind has their terms once, at its end."""
+    for page in pages[1:]:
+        terms = re.findall(r"<dt>(.*?)</dt>", page.read_text("utf-8"))
+        assert len(terms) == len(set(terms)), page.name
+
+
+def test_an_exercise_names_the_command_that_checks_it(pages: tuple[Path, ...]):
+    """The command below a task names its questions, and below the prompts is how to answer."""
+    [page] = [page for page in pages if page.name == "exercises.html"]
+    text = visible_text(page)
+    assert 'geomtorsion exercises check 1.2 "metric=..." "volume=..."' in text
+    assert 'geomtorsion exercises check 3.2 "..."' in text
+    assert "Available names: phi1, phi2" in text
 
 
 @pytest.mark.parametrize("place", range(7))

@@ -11,6 +11,7 @@ import urllib.error
 import urllib.parse
 import urllib.request
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import marimo
@@ -278,6 +279,18 @@ def test_no_path_of_this_machine_is_told(address: str):
             with told.value as error:
                 assert error.code == 404
                 assert str(ROOT).encode() not in error.read()
+
+
+def test_the_page_names_no_folder_of_this_machine(address: str):
+    """The page itself has the name of its file, and no folder, in no form of writing."""
+    with urllib.request.urlopen(address, timeout=60) as answer:
+        length, content = answer.headers["content-length"], answer.read()
+    text = content.decode()
+    assert int(length) == len(content)
+    assert "<marimo-filename hidden>page.py</marimo-filename>" in text
+    for folder in (ROOT, ROOT / "geomtorsion", Path(str(marimo.__file__)).parent):
+        for form in (str(folder), folder.as_uri(), urllib.parse.quote(str(folder), safe="")):
+            assert form not in text, form
 
 
 def test_importing_the_command_is_light():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import random
+import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -12,7 +14,9 @@ import pytest
 
 from geomtorsion.teaching.exercises.worker_pool import WorkerPool
 from geomtorsion.teaching.lab.settings import PAGE
-from geomtorsion.teaching.lab.tasks import TASKS, TaskRunner
+from geomtorsion.teaching.lab.space_info import space_of
+from geomtorsion.teaching.lab.tasks import TASKS, TaskRunner, answer
+from tests.laws.test_threads import in_threads
 from tests.teaching.lab.maps import bomb, wall_ctf
 
 # A metric of four unrelated functions of all coordinates takes far longer than its limit here.
@@ -136,3 +140,48 @@ def test_every_task_can_be_found():
     assert len(TASKS) > 8
     for task in TASKS.values():
         assert callable(getattr(import_module(task.module), task.function))
+
+
+# Requests that share the cached spaces of one process.
+REQUESTS = [
+    {"task": "space_info", "arguments": {"space": "so3"}},
+    {"task": "space_info", "arguments": {"space": "schwarzschild"}},
+    {"task": "space_form", "arguments": {"space": "kerr"}},
+    {"task": "space_info", "arguments": {"space": "s2"}},
+    {"task": "tetrad", "arguments": {"coordinates": "r phi", "entries": [["1", "0"], ["0", "r"]]}},
+    {"task": "listing", "arguments": {}},
+]
+
+
+def test_tasks_in_threads_of_one_process() -> None:
+    """Eight threads that run the tasks of the page at once give the replies of one thread."""
+    replies = [answer(request) for request in REQUESTS]
+
+    def work(number: int) -> object:
+        order = list(range(len(REQUESTS)))
+        random.Random(number).shuffle(order)
+        own = {k: answer(REQUESTS[k]) for k in order}
+        return [own[k] for k in range(len(REQUESTS))]
+
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    try:
+        # The threads share new spaces, in which nothing is computed yet.
+        space_of.cache_clear()
+        assert in_threads(work) == [replies] * 8
+    finally:
+        sys.setswitchinterval(before)
+
+
+def test_equal_requests_at_once_are_counted_once() -> None:
+    """Threads that send the same request get one reply, and the cache holds it once."""
+    runner = TaskRunner(workers=2, patience=60.0)
+    try:
+        replies = in_threads(lambda _: runner.ask("space_info", space="s2"))
+        assert replies == [runner.ask("space_info", space="s2")] * 8
+        counted = runner._characters
+        runner.ask("space_info", space="s2")
+        ((key, reply),) = runner.replies.items()
+        assert counted == runner._characters == len(key) + sum(len(str(x)) for x in reply.values())
+    finally:
+        runner.close()

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+from html import unescape
 
 import pytest
 
+from geomtorsion.teaching.lab.guides import COMPASS, EXERCISES, GUIDES, LOOPS, PATHS, TABS, TOP
 from geomtorsion.teaching.lab.space_info import typable
-from geomtorsion.teaching.lab.views import COMPASS, GUIDES, LOOPS, PATHS, TABS, TOP, intro, words
+from geomtorsion.teaching.lab.views import intro, words
 
 TERMS = {
     COMPASS: ("torsion",),
@@ -26,8 +28,18 @@ def test_a_tab_says_what_one_sees_and_what_to_try(tab: str):
         assert sentence[0].isupper()
         assert re.findall(r"[.!?](?=\s+[A-Z]|$)", sentence) == ["."]
     assert 100 < len(text) < 400
-    assert guide.tried[:40] in intro(tab)
-    assert "Try:" not in intro(tab, still=True)
+    assert guide.tried[:40] in intro(guide)
+
+
+@pytest.mark.parametrize("tab", [tab for tab in TABS if tab != EXERCISES])
+def test_a_tab_asks_before_it_answers(tab: str):
+    """A tab with figures asks one question; its answer is folded, and the guide omits it."""
+    guide = GUIDES[tab]
+    assert guide.question.count("?") == 1
+    before, folded = intro(guide).split("</summary>")
+    assert guide.question[:40] in unescape(before)
+    assert guide.answer not in unescape(before)
+    assert guide.answer in unescape(folded.partition("</details>")[0])
 
 
 @pytest.mark.parametrize(("tab", "terms"), TERMS.items())

@@ -17,6 +17,9 @@ c = get_config()
 c.CourseDirectory.course_id = "geomtorsion"
 """
 
+# Begins the message about an answer that could not be read.
+UNREAD = "Not graded yet: this answer could not be read, so your teacher sets the points."
+
 
 def course_files(tasks: Sequence[Task]) -> dict[str, str]:
     """Path -> text: nbgrader_config.py, and a notebook for each chapter and variant in source/.
@@ -24,7 +27,8 @@ def course_files(tasks: Sequence[Task]) -> dict[str, str]:
     In the teacher's version the solution is between BEGIN SOLUTION and END SOLUTION, and a test
     that grades with the library between BEGIN HIDDEN TESTS and END HIDDEN TESTS; `nbgrader
     generate_assignment` removes both. The test returns the points earned and prints the message
-    for a recognised mistake.
+    for a recognised mistake. nbgrader has no mark for an answer that could not be read: it gives
+    0 points, and the message asks the teacher to read the answer.
 
     Examples
     --------
@@ -85,6 +89,7 @@ def _question(exercise: Exercise, question: Question) -> Iterator[Json]:
         f'answers = {{"{question.name}": {variable}}}\n'
         f'verdict = gt.exercises.check("{exercise.number}", answers, seed={exercise.seed})\n'
         f'verdict = verdict["{question.name}"]\n'
+        f'assert verdict.was_read, "{UNREAD} " + verdict.message\n'
         "assert verdict.score > 0, verdict.message\n"
         "print(verdict.message)\n"
         "verdict.points * verdict.score\n"

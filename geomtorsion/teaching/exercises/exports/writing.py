@@ -10,8 +10,8 @@ from types import MappingProxyType
 
 from geomtorsion import checks
 from geomtorsion.errors import ArgumentError
-from geomtorsion.files import written
-from geomtorsion.teaching.exercises.exports.nbgrader import course_files
+from geomtorsion.files import write_texts
+from geomtorsion.teaching.exercises.exports.nbgrader import UNREAD, course_files
 from geomtorsion.teaching.exercises.exports.stack import stack_quiz
 from geomtorsion.teaching.exercises.exports.tasks import Task, tasks
 
@@ -42,7 +42,9 @@ def _stack(found: Sequence[Task]) -> tuple[Files, str]:
 def _nbgrader(found: Sequence[Task]) -> tuple[Files, str]:
     note = (
         "The folder is an nbgrader course. nbgrader generate_assignment writes the notebooks for "
-        "students, and nbgrader autograde grades them. Both need geomtorsion in their kernel."
+        "students, and nbgrader autograde grades them. Both need geomtorsion in their kernel. "
+        "nbgrader gives 0 points to an answer that cannot be read, and the message below it begins "
+        f'with "{UNREAD.partition(":")[0]}". Read it, and set its points in formgrader.'
     )
     return course_files(found), note
 
@@ -118,11 +120,4 @@ def export(
         for exercise in task.variants:
             _ = exercise.solution(), exercise.worked if chosen.worked else ()
     files, note = chosen.make(task_list)
-    paths = []
-    with written(directory, is_folder=True) as folder:
-        for name, content in files.items():
-            path = folder / name
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_bytes(content.encode())
-            paths.append(path)
-    return Export(tuple(paths), (note,))
+    return Export(write_texts(directory, files), (note,))

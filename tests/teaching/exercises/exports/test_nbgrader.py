@@ -60,6 +60,9 @@ def test_round_trip(number):
         assert hidden is not None
         points, said = graded(hidden[1], solved[1], json.loads(solved[2]))
         assert (points, said) == (question.points, "Right.")
+        points, said = graded(hidden[1], solved[1], "sin(" if question.options else "((")
+        assert points == 0
+        assert said.startswith("Not graded yet: this answer could not be read")
         for mistake in question.mistakes:
             text = answer_text(question, mistake.value)
             points, said = graded(hidden[1], solved[1], text)
