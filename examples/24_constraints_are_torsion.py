@@ -18,6 +18,7 @@ import geomtorsion as gt
 def sleigh() -> float:
     """The sleigh agrees with Chaplygin's equations; a free body goes elsewhere."""
     space = gt.spaces.load("chaplygin_sleigh")
+    assert space.connection is not None
     numbers = {"m": 2.0, "I": 0.5, "a": 0.3}
     start, velocity = [0, 0, 0], [1.0, 0.0, 2.0]
     bound = gt.solve(
@@ -41,6 +42,7 @@ def sleigh() -> float:
 def disc() -> None:
     """A disc with constant rates rolls on a circle."""
     space = gt.spaces.load("rolling_disc")
+    assert space.connection is not None
     numbers = {"m": 1.0, "J": 0.25, "I": 0.5, "R": 0.8}
     roll = gt.autoparallel(space.connection, [0] * 4, [1.6, 0, 0.5, 2.0], parameters=numbers)
     track = gt.solve(roll, 6.0, 1e-11).coordinates
@@ -52,6 +54,7 @@ def disc() -> None:
 def robot(drive: float, turn: float) -> float:
     """Forward, turn, back, turn back: the gap is the Burgers vector of the loop."""
     space = gt.spaces.load("wheeled_robot")
+    assert space.connection is not None
     end = [drive - drive * np.cos(turn), -drive * np.sin(turn)]
     corners = [[0, 0, 0], [drive, 0, 0], [drive, 0, turn], [*end, turn], [*end, 0]]
     b = gt.burgers_vector(space.frame, gt.Loop.polygon(corners))
