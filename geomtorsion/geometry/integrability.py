@@ -155,8 +155,14 @@ def parallel_volume(coefficients: Tensor, metric: bool) -> ParallelVolume:
         slope = volume.diff(frame.coordinates[a]) * volume.inverse()
         return field.sum([(-1, slope), *((1, get((a, b, b))) for b in range(n))])
 
-    gradient = Tensor(frame, "d", {} if metric else rule, (), "W", "gradient of the volume factor")
-    W, q = gradient.components.get, frame.coordinates
+    return volume_of(
+        Tensor(frame, "d", {} if metric else rule, (), "W", "gradient of the volume factor")
+    )
+
+
+def volume_of(gradient: Tensor) -> ParallelVolume:
+    """The volume f sqrt|g| with d_a log f equal to a given covector, slots d."""
+    n, q, W = gradient.frame.dimension, gradient.frame.coordinates, gradient.components.get
     curls = {
         (a, b): W((b,)).diff(q[a]) - W((a,)).diff(q[b]) for a in range(n) for b in range(a + 1, n)
     }

@@ -20,14 +20,14 @@ from geomtorsion.errors import (
     SingularPointError,
     StartError,
     TimeError,
+    UndecidedError,
 )
 from geomtorsion.exact import Element, parse_expression
-from geomtorsion.exclusive import exclusive
-from geomtorsion.geometry import Connection, Form, Tensor, contract, levi_civita
+from geomtorsion.geometry import Connection, Tensor, contract, levi_civita
+from geomtorsion.geometry.integrability import volume_of
 from geomtorsion.loops import validation
 from geomtorsion.loops.arcs import Parameters, exact_number
 from geomtorsion.loops.forms import refuse_unknown
-from geomtorsion.loops.integration_process import integrated
 
 HALF = Fraction(1, 2)
 REMEDY = "Ask for fewer members, or average runs with different seeds."
@@ -215,20 +215,17 @@ class Diffusion:
 
         If the drift is not a gradient, but has no divergence, the volume itself is invariant.
         """
-        frame = self.connection.frame
-        slope = Form(frame, 1, {k: 2 * x for (k,), x in _lowered(self.drift).items()})
-        curl = {place: x for place, x in slope.d.components.items() if x.is_zero is not True}
-        obstructions = {(a, b): x.sympy for (a, b), x in curl.items()}
-        volume = frame.volume.element()
-        if not curl:
-            height = _primitive(slope)
-            density = None if height is None else _factor(self, height, volume)
-            return InvariantMeasure(density, True)
-        reversible = False if any(x.is_zero is False for x in curl.values()) else None
-        divergence = levi_civita(frame).divergence(self.drift)
-        if divergence.is_zero:
-            return InvariantMeasure(volume.sympy, reversible, obstructions)
-        return InvariantMeasure(None, reversible, obstructions)
+        slope = {place: 2 * x for place, x in self.drift.lowered(0).components.nonzero.items()}
+        verdict = volume_of(Tensor(self.connection.frame, "d", slope, (), "W", "twice the drift"))
+        if verdict.holds:
+            try:
+                return InvariantMeasure(verdict.density, True)
+            except UndecidedError:
+                return InvariantMeasure(None, True)
+        density = None
+        if levi_civita(self.connection.frame).divergence(self.drift).is_zero:
+            density = self.connection.frame.volume[()]
+        return InvariantMeasure(density, verdict.holds, verdict.obstructions)
 
     def ensemble(
         self,
@@ -380,38 +377,3 @@ def diffusion(connection: Connection) -> Diffusion:
             f"{connection.allowed}. Use levi_civita(frame) or cartan(frame)."
         )
     return Diffusion(connection)
-
-
-def _lowered(vector: Tensor) -> Mapping[tuple[int, ...], Element]:
-    """Components b_a that do not vanish."""
-    return vector.lowered(0).components.nonzero
-
-
-@exclusive
-def _primitive(slope: Form) -> sp.Expr | None:
-    """A function with this differential, checked exactly; None if no closed form is found."""
-    frame = slope.frame
-    height: sp.Expr = sp.S.Zero
-    for k, q in enumerate(frame.coordinates):
-        rest = (slope.element(k) - frame.read([("height", height)])[0].diff(q)).sympy
-        if rest == 0:
-            continue
-        part = None
-        # The integral from 0 is shorter, but need not exist.
-        for low in (sp.S.Zero, sp.S.One):
-            part = integrated(rest, q, low, q)
-            if part is not None and part.is_finite is not False:
-                break
-        if part is None:
-            return None
-        height += sp.Add(
-            *(x for x in sp.Add.make_args(sp.expand(part)) if x.has(*frame.coordinates))
-        )
-    read = frame.read([("height", height)])[0]
-    right = [(slope.element(k) - read.diff(q)).is_zero for k, q in enumerate(frame.coordinates)]
-    return height if all(right) else None
-
-
-def _factor(motion: Diffusion, height: sp.Expr, volume: Element) -> sp.Expr:
-    """exp(height) times the volume."""
-    return (motion.read("density", sp.exp(height)) * volume).sympy

@@ -80,12 +80,18 @@ def test_measures_with_closed_and_open_torsion_vectors() -> None:
 
 
 def test_a_reversible_measure_may_have_no_closed_form() -> None:
-    """A gradient of an unknown function has a measure, whose closed form is not known."""
-    f = sp.Function("f")(X)
-    measure = gt.diffusion(gt.cartan(gt.Frame([X, Y], [[1, 0], [0, f]]))).invariant_measure
+    """A gradient whose integral no formula gives has a reversible measure all the same."""
+    measure = gt.diffusion(with_vector(sp.exp(sp.exp(X) + X**2), 0)).invariant_measure
     assert measure.reversible is True
     assert measure.density is None
     assert repr(measure) == "InvariantMeasure(density not known, reversible)"
+
+
+def test_a_measure_with_an_unknown_function() -> None:
+    """The frame (dx, f(x) dy) with parallel legs keeps the measure dx dy for any f."""
+    f = sp.Function("f")(X)
+    measure = gt.diffusion(gt.cartan(gt.Frame([X, Y], [[1, 0], [0, f]]))).invariant_measure
+    assert measure.density == 1
 
 
 def means(connection: gt.Connection, start: list, t: float, functions: list, **more: Any) -> list:
