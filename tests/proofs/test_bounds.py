@@ -146,7 +146,7 @@ def test_no_step_is_longer_than_its_dyadic_bound():
 
 
 def test_the_series_of_the_variation():
-    """V of x'' = -x is the rotation by t: its coefficients are those of cosine and sine."""
+    """V of x'' = -x is the rotation by t: it has the coefficients of cosine and sine."""
     _, slopes = taylor(system_of({"x": "v", "v": "-x"}), [arb(1), arb(0)], 6, 6)
     found = variation(slopes, 2, 6)
     for k, matrix in enumerate(found):
