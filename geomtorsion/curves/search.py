@@ -171,7 +171,7 @@ class Search:
         return (2 * share) ** 2
 
     def direction_error(self, hit: Hit, miss: float) -> float:
-        """Bound of the angle between the direction of a hit and the true one; it may be infinite."""
+        """Bound, perhaps infinite, of the angle between the direction of a hit and the true one."""
         inverse = self.inverse_slopes(hit.shot, hit.aim)
         if inverse is None:
             return np.inf
