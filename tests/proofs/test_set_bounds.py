@@ -7,10 +7,11 @@ import sympy as sp
 from flint import arb, arb_mat, fmpq
 
 from geomtorsion.codegen import graph
+from geomtorsion.codegen.balls import BallCode
 from geomtorsion.precision import ball_precision
-from geomtorsion.proofs import charts
+from geomtorsion.proofs import charts, loops
 from geomtorsion.proofs.events import Fall
-from geomtorsion.proofs.motions import Leg, follow
+from geomtorsion.proofs.motions import Leg, RefusalError, follow
 from geomtorsion.proofs.sets import LohnerSet
 from geomtorsion.proofs.steps import Method
 from tests.proofs.systems import system_of
@@ -87,3 +88,34 @@ def test_sets_with_other_states():
         assert list(one.middle) == middle
         for radius, exact in zip(one.radii, radii, strict=True):
             assert exact <= radius <= exact * (1 + TIGHT)
+
+
+@pytest.mark.parametrize(("edge", "is_inside"), [("499/1000", False), ("501/1000", True)])
+def test_a_chart_is_left_within_a_step(edge, is_inside):
+    """x = t - t^2/2 has its largest value, 1/2, in the middle of a step."""
+    system = system_of({"x": "v", "v": "-1"})
+    inside = graph(["x", "v"], [sp.Rational(edge) - X], factor=False)
+    leg = Leg(system, fmpq(0), fmpq(2), (), None, inside, ("x < edge",))
+    start = LohnerSet.of([arb(0), arb(1)])
+    if is_inside:
+        assert follow(leg, start, Method.of(90)).whole is not None
+    else:
+        with pytest.raises(RefusalError, match="reaches the edge of its chart"):
+            follow(leg, start, Method.of(90))
+
+
+@pytest.mark.parametrize(
+    ("positive", "balls", "verdict"),
+    [
+        (True, [arb(1, 0.5)], True),
+        (True, [arb(-1, 0.5)], False),
+        (True, [arb(0.4, 0.5)], None),
+        (False, [arb(2, 0.5), arb(2.5, 0.5)], True),
+        (False, [arb(2, 0.5), arb(-2, 0.5)], False),
+        (False, [arb(0, 1), arb(0.5, 1)], None),
+    ],
+)
+def test_a_branch_is_decided_only_by_its_balls(positive, balls, verdict):
+    """A sign, or two roots that are equal and not opposite; None where balls do not decide."""
+    condition = loops._Condition("", "", positive, BallCode(graph(["x"], [X], factor=False)))
+    assert loops._holds(condition, balls) is verdict
