@@ -1,6 +1,7 @@
 """Bounds of sets on their way: at samples, at stops and from chart to chart, from both sides."""
 
-# pyright: reportOptionalSubscript=false
+# pyright: reportOptionalMemberAccess=false, reportOptionalIterable=false
+# pyright: reportGeneralTypeIssues=false
 
 import pytest
 import sympy as sp
