@@ -225,7 +225,9 @@ def test_slopes_and_rates_of_a_system():
     for function in (root.rates_on, root.slopes_on):
         assert [function([box])[0].is_finite() for box in boxes] == [True, False]
     system = ODE.of({"x": "3*x"}, [1]).system
-    signs = [BallSystem.of(system, list, backwards=back).rates_at([arb(2)])[0] for back in (False, True)]
+    signs = [
+        BallSystem.of(system, list, backwards=back).rates_at([arb(2)])[0] for back in (False, True)
+    ]
     assert signs == [6, -6]
 
 
