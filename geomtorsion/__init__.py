@@ -170,7 +170,7 @@ if TYPE_CHECKING:
     from geomtorsion.spaces.kerr_orbits import Frequencies, KerrOrbit, kerr_orbit
     from geomtorsion.teaching import exercises
 
-# Imported on first use: sympy alone takes longer than the start of a program should.
+# Imported on first use: the import of sympy takes longer than the start of a program should.
 _LATER = {
     "allowance": ("limits",),
     "exact": ("Certainty", "parse_expression"),

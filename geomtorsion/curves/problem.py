@@ -544,7 +544,7 @@ class CurveProblem:
     def member_gaps(
         self, members: Members, one: Rows, two: Rows
     ) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Pairs of what is read at home of two runs of members, each (number, m, n)."""
+        """Pairs of values read at home of two runs of members, each (number, m, n)."""
         return readout.member_gaps(self, members, one, two)
 
     def together(self, name: str) -> tuple[str, ...]:

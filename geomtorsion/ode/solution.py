@@ -104,7 +104,7 @@ class Problem(Protocol):
         ...
 
     def together(self, name: str) -> tuple[str, ...]:
-        """Names of what is measured together with a name; nothing for what is read off."""
+        """Names that share one size with a name; empty for values computed from states."""
         ...
 
     def moment(
@@ -433,7 +433,7 @@ class Solution:
         """Estimate of the largest error at `times` of what a name gives, relative to its size.
 
         A state, coordinate or velocity is measured against the largest size in its group, such as
-        that of all velocities: `error` is the largest of these. An output is measured against its
+        all velocities: `error` is the largest of these. An output is measured against its
         own largest size, and may be known better or worse. Infinite where no finer run reached
         all of the times.
 
