@@ -62,6 +62,7 @@ if TYPE_CHECKING:
         Frame,
         IdentityCheck,
         Integrability,
+        ParallelVolume,
         Surface,
         Tensor,
         Torsion,
@@ -69,6 +70,7 @@ if TYPE_CHECKING:
         cartan,
         constrained,
         contract,
+        embedded,
         from_coefficients,
         from_contortion,
         from_spin_connection,
@@ -91,6 +93,7 @@ if TYPE_CHECKING:
         Complex,
         Defect,
         Development,
+        Diffusion,
         EdgeList,
         EnclosedDefect,
         ExactBurgersVector,
@@ -103,6 +106,7 @@ if TYPE_CHECKING:
         develop,
         develop_path,
         develop_period,
+        diffusion,
         dispiration,
         enclosed_defects,
         exact_burgers_vector,
@@ -112,7 +116,12 @@ if TYPE_CHECKING:
         parallel_screws,
     )
     from geomtorsion.materials import crystals, images
-    from geomtorsion.materials.fields import SampledFrame, ScatteredFrame
+    from geomtorsion.materials.fields import (
+        SampledFrame,
+        ScatteredFrame,
+        defect_conservation,
+        defect_densities,
+    )
     from geomtorsion.materials.images import (
         LatticeBurgers,
         LatticeImage,
@@ -161,15 +170,16 @@ if TYPE_CHECKING:
     from geomtorsion.spaces.kerr_orbits import Frequencies, KerrOrbit, kerr_orbit
     from geomtorsion.teaching import exercises
 
-# Imported on first use: sympy takes longer than the start of a program should.
+# Imported on first use: the import of sympy takes longer than the start of a program should.
 _LATER = {
     "allowance": ("limits",),
     "exact": ("Certainty", "parse_expression"),
     "geometry": (
         "Connection", "Curvature", "DependencyGraph", "Form", "Frame", "IdentityCheck",
-        "Integrability", "Surface", "Tensor", "Torsion", "blend", "cartan", "constrained",
-        "contract", "from_coefficients", "from_contortion", "from_spin_connection",
-        "from_torsion", "identities", "levi_civita", "lie", "lie_bracket", "surface",
+        "Integrability", "ParallelVolume", "Surface", "Tensor", "Torsion", "blend", "cartan",
+        "constrained", "contract", "embedded", "from_coefficients", "from_contortion",
+        "from_spin_connection", "from_torsion", "identities", "levi_civita", "lie", "lie_bracket",
+        "surface",
     ),
     "spaces": ("read",),
     "geometry.numpy_functions": ("numpy_function",),
@@ -190,13 +200,15 @@ _LATER = {
     "gravity": ("Symmetries", "killing_equations", "symmetries"),
     "loops": (
         "AffineMap", "BurgersMap", "BurgersVector", "Cochain", "Complex", "Defect", "Development",
-        "EdgeList", "EnclosedDefect", "ExactBurgersVector", "Loop", "Network", "NodeRule",
-        "burgers_map", "burgers_vector", "burgers_vectors", "develop", "develop_path",
-        "develop_period",
+        "Diffusion", "EdgeList", "EnclosedDefect", "ExactBurgersVector", "Loop", "Network",
+        "NodeRule", "burgers_map", "burgers_vector", "burgers_vectors", "develop", "develop_path",
+        "develop_period", "diffusion",
         "dispiration", "enclosed_defects", "exact_burgers_vector", "find_defects",
         "parallel_dislocations", "parallel_edges", "parallel_screws",
     ),
-    "materials.fields": ("SampledFrame", "ScatteredFrame"),
+    "materials.fields": (
+        "SampledFrame", "ScatteredFrame", "defect_conservation", "defect_densities",
+    ),
     "materials.lines": ("Box", "DislocationNetwork", "LineArrays", "Reaction"),
     "materials.maps": ("Circuit", "OrientationMap", "Phase"),
     "materials.images": ("LatticeBurgers", "LatticeImage", "LatticePhases"),
@@ -240,6 +252,7 @@ __all__ = [
     "Defect",
     "DependencyGraph",
     "Development",
+    "Diffusion",
     "DislocationNetwork",
     "EdgeList",
     "EnclosedDefect",
@@ -265,6 +278,7 @@ __all__ = [
     "Network",
     "NodeRule",
     "OrientationMap",
+    "ParallelVolume",
     "Phase",
     "Proof",
     "Reaction",
@@ -299,12 +313,16 @@ __all__ = [
     "contract",
     "conventions",
     "crystals",
+    "defect_conservation",
+    "defect_densities",
     "develop",
     "develop_path",
     "develop_period",
+    "diffusion",
     "dispiration",
     "distance_apart",
     "effects",
+    "embedded",
     "enclosed_defects",
     "equations_of_motion",
     "errors",

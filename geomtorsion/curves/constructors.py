@@ -36,9 +36,7 @@ from geomtorsion.geometry import Connection, Frame, levi_civita
 from geomtorsion.geometry.components import determinant
 from geomtorsion.geometry.derived import derived
 from geomtorsion.ode.numbers import Numbers, checked_numbers, floats
-
-# A velocity typed with twelve digits meets a constraint to this part of its size.
-ROUNDED = 1e-11
+from geomtorsion.precision import CALCULATED
 
 
 def autoparallel(
@@ -314,7 +312,7 @@ def _check_permitted(connection: Connection, problem: CurveProblem) -> None:
     speeds = np.array(floats(problem.frame_velocity))
     permitted = np.isin(np.arange(len(speeds)), connection.allowed)
     forbidden = np.abs(speeds[~permitted]).max(initial=0.0)
-    if forbidden > ROUNDED * np.abs(speeds).max():
+    if forbidden > CALCULATED * np.abs(speeds).max():
         nearest = np.where(permitted, speeds, 0.0).tolist()
         raise StartError(
             "expected a velocity that the constraints permit, got one with a part of "

@@ -123,8 +123,8 @@ def log_map(
     try:
         return answer(accuracy)
     except EndpointError as error:
-        # Near a conjugate point only motions that are as sharp as floats allow tell directions
-        # apart.
+        # Near a conjugate point directions differ only in motions that are as sharp as floats
+        # allow.
         if accuracy <= SHARPEST or engine is not None:
             raise
         try:

@@ -10,6 +10,7 @@ from geomtorsion import checks
 from geomtorsion.checks import expression
 from geomtorsion.errors import LoopError, UndecidedError
 from geomtorsion.geometry import Frame
+from geomtorsion.loops.domain import refuse_numbers_outside
 from geomtorsion.loops.exact_integral import (
     Piece,
     definite,
@@ -18,6 +19,7 @@ from geomtorsion.loops.exact_integral import (
     short,
     verified,
 )
+from geomtorsion.loops.loop import Loop
 
 
 def exact_circle(
@@ -26,7 +28,8 @@ def exact_circle(
     """Burgers vector of a circle in closed form, without arrays of numbers.
 
     `exact_burgers_vector` takes any loop and looks for poles by numbers; here it has to be seen
-    exactly that no denominator of the coframe has a zero on the circle.
+    exactly that no denominator of the coframe has a zero on the circle. Where the circle or the
+    domain of the frame has symbols, it is up to the caller that the circle is inside the domain.
 
     Parameters
     ----------
@@ -39,6 +42,8 @@ def exact_circle(
     ------
     LoopError
         The centre has not one entry a coordinate, or the plane is none.
+    ChartEdgeError
+        A circle of numbers leaves the declared domain of the frame.
     UndecidedError
         A denominator may vanish on the circle or a root change its sign, or no closed form is
         known.
@@ -50,6 +55,8 @@ def exact_circle(
     (0, 0, -pi*R**2)
     """
     piece = circle_piece(frame, centre, radius, plane)
+    if not sp.Tuple(*piece[0]).free_symbols - {piece[1]}:
+        refuse_numbers_outside(frame, Loop.circle(centre, radius, plane).parts)
     forms = pulled_back(frame, piece)
     _refuse_changes(frame, piece)
     components = []

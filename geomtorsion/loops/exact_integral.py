@@ -21,6 +21,7 @@ from geomtorsion.conventions import burgers
 from geomtorsion.displays import drawn_by, latex_of
 from geomtorsion.errors import (
     AllowanceError,
+    ChartEdgeError,
     ExpressionError,
     LimitError,
     LoopError,
@@ -29,14 +30,14 @@ from geomtorsion.errors import (
     UndecidedError,
 )
 from geomtorsion.exact import Field
+from geomtorsion.exact.integration import integrated
 from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Frame
 from geomtorsion.loops.arcs import Arc, Curve, Ellipse, Parameters, Part, exact_number
 from geomtorsion.loops.defects import find_defects
-from geomtorsion.loops.domain import refuse_outside
+from geomtorsion.loops.domain import refuse_numbers_outside
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.integrals import refuse_other_periods
-from geomtorsion.loops.integration_process import integrated
 from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.loops.values import with_values
@@ -265,7 +266,9 @@ def exact_burgers_vector(
     The pulled-back one-forms are integrated over every arc: constants, polynomials, trigonometric
     polynomials and waves of them (Bessel functions), rational functions on the circle, and what
     sympy can integrate. The result is compared with a proved integral before it is given.
-    Decimal numbers in the loop are exact: 0.3 is 3/10.
+    Decimal numbers in the loop are exact: 0.3 is 3/10. Where the loop or the domain of the frame
+    has symbols without a value, it is up to the caller that the loop is inside the domain: it is
+    refused only where it is outside for all values tried.
 
     Parameters
     ----------
@@ -281,6 +284,8 @@ def exact_burgers_vector(
         The loop goes where a root of the coframe has not the sign with which it was read.
     SingularPointError
         The loop passes through a point where the coframe is singular.
+    ChartEdgeError
+        The loop leaves the declared domain of the frame.
     UndecidedError
         No closed form was found within the time, or it does not agree with the numbers.
     LoopError
@@ -307,6 +312,7 @@ def exact_burgers_vector(
     total = [sp.S.Zero] * frame.dimension
     where = sample_of(frame, loop.symbols)
     _refuse_poles(frame, loop, where)
+    _refuse_outside(frame, loop, where)
     _refuse_other_windings(frame, loop, where)
     numbers: list[list[acb]] = [[] for _ in range(frame.dimension)]
     try:
@@ -344,10 +350,26 @@ def _refuse_poles(frame: Frame, loop: Loop, where: Mapping[sp.Symbol, sp.Expr]) 
         return
     for part in here.parts:
         refuse_poles(compiled.poles, part)
-    refuse_outside(frame, here.parts, values)
     if frame.field.relied_on:
         # Raises where a root has not the sign with which it was read.
         compiled.coframe.at(here.points())
+
+
+def _refuse_outside(frame: Frame, loop: Loop, where: Mapping[sp.Symbol, sp.Expr]) -> None:
+    """Refuse a loop outside the domain; with symbols, where it is outside for all values tried."""
+    trials = [dict(where)]
+    for symbol, scale in product(sorted(loop.symbols, key=str), SCALES):
+        trials.append({**where, symbol: where[symbol] * scale})
+    refusal: ChartEdgeError | None = None
+    for values in trials:
+        try:
+            refuse_numbers_outside(frame, loop.at(values).parts if loop.symbols else loop.parts)
+        except ChartEdgeError as error:
+            refusal = refusal or error
+        else:
+            return
+    if refusal is not None:
+        raise refusal
 
 
 def _refuse_other_windings(frame: Frame, loop: Loop, where: Mapping[sp.Symbol, sp.Expr]) -> None:
