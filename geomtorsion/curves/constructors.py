@@ -34,6 +34,12 @@ from geomtorsion.errors import MetricError, ShapeError, StartError
 from geomtorsion.exact.reading import checked
 from geomtorsion.geometry import Connection, Frame, levi_civita
 from geomtorsion.geometry.components import determinant
+from geomtorsion.geometry.connections import (
+    ConnectionLike,
+    FrameLike,
+    as_connection,
+    frame_of,
+)
 from geomtorsion.geometry.derived import derived
 from geomtorsion.ode.numbers import Numbers, checked_numbers, floats
 
@@ -42,7 +48,7 @@ ROUNDED = 1e-11
 
 
 def autoparallel(
-    connection: Connection,
+    connection: ConnectionLike,
     start: Numbers | None = None,
     velocity: Numbers | None = None,
     *,
@@ -64,7 +70,8 @@ def autoparallel(
     Parameters
     ----------
     connection
-        any connection; for the Cartan connection u is constant.
+        any connection; for the Cartan connection u is constant. A space, or the name of a shipped
+        one, contributes its own connection, or the Cartan connection if it has none.
     start
         q^mu, shape (n,); None on a Lie group where only u is needed.
     velocity, frame_velocity
@@ -120,7 +127,7 @@ def autoparallel(
     >>> solution.outcome, solution.stopped_by, round(float(solution.times[-1]), 9)
     ('stopped', '3 - r', 2.0)
     """
-    checks.instance(connection, Connection, "connection")
+    connection = as_connection(connection)
     law: Law = Autoparallel(connection)
     if connection.kind == "cartan":
         law = CartanAutoparallel()
@@ -136,7 +143,7 @@ def autoparallel(
 
 
 def geodesic(
-    space: Frame | Connection,
+    space: FrameLike | Connection,
     start: Numbers | None = None,
     velocity: Numbers | None = None,
     *,
@@ -156,7 +163,7 @@ def geodesic(
     Parameters
     ----------
     space
-        the frame; a connection contributes only its frame.
+        a frame, a space or the name of a shipped one; a connection contributes only its frame.
     start, velocity, frame_velocity, parameters, causal, atlas, stop
         as in `autoparallel`.
     metric
@@ -177,8 +184,7 @@ def geodesic(
     u2' = (1)*u1*u3
     u3' = (-1/3)*u1*u2
     """
-    frame = space.frame if isinstance(space, Connection) else space
-    checks.instance(frame, Frame, "space")
+    frame = frame_of(space, "space")
     law = Geodesic(None if metric is None else kinetic_metric(metric, frame))
     return _posed(
         "geodesic", frame, law, start, velocity, frame_velocity, parameters, causal, atlas, stop
@@ -186,7 +192,7 @@ def geodesic(
 
 
 def parallel_transport(
-    problem: CurveProblem, vectors: Any, connection: Connection | None = None
+    problem: CurveProblem, vectors: Any, connection: ConnectionLike | None = None
 ) -> CurveProblem:
     """The same motion with vectors carried parallel along it.
 
@@ -212,7 +218,7 @@ def parallel_transport(
     """
     checks.instance(problem, CurveProblem, "problem")
     if connection is not None:
-        checks.instance(connection, Connection, "connection")
+        connection = as_connection(connection)
     if problem.start is None:
         raise StartError(
             "parallel transport: expected a curve with coordinates, got one without. Give it a "

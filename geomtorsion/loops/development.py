@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.errors import ArgumentError
 from geomtorsion.geometry import Connection
+from geomtorsion.geometry.connections import ConnectionLike, as_connection
 from geomtorsion.loops.affine_form import AffineForm, around_cone, line_rate
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Number, Parameters, Part
@@ -197,7 +197,7 @@ class Development:
 
 
 def develop(
-    connection: Connection,
+    connection: ConnectionLike,
     loop: Loop,
     accuracy: float = 1e-12,
     *,
@@ -253,7 +253,8 @@ def develop(
             "connection: expected a Connection, got samples of a frame, whose legs count as "
             "parallel: their development is the Burgers vector. Use burgers_vector(grid, loop)."
         )
-    frame = checks.instance(connection, Connection, "connection").frame
+    connection = as_connection(connection)
+    frame = connection.frame
     check_loop(loop, frame.dimension)
     check_accuracy(accuracy)
     start = time.perf_counter()

@@ -12,6 +12,7 @@ from geomtorsion import checks
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import GeomtorsionError, LoopError
 from geomtorsion.geometry import Frame
+from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.loops import validation
 from geomtorsion.loops.arcs import Ellipse, Parameters, Plane, Point
 from geomtorsion.loops.burgers import burgers_vector
@@ -86,7 +87,7 @@ class BurgersMap:
 
 
 def burgers_vectors(
-    frame: Frame,
+    frame: FrameLike,
     centres: Sequence[Point] | np.ndarray,
     radius: float | Sequence[float] | np.ndarray,
     plane: Plane = (0, 1),
@@ -124,7 +125,7 @@ def burgers_vectors(
     >>> found.vectors[2] / found.areas
     array([2., 2.])
     """
-    checks.instance(frame, Frame, "frame")
+    frame = as_frame(frame)
     places = _array(centres, "centres", 2)
     radii = np.broadcast_to(_array(radius, "radius"), places.shape[:1])
     if not (radii > 0).all():
@@ -138,7 +139,7 @@ def burgers_vectors(
 
 
 def burgers_map(
-    frame: Frame,
+    frame: FrameLike,
     edges: Sequence[Sequence[float] | np.ndarray],
     plane: Plane = (0, 1),
     at: Sequence[float] | None = None,
@@ -178,7 +179,7 @@ def burgers_map(
     >>> found.areas.shape, found.enclosed.sum(), abs(found.total).round(9)
     ((11, 11), np.int64(1), array([0., 0., 3.]))
     """
-    checks.instance(frame, Frame, "frame")
+    frame = as_frame(frame)
     is_array = isinstance(edges, np.ndarray) and edges.ndim > 0
     if not (is_array or isinstance(edges, list | tuple)) or len(edges) != 2:
         raise LoopError("edges: expected two arrays, one for each direction of the plane.")
