@@ -184,7 +184,7 @@ def geodesic(
     u2' = (1)*u1*u3
     u3' = (-1/3)*u1*u2
     """
-    frame = frame_of(space, "space")
+    frame = space if isinstance(space, Frame) else frame_of(space, "space")
     law = Geodesic(None if metric is None else kinetic_metric(metric, frame))
     return _posed(
         "geodesic", frame, law, start, velocity, frame_velocity, parameters, causal, atlas, stop

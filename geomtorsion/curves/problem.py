@@ -41,7 +41,7 @@ from geomtorsion.errors import (
     StartError,
 )
 from geomtorsion.geometry.evaluation import sign_of
-from geomtorsion.geometry.validation import broken_relations
+from geomtorsion.geometry.relations import broken_relations
 from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment, Term
