@@ -41,7 +41,7 @@ from geomtorsion.geometry.connections import (
     frame_of,
 )
 from geomtorsion.geometry.derived import derived
-from geomtorsion.ode.numbers import Numbers, checked_numbers, floats
+from geomtorsion.ode.numbers import Numbers, Real, checked_numbers, floats
 
 # A velocity typed with twelve digits meets a constraint to this part of its size.
 ROUNDED = 1e-11
@@ -49,10 +49,10 @@ ROUNDED = 1e-11
 
 def autoparallel(
     connection: ConnectionLike,
-    start: Numbers | None = None,
-    velocity: Numbers | None = None,
+    start: Numbers | Mapping[Any, Real] | None = None,
+    velocity: Numbers | Mapping[Any, Real] | None = None,
     *,
-    frame_velocity: Numbers | None = None,
+    frame_velocity: Numbers | Mapping[Any, Real] | None = None,
     parameters: Mapping[Any, Any] | None = None,
     causal: str | None = None,
     atlas: Atlas | None = None,
@@ -73,9 +73,10 @@ def autoparallel(
         any connection; for the Cartan connection u is constant. A space, or the name of a shipped
         one, contributes its own connection, or the Cartan connection if it has none.
     start
-        q^mu, shape (n,); None on a Lie group where only u is needed.
+        q^mu, shape (n,), or {"r": 1, "theta": 0}; None on a Lie group where only u is needed.
     velocity, frame_velocity
-        q'^mu, or u^i = e^i_mu q'^mu, shape (n,): exactly one of them.
+        q'^mu, or u^i = e^i_mu q'^mu, shape (n,): exactly one of them; by name {"r": 0, "theta": 1}
+        or {"u1": 1, "u2": 0}.
     parameters
         values of the parameters of the frame, by name.
     causal
@@ -144,10 +145,10 @@ def autoparallel(
 
 def geodesic(
     space: FrameLike | Connection,
-    start: Numbers | None = None,
-    velocity: Numbers | None = None,
+    start: Numbers | Mapping[Any, Real] | None = None,
+    velocity: Numbers | Mapping[Any, Real] | None = None,
     *,
-    frame_velocity: Numbers | None = None,
+    frame_velocity: Numbers | Mapping[Any, Real] | None = None,
     metric: Any = None,
     parameters: Mapping[Any, Any] | None = None,
     causal: str | None = None,

@@ -11,6 +11,7 @@ from sympy.core.function import AppliedUndef
 
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
+from geomtorsion.displays import drawn_by
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, Truncated, TruncatedField
 from geomtorsion.exclusive import exclusive
@@ -49,6 +50,8 @@ class FieldEquations:
     connections: tuple[Connection, ...]
     lagrangian: Lagrangian
     matter: tuple[MatterField | Fluid, ...] = ()
+
+    _repr_html_ = drawn_by("field_equations", "field_equations_html")
 
     def __repr__(self) -> str:
         names = ", ".join(one.name for one in self.connections)

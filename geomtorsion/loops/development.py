@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from geomtorsion.displays import drawn_by, figure_by
 from geomtorsion.errors import ArgumentError
 from geomtorsion.geometry import Connection
 from geomtorsion.geometry.connections import ConnectionLike, as_connection
@@ -187,6 +188,9 @@ class Development:
     def seen_from(self, path: AffineMap) -> AffineMap:
         """The motion of the same loop from the end of a path that starts at the base point."""
         return self.motion.seen_from(path)
+
+    plot = figure_by("development", "draw_rolled_out")
+    _repr_html_ = drawn_by("notebook_pictures", "development_html")
 
     def __repr__(self) -> str:
         inside = f", encloses {len(self.enclosed)} defect(s)" if self.enclosed else ""

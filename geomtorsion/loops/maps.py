@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.displays import drawn_by
+from geomtorsion.displays import drawn_by, figure_by
 from geomtorsion.errors import GeomtorsionError, LoopError
 from geomtorsion.geometry import Frame
 from geomtorsion.geometry.connections import FrameLike, as_frame
@@ -78,6 +78,7 @@ class BurgersMap:
         return np.nansum(self.vectors.reshape(len(self.vectors), -1), axis=1)
 
     _repr_html_ = drawn_by("notebook_pictures", "map_html")
+    plot = figure_by("loops", "draw_map")
 
     def __repr__(self) -> str:
         text = f"BurgersMap({self.done} of {self.areas.size} loops, {self.seconds:.2g} s"

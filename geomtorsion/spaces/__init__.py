@@ -41,3 +41,8 @@ def __getattr__(name: str) -> object:
     if name not in _LATER:
         raise AttributeError(f"module 'geomtorsion.spaces' has no attribute {name!r}")
     return getattr(import_module("geomtorsion.spaces.pair"), name)
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return [*__all__]
