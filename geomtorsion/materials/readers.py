@@ -82,13 +82,13 @@ def _read_map(path: Path, **options: Any) -> OrientationMap:
 
 def _read_image(
     path: Path,
-    pixel: tuple[float, str] = (1.0, "px"),
+    pixel: tuple[float, str] | None = None,
     spots: Sequence[Sequence[float]] | None = None,
     resolution: float | None = None,
 ) -> LatticePhases:
     """The geometric phases of a lattice image."""
-    size = checks.entries(pixel, "pixel", ImageError)
-    if len(size) != 2:
+    size = () if pixel is None else checks.entries(pixel, "pixel", ImageError)
+    if len(size) not in (0, 2):
         raise ImageError(
             f"pixel: expected a size and its unit, got {shown(pixel)}. Write it like (0.02, 'nm')."
         )
@@ -176,7 +176,7 @@ def open_source(
     slip
         Orientation maps: the structure whose slip systems make up b, see `slip_families`.
     pixel
-        Images: size of a pixel, and its unit.
+        Images: size of a pixel, and its unit; by default the size in the file.
     spots, resolution
         Images: see `LatticeImage.phases`.
 
