@@ -37,7 +37,7 @@ def drawn_by(module: str, function: str) -> Callable[[Any], str]:
 def figure_by(module: str, function: str) -> Callable[..., Figure]:
     """A method `plot` that draws a value: a function of a module of pictures.
 
-    Its other arguments are those of the function. The figure is not saved; `pictures.save` does.
+    It takes the other arguments of the function, by name. `pictures.save` writes the figure.
 
     Examples
     --------

@@ -139,6 +139,11 @@ SLIPS = [
         StructureConstantError,
         "expected three indices",
     ),
+    (
+        lambda: gt.Frame.from_structure_constants({(0, 1, 10**9): 1}),
+        StructureConstantError,
+        "expected each leg from 0",
+    ),
     (lambda: gt.geodesic("flat_polar", {"ph": 0, "r": 1}, [1, 0]), StartError, "Did you mean phi"),
     (lambda: gt.geodesic("flat_polar", {"r": 1}, [1, 0]), StartError, "got none for phi"),
     (lambda: gt.autoparralel, AttributeError, r"Did you mean autoparallel\?"),

@@ -71,10 +71,10 @@ def with_products(source: Source, tokens: Sequence[Token]) -> list[Token]:
     Examples
     --------
     >>> from geomtorsion.exact.tokens import tokens_of
-    >>> source = Source("1/2 r (1 + r)(1 - r)", "entry")
+    >>> source = Source("1/2 (1 + r)(1 - r)sin(r)", "entry")
     >>> names = [token.text for token in with_products(source, tokens_of(source, {"r"}, Limits()))]
     >>> "".join(names)
-    '1/2*r(1+r)*(1-r)'
+    '1/2*(1+r)*(1-r)*sin(r)'
     """
     result: list[Token] = []
     # For each open bracket, whether a value is in a denominator: "", "fraction" or "value".
@@ -92,6 +92,7 @@ def with_products(source: Source, tokens: Sequence[Token]) -> list[Token]:
                     remedy = "Put brackets around the denominator or the exponent, and write *."
                     raise source.error(before.start, token.end, reason, remedy)
                 result.append(Token("sign", "*", token.start, token.start))
+                under[-1] = ""
         if token.text == "/":
             first = result[-2].text if len(result) > 1 else "("
             after = tokens[k + 1].kind if k + 1 < len(tokens) else ""

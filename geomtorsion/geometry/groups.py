@@ -14,9 +14,6 @@ from geomtorsion.exact import Field
 from geomtorsion.exact.reading import counted_as
 from geomtorsion.geometry.validation import free_symbols, named_symbols
 
-# No group of more dimensions has an exponential that anyone can read.
-LARGEST = 100
-
 
 def invariant_coframe(
     constants: object, coordinates: Sequence[sp.Symbol] | str | None
@@ -47,14 +44,21 @@ def _dense(constants: Mapping[object, object]) -> list[list[list[object]]]:
     given: dict[tuple[int, ...], object] = {}
     for index, value in constants.items():
         numbers = tuple(map(checks.whole, index)) if isinstance(index, tuple) else ()
-        places = tuple(k for k in numbers if k is not None and 0 <= k < LARGEST)
+        places = tuple(k for k in numbers if k is not None and k >= 0)
         if len(places) != 3 or len(numbers) != 3:
             raise StructureConstantError(
                 "structure constants: expected three indices (i, j, k), counted from 0, as a key, "
                 f"got {checks.shown(index)}. Write {{(0, 1, 2): 1}} for [E_0, E_1] = E_2."
             )
         given[places] = value
-    n = 1 + max((max(places) for places in given), default=-1)
+    legs = {leg for places in given for leg in places}
+    n = len(legs)
+    # A single large index would fill the memory.
+    if legs != set(range(n)):
+        raise StructureConstantError(
+            f"structure constants: expected each leg from 0 to {max(legs)} in some index, got "
+            f"{n} of them. Add an index with the value 0 for a leg that commutes with all others."
+        )
     opposite = {
         (j, i, k): -checks.expression(value, f"structure constants[{i}, {j}, {k}]")
         for (i, j, k), value in given.items()

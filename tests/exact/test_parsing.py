@@ -35,6 +35,7 @@ f, h = sympy.Function("f"), sympy.Function("h")
         ("2r sin(theta)", 2 * r * sympy.sin(theta)),
         ("r^2 (1 + M)(1 - M)", r**2 * (1 + M) * (1 - M)),
         ("1/2 r M", r * M / 2),
+        ("1/2 (r)(M)M", r * M**2 / 2),
         ("-1/2 r + 1/3 M", -r / 2 + M / 3),
         ("r/2*M theta", r * M * theta / 2),
         ("(r + M)sqrt(r)", (r + M) * sympy.sqrt(r)),
