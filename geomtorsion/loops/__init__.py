@@ -3,6 +3,13 @@
 from geomtorsion.loops import arcs, exact_integral, integrals, loop_files, quadrature, validation
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Arc, Number, Parameters, Part, Segment
+from geomtorsion.loops.brownian import (
+    Diffusion,
+    EnsembleMean,
+    InvariantMeasure,
+    StochasticEnsemble,
+    diffusion,
+)
 from geomtorsion.loops.burgers import burgers_vector
 from geomtorsion.loops.cochain import ChainSums, Cochain
 from geomtorsion.loops.complexes import Complex
@@ -39,11 +46,14 @@ __all__ = [
     "Defect",
     "DevelopedPath",
     "Development",
+    "Diffusion",
     "EdgeIntegrals",
     "EdgeList",
     "EnclosedDefect",
+    "EnsembleMean",
     "ExactBurgersVector",
     "Hodograph",
+    "InvariantMeasure",
     "Loop",
     "Network",
     "NodeRule",
@@ -51,6 +61,7 @@ __all__ = [
     "Parameters",
     "Part",
     "Segment",
+    "StochasticEnsemble",
     "arcs",
     "burgers_map",
     "burgers_vector",
@@ -59,6 +70,7 @@ __all__ = [
     "develop_path",
     "develop_period",
     "developed_path",
+    "diffusion",
     "dispiration",
     "enclosed_defects",
     "exact_burgers_vector",

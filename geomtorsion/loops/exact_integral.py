@@ -29,6 +29,7 @@ from geomtorsion.errors import (
     UndecidedError,
 )
 from geomtorsion.exact import Field
+from geomtorsion.exact.integration import integrated
 from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Frame
 from geomtorsion.geometry.connections import FrameLike, as_frame
@@ -37,7 +38,6 @@ from geomtorsion.loops.defects import find_defects
 from geomtorsion.loops.domain import refuse_outside
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.integrals import refuse_other_periods
-from geomtorsion.loops.integration_process import integrated
 from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.loops.values import with_values

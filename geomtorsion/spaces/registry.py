@@ -53,6 +53,11 @@ SPACES: tuple[tuple[str, str, str], ...] = (
     ("chaplygin_sleigh", "constrained_bodies", "a sledge on a blade, which cannot slip sideways"),
     ("rolling_disc", "constrained_bodies", "an upright disc that rolls without slipping"),
     ("wheeled_robot", "constrained_bodies", "a robot that drives and turns, never sideways"),
+    (
+        "kustaanheimo_stiefel",
+        "kustaanheimo_stiefel",
+        "the map from four dimensions to three that makes Kepler an oscillator",
+    ),
     ("twisted_bar", "twisted_bar", "a crystal whose lattice turns steadily along z"),
     ("screw_dislocation", "screw_dislocation", "screw dislocation along z"),
     ("screw_core", "screw_dislocation", "screw dislocation with a smooth core"),
