@@ -12,6 +12,7 @@ from geomtorsion.cli.interrupts import begin_command
 
 begin_command()
 
+from difflib import get_close_matches
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -379,7 +380,9 @@ if not TYPE_CHECKING:
         if name in _PACKAGES:
             return import_module(f"geomtorsion.{_PACKAGES[name]}")
         if name not in _HOME:
-            raise AttributeError(f"module 'geomtorsion' has no attribute {name!r}")
+            near = get_close_matches(name, __all__, n=1)
+            hint = f". Did you mean {near[0]}?" if near else ""
+            raise AttributeError(f"module 'geomtorsion' has no attribute {name!r}{hint}")
         found = getattr(import_module(f"geomtorsion.{_HOME[name]}"), _INSIDE.get(name, name))
         # Kept, because a second import costs as much as a short solution.
         globals()[name] = found

@@ -28,6 +28,7 @@ from geomtorsion.errors import LagrangianError, LimitError
 if TYPE_CHECKING:
     from geomtorsion.exact import Element
     from geomtorsion.geometry import Connection, Frame
+    from geomtorsion.geometry.connections import ConnectionLike, FrameLike
 
 
 @dataclass(frozen=True)
@@ -263,14 +264,14 @@ class EquationsOfMotion:
 
 
 def equations_of_motion(
-    frame: Frame,
+    frame: FrameLike,
     lagrangian: str | int | sp.Expr | Element,
     forces: object = None,
     principle: str = "closed_in_coordinates",
     constraints: object = None,
     *,
     parameters: Iterable[sp.Symbol | str] | None = None,
-    connection: Connection | None = None,
+    connection: ConnectionLike | None = None,
 ) -> EquationsOfMotion:
     """Equations of motion of any Lagrangian L(q, u, t) in the velocities of a frame.
 
@@ -332,7 +333,7 @@ def equations_of_motion(
     (0, 0, 0)
     """
     chosen = principle_named(principle)
-    validation.check_frame(frame, connection)
+    frame, connection = validation.checked_frame(frame, connection)
     n = frame.dimension
     pushes = validation.force_entries(forces, n)
     fixed = validation.constraint_entries(constraints, n)
@@ -352,14 +353,14 @@ def equations_of_motion(
 
 
 def conserved_quantities(
-    frame: Frame,
+    frame: FrameLike,
     lagrangian: str | int | sp.Expr | Element,
     forces: object = None,
     principle: str = "closed_in_coordinates",
     constraints: object = None,
     *,
     parameters: Iterable[sp.Symbol | str] | None = None,
-    connection: Connection | None = None,
+    connection: ConnectionLike | None = None,
 ) -> ConservedQuantities:
     """Name -> f(q, u, t) that the motion keeps: the `invariants` of its equations.
 

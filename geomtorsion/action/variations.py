@@ -20,6 +20,7 @@ from geomtorsion.geometry import Tensor
 if TYPE_CHECKING:
     from geomtorsion.exact import Element
     from geomtorsion.geometry import Connection, Frame
+    from geomtorsion.geometry.connections import ConnectionLike, FrameLike
     from geomtorsion.ode import ODE
 
 _IMAGES = ("dPhi{}", "delta{}")
@@ -247,9 +248,9 @@ class Variation:
 
 
 def variation(
-    frame: Frame,
+    frame: FrameLike,
     principle: str = "closed_in_coordinates",
-    connection: Connection | None = None,
+    connection: ConnectionLike | None = None,
 ) -> Variation:
     """How u^i = e^i_mu q'^mu changes under a variation of the path, derived from the frame.
 
@@ -281,7 +282,7 @@ def variation(
     (True, False)
     """
     chosen = principle_named(principle)
-    validation.check_frame(frame, connection, complex_too=True)
+    frame, connection = validation.checked_frame(frame, connection, complex_too=True)
     return Variation(frame, chosen.name, connection)
 
 

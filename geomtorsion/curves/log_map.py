@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.curves.constructors import autoparallel
 from geomtorsion.curves.problem import CurveProblem, checked_start
@@ -16,6 +15,7 @@ from geomtorsion.curves.search import STALE, Followed, Hit, Search, reach_of
 from geomtorsion.curves.shooting import ROUNDING, Line, Shooter, lengths_of
 from geomtorsion.errors import EndpointError, GeomtorsionError
 from geomtorsion.geometry import Connection
+from geomtorsion.geometry.connections import ConnectionLike, as_connection
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
 from geomtorsion.ode.numbers import Numbers, checked_accuracy, checked_numbers
 from geomtorsion.ode.solution import Solution
@@ -50,7 +50,7 @@ class LogMap:
 
 
 def log_map(
-    connection: Connection,
+    connection: ConnectionLike,
     start: Numbers,
     end: Numbers,
     *,
@@ -102,7 +102,8 @@ def log_map(
     >>> found.vector.round(6).tolist(), round(found.length, 6)
     ([-0.122417, 0.479426], 0.494808)
     """
-    frame = checks.instance(connection, Connection, "connection").frame
+    connection = as_connection(connection)
+    frame = connection.frame
     n = frame.dimension
     accuracy = checked_accuracy(accuracy)
     checked_engine(engine)

@@ -41,7 +41,7 @@ from geomtorsion.errors import (
 )
 from geomtorsion.geometry.domain_edges import Edge
 from geomtorsion.geometry.evaluation import sign_of
-from geomtorsion.geometry.validation import broken_relations
+from geomtorsion.geometry.relations import broken_relations
 from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment, Term
@@ -664,10 +664,31 @@ def checked_parameters(frame: Frame, parameters: Mapping[Any, Any] | None) -> di
     return numbers
 
 
+def in_order(values: object, names: Sequence[str], what: str) -> object:
+    """The values of a mapping {name or symbol: number} in the order of the names; lists as given.
+
+    Raises
+    ------
+    StartError
+        A name is unknown or has no value.
+    """
+    if not isinstance(values, Mapping):
+        return values
+    by_name = checks.known_keys(values, names, what, StartError)
+    missing = [name for name in names if name not in by_name]
+    if missing:
+        raise StartError(
+            f"{what}: expected a number for each of {', '.join(names)}, got none for "
+            f"{', '.join(missing)}. Add it."
+        )
+    return [by_name[name] for name in names]
+
+
 def checked_start(frame: Frame, start: object, parameters: Mapping[str, Real]) -> tuple[Real, ...]:
     """Coordinates at which the frame is regular."""
-    names = ", ".join(symbol.name for symbol in frame.coordinates)
-    place = checked_numbers(start, frame.dimension, f"start ({names})")
+    names = [symbol.name for symbol in frame.coordinates]
+    start = in_order(start, names, "start")
+    place = checked_numbers(start, frame.dimension, f"start ({', '.join(names)})")
     for symbol, value in zip(frame.coordinates, place, strict=True):
         if sign_of(frame, symbol):
             checks.check_declared(symbol, value)
@@ -755,8 +776,10 @@ def frame_velocities(
             "them."
         )
     if velocity is None:
-        return checked_numbers(frame_velocity, frame.dimension, "frame_velocity"), None
-    rates = checked_numbers(velocity, frame.dimension, "velocity")
+        ordered = in_order(frame_velocity, velocity_names(frame), "frame_velocity")
+        return checked_numbers(ordered, frame.dimension, "frame_velocity"), None
+    names = [symbol.name for symbol in frame.coordinates]
+    rates = checked_numbers(in_order(velocity, names, "velocity"), frame.dimension, "velocity")
     if start is None:
         raise StartError(
             "velocity: expected a start with it, got none. Give a start, or frame_velocity (u^i)."

@@ -1,6 +1,6 @@
 """Geometry: symbols in, tensors out."""
 
-from geomtorsion.geometry import notation, validation
+from geomtorsion.geometry import connections, notation, validation
 from geomtorsion.geometry.components import antisymmetric, symmetric
 from geomtorsion.geometry.connection import Connection
 from geomtorsion.geometry.connections import (
@@ -41,6 +41,7 @@ __all__ = [
     "antisymmetric",
     "blend",
     "cartan",
+    "connections",
     "constrained",
     "contract",
     "embedded",

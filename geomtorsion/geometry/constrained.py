@@ -13,7 +13,7 @@ from geomtorsion.errors import ConstraintError, MetricError, TensorIndexError
 from geomtorsion.exact import Element, parse_expression
 from geomtorsion.geometry.components import Index, minus
 from geomtorsion.geometry.connection import Connection
-from geomtorsion.geometry.connections import frame_of, from_spin_connection, levi_civita
+from geomtorsion.geometry.connections import FrameLike, frame_of, from_spin_connection, levi_civita
 from geomtorsion.geometry.derived import derived
 from geomtorsion.geometry.forms import Form
 from geomtorsion.geometry.frame import Frame
@@ -29,7 +29,7 @@ EXPECTED = f"{{subject}}: expected a list, got {{value}}. {ADVICE}"
 
 
 def constrained(
-    space: Frame | Connection,
+    space: FrameLike | Connection,
     allowed: Sequence[object],
     *,
     parameters: Sequence[sp.Symbol | str] | str = (),
@@ -84,7 +84,7 @@ def constrained(
     >>> skate.metric_compatible, skate.allowed, skate.integrable
     (True, (0, 1), not integrable: T_12^3 = 1/sqrt(I))
     """
-    frame = frame_of(space)
+    frame = frame_of(space, "space")
     items = checks.entries(allowed, "allowed", ConstraintError, message=EXPECTED)
     if not items:
         raise ConstraintError(EXPECTED.format(subject="allowed", value="an empty list"))

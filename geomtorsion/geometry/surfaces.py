@@ -15,7 +15,7 @@ from geomtorsion.exact import Element
 from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry.change import Map, coordinate_map, moved_domain
 from geomtorsion.geometry.components import Components, Index, determinant, symmetric
-from geomtorsion.geometry.connections import levi_civita
+from geomtorsion.geometry.connections import FrameLike, as_frame, levi_civita
 from geomtorsion.geometry.evaluation import sample_point
 from geomtorsion.geometry.expansion import again, whole_of
 from geomtorsion.geometry.forms import Form
@@ -25,7 +25,7 @@ from geomtorsion.geometry.validation import with_generic_functions
 
 
 def surface(
-    frame: Frame,
+    frame: FrameLike,
     coordinates: object,
     embedding: object = None,
     domain: object = None,
@@ -67,7 +67,7 @@ def surface(
     >>> tube.extrinsic_curvature[0, 0], tube.extrinsic_curvature[1, 1]
     (-M*sqrt(r*(-2*M + r))/r**3, sqrt(r*(-2*M + r)))
     """
-    checks.instance(frame, Frame, "frame")
+    frame = as_frame(frame)
     way = coordinate_map(frame, coordinates, {} if embedding is None else embedding)
     if len(way.new) >= frame.dimension:
         raise ShapeError(

@@ -11,10 +11,12 @@ from sympy.core.function import AppliedUndef
 
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
+from geomtorsion.displays import drawn_by
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, Truncated, TruncatedField
 from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Connection, Frame, IdentityCheck, Tensor, antisymmetric
+from geomtorsion.geometry.connections import ConnectionLike, as_connection
 from geomtorsion.gravity.fields import HALF, FrameFields, Index, Terms
 from geomtorsion.gravity.fluids import Fluid
 from geomtorsion.gravity.geometries import check_geometry
@@ -48,6 +50,8 @@ class FieldEquations:
     connections: tuple[Connection, ...]
     lagrangian: Lagrangian
     matter: tuple[MatterField | Fluid, ...] = ()
+
+    _repr_html_ = drawn_by("field_equations", "field_equations_html")
 
     def __repr__(self) -> str:
         names = ", ".join(one.name for one in self.connections)
@@ -399,7 +403,7 @@ class FieldEquations:
 
 
 def equations(
-    connections: Connection | Iterable[Connection],
+    connections: ConnectionLike | Iterable[ConnectionLike],
     lagrangian: Lagrangian | str | sp.Expr,
     matter: MatterField | Fluid | Iterable[MatterField | Fluid] = (),
     *,
@@ -415,8 +419,10 @@ def equations(
     Parameters
     ----------
     connections
-        One connection, or several over one frame. Names of invariants of the second and third
-        connection end in _2, _3; names of the Levi-Civita connection beside others end in bar.
+        One connection, or several over one frame. A space, or the name of a shipped one,
+        contributes its own connection, or the Cartan connection if it has none. Names of
+        invariants of the second and third connection end in _2, _3; names of the Levi-Civita
+        connection beside others end in bar.
     lagrangian
         Text, a sympy expression in `gravity.names`, or a theory such as `gravity.tegr`. A new name
         that multiplies invariants is a constant; functions such as f(T) may be unknown.
@@ -441,7 +447,8 @@ def equations(
     True
     """
     message = "{subject}: expected one connection or a list of connections, got {value}."
-    several = _listed(connections, Connection, "connections", message)
+    listed = _listed(connections, ConnectionLike, "connections", message)
+    several = [as_connection(one, "connections", GravityError) for one in listed]
     if not several:
         raise GravityError(
             "equations: expected a connection, got an empty list. Give gt.cartan(frame) or another."

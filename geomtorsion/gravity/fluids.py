@@ -12,6 +12,7 @@ from geomtorsion import checks
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element
 from geomtorsion.geometry import Connection, Frame, Tensor, antisymmetric
+from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.gravity.fields import HALF, FrameFields, Index, Terms
 from geomtorsion.gravity.lagrangian import scalar_of
 
@@ -136,7 +137,7 @@ def weyssenhoff(
 
 
 def torsion_from_spin(
-    frame: Frame, tau: Tensor | Sequence, kappa: sp.Expr | str = "kappa"
+    frame: FrameLike, tau: Tensor | Sequence, kappa: sp.Expr | str = "kappa"
 ) -> Tensor:
     """The torsion T_ij^a of a spin density in the theory L = R/(2 kappa) + L_m, slots DDU.
 
@@ -171,7 +172,7 @@ def torsion_from_spin(
     >>> torsion_from_spin(flat, tau.tolist()).nonzero()
     {(1, 2, 0): kappa*s, (2, 1, 0): -kappa*s}
     """
-    checks.instance(frame, Frame, "frame", GravityError)
+    frame = as_frame(frame, "frame", GravityError)
     n = frame.dimension
     if n < 3:
         raise GravityError(

@@ -9,11 +9,12 @@ import sympy as sp
 
 from geomtorsion import checks
 from geomtorsion.errors import ShapeError, TensorIndexError
-from geomtorsion.geometry import Connection, Frame, Tensor, from_coefficients, levi_civita
+from geomtorsion.geometry import Connection, Tensor, from_coefficients, levi_civita
+from geomtorsion.geometry.connections import FrameLike, as_frame
 
 
 def statistical(
-    metric: Frame, cubic: object, alpha: int | Fraction | sp.Expr | str = "alpha"
+    metric: FrameLike, cubic: object, alpha: int | Fraction | sp.Expr | str = "alpha"
 ) -> Connection:
     """The alpha-connection of a statistical manifold.
 
@@ -51,7 +52,7 @@ def statistical(
     >>> statistical(fisher, C).curvature.scalar[()], statistical(fisher, C, 1).is_flat
     ((alpha - 1)*(alpha + 1), True)
     """
-    checks.instance(metric, Frame, "metric")
+    metric = as_frame(metric, "metric")
     n = metric.dimension
     if isinstance(cubic, Tensor):
         if cubic.frame is not metric or cubic.slots.lower() != "ddd":

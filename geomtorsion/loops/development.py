@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geomtorsion import checks
+from geomtorsion.displays import drawn_by, figure_by
 from geomtorsion.errors import ArgumentError
 from geomtorsion.geometry import Connection
+from geomtorsion.geometry.connections import ConnectionLike, as_connection
 from geomtorsion.loops.affine_form import AffineForm, around_cone, line_rate
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Number, Parameters, Part
@@ -189,6 +190,9 @@ class Development:
         """Development of the same loop from the end of a path that starts at the base point."""
         return self.motion.seen_from(path)
 
+    plot = figure_by("development", "draw_rolled_out")
+    _repr_html_ = drawn_by("notebook_pictures", "development_html")
+
     def __repr__(self) -> str:
         inside = f", encloses {len(self.enclosed)} defect(s)" if self.enclosed else ""
         return (
@@ -198,7 +202,7 @@ class Development:
 
 
 def develop(
-    connection: Connection,
+    connection: ConnectionLike,
     loop: Loop,
     accuracy: float = 1e-12,
     *,
@@ -256,7 +260,8 @@ def develop(
             "connection: expected a Connection, got samples of a frame, whose legs count as "
             "parallel: their development is the Burgers vector. Use burgers_vector(grid, loop)."
         )
-    frame = checks.instance(connection, Connection, "connection").frame
+    connection = as_connection(connection)
+    frame = connection.frame
     check_loop(loop, frame.dimension)
     check_accuracy(accuracy)
     start = time.perf_counter()

@@ -33,6 +33,7 @@ from geomtorsion.exact import Field
 from geomtorsion.exact.integration import integrated
 from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Frame
+from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.loops.arcs import Arc, Curve, Ellipse, Parameters, Part, exact_number
 from geomtorsion.loops.defects import find_defects
 from geomtorsion.loops.domain import refuse_numbers_outside
@@ -259,7 +260,7 @@ class ExactBurgersVector:
 
 
 def exact_burgers_vector(
-    frame: Frame, loop: Loop, seconds: float = 20.0, *, parameters: Parameters | None = None
+    frame: FrameLike, loop: Loop, seconds: float = 20.0, *, parameters: Parameters | None = None
 ) -> ExactBurgersVector:
     """Burgers vector of a loop in closed form.
 
@@ -305,7 +306,7 @@ def exact_burgers_vector(
     (0, 0, 9*pi/100)
     """
     start = time.perf_counter()
-    checks.instance(frame, Frame, "frame")
+    frame = as_frame(frame)
     check_loop(loop, frame.dimension)
     checks.positive(seconds, "seconds", LoopError)
     frame, loop = with_values(frame, loop, parameters)

@@ -12,7 +12,7 @@ import numpy as np
 
 from geomtorsion.caching import cached_property
 from geomtorsion.conventions import Signed
-from geomtorsion.displays import drawn_by
+from geomtorsion.displays import drawn_by, figure_by
 from geomtorsion.errors import LoopError
 from geomtorsion.exclusive import exclusive
 from geomtorsion.loops import validation
@@ -214,6 +214,7 @@ class BurgersVector(Signed):
         }
 
     _repr_html_ = drawn_by("notebook_pictures", "burgers_html")
+    plot = figure_by("loops", "draw_closure")
 
     def __repr__(self) -> str:
         parts = ", ".join(f"{x:.12g}" for x in self.vector.tolist())

@@ -13,7 +13,7 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.copies import only_fields
-from geomtorsion.displays import drawn_by
+from geomtorsion.displays import drawn_by, figure_by
 from geomtorsion.errors import AccuracyError, GeomtorsionError, StartError, TimeError
 from geomtorsion.ode.batch import batch_method
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
@@ -156,6 +156,7 @@ class Ensemble:
 
     __repr__ = __str__
     _repr_html_ = drawn_by("notebook_pictures", "solution_html")
+    plot = figure_by("solutions", "draw_solution")
 
 
 def solve_many(

@@ -14,7 +14,7 @@ from geomtorsion.caching import cached_property
 from geomtorsion.codegen.arrays import BLOCK
 from geomtorsion.codegen.steps import ROUNDINGS
 from geomtorsion.copies import only_fields
-from geomtorsion.displays import drawn_by
+from geomtorsion.displays import drawn_by, figure_by
 from geomtorsion.errors import ArgumentError, ExpressionError, TimeError
 from geomtorsion.ode.error_estimate import CHANCE, SAFETY, UNALIKE, difference, rounding
 from geomtorsion.ode.moment import Moment, Term
@@ -510,6 +510,7 @@ class Solution:
         return str(self)
 
     _repr_html_ = drawn_by("notebook_pictures", "solution_html")
+    plot = figure_by("solutions", "draw_solution")
 
     # -- taking it elsewhere ---------------------------------------------------------------------
 

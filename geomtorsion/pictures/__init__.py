@@ -75,3 +75,8 @@ def __getattr__(name: str) -> object:
     if name not in _HOMES:
         raise AttributeError(f"module 'geomtorsion.pictures' has no attribute {name!r}")
     return getattr(import_module(f"geomtorsion.pictures.{_HOMES[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return [*__all__]

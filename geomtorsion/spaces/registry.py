@@ -180,6 +180,22 @@ def shipped(frame: Frame) -> Space | None:
     return _loaded(frame.name) if frame.name in names() else None
 
 
+def shipped_space(name: str) -> Space:
+    """The shipped space of this name; equal calls return one space, so that its tensors combine.
+
+    Raises
+    ------
+    UnknownNameError
+        No space has this name; the message lists near ones.
+
+    Examples
+    --------
+    >>> shipped_space("s2").frame is shipped_space("s2").frame
+    True
+    """
+    return _loaded(name) if name in names() else load(name)
+
+
 @cache
 def _loaded(name: str) -> Space:
     return load(name)

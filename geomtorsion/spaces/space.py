@@ -13,7 +13,7 @@ from sympy.combinatorics.permutations import Permutation
 
 from geomtorsion.checks import expression
 from geomtorsion.displays import drawn_by
-from geomtorsion.geometry import Connection, Frame
+from geomtorsion.geometry import Connection, Frame, cartan
 from geomtorsion.outgoing import markdown_text
 
 if TYPE_CHECKING:
@@ -136,6 +136,19 @@ class Space:
     atlas: Callable[[Frame], Atlas] | None = None
     motion: FirstMotion | None = None
     embedding: Callable[[Frame], Embedding] | None = None
+
+    def own_connection(self) -> Connection:
+        """The connection of the space, or the Cartan connection of its frame.
+
+        Functions that take a connection use it where they are given a space.
+
+        Examples
+        --------
+        >>> from geomtorsion.spaces import load
+        >>> load("so3").own_connection().name
+        'Cartan connection'
+        """
+        return cartan(self.frame) if self.connection is None else self.connection
 
     def __repr__(self) -> str:
         lines = [f"{self.name}: {self.title}", self.story, f"source: {self.source}"]
