@@ -332,7 +332,7 @@ def equations_of_motion(
     (0, 0, 0)
     """
     chosen = principle_named(principle)
-    validation.check_frame(frame, connection)
+    connection = validation.checked_connection(frame, connection)
     n = frame.dimension
     pushes = validation.force_entries(forces, n)
     fixed = validation.constraint_entries(constraints, n)

@@ -85,7 +85,7 @@ def linearized(
     [2.0, -2.0]
     """
     chosen = principle_named(principle)
-    validation.check_frame(frame, connection)
+    connection = validation.checked_connection(frame, connection)
     n = frame.dimension
     pushes = validation.force_entries(forces, n)
     fixed = validation.constraint_entries(constraints, n)

@@ -223,7 +223,7 @@ def variation(
     (True, False)
     """
     chosen = principle_named(principle)
-    validation.check_frame(frame, connection, complex_too=True)
+    connection = validation.checked_connection(frame, connection, complex_too=True)
     return Variation(frame, chosen.name, connection)
 
 

@@ -86,7 +86,7 @@ class CartanAutoparallel:
         return {}
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Autoparallel:
     """Autoparallels of any connection: u'^k = - omega_ij^k u^i u^j."""
 
@@ -404,7 +404,7 @@ def written(frame: Frame, law: Law, chart: Chart | None) -> Equations:
     """A law in a chart of the space of a frame; chart None: only velocities."""
     names = velocity_names(frame)
     base = chart.frame if chart is not None and chart.frame is not None else frame
-    home = base is frame
+    home = base == frame
     if not home and law.needs_frame and chart is not None and not chart.keeps_frame:
         raise ChartEdgeError(
             f"the equation {law.text} depends on the frame {frame.name!r}, and chart "

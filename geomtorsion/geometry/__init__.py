@@ -17,6 +17,7 @@ from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.curvature import Curvature
 from geomtorsion.geometry.forms import Form
 from geomtorsion.geometry.frame import Frame
+from geomtorsion.geometry.homes import at_home
 from geomtorsion.geometry.identity import IdentityCheck, identities
 from geomtorsion.geometry.integrability import Integrability
 from geomtorsion.geometry.lie_derivative import lie, lie_bracket
@@ -37,6 +38,7 @@ __all__ = [
     "Tensor",
     "Torsion",
     "antisymmetric",
+    "at_home",
     "blend",
     "cartan",
     "constrained",

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
+from weakref import WeakValueDictionary
 
 import sympy as sp
 
@@ -27,6 +28,7 @@ from geomtorsion.geometry.components import (
 from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.frame_matrices import is_dense, parallel_rows
+from geomtorsion.geometry.homes import at_home
 from geomtorsion.geometry.integrability import Integrability, integrability
 from geomtorsion.geometry.notation import ComponentTable, Names, Where
 from geomtorsion.geometry.parts import nonmetricity_parts
@@ -70,6 +72,8 @@ class Connection:
     kind: str = "general"
     maker: Callable[[Frame], Connection] | None = None
     allowed: tuple[int, ...] | None = None
+
+    has_own_field: ClassVar[bool] = True
 
     def __getitem__(self, index: tuple[int, int, int]) -> sp.Expr:
         """Gamma_ab^c as a sympy expression."""
@@ -236,7 +240,8 @@ class Connection:
         """
         frame = self.frame
         instance(tensor, Tensor, "tensor")
-        if tensor.frame is not frame:
+        home = at_home(frame, tensor)
+        if home is None:
             raise ShapeError(
                 "expected a tensor over the frame of the connection, got one over another frame. "
                 "Build it over this frame."
@@ -245,6 +250,7 @@ class Connection:
             raise TensorIndexError(
                 f"{tensor.label}: expected a tensor in all its indices, got other components."
             )
+        tensor = home
         get, n, coordinates = tensor.components.get, frame.dimension, frame.coordinates
         tables = {"d": self.coefficients.components.get}
         if tensor.slots != tensor.slots.lower():
@@ -436,6 +442,40 @@ class Connection:
     def is_torsion_free(self) -> bool | None:
         """Whether the coefficients are symmetric."""
         return self.torsion.S.is_zero
+
+    # -- equality and copies ---------------------------------------------------------------------
+
+    def __eq__(self, other: object) -> bool:
+        """Equal frames, permitted legs and coefficients, decided exactly; names do not count.
+
+        Raises
+        ------
+        UndecidedError
+            Whether the coefficients are equal cannot be decided.
+        """
+        if not isinstance(other, Connection):
+            return NotImplemented
+        if self is other:
+            return True
+        if self.allowed != other.allowed or self.frame != other.frame:
+            return False
+        if self.maker is not None and self.maker == other.maker:
+            return True
+        return self.coefficients == other.coefficients
+
+    def __hash__(self) -> int:
+        return hash((self.frame, self.allowed))
+
+    @cached_property
+    def _copies(self) -> WeakValueDictionary[int, Connection]:
+        """This connection over equal frames (see `homes`)."""
+        return WeakValueDictionary()
+
+    def _carried(self, frame: Frame) -> Connection:
+        """This connection over an equal frame."""
+        if self.maker is not None:
+            return self.maker(frame)
+        return replace(self, frame=frame, coefficients=self.coefficients._carried(frame))
 
     def __reduce__(self) -> tuple[object, ...]:
         # The frame can make its own connections again, bit for bit; that pickle is shorter.

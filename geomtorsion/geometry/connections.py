@@ -14,6 +14,7 @@ from geomtorsion.geometry.derived import derived
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.frame_matrices import parallel_rows
 from geomtorsion.geometry.from_arrays import tensor_from_array
+from geomtorsion.geometry.homes import at_home
 from geomtorsion.geometry.tensor import Scalar, Source, Tensor
 from geomtorsion.geometry.torsion import Torsion
 
@@ -171,8 +172,9 @@ def from_spin_connection(frame: Frame, omega: object) -> Connection:
 def _direction_first(frame: Frame, omega: Tensor) -> Tensor:
     """A spin connection with slots dDU from a tensor with the direction first, in other slots."""
     slots = omega.slots
-    if omega.frame is frame and len(slots) == 3 and slots[0] in "dD" and set(slots[1:]) <= {*"DU"}:
-        free = Tensor(frame, slots, omega.components)._with_slot(0, "d")
+    home = at_home(frame, omega)
+    if home is not None and len(slots) == 3 and slots[0] in "dD" and set(slots[1:]) <= {*"DU"}:
+        free = Tensor(frame, slots, home.components)._with_slot(0, "d")
         if slots[1:] == "UD":
             get = free.components.get
             return Tensor(frame, "dDU", lambda index: get((index[0], index[2], index[1])))
@@ -286,14 +288,15 @@ def blend(first: Connection, second: Connection, share: Scalar = HALF) -> Connec
     """
     for connection, name in ((first, "first"), (second, "second")):
         checks.instance(connection, Connection, name)
-    if first.frame is not second.frame:
+    second_here = at_home(first.frame, second)
+    if second_here is None:
         raise ShapeError(
             "expected connections over one frame, got different frames. Build both over the same "
             "frame."
         )
     (weight,) = first.frame.read([("share", share)])
     # One difference and one product a component; (1 - s) A + s B would take two products.
-    mixed = first.coefficients + (second.coefficients - first.coefficients) * weight
+    mixed = first.coefficients + (second_here.coefficients - first.coefficients) * weight
     coefficients = _coefficients(first.frame, mixed.components, "\\Gamma", "connection")
     kind = "general" if "general" in (first.kind, second.kind) else "metric"
     name = f"blend of {first.name} and {second.name}"
@@ -317,7 +320,8 @@ def _with_slots(frame: Frame, values: object, what: str) -> Tensor:
 
 def _given(frame: Frame, tensor: Tensor, slots: str, what: str) -> Tensor:
     """A tensor handed in for an array: the same frame and the right slots."""
-    if tensor.frame is not frame:
+    home = at_home(frame, tensor)
+    if home is None:
         raise ShapeError(
             f"{what}: expected a tensor over this frame, got one over another frame. Build it over "
             "this frame."
@@ -327,4 +331,4 @@ def _given(frame: Frame, tensor: Tensor, slots: str, what: str) -> Tensor:
             f"{what}: expected slots {slots!r}, got {tensor.slots!r}. Use raised, lowered, "
             "in_frame or in_coordinates."
         )
-    return tensor
+    return home

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, SupportsIndex
+from typing import TYPE_CHECKING, ClassVar, SupportsIndex
+from weakref import WeakValueDictionary
 
 import sympy as sp
 
@@ -67,6 +68,8 @@ class Tensor:
     symbol: str = "t"
     name: str = ""
     anchored: tuple[int, ...] = ()
+
+    has_own_field: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         """Refuse slots that are none."""
@@ -488,6 +491,17 @@ class Tensor:
         return replace(self, frame=over, source=self.components.mapped(over.field, changed))
 
     # -- copies --------------------------------------------------------------------------------
+
+    @cached_property
+    def _copies(self) -> WeakValueDictionary[int, Tensor]:
+        """This tensor over equal frames (see `homes`)."""
+        return WeakValueDictionary()
+
+    def _carried(self, frame: Frame) -> Tensor:
+        """This tensor over an equal frame."""
+        if frame.field is self.frame.field:
+            return replace(self, frame=frame, source=self.components)
+        return self._mapped(lambda value, _: value, frame)
 
     def __reduce__(self) -> tuple[object, ...]:
         values = {index: x.sympy for index, x in self.components.independent.items()}

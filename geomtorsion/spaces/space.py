@@ -53,7 +53,7 @@ class KnownAnswer:
     """
 
     quantity: str
-    components: Mapping[Index, Closed] | Closed
+    components: Mapping[Index, Closed] | Closed = field(hash=False)
     basis: str = "coordinate"
     complete: bool = True
     source: str = ""
@@ -85,7 +85,7 @@ class FirstMotion:
     start: tuple[float, ...]
     frame_velocity: tuple[float, ...]
     t: float = 2.0
-    parameters: Mapping[str, float] = field(default_factory=dict)
+    parameters: Mapping[str, float] = field(default_factory=dict, hash=False)
 
 
 @dataclass(frozen=True, repr=False)
