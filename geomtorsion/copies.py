@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -36,7 +37,7 @@ def content(self: Any) -> tuple[object, ...]:
     (1.0, (('a', 0),))
     """
     counted = [x.name for x in fields(self) if x.compare and x.name[0] != "_"]
-    return tuple(_comparable(getattr(self, name)) for name in counted)
+    return tuple(comparable(getattr(self, name)) for name in counted)
 
 
 def equal_content(self: Any, other: object) -> bool:
@@ -51,14 +52,16 @@ def content_hash(self: Any) -> int:
     return hash(content(self))
 
 
-def _comparable(value: Any) -> Any:
+def comparable(value: Any) -> Any:
     """A value that `==` compares as a whole and that has a hash."""
     if isinstance(value, np.ndarray):
         return value.shape, tuple(value.ravel().tolist())
     if isinstance(value, Mapping):
         # The order of the names does not count.
-        pairs = [(key, _comparable(entry)) for key, entry in value.items()]
+        pairs = [(key, comparable(entry)) for key, entry in value.items()]
         return tuple(sorted(pairs, key=lambda pair: str(pair[0])))
     if isinstance(value, list | tuple):
-        return tuple(_comparable(entry) for entry in value)
+        return tuple(comparable(entry) for entry in value)
+    if isinstance(value, partial):
+        return value.func, comparable(value.args), comparable(value.keywords)
     return value

@@ -15,7 +15,7 @@ import sympy as sp
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph, graph, numpy_function
-from geomtorsion.copies import content_hash, equal_content, only_fields
+from geomtorsion.copies import comparable, content_hash, equal_content, only_fields
 from geomtorsion.curves.edges import Edge, edges_of
 from geomtorsion.errors import (
     ArgumentError,
@@ -461,7 +461,7 @@ class Atlas:
             return True
         if (self.home, self.names) != (other.home, other.names):
             return False
-        if self.origin is not None and self.origin == other.origin:
+        if self.origin is not None and comparable(self.origin) == comparable(other.origin):
             return True
         charts = all(self.chart(name) == other.chart(name) for name in self.names)
         return charts and self._table == other._table

@@ -12,6 +12,7 @@ from sympy import Basic, Expr, Integer, Symbol
 from sympy.combinatorics.permutations import Permutation
 
 from geomtorsion.checks import expression
+from geomtorsion.copies import content_hash, equal_content
 from geomtorsion.displays import drawn_by
 from geomtorsion.geometry import Connection, Frame
 from geomtorsion.outgoing import markdown_text
@@ -88,7 +89,7 @@ class FirstMotion:
     parameters: Mapping[str, float] = field(default_factory=dict, hash=False)
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Space:
     """A shipped or read space: a frame with its story, its source and known answers.
 
@@ -136,6 +137,8 @@ class Space:
     atlas: Callable[[Frame], Atlas] | None = None
     motion: FirstMotion | None = None
     embedding: Callable[[Frame], Embedding] | None = None
+
+    __eq__, __hash__ = equal_content, content_hash
 
     def __repr__(self) -> str:
         lines = [f"{self.name}: {self.title}", self.story, f"source: {self.source}"]
