@@ -9,10 +9,17 @@ from typing import TYPE_CHECKING
 import sympy as sp
 
 from geomtorsion import checks
-from geomtorsion.errors import ArgumentError, MissingValueError, TensorIndexError, UndecidedError
+from geomtorsion.errors import (
+    ArgumentError,
+    MissingValueError,
+    ShapeError,
+    TensorIndexError,
+    UndecidedError,
+)
 from geomtorsion.exact import Element
 from geomtorsion.geometry.components import Index, common
 from geomtorsion.geometry.homes import at_home
+from geomtorsion.geometry.indexing import vanishes
 
 if TYPE_CHECKING:
     from geomtorsion.geometry.tensor import Scalar, Tensor
@@ -139,12 +146,24 @@ def equal(first: Tensor, second: Tensor) -> bool:
     return verdict
 
 
-def equals_scalar(tensor: Tensor, other: object) -> bool:
-    """Whether a tensor of rank 0 is exactly this number or expression."""
-    if tensor.slots or not _is_scalar(other):
+def equals(tensor: Tensor, other: object) -> bool:
+    """Whether a scalar is this expression, a tensor these components, or 0 where it vanishes."""
+    if _is_scalar(other):
+        exact = checks.fraction(other)
+        if not tensor.slots:
+            return equal(tensor, tensor.frame.scalar(other if exact is None else exact, "t", ""))
+        return vanishes(tensor) if exact == 0 else NotImplemented
+    listed = checks.rows(other)
+    if not tensor.slots or not isinstance(listed, list | tuple):
         return NotImplemented
-    exact = checks.fraction(other)
-    return equal(tensor, tensor.frame.scalar(other if exact is None else exact, "t", ""))
+    # Tensors are made from arrays, so that the two files import each other.
+    from geomtorsion.geometry.from_arrays import tensor_from_array
+
+    try:
+        array = tensor_from_array(tensor.frame, tensor.slots, listed, "array")
+    except ShapeError:
+        return False
+    return equal(tensor, array)
 
 
 def _is_scalar(value: object) -> bool:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 from weakref import WeakValueDictionary
 
-import sympy as sp
+import numpy as np
 
 from geomtorsion.caching import cached_property
 from geomtorsion.checks import instance
@@ -36,8 +36,11 @@ from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.tensor import Tensor
 
 if TYPE_CHECKING:
+    from numpy.typing import DTypeLike
+
     from geomtorsion.geometry.curvature import Curvature
     from geomtorsion.geometry.forms import Form
+    from geomtorsion.geometry.indexing import One
     from geomtorsion.geometry.torsion import Torsion
 
 HALF = Fraction(1, 2)
@@ -75,9 +78,16 @@ class Connection:
 
     has_own_field: ClassVar[bool] = True
 
-    def __getitem__(self, index: tuple[int, int, int]) -> sp.Expr:
-        """Gamma_ab^c as a sympy expression."""
+    def __getitem__(self, index: One | tuple[One, ...]) -> Any:
+        """Gamma_ab^c as a sympy expression, or an array of coefficients (see Tensor)."""
         return self.coefficients[index]
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self.coefficients)
+
+    def __array__(self, dtype: DTypeLike = None, copy: bool | None = None) -> np.ndarray:
+        """All coefficients Gamma_ab^c (see Tensor)."""
+        return np.asarray(self.coefficients, dtype=dtype)
 
     def table(
         self, names: Names | None = None, *, where: Where | None = None, every: bool = False

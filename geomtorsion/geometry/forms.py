@@ -265,9 +265,16 @@ class Form:
     __rmul__ = __mul__
 
     def __eq__(self, other: object) -> bool:
-        """Exact equality of two forms over one frame."""
+        """Exact equality of two forms over equal frames; a form that vanishes equals 0.
+
+        Raises
+        ------
+        UndecidedError
+            It cannot be decided.
+        """
         if not isinstance(other, Form):
-            return NotImplemented
+            is_scalar = not self.degree and not self.values
+            return self.tensor.__eq__(other) if is_scalar or _is_zero(other) else NotImplemented
         same = at_home(self.frame, other)
         if same is None or (same.degree, same.values) != (self.degree, self.values):
             return False
@@ -280,7 +287,10 @@ class Form:
         return verdict
 
     def __hash__(self) -> int:
-        return hash((self.degree, self.values, frozenset(self.components.items())))
+        return hash((self.degree, self.tensor))
+
+    def __bool__(self) -> bool:
+        return bool(self.tensor)
 
     def wedge(self, other: Form) -> Form:
         """Exterior product; value indices of this form come before the others.
@@ -522,6 +532,11 @@ class Form:
             return self.tensor._repr_latex_()
         text = _text(self, sp.latex, " \\wedge ", " \\, ", "\\mathrm{{d}}{}")
         return f"${text}$"
+
+
+def _is_zero(value: object) -> bool:
+    """Whether a value is the number zero."""
+    return checks.fraction(value) == 0
 
 
 def _text(form: Form, write: Callable[[object], str], wedge: str, space: str, basis: str) -> str:
