@@ -6,13 +6,13 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+import numpy as np
 import sympy as sp
 
 from geomtorsion import checks
 from geomtorsion.errors import (
     ArgumentError,
     MissingValueError,
-    ShapeError,
     TensorIndexError,
     UndecidedError,
 )
@@ -156,14 +156,14 @@ def equals(tensor: Tensor, other: object) -> bool:
     listed = checks.rows(other)
     if not tensor.slots or not isinstance(listed, list | tuple):
         return NotImplemented
-    # Tensors are made from arrays, so that the two files import each other.
-    from geomtorsion.geometry.from_arrays import tensor_from_array
-
     try:
-        array = tensor_from_array(tensor.frame, tensor.slots, listed, "array")
-    except ShapeError:
+        array = np.array(listed, dtype=object)
+    except ValueError:
+        # Rows of several lengths.
         return False
-    return equal(tensor, array)
+    if array.shape != tensor.shape:
+        return False
+    return equal(tensor, replace(tensor, source=dict(np.ndenumerate(array)), symmetry=()))
 
 
 def _is_scalar(value: object) -> bool:

@@ -172,7 +172,7 @@ class Connection:
     @cached_property
     def contortion_from_torsion(self) -> Tensor:
         """The contortion by its definition in terms of the torsion, for any connection."""
-        return contortion_of(self.torsion.S)
+        return riemannian.contortion_of(self.torsion.S)
 
     @cached_property
     def disformation(self) -> Tensor:
@@ -456,13 +456,7 @@ class Connection:
     # -- equality and copies ---------------------------------------------------------------------
 
     def __eq__(self, other: object) -> bool:
-        """Equal frames, permitted legs and coefficients, decided exactly; names do not count.
-
-        Raises
-        ------
-        UndecidedError
-            Whether the coefficients are equal cannot be decided.
-        """
+        """Equal frames, permitted legs and coefficients, decided exactly; names do not count."""
         if not isinstance(other, Connection):
             return NotImplemented
         if self is other:
@@ -504,15 +498,3 @@ class Connection:
         return self.coefficients._repr_latex_()
 
     _repr_html_ = drawn_by("notebook_tables", "connection_html")
-
-
-def contortion_of(torsion: Tensor) -> Tensor:
-    """K_ab^c, slots ddu, of a torsion S_ab^c: K_abc = S_abc - S_bca + S_cab."""
-    frame, lower = torsion.frame, torsion.lowered(2).components.get
-
-    def rule(index: Index) -> Element:
-        a, b, c = index
-        terms = [(1, lower((a, b, c))), (-1, lower((b, c, a))), (1, lower((c, a, b)))]
-        return frame.field.sum(terms)
-
-    return Tensor(frame, "ddd", rule, antisymmetric(3, 1, 2), "K", "contortion").raised(2)

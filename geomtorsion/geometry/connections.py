@@ -9,7 +9,7 @@ from geomtorsion.errors import ShapeError, TensorIndexError
 from geomtorsion.exact import Element
 from geomtorsion.geometry import riemannian
 from geomtorsion.geometry.components import Index
-from geomtorsion.geometry.connection import Connection, contortion_of
+from geomtorsion.geometry.connection import Connection
 from geomtorsion.geometry.derived import derived
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.frame_matrices import parallel_rows
@@ -259,7 +259,7 @@ def from_torsion(frame: Frame, torsion: object) -> Connection:
                 f"[{a}, {b}, {c}] and [{b}, {a}, {c}] do not cancel. "
                 "Use from_coefficients for coefficients, from_contortion for a contortion."
             )
-    gamma = riemannian.christoffel(frame) + contortion_of(tensor)
+    gamma = riemannian.christoffel(frame) + riemannian.contortion_of(tensor)
     coefficients = _coefficients(frame, gamma.components, "\\Gamma", "connection")
     return Connection(frame, coefficients, "connection from torsion", "metric")
 

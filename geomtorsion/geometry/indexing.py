@@ -75,7 +75,7 @@ def _refused(tensor: Tensor, index: object) -> TensorIndexError:
     if not rank:
         return TensorIndexError(f"{tensor.label}[{came}]: expected a scalar's only index, [()].")
     names = ", ".join(symbol.name for symbol in tensor.frame.coordinates)
-    named = f", names of coordinates ({names})" if set(tensor.slots) & {*"du"} else ""
+    named = f", a coordinate ({names})" if set(tensor.slots) & {*"du"} else ""
     legs = " Indices of legs are numbers." if set(tensor.slots) & {*"DU"} else ""
     return TensorIndexError(
         f"{tensor.label}[{came}]: expected up to {rank} indices, each a whole number from {-n} to "
