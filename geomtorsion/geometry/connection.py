@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, ClassVar
-from weakref import WeakValueDictionary
 
 import numpy as np
 
@@ -85,7 +84,7 @@ class Connection:
     def __iter__(self) -> Iterator[Any]:
         return iter(self.coefficients)
 
-    def __array__(self, dtype: DTypeLike = None, copy: bool | None = None) -> np.ndarray:
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> np.ndarray:
         """All coefficients Gamma_ab^c (see Tensor)."""
         return np.asarray(self.coefficients, dtype=dtype)
 
@@ -469,11 +468,6 @@ class Connection:
 
     def __hash__(self) -> int:
         return hash((self.frame, self.allowed))
-
-    @cached_property
-    def _copies(self) -> WeakValueDictionary[int, Connection]:
-        """This connection over equal frames (see `homes`)."""
-        return WeakValueDictionary()
 
     def _carried(self, frame: Frame) -> Connection:
         """This connection over an equal frame."""

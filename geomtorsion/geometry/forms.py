@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations, product
 from typing import TYPE_CHECKING, ClassVar
-from weakref import WeakValueDictionary
 
 import sympy as sp
 
@@ -503,11 +502,6 @@ class Form:
         return self.interior(along).d + self.d.interior(along)
 
     # -- copies and writing ------------------------------------------------------------------------
-
-    @cached_property
-    def _copies(self) -> WeakValueDictionary[int, Form]:
-        """This form over equal frames (see `homes`)."""
-        return WeakValueDictionary()
 
     def _carried(self, frame: Frame) -> Form:
         """This form over an equal frame."""

@@ -7,7 +7,7 @@ other names, have other charts, and two threads that load a space must get what 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Protocol, TypeVar, cast
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 from weakref import WeakValueDictionary
 
 from geomtorsion.exact import Element, TruncatedField
@@ -28,9 +28,6 @@ class Resident(Protocol):
         """The frame of its components."""
         ...
 
-    @property
-    def _copies(self) -> WeakValueDictionary[int, Resident]: ...
-
     def _carried(self, frame: Frame) -> Resident: ...
 
 
@@ -45,10 +42,13 @@ def at_home(frame: Frame, value: R) -> R | None:
     if value.frame is frame:
         return value
     # A copy lives as long as its frame, so that the number of the frame is not taken again.
-    copy = value._copies.get(id(frame))
+    copies: WeakValueDictionary[int, Any] = value.__dict__.setdefault(
+        "_copies", WeakValueDictionary()
+    )
+    copy: Any = copies.get(id(frame))
     if copy is None and value.frame == frame:
-        copy = value._copies[id(frame)] = value._carried(frame)
-    return cast("R | None", copy)
+        copy = copies[id(frame)] = value._carried(frame)
+    return copy
 
 
 def are_equal(one: Frame, two: Frame) -> bool:

@@ -60,7 +60,7 @@ def _numbers(tensor: Tensor, slot: str, item: object) -> int | range | None:
         whole = all(end is None or checks.whole(end) is not None for end in ends)
         return range(n)[item] if whole and item.step != 0 else None
     names = [symbol.name for symbol in tensor.frame.coordinates]
-    name = item.name if isinstance(item, sp.Symbol) else item
+    name: object = str(item) if isinstance(item, sp.Symbol) else item
     # Legs have numbers, no names of coordinates.
     if isinstance(name, str):
         return names.index(name) if name in names and slot in "du" else None
@@ -120,7 +120,7 @@ def vanishes(tensor: Tensor) -> bool:
     return verdict
 
 
-def numpy_array(tensor: Tensor, dtype: DTypeLike = None) -> np.ndarray:
+def numpy_array(tensor: Tensor, dtype: DTypeLike | None = None) -> np.ndarray:
     """All components: floats (or complex numbers) if all are numbers, else an array of objects."""
     n, rank = tensor.frame.dimension, len(tensor.slots)
     array = np.full((n,) * rank, sp.S.Zero, dtype=object)

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, ClassVar, SupportsIndex
-from weakref import WeakValueDictionary
 
 import sympy as sp
 
@@ -146,7 +145,7 @@ class Tensor:
         """The dimension, once for each index."""
         return (self.frame.dimension,) * len(self.slots)
 
-    def __array__(self, dtype: DTypeLike = None, copy: bool | None = None) -> np.ndarray:
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> np.ndarray:
         """Floats if all components are numbers, else an array of sympy expressions."""
         return indexing.numpy_array(self, dtype)
 
@@ -549,11 +548,6 @@ class Tensor:
         return replace(self, frame=over, source=self.components.mapped(over.field, changed))
 
     # -- copies --------------------------------------------------------------------------------
-
-    @cached_property
-    def _copies(self) -> WeakValueDictionary[int, Tensor]:
-        """This tensor over equal frames (see `homes`)."""
-        return WeakValueDictionary()
 
     def _carried(self, frame: Frame) -> Tensor:
         """This tensor over an equal frame."""

@@ -115,7 +115,7 @@ class FrameVector:
 
     # -- as an array -----------------------------------------------------------------------------
 
-    def __array__(self, dtype: DTypeLike = None, copy: bool | None = None) -> np.ndarray:
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> np.ndarray:
         """The components of `vector`."""
         return np.array(self.vector, dtype=dtype)
 

@@ -29,7 +29,8 @@ class Moment(Mapping[str, np.ndarray]):
     values: Mapping[str, np.ndarray]  # type: ignore[assignment]  # a field, not the method
     whole: tuple[str, ...] = ()
 
-    __eq__, __hash__ = equal_content, content_hash
+    __eq__ = equal_content
+    __hash__ = content_hash  # type: ignore[assignment]  # a mapping has none, a frozen one has
 
     def __getitem__(self, name: str) -> np.ndarray:
         if isinstance(name, str) and name in self.values:
