@@ -63,9 +63,9 @@ def main(arguments: list[str] | None = None) -> None:
     assert abs(knot.vector[2] + trefoil.area[0, 1]) < 1e-11
 
     print("\nRotations in Euler angles: torsion everywhere, and a closed form.")
-    b = show("so3", Loop.circle([0.3, 1, 0.2], radius))
+    b = show("so3", Loop.circle([0.3, 1.5, 0.2], radius))
     R = sp.Symbol("R", positive=True)
-    formula = exact_burgers_vector(spaces.load("so3").frame, Loop.circle([0.3, 1, 0.2], R))
+    formula = exact_burgers_vector(spaces.load("so3").frame, Loop.circle([0.3, 1.5, 0.2], R))
     print(f"    exactly b = {formula.vector}")
     assert b.check.agrees
     assert abs(b.vector - formula.at({"R": radius})).max() < 1e-13 * max(1, radius)

@@ -15,41 +15,13 @@ begin_command()
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion import conventions, errors, spaces
-from geomtorsion.allowance import limits
+from geomtorsion import errors
 from geomtorsion.errors import GeomtorsionError
-from geomtorsion.exact import Certainty, parse_expression
-from geomtorsion.geometry import (
-    Connection,
-    Curvature,
-    DependencyGraph,
-    Form,
-    Frame,
-    IdentityCheck,
-    Integrability,
-    Surface,
-    Tensor,
-    Torsion,
-    blend,
-    cartan,
-    constrained,
-    contract,
-    from_coefficients,
-    from_contortion,
-    from_spin_connection,
-    from_torsion,
-    identities,
-    levi_civita,
-    lie,
-    lie_bracket,
-    surface,
-)
-from geomtorsion.spaces import read_file as read
 
 if TYPE_CHECKING:
     __version__: str
     # For editors and type checkers, which do not load names one by one.
-    from geomtorsion import gravity, pictures, scenes
+    from geomtorsion import conventions, gravity, pictures, scenes, spaces
     from geomtorsion.accuracy import (
         CostRow,
         CostTable,
@@ -64,6 +36,7 @@ if TYPE_CHECKING:
         linearized,
         variation,
     )
+    from geomtorsion.allowance import limits
     from geomtorsion.curves import (
         Atlas,
         Chart,
@@ -79,6 +52,34 @@ if TYPE_CHECKING:
         log_map,
         parallel_transport,
         spinning,
+    )
+    from geomtorsion.exact import Certainty, parse_expression
+    from geomtorsion.geometry import (
+        Connection,
+        Curvature,
+        DependencyGraph,
+        Form,
+        Frame,
+        IdentityCheck,
+        Integrability,
+        ParallelVolume,
+        Surface,
+        Tensor,
+        Torsion,
+        blend,
+        cartan,
+        constrained,
+        contract,
+        embedded,
+        from_coefficients,
+        from_contortion,
+        from_spin_connection,
+        from_torsion,
+        identities,
+        levi_civita,
+        lie,
+        lie_bracket,
+        surface,
     )
     from geomtorsion.geometry.numpy_functions import (
         numpy_function,
@@ -158,11 +159,22 @@ if TYPE_CHECKING:
         StateSelection,
         effects,
     )
+    from geomtorsion.spaces import read_file as read
     from geomtorsion.spaces.kerr_orbits import Frequencies, KerrOrbit, kerr_orbit
     from geomtorsion.teaching import exercises
 
-# Imported on first use, so that geometry starts as fast as sympy.
+# Imported on first use: sympy alone takes longer than the start of a program should.
 _LATER = {
+    "allowance": ("limits",),
+    "exact": ("Certainty", "parse_expression"),
+    "geometry": (
+        "Connection", "Curvature", "DependencyGraph", "Form", "Frame", "IdentityCheck",
+        "Integrability", "ParallelVolume", "Surface", "Tensor", "Torsion", "blend", "cartan",
+        "constrained", "contract", "embedded", "from_coefficients", "from_contortion",
+        "from_spin_connection", "from_torsion", "identities", "levi_civita", "lie", "lie_bracket",
+        "surface",
+    ),
+    "spaces": ("read",),
     "geometry.numpy_functions": ("numpy_function",),
     "action": (
         "EquationsOfMotion", "Linearization", "Variation", "conserved_quantities",
@@ -200,9 +212,13 @@ _LATER = {
 }  # fmt: skip
 # Packages that users reach by a public name, imported on first use.
 _PACKAGES = {
-    "crystals": "materials.crystals", "exercises": "teaching.exercises",
+    "conventions": "conventions", "crystals": "materials.crystals",
+    "exercises": "teaching.exercises",
     "gravity": "gravity", "images": "materials.images", "pictures": "pictures", "scenes": "scenes",
+    "spaces": "spaces",
 }  # fmt: skip
+# Names that differ from those inside the package.
+_INSIDE = {"read": "read_file"}
 _HOME = {name: package for package, names in _LATER.items() for name in names}
 
 __all__ = [
@@ -252,6 +268,7 @@ __all__ = [
     "Network",
     "NodeRule",
     "OrientationMap",
+    "ParallelVolume",
     "Phase",
     "Proof",
     "Reaction",
@@ -292,6 +309,7 @@ __all__ = [
     "dispiration",
     "distance_apart",
     "effects",
+    "embedded",
     "enclosed_defects",
     "equations_of_motion",
     "errors",
@@ -349,7 +367,7 @@ if not TYPE_CHECKING:
             return import_module(f"geomtorsion.{_PACKAGES[name]}")
         if name not in _HOME:
             raise AttributeError(f"module 'geomtorsion' has no attribute {name!r}")
-        found = getattr(import_module(f"geomtorsion.{_HOME[name]}"), name)
+        found = getattr(import_module(f"geomtorsion.{_HOME[name]}"), _INSIDE.get(name, name))
         # Kept, because a second import costs as much as a short solution.
         globals()[name] = found
         return found

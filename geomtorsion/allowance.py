@@ -6,16 +6,14 @@ their finished quantities, and the next call continues from there.
 
 from __future__ import annotations
 
-import os
-import sys
 import time
-from pathlib import Path
 from traceback import clear_frames, walk_tb
 from typing import TYPE_CHECKING
 
 from geomtorsion import checks
 from geomtorsion.errors import AllowanceError, ArgumentError, LimitError
 from geomtorsion.exclusive import BLOCKS
+from geomtorsion.workers import resident
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -83,12 +81,11 @@ class Limits:
         """Stop counting; name the quantity that exceeded a limit."""
         BLOCKS.set(BLOCKS.get()[:-1])
         if isinstance(error, _Met) and error.block is self:
-            quantity, place = _where(trace)
+            quantity, place = interrupted_work(trace)
             # Generators that were not finished end now, and set precisions back.
             clear_frames(trace)
-            at = f"; it was at {place}" if place else ""
             raise AllowanceError(
-                f"{quantity} takes more than {error.what}{at}. Finished quantities are kept: "
+                f"{quantity} takes more than {error.what}{place}. Finished quantities are kept: "
                 "repeat with larger limits, request less, or numbers with .at(point)",
                 quantity,
             ) from None
@@ -104,7 +101,8 @@ def limits(*, seconds: float | None = None, megabytes: float | None = None) -> L
     The limits are looked at between the operations of exact work. A single call of python-flint or
     sympy ends before they are: products are bounded beforehand (`geomtorsion.exact.limits`), long
     factorings run in a process of their own, which is ended in time. Work outside this package is
-    not limited.
+    not limited. The options --seconds and --megabytes of a command bound all of its work, since
+    its process is ended.
 
     Parameters
     ----------
@@ -139,36 +137,8 @@ def limits(*, seconds: float | None = None, megabytes: float | None = None) -> L
     )
 
 
-def resident() -> int | None:
-    """Bytes of memory that this process and those that work for it have now, if that is known."""
-    try:
-        page = os.sysconf("SC_PAGE_SIZE")
-        listed = Path("/proc/self/task").glob("*/children")
-        numbers = ["self", *(number for file in listed for number in file.read_text().split())]
-        return sum(page * _pages(number) for number in numbers)
-    # Not on Linux.
-    except (OSError, AttributeError, ValueError, IndexError):
-        pass
-    try:
-        import resource  # not on Windows
-    except ImportError:
-        return None
-    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return most if sys.platform == "darwin" else 1024 * most
-
-
-def _pages(number: str) -> int:
-    """Pages of memory of a process; none if it is gone."""
-    try:
-        return int(Path(f"/proc/{number}/statm").read_text().split()[1])
-    except (OSError, IndexError):
-        if number == "self":
-            raise
-        return 0
-
-
-def _where(trace: TracebackType | None) -> tuple[str, str]:
-    """(requested quantity, part in progress), from the calls that ended."""
+def interrupted_work(trace: TracebackType | None) -> tuple[str, str]:
+    """(requested quantity, "; it was at ..." or nothing), from the calls that ended."""
     asked, tensors, index = "the work", [], None
     for frame, _ in walk_tb(trace):
         module = frame.f_globals.get("__name__", "")
@@ -186,4 +156,6 @@ def _where(trace: TracebackType | None) -> tuple[str, str]:
         place = names.get("representative", names.get("index"))
         if isinstance(place, tuple) and place and all(isinstance(k, int) for k in place):
             index = place
-    return (tensors[0] if tensors else asked), (f"component {list(index)}" if index else "")
+    return (tensors[0] if tensors else asked), (
+        f"; it was at component {list(index)}" if index else ""
+    )

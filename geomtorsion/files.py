@@ -47,6 +47,8 @@ class Bounds:
     with its noise has two hundred.
     unpacked, unpacked_each: bytes to which any packed file may unpack, and more for each of its
     bytes: a frame on a regular grid packs to a tenth, equal values everywhere to a hundredth.
+    unpacked_row: bytes that a row of text takes in memory besides its own, counted for each row of
+        a packed file: a million empty rows pack to a thousand bytes.
     portion: bytes that are unpacked at once while sizes are compared.
     beginning: bytes in which a text file shows its format: headers of maps have some hundred lines.
     """
@@ -58,6 +60,7 @@ class Bounds:
     arrays: int = 1000
     unpacked: int = 200_000_000
     unpacked_each: int = 100
+    unpacked_row: int = 100
     portion: int = 2**20
     beginning: int = 2**17
 
@@ -97,6 +100,19 @@ def finite_number(word: str) -> float | None:
     return value if math.isfinite(value) else None
 
 
+def plain_float(word: str) -> float:
+    """The float of a word, which may be nan or inf; ValueError for 1_000 and foreign digits.
+
+    Examples
+    --------
+    >>> plain_float(" 1e-3"), plain_float("-inf")
+    (0.001, -inf)
+    """
+    if "_" in word or not word.isascii():
+        raise ValueError(f"could not convert string to float: {word!r}")
+    return float(word)
+
+
 # First bytes of packed files -> function that unpacks them, and the endings of their names.
 _PACKED = {b"\x1f\x8b": gzip.open, b"BZh": bz2.open}
 _PACKED_ENDS = (".gz", ".bz2")
@@ -123,37 +139,41 @@ def ending(path: object) -> str:
 
 
 class _Unpacked(io.RawIOBase):
-    """Bytes of a packed file, up to a number of them."""
+    """Bytes of a packed file, counted while they are unpacked; most: of them and of their rows."""
 
     def __init__(self, name: str, source: BinaryIO, most: int) -> None:
-        self.name, self.source, self.most, self.left = name, source, most, most
+        self.name, self.source, self.most = name, source, most
+        self.taken = self.rows = 0
 
     def readable(self) -> bool:
         return True
 
     def readinto(self, buffer: Any) -> int:
         try:
-            content = self.source.read(len(buffer))
+            content = self.source.read(min(len(buffer), BOUNDS.portion))
         except (OSError, EOFError, zlib.error):
             raise FileFormatError(
                 f"{self.name}: expected a whole packed file, got one that is damaged or truncated. "
                 "Copy it again."
             ) from None
-        self.left -= len(content)
-        if self.left < 0:
+        self.taken += len(content)
+        self.rows += content.count(b"\n")
+        memory = self.taken + BOUNDS.unpacked_row * self.rows
+        if self.taken > checks.LARGEST_ARRAYS or memory > self.most:
+            most = min(self.most, checks.LARGEST_ARRAYS)
             raise LimitError(
-                f"{self.name}: expected at most {self.most:,} bytes when it is unpacked, got more. "
-                "Unpack it, then read that."
+                f"{self.name}: expected at most {most:,} bytes when it is unpacked, got more in "
+                f"{self.rows:,} rows. Unpack it, then read that."
             )
         buffer[: len(content)] = content
         return len(content)
 
 
 @contextmanager
-def opened(path: str | PathLike[str], most: int | None = None) -> Iterator[BinaryIO]:
+def opened(path: str | PathLike[str]) -> Iterator[BinaryIO]:
     """The bytes of a file, unpacked where it is packed by gzip or bzip2.
 
-    most: bytes to which it may unpack; in proportion to its length if not given.
+    Unpacked bytes are counted as they come, against a limit in proportion to the packed ones.
 
     Raises
     ------
@@ -185,10 +205,18 @@ def opened(path: str | PathLike[str], most: int | None = None) -> Iterator[Binar
         if unpack is None:
             yield file
             return
-        size = BOUNDS.unpacked + BOUNDS.unpacked_each * path.stat().st_size
-        bound = min(checks.LARGEST_ARRAYS, size) if most is None else most
+        bound = BOUNDS.unpacked + BOUNDS.unpacked_each * path.stat().st_size
         with unpack(file) as source:
             yield io.BufferedReader(_Unpacked(path.name, source, bound))
+
+
+def _read(file: BinaryIO, most: int) -> bytes:
+    """The bytes of a file, up to so many; a single call would allocate all of them before."""
+    portions, left = [], most
+    while left and (portion := file.read(min(left, BOUNDS.portion))):
+        portions.append(portion)
+        left -= len(portion)
+    return b"".join(portions)
 
 
 def read_text(
@@ -207,8 +235,8 @@ def read_text(
     """
     path = checks.file_name(path)
     try:
-        with opened(path, largest) as file:
-            content = file.read(largest + 1)
+        with opened(path) as file:
+            content = _read(file, largest + 1)
     except OSError as error:
         reason = error.strerror or type(error).__name__
         raise FileFormatError(f"{path}: the file cannot be read: {reason}.") from None

@@ -6,10 +6,12 @@ One function for each target. JSON is escaped by `json.dumps`.
 from __future__ import annotations
 
 import cmath
+import logging
 import math
 import re
 import sys
 import unicodedata
+import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from html import escape
@@ -245,6 +247,23 @@ def plain_streams() -> Iterator[None]:
         yield
     finally:
         sys.stdout, sys.stderr = output, errors
+
+
+@contextmanager
+def quiet_libraries() -> Iterator[None]:
+    """A block in which libraries that read a file do not warn or log; our errors name the file."""
+    handler = logging.NullHandler()
+    loggers = [logging.getLogger(name) for name in ("tifffile", "rsciio", "PIL", "ase")]
+    for logger in loggers:
+        # Python prints a record that has no handler; handlers of the user still get each record.
+        logger.addHandler(handler)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        for logger in loggers:
+            logger.removeHandler(handler)
 
 
 def moving(stream: TextIO) -> TextIO:

@@ -47,6 +47,8 @@ def values() -> dict[str, Callable[[], Any]]:
         "Cochain": lambda: gt.Cochain.of_edges([[0, 1], [1, 0]], [[3, 0], [-3, 0]]),
         "Complex": lambda: gt.Complex.grid((4, 3)),
         "ComponentTable": lambda: so3.metric.table("abc"),
+        "Integrability": lambda: gt.spaces.load("rolling_disc").connection.integrable,
+        "ParallelVolume": lambda: gt.cartan(so3).transposed.volume,
         "Crystal": lambda: gt.crystals.Crystal(atoms, np.diag([18.0] * 3)),
         "DislocationNetwork": lambda: gt.DislocationNetwork.of_arrays(arrays),
         "EquationsOfMotion": lambda: gt.equations_of_motion(so3, energy),

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import base64
+import gzip
 import json
 import struct
 import time
+import tracemalloc
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from geomtorsion.errors import FileFormatError, LimitError
-from geomtorsion.files import read_toml_text
+from geomtorsion.files import read_toml, read_toml_text
 from geomtorsion.materials.crystals.atom_files import atom_frames
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.fields.large_arrays import opened
@@ -25,8 +28,8 @@ from geomtorsion.ode import ODE, RungeKutta, SavedSolution, solve
 from geomtorsion.teaching.exercises import grading
 from geomtorsion.teaching.exercises.examiner import Examiner
 
-# Longest time of a refusal in seconds; without a bound it took minutes or had no end.
-SECONDS = 5.0
+# Bytes that a refusal may take, besides some hundred for each byte of a file that is read.
+MOST = 50_000_000
 POSCAR = "x\n1.0\n4 0 0\n0 4 0\n0 0 4\n"
 XYZ = '2\nLattice="4 0 0 0 4 0 0 0 4" {}\nFe 0 0 0\nFe 1 1 1\n'
 DATA = (
@@ -118,7 +121,7 @@ def test_what_is_declared_is_bounded(
     words: str,
     tmp_path: Path,
 ):
-    """Each file is refused with our own message within seconds."""
+    """Each file is refused with our own message before memory is allocated for what it declares."""
     if name.endswith((".xyz", ".poscar", ".lmp", ".cfg", "XDATCAR")):
         pytest.importorskip("ase")
     for end, library in ((".tif", "tifffile"), (".vtk", "meshio")):
@@ -127,10 +130,74 @@ def test_what_is_declared_is_bounded(
     path = tmp_path / name
     given = content() if callable(content) else content
     path.write_bytes(given.encode() if isinstance(given, str) else given)
-    began = time.process_time()
-    with pytest.raises((FileFormatError, LimitError), match=words):
+    with peak() as most, pytest.raises((FileFormatError, LimitError), match=words):
         read(path)
-    assert time.process_time() - began < SECONDS
+    assert most[0] < MOST + 200 * path.stat().st_size
+
+
+@contextmanager
+def peak() -> Iterator[list[int]]:
+    """A list that gets the largest number of bytes that were allocated at once in the block."""
+    most: list[int] = []
+    tracemalloc.start()
+    try:
+        yield most
+    finally:
+        most.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+
+
+TEXTS = {
+    "a.lmp.gz": atoms,
+    "a.dump.gz": atoms,
+    "a.xyz.gz": atoms,
+    "a.poscar.gz": atoms,
+    "a.cfg.gz": atoms,
+    "network.json.gz": DislocationNetwork.read,
+    "network.data.gz": DislocationNetwork.read,
+    "a.ctf.gz": OrientationMap.read,
+    "a.ang.gz": OrientationMap.read,
+    "a.csv.gz": SampledFrame.read,
+    "a.txt.gz": SampledFrame.read,
+    "a.toml.gz": read_toml,
+}
+HEADS = {
+    "a.dump.gz": "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n9\nITEM: BOX BOUNDS\nITEM: ATOMS x\n",
+    "a.xyz.gz": "50000000\nx\nFe 0 0 0\n",
+    "a.lmp.gz": "LAMMPS data file\n\n",
+    "network.data.gz": "dataFileVersion = 4\n",
+    "a.ctf.gz": "Channel Text File\n",
+    "a.ang.gz": PHASE,
+    "a.txt.gz": "x y u v\n",
+    "a.poscar.gz": POSCAR,
+}
+
+
+@pytest.mark.parametrize("name", TEXTS)
+def test_packed_text_is_counted_while_it_is_unpacked(name: str, tmp_path: Path):
+    """Some kilobytes that unpack to a hundred megabytes of lines are refused early."""
+    if TEXTS[name] is atoms:
+        pytest.importorskip("ase")
+    read, path = TEXTS[name], tmp_path / name
+    path.write_bytes(gzip.compress(HEADS.get(name, "").encode() + b"1\n" * 50_000_000))
+    with peak() as most, pytest.raises(LimitError, match="when it is unpacked, got more"):
+        read(path)
+    # The limit is 200 MB, of which a packed file may use any part.
+    assert most[0] < 5 * MOST
+
+
+def test_comments_of_a_data_file_take_no_memory(tmp_path: Path):
+    """Lines without words are skipped while the rows of a LAMMPS file are read."""
+    text = DATA.format(2)
+    path = tmp_path / "a.data.gz"
+    path.write_bytes(
+        gzip.compress(text.replace("\n1 1 0", "\n" + "#\n" * 1_500_000 + "1 1 0").encode())
+    )
+    with peak() as most:
+        [frame] = atom_frames(path, "lammps-data")
+    assert len(frame.positions) == 2
+    # The text takes one byte for each character, and four while it is divided into lines.
+    assert most[0] < 30_000_000
 
 
 def test_packed_blocks_of_vtu(tmp_path: Path):

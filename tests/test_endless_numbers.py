@@ -2,7 +2,6 @@
 
 import json
 import re
-import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -18,8 +17,7 @@ from geomtorsion.scenes.files import read_file as read_scene
 from geomtorsion.spaces.files import read_file as read_space
 from tests.cli.running import run
 
-# CPU seconds. A refusal takes milliseconds; the values took hours or all memory.
-SECONDS = 5
+# Refused before they are computed, which would take hours or all memory.
 x, y, a = sp.symbols("x y a", positive=True)
 TOWER = sp.exp(sp.exp(sp.exp(99)))
 FRAME = gt.Frame([x, y], [[1, 0], [0, a + x**2]])
@@ -80,16 +78,13 @@ ROUTES: dict[str, Callable[[Path, str], object]] = {
 @pytest.mark.parametrize("route", ROUTES.values(), ids=ROUTES.keys())
 def test_texts(route: Callable[[Path, str], object], number: str, tmp_path: Path):
     """Each text is refused before its value is computed."""
-    began = time.process_time()
     with pytest.raises(GeomtorsionError, match=WORDS):
         route(tmp_path, number)
-    assert time.process_time() - began < SECONDS
 
 
 @pytest.mark.parametrize("number", [text for text in TEXTS if "," not in text])
 def test_options(number: str, tmp_path: Path):
     """Such numbers are refused on the command line."""
-    began = time.process_time()
     space = written(
         tmp_path,
         'coordinates = ["x", "y"]\nparameters = ["k"]\ncoframe = [["k", 0], [0, 1]]\n',
@@ -97,7 +92,6 @@ def test_options(number: str, tmp_path: Path):
     done = run("curve", str(space), f"--set=k={number}", code=2)
     assert "parameter k: " in done.stderr
     assert re.search(WORDS, done.stdout + done.stderr)
-    assert time.process_time() - began < SECONDS
 
 
 @pytest.mark.parametrize(
@@ -116,10 +110,8 @@ def test_options(number: str, tmp_path: Path):
 @pytest.mark.parametrize("number", [TOWER, sp.sin(sp.log(TOWER)), 1 / TOWER, 2 ** sp.log(TOWER)])
 def test_numbers_of_sympy(use: Callable[[sp.Expr], object], number: sp.Expr):
     """Such sympy numbers are refused in Python."""
-    began = time.process_time()
     with pytest.raises(GeomtorsionError, match=f"{WORDS}|more than 64 bits"):
         use(number)
-    assert time.process_time() - began < SECONDS
 
 
 @pytest.mark.parametrize(

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-import os
 import re
 import signal
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from enum import IntEnum
 from pathlib import Path
 from typing import cast
 
 import typer
 
+from geomtorsion.allowance import interrupted_work
 from geomtorsion.checks import cut
 from geomtorsion.cli.interrupts import INTERRUPTED, stop_at_once
-from geomtorsion.errors import GeomtorsionError
+from geomtorsion.errors import AllowanceError, GeomtorsionError
+from geomtorsion.workers import MEMORY, TIME, Bounds, limit_data, machine_memory
 
 # Base of the errors for wrong options; typer brings its own click, and exports only this class.
 UsageError = cast("type[typer.BadParameter]", typer.BadParameter.__bases__[0])
@@ -39,19 +40,23 @@ class ExitCode(IntEnum):
     interrupted = INTERRUPTED
 
 
+class ExceededError(KeyboardInterrupt):
+    """A limit ends the work of a command, which reports its finished part as on Ctrl-C."""
+
+
 @contextmanager
-def interruptible(came: list[bool]) -> Iterator[None]:
+def interruptible(came: list[KeyboardInterrupt]) -> Iterator[None]:
     """Raise KeyboardInterrupt on Ctrl-C within the block, so that resources are released.
 
-    came: gets an entry on Ctrl-C, since C libraries may turn the interrupt into another error.
+    came: gets the exception, since C libraries may turn the interrupt into another error.
     """
     if signal.getsignal(signal.SIGINT) is not stop_at_once:
         yield
         return
 
     def interrupt(*_: object) -> None:
-        came.append(True)
-        raise KeyboardInterrupt
+        came.append(KeyboardInterrupt())
+        raise came[-1]
 
     signal.signal(signal.SIGINT, interrupt)
     try:
@@ -60,48 +65,49 @@ def interruptible(came: list[bool]) -> Iterator[None]:
         signal.signal(signal.SIGINT, stop_at_once)
 
 
-def limit_memory() -> None:
-    """Limit the memory of this process to the memory of the machine, if the system supports it.
+@contextmanager
+def at_limits(bounds: Bounds, came: list[KeyboardInterrupt]) -> Iterator[None]:
+    """Raise ExceededError within the block of a worker when its parent reports a limit.
 
-    A damaged file that requests more then causes an error, before the system ends other programs.
+    came: gets the exception, as on Ctrl-C.
     """
-    try:
-        # Not on Windows.
-        import resource
-    except ImportError:
-        return
-    memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    # RLIMIT_DATA limits data, not addresses: memory-mapped files do not count.
-    soft, hard = resource.getrlimit(resource.RLIMIT_DATA)
-    if soft == resource.RLIM_INFINITY or soft > memory:
-        with suppress(ValueError, OSError):
-            resource.setrlimit(resource.RLIMIT_DATA, (memory, hard))
+    limits = {TIME: f"{bounds.seconds:g} s" if bounds.seconds else "", MEMORY: ""}
+    limits[MEMORY] = f"{bounds.megabytes:g} MB" if bounds.megabytes else ""
+
+    def end(number: int, _: object) -> None:
+        came.append(ExceededError(limits[number]))
+        raise came[-1]
+
+    for number in filter(None, limits):
+        signal.signal(number, end)
+    yield
 
 
 @contextmanager
-def clean_exits() -> Iterator[None]:
-    """End with 2 on an error of this package or of a file, and with 130 on Ctrl-C."""
-    came: list[bool] = []
-    limit_memory()
+def clean_exits() -> Iterator[list[KeyboardInterrupt]]:
+    """End with 2 on an error of this package or of a file, and with 130 on Ctrl-C.
+
+    The block gets the list of the interrupts that came.
+    """
+    came: list[KeyboardInterrupt] = []
+    # A damaged file that requests more causes an error, before the system ends other programs.
+    if memory := machine_memory():
+        limit_data(memory)
     try:
         with interruptible(came):
-            yield
+            yield came
     except typer.Exit:
         raise
-    except KeyboardInterrupt:
-        stopped()
-        raise typer.Exit(ExitCode.interrupted) from None
+    except KeyboardInterrupt as stop:
+        raise stopped(stop) from None
     except Exception as error:
         if came:
-            stopped()
-            raise typer.Exit(ExitCode.interrupted) from None
+            raise stopped(came[-1]) from None
         if isinstance(error, UsageError):
             typer.echo(f"geomtorsion: {wrong_usage(error)}", err=True)
             raise typer.Exit(ExitCode.wrong_input) from None
         if isinstance(error, GeomtorsionError):
-            typer.echo(f"geomtorsion: {in_options(str(error))}", err=True)
-            if pages := more_on(error):
-                typer.echo(pages, err=True)
+            show_error(error)
             raise typer.Exit(ExitCode.wrong_input) from None
         if isinstance(error, MemoryError):
             typer.echo(
@@ -116,6 +122,13 @@ def clean_exits() -> Iterator[None]:
             typer.echo(f"geomtorsion: {error.strerror or error}{name}", err=True)
             raise typer.Exit(ExitCode.wrong_input) from None
         raise
+
+
+def show_error(error: GeomtorsionError) -> None:
+    """Print the message of an error, and the page that helps."""
+    typer.echo(f"geomtorsion: {in_options(str(error))}", err=True)
+    if pages := more_on(error):
+        typer.echo(pages, err=True)
 
 
 def wrong_usage(error: typer.BadParameter) -> str:
@@ -176,11 +189,20 @@ def resumable(left: Callable[[], str]) -> Iterator[None]:
     """
     try:
         yield
-    except KeyboardInterrupt:
-        stopped(left())
-        raise typer.Exit(ExitCode.interrupted) from None
+    except KeyboardInterrupt as stop:
+        raise stopped(stop, left()) from None
 
 
-def stopped(more: str = "") -> None:
-    """Report that Ctrl-C ended the command."""
+def stopped(stop: KeyboardInterrupt, more: str = "") -> typer.Exit:
+    """Report that Ctrl-C or a limit ended the command; the exit that this leads to."""
+    if isinstance(stop, ExceededError):
+        quantity, place = interrupted_work(stop.__traceback__)
+        show_error(exceeded(f"{quantity} takes more than {stop}{place}{more}"))
+        return typer.Exit(ExitCode.wrong_input)
     typer.echo(f"geomtorsion: stopped{more}", err=True)
+    return typer.Exit(ExitCode.interrupted)
+
+
+def exceeded(message: str) -> AllowanceError:
+    """The error about a limit of a command, with the options that set it."""
+    return AllowanceError(f"{message}. Give larger --seconds or --megabytes, or request less")

@@ -6,8 +6,10 @@ longer than `geomtorsion --help` takes.
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import nullcontext
+from functools import partial
 from importlib import import_module
 from typing import Annotated, Any, ClassVar
 
@@ -15,10 +17,13 @@ import typer
 from typer.core import TyperGroup
 from typer.main import get_command
 
-from geomtorsion.allowance import limits
+from geomtorsion import checks
 from geomtorsion.checks import near_names
-from geomtorsion.cli.exits import clean_exits
+from geomtorsion.cli.exits import ExitCode, at_limits, clean_exits, exceeded
+from geomtorsion.cli.interrupts import stop_at_once
+from geomtorsion.errors import AllowanceError, ArgumentError
 from geomtorsion.outgoing import plain_streams
+from geomtorsion.workers import Bounds, work_within
 
 # typer has a copy of click of its own, older ones use click: contexts and commands are Any here.
 # Plain help, and no traceback with the values of all variables.
@@ -27,6 +32,9 @@ SETTINGS: dict[str, Any] = {
     "rich_markup_mode": None,
     "pretty_exceptions_enable": False,
 }
+
+# What a context keeps: the arguments of the command line, and the interrupts that came.
+_ARGUMENTS, _INTERRUPTS = "geomtorsion.arguments", "geomtorsion.interrupts"
 
 
 class LazyGroup(TyperGroup):
@@ -72,6 +80,7 @@ class LazyGroup(TyperGroup):
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """The arguments of the group; a wrong option of the group ends like any other error."""
+        ctx.meta.setdefault(_ARGUMENTS, list(args))
         # Without arguments typer shows help and raises it as an error.
         with clean_exits() if args else nullcontext():
             arguments: list[str] = super().parse_args(ctx, args)
@@ -79,7 +88,8 @@ class LazyGroup(TyperGroup):
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was named."""
-        with plain_streams(), clean_exits():
+        with plain_streams(), clean_exits() as interrupts:
+            ctx.meta[_INTERRUPTS] = interrupts
             return super().invoke(ctx)
 
 
@@ -101,22 +111,44 @@ def _limits(
             metavar="MB", show_default=False, help="End with an error above MB megabytes of memory."
         ),
     ] = None,
-) -> AbstractContextManager[object]:
-    """The context that applies the options --seconds and --megabytes of a command."""
-    if seconds is None and megabytes is None:
-        return nullcontext()
-    return limits(seconds=seconds, megabytes=megabytes)
+) -> Bounds:
+    """The options --seconds and --megabytes of a command."""
+    return Bounds(
+        None if seconds is None else checks.positive(seconds, "seconds", ArgumentError),
+        None if megabytes is None else checks.positive(megabytes, "megabytes", ArgumentError),
+    )
 
 
 def _limited(command: Any) -> Any:
-    """A command with the options of limits."""
+    """A command with the options of limits; with one of them a worker does its work."""
     options = _command(_limits, None).params
     command.params += options
-    work = command.callback
+    work = command.invoke
 
-    def callback(**values: Any) -> Any:
-        with _limits(**{option.name: values.pop(option.name) for option in options}):
-            return work(**values)
+    def invoke(ctx: Any) -> Any:
+        bounds = _limits(**{option.name: ctx.params.pop(option.name) for option in options})
+        if bounds == Bounds():
+            return work(ctx)
+        if ctx.obj is None:
+            raise typer.Exit(_by_worker(bounds, ctx.meta[_ARGUMENTS]))
+        with at_limits(bounds, ctx.meta[_INTERRUPTS]):
+            ctx.obj()
+            return work(ctx)
 
-    command.callback = callback
+    command.invoke = invoke
     return command
+
+
+def _by_worker(bounds: Bounds, arguments: list[str]) -> int:
+    """Exit code of a worker that runs the whole command line."""
+    try:
+        return work_within(bounds, partial(_run, arguments), ExitCode.wrong_input)
+    except AllowanceError as error:
+        raise exceeded(str(error)) from None
+
+
+def _run(arguments: list[str], begun: Callable[[], None]) -> None:
+    """Run a command line in a worker; begun: is called when the work of the command begins."""
+    signal.signal(signal.SIGINT, stop_at_once)
+    # By its name, since the commands import this file.
+    import_module("geomtorsion.cli.app").app(arguments, obj=begun)

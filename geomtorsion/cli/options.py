@@ -165,7 +165,11 @@ MeasuredSlip = Annotated[
 ]
 MeasuredPixel = Annotated[
     str | None,
-    option("--pixel", metavar="SIZE", text="Images: size of a pixel with its unit: 0.03nm"),
+    option(
+        "--pixel",
+        metavar="SIZE",
+        text="Images: size of a pixel with its unit, if not that in the file: 0.03nm",
+    ),
 ]
 MeasuredSpots = Annotated[
     str | None,

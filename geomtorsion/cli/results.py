@@ -121,6 +121,16 @@ def explain(result: Json) -> None:
         )
     if "grain" in result:
         typer.echo(f"  in grain {result['grain']}, {result['phase']}, {result['steps']} steps")
+    if result.get("detour"):
+        detour, per = result["detour"], f" {result['unit']}" if result["unit"] else ""
+        count = len(detour["nodes"])
+        typer.echo(
+            wrapped(
+                f"  the circuit goes around {count} missing node{'s' * (count != 1)}, up to "
+                f"{detour['distance']:.3g}{per} away; its area changes by {detour['change']:.3g}, "
+                f"its error by {detour['error']:.2g}"
+            )
+        )
     if "whole" in result:
         typer.echo(f"  error of its length: {result['grid_error']:.2g}{unit}")
         return
@@ -157,6 +167,8 @@ def survey_lines(survey: Survey, found: Json | None = None) -> list[str]:
     found = found or survey.summary()
     missing = found["circuits"] - found["known"]
     lines = [f"{found['known']:,} circuits of {survey.extent}"]
+    if found.get("detoured"):
+        lines[0] += f", {found['detoured']:,} of them around missing nodes"
     if missing:
         lines[0] += f"; {missing:,} more {survey.missing}"
     if not found["known"]:

@@ -19,7 +19,7 @@ from geomtorsion.errors import (
     OrientationError,
     UnknownNameError,
 )
-from geomtorsion.files import UNSIGNED
+from geomtorsion.files import UNSIGNED, plain_float
 from geomtorsion.geometry import Frame
 from geomtorsion.materials import Source
 from geomtorsion.materials.readers import open_source
@@ -112,7 +112,7 @@ def _pixel(text: str) -> tuple[float, str]:
 def _spots(text: str) -> list[list[float]]:
     """Two Bragg spots."""
     try:
-        return [[float(x) for x in part.split(",")] for part in text.split(";")]
+        return [[plain_float(x) for x in part.split(",")] for part in text.split(";")]
     except ValueError:
         raise ImageError(
             f"--spots: expected two spots in cycles per unit, got {shown(text)}. Write --spots "
@@ -138,7 +138,7 @@ def sigma_of(text: str) -> float | str:
     if text == "estimate":
         return text
     try:
-        return float(text)
+        return plain_float(text)
     except ValueError:
         raise GridError(
             f"--sigma: expected a number of 0 or more, or estimate, got {shown(text)}. Write "

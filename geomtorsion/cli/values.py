@@ -10,6 +10,7 @@ from geomtorsion.checks import cut, shown
 from geomtorsion.curves import CurveProblem
 from geomtorsion.errors import ExpressionError, StartError, UnknownNameError
 from geomtorsion.exact import parse_expression
+from geomtorsion.files import plain_float
 from geomtorsion.ode import Engine
 from geomtorsion.ode.engines.named import SHIPPED
 
@@ -52,7 +53,7 @@ def number(text: str, what: str) -> float:
     text = text.strip()
     try:
         # Tried first: 1e-300 is a number to float, and a fraction of 300 digits to the parser.
-        value = float(text)
+        value = plain_float(text)
     except ValueError:
         value = _expression(text, what)
     if not math.isfinite(value):

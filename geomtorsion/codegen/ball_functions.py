@@ -8,42 +8,29 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any, TypeAlias
+from typing import Any
 
-from flint import acb, arb, arb_series, ctx
+from flint import acb, arb, arb_series
 
+from geomtorsion.codegen.special_balls import (
+    ANALYTIC,
+    CUTS,
+    NAN,
+    SERIES,
+    Ball,
+    touches_cut,
+    undefined,
+)
 from geomtorsion.exact.special_values import VALUES
-
-# An arb, acb or arb_series; python-flint does not declare its types.
-Ball: TypeAlias = Any
 
 # -- complex functions -----------------------------------------------------------------------------
 
-NAN = acb("nan", "nan")
 UNIT = acb(0, 1)
-# Where each function has its cut: on the imaginary axis from i and -i on, on the real axis from 1
-# and -1 on, below 1, or below 0.
-_CUTS = {
-    "atan": "imaginary", "asinh": "imaginary", "asin": "outer", "acos": "outer", "atanh": "outer",
-    "acosh": "below one", "lgamma": "negative", "ei": "negative",
-}  # fmt: skip
-
-
-def touches_cut(x: acb, cut: str) -> bool:
-    """Whether a ball may meet a cut, by its name in the table of cuts."""
-    real, imaginary = x.real, x.imag
-    if cut == "imaginary":
-        return real.contains(0) and not abs(imaginary) < 1
-    if not imaginary.contains(0):
-        return False
-    if cut == "outer":
-        return not abs(real) < 1
-    return not real > (1 if cut == "below one" else 0)
 
 
 def _with_cut(name: str) -> Callable[[acb, bool], acb]:
     """A method of acb that has a cut."""
-    method, cut = getattr(acb, name), _CUTS[name]
+    method, cut = getattr(acb, name), CUTS[name]
     return lambda x, analytic: NAN if analytic and touches_cut(x, cut) else method(x)
 
 
@@ -51,19 +38,6 @@ def _plain(name: str) -> Callable[[acb, bool], acb]:
     """A method of acb that is analytic where it is finite."""
     method = getattr(acb, name)
     return lambda x, analytic: method(x)
-
-
-def _bessel(name: str, *, entire: bool) -> Callable[[acb, acb, bool], acb]:
-    """A Bessel function (order, x); entire: whether it has no cut where the order is whole."""
-    method = getattr(acb, name)
-
-    def value(order: acb, x: acb, analytic: bool) -> acb:
-        whole = order.imag.is_zero() and order.real.is_integer()
-        if analytic and not (entire and whole) and touches_cut(x, "negative"):
-            return NAN
-        return method(x, order)
-
-    return value
 
 
 def _complex_atan2(y: acb, x: acb, analytic: bool) -> acb:
@@ -112,25 +86,11 @@ def _extreme(name: str) -> Callable[..., acb]:
     return value
 
 
-def _special(name: str) -> Callable[..., acb]:
-    """A special function whose cuts are not known here: nowhere counted as analytic."""
-    method = VALUES[name]
-
-    def value(*given: Any) -> acb:
-        *arguments, analytic = given
-        return NAN if analytic else method(*arguments)
-
-    return value
-
-
 COMPLEX: dict[str, Callable[..., acb]] = {
-    **{name: _special(name) for name in VALUES},
-    **{name: _plain(name) for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "exp", "erf",
-                                       "erfc", "erfi", "gamma")},
+    **ANALYTIC,
+    **{name: _plain(name) for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "exp")},
     **{name: _with_cut(name) for name in ("atan", "asinh", "asin", "acos", "atanh", "acosh")},
     "log": lambda x, analytic: x.log(analytic=analytic),
-    "loggamma": _with_cut("lgamma"),
-    "Ei": _with_cut("ei"),
     "atan2": _complex_atan2,
     "power": _complex_power,
     "root": _complex_root,
@@ -140,18 +100,9 @@ COMPLEX: dict[str, Callable[..., acb]] = {
     "ceiling": _real_extension("real_ceil"),
     "Max": _extreme("real_max"),
     "Min": _extreme("real_min"),
-    "besselj": _bessel("bessel_j", entire=True),
-    "besseli": _bessel("bessel_i", entire=True),
-    "bessely": _bessel("bessel_y", entire=False),
-    "besselk": _bessel("bessel_k", entire=False),
 }  # fmt: skip
 
 # -- real functions, and power series --------------------------------------------------------------
-
-
-def undefined() -> arb_series:
-    """A series of which no coefficient is known."""
-    return arb_series([arb("nan")] * ctx.cap, prec=ctx.cap)
 
 
 def _first(x: Ball) -> arb:
@@ -259,23 +210,13 @@ def _real_atan2(y: Ball, x: Ball) -> Ball:
     return undefined()
 
 
-def _real_bessel(name: str) -> Callable[[Ball, Ball], Ball]:
-    method = getattr(arb, name)
-
-    def value(order: Ball, x: Ball) -> Ball:
-        both = isinstance(order, arb) and isinstance(x, arb)
-        return method(x, order) if both else undefined()
-
-    return value
-
-
 def _real_special(name: str) -> Callable[..., Ball]:
     """A special function of real numbers; not a number where its value is not real."""
-    method = VALUES[name]
+    method, on_series = VALUES[name], SERIES[name]
 
     def value(*given: Ball) -> Ball:
         if any(isinstance(x, arb_series) for x in given):
-            return undefined()
+            return on_series(*given)
         result = method(*map(acb, given))
         return result.real if result.imag.is_zero() else arb("nan")
 
@@ -284,16 +225,13 @@ def _real_special(name: str) -> Callable[..., Ball]:
 
 REAL: dict[str, Callable[..., Ball]] = {
     **{name: _real_special(name) for name in VALUES},
-    **{name: _real(name) for name in ("sin", "cos", "tan", "exp", "log", "atan", "asin", "acos",
-                                      "erf", "erfc", "erfi", "gamma")},
+    **{name: _real(name) for name in ("sin", "cos", "tan", "exp", "log", "atan", "asin", "acos")},
     "sinh": _real("sinh", _series_sinh),
     "cosh": _real("cosh", _series_cosh),
     "tanh": _real("tanh", _series_tanh),
     "asinh": _real("asinh", lambda x: (x + (x * x + 1).sqrt()).log()),
     "acosh": _real("acosh", lambda x: (x + (x * x - 1).sqrt()).log()),
     "atanh": _real("atanh", lambda x: _series_quotient(1 + x, 1 - x).log() / 2),
-    "loggamma": _real("lgamma"),
-    "Ei": _real("ei"),
     "atan2": _real_atan2,
     "power": _real_power,
     "root": _real_root,
@@ -303,9 +241,5 @@ REAL: dict[str, Callable[..., Ball]] = {
     "ceiling": _whole("ceil"),
     "Max": partial(_series_extreme, 1),
     "Min": partial(_series_extreme, -1),
-    "besselj": _real_bessel("bessel_j"),
-    "besseli": _real_bessel("bessel_i"),
-    "bessely": _real_bessel("bessel_y"),
-    "besselk": _real_bessel("bessel_k"),
     "over": _series_quotient,
 }  # fmt: skip

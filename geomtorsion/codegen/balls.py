@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Literal
 
-import numpy as np
 import sympy as sp
 from flint import acb, arb, arb_series, ctx, fmpq, fmpz
 
@@ -58,8 +57,6 @@ def exact_ball(value: Any) -> arb:
     if hasattr(value, "_mpf_"):
         # Numbers of mpmath and floats of sympy store the sign apart from the mantissa.
         return _dyadic(*value._mpf_[:3])
-    if type(value) is np.longdouble:
-        return arb(fmpq(*value.as_integer_ratio()))
     fraction = rational(value)
     if fraction is not None:
         return arb(fmpq(fraction.numerator, fraction.denominator))

@@ -15,6 +15,8 @@ from geomtorsion.exact.special_values import VALUES, number
 from geomtorsion.precision import working_precision
 
 Exact = Fraction | mpmath.mpf
+# Types of numpy and heyoka that keep more digits than floats.
+LONG_FLOATS = ("longdouble", "real128", "real")
 
 
 def exact_values(
@@ -73,14 +75,44 @@ def _long(value: Exact) -> mpmath.mpf:
 
 
 def rational(value: Any) -> Fraction | None:
-    """A number as a fraction where it is one (floats are), else None."""
+    """A number as a fraction where it is one (floats of any length are), else None.
+
+    Examples
+    --------
+    >>> from numpy import longdouble
+    >>> rational(longdouble(0.5)), rational(longdouble("0.1")) == Fraction(1, 10)
+    (Fraction(1, 2), False)
+    """
     if isinstance(value, int | float | Fraction):
         return Fraction(value)
+    if type(value).__name__ in LONG_FLOATS:
+        return _long_ratio(value)
     if getattr(value, "is_Rational", False):
         return Fraction(int(value.p), int(value.q))
     if hasattr(value, "dtype") and getattr(value, "shape", None) == ():
         return Fraction(value.item()) if value.dtype.kind in "fiu" else None
     return None
+
+
+def _long_ratio(value: Any) -> Fraction | None:
+    """The exact ratio of a long float, None where it is not finite.
+
+    Its digits as text are rounded; it is the sum of the floats that are split off it in turn.
+    """
+    total, unit, rest = Fraction(0), Fraction(1), value
+    if rest != rest or (rest != 0 and rest == rest / 2):
+        return None
+    while rest != 0:
+        # Powers of two change no digit and lead back to where floats keep all of theirs.
+        size = abs(rest)
+        if size < 2.0**-500:
+            rest, unit = rest * 2.0**500, unit / 2**500
+        elif size > 2.0**500:
+            rest, unit = rest / 2.0**500, unit * 2**500
+        else:
+            part = float(rest)
+            total, rest = total + Fraction(part) * unit, rest - part
+    return total
 
 
 def exact_number(value: Any, bits: int) -> Exact:
@@ -93,10 +125,11 @@ def exact_number(value: Any, bits: int) -> Exact:
     (Fraction(1, 2), '3.141592653589793238462643')
     """
     with working_precision(bits):
-        # Long floats of numpy and heyoka give their digits only as text.
-        if type(value).__name__ in ("longdouble", "real128", "real"):
-            return mpmath.mpf(str(value))
         fraction = rational(value)
+        if type(value).__name__ in LONG_FLOATS:
+            if fraction is None:
+                return mpmath.mpf(float(value))
+            return mpmath.mpf(fraction.numerator) / fraction.denominator
         if fraction is not None:
             return fraction
         if hasattr(value, "evalf"):

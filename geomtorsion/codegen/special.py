@@ -11,6 +11,7 @@ import numpy as np
 import sympy
 from flint import acb, arb
 
+from geomtorsion.errors import ExpressionError
 from geomtorsion.exact.special_values import VALUES
 from geomtorsion.precision import ball_precision
 
@@ -98,4 +99,9 @@ def slope(name: str, values: Sequence[sympy.Expr], place: int) -> sympy.Expr:
         return sympy.exp(-own) / (1 + own)
     marked = [sympy.Dummy() if k == place else value for k, value in enumerate(values)]
     derivative = getattr(sympy, name)(*marked).diff(marked[place])
+    if derivative.has(sympy.Derivative, sympy.Subs):
+        raise ExpressionError(
+            f"expected a derivative of {name} in closed form, got none by its argument "
+            f"{place + 1}. Keep that argument constant."
+        )
     return derivative.subs(marked[place], values[place])

@@ -16,7 +16,7 @@ from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph, graph, numpy_function
 from geomtorsion.copies import comparable, content_hash, equal_content, only_fields
-from geomtorsion.curves.edges import Edge, edges_of
+from geomtorsion.curves.edges import edges_of
 from geomtorsion.errors import (
     ArgumentError,
     ChartEdgeError,
@@ -25,12 +25,12 @@ from geomtorsion.errors import (
 )
 from geomtorsion.exact import Element, Field
 from geomtorsion.exact.tower import Tower
+from geomtorsion.geometry.domain_edges import Edge
 from geomtorsion.ode.numbers import Real, mpf
 from geomtorsion.precision import working_precision
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
-
 
 Rows = tuple[tuple[tuple[int, Element], ...], ...]
 

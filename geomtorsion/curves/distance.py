@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.curves.edges import is_angle
 from geomtorsion.curves.readout import at_times
 from geomtorsion.errors import TimeError, UnknownNameError
+from geomtorsion.geometry.domain_edges import is_angle
 
 if TYPE_CHECKING:
     from geomtorsion.curves.problem import CurveProblem

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import sympy as sp
 
-from geomtorsion.errors import ExpressionError, StartError
 from geomtorsion.exact import Element
 from geomtorsion.exact.generators import Generator
 from geomtorsion.geometry.derived import derived
-from geomtorsion.geometry.evaluation import repeats, sign_of
+from geomtorsion.geometry.domain_edges import Edge, domain_edges
 from geomtorsion.ode.rates import changes_with_sign
 
 if TYPE_CHECKING:
@@ -22,21 +20,6 @@ if TYPE_CHECKING:
 
 # Functions without a root of their own that may enter a sum of squares.
 _REAL = ("symbol", "cos", "sin", "cosh", "sinh", "exp", "log")
-
-
-@dataclass(frozen=True)
-class Edge:
-    """A quantity that is positive as long as the coordinates hold.
-
-    element: an exact element; a motion on which it falls through zero has reached the edge.
-    words: event at the edge, for messages; condition: relation that holds inside.
-    is_root: whether it is a root of the frame, so that rates have no value beyond it.
-    """
-
-    element: Element
-    words: str
-    condition: str
-    is_root: bool = False
 
 
 @derived
@@ -54,73 +37,10 @@ def edges_of(frame: Frame) -> tuple[Edge, ...]:
     >>> [edge.words for edge in edges_of(flat)]
     ['r > 0 holds no longer']
     """
-    edges = [
-        *_of_domain(frame), *_of_signs(frame), *_of_roots(frame), *_of_branches(frame)
-    ]  # fmt: skip
+    edges = [*domain_edges(frame), *_of_roots(frame)]
     inside = set(frame.coordinates)
     moving = {edge.element: edge for edge in reversed(edges) if edge.element.symbols & inside}
     return tuple(reversed(moving.values()))
-
-
-def _of_domain(frame: Frame) -> Iterator[Edge]:
-    """Relations of the domain, except bounds of an angle."""
-    turns = {symbol for symbol in frame.coordinates if is_angle(frame, symbol)}
-    for relation in frame.domain:
-        if not isinstance(relation, sp.StrictGreaterThan | sp.StrictLessThan | sp.Ge | sp.Le):
-            continue
-        if len(relation.free_symbols) == 1 and relation.free_symbols <= turns:
-            continue
-        if relation.gts == sp.oo or relation.lts == -sp.oo:
-            continue
-        try:
-            inside = frame.field.read(relation.gts - relation.lts, f"domain {relation}")
-        except ExpressionError:
-            raise StartError(
-                f"domain: expected relations that can be evaluated along a motion, got {relation}. "
-                "Write it without absolute values and cases, for instance as two relations."
-            ) from None
-        yield Edge(inside, f"{relation} holds no longer", f"the domain is {relation}")
-
-
-def _of_signs(frame: Frame) -> Iterator[Edge]:
-    """Signs that were declared of coordinates, and on which the frame may rely."""
-    for symbol in frame.coordinates:
-        if sign := sign_of(frame, symbol):
-            text = f"{symbol} was declared {'positive' if sign > 0 else 'negative'}"
-            yield Edge(frame.field.read(sign * symbol, text), text, text)
-
-
-def is_angle(frame: Frame, symbol: sp.Symbol) -> bool:
-    """Whether the domain gives a coordinate one turn over which the frame repeats itself."""
-    below = full_turn(frame, symbol)
-    if below is None:
-        return False
-    # A frame that degenerates there ends, whether it repeats itself or not.
-    return repeats(frame, symbol) and frame.determinant.element().sympy.subs(symbol, below) != 0
-
-
-def full_turn(frame: Frame, symbol: sp.Symbol) -> sp.Expr | None:
-    """The lower bound of a coordinate whose domain is as long as a full turn; None of others."""
-    above: sp.Expr | None = None
-    # For a symbol declared positive sympy drops the condition phi > 0.
-    below: sp.Expr | None = sp.S.Zero if symbol.is_nonnegative else None
-    for relation in frame.domain:
-        if relation.free_symbols != {symbol} or not hasattr(relation, "gts"):
-            continue
-        if relation.gts == symbol:
-            below = relation.lts
-        elif relation.lts == symbol:
-            above = relation.gts
-    if above is None or below is None or above - below != 2 * sp.pi:
-        return None
-    return below
-
-
-def _of_branches(frame: Frame) -> Iterator[Edge]:
-    """Edges beyond which a root no longer has the sign with which it was read."""
-    for branch in frame.branches:
-        if branch.holds is not None:
-            yield Edge(branch.holds, str(branch), str(branch))
 
 
 def _of_roots(frame: Frame) -> Iterator[Edge]:

@@ -11,17 +11,19 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.curves.constructors import autoparallel
-from geomtorsion.curves.problem import checked_start
+from geomtorsion.curves.problem import CurveProblem, checked_start
 from geomtorsion.curves.search import STALE, Followed, Hit, Search, reach_of
-from geomtorsion.curves.shooting import Line, Shooter, tried
-from geomtorsion.errors import EndpointError
+from geomtorsion.curves.shooting import ROUNDING, Line, Shooter, lengths_of
+from geomtorsion.errors import EndpointError, GeomtorsionError
 from geomtorsion.geometry import Connection
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
-from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.numbers import Numbers, checked_accuracy, checked_numbers
 from geomtorsion.ode.solution import Solution
-from geomtorsion.ode.solve import solve
-from geomtorsion.ode.system import STEPS_AT_ONCE, checked_engine
+from geomtorsion.ode.solve import engines, solve
+from geomtorsion.ode.system import STEPS_AT_ONCE, WorkLimitError, checked_engine
+
+# The relative accuracy to which a motion is aimed again where the requested one found no answer.
+SHARPEST = 4 * ROUNDING
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,15 +108,38 @@ def log_map(
     checked_engine(engine)
     problem = autoparallel(connection, start, frame_velocity=[0] * n, parameters=parameters)
     target = np.array([float(x) for x in checked_start(frame, end, problem.parameters)])
+    solver = _solver(problem, accuracy, engine)
+
+    first = None if guess is None else checked_numbers(guess, n, "guess")
+
+    def answer(aimed: float) -> LogMap:
+        shooter = Shooter(problem, solver, solver.first(aimed / 10))
+        search = Search(shooter, shooter.aim(target), aimed)
+        choice = _Choice(connection, search, engine, (start, end))
+        if first is None or guess is None:
+            return choice.shortest(target)
+        return choice.from_guess(shooter.weights @ np.array([float(x) for x in first]), guess)
+
+    try:
+        return answer(accuracy)
+    except EndpointError as error:
+        # Near a conjugate point only motions that are as sharp as floats allow tell directions
+        # apart.
+        if accuracy <= SHARPEST or engine is not None:
+            raise
+        try:
+            return answer(SHARPEST)
+        except GeomtorsionError:
+            raise error from None
+
+
+def _solver(problem: CurveProblem, accuracy: float, engine: Engine | None) -> Engine:
+    """The requested engine, or the one that `solve` tries first."""
+    if engine is not None:
+        return engine
+    first, _ = next(iter(engines(problem, accuracy, None)), (RungeKutta(), ""))
     # A motion with this many steps approaches an edge forever, and does not hit.
-    solver = engine or (Taylor(max_steps=STEPS_AT_ONCE) if is_available() else RungeKutta())
-    shooter = Shooter(problem, solver, solver.first(accuracy / 10))
-    search = Search(shooter, shooter.aim(target), accuracy)
-    choice = _Choice(connection, search, engine, (start, end))
-    if guess is None:
-        return choice.shortest(target)
-    first = np.array([float(x) for x in checked_numbers(guess, n, "guess")])
-    return choice.from_guess(shooter.weights @ first, guess)
+    return Taylor(max_steps=STEPS_AT_ONCE) if first == Taylor() else first
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,11 +201,17 @@ class _Choice:
         # Among equal motions the first is kept, which took the fewest differences of coordinates.
         hits = sorted(self.search.apart(hits), key=lambda hit: hit.length)
         if not hits:
+            near = self.search.near_conjugate
+            reason = (
+                "The end is conjugate to the start, or so near to a conjugate point that errors of "
+                f"the motions hide the direction (at a length of {lengths_of(near[-1]):.9g})"
+                if near
+                else "The end may be beyond an edge of the chart"
+            )
             raise EndpointError(
                 f"expected a motion {self.where}, got none from {len(followed)} images of "
-                f"the end and {len(directions)} directions. The end may be conjugate to the start "
-                "or beyond an edge of the chart. Give a guess (initial frame velocity), a "
-                "nearer end, or start and end in the opposite order."
+                f"the end and {len(directions)} directions. {reason}. Give a guess (initial frame "
+                "velocity), a nearer end, or start and end in the opposite order."
             )
         self.check_length(hits[0], lines)
         self.check_unique(hits)
@@ -244,12 +275,16 @@ class _Choice:
         return answer
 
     def answer(self, found: Hit, guarantee: str) -> LogMap | None:
-        """A motion solved to the accuracy; None if that fails or its end misses."""
+        """A motion solved to the accuracy; None if its end misses."""
         shooter, velocity = self.search.shooter, self.search.shooter.velocity(found.vector)
         problem = shooter.problem.with_start(frame_velocity=velocity)
-        solution = tried(solve, problem, [1.0], self.search.accuracy / 10, self.engine)
-        if solution is None:
-            return None
+        try:
+            solution = solve(problem, [1.0], self.search.accuracy / 10, self.engine)
+        except (ArithmeticError, WorkLimitError) as reason:
+            raise EndpointError(
+                f"expected a motion {self.where} to accuracy {self.search.accuracy:.3g}, but the "
+                f"one found cannot be solved: {reason}"
+            ) from None
         place = solution.in_chart(self.search.aim.label)[-1].astype(float)
         shot = shooter.measured(found.vector, self.search.aim.label, place, self.search.aim)
         if shot.size > 10 * self.search.allowed(found.vector, self.search.aim):
@@ -257,6 +292,10 @@ class _Choice:
         conjugate = self.search.conjugate_parts(found.vector)
         if not conjugate and found.vector.any():
             guarantee += "; no conjugate point on it was noticed"
+            turn = self.search.direction_error(found, shot.size)
+            if turn > 100 * self.search.accuracy:
+                good = f"good to {turn:.1g}" if np.isfinite(turn) else "not determined"
+                guarantee += f"; so near to a conjugate point its direction is {good}"
         length = found.length
         if length and not shooter.is_definite:
             unit = velocity / length

@@ -18,7 +18,6 @@ from geomtorsion.codegen.expression_graph import branch_check
 from geomtorsion.copies import content_hash, equal_content, only_fields
 from geomtorsion.curves import readout
 from geomtorsion.curves.atlas import Atlas, MovingPoint, atlas_of
-from geomtorsion.curves.edges import Edge
 from geomtorsion.curves.equations import Equations, Law, velocity_names, written
 from geomtorsion.curves.readout import laid_out, start_lists
 from geomtorsion.curves.stops import (
@@ -40,6 +39,7 @@ from geomtorsion.errors import (
     SingularPointError,
     StartError,
 )
+from geomtorsion.geometry.domain_edges import Edge
 from geomtorsion.geometry.evaluation import sign_of
 from geomtorsion.geometry.validation import broken_relations
 from geomtorsion.ode.engines import Taylor
@@ -536,6 +536,26 @@ class CurveProblem:
         if names is not None and not set(names) - {*self.coordinates, *self.parameters, "t"}:
             return readout.places(self, times, pieces, shape)
         return readout.moment(self, times, pieces, shape, bits)
+
+    def read_gaps(
+        self, one: Trajectory, two: Trajectory, count: int, *, doubles: bool
+    ) -> list[tuple[float, float]]:
+        """Differences of coordinates and velocities in the home chart, each with its size."""
+        return readout.gaps(self, one, two, count, doubles=doubles)
+
+    def member_gaps(
+        self, members: Members, one: Rows, two: Rows
+    ) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Pairs of what is read at home of two runs of members, each (number, m, n)."""
+        return readout.member_gaps(self, members, one, two)
+
+    def together(self, name: str) -> tuple[str, ...]:
+        """Coordinates, velocities or carried components that are measured together with one."""
+        equations = self.equations(self.atlas.home)
+        if name in equations.velocities:
+            return tuple(equations.velocities)
+        groups = ([equations.states[k] for k in group] for group in equations.groups)
+        return next((tuple(group) for group in groups if name in group), ())
 
     def in_chart(self, trajectory: Trajectory, name: str) -> np.ndarray:
         """Coordinates of all samples in a chart."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import combinations, product
 
 import numpy as np
@@ -12,8 +12,7 @@ from geomtorsion.ode.numbers import PARTS
 
 # Newton steps until a shot has hit or is given up.
 SHOTS = 40
-# Below this singular value of the slopes the end hardly depends on one direction: a conjugate
-# point.
+# Below this singular value of the slopes two motions count as one found twice.
 CONJUGATE = 1e-6
 # Slopes are computed again where a shot misses by more than this part of the last miss.
 STALE = 0.05
@@ -52,11 +51,13 @@ class Search:
     """Search for motions from a start to an end.
 
     shooter: the motions; aim: the end; accuracy: relative to the length of a motion.
+    near_conjugate: velocities at which the end hardly depended on one direction, as they were met.
     """
 
     shooter: Shooter
     aim: Aim
     accuracy: float
+    near_conjugate: list[np.ndarray] = field(default_factory=list, repr=False)
 
     def allowed(self, vector: np.ndarray, aim: Aim) -> float:
         """The largest miss of a hit."""
@@ -159,7 +160,22 @@ class Search:
         if slopes is None or not np.isfinite(slopes).all():
             return None
         u, s, vt = np.linalg.svd(slopes)
-        return None if s[-1] < CONJUGATE else vt.T @ np.diag(1 / s) @ u.T
+        if s[-1] < self.slope_noise(shot.vector, aim):
+            self.near_conjugate.append(shot.vector)
+            return None
+        return vt.T @ np.diag(1 / s) @ u.T
+
+    def slope_noise(self, vector: np.ndarray, aim: Aim) -> float:
+        """Error of slopes by central differences, whose two parts balance; with some room."""
+        share = self.shooter.difference(vector, aim) / float(lengths_of(vector))
+        return (2 * share) ** 2
+
+    def direction_error(self, hit: Hit, miss: float) -> float:
+        """Angle by which the direction of a hit may be off, twice that of its miss; or infinite."""
+        inverse = self.inverse_slopes(hit.shot, hit.aim)
+        if inverse is None:
+            return np.inf
+        return float(2 * np.linalg.norm(inverse, 2)) * miss / hit.length
 
     def directions(self, found: list[Hit]) -> list[np.ndarray]:
         """Unit vectors of the fan: back along each motion found, then axes and between axes."""
@@ -222,7 +238,8 @@ class Search:
             if here <= min(before, after) and here < (before + after) / 3:
                 conjugate.append(float(parts[k] + parts[0] * (before - after) / (before + after)))
         # The end may be nearer to a conjugate point before it than to the next sample.
-        if is_reversed and spreads[-1] < spreads[-2]:
+        noise = self.slope_noise(vector, self.aim)
+        if is_reversed and noise < spreads[-1] < spreads[-2]:
             conjugate.append(float(1 - parts[0] * spreads[-1] / (spreads[-1] + spreads[-2])))
         return tuple(conjugate)
 

@@ -15,9 +15,10 @@ from geomtorsion.checks import check_room
 from geomtorsion.curves.atlas import MovingPoint
 from geomtorsion.curves.distance import angles_of
 from geomtorsion.curves.problem import CurveProblem
-from geomtorsion.errors import ChartEdgeError, GeomtorsionError
+from geomtorsion.errors import ChartEdgeError
 from geomtorsion.geometry import Frame
 from geomtorsion.ode.engines import Engine
+from geomtorsion.ode.system import WorkLimitError
 from geomtorsion.ode.trajectory import integrate
 
 TURN = 2 * np.pi
@@ -403,8 +404,11 @@ def _turned(place: np.ndarray, turning: Sequence[int], turns: np.ndarray) -> np.
 
 
 def tried(action, *given):
-    """The result of an action, or None where a motion or a frame ends."""
+    """The result of an action, or None where a motion or a frame ends, or takes too many steps.
+
+    An engine that cannot follow the motions at all is an error of its own.
+    """
     try:
         return action(*given)
-    except (GeomtorsionError, ArithmeticError, np.linalg.LinAlgError):
+    except (ArithmeticError, WorkLimitError, np.linalg.LinAlgError):
         return None

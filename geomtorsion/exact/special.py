@@ -73,9 +73,10 @@ def meaning(field: Tower, generator: Generator) -> Element | None:
     elif name in _MEANINGS:
         candidate = _attempt(partial(_MEANINGS[name], field, arguments))
     else:
-        expanded = generator.shown.expand(func=True)
+        # Arguments are generators of their own; sympy's Airy functions expand to None.
+        expanded = generator.shown.expand(func=True, deep=False)
         candidate = None
-        if expanded != generator.shown and arguments:
+        if expanded not in (None, generator.shown) and arguments:
             candidate = _attempt(partial(field.read, expanded))
     if candidate is None or not _agree(field, field.generator_element(generator), candidate):
         return None

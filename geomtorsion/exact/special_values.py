@@ -9,6 +9,14 @@ from flint import acb, arb
 
 from geomtorsion.precision import ball_precision
 
+
+def _polygamma(order: acb, z: acb) -> acb:
+    """Real on the whole real axis, where Arb gives a small imaginary ball left of zero."""
+    value = z.polygamma(order)
+    is_real = z.imag.is_zero() and order.imag.is_zero() and order.real.is_integer()
+    return acb(value.real) if is_real else value
+
+
 # Numbers of functions by Arb, by the names of sympy's classes; mpmath takes ten seconds for 200
 # digits of Y_2.
 VALUES: dict[str, Callable[..., acb]] = {
@@ -23,7 +31,7 @@ VALUES: dict[str, Callable[..., acb]] = {
     "LambertW": lambda z, branch=0: z.lambertw(int(float(acb(branch).real))),
     "gamma": acb.gamma,
     "loggamma": acb.lgamma,
-    "polygamma": lambda m, z: z.polygamma(m),
+    "polygamma": _polygamma,
     "factorial": lambda x: (x + 1).gamma(),
     "beta": lambda x, y: x.gamma() * y.gamma() * (x + y).rgamma(),
     "uppergamma": lambda s, x: x.gamma_upper(s),

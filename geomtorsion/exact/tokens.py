@@ -142,9 +142,13 @@ def checked(
         It is longer than ``limits`` allow.
     """
     kind, piece, start, end = token.kind, token.text, token.start, token.end
+    if kind == "number" and "_" in piece and not _GROUPED.fullmatch(piece):
+        reason = f"{piece[:20]} is not a number: underscores may only separate digits"
+        raise source.error(start, end, reason, "Write it without underscores.")
     if kind == "number" and not piece.replace("_", "").isdecimal():
         _check_digits(source, piece, start, end, limits)
         if not decimals:
+            piece = piece.replace("_", "")
             raise _decimal(source, piece, start, end)
         piece = piece.replace("_", "")
     elif kind == "number" and len(piece) > limits.digits:
@@ -179,6 +183,7 @@ def _refuse_code(source: Source, name: str, start: int, end: int) -> None:
         raise source.error(start, end, reason, _ALLOWED)
 
 
+_GROUPED = re.compile(r"[0-9.eE+-]+(?:(?<=[0-9])_(?=[0-9])[0-9.eE+-]+)*")
 _EXPONENT = re.compile(r"[eE]([+-]?[0-9]+)$")
 
 

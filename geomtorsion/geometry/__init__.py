@@ -15,11 +15,12 @@ from geomtorsion.geometry.connections import (
 from geomtorsion.geometry.constrained import constrained
 from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.curvature import Curvature
+from geomtorsion.geometry.embedded import embedded
 from geomtorsion.geometry.forms import Form
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.homes import at_home
 from geomtorsion.geometry.identity import IdentityCheck, identities
-from geomtorsion.geometry.integrability import Integrability
+from geomtorsion.geometry.integrability import Integrability, ParallelVolume
 from geomtorsion.geometry.lie_derivative import lie, lie_bracket
 from geomtorsion.geometry.quantities import DependencyGraph
 from geomtorsion.geometry.surfaces import Surface, surface
@@ -34,6 +35,7 @@ __all__ = [
     "Frame",
     "IdentityCheck",
     "Integrability",
+    "ParallelVolume",
     "Surface",
     "Tensor",
     "Torsion",
@@ -43,6 +45,7 @@ __all__ = [
     "cartan",
     "constrained",
     "contract",
+    "embedded",
     "from_coefficients",
     "from_contortion",
     "from_spin_connection",

@@ -15,7 +15,7 @@ from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ShapeError, TensorIndexError
 from geomtorsion.exact import Element
 from geomtorsion.exclusive import exclusive
-from geomtorsion.geometry import riemannian
+from geomtorsion.geometry import integrability, riemannian
 from geomtorsion.geometry.components import (
     Components,
     Index,
@@ -28,7 +28,6 @@ from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.frame_matrices import is_dense, parallel_rows
 from geomtorsion.geometry.homes import at_home
-from geomtorsion.geometry.integrability import Integrability, integrability
 from geomtorsion.geometry.notation import ComponentTable, Names, Where
 from geomtorsion.geometry.parts import nonmetricity_parts
 from geomtorsion.geometry.substitution import Values
@@ -390,6 +389,37 @@ class Connection:
 
         return connection_form(self).part(*index) if index else connection_form(self)
 
+    @cached_property
+    def transposed(self) -> Connection:
+        """The connection Gamma_ba^c: the same autoparallels, the opposite torsion.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame, cartan
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> polar = cartan(Frame([r, phi], [[1, 0], [0, r]]))
+        >>> polar.torsion.T[0, 1, 1], polar.transposed.torsion.T[0, 1, 1]
+        (1/r, -1/r)
+        >>> polar.volume, polar.transposed.volume
+        (parallel volume: r, parallel volume: 1)
+        """
+        if self.is_torsion_free:
+            return self
+        get, what = self.coefficients.components.get, ("\\Gamma", "connection")
+        swapped = Tensor(self.frame, "ddu", lambda x: get((x[1], x[0], x[2])), (), *what, (1, 2))
+        return Connection(self.frame, swapped, f"transposed {self.name}")
+
+    @cached_property
+    def volume(self) -> integrability.ParallelVolume:
+        """The volume f sqrt|g| that is parallel, or the component that prevents it, exactly.
+
+        D_a (f sqrt|g|) = 0 for d_a log f = Gamma_ab^b - d_a log sqrt|g|. A metric connection keeps
+        sqrt|g|. Integrate D_a w^a by parts with the volume of `transposed` (Saa 1993): for a metric
+        connection with torsion vector 3 d_a Theta it is exp(-3 Theta) sqrt|g| (Fiziev 1998).
+        """
+        return integrability.parallel_volume(self.coefficients, self.kind != "general")
+
     def subs(self, values: Values) -> Connection:
         """The connection with values for parameters and unknown functions (see Frame.subs).
 
@@ -438,14 +468,14 @@ class Connection:
         return self.nonmetricity.is_zero
 
     @cached_property
-    def integrable(self) -> Integrability:
+    def integrable(self) -> integrability.Integrability:
         """Whether the permitted velocities belong to surfaces: the constraints are holonomic.
 
         They are exactly where the torsion components along the forbidden legs vanish (Frobenius);
         see `constrained`. Without constraints the answer is yes.
         """
         legs = range(self.frame.dimension) if self.allowed is None else self.allowed
-        return integrability(self.torsion.T, legs)
+        return integrability.integrability(self.torsion.T, legs)
 
     @property
     def is_torsion_free(self) -> bool | None:

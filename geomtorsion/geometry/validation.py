@@ -110,9 +110,12 @@ def matrix_entries(values: object, name: str) -> tuple[int, Matrix]:
     n = len(rows)
     for i, row in enumerate(rows):
         if len(row) != n:
+            more = name == "coframe" and {len(one) for one in rows} == {len(row)} and len(row) < n
             raise refusal(
                 f"{name} is not square: it has {n} rows, but row {i} has {len(row)} entries. "
                 "Give as many rows as columns, one column for each coordinate."
+                + " For more rows than columns use gt.embedded(coordinates, rows)."
+                * more
             )
     if n == 0:
         raise refusal(f"{name} is empty. Give at least one coordinate and one row.")

@@ -13,8 +13,10 @@ from geomtorsion.errors import ArgumentError
 from geomtorsion.geometry import Frame
 from geomtorsion.loops.arcs import Parameters, Part
 from geomtorsion.loops.defects import lines_alone
+from geomtorsion.loops.domain import refuse_outside
 from geomtorsion.loops.exact_integral import ExactBurgersVector, exact_burgers_vector
 from geomtorsion.loops.forms import forms
+from geomtorsion.loops.hidden_flux import hidden_flux
 from geomtorsion.loops.integrals import (
     Route,
     agreement,
@@ -113,6 +115,8 @@ def burgers_vector(
         A value contradicts the assumptions of its parameter.
     SingularPointError
         The loop passes through a point where the coframe is singular.
+    ChartEdgeError
+        The loop leaves the domain that the frame declares.
 
     Examples
     --------
@@ -143,6 +147,7 @@ def burgers_vector(
     for part in loop.parts:
         refuse_other_periods(compiled, part)
     near = [refuse_poles(compiled.poles, part) for part in loop.parts]
+    refuse_outside(frame, loop.parts, parameters)
     pairs = [
         (line_route(compiled, part, accuracy, cuts), flux_route(compiled, part, accuracy))
         for part, cuts in zip(loop.parts, near, strict=True)
@@ -157,6 +162,9 @@ def burgers_vector(
     with np.errstate(over="ignore", invalid="ignore"):
         # Loops beyond 1e154 have vectors beyond all doubles; `numbers` has them.
         reduced, error = _total(loop, picked, power)
+        if error == 0 and compiled.curl is not None:
+            # Samples that are zero do not show that the torsion is.
+            error = hidden_flux(frame, loop.parts, parameters) / loop.size**power
         check = _check(loop, pairs, [agrees for _, agrees, _ in chosen])
     return BurgersVector(
         frame=frame,

@@ -15,6 +15,7 @@ from geomtorsion.loops.affine_form import AffineForm, around_cone, line_rate
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Number, Parameters, Part
 from geomtorsion.loops.defects import Defect, EnclosedDefect, enclosed_defects, lines_alone
+from geomtorsion.loops.domain import refuse_outside
 from geomtorsion.loops.forms import perturbed
 from geomtorsion.loops.integrals import DISAGREE, probes
 from geomtorsion.loops.loop import Loop, check_loop
@@ -235,6 +236,8 @@ def develop(
         The loop has another dimension than the frame, or the development does not converge.
     SingularPointError
         The loop passes through a point where the frame is singular; the message names it.
+    ChartEdgeError
+        The loop leaves the domain that the frame declares.
     MissingValueError
         A parameter has no value.
 
@@ -260,6 +263,7 @@ def develop(
     loop, parameters = with_numbers(frame, loop, parameters)
     form = AffineForm(connection, parameters)
     lines = [repeated(along_line(form, part, accuracy), part.times) for part in loop.parts]
+    refuse_outside(frame, loop.parts, parameters)
     cones = [
         None if part.gap or _doubtful(form, part) else around_cone(form, part, accuracy)
         for part in loop.parts

@@ -14,6 +14,7 @@ from geomtorsion.errors import NetworkError, SingularPointError
 from geomtorsion.loops.arcs import Parameters, Part, Segment, shown
 from geomtorsion.loops.complexes import Complex
 from geomtorsion.loops.defects import find_defects, lines_alone
+from geomtorsion.loops.domain import edge_values, refuse_points
 from geomtorsion.loops.forms import Form, Forms, forms
 from geomtorsion.loops.integrals import line_route
 from geomtorsion.loops.poles import SAMPLES, refuse_poles, steep
@@ -170,6 +171,8 @@ def edge_integrals(
     ------
     SingularPointError
         An edge passes through a point where the coframe is singular; the message names it.
+    ChartEdgeError
+        An edge leaves the domain that the frame declares.
     NetworkError
         The frame is complex.
     """
@@ -180,6 +183,7 @@ def edge_integrals(
         )
     compiled = forms(frame, parameters)
     shares, distances = _nearest_line(frame, starts, ends, parameters)
+    _refuse_outside(frame, starts, ends, parameters)
     vectors, errors = np.empty(starts.shape), np.empty(len(starts))
     evaluations = 0
     alone = _near_other_poles(frame, compiled, starts, ends)
@@ -243,6 +247,21 @@ def _block(
         )
     assert integrals.sizes is not None
     return integrals.values.T, integrals.truncation + noise * integrals.sizes, integrals.points
+
+
+def _refuse_outside(
+    frame: Frame, starts: np.ndarray, ends: np.ndarray, parameters: Parameters | None
+) -> None:
+    """Refuse edges with a point outside the declared domain, looked at as in rules of loops."""
+    domain = edge_values(frame, parameters)
+    if domain is None:
+        return
+    together = PIECE // SAMPLES
+    s = np.linspace(0, 1, SAMPLES)
+    for begin in range(0, len(starts), together):
+        low, high = starts[begin : begin + together].T, ends[begin : begin + together].T
+        points = low[:, :, None] + (high - low)[:, :, None] * s
+        refuse_points(domain, points.reshape(len(points), -1), "an edge")
 
 
 def _near_other_poles(

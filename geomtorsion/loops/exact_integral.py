@@ -29,13 +29,14 @@ from geomtorsion.errors import (
     UndecidedError,
 )
 from geomtorsion.exact import Field
+from geomtorsion.exact.integration import integrated
 from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Frame
 from geomtorsion.loops.arcs import Arc, Curve, Ellipse, Parameters, Part, exact_number
 from geomtorsion.loops.defects import find_defects
+from geomtorsion.loops.domain import refuse_outside
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.integrals import refuse_other_periods
-from geomtorsion.loops.integration_process import integrated
 from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.loops.values import with_values
@@ -343,6 +344,7 @@ def _refuse_poles(frame: Frame, loop: Loop, where: Mapping[sp.Symbol, sp.Expr]) 
         return
     for part in here.parts:
         refuse_poles(compiled.poles, part)
+    refuse_outside(frame, here.parts, values)
     if frame.field.relied_on:
         # Raises where a root has not the sign with which it was read.
         compiled.coframe.at(here.points())

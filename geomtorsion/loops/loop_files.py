@@ -14,7 +14,7 @@ import sympy as sp
 from geomtorsion import checks
 from geomtorsion.errors import FileFormatError, GeomtorsionError
 from geomtorsion.exact import parse_expression
-from geomtorsion.files import read_json_text, read_text
+from geomtorsion.files import plain_float, read_json_text, read_text
 from geomtorsion.loops.loop import Loop
 
 if TYPE_CHECKING:
@@ -152,7 +152,7 @@ def number_of(text: str, where: str) -> float | sp.Expr:
     (0.25, 2*pi/3)
     """
     try:
-        return int(text) if text.strip().lstrip("+-").isdigit() else float(text)
+        return int(text) if text.strip().lstrip("+-").isdigit() else plain_float(text)
     except ValueError:
         value = parse_expression(text, {}, {}, where=where)
     if isinstance(value, sp.Expr) and value.is_real is not False:

@@ -10,12 +10,13 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.displays import drawn_by
-from geomtorsion.errors import GeomtorsionError, LoopError
+from geomtorsion.errors import ChartEdgeError, LoopError, SingularPointError
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import validation
 from geomtorsion.loops.arcs import Ellipse, Parameters, Plane, Point
 from geomtorsion.loops.burgers import burgers_vector
 from geomtorsion.loops.chains import ClosedCurve, Shape, Square
+from geomtorsion.loops.domain import edge_values
 from geomtorsion.loops.forms import Forms, forms
 from geomtorsion.loops.integrals import Places, agreement, by_levels
 from geomtorsion.loops.loop import Loop
@@ -238,7 +239,7 @@ class _Family:
         )
         largest = np.abs(value).max(axis=0)
         unsettled = ~(error <= self.accuracy * largest) & ~(largest <= error)
-        unsettled |= ~np.isfinite(flux.error) | self._near_poles(places)
+        unsettled |= ~np.isfinite(flux.error) | self._near_poles(places) | self._outside(places)
         points = line.points + flux.points
         for k in np.flatnonzero(unsettled):
             points += self._alone(result, int(k), centres[:, k], axes[:, k])
@@ -258,12 +259,23 @@ class _Family:
             return np.zeros(len(places.sizes), dtype=bool)
         return steep(self.forms.poles, places.points(self.shape.rim(2).points))
 
+    def _outside(self, places: Places) -> np.ndarray:
+        """Loops with a point outside the domain of the frame, shape (k,)."""
+        edges = edge_values(self.frame, self.parameters)
+        count = len(places.sizes)
+        if edges is None:
+            return np.zeros(count, dtype=bool)
+        points = places.points(self.shape.rim(2).points)
+        inside = np.real(edges.values(points.reshape(len(points), -1))) > 0
+        return np.asarray(~inside.reshape(len(inside), count, -1).all(axis=(0, 2)))
+
     def _alone(self, result: _Values, k: int, centre: np.ndarray, axes: np.ndarray) -> int:
         """One loop that the rules for many could not settle, and points evaluated."""
         try:
             loop = self._loop(centre, axes)
             b = burgers_vector(self.frame, loop, self.accuracy, parameters=self.parameters)
-        except GeomtorsionError:
+        except (SingularPointError, ChartEdgeError, LoopError):
+            # A map shows where there is no vector.
             result.vectors[:, k], result.density[:, k] = np.nan, np.nan
             result.errors[k], result.enclosed[k] = np.inf, False
             return 0

@@ -11,6 +11,7 @@ import scipy  # loads its subpackages at first use
 
 from geomtorsion.caching import cached_property
 from geomtorsion.conventions import Signed
+from geomtorsion.materials.detours import Detour
 from geomtorsion.precision import CALCULATED
 
 # The accepted share of false alarms: circuits without torsion whose noise looks significant.
@@ -62,6 +63,7 @@ class Burgers(Signed):
     area: enclosed in that plane, signed, in the square of `length_unit`.
     arrow: b along the axes of that plane, shape (2,); None where b has no such direction.
     section: plane of the circuit. components: names of the entries of `vector`.
+    detour: how the circuit goes around missing nodes; None where it meets none.
 
     Examples
     --------
@@ -84,6 +86,7 @@ class Burgers(Signed):
     section: Section = PLANE
     components: tuple[str, ...] = ()
     length_unit: str = ""
+    detour: Detour | None = None
 
     def __post_init__(self) -> None:
         """Set a missing covariance to zero, and number components without names."""
@@ -162,6 +165,7 @@ class Burgers(Signed):
             "area": self.area,
             "unit": self.length_unit,
             "vector_unit": self.unit,
+            "detour": None if self.detour is None else self.detour.to_json(),
             **self.facts,
         }
 

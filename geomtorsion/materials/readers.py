@@ -8,8 +8,6 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from geomtorsion import checks
 from geomtorsion.checks import shown
 from geomtorsion.errors import (
@@ -33,6 +31,7 @@ from geomtorsion.materials.images.image_files import KINDS as IMAGES
 from geomtorsion.materials.maps import OrientationMap
 from geomtorsion.materials.maps.map_formats import FORMATS as MAPS
 from geomtorsion.materials.source import Source
+from geomtorsion.npz import mapped_npy
 
 __all__ = ["READERS", "Kind", "Reader", "is_source", "open_in_blocks", "open_source"]
 
@@ -83,13 +82,13 @@ def _read_map(path: Path, **options: Any) -> OrientationMap:
 
 def _read_image(
     path: Path,
-    pixel: tuple[float, str] = (1.0, "px"),
+    pixel: tuple[float, str] | None = None,
     spots: Sequence[Sequence[float]] | None = None,
     resolution: float | None = None,
 ) -> LatticePhases:
     """The geometric phases of a lattice image."""
-    size = checks.entries(pixel, "pixel", ImageError)
-    if len(size) != 2:
+    size = () if pixel is None else checks.entries(pixel, "pixel", ImageError)
+    if len(size) not in (0, 2):
         raise ImageError(
             f"pixel: expected a size and its unit, got {shown(pixel)}. Write it like (0.02, 'nm')."
         )
@@ -144,7 +143,7 @@ def is_array(path: Path) -> bool:
     if path.suffix.lower() != ".npy" or not path.is_file():
         return False
     try:
-        return np.load(path, mmap_mode="r", allow_pickle=False).ndim > 3
+        return mapped_npy(path).ndim > 3
     except (OSError, ValueError, EOFError):
         return False
 
@@ -177,7 +176,7 @@ def open_source(
     slip
         Orientation maps: the structure whose slip systems make up b, see `slip_families`.
     pixel
-        Images: size of a pixel, and its unit.
+        Images: size of a pixel, and its unit; by default the size in the file.
     spots, resolution
         Images: see `LatticeImage.phases`.
 

@@ -21,6 +21,7 @@ from geomtorsion.materials.burgers import (
     numbered,
     significances,
 )
+from geomtorsion.materials.detours import Passages
 from geomtorsion.npz import write_npz
 from geomtorsion.outgoing import csv_cell, one_line
 
@@ -56,6 +57,10 @@ class Survey:
         the components of b. unit: of lengths. vector_unit: of b.
     missing: reason why circuits have no b, in words. down: whether figures show y downwards.
     whole: b in lattice vectors where it is counted, shape (k, places...); empty otherwise.
+    passages: how often each circuit goes around missing nodes, see `Burgers.detour`, shape
+        (places...); None where no node is missing. `area` is then the area of the circuits with
+        their detours, and the errors include the detours. The noise of a detour is an upper bound:
+        the noise of the whole ring around the missing nodes.
     directed: computes b along the axes of the source where `vectors` refers to other axes.
     """
 
@@ -73,6 +78,7 @@ class Survey:
     down: bool = False
     whole: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     directed: Callable[[], np.ndarray] | None = None
+    passages: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         """Number components without names."""
@@ -85,6 +91,11 @@ class Survey:
     def known(self) -> np.ndarray:
         """Where a circuit has a Burgers vector, shape (places...)."""
         return np.asarray(np.isfinite(self.vectors).all(axis=0))
+
+    @property
+    def detoured(self) -> np.ndarray:
+        """Where a circuit has a Burgers vector and goes around missing nodes, shape (places...)."""
+        return self.known & (False if self.passages is None else self.passages > 0)
 
     @property
     def magnitude(self) -> np.ndarray:
@@ -238,21 +249,27 @@ class Survey:
             return f"{' x '.join(map(str, self.size))} cells"
         return f"{self.size[0]} rings of triangles" if self.size[0] else "one triangle"
 
+    @property
+    def _area_varies(self) -> bool:
+        """Whether circuits on a grid have different areas, because of detours."""
+        return self.on_grid and np.ndim(self.area) > 0
+
     # -- numbers and files ------------------------------------------------------------------------
 
     def summary(self) -> Json:
         """Summary of the survey as plain data; None for numbers that do not exist.
 
-        circuits, known, significant: numbers of circuits. median, largest: of |b| per area. floor:
-        median of its noise floor. level: the significance that pure noise exceeds in one circuit
-        of a thousand. place: coordinates of the largest |b| per area.
+        circuits, known, detoured, significant: numbers of circuits. median, largest: of |b| per
+        area. floor: median of its noise floor. level: the significance that pure noise exceeds in
+        one circuit of a thousand. place: coordinates of the largest |b| per area.
         """
         mask, area = self.known, np.broadcast_to(self.area, self.known.shape)
         summary: Json = {
             "size": list(self.size),
-            "area": float(area.mean()),
+            "area": float(area[mask].mean() if mask.any() else area.mean()),
             "circuits": mask.size,
             "known": int(mask.sum()),
+            "detoured": int(self.detoured.sum()),
             "significant": int((self.significant & mask).sum()),
             "level": self.level,
             "unit": self.unit,
@@ -283,10 +300,13 @@ class Survey:
         places = self.axes if self.on_grid else self.names
         header = [f"{name}_centre" for name in places] + ["layer"] * layered
         header += [*self.components, "b_per_area", "noise_floor", "grid_error", "significance"]
+        header += ["area", "passages"] * (self.passages is not None)
         columns = [
             *self.vectors, self.per_area, self.floor, self.systematic_error / self.area,
             self.significance,
         ]  # fmt: skip
+        if self.passages is not None:
+            columns += [np.broadcast_to(self.area, self.known.shape), self.passages]
         table = np.stack([self.laid(column) for column in columns], axis=-1)
         one, two = self.lines
         with written(path) as part, part.open("w", encoding="utf-8", newline="") as file:
@@ -318,7 +338,7 @@ class Survey:
             "grid_error": self.laid(self.systematic_error),
             "significance": self.laid(self.significance),
             "known": self.laid(self.known),
-            "area": self.area,
+            "area": self.laid(np.asarray(self.area)) if self._area_varies else self.area,
             "size": self.size,
             "names": list(self.axes),
             "layers": list(self.layers),
@@ -328,6 +348,8 @@ class Survey:
             "first_centres": one,
             "second_centres": two,
         }
+        if self.passages is not None:
+            arrays["passages"] = self.laid(self.passages)
         if self.arrows is not None:
             arrays["in_plane"] = self.laid(self.arrows)
         with written(path) as part:
@@ -338,8 +360,22 @@ class Survey:
         units = ""
         if self.unit or self.vector_unit:
             units = f", in {self.vector_unit}, lengths in {self.unit}"
+        around = int(self.detoured.sum())
+        where += f", {around} around missing nodes" if around else ""
         count = " x ".join(map(str, self.known.shape))
         return f"Survey({count} circuits of {self.extent}{where}{units})"
+
+
+def areas(cell: float, size: tuple[int, int], passages: Passages | None) -> Numbers:
+    """Areas of circuits on a grid: one number, or an array if some go around missing nodes.
+
+    cell: area of a cell. size: cells along both sides.
+    """
+    if passages is None or not passages.count.any():
+        return cell * size[0] * size[1]
+    whole = size[0] * size[1] + passages.change
+    # A circuit that shrinks to nothing has no Burgers vector.
+    return cell * np.where(passages.refused, size[0] * size[1], whole)
 
 
 def middles(

@@ -14,6 +14,17 @@ from geomtorsion.files import finite_number
 MISSING = ("", "nan")
 
 
+def lines_of(text: str) -> list[str]:
+    """Lines of a text with the line ends of any system.
+
+    Examples
+    --------
+    >>> lines_of("a\\r\\nb\\rc\\n")
+    ['a', 'b', 'c', '']
+    """
+    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+
+
 def number_rows(
     name: object,
     rows: Sequence[str],
@@ -40,15 +51,23 @@ def number_rows(
     """
     if not rows:
         return np.zeros((0, width))
-    try:
-        entries = np.loadtxt(io.StringIO("\n".join(rows)), delimiter=split, ndmin=2, comments=None)
+    if split is not None and all(row.count(split) == width for row in rows):
+        # Some programs write a separator after the last field as well.
+        rows = [row.rstrip().removesuffix(split) for row in rows]
+    # Some programs write blanks between some columns and tabs between others.
+    for mark in (split, None) if split == "\t" else (split,):
+        text = io.StringIO("\n".join(rows))
+        try:
+            entries = np.loadtxt(text, delimiter=mark, ndmin=2, comments=None)
+        except ValueError:
+            continue
         if entries.shape == (len(rows), width):
             return entries
-    except ValueError:
-        pass
     values = []
     for number, row in zip(numbers, rows, strict=True):
         words = [word.strip() for word in row.split(split)]
+        if len(words) != width and split == "\t":
+            words = row.split()
         if len(words) != width:
             raise FileFormatError(
                 f"{name}: line {number + 1}: expected {width} fields, one for each column of the "

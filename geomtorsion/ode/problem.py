@@ -280,6 +280,8 @@ class ODE:
         guard = self.rates.guard_graph
         numbers = [float(parameters[name]) for name in self.rates.parameters]
         rows = [[*[float(x) for x in row[: self.size]], *numbers, time] for row in (state, start)]
+        if not np.isfinite(rows[0]).all():
+            return "stuck", "a state exceeds the range of floats"
         here, there = (np.array(guard.numpy()(*row)) for row in rows)
         if not np.isfinite(here).all():
             # Rounding has taken it just beyond; how far it was has a size in complex numbers.
@@ -390,6 +392,19 @@ class ODE:
     def rows(self, segment: Segment, states: np.ndarray, label: str) -> np.ndarray:
         """States of a segment, normalized groups rescaled to length one."""
         return self.unit_rows(states[:, : self.size])
+
+    def read_gaps(self, *_trajectories: object, doubles: bool) -> list[tuple[float, float]]:
+        """Nothing but states is read at the samples, apart from outputs."""
+        return []
+
+    def member_gaps(self, *_rows: object) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Nothing but states is read off members, apart from outputs."""
+        return []
+
+    def together(self, name: str) -> tuple[str, ...]:
+        """The states that are measured together with one; nothing for an output."""
+        groups = ([self.states[k] for k in group] for group in self.first_stage(53, 0.0).groups)
+        return next((tuple(group) for group in groups if name in group), ())
 
     def unit_rows(self, states: np.ndarray) -> np.ndarray:
         """Rows of states with normalized groups rescaled to length one, at their own precision."""

@@ -19,7 +19,9 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.costs import draw_loop_costs, work_precision_picture
     from geomtorsion.pictures.curve_files import curve_pictures
     from geomtorsion.pictures.development import draw_development
+    from geomtorsion.pictures.gaps import draw_gap
     from geomtorsion.pictures.loops import draw_closure, draw_map
+    from geomtorsion.pictures.measured import draw_circuits, draw_survey
     from geomtorsion.pictures.network import draw_dislocations, draw_lines, draw_network
     from geomtorsion.pictures.notebook_pictures import draw_plan
     from geomtorsion.pictures.report import write_report
@@ -30,15 +32,18 @@ if TYPE_CHECKING:
 _HOMES = {
     "can_draw": "style",
     "curve_pictures": "curve_files",
+    "draw_circuits": "measured",
     "draw_closure": "loops",
     "draw_development": "development",
     "draw_dislocations": "network",
+    "draw_gap": "gaps",
     "draw_lines": "network",
     "draw_loop_costs": "costs",
     "draw_map": "loops",
     "draw_network": "network",
     "draw_plan": "notebook_pictures",
     "draw_solution": "solutions",
+    "draw_survey": "measured",
     "save": "style",
     "work_precision_picture": "costs",
     "write_report": "report",
@@ -47,15 +52,18 @@ _HOMES = {
 __all__ = [
     "can_draw",
     "curve_pictures",
+    "draw_circuits",
     "draw_closure",
     "draw_development",
     "draw_dislocations",
+    "draw_gap",
     "draw_lines",
     "draw_loop_costs",
     "draw_map",
     "draw_network",
     "draw_plan",
     "draw_solution",
+    "draw_survey",
     "save",
     "work_precision_picture",
     "write_report",

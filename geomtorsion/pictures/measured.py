@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from geomtorsion import checks
 from geomtorsion.loops import Loop
 from geomtorsion.materials import Backdrop, Burgers, Section, Source, Survey
 from geomtorsion.pictures.loops import GAP, START
@@ -46,9 +47,12 @@ def draw_survey(survey: Survey, layer: int | None = None) -> Figure:
 
     Raises
     ------
+    ArgumentError
+        The argument is not a survey.
     MissingExtraError
         matplotlib is not installed.
     """
+    checks.instance(survey, Survey, "survey")
     chosen = survey.strongest_layer if layer is None else layer
     points = None if survey.on_grid else survey.lines
     corners = _corners(survey.lines, points is not None)
@@ -98,9 +102,13 @@ def draw_circuits(
 
     Raises
     ------
+    ArgumentError
+        An entry of `vectors` is not a Burgers vector of a circuit in measured data.
     MissingExtraError
         matplotlib is not installed.
     """
+    for one in checks.entries(vectors, "vectors"):
+        checks.instance(one, Burgers, "vectors")
     sections: dict[Section, list[Burgers]] = {} if vectors else {Section(): []}
     for one in vectors:
         sections.setdefault(one.section, []).append(one)

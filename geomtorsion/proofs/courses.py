@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from fractions import Fraction
 from typing import Any, Protocol
 
 from flint import arb, fmpq
 
+from geomtorsion.codegen import rational
 from geomtorsion.codegen.balls import BallCode, exact_ball
 from geomtorsion.ode import ODE
 from geomtorsion.ode.rates import CLOCK
@@ -71,9 +71,11 @@ class Course(Protocol):
         ...
 
 
-def exact_time(time: float | Fraction) -> fmpq:
-    """A time as a fraction."""
-    return fmpq(*time.as_integer_ratio())
+def exact_time(time: Any) -> fmpq:
+    """A time of any engine as the exact ratio that it is."""
+    ratio = rational(time)
+    assert ratio is not None, "times are finite"
+    return fmpq(ratio.numerator, ratio.denominator)
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,12 +20,12 @@ from geomtorsion.codegen.balls import BallCode, exact_ball, integral
 from geomtorsion.errors import MissingValueError, ProofError
 from geomtorsion.geometry.derived import derived
 from geomtorsion.loops.arcs import Number, shown
+from geomtorsion.loops.domain import loop_edges
 from geomtorsion.precision import ball_precision
 from geomtorsion.proofs.paths import BallArc, arcs_of
 from geomtorsion.proofs.wanted import MOST_BITS, SPARE, Wanted, log2, upper
 
 if TYPE_CHECKING:
-    from geomtorsion.exact.generators import Branch
     from geomtorsion.geometry import Frame
     from geomtorsion.loops import Loop
 
@@ -58,13 +58,15 @@ class _Row:
 
 @dataclass(frozen=True, eq=False)
 class _Condition:
-    """Where a branch holds.
+    """Where a branch or the declared domain holds.
 
     code: the quantity that must be positive; or, where `positive` is false, the root as written and
     as read, which must be equal and not opposite.
+    words: the condition; advice: where to move the loop.
     """
 
-    branch: Branch
+    words: str
+    advice: str
     positive: bool
     code: BallCode
 
@@ -120,6 +122,8 @@ def _compiled(frame: Frame) -> Coframe:
     needed = {symbol.name for x in entries.values() for symbol in x.symbols}
     branches = frame.field.relied_on
     needed |= {symbol.name for x in branches for symbol in x.radical.free_symbols}
+    edges = loop_edges(frame)
+    needed |= {symbol.name for edge in edges for symbol in edge.element.symbols}
     parameters = tuple(s.name for s in frame.field.symbols if s.name in needed - set(coordinates))
     names = [*coordinates, *parameters]
 
@@ -130,11 +134,16 @@ def _compiled(frame: Frame) -> Coframe:
     for (i, mu), value in entries.items():
         by_row.setdefault(i, {})[mu] = value
     rows = {i: _Row(tuple(row), BallCode(made(list(row.values())))) for i, row in by_row.items()}
+    side = "Move the loop to where the branch holds, or state a domain around the loop."
     conditions = [
-        _Condition(x, True, BallCode(made([x.holds], factor=False)))
+        _Condition(str(x), side, True, BallCode(made([x.holds], factor=False)))
         if x.holds is not None
-        else _Condition(x, False, BallCode(made([x.radical, x.read_as], factor=False)))
+        else _Condition(str(x), side, False, BallCode(made([x.radical, x.read_as], factor=False)))
         for x in branches
+    ]
+    conditions += [
+        _Condition(x.condition, "Move the loop inside.", True, BallCode(made([x.element])))
+        for x in edges
     ]
     return Coframe(parameters, rows, BallCode(made(list(entries.values()))), tuple(conditions))
 
@@ -251,8 +260,8 @@ def check_path(coframe: Coframe, arc: BallArc, values: Sequence[arb], bits: int)
             point = shown(float(x.mid()) for x in places)
             if finite and broken:
                 raise ProofError(
-                    f"the loop leaves a branch near {point}: {broken[0].branch}. Move the loop to "
-                    "where the branch holds, or state a domain around the loop."
+                    f"the loop leaves the domain near {point}: {broken[0].words}. "
+                    f"{broken[0].advice}"
                 )
             raise ProofError(
                 f"the coframe has no finite value near {point}: a pole or an edge is on the loop, "

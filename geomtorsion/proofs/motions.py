@@ -20,6 +20,9 @@ from geomtorsion.proofs.wanted import log2
 TOO_WIDE = -8.0
 # Work that a proof may take: minutes of the double pendulum.
 MOST_STEPS = 100_000
+# A motion is stiff where so many steps in a row are so many times shorter than the time in which it
+# changes, and so many times as many would be needed: minutes in which nothing happens.
+STIFF = 100
 # Steps shorter than this part of the interval lead to a point where the motion ends.
 STANDSTILL = 2**50
 
@@ -94,6 +97,7 @@ def follow(
     boxes: list[list[arb]] = []
     waiting = list(leg.samples)
     time, radius, steps = leg.begin, None, 0
+    lengths, slow = list[fmpq](), 0
     while waiting and waiting[0] == time:
         boxes.append(whole.hull)
         waiting.pop(0)
@@ -112,6 +116,9 @@ def follow(
                     "Prove a shorter motion."
                 ),
             )
+        lengths = [*lengths[-STIFF:], step.length]
+        slow = slow + 1 if STIFF * float(arb(step.length)) < step.own_time else 0
+        _check_pace(lengths, slow, leg, time)
         stop = None if leg.fall is None else _stop(leg.fall, step, time)
         last = arb(step.length) if stop is None else stop
         if stop is None:
@@ -135,6 +142,23 @@ def follow(
         # Otherwise boxes would be assigned to the wrong samples.
         raise RefusalError("a sample is outside its part of the motion", time)
     return Followed(boxes, whole, None, steps)
+
+
+def _check_pace(lengths: Sequence[fmpq], slow: int, leg: Leg, time: fmpq) -> None:
+    """Refuse a motion that would need too many steps as short as all of the last ones.
+
+    slow: how many in a row were far shorter than the time in which the motion changes.
+    """
+    if len(lengths) < STIFF:
+        return
+    needed = int(float(arb((leg.end - time) / max(lengths))))
+    if needed > MOST_STEPS or (slow >= STIFF and needed > STIFF**2):
+        raise RefusalError(
+            f"after {STIFF} steps as short as these some {needed:,} more would be needed: the "
+            "equations are stiff, the edge of a function is near, or the motion is too long",
+            time,
+            "Prove a shorter motion.",
+        )
 
 
 def _step(leg: Leg, whole: LohnerSet, method: Method, radius: float | None, time: fmpq) -> Step:

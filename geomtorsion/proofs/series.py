@@ -122,6 +122,28 @@ class BallSystem:
         parameters, numbers, _ = self._values()
         return self._complex_rates([*states, *parameters], numbers, True)
 
+    def edge_near(self, states: Sequence[arb]) -> str:
+        """The first function of rates or slopes without a value or a series at a point, in words.
+
+        It is "" where all have both.
+        """
+        parameters, *numbers = self._values()
+        with series_length(2):
+            along = [arb_series([x, 1], prec=2) for x in states]
+            for graph, values in zip((self.rates, self.jacobian), numbers, strict=True):
+                steps = graph.steps
+                every = BallCode(replace(graph, outputs=tuple((1, k) for k in range(len(steps)))))
+                function = every.real_function()
+                pairs = zip(steps, function([*states, *parameters], values),
+                            function([*along, *parameters], values), strict=True)  # fmt: skip
+                for step, value, series in pairs:
+                    name = step.detail if step.kind == "call" else f"a {step.kind}"
+                    if not value.is_finite():
+                        return f"{name} has no finite value"
+                    if not coefficient(series, 1).is_finite():
+                        return f"{name} has no power series"
+        return ""
+
     def slopes_at(self, states: Sequence[Ball]) -> list[Ball]:
         """The entries of J that do not vanish, at real balls or at series."""
         parameters, _, numbers = self._values()

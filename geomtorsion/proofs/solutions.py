@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -87,17 +86,13 @@ class SolutionTask:
         samples, hints = [], list[Stretch]()
         for segment in segments:
             mine = [
-                Sample(
-                    exact_time(sign * _float(t)), segment.label, tuple(row), segment.stage.groups
-                )
+                Sample(exact_time(sign * t), segment.label, tuple(row), segment.stage.groups)
                 for t, row in zip(
                     segment.times, _rows(problem, segment, segment.states), strict=True
                 )
             ]
             samples += mine
-            begin, end = (
-                exact_time(abs(_float(x))) for x in (segment.stage.begin, segment.run.reached)
-            )
+            begin, end = (exact_time(abs(x)) for x in (segment.stage.begin, segment.run.reached))
             times = tuple(sample.time for sample in mine)
             if hints and hints[-1].label == segment.label:
                 last = hints[-1]
@@ -111,7 +106,7 @@ class SolutionTask:
         if solution.outcome == "stopped":
             last = segments[-1]
             row = _rows(problem, last, last.last[None, :])[0]
-            time = exact_time(abs(_float(last.run.reached)))
+            time = exact_time(abs(last.run.reached))
             stopped = Sample(time, last.label, tuple(row), last.stage.groups)
             samples = [sample for sample in samples if sample.time < time]
         if not samples:
@@ -233,7 +228,7 @@ class SolutionTask:
             for group in groups:
                 for k in group:
                     if k < len(row):
-                        size = abs(number_ball(row[k]))
+                        size = abs(exact_ball(row[k]))
                         key = label, group
                         extent = extents.get(key, arb(0))
                         extents[key] = extent.max(size) if size.is_finite() else extent
@@ -286,7 +281,7 @@ class SolutionTask:
         for sample, box in self.pairs(motion):
             for group in sample.groups:
                 inside = [k for k in group if k < len(sample.row)]
-                differences = [abs(box[k] - number_ball(sample.row[k])) for k in inside]
+                differences = [abs(box[k] - exact_ball(sample.row[k])) for k in inside]
                 largest = arb(0)
                 for difference in differences:
                     largest = largest.max(difference)
@@ -363,15 +358,3 @@ def _without_last_sample(stretches: tuple[Stretch, ...]) -> tuple[Stretch, ...]:
 def _rows(problem: Any, segment: Segment, states: np.ndarray) -> np.ndarray:
     """States of a segment as they are compared."""
     return problem.rows(segment, states, segment.label)
-
-
-def _float(time: Any) -> float | Fraction:
-    """A time of any engine: most are floats."""
-    return time if isinstance(time, float) else Fraction(str(time))
-
-
-def number_ball(value: Any) -> arb:
-    """A number of a result in a ball: long floats give their digits as text."""
-    if type(value).__name__ in ("real128", "real"):
-        return arb(str(value))
-    return exact_ball(value)

@@ -67,6 +67,7 @@ class Step:
     variation_order: of the polynomial for V.
     radius: of the disk used, with which the next step begins.
     sizes: logarithms of the sizes of the states.
+    own_time: about the time in which a state changes by its own size, the shortest of all.
     """
 
     system: BallSystem
@@ -80,6 +81,7 @@ class Step:
     variation_order: int
     radius: float
     sizes: tuple[float, ...]
+    own_time: float
 
     @cached_property
     def _variations(self) -> list[arb_mat]:
@@ -151,7 +153,8 @@ class Stepper:
         with ball_precision(LOW_BITS):
             sizes = [[upper(x) for x in row] for row in self.coefficients]
             if not all(x.is_finite() for row in sizes for x in row):
-                raise ProofError("the rates have no series")
+                edge = system.edge_near(whole.middle)
+                raise ProofError(f"the rates have no power series{edge and f': {edge} there'}")
             self._table = arb_mat([row[1:] for row in sizes])
             self._middle = [acb(x) for x in whole.middle]
             self._rho = whole.radii
@@ -168,6 +171,9 @@ class Stepper:
             self.sizes = [max(x, top - SMALLER) for x in levels]
             # The time in which the motion changes by its own size.
             self.time = 2.0 ** min(max(time, -FURTHEST), FURTHEST)
+            pairs = ((log2(x), log2(row[1])) for x, row in zip(whole.middle, sizes, strict=True))
+            moving = [a - b for a, b in pairs if a > FAR_BELOW and b > FAR_BELOW]
+            self.own_time = 2.0 ** min(max(min(moving, default=0.0), -FURTHEST), FURTHEST)
             self._tolerance = [x - bits - 2 for x in self.sizes]
 
     def reach(self, radius: float | arb) -> tuple[list[arb], list[arb]]:
@@ -264,6 +270,7 @@ class Stepper:
             return Step(
                 self.system, self.whole, self.coefficients, length, tuple(local), tuple(around),
                 arb(outer), growth, max(4, needed), disk.radius, tuple(self.sizes),
+                self.own_time,
             )  # fmt: skip
         return None
 

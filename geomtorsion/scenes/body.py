@@ -286,7 +286,7 @@ def point_masses(
             "whose moment is 0. Give the line a thickness, or the body moments=(I1, I2, I3)."
         )
     rows = tuple(_plain(*row) for row in tensor)
-    return float(total), rows, _plain(*centre)
+    return _plain(total)[0], rows, _plain(*centre)
 
 
 def _on_a_line(tensor: list[list[Fraction]]) -> bool:
@@ -318,7 +318,14 @@ def _exact(value: Number) -> Fraction:
 
 
 def _plain(*values: Fraction) -> tuple[float, ...]:
-    return tuple(float(v) for v in values)
+    """Moments, a row of a tensor or a place, as floats."""
+    try:
+        return tuple(float(v) for v in values)
+    except OverflowError:
+        raise BodyError(
+            "body: expected masses and lengths whose moments of inertia fit into a float, below "
+            "1.8e308, got larger ones. Use other units."
+        ) from None
 
 
 def _listed(values: Iterable[float]) -> str:

@@ -266,15 +266,20 @@ class SceneResult:
                 table |= {f"{name}_{label}": flat[:, k] for k, label in enumerate(labels)}
         return table
 
-    def plot(self, path: str | Path | None = None) -> Figure:
+    def plot(self, path: str | Path | None = None, *, figure: str = "watched") -> Figure:
         """A figure of the outputs over time; written to `path` (png, svg, pdf) if given.
+
+        figure: another figure that these outputs have: "attitude" shows the axes of the body in
+        space and needs the output "matrix"; "axis", "cones", "path", "laws", "trust", "plan".
 
         Raises
         ------
+        UnknownNameError
+            The outputs have no figure of this name; the message lists those they have.
         MissingExtraError
             matplotlib is not installed.
         """
-        return plot(self, path)
+        return plot(self, path, figure)
 
     # -- taking it elsewhere ---------------------------------------------------------------------
 

@@ -14,8 +14,11 @@ import numpy as np
 from geomtorsion.accuracy.cost import ACCURACIES, CostTable, accuracy_cost, truth_of
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import AccuracyError, StuckError, TimeError
-from geomtorsion.ode import Cost, Engine, solve
+from geomtorsion.ode import Checkpoint, Cost, Engine, solve
+from geomtorsion.ode.checkpoint import fingerprint
+from geomtorsion.ode.numbers import checked_times
 from geomtorsion.ode.solution import DOUBLE
+from geomtorsion.progress import reports
 from geomtorsion.rigid import FreeTop, attitude, free_top
 from geomtorsion.scenes.context import OMEGA, POSITION, QUATERNION, VELOCITY, VERTICAL
 from geomtorsion.scenes.result import SceneResult, result_of
@@ -170,7 +173,7 @@ def solve_scene(
     scene: Scene,
     engine: Engine | None = None,
     checkpoint: str | Path | None = None,
-    progress: Callable[[float], None] | None = None,
+    progress: Callable[[float], object] | bool | None = None,
 ) -> SceneResult:
     """Solve a scene; see `Scene.run`."""
     # Equations that cannot be written down are refused before anything is computed.
@@ -180,12 +183,17 @@ def solve_scene(
             f"accuracy: expected {DOUBLE:.3g} or more, got {scene.accuracy:.3g}. The values of a "
             "scene are doubles; for more digits solve its equations, `solve(scene.ode, ...)`."
         )
+    if checkpoint is not None:
+        # From here on until the caller removes it, the file marks a run that can be resumed.
+        key = fingerprint(ode, checked_times(scene.times)[0], scene.accuracy, engine)
+        Checkpoint(checkpoint, key).begin()
     form = closed_form(scene) if engine is None else None
     if form is not None:
         result = _in_closed_form(scene, form)
         if result is not None:
-            if progress is not None:
-                progress(1.0)
+            with reports(progress, "scene") as show:
+                if show is not None:
+                    show(1.0)
             return result
     try:
         solved = solve(ode, scene.times, scene.accuracy, engine, checkpoint, progress)

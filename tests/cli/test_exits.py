@@ -168,6 +168,46 @@ def test_limits_end_a_command(option, said, tmp_path):
     assert "Traceback" not in error
 
 
+def test_a_limit_reports_how_to_resume(tmp_path):
+    """A limit reports how to resume as Ctrl-C does, and leaves the checkpoint."""
+    out = ("-o", str(tmp_path / "out"))
+    # A scene that takes a minute or more.
+    scene = ("run", "lagrange_loop", "--engine", "rungekutta", "--t", "20000")
+    with process(*scene, *out, "--seconds", "8") as running:
+        _, error = running.communicate(timeout=120)
+    assert running.returncode == 2
+    assert "takes more than 8 s" in error
+    assert "resume with --resume" in error
+    assert (tmp_path / "out/checkpoint.npz").exists()
+
+
+def test_ctrl_c_reaches_a_limited_command(tmp_path):
+    """Ctrl-C ends a command with limits as one without: code 130 and one line."""
+    file = tmp_path / "long.toml"
+    terms = "+".join(f"x**{k % 251}*y**{k // 251 % 251}" for k in range(100_000))
+    file.write_text(f'coordinates = ["x", "y"]\ncoframe = [["{terms}", 0], [0, 1]]\n')
+    given = ("geometry", str(file), "--seconds", "100")
+    with process(*given, run=("-c", SAYS_WHEN_IT_READS)) as running:
+        assert running.stdout is not None
+        assert running.stdout.readline() == "reads\n"
+        running.send_signal(signal.SIGINT)
+        _, error = running.communicate(timeout=60)
+    assert running.returncode == 130
+    assert error == "geomtorsion: stopped\n"
+
+
+def test_a_limited_command_has_its_input_and_output(tmp_path):
+    """Standard input, output and the exit code are the same with limits that are not met."""
+    loops = '[{"name": "c", "circle": {"center": [0, 0], "radius": 0.1}}]'
+    given = ("burgers", "so3", "--loops", "-")
+    answers = []
+    for more in ((), ("--seconds", "100", "--megabytes", "4000")):
+        with process(*given, *more, stdin=subprocess.PIPE) as running:
+            answers.append((*running.communicate(loops, timeout=100), running.returncode))
+    assert answers[0] == answers[1]
+    assert answers[0][0] or answers[0][1]
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no such limit")
 def test_too_little_memory_ends_in_words(tmp_path):
     """If memory runs out, the command prints one line without a traceback and ends with 2."""

@@ -32,8 +32,22 @@ SMOOTH = [
     (sp.atan2(X, X + 2), -0.5), (sp.Abs(X), -0.5), (X**-3, 1.3), (X**7 - 3 * X, -0.9),
     (sp.Max(X, 1) + sp.Min(X, 1), 0.25), (2 ** X, 0.75), (sp.EulerGamma * X + sp.E, 1.0),
 ]  # fmt: skip
-BESSEL = [(sp.besselj(2, X), 1.5), (sp.besseli(1, X), 0.7), (sp.bessely(0, X), 2.0),
-          (sp.besselk(1, X), 1.1)]  # fmt: skip
+SPECIAL = [
+    (sp.besselj(2, X), 1.5), (sp.besseli(1, X), 0.7), (sp.bessely(0, X), 2.0),
+    (sp.besselk(1, X), 1.1), (sp.besselj(3, X), -1.5), (sp.besselj(2, X), 0),
+    (sp.besselj(3, X), 0), (sp.besseli(3, X), 0), (sp.besselj(sp.Rational(1, 3), X), 2.5),
+    (sp.besseli(sp.Rational(1, 3), X), 2.5), (sp.besselk(sp.Rational(1, 3), X), 2.5),
+    (sp.bessely(sp.Rational(-4, 3), X), 2.5), (sp.besselj(1, sp.sin(X)), 0.5),
+    (sp.airyai(X), -1.5), (sp.airybi(X), 0.5), (sp.airyaiprime(X), 1.5),
+    (sp.airybiprime(X**2), 0.75), (sp.LambertW(X), 0.7), (sp.LambertW(X), 0),
+    (sp.LambertW(X, -1), -0.25), (sp.polygamma(0, X), 1.5), (sp.polygamma(0, X), -1.5),
+    (sp.polygamma(2, X), 0.75), (sp.expint(1, X), 0.5), (sp.expint(sp.Rational(5, 2), X), 1.5),
+    (sp.expint(3, X * X), 1.5), (sp.uppergamma(sp.Rational(1, 3), X), 0.5),
+    (sp.lowergamma(sp.Rational(1, 3), X), 2.5), (sp.Ei(X), -1.5), (sp.li(X), 0.5),
+    (sp.li(X), 2.5), (sp.Si(X), -0.5), (sp.Ci(X), 0.5), (sp.Shi(X), 0.5), (sp.Chi(X), 1.5),
+    (sp.factorial(X), 1.5), (sp.beta(X, 1 + X), 0.75), (sp.erf2(X, X**2), 0.75),
+    (sp.gamma(X), -0.5),
+]  # fmt: skip
 
 
 def _code(expr):
@@ -42,7 +56,10 @@ def _code(expr):
 
 def _truth(expr, at, order=0):
     """A Taylor coefficient to 50 digits, by sympy and mpmath."""
-    slope = sp.diff(expr, X, order) / math.factorial(order)
+    if expr == sp.LambertW(X) and at == 0:
+        # W(x) = x - x^2 + 3/2 x^3 - ...; its slope is written as a quotient 0/0.
+        return mpmath.mpf(-order) ** (order - 1) / math.factorial(order) if order else mpmath.mpf(0)
+    slope = sp.diff(expr.rewrite(sp.erf), X, order) / math.factorial(order)
     with mpmath.workdps(60):
         return mpmath.mpf(sp.N(slope.subs(X, sp.Rational(at)), 50))
 
@@ -52,7 +69,7 @@ def _contains(ball, value):
     return abs(ball - exact_ball(value)) < arb(2) ** -90 * (1 + abs(ball))
 
 
-@pytest.mark.parametrize(("expr", "at"), SMOOTH + BESSEL, ids=str)
+@pytest.mark.parametrize(("expr", "at"), SMOOTH + SPECIAL, ids=str)
 def test_balls_contain_the_value(expr, at):
     """Real and complex balls contain the value to about 90 bits."""
     with ball_precision(128):
@@ -64,7 +81,21 @@ def test_balls_contain_the_value(expr, at):
         assert both.imag.contains(0)
 
 
-@pytest.mark.parametrize(("expr", "at"), SMOOTH, ids=str)
+@pytest.mark.parametrize(("expr", "at"), SMOOTH + SPECIAL, ids=str)
+def test_wide_analytic_balls_contain_real_values(expr, at):
+    """A box around a real interval contains the values on it: the continuation is of these."""
+    if expr.has(sp.polygamma) and at < 0:
+        pytest.skip("Arb has no bounds of wide balls left of zero")
+    with ball_precision(128):
+        sides = acb(arb(0, 2.0**-5), arb(0, 2.0**-5))
+        wide = _code(expr).complex([acb(at) + sides], analytic=True)[0]
+        assert wide.is_finite()
+        for part in (-0.03, 0.0, 0.02):
+            place = sp.Rational(at) + sp.Rational(part)
+            assert wide.contains(acb(exact_ball(_truth(expr, place)).mid()))
+
+
+@pytest.mark.parametrize(("expr", "at"), SMOOTH + SPECIAL, ids=str)
 def test_series_are_the_derivatives(expr, at):
     """The first coefficients of a series are derivatives over factorials."""
     with ball_precision(128):
@@ -84,9 +115,15 @@ def test_series_are_the_derivatives(expr, at):
         (sp.log(X), -1), (sp.sqrt(X), -1), (X ** sp.Rational(1, 3), -1), (X ** sp.pi, -1),
         (sp.atan(X), 1.5j), (sp.atan(X), -1.5j), (sp.asinh(X), 2j), (sp.asin(X), 1.5),
         (sp.acos(X), -1.5), (sp.atanh(X), 2), (sp.acosh(X), 0.5), (sp.acosh(X), -3),
-        (sp.loggamma(X), -1.5), (sp.Ei(X), -1), (sp.atan2(X, -2), 0), (sp.bessely(0, X), -1),
+        (sp.loggamma(X), -1.5), (sp.Ei(X), 0), (sp.li(X), 1), (sp.li(X), -1),
+        (sp.atan2(X, -2), 0), (sp.bessely(0, X), -1),
         (sp.besselk(1, X), -1), (sp.besselj(sp.Rational(1, 2), X), -1), (sp.Abs(X), 0),
         (1 / X, 0), (sp.gamma(X), -2), (sp.tan(X), sp.pi / 2),
+        (sp.LambertW(X), -0.5), (sp.LambertW(X, -1), -0.5), (sp.LambertW(X, -1), 0.5),
+        (sp.Ci(X), -1), (sp.Chi(X), -1), (sp.expint(1, X), -1), (sp.expint(2, X), 0),
+        (sp.uppergamma(sp.Rational(1, 3), X), -1), (sp.lowergamma(sp.Rational(1, 3), X), -1),
+        (sp.polygamma(0, X), -1), (sp.factorial(X), -1), (sp.beta(X, 2), -1),
+        (sp.besseli(sp.Rational(1, 3), X), -1),
     ],
     ids=str,
 )  # fmt: skip

@@ -1,7 +1,6 @@
 """Tensor: access, changes of indices, arithmetic, numbers and notation."""
 
 import math
-import time
 
 import mpmath
 import numpy as np
@@ -247,13 +246,12 @@ def test_no_number_is_refused_by_name_at_once(bad: object, symbol: str) -> None:
     """A value that is not finite is refused by name, because its evaluation would never end."""
     black_hole = load("schwarzschild").frame
     point = {"t": 0, "r": 5, "theta": 1, "phi": 0, "M": 1, symbol: bad}
-    before, began = mpmath.mp.prec, time.perf_counter()
+    before = mpmath.mp.prec
     for tensor in (black_hole.metric, levi_civita(black_hole).curvature.kretschmann):
         for digits in (None, 30):
             with pytest.raises(CoordinateError, match=f"point: {symbol}: expected a .*number"):
                 tensor.at(point, digits=digits)
     assert mpmath.mp.prec == before
-    assert time.perf_counter() - began < 5
 
 
 def test_masked_points_are_not_known(frame: Frame) -> None:

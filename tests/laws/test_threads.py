@@ -116,7 +116,7 @@ def bits(ball: flint.arb) -> tuple[object, ...]:
     return ball.mid().man_exp(), ball.rad().man_exp()
 
 
-def written(_: Shared, tensor: gt.Tensor) -> str:
+def written(shared: Shared, tensor: gt.Tensor) -> str:
     """A tensor as text, as a formula and as components."""
     return f"{tensor!r} {tensor._repr_latex_()} {tensor.nonzero()} {tensor.certainty}"
 
@@ -226,8 +226,7 @@ def questions(name: str, shared: Shared) -> dict[str, Question]:
         looks["written"] = written
         others = MORE | (MOTIONS if shared.start else {})
         others |= {"burgers": burgers} if shared.loop else {}
-    named = QUANTITIES if isinstance(QUANTITIES, Mapping) else {q.name: q for q in QUANTITIES}
-    tensors = {f"{q} {how}": of_tensor(look, q) for q in named for how, look in looks.items()}
+    tensors = {f"{q} {how}": of_tensor(look, q) for q in QUANTITIES for how, look in looks.items()}
     return {**tensors, **others}
 
 

@@ -251,8 +251,8 @@ def test_the_flux_counts_for_tiny_loops(so3: Frame) -> None:
     assert tiny.check.agrees
     assert tiny.check.line_error > 1e6 * tiny.error
     assert abs(tiny.check.difference).max() <= tiny.check.line_error  # type: ignore[arg-type]
-    assert tiny.evaluations > 0
-    assert 0 < tiny.seconds < 1
+    assert 0 < tiny.evaluations < 1000
+    assert tiny.seconds > 0
 
 
 def test_smaller_than_all_doubles(so3: Frame) -> None:

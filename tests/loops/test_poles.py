@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from geomtorsion.errors import LoopError, SingularPointError
+from geomtorsion.errors import ChartEdgeError, LoopError, SingularPointError
 from geomtorsion.exact import parse_expression
 from geomtorsion.geometry import Connection, Frame, cartan, from_spin_connection
 from geomtorsion.loops import (
@@ -160,6 +160,10 @@ def test_right_or_refused_from_rounding_to_the_radius(seed: int) -> None:
             named = "passes through (" in str(refusal)
             refused.append(named and distance < 1e-9)
             continue
+        except ChartEdgeError:
+            # The edge dislocation ends at a distance of b y / (2 pi r) from its line.
+            refused.append(row == 0 and distance < 1)
+            continue
         # The parametric curve has the same direction as the others.
         assert abs(found.vector[row] - inside) <= found.error < 1e-2
         if distance < 1e-3 and seed % 8 == 0:
@@ -171,11 +175,13 @@ def test_right_or_refused_from_rounding_to_the_radius(seed: int) -> None:
         assert abs(cycle.vector[row] - inside) <= cycle.error < 1e-2
     except SingularPointError:
         assert distance < 1e-9
+    except ChartEdgeError:
+        assert row == 0
     many = burgers_vectors(frame, [[1 + x, 0, 0]], 1.0, accuracy=max(accuracy, 1e-10), parameters=B)
     if np.isfinite(many.vectors).all():
         assert abs(many.vectors[row, 0] - inside) <= many.errors[0] < 1e-2
     else:
-        assert distance < 1e-9
+        assert distance < 1e-9 or row == 0
 
 
 @pytest.mark.parametrize("distance", [10.0**-k for k in range(1, 16, 2)])

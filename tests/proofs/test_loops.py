@@ -70,7 +70,7 @@ def test_a_branch_that_is_left_is_refused(monkeypatch):
     """A loop on which the root is not its branch is refused; without the check b would be wrong."""
     inside, over = gt.Loop.circle([2, 0], 1), gt.Loop.circle([0.25, 0], 1)
     assert proved(HALF, inside)[1].contains(0)
-    with pytest.raises(ProofError, match="leaves a branch near"):
+    with pytest.raises(ProofError, match="leaves the domain near"):
         proved(HALF, over)
     slope = gt.Frame([U, V], [[1, 0], [V * sp.sqrt(U**2), 1]], domain=[U > 0])
     monkeypatch.setattr(loops, "check_path", lambda *_: None)

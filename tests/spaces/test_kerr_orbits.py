@@ -2,6 +2,7 @@
 
 import math
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -96,6 +97,21 @@ def test_through_the_equator_and_over_the_poles():
         one, two = (gt.kerr_orbit(*x).frequencies for x in (shape, beside))
         for name in ("radial", "polar", "azimuthal"):
             assert getattr(one, name) == pytest.approx(getattr(two, name), rel=1e-8)
+
+
+@pytest.mark.parametrize("room", [1.0, 1e-6, 1e-10])
+def test_frequency_beside_the_separatrix(room):
+    """Without spin the radial frequency is an elliptic integral, down to p = 6 + 2 e."""
+    p, e = 6.6 + room, 0.3
+    with mpmath.workdps(40):
+        p_exact, e_exact = mpmath.mpf(p), mpmath.mpf(e)
+        square = ((p_exact - 2) ** 2 - 4 * e_exact**2) / (p_exact * (p_exact - 3 - e_exact**2))
+        r1, r2 = p_exact / (1 - e_exact), p_exact / (1 + e_exact)
+        r3 = 2 / (1 - square) - r1 - r2
+        modulus = (r1 - r2) * r3 / ((r1 - r3) * r2)
+        speed = mpmath.sqrt((1 - square) * (r1 - r3) * r2)
+        exact = float(mpmath.pi * speed / (2 * mpmath.ellipk(modulus)))
+    assert gt.kerr_orbit(0, p, e).mino_frequencies.radial == pytest.approx(exact, rel=1e-12)
 
 
 def test_constants_are_those_of_the_curve():

@@ -18,7 +18,7 @@ from geomtorsion.cli.options import Form, argument, directory, option
 from geomtorsion.cli.terminal import some_rows
 from geomtorsion.conventions import burgers
 from geomtorsion.errors import CheckpointError, CrystalError, GeomtorsionError, MissingExtraError
-from geomtorsion.files import check_resumption, write_text, written
+from geomtorsion.files import check_resumption, plain_float, write_text, written
 from geomtorsion.materials.crystals import LATTICES
 from geomtorsion.materials.crystals.atom_arrays import is_atom_array
 from geomtorsion.materials.crystals.reports import Json, followed
@@ -161,7 +161,7 @@ def _cell(text: str | None) -> tuple[tuple[float, ...], ...] | None:
     if text is None:
         return None
     try:
-        rows = [[float(x) for x in part.split(",")] for part in text.split(";")]
+        rows = [[plain_float(x) for x in part.split(",")] for part in text.split(";")]
     except ValueError:
         rows = []
     if len(rows) == 1 and len(rows[0]) == 3:
@@ -193,7 +193,7 @@ def _axes(text: str | None) -> tuple[tuple[float, ...], ...] | None:
         return None
     message = f"--orient {cut(text)}: expected three directions such as 1,-1,0;1,1,1;-1,-1,2"
     try:
-        rows = np.array([[float(x) for x in part.split(",")] for part in text.split(";")])
+        rows = np.array([[plain_float(x) for x in part.split(",")] for part in text.split(";")])
     except ValueError:
         raise CrystalError(f"{message}, got other text. Write three numbers for each.") from None
     if rows.shape != (3, 3) or not np.isfinite(rows).all() or not rows.any(axis=1).all():

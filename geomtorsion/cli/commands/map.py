@@ -39,7 +39,7 @@ from geomtorsion.cli.results import (
 from geomtorsion.cli.sources import Reading, dashed, identity_frame, opened, sigma_of
 from geomtorsion.cli.terminal import working, wrapped
 from geomtorsion.errors import CheckpointError, GridError, ImageError, OrientationError
-from geomtorsion.files import write_text
+from geomtorsion.files import plain_float, write_text
 from geomtorsion.loops.loop_files import loop_from_data
 from geomtorsion.materials.fields.blocked_fields import BlockedSurvey, map_in_blocks
 from geomtorsion.materials.fields.blocked_map import run_in
@@ -246,7 +246,7 @@ def _report(found: BlockedSurvey, form: str) -> tuple[dict[str, Any], list[str],
 def _numbers(text: str) -> list[float]:
     """Numbers with commas between them."""
     try:
-        return [float(x) for x in text.split(",")]
+        return [plain_float(x) for x in text.split(",")]
     except ValueError:
         raise GridError(f"steps: expected numbers such as 0.5,0.5, got {shown(text)}.") from None
 

@@ -26,7 +26,7 @@ from geomtorsion.cli.options import (
 from geomtorsion.cli.scene_sources import open_scene, start_angles
 from geomtorsion.cli.terminal import WIDTH, right_aligned, some_rows, working
 from geomtorsion.cli.values import engine_of
-from geomtorsion.errors import CheckpointError, StuckError
+from geomtorsion.errors import CheckpointError, GeomtorsionError, StuckError
 from geomtorsion.files import check_resumption
 from geomtorsion.ode import Engine
 from geomtorsion.pictures.style import can_draw
@@ -138,16 +138,19 @@ def _checkpoint(output: Path | None, *, resume: bool, overwrite: bool) -> Path |
 
 def _solved(scene: Scene, engine: Engine | None, checkpoint: Path | None) -> SceneResult:
     """The result of a scene, as far as it goes."""
+    begun = checkpoint is not None and checkpoint.exists()
     with bar(scene.title or scene.name) as progress:
         try:
             return scene.run(engine, checkpoint, progress)
-        except StuckError as stuck:
-            if checkpoint is not None:
-                checkpoint.unlink(missing_ok=True)
-            if stuck.solution is None or not len(stuck.solution.times):
+        except GeomtorsionError as error:
+            stuck = error.solution if isinstance(error, StuckError) else None
+            if stuck is None or not len(stuck.times):
+                # Nothing is left that another attempt could use.
+                if checkpoint is not None and not begun:
+                    checkpoint.unlink(missing_ok=True)
                 raise
-            typer.echo(f"geomtorsion: {str(stuck).partition(' The computed part')[0]}", err=True)
-            return stuck.solution
+            typer.echo(f"geomtorsion: {str(error).partition(' The computed part')[0]}", err=True)
+            return stuck
 
 
 def _left(scene: Scene, checkpoint: Path | None, engine: Engine | None) -> str:
@@ -157,7 +160,8 @@ def _left(scene: Scene, checkpoint: Path | None, engine: Engine | None) -> str:
     try:
         return f"; {_partial(scene, checkpoint, engine)}; resume with --resume"
     except CheckpointError:
-        return ""
+        # No sample is computed yet, or the motion has a closed form.
+        return "; resume with --resume"
 
 
 def _partial(scene: Scene, checkpoint: Path, engine: Engine | None) -> str:

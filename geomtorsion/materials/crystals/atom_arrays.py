@@ -10,7 +10,7 @@ from geomtorsion.errors import CrystalError
 from geomtorsion.materials.crystals.atom_rows import AtomData
 from geomtorsion.materials.crystals.given import POSITIONS, Given
 from geomtorsion.materials.fields.contents import guarded
-from geomtorsion.npz import ArrayForm, read_npz
+from geomtorsion.npz import ArrayForm, mapped_npy, read_npz
 
 # Arrays of an .npz file. An .npy file holds only the positions.
 _FORMS = {
@@ -43,9 +43,7 @@ def read_atom_array(
         arrays = read_npz(path, _FORMS)
     else:
         # Mapped: a header that declares more than the file holds takes no memory.
-        arrays = {
-            POSITIONS: guarded(path, lambda: np.load(path, mmap_mode="r", allow_pickle=False))
-        }
+        arrays = {POSITIONS: guarded(path, lambda: mapped_npy(path))}
     edges = arrays.get("cell") if cell is None else cell
     axes: tuple[bool, ...] = (True, True, True)
     if periodic is not None:

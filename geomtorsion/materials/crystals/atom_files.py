@@ -26,6 +26,7 @@ from geomtorsion.materials.crystals.lammps import (
     seems_dump,
 )
 from geomtorsion.materials.crystals.xyz import xyz_blocks, xyz_frame
+from geomtorsion.outgoing import quiet_libraries
 
 if TYPE_CHECKING:
     from ase import Atoms
@@ -131,7 +132,8 @@ def _form_of(file: Path, form: str | None) -> str:
         return "extxyz"
     formats = _ase("ase.io.formats")
     try:
-        kind = formats.filetype(str(file), read=True, guess=False)
+        with quiet_libraries():
+            kind = formats.filetype(str(file), read=True, guess=False)
     except Exception:  # noqa: BLE001
         # A damaged beginning makes ase raise more than its own class of errors.
         raise FileFormatError(
@@ -201,7 +203,12 @@ def _by_ase(file: Path, kind: str) -> Iterator[Atoms]:
         binary = formats.ioformats[kind].isbinary
         source = io.BytesIO(text.encode()) if binary else io.StringIO(text)
     try:
-        for atoms in ase_io.iread(source, index=":", format=kind):
+        frames = iter(ase_io.iread(source, index=":", format=kind))
+        while True:
+            with quiet_libraries():
+                atoms = next(frames, None)
+            if atoms is None:
+                return
             if length != 1:
                 atoms.set_cell(length * atoms.cell, scale_atoms=True)
             yield atoms

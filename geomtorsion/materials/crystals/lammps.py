@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import re
 from collections.abc import Iterator, Sequence
 from io import TextIOBase
@@ -216,17 +217,22 @@ def data_frame(name: str, text: str) -> AtomData:
     The style of the atoms is the word after Atoms (Atoms # atomic), or else the style that columns
     allow. Species are labels of types, comments of Masses, or numbers.
     """
-    rows = text.split("\n")
+    # Rows without words take memory only in the text; the first row is a title.
+    numbered = [
+        (k, row) for k, row in enumerate(io.StringIO(text)) if k and row.partition("#")[0].strip()
+    ]
+    rows = [row for _, row in numbered]
+    places = [k for k, _ in numbered]
     plain = [row.partition("#")[0].split() for row in rows]
-    heads = [k for k, words in enumerate(plain) if k and words and words[0][0].isalpha()]
+    heads = [k for k, words in enumerate(plain) if words[0][0].isalpha()]
     sections = {" ".join(plain[k]): k for k in reversed(heads)}
     top = heads[0] if heads else len(rows)
     header: Said = {}
-    for k, words in enumerate(plain[1:top], 1):
+    for k, words in enumerate(plain[:top]):
         for key in _KEYS:
             ends = key.split()
             if words[-len(ends) :] == ends:
-                header[key] = k, words[: -len(ends)]
+                header[key] = places[k], words[: -len(ends)]
     if "Atoms" not in sections or "atoms" not in header:
         missing = (
             "section Atoms" if "Atoms" not in sections else "number of atoms (such as 5 atoms)"
@@ -237,20 +243,21 @@ def data_frame(name: str, text: str) -> AtomData:
         )
     start = sections["Atoms"]
     end = next((k for k in heads if k > start), len(rows))
-    body = [k for k in range(start + 1, end) if plain[k]]
+    body = range(start + 1, end)
     line, count = header["atoms"][0] + 1, " ".join(header["atoms"][1])
     if not count.isdecimal() or len(count) > 18 or int(count) != len(body):
         raise FileFormatError(
             f"{name}: line {line}: expected {cut(count)} atoms, as this line declares, got "
             f"{len(body):,} rows. Correct the number, or export the file again."
         )
-    lines = [k + 1 for k in body]
+    lines = [places[k] + 1 for k in body]
     words, texts = [plain[k] for k in body], [rows[k].partition("#")[0] for k in body]
     width = len(words[0]) if words else 0
     odd = next((k for k, row in enumerate(words) if len(row) != width), None)
     if odd is not None:
         raise odd_row(name, lines[odd], texts[odd], width, ())
-    kind, x = _style(name, start + 1, rows[start].partition("#")[2].strip(), words, header)
+    style = rows[start].partition("#")[2].strip()
+    kind, x = _style(name, places[start] + 1, style, words, header)
     values, _ = table_of(name, lines, texts, width, (0, x, x + 1, x + 2) if body else ())
     order = np.argsort(values[:, 0], kind="stable")
     labels = _labels(rows, plain, sections, heads)
@@ -317,7 +324,7 @@ def _labels(
         for k in range(start + 1, end):
             comment = rows[k].partition("#")[2].split()
             label = plain[k][1:2] if title == "Atom Type Labels" else comment[:1]
-            if plain[k] and label:
+            if label:
                 labels[plain[k][0]] = label[0]
     return labels
 

@@ -21,6 +21,7 @@ from geomtorsion.materials.crystals.known_grains import KnownGrains
 from geomtorsion.materials.crystals.reading import crystal_of
 from geomtorsion.materials.crystals.reports import Json, crystal_report, known_of
 from geomtorsion.materials.lines import DislocationNetwork
+from geomtorsion.npz import mapped_npy
 
 SETTINGS = "settings.json"
 
@@ -136,7 +137,7 @@ def _owner(kept: Path, report: Json) -> np.ndarray:
         return np.zeros(count, dtype=np.int64)
     file = kept.with_suffix(".npy")
     try:
-        owner = np.load(file, mmap_mode="r", allow_pickle=False)
+        owner = mapped_npy(file)
     except (OSError, ValueError, EOFError):
         owner = np.zeros(0)
     if owner.shape != (count,) or owner.dtype != np.int64:

@@ -220,8 +220,9 @@ class BlockMap:
         if self.size == (0, 0):
             curl, difference, sigmas = torsion(field, self.plane)
             return np.concatenate([curl, sigmas, difference.max(axis=0)[None]])
-        vectors, estimate = circuits(field, self.plane, self.size)
-        errors = estimate()
+        # A block does not contain the whole ring of each hole.
+        blocks = circuits(field, self.plane, self.size, detours=False)
+        vectors, errors = blocks.vectors, blocks.estimate()
         sigmas = np.zeros(vectors.shape)
         for i, row in enumerate(sigmas):
             row += np.sqrt(np.maximum(errors.covariance.get((i, i), 0.0), 0.0))
@@ -310,7 +311,8 @@ def blocked_map(
     ----------
     source
         The coframe, shape (rows, columns, N_1, ..., N_d), NaN in holes: the path of an .npy file or
-        a Zarr array, or an array of NumPy, Zarr or dask.
+        a Zarr array, or an array of NumPy, Zarr or dask. Circuits that meet a hole are NaN: only
+        `SampledFrame.burgers_map` goes around missing nodes.
     path
         Path of the Zarr array for the map. A killed run is resumed there.
     steps

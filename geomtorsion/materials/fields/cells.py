@@ -11,90 +11,107 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geomtorsion.loops.quadrature import ROUNDING
+from geomtorsion.materials.detours import Passages
 from geomtorsion.materials.fields.circuits import Field, unexplained
 from geomtorsion.materials.fields.grid import Grid
 from geomtorsion.materials.fields.noise import Noise, along
 from geomtorsion.materials.fields.sides import Sides, Spread, on_grid
 from geomtorsion.materials.fields.stencils import Rule
+from geomtorsion.materials.rings import Rings
 from geomtorsion.materials.survey import Errors
+from geomtorsion.materials.windows import Windows
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
 
 @dataclass(frozen=True, eq=False)
-class Rectangles:
-    """All rectangular circuits of a size in a plane of a grid, as sums over their four sides."""
+class Circuits:
+    """All rectangular circuits of a size in a plane of a grid.
 
-    grid: Grid
-    plane: tuple[int, int]
-    size: tuple[int, int]
+    vectors: b^i, shape (rows, places...), NaN where a circuit has none. estimate: computes the
+    errors. passages: of circuits that go around missing nodes; None without missing nodes.
+    """
 
-    @property
-    def area(self) -> float:
-        """Area of one circuit; negative if one axis of the plane decreases."""
-        steps = [self.grid.steps[k] * m for k, m in zip(self.plane, self.size, strict=True)]
-        return steps[0] * steps[1]
+    vectors: np.ndarray
+    estimate: Callable[[], Errors]
+    passages: Passages | None = None
 
-    def four(self, one: np.ndarray, two: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Values on the near and the far side of each circuit, along the first and second axis.
 
-        one, two: values of all sides along the first and along the second axis, (..., sides).
-        """
-        grid, (a, b) = self.grid, self.plane
-        near_a, far_a = _pair(one, b - grid.dimension, self.size[1], grid.periodic[b])
-        near_b, far_b = _pair(two, a - grid.dimension, self.size[0], grid.periodic[a])
-        return near_a, far_a, near_b, far_b
-
-    def rounds(self, one: np.ndarray, two: np.ndarray) -> np.ndarray:
-        """Sums around circuits, in the sense of increasing coordinates."""
-        near_a, far_a, near_b, far_b = self.four(one, two)
-        # A decreasing axis reverses the sense of the circuits.
-        return float(np.sign(self.area)) * ((far_b - near_b) - (far_a - near_a))
-
-    def sums(self, one: np.ndarray, two: np.ndarray) -> np.ndarray:
-        """Sums over the four sides, without signs."""
-        near_a, far_a, near_b, far_b = self.four(one, two)
-        return near_a + far_a + near_b + far_b
+def windows_of(grid: Grid, plane: tuple[int, int], size: tuple[int, int]) -> Windows:
+    """Circuits of a size in a plane, which turn in the direction of increasing coordinates."""
+    # A decreasing axis reverses the sense of the circuits.
+    sense = 1 if grid.steps[plane[0]] * grid.steps[plane[1]] > 0 else -1
+    return Windows(plane, size, grid.periodic, sense)
 
 
 def circuits(
-    sampled: Field, plane: tuple[int, int], size: tuple[int, int]
-) -> tuple[np.ndarray, Callable[[], Errors]]:
-    """b of all circuits of a size, shape (rows, places...), and a function for their errors.
+    sampled: Field, plane: tuple[int, int], size: tuple[int, int], *, detours: bool = True
+) -> Circuits:
+    """b of all circuits of a size; the cost grows with the logarithm of the size.
 
-    b is NaN where a side touches a hole. The cost grows with the logarithm of the size.
+    detours: whether circuits go around missing nodes; otherwise b is NaN where a side has one.
     """
+    grid, lines = sampled.grid, windows_of(sampled.grid, plane, size)
     one, two = (Sides(sampled, k, m) for k, m in zip(plane, size, strict=True))
-    lines = Rectangles(sampled.grid, plane, size)
-    vectors = lines.rounds(one.values, two.values)
-    if sampled.grid.has_holes:
-        vectors[:, lines.sums(one.touched, two.touched) > 0] = np.nan
-    return vectors, partial(_errors, sampled, lines, one, two)
+    edges, passages = (one.values, two.values), None
+    if grid.has_holes and detours:
+        passages = Passages(Rings.of(grid.holes, plane, grid.periodic), lines)
+        edges = passages.rings.filled(edges)
+    vectors = lines.rounds(*lines.along(*edges))
+    if passages is not None:
+        vectors[:, passages.refused] = np.nan
+    elif grid.has_holes:
+        met = (touched(grid, k).astype(np.int32) for k in plane)
+        vectors[:, lines.sums(*lines.along(*met)) > 0] = np.nan
+    return Circuits(vectors, partial(_errors, sampled, lines, one, two, passages), passages)
 
 
-def _errors(sampled: Field, lines: Rectangles, one: Sides, two: Sides) -> Errors:
-    """Errors of all circuits: noise, and the difference from a rule of another order."""
+def touched(grid: Grid, axis: int) -> np.ndarray:
+    """Whether each edge along an axis has an unknown end."""
+    either = grid.holes | np.roll(grid.holes, -1, axis)
+    return either if grid.periodic[axis] else np.delete(either, -1, axis)
+
+
+def _errors(
+    sampled: Field, lines: Windows, one: Sides, two: Sides, passages: Passages | None
+) -> Errors:
+    """Errors of all circuits: noise, the difference from a rule of another order, and detours."""
     grid, size = sampled.grid, lines.size
-    difference = np.abs(lines.rounds(one.difference, two.difference))
+    differences = one.difference, two.difference
+    if passages is not None:
+        differences = passages.rings.filled(differences)
+    difference = np.abs(lines.rounds(*lines.along(*differences)))
     covariance: dict[tuple[int, int], np.ndarray] = {}
     if sampled.noise is not None:
         every, less = (
-            _spread(sampled.noise, lines, one.spread(other), two.spread(other))
+            _spread(sampled.noise, grid, lines, one.spread(other), two.spread(other))
             for other in (False, True)
         )
         covariance = {(i, j): c for (i, j), c in every.items() if i <= j}
         for i, row in enumerate(difference):
             row[:] = unexplained(row, less.get((i, i), np.zeros(1)))
     longest = max(abs(grid.steps[k]) * m for k, m in zip(lines.plane, size, strict=True))
-    return Errors(covariance, difference.max(axis=0) + ROUNDING * sampled.size * longest)
+    systematic = difference.max(axis=0) + ROUNDING * sampled.size * longest
+    if passages is not None and passages.rings.count:
+        sizes = np.abs(passages.rings.totals_of(passages.rings.steps_of((one.values, two.values))))
+        if sampled.noise is not None:
+            edges = one.variances(), two.variances()
+            variances = passages.rings.totals_of(passages.rings.steps_of(edges, signed=False))
+            sizes = unexplained(sizes, variances)
+            # Neighbouring steps of a ring share a node, which at most doubles the variance of a
+            # sum. The whole ring is an upper bound for a part of it.
+            for i, more in enumerate(passages.around(2 * variances)):
+                covariance[i, i] = covariance.get((i, i), 0.0) + more
+        systematic = systematic + passages.around(sizes.max(axis=0)[None])[0]
+    return Errors(covariance, systematic)
 
 
 def _spread(
-    noise: Noise, lines: Rectangles, one: Spread, two: Spread
+    noise: Noise, grid: Grid, lines: Windows, one: Spread, two: Spread
 ) -> dict[tuple[int, int], np.ndarray]:
     """Covariances of circuits from noise, computed from the covariances of their sides."""
-    grid, plane, size = lines.grid, lines.plane, lines.size
+    plane, size = lines.plane, lines.size
     table = {}
     for pair in {**one.covariance, **two.covariance}:
         none = np.zeros((1,) * grid.dimension)
@@ -134,27 +151,12 @@ def _corner(values: np.ndarray, grid: Grid, shifts: dict[int, tuple[int, int]]) 
     return values
 
 
-def _pair(values: np.ndarray, axis: int, apart: int, periodic: bool) -> tuple[np.ndarray, ...]:
-    """Values on the near sides of circuits, and on the far sides, `apart` nodes further."""
-    if values.shape[axis] == 1:
-        # One value represents all positions.
-        return values, values
-    if periodic:
-        return values, np.roll(values, -apart, axis)
-    count = values.shape[axis] - apart
-    index = [slice(None)] * values.ndim
-    index[axis] = slice(None, count)
-    near = values[tuple(index)]
-    index[axis] = slice(apart, None)
-    return near, values[tuple(index)]
-
-
-def curl(sampled: Field, plane: tuple[int, int]) -> np.ndarray:
+def curl(sampled: Field, plane: tuple[int, int], out: np.ndarray | None = None) -> np.ndarray:
     """d_a e_b - d_b e_a at the nodes, shape (rows, grid...).
 
-    NaN without enough known nodes in a row.
+    NaN without enough known nodes in a row. out: array for the result.
     """
-    return _curl(sampled, plane, _slopes(sampled, plane))
+    return _curl(sampled, plane, _slopes(sampled, plane), out)
 
 
 def _slopes(sampled: Field, plane: tuple[int, int]) -> tuple[Rule, Rule]:
@@ -163,17 +165,26 @@ def _slopes(sampled: Field, plane: tuple[int, int]) -> tuple[Rule, Rule]:
     return one, two
 
 
-def _curl(sampled: Field, plane: tuple[int, int], rules: tuple[Rule, Rule]) -> np.ndarray:
-    parts = []
-    for rule, k, m in zip(rules, plane, plane[::-1], strict=True):
-        part = rule(sampled.values[:, m], 1 + k)
-        part /= sampled.grid.steps[k]
-        if not rule.known.all():
-            part[:, ~on_grid(rule.known, sampled.grid.shape, k)] = np.nan
-        parts.append(part)
-    one, two = parts
-    one -= two
-    return one
+def _curl(
+    sampled: Field,
+    plane: tuple[int, int],
+    rules: tuple[Rule, Rule],
+    out: np.ndarray | None = None,
+) -> np.ndarray:
+    if out is None:
+        out = np.empty((sampled.rows, *sampled.grid.shape))
+    spare = np.empty((1, *sampled.grid.shape))
+    (a, b), (one, two) = plane, rules
+    for i, row in enumerate(out):
+        one(sampled.values[i : i + 1, b], 1 + a, out=row[None])
+        row *= 1 / sampled.grid.steps[a]
+        two(sampled.values[i : i + 1, a], 1 + b, out=spare)
+        spare *= 1 / sampled.grid.steps[b]
+        row -= spare[0]
+        for rule, k in zip(rules, plane, strict=True):
+            if not rule.known.all():
+                row[~on_grid(rule.known, sampled.grid.shape, k)] = np.nan
+    return out
 
 
 def torsion(sampled: Field, plane: tuple[int, int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

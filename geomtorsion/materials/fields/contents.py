@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import sys
 import zipfile
 import zlib
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib import import_module
 from math import prod
@@ -63,10 +65,28 @@ def guarded(path: Path, load: Callable[[], Any]) -> Any:
     ) as error:  # fmt: skip
         if isinstance(error, FileFormatError | LimitError):
             raise
+        _finish_tasks()
         raise FileFormatError(
             f"{path}: the file cannot be read: it is truncated or has another format "
             f"({type(error).__name__}: {cut(str(error))}). Write it again."
         ) from None
+
+
+def _finish_tasks() -> None:
+    """Let the tasks end that Zarr leaves after an error; asyncio would print each of them."""
+    tasks = sys.modules.get("zarr.core.sync")
+    if tasks is not None:
+        # Zarr 2 has none of them, and a later version may name them otherwise.
+        with suppress(Exception):
+            tasks.sync(_all_tasks())
+
+
+async def _all_tasks() -> None:
+    # Zarr has loaded it; without Zarr nobody needs it.
+    import asyncio
+
+    tasks = asyncio.all_tasks() - {asyncio.current_task()}
+    await asyncio.gather(*tasks, return_exceptions=True)
 
 
 def module(name: str, path: Path) -> Any:

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 
 import numpy as np
 
 from geomtorsion.loops import Cochain, Complex, EdgeIntegrals, Loop, Part
 from geomtorsion.loops.quadrature import ROUNDING
-from geomtorsion.materials.fields.cells import Rectangles
+from geomtorsion.materials.detours import Passages
+from geomtorsion.materials.fields.cells import Circuits, windows_of
 from geomtorsion.materials.fields.circuits import Field, Measured, sampled_edges
 from geomtorsion.materials.fields.displacement import Displacement, differences
 from geomtorsion.materials.fields.grid import Grid
-from geomtorsion.materials.fields.sides import on_grid, window_sums
+from geomtorsion.materials.fields.sides import on_grid
+from geomtorsion.materials.rings import Rings
 from geomtorsion.materials.survey import Errors
+from geomtorsion.materials.windows import Windows
 from geomtorsion.precision import CALCULATED
 
 # Largest step along a path, in cells, so that no step skips a cell.
@@ -98,38 +100,42 @@ def _along(
 
 def displaced_circuits(
     grid: Grid, displacement: Displacement, plane: tuple[int, int], size: tuple[int, int]
-) -> tuple[np.ndarray, Callable[[], Errors]]:
-    """b of all circuits of a size, and a function for their errors, as in `cells.circuits`."""
-    lines = Rectangles(grid, plane, size)
-    times = lines.rounds(*_along_sides(lines, displacement.times))
-    touched = tuple(_touched(grid, k)[None] for k in range(grid.dimension))
-    mask = lines.sums(*_along_sides(lines, touched))[0] == 0
-    vectors = np.where(mask, 0.0 - displacement.jumps.sums(times), np.nan)
-    return vectors, partial(_errors, lines, displacement, times, vectors)
-
-
-def _along_sides(lines: Rectangles, tables: tuple[np.ndarray, ...]) -> list[np.ndarray]:
-    """Sums of tables of edges along the sides of circuits; one table for each axis."""
-    return [
-        window_sums(tables[k], m, 1 + k, lines.grid.periodic[k])
-        for k, m in zip(lines.plane, lines.size, strict=True)
-    ]
+) -> Circuits:
+    """b of all circuits of a size, as in `cells.circuits`."""
+    lines, passages = windows_of(grid, plane, size), None
+    edges = displacement.times[plane[0]], displacement.times[plane[1]]
+    if grid.has_holes:
+        passages = Passages(Rings.of(grid.holes, plane, grid.periodic), lines)
+        edges = passages.rings.filled(edges)
+    times = lines.rounds(*lines.along(*edges))
+    vectors = 0.0 - displacement.jumps.sums(times)
+    if passages is not None:
+        vectors[:, passages.refused] = np.nan
+    estimate = partial(_errors, lines, displacement, times, vectors, passages)
+    return Circuits(vectors, estimate, passages)
 
 
 def _errors(
-    lines: Rectangles, displacement: Displacement, times: np.ndarray, vectors: np.ndarray
+    lines: Windows,
+    displacement: Displacement,
+    times: np.ndarray,
+    vectors: np.ndarray,
+    passages: Passages | None,
 ) -> Errors:
     """Errors of all circuits, from the number of jumps of each circuit."""
-    jumps, chances = displacement.jumps, lines.sums(*_along_sides(lines, displacement.chances))
+    jumps, (a, b) = displacement.jumps, lines.plane
+    edges = displacement.chances[a], displacement.chances[b]
+    chances = lines.sums(*lines.along(*edges))
+    systematic = jumps.errors(times) + ROUNDING * np.abs(vectors).max(axis=0)
+    if passages is not None and passages.rings.count:
+        rings = passages.rings
+        chances = chances + passages.around(rings.totals_of(rings.steps_of(edges, signed=False)))
+        own = rings.steps_of((displacement.times[a], displacement.times[b]))
+        sizes = np.abs(jumps.sums(rings.totals_of(own))).max(axis=0)
+        systematic = systematic + passages.around(sizes[None])[0]
     table, rows = jumps.covariance(times, chances), range(len(vectors))
     covariance = {(i, j): table[..., i, j] for i in rows for j in rows[i:]}
-    return Errors(covariance, jumps.errors(times) + ROUNDING * np.abs(vectors).max(axis=0))
-
-
-def _touched(grid: Grid, axis: int) -> np.ndarray:
-    """Edges along an axis with an unknown end, as numbers 0 and 1."""
-    touched = grid.holes | np.roll(grid.holes, -1, axis)
-    return (touched if grid.periodic[axis] else np.delete(touched, -1, axis)).astype(np.int32)
+    return Errors(covariance, systematic)
 
 
 def displaced_torsion(

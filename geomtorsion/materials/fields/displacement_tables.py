@@ -6,24 +6,23 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
 import numpy as np
 
 from geomtorsion.checks import cut, shown
 from geomtorsion.errors import FileFormatError, GridError
 from geomtorsion.files import BOUNDS, opened, read_text
-from geomtorsion.materials.fields import tables
 from geomtorsion.materials.fields.contents import Contents
+from geomtorsion.materials.fields.displaced_points import (
+    AXES,
+    COMPONENTS,
+    FAILED,
+    DisplacedPoints,
+)
 from geomtorsion.materials.text_rows import number_rows
 from geomtorsion.npz import LARGEST_ARRAYS
 
-# Names of the components of a displacement in other programs, in lower case.
-_COMPONENTS = (
-    ("u", "ux", "u_x", "vx", "dx", "disp_x", "x-displacement"),
-    ("v", "uy", "u_y", "vy", "dy", "disp_y", "y-displacement"),
-    ("w", "uz", "u_z", "vz", "dz", "disp_z", "z-displacement"),
-)
 _DAVIS, _TECPLOT = "#DaVis", "VARIABLES"
 # A unit after a name: x (mm), u [um].
 _UNIT = re.compile(r"\s*[\[(]\s*([^\])]*)[\])]")
@@ -37,8 +36,9 @@ class _Header:
     """The header of a table.
 
     row: number of the row of names, from 0. split: separator of columns, None for blanks.
-    axes: columns of the coordinates. components: columns of the displacement. unit, vector_unit:
-    of coordinates and displacement.
+    axes: columns of the coordinates. components: columns of the displacement. failed: columns that
+    are negative where the displacement is not known. unit, vector_unit: of coordinates and
+    displacement.
     """
 
     row: int
@@ -48,6 +48,7 @@ class _Header:
     width: int
     unit: str = ""
     vector_unit: str = ""
+    failed: tuple[int, ...] = ()
 
 
 def holds_displacement(path: Path) -> bool:
@@ -60,14 +61,28 @@ def holds_displacement(path: Path) -> bool:
 def read_displacement(path: Path) -> Contents:
     """Read displacements at the nodes of a grid, in any order; nodes without a row are holes.
 
-    The columns are named in the first row (x, y, u, v, or Ux, Vx, dx ...; units in brackets) or in
-    the row VARIABLES of a Tecplot file. Below a row #DaVis they are in the order x, y, u, v. They
-    are separated by blanks, tabs, commas or semicolons.
+    See `read_points` for the columns.
 
     Raises
     ------
     FileFormatError
         Columns are missing, a row has another length, or the points are not a regular grid.
+    """
+    return read_points(path).gridded(path)
+
+
+def read_points(path: Path) -> DisplacedPoints:
+    """Read displacements at points, from columns with the names of many programs.
+
+    The columns are named in the first row (x, y, u, v, or the names in `column_names`; units in
+    brackets) or in the row VARIABLES of a Tecplot file. Below a row #DaVis they are in the order x,
+    y, u, v. They are separated by blanks, tabs, commas or semicolons. A point with a negative sigma
+    (the mark of DICe and of VIC for a failed correlation) is a hole.
+
+    Raises
+    ------
+    FileFormatError
+        Columns are missing, or a row has another length.
     """
     text = read_text(path, LARGEST_ARRAYS, otherwise="latin-1")
     lines = text.splitlines()
@@ -91,21 +106,17 @@ def read_displacement(path: Path) -> Contents:
         # Some locales write a decimal comma.
         rows = [row.replace(",", ".") for row in rows]
     table = number_rows(path, rows, line_numbers, header.width, header.split)
-    where = [f"line {k + 1}" for k in line_numbers]
+    values = table[:, list(header.components)].T.copy()
+    for column in header.failed:
+        values[:, table[:, column] < 0] = np.nan
     names = ("x", "y", "z")[: len(header.axes)]
-    places = {name: table[:, k] for name, k in zip(names, header.axes, strict=True)}
-    axes, flat = tables.nodes_of(path, places, where)
-    shape = tuple(len(axis) for axis in axes)
-    tables.check_filled(path, len(header.components), shape)
-    values = np.full((len(header.components), int(np.prod(shape))), np.nan)
-    for row, k in enumerate(header.components):
-        values[row, flat] = table[:, k]
-    options: dict[str, Any] = {
-        key: text
-        for key, text in (("unit", header.unit), ("vector_unit", header.vector_unit))
-        if text
-    }
-    return Contents(axes, values.reshape(-1, *shape), names, False, options, True)
+    return DisplacedPoints(
+        {name: table[:, k] for name, k in zip(names, header.axes, strict=True)},
+        values,
+        [f"line {k + 1}" for k in line_numbers],
+        header.unit,
+        header.vector_unit,
+    )
 
 
 def refuse_writing(path: Path, contents: Contents) -> NoReturn:
@@ -135,7 +146,7 @@ def _header(lines: Sequence[str]) -> _Header | None:
         line = lines[k].strip()
         if line.upper().startswith(_TECPLOT):
             return _named(k, _QUOTED.findall(line) or line.partition("=")[2].split(","), None)
-        if line.upper().startswith("TITLE") or line.startswith(("#", "%")):
+        if line.upper().startswith("TITLE") or line.startswith(("#", "%", "*")):
             continue
         split = next((mark for mark in (",", ";", "\t") if mark in line), None)
         if split is None:
@@ -148,10 +159,16 @@ def _named(row: int, words: Sequence[str], split: str | None) -> _Header | None:
     """The header from a row of column names."""
     clean = [word.strip().strip("\"'") for word in words]
     plain = [_UNIT.sub("", word).strip().lower() for word in clean]
-    axes = tuple(plain.index(name) for name in ("x", "y", "z") if name in plain)
-    columns = [next((plain.index(n) for n in names if n in plain), -1) for names in _COMPONENTS]
+    axes, columns = (
+        [next((plain.index(n) for n in names if n in plain), -1) for names in table]
+        for table in (AXES, COMPONENTS)
+    )
+    axes = tuple(k for k in axes if k >= 0)
     components = tuple(k for k in columns if k >= 0)
     if len(axes) < 2 or len(components) < 2 or set(plain[:1]) == {"e_0_0"}:
         return None
     units = [unit[1].strip() if (unit := _UNIT.search(word)) else "" for word in clean]
-    return _Header(row, split, axes, components, len(clean), units[axes[0]], units[components[0]])
+    failed = tuple(k for k, name in enumerate(plain) if name in FAILED)
+    return _Header(
+        row, split, axes, components, len(clean), units[axes[0]], units[components[0]], failed
+    )

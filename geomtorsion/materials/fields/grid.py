@@ -235,8 +235,9 @@ class Grid:
         ]
         raise GridError(
             f"the {what} touches a hole at {shown(point)}, where values are missing at node "
-            f"{self.pixels(nodes)}. Avoid the hole: .holes lists all holes, and "
-            ".loop_around(hole) makes a loop around one."
+            f"{self.pixels(nodes)}. Only a {what} in a plane of nodes, of at least twice the area "
+            "of the rings around its holes, goes around them. Avoid the hole: .holes lists all "
+            "holes, and .loop_around(hole) makes a loop around one."
         )
 
 

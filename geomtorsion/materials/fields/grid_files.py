@@ -28,10 +28,12 @@ from geomtorsion.materials.fields.contents import (
     module,
     periodic_names,
 )
+from geomtorsion.materials.fields.displaced_points import DisplacedPoints
 from geomtorsion.materials.fields.displacement import FIND
 from geomtorsion.materials.fields.displacement_tables import (
     holds_displacement,
     read_displacement,
+    read_points,
     refuse_writing,
 )
 from geomtorsion.npz import ArrayForm, read_npz, text_of, write_npz
@@ -73,7 +75,8 @@ def read_grid(path: Path) -> Contents:
     .nc: a variable `coframe` or `distortion` with dimensions (row, column, x, y, ...) and a
     coordinate variable for each dimension of the grid.
 
-    .csv: see `tables.read_csv`. .vtk, .vtu: see `tables.read_vtk` (extra `files`).
+    .csv: see `tables.read_csv`. .vtk, .vtu: see `tables.read_vtk` (extra `files`). These may also
+    hold a displacement: a table of DICe, VIC or DaVis, or a mesh of finite elements.
 
     All formats may hold sigma, units, periods and a source. .npz, .h5 and .nc may hold a covariance
     instead of sigma, and a mask, which is 1 at unknown nodes.
@@ -94,6 +97,33 @@ def read_grid(path: Path) -> Contents:
             f"{path.suffix!r}. For arrays in memory use SampledFrame(axes, coframe)."
         )
     return FORMATS[kind].read(path)
+
+
+def read_scattered(path: Path) -> DisplacedPoints:
+    """Read a displacement at scattered points.
+
+    .csv, .txt, .dat: a table, see `displacement_tables.read_points`. .vtk, .vtu: a mesh of finite
+    elements, see `tables.read_mesh` (extra `files`).
+
+    Raises
+    ------
+    FileFormatError
+        The file is missing or damaged, has another ending, or holds no displacement.
+    MissingExtraError
+        meshio is not installed.
+    """
+    if not path.is_file():
+        raise FileFormatError(f"{path}: there is no such file.")
+    readers: dict[str, Callable[[Path], DisplacedPoints]] = {
+        **dict.fromkeys((".csv", ".txt", ".dat"), read_points),
+        **dict.fromkeys((".vtk", ".vtu"), tables.read_mesh),
+    }
+    if ending(path) not in readers:
+        raise FileFormatError(
+            f"{path}: expected a name ending in {', '.join(readers)}, got {path.suffix!r}. For "
+            "arrays in memory use ScatteredFrame.from_displacement."
+        )
+    return readers[ending(path)](path)
 
 
 def save_grid(path: Path, contents: Contents) -> None:

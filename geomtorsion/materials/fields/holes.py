@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy  # loads its subpackages at first use
 
 from geomtorsion import checks
 from geomtorsion.errors import GridError
 from geomtorsion.loops import Loop
 from geomtorsion.materials.fields.grid import Grid
+from geomtorsion.materials.rings import hole_numbers
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -43,28 +43,12 @@ def holes_of(grid: Grid) -> tuple[Hole, ...]:
     """All holes, in the order of their first nodes."""
     if not grid.has_holes:
         return ()
-    # Periodic axes get one more node at each end, so that neighbours across the end are adjacent.
-    ends = [(int(wraps), int(wraps)) for wraps in grid.periodic]
-    padded = np.pad(grid.holes, ends, mode="wrap")
-    labels, _ = scipy.ndimage.label(padded, np.ones((3,) * grid.dimension))
-    nodes = np.argwhere(padded)
-    names = labels[tuple(nodes.T)]
-    nodes = (nodes - [low for low, _ in ends]) % np.array(grid.shape)
-    # A node that occurs twice joins its two labels.
-    keys = np.ravel_multi_index(tuple(nodes.T), grid.shape)
-    unique, where = np.unique(keys, return_inverse=True)
-    size = len(unique) + labels.max() + 1
-    links = scipy.sparse.coo_array(
-        (np.ones(len(where)), (where, len(unique) + names)), shape=(size, size)
-    )
-    groups = scipy.sparse.csgraph.connected_components(links, directed=False)[1][: len(unique)]
-    _, first, which = np.unique(groups, return_index=True, return_inverse=True)
-    order = np.argsort(np.argsort(first))
-    holes = []
-    for k in range(len(first)):
-        rows = unique[order[which] == k]
-        holes.append(Hole(k, _unwrapped(np.array(np.unravel_index(rows, grid.shape)).T, grid)))
-    return tuple(holes)
+    numbers = hole_numbers(grid.holes, grid.periodic, np.ones((3,) * grid.dimension))
+    nodes = np.argwhere(grid.holes)
+    names = numbers[grid.holes]
+    order = np.argsort(names, kind="stable")
+    parts = np.split(nodes[order], np.cumsum(np.bincount(names))[:-1])
+    return tuple(Hole(k, _unwrapped(part, grid)) for k, part in enumerate(parts))
 
 
 def _unwrapped(nodes: np.ndarray, grid: Grid) -> np.ndarray:

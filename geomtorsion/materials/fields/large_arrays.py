@@ -22,7 +22,7 @@ from geomtorsion.materials.fields.contents import guarded, module
 from geomtorsion.materials.fields.grid import Grid
 from geomtorsion.materials.fields.noise import SMOOTH, estimated_from_parts
 from geomtorsion.materials.fields.packed_chunks import check_packed
-from geomtorsion.npz import LARGEST_ARRAYS
+from geomtorsion.npz import LARGEST_ARRAYS, mapped_npy
 
 # Zarr codecs that only compress. Other codecs might execute code from the file.
 HARMLESS = frozenset(
@@ -138,15 +138,10 @@ def opened(given: Any, *, again: bool = False) -> Any:
         path = Path(given)
         if not path.exists():
             raise FileFormatError(f"{path}: there is no such file.")
-        array = guarded(path, lambda: _npy(path) if path.is_file() else _zarr(path, again))
+        array = guarded(path, lambda: mapped_npy(path) if path.is_file() else _zarr(path, again))
     if np.dtype(array.dtype).kind not in "fiu":
         raise GridError(f"source: expected real numbers, got {array.dtype}.")
     return array
-
-
-def _npy(path: Path) -> np.ndarray:
-    """A memory map of an NPY file, without unpickling."""
-    return np.load(path, mmap_mode="r", allow_pickle=False)
 
 
 def _zarr(path: Path, again: bool) -> Any:

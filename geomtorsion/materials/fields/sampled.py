@@ -12,11 +12,14 @@ from geomtorsion.caching import cached_property
 from geomtorsion.errors import GridError
 from geomtorsion.loops import Cochain, EdgeIntegrals, Loop
 from geomtorsion.materials.burgers import PLANE, Burgers, Section
+from geomtorsion.materials.detours import detour_of
 from geomtorsion.materials.fields import cells, holes
 from geomtorsion.materials.fields.circuits import (
+    Measured,
     edge_cochain,
     sampled_burgers,
     sampled_edges,
+    unexplained,
 )
 from geomtorsion.materials.fields.displaced import (
     displaced_burgers,
@@ -28,8 +31,9 @@ from geomtorsion.materials.fields.displaced import (
 from geomtorsion.materials.fields.grid import two_axes
 from geomtorsion.materials.fields.holes import Hole
 from geomtorsion.materials.fields.samples import Samples
+from geomtorsion.materials.fields.stretches import detoured
 from geomtorsion.materials.source import Backdrop
-from geomtorsion.materials.survey import Survey, middles
+from geomtorsion.materials.survey import Survey, areas, middles
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -44,8 +48,10 @@ class SampledFrame(Samples):
         one).
     names: of the axes.
     mask: True where nothing is known, shape (N_1, ..., N_d); nodes with NaN are also holes.
-        Circuits may surround holes, but circuits that touch a hole are refused (arrays have NaN
-        there). Near a hole, stencils are one-sided, as at the edge of the grid, or of lower order.
+        Circuits may surround holes. A circuit that meets a hole follows the ring of nodes around
+        it, see `Burgers.detour`, or is refused (NaN in surveys) where the rings would cover more
+        than half of its area or the hole reaches the edge of the grid. Near a hole, stencils are
+        one-sided, as at the edge of the grid, or of lower order.
     sigma: standard deviation of the noise of each value, independent for all values: a number, or
         an array of the shape of the grid, of (rows, d) or of the coframe; or "estimate", from the
         median of differences of sixth order in the data (`noise.estimated`). Errors then include
@@ -146,7 +152,8 @@ class SampledFrame(Samples):
     def burgers_map(self, size: int | Sequence[int], plane: tuple[int, int] = (0, 1)) -> Survey:
         """Burgers vectors of rectangular circuits of one size at all positions, with their noise.
 
-        A circuit may surround a hole, but not touch it. The cost hardly grows with the size.
+        Circuits that meet missing nodes go around them, as in `burgers`. The cost hardly grows
+        with the size.
 
         Parameters
         ----------
@@ -176,9 +183,10 @@ class SampledFrame(Samples):
             checks.count(side, "size", GridError, 1, len(self.axes[k]) - 1)
         whole = int(sides[0]), int(sides[1])
         if self.displacement is not None:
-            vectors, estimate = displaced_circuits(self._grid, self.displacement, pair, whole)
+            every = displaced_circuits(self._grid, self.displacement, pair, whole)
         else:
-            vectors, estimate = cells.circuits(self._field, pair, whole)
+            every = cells.circuits(self._field, pair, whole)
+        vectors, passages = every.vectors, every.passages
         cells_along = dict(zip(pair, whole, strict=True))
         along = [cells_along.get(k, 0) for k in range(self.dimension)]
         starts, counts = [float(axis[0]) for axis in self.axes], vectors.shape[1:]
@@ -186,11 +194,12 @@ class SampledFrame(Samples):
         return Survey(
             vectors,
             middles(starts, steps, counts, along),
-            float(np.prod([abs(steps[k]) * m for k, m in cells_along.items()])),
+            areas(abs(steps[pair[0]] * steps[pair[1]]), whole, passages),
             whole,
-            estimate,
+            every.estimate,
             tuple(self.names),
             pair,
+            passages=None if passages is None else passages.count,
             unit=self.unit,
             vector_unit=self.vector_unit,
         )
@@ -229,7 +238,11 @@ class SampledFrame(Samples):
         """
         if self.displacement is not None:
             return np.stack([self._torsion(pair)[0] for pair in self._nye_planes], axis=1)
-        return np.stack([cells.curl(self._field, pair) for pair in self._nye_planes], axis=1)
+        planes = self._nye_planes
+        tensor = np.empty((self.rows, len(planes), *self._grid.shape))
+        for k, pair in enumerate(planes):
+            cells.curl(self._field, pair, tensor[:, k])
+        return tensor
 
     @cached_property
     def nye_noise(self) -> np.ndarray:
@@ -321,11 +334,14 @@ class SampledFrame(Samples):
     def burgers(self, loop: Loop) -> Burgers:
         """Burgers vector of a loop through the grid, with its errors: grid and noise.
 
+        A loop in a plane of nodes that meets missing nodes follows the rings of nodes around them.
+        `Burgers.detour` holds these nodes, the change of the area, and the added error.
+
         Raises
         ------
         GridError
-            The loop leaves the grid, touches a hole, or has another dimension; the message names
-            the point and the nodes.
+            The loop leaves the grid, touches a hole that it cannot go around, or has another
+            dimension; the message names the point and the nodes.
         """
         checks.instance(loop, Loop, "loop")
         if loop.dimension != self.dimension:
@@ -333,11 +349,26 @@ class SampledFrame(Samples):
                 f"loop: expected {self.dimension} coordinates, one for each axis of the grid, got "
                 f"{loop.dimension}. Give a loop in the coordinates of the grid."
             )
-        if self.displacement is not None:
-            measurement = displaced_burgers(self._grid, self.displacement, loop)
-        else:
-            measurement = sampled_burgers(self._field, loop)
-        vector, covariance, systematic = measurement
+        asked, detour = loop, None
+        ways = detoured(self._grid, loop)
+        if ways is not None:
+            loop = ways.loop
+        vector, covariance, systematic = self._measured(loop)
+        if ways is not None:
+            error = 0.0
+            for hole, times in ways.passages.items():
+                b, spread, _ = self._measured(ways.around[hole])
+                error += times * float(unexplained(np.abs(b), np.diag(spread)).max())
+            a, c = ways.plane
+            detour = detour_of(
+                ways.rings,
+                np.array(list(ways.passages)),
+                np.array(list(ways.passages.values())),
+                float(loop.area[a, c] - asked.area[a, c]),
+                [self._grid.steps[k] for k in ways.plane],
+                error,
+            )
+            systematic = systematic | detour.errors
         points, area = loop.points(), loop.area
         section = Section.of(points, area)
         plane = list(section.plane)
@@ -352,4 +383,11 @@ class SampledFrame(Samples):
             arrow=vector[plane] if self.rows > max(plane) else None,
             section=section,
             length_unit=self.unit,
+            detour=detour,
         )
+
+    def _measured(self, loop: Loop) -> Measured:
+        """b of a loop that touches no hole, with its covariance and its systematic errors."""
+        if self.displacement is not None:
+            return displaced_burgers(self._grid, self.displacement, loop)
+        return sampled_burgers(self._field, loop)

@@ -268,7 +268,8 @@ class Samples:
     def read(cls, path: str | Path, order: int = 4) -> Self:
         """Read an .npz, .nc, .csv, .h5, .vtk or .vtu file (contents: `grid_files.read_grid`).
 
-        A .csv, .txt or .dat file with columns x, y, u, v, or from DaVis, is a displacement.
+        A .csv, .txt or .dat file with columns x, y, u, v, or from DaVis, DICe or VIC, is a
+        displacement, as is a .vtk or .vtu file with point data displacement, u or U.
 
         Raises
         ------

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
@@ -20,6 +21,7 @@ from geomtorsion.materials.fields.circuits import unexplained
 from geomtorsion.materials.fields.displacement import lattice_vectors
 from geomtorsion.materials.fields.edge_noise import EdgeNoise, JumpNoise, NodeNoise, chances_of
 from geomtorsion.materials.fields.grid import numbers, two_axes
+from geomtorsion.materials.fields.grid_files import read_scattered
 from geomtorsion.materials.fields.noise import noise_of
 from geomtorsion.materials.fields.samples import strain_and_rotation
 from geomtorsion.materials.fields.scattered_values import (
@@ -170,6 +172,17 @@ class ScatteredFrame:
     ) -> Self:
         """Frame from strains (n, n, N) and rotations; see `SampledFrame.from_strain_rotation`."""
         return cls.from_distortion(points, strain_and_rotation(strain, rotation), **options)
+
+    @classmethod
+    def read(cls, path: str | Path, *, branch: Any = None, **options: Any) -> Self:
+        """Frame from the displacement in a table or a mesh; see `grid_files.read_scattered`.
+
+        branch, options: as for `from_displacement`.
+        """
+        points = read_scattered(checks.file_name(path))
+        places = np.stack(list(points.places.values()), axis=1)
+        options = points.options | options
+        return cls.from_displacement(places, points.values, branch=branch, **options)
 
     @classmethod
     def from_displacement(

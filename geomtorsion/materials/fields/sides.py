@@ -11,8 +11,9 @@ import scipy  # loads its subpackages at first use
 from geomtorsion.caching import cached_property
 from geomtorsion.materials.fields.circuits import Field
 from geomtorsion.materials.fields.grid import Grid
-from geomtorsion.materials.fields.noise import Noise
+from geomtorsion.materials.fields.noise import Noise, along
 from geomtorsion.materials.fields.stencils import Rule, applied, plain_rule
+from geomtorsion.materials.windows import window_sums
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -34,7 +35,7 @@ class Spread:
 
 @dataclass(frozen=True, eq=False)
 class Sides:
-    """Integrals along sides of `edges` edges along an axis, from each node where a side fits.
+    """Integrals along the edges of an axis, for sides of `edges` edges from each node.
 
     Errors are computed at first use.
     """
@@ -47,12 +48,8 @@ class Sides:
     def _rule(self) -> Rule:
         return self.field.grid.rule(self.field.order, self.axis)
 
-    @property
-    def _periodic(self) -> bool:
-        return self.field.grid.periodic[self.axis]
-
     @cached_property
-    def _single(self) -> np.ndarray:
+    def values(self) -> np.ndarray:
         """Integrals along single edges, shape (rows, edges...)."""
         return self._by(self._rule)
 
@@ -61,21 +58,19 @@ class Sides:
         return step * rule(self.field.values[:, self.axis], 1 + self.axis)
 
     @property
-    def values(self) -> np.ndarray:
-        """Integrals, shape (rows, sides...)."""
-        return window_sums(self._single, self.edges, 1 + self.axis, self._periodic)
-
-    @property
     def difference(self) -> np.ndarray:
-        """Differences from integrals of another order, shape (rows, sides...)."""
-        less = self._single - self._by(self._rule.other)
-        return window_sums(less, self.edges, 1 + self.axis, self._periodic)
+        """Differences from integrals of another order, shape (rows, edges...)."""
+        return self.values - self._by(self._rule.other)
 
-    @property
-    def touched(self) -> np.ndarray:
-        """Number of edges that touch a hole, shape (sides...)."""
-        bad = ~on_grid(self._rule.known, self.field.grid.shape, self.axis)
-        return window_sums(bad.astype(np.int32), self.edges, self.axis, self._periodic)
+    def variances(self) -> np.ndarray:
+        """Variances of single edges from noise, shape (rows, edges...)."""
+        field, axis = self.field, self.axis
+        assert field.noise is not None
+        squares = (field.grid.steps[axis] * self._rule.matrix).power(2)
+        return np.stack(
+            [along(squares, field.noise.at_nodes(i, axis, field.grid.shape), axis)
+             for i in range(field.rows)]
+        )  # fmt: skip
 
     def spread(self, less_other: bool) -> Spread:
         """Noise of the integrals, or of their differences from another order."""
@@ -94,25 +89,6 @@ def on_grid(table: np.ndarray, shape: tuple[int, ...], axis: int) -> np.ndarray:
     lines = rest if table.shape[1] > 1 else (1,) * len(rest)
     values = np.broadcast_to(table.reshape(len(table), *lines), (len(table), *rest))
     return np.moveaxis(values, 0, axis)
-
-
-def window_sums(values: np.ndarray, count: int, axis: int, periodic: bool = False) -> np.ndarray:
-    """Sums of `count` neighbours along an axis, by doubling, with bits independent of the start."""
-    moved = np.moveaxis(values, axis, -1)
-    if periodic:
-        moved = np.concatenate([moved, moved[..., : count - 1]], axis=-1)
-    room = moved.shape[-1] - count + 1
-    block, width, first = moved, 1, 0
-    total: np.ndarray | None = None
-    while True:
-        if count & width:
-            here = block[..., first : first + room]
-            total = here if total is None else total + here
-            first += width
-        if total is not None and 2 * width > count:
-            return np.moveaxis(total, -1, axis)
-        block = block[..., :-width] + block[..., width:]
-        width *= 2
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
-from itertools import product
+from itertools import pairwise, product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 # A place within this distance of a node, in steps, is at the node, because coordinates of a loop
 # are rounded, and steps are small compared with the coordinates far from the origin.
 SLACK = HALF
+# Number of values that are combined at a time, because they fit in the cache of a processor.
+CACHED = 16384
 
 
 def lagrange(count: int, t: np.ndarray) -> np.ndarray:
@@ -142,9 +145,65 @@ class Rule:
         shape = (self.used.size, points * lines)
         return scipy.sparse.csr_array((weights.ravel(), columns.ravel(), indptr), shape=shape)
 
-    def __call__(self, values: np.ndarray, axis: int) -> np.ndarray:
-        """Apply the rule along one axis of an array of shape (rows, grid...)."""
-        return applied(self.matrix, values, axis, self.holes.shape[1])
+    def __call__(self, values: np.ndarray, axis: int, out: np.ndarray | None = None) -> np.ndarray:
+        """Apply the rule along one axis of an array of shape (rows, grid...).
+
+        out: array for the result.
+        """
+        if self._stretches is None:
+            result = applied(self.matrix, values, axis, self.holes.shape[1])
+            if out is None:
+                return result
+            out[...] = result
+            return out
+        shape = list(values.shape)
+        shape[axis] = len(self.used)
+        total = np.empty(shape) if out is None else out
+        wide = max(1, CACHED // max(1, math.prod(shape[2:])))
+        for result, row in zip(total, values, strict=True):
+            if axis == 1:
+                for first, last, weights in self._stretches:
+                    for start in range(first, last, wide):
+                        _add_terms(result, row, start, min(start + wide, last), weights)
+                continue
+            for start in range(0, shape[1], wide):
+                parts = (np.moveaxis(x[start : start + wide], axis - 1, 0) for x in (result, row))
+                inner, nodes = parts
+                for first, last, weights in self._stretches:
+                    _add_terms(inner, nodes, first, last, weights)
+        return total
+
+    @cached_property
+    def _stretches(self) -> list[tuple[int, int, list[tuple[int, float]]]] | None:
+        """Edges (or nodes) from first to last with equal stencils: shifts and weights of nodes.
+
+        None with holes or periods.
+        """
+        if self.holes.shape[1] > 1 or self.periodic or not self.used.all():
+            return None
+        used, shift = self.used[:, 0], self.shift[:, 0]
+        new = np.flatnonzero((np.diff(used) != 0) | (np.diff(shift) != 0)) + 1
+        bounds = [0, *new.tolist(), len(used)]
+        stretches = []
+        for first, last in pairwise(bounds):
+            nodes, start = int(used[first]), int(shift[first])
+            table = (slope_weights if self.slopes else edge_weights)(nodes)[start]
+            pairs = [(k - start, float(weight)) for k, weight in enumerate(table) if weight]
+            stretches.append((first, last, pairs))
+        return stretches
+
+
+def _add_terms(
+    out: np.ndarray, row: np.ndarray, first: int, last: int, weights: list[tuple[int, float]]
+) -> None:
+    """Weighted sums of nodes along the first axis, in the order of the nodes."""
+    inner = out[first:last]
+    for k, (shift, weight) in enumerate(weights):
+        part = row[first + shift : last + shift]
+        if k:
+            inner += part * weight
+        else:
+            np.multiply(part, weight, out=inner)
 
 
 @cache

@@ -22,9 +22,10 @@ from geomtorsion.materials.fields.contents import (
     module,
     periodic_names,
 )
-from geomtorsion.materials.fields.grid import regular_axis
+from geomtorsion.materials.fields.displaced_points import DisplacedPoints, displacement_in
+from geomtorsion.materials.fields.nodes import check_filled, nodes_of
 from geomtorsion.materials.fields.vtu_blocks import check_vtu
-from geomtorsion.npz import LARGEST_ARRAYS, most_unpacked
+from geomtorsion.npz import LARGEST_ARRAYS
 from geomtorsion.outgoing import one_line
 
 _COLUMN = re.compile(r"(e|beta|sigma)_([0-9])_([0-9])")
@@ -118,54 +119,6 @@ def _gridded(
     return Contents(axes, arrays[kind], tuple(places), kind == "beta", options)
 
 
-def nodes_of(
-    path: Path, places: Mapping[str, np.ndarray], where: Sequence[str]
-) -> tuple[list[np.ndarray], np.ndarray]:
-    """The axes of the grid of nodes, and the number of each node in this grid.
-
-    where: line or number of each node, for messages.
-    """
-    axes, index = [], []
-    for name, column in places.items():
-        bad = np.flatnonzero(~np.isfinite(column))
-        if len(bad):
-            raise FileFormatError(
-                f"{path}: {where[bad[0]]}: expected a finite coordinate {name}, got "
-                f"{column[bad[0]]}. Correct the row."
-            )
-        axis, inverse = np.unique(column, return_inverse=True)
-        try:
-            axes.append(regular_axis(axis, name))
-        except GridError as error:
-            raise FileFormatError(
-                f"{path}: the nodes are not on a regular grid: {error} For scattered points use "
-                "ScatteredFrame."
-            ) from None
-        index.append(inverse)
-    shape = tuple(len(axis) for axis in axes)
-    flat: np.ndarray = np.asarray(np.ravel_multi_index(tuple(index), shape))
-    order: np.ndarray = np.argsort(flat, kind="stable")
-    twice = np.flatnonzero(np.diff(flat[order]) == 0)
-    if len(twice):
-        one, two = order[twice[0] : twice[0] + 2].tolist()
-        raise FileFormatError(
-            f"{path}: expected each node once, got the same node in {where[one]} and {where[two]}. "
-            "Keep one of them."
-        )
-    return axes, flat
-
-
-def check_filled(path: Path, rows: int, shape: Sequence[int]) -> None:
-    """Refuse a grid with many more nodes than rows in the file, from a few distant nodes."""
-    size, most = 8 * rows * math.prod(shape), most_unpacked(path.stat().st_size)
-    if size > most:
-        raise LimitError(
-            f"{path}: expected a grid of at most {most:,} bytes, for a file of this length, got "
-            f"{size:,} bytes for {' x '.join(map(str, shape))} nodes, most of them missing. Give "
-            "the part in which values are known, or save it as .npz."
-        )
-
-
 def _array(
     path: Path,
     columns: Mapping[str, np.ndarray],
@@ -229,9 +182,70 @@ def write_csv(path: Path, contents: Contents) -> None:
 def read_vtk(path: Path) -> Contents:
     """Read points on a grid, with point data e_0_0, ... (or beta_0_0, ...), by meshio.
 
-    A coordinate that all points share is not an axis. Field data unit, vector_unit, source,
-    periodic and names are texts, stored as UTF-8 codes, because meshio reads only numbers.
+    Point data may also hold a displacement, as written by finite elements; see `read_mesh`. A
+    coordinate that all points share is not an axis. Field data unit, vector_unit, source, periodic
+    and names are texts, stored as UTF-8 codes, because meshio reads only numbers.
     """
+    points, data, texts = _mesh(path)
+    columns = {name: values.ravel() for name, values in data.items() if values.size == len(values)}
+    chosen = {name: column for name, column in columns.items() if _COLUMN.fullmatch(name)}
+    if not chosen and displacement_in(data) is not None:
+        return _displaced(points, data, texts).gridded(path)
+    names, places = _places(points, texts.pop("names", ""))
+    _, kind = _header(path, [*names, *chosen], 1)
+    where = [f"point {k}" for k in range(len(points))]
+    options: dict[str, Any] = dict(texts)
+    if "periodic" in texts:
+        options["periodic"] = periodic_names(texts["periodic"], path)
+    return _gridded(path, places, chosen, kind, options, where)
+
+
+def read_mesh(path: Path) -> DisplacedPoints:
+    """Read the displacement at the points of a mesh of finite elements, by meshio.
+
+    It is a vector named displacement, u, U or DISP, or columns such as ux, uy, with any case of
+    letters. A component normal to a plane mesh is omitted where it is zero.
+
+    Raises
+    ------
+    FileFormatError
+        The file is damaged, or has no displacement.
+    """
+    points, data, texts = _mesh(path)
+    if displacement_in(data) is None:
+        raise FileFormatError(
+            f"{path}: expected point data displacement, u or U with two or three components, got "
+            f"{cut(', '.join(data)) or 'none'}. Rename the field."
+        )
+    return _displaced(points, data, texts)
+
+
+def _displaced(
+    points: np.ndarray, data: Mapping[str, np.ndarray], texts: Mapping[str, str]
+) -> DisplacedPoints:
+    """Points of a mesh with a displacement."""
+    values = displacement_in(data)
+    assert values is not None
+    _, places = _places(points, texts.get("names", ""))
+    if len(values) > len(places) == 2 and not values[2].any():
+        values = values[:2]
+    where = [f"point {k}" for k in range(len(points))]
+    return DisplacedPoints(
+        places, values, where, texts.get("unit", ""), texts.get("vector_unit", "")
+    )
+
+
+def _places(points: np.ndarray, names: str) -> tuple[list[str], dict[str, np.ndarray]]:
+    """Names of the axes along which points differ, and their coordinates."""
+    wide = [k for k in range(points.shape[1]) if np.ptp(points[:, k]) > 0] if len(points) else []
+    chosen = names.split()
+    if len(chosen) != len(wide):
+        chosen = ["xyz"[k] for k in wide]
+    return chosen, {name: points[:, k] for name, k in zip(chosen, wide, strict=True)}
+
+
+def _mesh(path: Path) -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, str]]:
+    """Points of a mesh, shape (n, d), its point data by name, and the texts of its field data."""
     meshio = module("meshio", path)
     xml = path.suffix.lower() == ".vtu"
     reader = meshio.vtu if xml else meshio.vtk
@@ -251,23 +265,10 @@ def read_vtk(path: Path) -> Contents:
         return np.asarray(mesh.points, float), {
             str(name): np.asarray(values, float)
             for name, values in mesh.point_data.items()
-            if np.ndim(values) == 1 or np.shape(values)[1:] == (1,)
+            if np.ndim(values) in (1, 2)
         }, texts  # fmt: skip
 
-    points, data, texts = guarded(path, load)
-    columns = {name: values.ravel() for name, values in data.items()}
-    wide = [k for k in range(points.shape[1]) if np.ptp(points[:, k]) > 0] if len(points) else []
-    names = texts.pop("names", "").split()
-    if len(names) != len(wide):
-        names = ["xyz"[k] for k in wide]
-    chosen = {name: column for name, column in columns.items() if _COLUMN.fullmatch(name)}
-    _, kind = _header(path, [*names, *chosen], 1)
-    where = [f"point {k}" for k in range(len(points))]
-    places = {name: points[:, k] for name, k in zip(names, wide, strict=True)}
-    options: dict[str, Any] = dict(texts)
-    if "periodic" in texts:
-        options["periodic"] = periodic_names(texts["periodic"], path)
-    return _gridded(path, places, chosen, kind, options, where)
+    return guarded(path, load)
 
 
 def write_vtk(path: Path, contents: Contents) -> None:

@@ -11,6 +11,8 @@ from geomtorsion import checks
 from geomtorsion.errors import ImageError, LoopError
 from geomtorsion.loops import Cochain, Loop
 from geomtorsion.materials.burgers import Burgers
+from geomtorsion.materials.detours import Detour, detour_of, too_large
+from geomtorsion.materials.rings import Rings
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -125,3 +127,67 @@ def pixel_path(loop: Loop, step: float, shape: tuple[int, ...], unit: str) -> np
             f"larger loop; lengths are in {unit}, and a pixel is {step:.6g}."
         )
     return path
+
+
+def detoured(
+    path: np.ndarray, rings: Rings, step: float, unit: str
+) -> tuple[np.ndarray, Detour | None]:
+    """A path of pixels around the holes that it crosses, and its detour; None without holes.
+
+    path: pixels in order, shape (k, 2); the first equals the last. step, unit: of a pixel.
+
+    Raises
+    ------
+    ImageError
+        A hole has a Burgers vector, reaches the border, or is large beside the path.
+    """
+    crossed = np.flatnonzero(rings.missing[tuple(path.T)])
+    if not len(crossed):
+        return path, None
+    ways = _around_holes(path, rings)
+    holes, times = np.unique(ways[1] if ways else [0], return_counts=True)
+    size = abs(enclosed(path))
+    if ways is None or too_large(float(times @ rings.cells[holes]), size):
+        x, y = (step * path[crossed[0]]).tolist()
+        raise ImageError(
+            f"the circuit crosses a hole at ({x:.6g}, {y:.6g}) {unit}, where the lattice is not "
+            f"visible ({len(crossed)} of {len(path)} pixels). A circuit goes around holes that are "
+            "small beside it and have no Burgers vector. Choose a circuit around the hole."
+        )
+    change = (enclosed(ways[0]) - enclosed(path)) * step**2
+    return ways[0], detour_of(rings, holes, times, change, (step, step), 0.0)
+
+
+def _around_holes(path: np.ndarray, rings: Rings) -> tuple[np.ndarray, list[int]] | None:
+    """A closed path with ways around holes, and the holes that it passes; None if it has no way.
+
+    path: pixels in order, shape (k, 2); the first equals the last.
+    """
+    nodes = np.ravel_multi_index((*path[:-1].T, 0), rings.hole.shape)
+    absent, names = rings.missing.ravel(), rings.hole.ravel()
+    if absent[nodes].all():
+        return None
+    nodes = np.roll(nodes, -int((~absent[nodes]).argmax()))
+    inside = absent[nodes]
+    pieces, passed, at = [], [], 0
+    while at < len(nodes):
+        if not inside[at]:
+            pieces.append(nodes[at : at + 1])
+            at += 1
+            continue
+        end = at + int(np.append(~inside[at:], True).argmax())
+        hole = int(names[nodes[at]])
+        way = rings.way(hole, nodes[at - 1], nodes[end % len(nodes)]) if hole >= 0 else None
+        if way is None:
+            return None
+        pieces.append(way)
+        passed.append(hole)
+        at = end
+    whole = np.concatenate([*pieces, nodes[:1]])
+    return np.stack(np.unravel_index(whole, rings.hole.shape)[:2], axis=1), passed
+
+
+def enclosed(path: np.ndarray) -> float:
+    """Signed area of a closed path of pixels, in pixels."""
+    x, y = path.T
+    return float((x[:-1] * y[1:] - x[1:] * y[:-1]).sum() / 2)

@@ -6,6 +6,8 @@ import lzma
 import math
 import struct
 import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -16,7 +18,9 @@ from geomtorsion import checks
 from geomtorsion.checks import cut
 from geomtorsion.errors import FileFormatError, ImageError, LimitError, MissingExtraError
 from geomtorsion.hdf5 import check_hdf5
+from geomtorsion.materials.images.pixel_sizes import PixelSize, size_in_tiff, size_of_axes
 from geomtorsion.npz import unpacked_size
+from geomtorsion.outgoing import quiet_libraries
 
 # Number of a TIFF compression -> its incremental decompressor. Libraries limit all others.
 UNPACKERS = {8: zlib.decompressobj, 32946: zlib.decompressobj, 34925: lzma.LZMADecompressor}
@@ -26,13 +30,29 @@ KINDS = {
     ".dm3": "rsciio.digitalmicrograph", ".dm4": "rsciio.digitalmicrograph", ".mrc": "rsciio.mrc",
     ".ser": "rsciio.tia", ".emd": "rsciio.emd", ".hspy": "rsciio.hspy",
 }  # fmt: skip
+# Values of pixels, and the size of a pixel where the file states it.
+Read = tuple[np.ndarray, PixelSize | None]
 # The endings of HDF5 files among them.
 _HDF5 = (".emd", ".hspy")
 
 
-def read_pixels(path: Path, page: int = 0, most: int | None = None) -> np.ndarray:
-    """Grey values of an image file, shape (rows, columns).
+@dataclass(frozen=True, eq=False)
+class Pixels:
+    """The content of an image file.
 
+    values: grey values, shape (rows, columns). size: of a pixel; None where the file states none.
+    """
+
+    values: np.ndarray
+    size: PixelSize | None = None
+
+
+def read_pixels(
+    path: Path, page: int = 0, most: int | None = None, *, sized: bool = True
+) -> Pixels:
+    """Grey values of an image file, and the size of its pixels.
+
+    sized: whether the size of a pixel is needed; otherwise pixels need not be square.
     most: largest allowed number of pixels; by default, memory sets the limit.
 
     Raises
@@ -64,8 +84,9 @@ def read_pixels(path: Path, page: int = 0, most: int | None = None) -> np.ndarra
         ) from None
     load = {"tifffile": _tiff, "PIL.Image": _png, "numpy": _npy}.get(name, _microscope)
     try:
-        pixels = load(library, path, page, most)
-    except (FileFormatError, LimitError):
+        with quiet_libraries():
+            pixels, size = load(library, path, page, most, sized)
+    except (FileFormatError, ImageError, LimitError):
         raise
     except MemoryError:
         raise LimitError(f"{path}: the image does not fit in memory. Cut it into parts.") from None
@@ -75,10 +96,10 @@ def read_pixels(path: Path, page: int = 0, most: int | None = None) -> np.ndarra
             f"{path}: the file cannot be read: it is truncated or has another format "
             f"({type(reason).__name__}: {checks.cut(str(reason))}). Export it again."
         ) from None
-    return _grey(pixels, path)
+    return Pixels(_grey(pixels, path), size)
 
 
-def _tiff(library: Any, path: Path, page: int, most: int | None) -> np.ndarray:
+def _tiff(library: Any, path: Path, page: int, most: int | None, sized: bool) -> Read:
     """One page of a TIFF file."""
     with library.TiffFile(path) as file:
         _check_page(path, page, len(file.pages))
@@ -91,7 +112,8 @@ def _tiff(library: Any, path: Path, page: int, most: int | None) -> np.ndarray:
         pixels = np.asarray(image.asarray(maxworkers=1))
         # If there is a palette, pixels are indices of its colours.
         colours = getattr(image, "colormap", None)
-        return pixels if colours is None else np.moveaxis(colours[:, pixels], 0, -1)
+        pixels = pixels if colours is None else np.moveaxis(colours[:, pixels], 0, -1)
+        return pixels, size_in_tiff(path, file, image) if sized else None
 
 
 def _check_segments(path: Path, stream: Any, page: Any, most: int | None) -> None:
@@ -115,7 +137,7 @@ def _check_segments(path: Path, stream: Any, page: Any, most: int | None) -> Non
             )
 
 
-def _png(library: Any, path: Path, page: int, most: int | None) -> np.ndarray:
+def _png(library: Any, path: Path, page: int, most: int | None, sized: bool) -> Read:
     """A PNG file, of any depth."""
     _check_page(path, page, 1)
     with library.open(path, formats=("PNG",)) as file:
@@ -123,7 +145,7 @@ def _png(library: Any, path: Path, page: int, most: int | None) -> np.ndarray:
         tag = import_module("PIL.ExifTags").Base.Orientation
         _check_turn(path, file.getexif().get(tag, 1))
         grey = file.mode in ("1", "L", "I", "I;16", "F")
-        return np.asarray(file if grey else file.convert("RGB"))
+        return np.asarray(file if grey else file.convert("RGB")), None
 
 
 def _check_turn(path: Path, orientation: int) -> None:
@@ -149,17 +171,17 @@ def _check_page(path: Path, page: int, count: int) -> None:
         )
 
 
-def _npy(library: Any, path: Path, page: int, most: int | None) -> np.ndarray:
+def _npy(library: Any, path: Path, page: int, most: int | None, sized: bool) -> Read:
     """An array, or one array of a stack, without unpickling."""
     # A memory map gives the size before memory is allocated.
     array = library.load(path, mmap_mode="r", allow_pickle=False)
     stack = array if array.ndim == 3 and array.shape[2] > 4 else array[None]
     _check_page(path, page, len(stack))
     check_size(path, stack[page].shape, most)
-    return np.asarray(stack[page])
+    return np.asarray(stack[page]), None
 
 
-def _microscope(library: Any, path: Path, page: int, most: int | None) -> np.ndarray:
+def _microscope(library: Any, path: Path, page: int, most: int | None, sized: bool) -> Read:
     """One image of a file that rosettasciio reads; pages number the images of all its signals.
 
     Sizes are compared with the file size before any pixel is read.
@@ -189,12 +211,14 @@ def _microscope(library: Any, path: Path, page: int, most: int | None) -> np.nda
         if names[-2:] == ["x", "y"]:
             # The data are stored by columns; reading them as rows would mirror the image.
             data = data.swapaxes(-1, -2)
-        stacks.append(data.reshape(-1, *data.shape[-2:]))
-    _check_page(path, page, sum(len(stack) for stack in stacks))
-    while page >= len(stacks[0]):
-        page -= len(stacks.pop(0))
-    check_size(path, stacks[0].shape[1:], most)
-    return np.asarray(stacks[0][page])
+        axes = () if end == ".mrc" and not _states_size(signal) else signal["axes"]
+        stacks.append((data.reshape(-1, *data.shape[-2:]), axes))
+    _check_page(path, page, sum(len(stack) for stack, _ in stacks))
+    while page >= len(stacks[0][0]):
+        page -= len(stacks.pop(0)[0])
+    stack, axes = stacks[0]
+    check_size(path, stack.shape[1:], most)
+    return np.asarray(stack[page]), size_of_axes(path, axes) if sized else None
 
 
 def _check_room(path: Path, h5py: Any) -> None:
@@ -214,6 +238,17 @@ def _pixels_of_mrc(path: Path) -> int:
     """Number of pixels of all images, from the header."""
     with path.open("rb") as file:
         return math.prod(map(abs, struct.unpack("<3i", file.read(12))))
+
+
+def _states_size(signal: Mapping[str, Any]) -> bool:
+    """Whether the header of an .mrc file states the size of its pixels.
+
+    The reader replaces a missing size by 1 nm.
+    """
+    header = signal["original_metadata"]
+    cell = header.get("std_header", {})
+    sizes = [cell.get(name, 0) for name in ("MX", "MY", "Xlen", "Ylen")]
+    return "fei_header" in header or all(np.min(size) > 0 for size in sizes)
 
 
 def _pixels_of_ser(path: Path) -> int:

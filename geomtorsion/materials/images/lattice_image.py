@@ -13,6 +13,7 @@ from geomtorsion.caching import cached_property
 from geomtorsion.errors import ImageError
 from geomtorsion.materials.images.image_files import check_size, pixels_of_signal, read_pixels
 from geomtorsion.materials.images.phases import LatticePhases, lattice_phases
+from geomtorsion.materials.images.pixel_sizes import UNSIZED, of_size
 from geomtorsion.materials.images.regions import Region
 from geomtorsion.materials.images.spots import Spectrum, Spots, find_spots, measured
 
@@ -25,7 +26,7 @@ class LatticeImage:
     """An image of a lattice, such as a micrograph that resolves columns of atoms.
 
     values: grey values, shape (rows, columns), the first row on top, as in image files.
-    step: size of a pixel. unit: of `step`, used in all results.
+    step: size of a pixel. unit: of `step`, used in all results; "px" if the size is unknown.
 
     Coordinates are x to the right and y upwards, counted from the middle of the lower left pixel,
     in `unit`: a right-handed circuit runs anticlockwise on the screen.
@@ -50,7 +51,7 @@ class LatticeImage:
 
     values: np.ndarray
     step: float = 1.0
-    unit: str = "px"
+    unit: str = UNSIZED
     # Rows and columns of the smallest image: six periods of a lattice with five pixels per period.
     least: ClassVar[int] = 32
 
@@ -87,7 +88,12 @@ class LatticeImage:
 
     @classmethod
     def read(
-        cls, path: str | Path, step: float = 1.0, unit: str = "px", *, page: int = 0
+        cls,
+        path: str | Path,
+        step: float | None = None,
+        unit: str | None = None,
+        *,
+        page: int = 0,
     ) -> LatticeImage:
         """Read TIFF, PNG or NPY, or by rosettasciio .dm3, .dm4, .emd, .mrc, .ser or .hspy.
 
@@ -97,8 +103,9 @@ class LatticeImage:
         Parameters
         ----------
         step, unit
-            Size of a pixel. It is not read from files, because microscopes write it in too many
-            different ways.
+            Size of a pixel, instead of the size in the file. TIFF (OME, ImageJ, resolution tags
+            above 10,000 per inch) and files of microscopes state it; without a step and a unit,
+            lengths are in px, and the pixel size is unknown.
         page
             Number of the image in a file with several images or in an array of shape
             (pages, rows, columns).
@@ -109,11 +116,20 @@ class LatticeImage:
             The file is missing, damaged, too large, or of another kind.
         MissingExtraError
             The library is not installed; it is in the extra "images", or "files" for microscopes.
+        ImageError
+            The file states pixels that are not square, or a unit is given without a step.
         """
         path = checks.file_name(path, error=ImageError)
-        values = read_pixels(path, page)
+        if step is None and unit is not None:
+            raise ImageError(
+                f"step: expected the size of a pixel in {checks.shown(unit)}, got none. Give both, "
+                "or neither to use the size in the file."
+            )
+        pixels = read_pixels(path, page, sized=step is None)
+        if pixels.size is not None:
+            step, unit = pixels.size.step, pixels.size.unit
         try:
-            return cls(values, step, unit)
+            return cls(pixels.values, 1.0 if step is None else step, unit or UNSIZED)
         except ImageError as error:
             # An error in the pixels is reported as an error in the file.
             named = f"{path.name}: {error}"
@@ -225,4 +241,4 @@ class LatticeImage:
 
     def __repr__(self) -> str:
         rows, columns = self.values.shape
-        return f"LatticeImage({columns} x {rows} pixels of {self.step:.6g} {self.unit})"
+        return f"LatticeImage({columns} x {rows} pixels{of_size(self.step, self.unit)})"

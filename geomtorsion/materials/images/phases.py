@@ -14,12 +14,21 @@ from geomtorsion.errors import GridError, ImageError
 from geomtorsion.loops import Cochain, Complex, Loop
 from geomtorsion.materials.burgers import PLANE, Section
 from geomtorsion.materials.fields import SampledFrame
-from geomtorsion.materials.images.circuits import LatticeBurgers, expected_clicks, pixel_path, wound
+from geomtorsion.materials.images.circuits import (
+    LatticeBurgers,
+    detoured,
+    enclosed,
+    expected_clicks,
+    pixel_path,
+    wound,
+)
+from geomtorsion.materials.images.pixel_sizes import of_size
 from geomtorsion.materials.images.regions import Region, pixels_of
 from geomtorsion.materials.images.spots import Spots
-from geomtorsion.materials.images.squares import squares_of
+from geomtorsion.materials.images.squares import rings_of, squares_of, whole_turns
+from geomtorsion.materials.rings import Rings
 from geomtorsion.materials.source import Backdrop
-from geomtorsion.materials.survey import Errors, Survey, middles
+from geomtorsion.materials.survey import Errors, Survey, areas, middles
 
 # Names of components of b along the axes of the image.
 COMPONENTS = ("bx", "by")
@@ -259,6 +268,8 @@ class LatticePhases:
     def burgers(self, loop: Loop, risk: float = 0.05) -> LatticeBurgers:
         """Burgers vector of a circuit: the whole number of turns of each phase along it.
 
+        The circuit goes around holes without a Burgers vector, which change no whole number.
+
         Parameters
         ----------
         loop
@@ -270,19 +281,13 @@ class LatticePhases:
         Raises
         ------
         ImageError
-            The circuit leaves the image, crosses a hole, or the noise is too strong; the message
-            names the position.
+            The circuit leaves the image, crosses a hole that it cannot go around, or the noise is
+            too strong; the message names the position.
         """
         limit = checks.positive(risk, "risk", ImageError)
         path = pixel_path(loop, self.step, self.waves.shape[1:], self.unit)
+        path, detour = detoured(path, self._rings, self.step, self.unit)
         x, y = path.T
-        crossed = np.flatnonzero(self.holes[x, y])
-        if len(crossed):
-            raise ImageError(
-                f"the circuit crosses a hole at {self._place(path[crossed[0]])}, where the lattice "
-                f"is not visible ({len(crossed)} of {len(path)} pixels). Choose a circuit around "
-                "the hole."
-            )
         whole, steps = wound(self.phase[:, x, y])
         ratio = self.ratio[:, x, y]
         chance = min(1.0, float(expected_clicks(ratio, steps, self.blur, 1).sum()))
@@ -296,7 +301,7 @@ class LatticePhases:
             )
         error = float(np.abs(whole) @ np.hypot(*self.lattice.T) * self.doubt)
         low = (self.step * weakest).tolist()
-        vector, (x, y) = whole @ self.lattice, self.step * path.T
+        vector = whole @ self.lattice
         return LatticeBurgers(
             vector=vector,
             unit=self.unit,
@@ -305,14 +310,20 @@ class LatticePhases:
             lattice=self.lattice,
             chance=chance,
             name=loop.name or "loop",
-            path=np.stack([x, y]),
-            area=float((x[:-1] * y[1:] - x[1:] * y[:-1]).sum() / 2),
+            path=self.step * path.T,
+            area=enclosed(path) * self.step**2,
             arrow=vector,
+            detour=detour,
             components=COMPONENTS,
             length_unit=self.unit,
             pixels=path,
             weakest=(low[0], low[1]),
         )
+
+    @cached_property
+    def _rings(self) -> Rings:
+        """Rings around the holes without a Burgers vector."""
+        return rings_of(self.phase, self.holes)
 
     def burgers_map(
         self, size: int, plane: tuple[int, int] = (0, 1), *, risk: float = 0.05
@@ -335,15 +346,15 @@ class LatticePhases:
             )
         n = checks.count(size, "size", ImageError, 2, min(self.waves.shape[1:]) - 1)
         limit = checks.positive(risk, "risk", ImageError)
-        whole, clear, chances = squares_of(self.phase, self.ratio, self.holes, self.blur, n)
+        whole, passages, chances = squares_of(self.phase, self.ratio, self._rings, self.blur, n)
         chance = np.minimum(chances.sum(axis=0), 1.0)
         vectors = np.einsum("ia,ixy->axy", self.lattice, whole)
-        vectors[:, ~(clear & (chance <= limit))] = np.nan
+        vectors[:, passages.refused | (chance > limit)] = np.nan
         steps = (self.step, self.step)
         return Survey(
             vectors,
-            middles((0.0, 0.0), steps, clear.shape, (n, n)),
-            (n * self.step) ** 2,
+            middles((0.0, 0.0), steps, chance.shape, (n, n)),
+            areas(self.step**2, (n, n), passages),
             (n, n),
             partial(self._errors, whole, chances),
             self.names,
@@ -352,6 +363,7 @@ class LatticePhases:
             vector_unit=self.unit,
             missing="touch a hole, or noise may change their numbers",
             whole=whole,
+            passages=passages.count,
         )
 
     def _errors(self, whole: np.ndarray, chances: np.ndarray) -> Errors:
@@ -378,7 +390,7 @@ class LatticePhases:
         vectors = ", ".join(f"({x:.4g}, {y:.4g})" for x, y in self.lattice.tolist())
         strength = self.levels / np.median(self.noise, axis=(1, 2))
         return (
-            f"LatticeImage({columns} x {rows} pixels of {self.step:.6g} {self.unit})",
+            f"LatticeImage({columns} x {rows} pixels{of_size(self.step, self.unit)})",
             f"lattice vectors {vectors} {self.unit}, averaged over {self.resolution:.3g}",
             (
                 f"amplitudes {strength[0]:.3g} and {strength[1]:.3g} times their noise; holes: "
@@ -402,13 +414,13 @@ class LatticePhases:
 
         Its coboundary is the discrete torsion, which is nonzero on the faces that contain a core.
         """
-        values = np.concatenate([-turns(self.phase, axis).reshape(2, -1).T for axis in (1, 2)])
+        values = np.concatenate([x.reshape(2, -1).T for x in whole_turns(self.phase)])
         return Cochain(Complex.grid(self.phase.shape[1:]), values)
 
     @cached_property
     def residues(self) -> np.ndarray:
         """Burgers vector of each square of four pixels, whole numbers, residues[i, x, y]."""
-        along_x, along_y = (-turns(self.phase, axis) for axis in (1, 2))
+        along_x, along_y = whole_turns(self.phase)
         return np.diff(along_y, axis=1) - np.diff(along_x, axis=2)
 
     def __repr__(self) -> str:
@@ -417,11 +429,6 @@ class LatticePhases:
             f"LatticePhases(lattice vectors of {lengths} {self.unit}, resolution "
             f"{self.resolution:.3g} {self.unit})"
         )
-
-
-def turns(phase: np.ndarray, axis: int) -> np.ndarray:
-    """Number of whole turns to subtract from each step of a phase to make it the shortest."""
-    return np.rint(np.diff(phase, axis=axis) / (2 * np.pi)).astype(np.int64)
 
 
 def lattice_phases(

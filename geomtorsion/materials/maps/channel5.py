@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -20,6 +19,7 @@ from geomtorsion.materials.maps.map_phases import (
 )
 from geomtorsion.materials.maps.map_points import Declared, MapFile, MapPoints, gridded
 from geomtorsion.materials.maps.phases import Phase
+from geomtorsion.materials.text_rows import lines_of
 
 # Number of a field -> its name and type; the phase, one byte, is before all fields.
 _FIELDS = {
@@ -120,7 +120,7 @@ def _keys(text: str) -> Keys:
     """Values of all sections by section and key; blanks in these names are ignored."""
     values: Keys = {}
     section = ""
-    for row in re.split(r"\r\n|\r|\n", text):
+    for row in lines_of(text):
         row = row.strip()
         key, equals, value = row.partition("=")
         if row.startswith("["):

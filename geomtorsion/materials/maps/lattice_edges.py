@@ -179,3 +179,15 @@ def spread_of(moments: np.ndarray, covariance: np.ndarray) -> np.ndarray:
     across[:, 0, 1], across[:, 0, 2], across[:, 1, 2] = -z, y, -x
     across[:, 1, 0], across[:, 2, 0], across[:, 2, 1] = z, -y, x
     return np.einsum("kij,jl,kml->im", across, covariance, across)
+
+
+def spread_of_sums(squares: np.ndarray, covariance: np.ndarray) -> np.ndarray:
+    """`spread_of` for weights in the plane of a map, from their sums of squares, (k, 3, 3).
+
+    squares: sums of t_x t_x, t_y t_y and t_x t_y, shape (k, 3).
+    """
+    units = np.zeros((2, 3, 3))
+    units[0, 1, 2], units[0, 2, 1] = -1.0, 1.0
+    units[1, 0, 2], units[1, 2, 0] = 1.0, -1.0
+    (xx, xy), (yx, yy) = ([units[i] @ covariance @ units[j].T for j in (0, 1)] for i in (0, 1))
+    return np.einsum("ks,sij->kij", squares, np.stack([xx, yy, xy + yx]))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -23,6 +22,7 @@ from geomtorsion.materials.maps.map_phases import (
 )
 from geomtorsion.materials.maps.map_points import Declared, MapFile, MapPoints, gridded
 from geomtorsion.materials.maps.phases import Phase
+from geomtorsion.materials.text_rows import lines_of
 
 # EDAX writes 4 pi for each angle of a point that was not indexed.
 NOT_INDEXED = 4 * np.pi - 1e-3
@@ -42,7 +42,7 @@ def read_text_map(path: Path, laue: Mapping[int, str] | None) -> MapFile:
     groups = checks.table(laue, "laue", FileFormatError)
     text = read_text(path, LARGEST_ARRAYS, otherwise="latin-1")
     # Names may contain characters at which `splitlines` breaks, such as the ellipsis of Windows.
-    lines = re.split(r"\r\n|\r|\n", text.removesuffix("\n").removesuffix("\r"))
+    lines = lines_of(text.removesuffix("\n").removesuffix("\r"))
     source = _Source(path.name, lines, groups, len(text))
     points = source.ctf() if ending(path) == ".ctf" else source.ang()
     check_laue(path.name, groups, points.phases)
@@ -280,13 +280,13 @@ class _Source:
         rows = self.lines[start:]
         while rows and not rows[-1].strip():
             rows.pop()
-        text = "\n".join(rows)
         # Some locales write a decimal comma, except perhaps at points without an orientation.
-        text = text.replace(",", ".")
+        if any("," in row for row in rows):
+            rows = [row.replace(",", ".") for row in rows]
         if not rows:
             self.fail(start - 1, "expected points, got the end of the file. Is the file complete?")
         try:
-            numbers = np.loadtxt(io.StringIO(text), ndmin=2, comments=None)
+            numbers = np.loadtxt(rows, ndmin=2, comments=None)
             if numbers.shape == (len(rows), width) and np.isfinite(numbers).all():
                 return numbers
         except ValueError:

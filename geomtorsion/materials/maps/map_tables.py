@@ -14,7 +14,7 @@ from geomtorsion.errors import FileFormatError
 from geomtorsion.files import BOUNDS, read_text
 from geomtorsion.materials.maps.map_phases import check_laue, described
 from geomtorsion.materials.maps.map_points import MapFile, MapPoints, gridded
-from geomtorsion.materials.text_rows import number_rows
+from geomtorsion.materials.text_rows import lines_of, number_rows
 
 # Name of a column in other programs, in lower case without units -> its name here.
 _NAMES = {
@@ -41,8 +41,8 @@ def read_map_table(path: Path, given: Mapping[int, str] | None = None) -> MapFil
 
     The names are in the first row, or in the last row of comments (#, %), separated by blanks,
     tabs, commas or semicolons. Angles are in degrees, unless a name has the unit (rad); positions
-    are in um. Without a phase column, all points have phase 1. A table contains no symmetry: give
-    `laue`.
+    are in um. Without a phase column, or if all phases are 0, all points have phase 1. A table
+    contains no symmetry: give `laue`.
 
     Raises
     ------
@@ -51,7 +51,7 @@ def read_map_table(path: Path, given: Mapping[int, str] | None = None) -> MapFil
     """
     laue = checks.table(given, "laue", FileFormatError)
     text = read_text(path, LARGEST_ARRAYS, otherwise="latin-1")
-    lines = re.split(r"\r\n|\r|\n", text)
+    lines = lines_of(text)
     header = _header(lines)
     if header is None:
         first = next((line for line in lines if line.strip()), "")
@@ -78,6 +78,9 @@ def read_map_table(path: Path, given: Mapping[int, str] | None = None) -> MapFil
         )
     phase = columns.get("phase", np.ones(len(table)))
     phase = np.where(indexed & np.isfinite(phase), phase, 0)
+    if not phase.any():
+        # MTEX writes phase 0 for each point of a map without phases.
+        phase = np.where(indexed, 1, 0)
     numbers = sorted(set(phase.tolist()) - {0.0})
     odd = [x for x in numbers if x != int(x) or not 0 < x <= BOUNDS.phases]
     if odd:
@@ -111,16 +114,23 @@ def _header(lines: Sequence[str]) -> Header | None:
         row = line.strip().lstrip(_MARKS).strip()
         if not row:
             continue
-        split = next((mark for mark in (",", ";", "\t") if mark in row), None)
-        words = [word.strip().strip("\"'") for word in row.split(split)]
-        if split is None:
-            # A blank may separate a unit from its name.
-            words = _UNIT.sub(lambda one: f"({one[1]})", re.sub(r"\s+([\[(])", r"\1", row)).split()
-        names = [_NAMES.get(_UNIT.sub("", word).strip().lower(), word) for word in words]
-        if set(_NEEDED) <= set(names):
-            units = {unit[1].lower() for word in words for unit in _UNIT.finditer(word)}
-            text = " ".join([*lines[:k], row]).lower()
-            return k, names, split, bool({"rad", "radian", "radians"} & units) or "radian" in text
+        # Tabs and blanks may be mixed, so that blanks are tried after tabs.
+        for split in (mark for mark in (",", ";", "\t", None) if mark is None or mark in row):
+            words = _words(row, split)
+            names = [_NAMES.get(_UNIT.sub("", word).strip().lower(), word) for word in words]
+            if set(_NEEDED) <= set(names):
+                units = {unit[1].lower() for word in words for unit in _UNIT.finditer(word)}
+                text = " ".join([*lines[:k], row]).lower()
+                is_radian = bool({"rad", "radian", "radians"} & units) or "radian" in text
+                return k, names, split, is_radian
         if not line.strip().startswith(tuple(_MARKS)) and k:
             return None
     return None
+
+
+def _words(row: str, split: str | None) -> list[str]:
+    """Names of the columns in a row; split: the separator, None for blanks."""
+    if split is None:
+        # A blank may separate a unit from its name.
+        row = _UNIT.sub(lambda one: f"({one[1]})", re.sub(r"\s+([\[(])", r"\1", row))
+    return [word.strip().strip("\"'") for word in row.split(split)]

@@ -246,8 +246,6 @@ class OrientationMap:
             unit=unit,
         )  # fmt: skip
 
-    # -- what it is -------------------------------------------------------------------------------
-
     @property
     def shape(self) -> tuple[int, int]:
         """Numbers of rows and columns of pixels."""
@@ -315,9 +313,9 @@ class OrientationMap:
         The Nye tensor of a plane frame has only the three components of lines normal to the map.
         `curvature` has the components of a bend about an axis in the plane.
 
-        The axes are x and y, so that a node is [column, row]; pixels of other grains are holes.
-        The rows of the coframe are crystal axes. Its sigma is the noise of the phase, averaged over
-        the axes and assumed independent in each component.
+        A node is [column, row]; pixels of other grains are holes. The rows of the coframe are
+        crystal axes. Its sigma is the noise of the phase, averaged over the axes and assumed
+        independent in each component.
 
         Parameters
         ----------
@@ -391,7 +389,9 @@ class OrientationMap:
         return circuit_of(loop, self.shape, self.steps, self.shift, self.unit)
 
     def burgers(self, circuit: Circuit | Loop) -> MapBurgers:
-        """Burgers vector of a circuit within a grain.
+        """Burgers vector of a circuit within a grain, around pixels that are not indexed.
+
+        `MapBurgers.detour` holds these pixels, the change of the area, and the added error.
 
         Parameters
         ----------
@@ -408,27 +408,28 @@ class OrientationMap:
             circuit = self.circuit(circuit)
         checks.instance(circuit, Circuit, "circuit")
         grid = self._grid
-        chain = grid.chain(circuit)
+        chain, passages = grid.chain(circuit)
         vector = grid.total(chain)
-        first = circuit.starts[0, 0], circuit.starts[0, 1]
+        first = tuple(chain.starts[0].tolist() if len(passages) else circuit.starts[0].tolist())
         number = int(self.phase[first])
+        detour = grid.detour(circuit, chain, passages, self.noise[number])
+        circuit = chain.named(circuit.name) if len(passages) else circuit
         covariance = spread_of(grid.moments(chain), self.noise[number])
         spread = np.trace(spread_of(grid.bent_moments(chain), self.noise[number]))
         bend = unexplained(np.asarray(np.linalg.norm(grid.bend(chain))), spread)
         rotation = matrix_from_quaternion(self.grains.quaternions[first])
-        ends = np.stack([grid.places(circuit.starts), grid.places(circuit.ends)], axis=1)
-        gaps = np.full((len(ends), 1, 2), np.nan)
         return MapBurgers(
             vector=vector,
             unit=self.unit,
             covariance=rotation.T @ covariance @ rotation,
-            systematic={"interpolation": float(bend)},
+            systematic={"interpolation": float(bend)} | (detour.errors if detour else {}),
             name=circuit.name or "loop",
-            path=np.concatenate([ends, gaps], axis=1).reshape(-1, 2).T,
+            path=grid.path(circuit),
             area=grid.area(chain),
             arrow=(rotation @ vector)[:2],
             components=COMPONENTS,
             length_unit=self.unit,
+            detour=detour,
             circuit=circuit,
             rotation=rotation,
             grain=int(self.grain[first]),
@@ -439,8 +440,8 @@ class OrientationMap:
     def burgers_map(self, size: int, plane: tuple[int, int] = (0, 1)) -> Survey:
         """Burgers vectors of the square circuits of size x size cells at all positions.
 
-        The cost does not depend on the size, because sums along rows and columns are shared. The
-        components of b refer to crystal axes, the arrows to specimen axes; places have axes x, y.
+        The cost does not depend on the size. The components of b refer to crystal axes, the arrows
+        to specimen axes. Squares go around pixels that are not indexed, as in `burgers`.
 
         Raises
         ------
@@ -449,8 +450,7 @@ class OrientationMap:
         """
         if tuple(plane) != (0, 1):
             raise OrientationError(
-                "plane: expected x and y, the only plane of an orientation map, got another one. "
-                "Omit the option."
+                "plane: expected x and y, the only plane of an orientation map. Omit the option."
             )
         most = min(self.shape) - 1
         n = checks.count(size, "size", OrientationError, 1, most)
@@ -470,11 +470,11 @@ class OrientationMap:
         """Lines of text about the size, the grains and the noise of the map."""
         grains = self.grains.count
         origin = "estimated from sixth differences" if self.sigma is None else "given"
-        noise = []
-        for number, covariance in self.noise.items():
-            # Standard deviation about one axis, from the mean variance of the three axes.
-            degrees = np.degrees(np.sqrt(np.trace(covariance) / 3))
-            noise.append(f"{degrees:.3g} degrees in {self.phases[number].name}")
+        noise = [
+            # About one axis, from the mean variance of the three axes.
+            f"{np.degrees(np.sqrt(np.trace(one) / 3)):.3g} degrees in {self.phases[number].name}"
+            for number, one in self.noise.items()
+        ]
         return (
             repr(self),
             (

@@ -10,9 +10,12 @@ from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import OrientationError
 from geomtorsion.loops import Cochain
-from geomtorsion.materials.fields.sides import window_sums
+from geomtorsion.materials.detours import Detour, Passages, detour_of, too_large
+from geomtorsion.materials.fields.circuits import unexplained
 from geomtorsion.materials.maps.circuits import Circuit
-from geomtorsion.materials.maps.lattice_edges import GrainMap
+from geomtorsion.materials.maps.lattice_edges import GrainMap, spread_of_sums
+from geomtorsion.materials.rings import Rings
+from geomtorsion.materials.windows import Windows
 
 
 def two_steps(steps: object) -> tuple[float, float]:
@@ -37,6 +40,10 @@ class Chain:
     starts: np.ndarray
     ends: np.ndarray
     times: np.ndarray
+
+    def named(self, name: str) -> Circuit:
+        """The chain as a circuit."""
+        return Circuit(self.starts, self.ends, self.times, name)
 
     @property
     def along(self) -> np.ndarray:
@@ -130,9 +137,19 @@ class StepGrid:
 
     # -- one circuit ------------------------------------------------------------------------------
 
-    def chain(self, circuit: Circuit) -> Chain:
-        """The steps of a circuit; raise an error unless all are in the map and in one grain."""
-        ordered = self.ascending(circuit)
+    @cached_property
+    def rings(self) -> Rings:
+        """Rings of steps around pixels that are not indexed, within a grain; axes x, y."""
+        usable = self.grains.right.T, self.grains.down.T
+        return Rings.of(self.grains.grain.T < 0, usable=usable)
+
+    def chain(self, circuit: Circuit) -> tuple[Chain, np.ndarray]:
+        """The steps of a circuit, around pixels that are not indexed.
+
+        Also returns the holes of all steps into and out of holes. Raise an error unless all steps
+        are in the map and in one grain.
+        """
+        ordered, passages = self._around(self.ascending(circuit))
         along = ordered.along
         fine = np.empty(len(along), dtype=bool)
         fine[along] = self.grains.right[tuple(ordered.starts[along].T)]
@@ -146,7 +163,96 @@ class StepGrid:
                 f"{circuit.name}: expected a circuit in one grain, got parts in grains "
                 f"{checks.cut(', '.join(map(str, grains)))}. Make one circuit for each grain."
             )
-        return ordered
+        return ordered, passages
+
+    def detour(
+        self, circuit: Circuit, chain: Chain, passages: np.ndarray, noise: np.ndarray
+    ) -> Detour | None:
+        """The detour of a circuit from its chain and passages; None without passages.
+
+        noise: covariance of an orientation. Raise an error for a circuit that is too small.
+        """
+        if not len(passages):
+            return None
+        before = self.area(self.ascending(circuit))
+        holes, times = np.unique(passages, return_counts=True)
+        # A circuit enters and leaves a hole at each passage.
+        cells = float(times @ self.rings.cells[holes]) / 2
+        within = cells * self.steps[0] * self.steps[1]
+        if too_large(within, abs(before)) or not len(chain.starts):
+            column, row, _ = np.argwhere(self.rings.hole == holes[0])[0].tolist()
+            raise OrientationError(
+                f"{circuit.name}: pixel {(row, column)} has no orientation. To go around such "
+                f"pixels, expected at least twice the area of the rings around them, {within:.4g}, "
+                f"got {abs(before):.4g}. Choose a larger circuit, or another position."
+            )
+        error = float(times @ self.ring_errors(noise)[holes]) / 2
+        return detour_of(self.rings, holes, times / 2, self.area(chain) - before, self.steps, error)
+
+    def ring_errors(self, noise: np.ndarray) -> np.ndarray:
+        """|b| of each ring without the part that noise explains, shape (rings,)."""
+        rings = self.rings
+        edges = self.right.transpose(2, 1, 0), self.down.transpose(2, 1, 0)
+        sizes = np.linalg.norm(rings.totals_of(rings.steps_of(edges)), axis=0)
+        spread = spread_of_sums(self.ring_weights.T, noise)
+        return unexplained(sizes, np.trace(spread, axis1=1, axis2=2))
+
+    @cached_property
+    def ring_weights(self) -> np.ndarray:
+        """Sums over the pixels of each ring of squared weights: x x, y y, x y, shape (3, rings).
+
+        The weight of a pixel is half of the steps of the ring before it and after it.
+        """
+        rings = self.rings
+        if not rings.count:
+            return np.zeros((3, 0))
+        x, y, _ = np.unravel_index(rings.edge, rings.hole.shape)
+        ends = (
+            self.places(np.stack([y + k * (rings.axis == 1), x + k * (rings.axis == 0)], axis=1))
+            for k in (0, 1)
+        )
+        one, two = ends
+        ways = rings.sign * (two - one).T
+        before = np.roll(ways, 1, axis=1)
+        before[:, rings.first[:-1]] = ways[:, rings.first[1:] - 1]
+        x, y = (ways + before) / 2
+        return rings.totals_of(np.stack([x * x, y * y, x * y]))
+
+    def _around(self, chain: Chain) -> tuple[Chain, np.ndarray]:
+        """A chain with steps of rings instead of steps to pixels that are not indexed.
+
+        Also returns the holes of all steps into and out of holes, with repetitions.
+        """
+        absent = self.grains.grain < 0
+        meets = absent[tuple(chain.starts.T)] | absent[tuple(chain.ends.T)]
+        if not meets.any():
+            return chain, np.zeros(0, dtype=np.int64)
+        rows, columns = self.shape
+        starts, moves, times = [], [], []
+        passages = []
+        for axis, chosen in ((0, meets & chain.along), (1, meets & ~chain.along)):
+            row, column = chain.starts[chosen].T
+            replaced, steps, holes = self.rings.expanded(
+                axis, column * rows + row, chain.times[chosen]
+            )
+            meets[np.flatnonzero(chosen)[~replaced]] = False
+            passages.append(holes)
+            for k, edge, count in steps:
+                starts.append(np.stack([edge % rows, edge // rows], axis=1))
+                moves.append(np.full(len(edge), k))
+                times.append(count)
+        starts.append(chain.starts[~meets])
+        moves.append(np.where(chain.along[~meets], 0, 1))
+        times.append(chain.times[~meets])
+        keys = np.concatenate([2 * (x @ np.array([columns, 1])) for x in starts])
+        keys += np.concatenate(moves)
+        # Ways that a circuit makes in both directions cancel.
+        unique, where = np.unique(keys, return_inverse=True)
+        total = np.rint(np.bincount(where, np.concatenate(times), len(unique))).astype(np.int64)
+        unique, total = unique[total != 0], total[total != 0]
+        first = np.stack(np.divmod(unique // 2, columns), axis=1)
+        last = first + np.where((unique % 2 == 0)[:, None], [0, 1], [1, 0])
+        return Chain(first, last, total), np.concatenate(passages)
 
     def ascending(self, circuit: Circuit) -> Chain:
         """The steps of a circuit in ascending direction; backward steps count negative."""
@@ -237,27 +343,44 @@ class StepGrid:
         x = (columns + self.shift * (rows % 2)) * self.steps[0]
         return np.stack([x, rows * self.steps[1]], axis=1)
 
+    def path(self, circuit: Circuit) -> np.ndarray:
+        """Steps of a circuit for a figure, shape (2, k), with NaN between them."""
+        ends = np.stack([self.places(circuit.starts), self.places(circuit.ends)], axis=1)
+        gaps = np.full((len(ends), 1, 2), np.nan)
+        return np.concatenate([ends, gaps], axis=1).reshape(-1, 2).T
+
     # -- all squares ------------------------------------------------------------------------------
 
-    def squares(self, n: int) -> tuple[np.ndarray, np.ndarray]:
+    def squares(self, n: int) -> tuple[np.ndarray, np.ndarray, Passages]:
         """Integrals around all squares of n x n cells, and whether each stays in one grain.
 
-        The cost does not depend on n, because sums over windows are shared.
+        Squares go around pixels that are not indexed. The cost does not depend on n, because sums
+        over windows are shared. Arrays have the axes x, y last.
         """
-        across = window_sums((~self.grains.right).astype(np.int32), n, 1)
-        along = window_sums((~self.grains.down).astype(np.int32), n, 0)
-        clean = across[:-n] + across[n:] + along[:, n:] + along[:, :-n] == 0
-        return self._rounds(n, self.right, self.down), clean
+        passages = Passages(self.rings, Windows((0, 1), (n, n), (False, False)))
+        right, down, lines = ~self.grains.right, ~self.grains.down, passages.windows
+        absent = self.rings.missing.T
+        if absent.any():
+            # Steps that end at a pixel without orientation are decided by the passages.
+            right &= ~(absent[:, :-1] | absent[:, 1:])
+            down &= ~(absent[:-1] | absent[1:])
+        clean = np.logical_not(passages.refused)
+        if right.any() or down.any():
+            clean &= (
+                lines.sums(*lines.along(right.T.astype(np.int32), down.T.astype(np.int32))) == 0
+            )
+        return self.rounds(passages, self.right, self.down), clean, passages
 
-    def square_bends(self, n: int) -> np.ndarray:
-        """The `bend` of all squares of n x n cells."""
-        return self._rounds(n, *self.bends)
+    def square_bends(self, passages: Passages) -> np.ndarray:
+        """The `bend` of all squares, shape (3, x, y)."""
+        return self.rounds(passages, *self.bends)
 
-    @staticmethod
-    def _rounds(n: int, right: np.ndarray, down: np.ndarray) -> np.ndarray:
-        """Sums of steps around all squares."""
-        bottom, side = window_sums(right, n, 1), window_sums(down, n, 0)
-        return bottom[:-n] - bottom[n:] + side[:, n:] - side[:, :-n]
+    def rounds(self, passages: Passages, right: np.ndarray, down: np.ndarray) -> np.ndarray:
+        """Sums of steps (rows, columns, 3) around all squares, with detours, shape (3, x, y)."""
+        edges = right.transpose(2, 1, 0), down.transpose(2, 1, 0)
+        if self.rings.missing.any():
+            edges = self.rings.filled(edges)
+        return passages.windows.rounds(*passages.windows.along(*edges))
 
 
 def _bends(f: np.ndarray, grain: np.ndarray) -> np.ndarray:

@@ -10,23 +10,20 @@ import contextlib
 import json
 import os
 import queue
-import subprocess
-import sys
 import threading
-import time
 from collections.abc import Callable, Iterable, Mapping
 from importlib import import_module
-from pathlib import Path
 from types import TracebackType
 from typing import IO, Any
 
 from geomtorsion.errors import LimitError
+from geomtorsion.workers import LineProcess, end_with_parent, limit_data
 
 # Content of the pipe: a dictionary of JSON types.
 Json = Mapping[str, Any]
 # Seconds that a process may take to start, however busy the machine is.
 STARTING = 120.0
-# Bytes of address space of one process; compiled integrators reserve far more than they use.
+# Bytes of data of one process.
 MEMORY = 6 * 2**30
 READY = "ready"
 # Not by -m: the package imports this module, and runpy would warn that it comes a second time.
@@ -42,29 +39,8 @@ class Worker:
     """One process: `ask` sends a request and waits for the reply, or ends the process."""
 
     def __init__(self, function: str, *, errors_shown: bool = False) -> None:
-        # -P: Python imports nothing from the working folder (a sympy.py among answers that are
-        # graded), but it does import this package, wherever this process imported it from.
-        paths = [str(Path(__file__).parents[3]), os.environ.get("PYTHONPATH", "")]
-        self.process: subprocess.Popen[str] = subprocess.Popen(
-            [sys.executable, "-P", "-c", _BEGIN, function],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=None if errors_shown else subprocess.DEVNULL,
-            encoding="utf-8",
-            env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))},
-            # Ctrl-C is for the parent process; this process ends with its parent.
-            start_new_session=True,
-        )
-        self._replies: queue.Queue[str] = queue.Queue()
+        self.process = LineProcess(["-c", _BEGIN, function], errors_shown=errors_shown)
         self._ready = False
-        threading.Thread(target=self._listen, args=(self.process.stdout,), daemon=True).start()
-
-    def _listen(self, stream: IO[str]) -> None:
-        # A thread reads, since pipes have no time-out on every system.
-        with contextlib.suppress(ValueError, OSError):
-            for line in stream:
-                self._replies.put(line)
-        self._replies.put("")
 
     def ask(self, request: Json, seconds: float) -> Json:
         """The reply; the time limit starts when the process is ready.
@@ -78,16 +54,14 @@ class Worker:
         """
         line = ""
         try:
-            assert self.process.stdin is not None
-            self.process.stdin.write(json.dumps(request, default=str) + "\n")
-            self.process.stdin.flush()
+            self.process.send(json.dumps(request, default=str))
             if not self._ready:
-                self._ready = bool(self._replies.get(timeout=STARTING))
+                self._ready = bool(self.process.receive(STARTING))
             if self._ready:
-                line = self._replies.get(timeout=seconds)
-        except queue.Empty:
+                line = self.process.receive(seconds)
+        except TimeoutError:
             self.end()
-            raise TimeoutError(f"expected a reply within {seconds:g} s, got none") from None
+            raise
         except (OSError, ValueError):
             # The pipe is broken, or was closed while it was written to: no line came.
             pass
@@ -99,17 +73,11 @@ class Worker:
     @property
     def lives(self) -> bool:
         """Whether it still accepts requests."""
-        return self.process.poll() is None
+        return self.process.lives
 
     def end(self) -> None:
         """End the process, at once."""
-        self.process.kill()
-        self.process.wait()
-        for stream in (self.process.stdin, self.process.stdout):
-            if stream is not None:
-                # Unwritten data has no reader any more.
-                with contextlib.suppress(OSError):
-                    stream.close()
+        self.process.end()
 
 
 class WorkerPool:
@@ -257,31 +225,10 @@ def answered(function: Callable[[Json], Json], request: Json) -> Json:
         return {EXCEEDED: "depth"}
 
 
-def limit_memory() -> None:
-    """Bound the address space of this process, where the system can do that."""
-    try:
-        # Not on Windows.
-        import resource
-    except ImportError:
-        return
-    hard = resource.getrlimit(resource.RLIMIT_AS)[1]
-    bound = MEMORY if hard == resource.RLIM_INFINITY else min(MEMORY, hard)
-    with contextlib.suppress(ValueError, OSError):
-        resource.setrlimit(resource.RLIMIT_AS, (bound, hard))
-
-
-def _end_with_parent() -> None:
-    """End this process, in the midst of whatever it does, when its parent is gone."""
-    parent = os.getppid()
-    while os.getppid() == parent:
-        time.sleep(1.0)
-    os._exit(1)
-
-
 def main(function: str) -> None:
     """Serve standard input and output; whatever else prints goes to standard error."""
-    limit_memory()
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    limit_data(MEMORY)
+    end_with_parent()
     replies = os.fdopen(os.dup(1), "w", encoding="utf-8")
     # A library that prints would otherwise write into the middle of a reply.
     os.dup2(2, 1)

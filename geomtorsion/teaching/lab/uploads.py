@@ -135,7 +135,7 @@ def read_map(
 
 def _lattice(path: Path) -> LatticePhases:
     """The phases of a picture of a lattice; sizes are in pixels."""
-    return LatticeImage(read_pixels(path, most=PAGE.pixels)).phases()
+    return LatticeImage(read_pixels(path, most=PAGE.pixels, sized=False).values).phases()
 
 
 def _orientations(

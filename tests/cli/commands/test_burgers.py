@@ -152,7 +152,7 @@ def test_an_interruption_keeps_what_is_done(monkeypatch: pytest.MonkeyPatch) -> 
         return to_json(self)
 
     monkeypatch.setattr(BurgersVector, "to_json", interrupted)
-    found = data("so3", *("--circle", "0,1,0:1") * 3, code=130)
+    found = data("so3", *("--circle", "0,1,0:0.5") * 3, code=130)
     assert not found["complete"]
     assert len(found["results"]) == 1
 
@@ -165,24 +165,24 @@ def test_an_interruption_keeps_what_is_done(monkeypatch: pytest.MonkeyPatch) -> 
         (("--circle", "0,1:1"), "the loop has 2 coordinates, the frame 3"),
         (("--circle", "0,1,0:-1"), "expected a positive length"),
         (("--circle", "0,1,0:one"), "one is neither"),
-        (("--circle", "0,1,0:1:phi1,psi"), "'psi' is not a coordinate"),
+        (("--circle", "0,1,0:0.5:phi1,psi"), "'psi' is not a coordinate"),
         (("--circle", "0,1,0:nan"), "a finite number"),
         (("--polygon", "0,0,0;1,1,1"), "at least three points"),
         (("--curve", "s;s;s"), "the gap is (6.28319, 6.28319, 6.28319)"),
         (("--curve", "cos(s);sin(s);__import__('os')"), "__import__"),
-        (("--set", "R", "--circle", "0,1,0:1"), "expected NAME=VALUE"),
-        (("--set", "R=1", "--circle", "0,1,0:1"), "R is not a parameter"),
-        (("--accuracy", "0", "--circle", "0,1,0:1"), "accuracy"),
+        (("--set", "R", "--circle", "0,1,0:0.5"), "expected NAME=VALUE"),
+        (("--set", "R=1", "--circle", "0,1,0:0.5"), "R is not a parameter"),
+        (("--accuracy", "0", "--circle", "0,1,0:0.5"), "accuracy"),
         (
-            ("--interval", "0,pi", "--circle", "0,1,0:1"),
+            ("--interval", "0,pi", "--circle", "0,1,0:0.5"),
             "expected a --curve in s, got none. Omit it",
         ),
         (
-            ("--exact", "--accuracy", "1e-3", "--circle", "0,1,0:1"),
+            ("--exact", "--accuracy", "1e-3", "--circle", "0,1,0:0.5"),
             "accuracy 0.001: expected numbers, got --exact",
         ),
         (("--loops", "none.json"), "cannot be read"),
-        (("--spline", "0,0,0;1,0,0;0,1,0", "--exact"), "known by numbers only"),
+        (("--spline", "0,1,0;1,1,0;0,2,0", "--exact"), "known by numbers only"),
     ],
 )
 def test_bad_input_ends_with_two(arguments: tuple[str, ...], message: str) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from geomtorsion.materials.fields import SampledFrame
 from tests.cli import running
 from tests.materials.images.atoms import crystal
 from tests.materials.maps.synthetic import noisy_wall
@@ -272,3 +273,17 @@ def test_loops_outside_through_the_commands(scan, lattice, tmp_path, loop, words
     for file in (scan, lattice, str(grid(tmp_path))):
         told = running.run("burgers", file, "--loop", loop, code=2).stderr
         assert any(word in told for word in words), told
+
+
+def test_circuits_around_missing_nodes_are_counted_and_described(tmp_path):
+    """The text names the circuits with detours, and how far a single circuit goes around."""
+    line = np.linspace(0, 1, 41)
+    x, y = np.meshgrid(line, line, indexing="ij")
+    mask = np.zeros(x.shape, dtype=bool)
+    mask[20, 10] = True
+    SampledFrame([line, line], np.array([[-y, x]]) / 2, mask=mask).save(tmp_path / "a.npz")
+    circle = "--circle=0.5,0.5:0.25"
+    done = run(str(tmp_path / "a.npz"), "--size", "6", "--sigma", "0.001", circle)
+    text = " ".join(done.stdout.split())
+    assert "24 of them around missing nodes" in text
+    assert "the circuit goes around 1 missing node, up to 0.0354 away" in text

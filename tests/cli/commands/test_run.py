@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ import pytest
 
 from geomtorsion.pictures import scene_film
 from geomtorsion.scenes import SceneResult, load, read_file
+from geomtorsion.workers import Bounds, work_within
 from tests.cli.running import run
 
 SLOW = """\
@@ -189,10 +191,9 @@ class Started:
         )
 
     def until_kept(self) -> None:
-        """Wait until the checkpoint exists."""
-        deadline = time.monotonic() + 60
-        while not (self.out / "checkpoint.npz").exists():
-            assert time.monotonic() < deadline
+        """Wait until the checkpoint holds a part of the run, besides its metadata."""
+        path = self.out / "checkpoint.npz"
+        while not path.exists() or len(np.load(path).files) < 2:
             assert self.process.poll() is None, self.process.communicate()
             time.sleep(0.005)
 
@@ -271,6 +272,50 @@ def test_interrupted_while_writing(tmp_path, no_pictures, monkeypatch):
         assert "resume with --resume" in run(*given, code=130).stderr
     assert "wrote" in run(*given, "--resume").stdout
     assert not (tmp_path / "out" / "checkpoint.npz").exists()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the killed process is a fork")
+@pytest.mark.parametrize(
+    "scene",
+    [("dzhanibekov", "--t", "1"), ("lagrange_cusp", "--t", "0.05", "--watch", "omega")],
+    ids=lambda x: x[0],
+)
+def test_a_run_is_resumed_wherever_it_is_killed(tmp_path, no_pictures, scene):
+    """Killed before the k-th change of its files, a run is resumed to the same arrays."""
+    run("run", *scene, "-o", str(tmp_path / "whole"))
+    whole = SceneResult.load(tmp_path / "whole/result.npz")
+    ends = []
+    while 0 not in ends:
+        out = ("-o", str(tmp_path / f"out{len(ends)}"))
+        ends.append(work_within(Bounds(), partial(killed_at, len(ends), *scene, *out), 2))
+        if ends[-1] == 0:
+            break
+        if not (tmp_path / out[1] / "checkpoint.npz").exists():
+            assert "Omit --resume" in run("run", *scene, *out, "--resume", code=2).stderr
+            run("run", *scene, *out)
+        else:
+            assert "Give --resume" in run("run", *scene, *out, code=2).stderr
+            run("run", *scene, *out, "--resume")
+        again = SceneResult.load(tmp_path / out[1] / "result.npz")
+        assert again["omega"].tobytes() == whole["omega"].tobytes()
+        files = {path.name for path in Path(out[1]).iterdir() if not path.name.startswith(".")}
+        assert files == {path.name for path in (tmp_path / "whole").iterdir()}
+    # The checkpoint, four files, and the end of the checkpoint.
+    assert len(ends) > 6
+    assert set(ends[:-1]) == {137}
+
+
+def killed_at(number, *arguments_and_begun):
+    """Run a command in this process, which kills itself before a change of its files."""
+    *arguments, _ = arguments_and_begun
+    changes = iter(range(1000))
+
+    def kill(event, _):
+        if event in ("os.rename", "os.remove") and next(changes) == number:
+            os.kill(os.getpid(), signal.SIGKILL)
+
+    sys.addaudithook(kill)
+    run("run", *arguments)
 
 
 def test_proved_prints_certain_digits():

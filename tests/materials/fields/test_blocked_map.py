@@ -64,6 +64,9 @@ def test_any_block_size_gives_the_same_bits(tmp_path, size, order, kind):
         axes, source, order, periodic=options["periodic"], sigma=options["sigma"] or None
     )
     whole = frame.torsion()[0] if size == 0 else frame.burgers_map(size).vectors
+    if size and frame.mask.any():
+        # Circuits of a map in blocks do not go around missing nodes.
+        whole[:, frame.burgers_map(size).detoured] = np.nan
     known = np.isfinite(whole)
     assert (known == np.isfinite(found[0][:-1])).all()
     # Differences of order 8 have weights of some hundred beside holes.

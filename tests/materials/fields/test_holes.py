@@ -52,16 +52,16 @@ def test_a_nan_is_a_hole_and_values_in_holes_do_not_matter():
     assert np.array_equal(one.nye, two.nye, equal_nan=True)
 
 
-def test_what_touches_a_hole_is_refused_and_named():
-    """A loop into the hole is refused with its node; a loop along the rim is accepted."""
+def test_a_loop_that_is_small_beside_a_hole_is_refused_and_names_it():
+    """A loop into a hole that is not small beside it is refused; a loop along the rim is not."""
     hole = np.zeros(X.shape, bool)
     hole[20:23, 30:32] = True
     grid = SampledFrame(AXES, smooth(), mask=hole)
     step = grid.steps[0]
     for shift in (0.0, 0.4):
-        corner = [AXES[0][15] + shift * step, AXES[1][25] + shift * step]
+        corner = [AXES[0][15] + shift * step, AXES[1][28] + shift * step]
         with pytest.raises(GridError, match=r"touches a hole at .* node \(2[012], 3[01]\)"):
-            grid.burgers(Loop.plaquette(corner, (5 * step, 10 * step)))
+            grid.burgers(Loop.plaquette(corner, (5 * step, 4 * step)))
     rim = Loop.plaquette([AXES[0][19], AXES[1][29]], (4 * step, 3 * grid.steps[1]))
     assert grid.burgers(rim).error < 1e-4
     with pytest.raises(GridError, match="touches a hole"):

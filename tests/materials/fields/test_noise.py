@@ -73,9 +73,12 @@ def test_sigmas_are_the_sum_over_all_weights(size, order, options):
     moved[np.arange(len(nodes)), *nodes.T] = sigma[0][tuple(nodes.T)]
     each = SampledFrame(axes, moved, order, mask=mask, **kinds).burgers_map(size)
     total = (each.vectors**2).sum(axis=0)
-    known = found.known
-    assert known.all() or mask.any()
-    assert known.any() or size == 14
+    assert found.known.all() or mask.any()
+    assert found.known.any() or size == 14
+    # The noise of a detour is an upper bound.
+    around = found.detoured
+    assert (found.sigmas[0][around] > np.sqrt(total[around])).all()
+    known = found.known & ~around
     assert found.sigmas[0][known] == pytest.approx(np.sqrt(total[known]), rel=1e-9)
     if not known.any():
         return
@@ -120,7 +123,8 @@ def test_covariances_are_the_sum_over_all_weights(size_order, options, by_node):
     given = table if by_node else correlated()
     frame = SampledFrame(axes, values, order, covariance=given, **options)
     found = frame.burgers_map(size)
-    place = tuple(np.argwhere(found.known)[len(np.argwhere(found.known)) // 2])
+    straight = np.argwhere(found.known & ~found.detoured)
+    place = tuple(straight[len(straight) // 2])
     weights = np.zeros((2, 2, 2, 13, 12))
     moved = np.eye(2 * 13 * 12).reshape(-1, 2, 13, 12)
     each = SampledFrame(axes, moved, order, **options).burgers_map(size)

@@ -361,3 +361,30 @@ def test_few_points_far_apart(tmp_path: Path):
     """Such points would need a grid of 4e10 pixels."""
     with pytest.raises(LimitError, match="expected a grid of at most"):
         read_map_file(write(tmp_path, FAR, "far.txt"), {0: "m-3m"})
+
+
+def mtex(phase: int, mixed: bool) -> str:
+    """A table as MTEX writes it: a tab after each field, or tabs and blanks mixed."""
+    names = ["phi1", "Phi", "phi2", "phase", "bands", "x", "y"]
+    lines = ["\t".join(names) + "\t"]
+    if mixed:
+        lines = ["  ".join(names[:3]) + "\t" + " \t".join(names[3:])]
+    for y in range(4):
+        for x in range(5):
+            row = [f"{10 + x}", "20", "30", f"{phase}", "7", f"{x / 2}", f"{y / 2}"]
+            lines.append(" \t".join(row) if mixed else "\t".join(row) + "\t")
+    return "\n".join(lines) + "\n"
+
+
+@pytest.mark.parametrize("mixed", [False, True])
+@pytest.mark.parametrize("phase", [0, 1])
+def test_tables_of_mtex(tmp_path: Path, phase: int, mixed: bool):
+    """A tab after the last field, phase 0 everywhere, and tabs mixed with blanks are read."""
+    path = tmp_path / "ebsd.txt"
+    path.write_text(mtex(phase, mixed))
+    crystal = OrientationMap.read(path, laue={1: "m-3m"})
+    assert crystal.shape == (4, 5)
+    assert (crystal.phase == 1).all()
+    assert crystal.steps == (0.5, 0.5)
+    angle = 2 * np.arccos(abs((crystal.quaternions[0, 0] * crystal.quaternions[0, 1]).sum()))
+    assert np.degrees(angle) == pytest.approx(1.0)

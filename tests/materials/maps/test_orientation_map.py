@@ -250,7 +250,7 @@ def test_the_error_of_trapezoids_is_told(shift):
     crystal = OrientationMap(q, np.ones((30, 40)), phases, (1.0, height), shift, sigma=0)
     for circuit in (Circuit.rectangle((4, 3), 12, 20), Circuit.rectangle((0, 0), 29, 10)):
         found = crystal.burgers(circuit)
-        chain = crystal._grid.chain(circuit)
+        chain, _ = crystal._grid.chain(circuit)
         fine = found.vector * 0
 
         def turn(x, y):

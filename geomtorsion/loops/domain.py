@@ -1,0 +1,114 @@
+"""Domain: loops are refused where they leave the domain that a frame declares, as curves are."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.codegen import numpy_function
+from geomtorsion.errors import ChartEdgeError, UnknownNameError
+from geomtorsion.geometry.derived import derived
+from geomtorsion.geometry.domain_edges import Edge, domain_edges
+from geomtorsion.loops.arcs import Arc, Parameters, Part, shown
+from geomtorsion.loops.forms import Poles, parameter_values
+from geomtorsion.loops.poles import SAMPLES
+from geomtorsion.loops.quadrature import NARROWEST
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from geomtorsion.geometry import Frame
+
+
+@derived
+def loop_edges(frame: Frame) -> tuple[Edge, ...]:
+    """Edges of the declared domain that depend on a coordinate.
+
+    Frames of parallel lines declare none: their coframe has no finite value on a line.
+    """
+    inside, branches = set(frame.coordinates), {str(branch) for branch in frame.branches}
+    edges = (edge for edge in domain_edges(frame) if edge.element.symbols & inside)
+    # Values of the coframe themselves refuse the other side of a branch.
+    return tuple(edge for edge in edges if edge.condition not in branches)
+
+
+@derived
+def _compiled(frame: Frame) -> tuple[Poles, tuple]:
+    """The edges as one function of arrays, and the parameters in them."""
+    edges = loop_edges(frame)
+    needed = {symbol for edge in edges for symbol in edge.element.symbols}
+    parameters = tuple(s for s in frame.field.symbols if s in needed - set(frame.coordinates))
+    arguments = [*frame.coordinates, *parameters]
+    function = numpy_function([edge.element for edge in edges], arguments, check=False)
+    return Poles(function, tuple(edge.condition for edge in edges)), parameters
+
+
+def edge_values(frame: Frame, parameters: Parameters | None) -> Poles | None:
+    """What is positive inside the domain of a frame, as a function of points; None without edges.
+
+    Raises
+    ------
+    MissingValueError
+        A parameter of the domain has no value.
+    """
+    if not loop_edges(frame):
+        return None
+    function, wanted = _compiled(frame)
+    names = {symbol.name for symbol in frame.field.symbols}
+    table = checks.by_name(parameters, "parameters", UnknownNameError)
+    own = {name: value for name, value in table.items() if name in names}
+    numbers = parameter_values(frame, wanted, own)
+    return Poles(function.function, function.names, numbers=numbers)
+
+
+def refuse_outside(frame: Frame, parts: Sequence[Part], parameters: Parameters | None) -> None:
+    """Refuse a loop that leaves the declared domain of a frame.
+
+    Raises
+    ------
+    ChartEdgeError
+        It does; the message names the condition and a point.
+    """
+    edges = edge_values(frame, parameters)
+    if edges is None:
+        return
+    for part in parts:
+        for arc in part.arcs:
+            s = np.linspace(0, 1, max(SAMPLES, 4 * arc.waves + 1))
+            rows = edges.values(part.points(arc, s)[0])
+            for k, row in enumerate(np.real(rows)):
+                _refuse(edges, k, part, arc, s, row)
+
+
+def refuse_points(edges: Poles, points: np.ndarray, owner: str = "a loop") -> None:
+    """Refuse points, shape (n, k), outside the domain; owner: of the points, for the message."""
+    outside = ~(np.real(edges.values(points)) > 0)
+    if outside.any():
+        k, j = np.argwhere(outside)[0]
+        raise ChartEdgeError(
+            f"expected {owner} inside the domain of the frame, {edges.names[k]}, got the point "
+            f"{shown(points[:, j])}. Move it inside, or use other coordinates."
+        )
+
+
+def _refuse(edges: Poles, k: int, part: Part, arc: Arc, s: np.ndarray, row: np.ndarray) -> None:
+    """Refuse an arc on which one edge is not positive, at its samples or at a dip between them."""
+    worst = int(np.argmin(np.where(np.isfinite(row), row, -np.inf)))
+    if not row[worst] > 0:
+        refuse_points(edges, part.points(arc, s[worst : worst + 1])[0])
+        return
+    padded = np.concatenate(([np.inf], row, [np.inf]))
+    for j in np.flatnonzero((row <= padded[:-2]) & (row <= padded[2:])):
+        low, high = s[max(j - 1, 0)], s[min(j + 1, len(s) - 1)]
+        while high - low > NARROWEST:
+            near = np.linspace(low, high, 9)
+            points = part.points(arc, near)[0]
+            refuse_points(edges, points)
+            values = np.real(edges.values(points)[k])
+            best = int(values.argmin())
+            if 2 * values[best] > values.max():
+                # So flat a dip does not reach zero.
+                break
+            low, high = near[max(best - 1, 0)], near[min(best + 1, 8)]

@@ -1,0 +1,82 @@
+"""Displaced points: a displacement at points of a file, on a grid or scattered."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geomtorsion.materials.fields.contents import Contents
+from geomtorsion.materials.fields.nodes import check_filled, nodes_of
+
+# Names of the columns of other programs, in lower case: coordinates, components of a displacement,
+# and columns that are negative where a correlation failed (DICe, VIC).
+AXES = (
+    ("x", "coordinate_x", "x_coordinate", "x-coordinate", "pos_x", "x0"),
+    ("y", "coordinate_y", "y_coordinate", "y-coordinate", "pos_y", "y0"),
+    ("z", "coordinate_z", "z_coordinate", "z-coordinate", "pos_z", "z0"),
+)
+COMPONENTS = (
+    ("u", "ux", "u_x", "vx", "dx", "disp_x", "x-displacement", "displacement_x", "u1", "d1"),
+    ("v", "uy", "u_y", "vy", "dy", "disp_y", "y-displacement", "displacement_y", "u2", "d2"),
+    ("w", "uz", "u_z", "vz", "dz", "disp_z", "z-displacement", "displacement_z", "u3", "d3"),
+)
+FAILED = ("sigma",)
+# Names of vectors in the results of finite elements, in lower case.
+VECTORS = ("displacement", "displacements", "disp", "u", "d", "nodal displacement")
+
+
+@dataclass(frozen=True, eq=False)
+class DisplacedPoints:
+    """A displacement at points of a file.
+
+    places: name of each axis -> coordinates, shape (n,). values: components, shape (rows, n), NaN
+    where nothing is known. where: line or number of each point, for messages. unit, vector_unit:
+    of coordinates and displacement.
+    """
+
+    places: Mapping[str, np.ndarray]
+    values: np.ndarray
+    where: Sequence[str]
+    unit: str = ""
+    vector_unit: str = ""
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """Units that the file states."""
+        texts = (("unit", self.unit), ("vector_unit", self.vector_unit))
+        return {key: text for key, text in texts if text}
+
+    def gridded(self, path: Path) -> Contents:
+        """The displacement at the nodes of a grid; nodes without a point are holes.
+
+        Raises
+        ------
+        FileFormatError
+            The points are not a regular grid.
+        """
+        axes, flat = nodes_of(path, self.places, self.where)
+        shape = tuple(len(axis) for axis in axes)
+        check_filled(path, len(self.values), shape)
+        values = np.full((len(self.values), int(np.prod(shape))), np.nan)
+        values[:, flat] = self.values
+        names = tuple(self.places)
+        return Contents(axes, values.reshape(-1, *shape), names, False, self.options, True)
+
+
+def displacement_in(data: Mapping[str, np.ndarray]) -> np.ndarray | None:
+    """The displacement among the values at the points of a mesh, (rows, n); None without one.
+
+    It is a vector with one of the `VECTORS` names, or two or three columns of `COMPONENTS`.
+    """
+    plain = {name.strip().lower(): values for name, values in data.items()}
+    for name in VECTORS:
+        values = plain.get(name)
+        if values is not None and values.ndim == 2 and values.shape[1] in (2, 3):
+            return values.T
+    columns = [next((plain[n] for n in names if n in plain), None) for names in COMPONENTS]
+    rows = [column.reshape(len(column)) for column in columns if column is not None]
+    return np.array(rows) if len(rows) > 1 and columns[0] is not None else None
