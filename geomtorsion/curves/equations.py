@@ -404,7 +404,7 @@ def written(frame: Frame, law: Law, chart: Chart | None) -> Equations:
     """A law in a chart of the space of a frame; chart None: only velocities."""
     names = velocity_names(frame)
     base = chart.frame if chart is not None and chart.frame is not None else frame
-    home = base is frame or base == frame
+    home = base is frame
     if not home and law.needs_frame and chart is not None and not chart.keeps_frame:
         raise ChartEdgeError(
             f"the equation {law.text} depends on the frame {frame.name!r}, and chart "
