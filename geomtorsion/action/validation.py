@@ -15,7 +15,7 @@ from geomtorsion.checks import near_names
 from geomtorsion.errors import ConstraintError, LagrangianError, ShapeError
 from geomtorsion.exact import parse_expression
 from geomtorsion.exact.reading import counted_as
-from geomtorsion.geometry import Connection, Frame
+from geomtorsion.geometry import Connection, Frame, at_home
 from geomtorsion.geometry.connections import ConnectionLike, FrameLike, as_connection, as_frame
 from geomtorsion.geometry.validation import free_symbols, named_symbols
 
@@ -79,9 +79,10 @@ def checked_frame(
 ) -> tuple[Frame, Connection | None]:
     """Frame and connection; refuses a connection of another frame, and complex frames."""
     frame = as_frame(frame)
+    home = None
     if connection is not None:
-        connection = as_connection(connection)
-        if connection.frame is not frame:
+        home = at_home(frame, as_connection(connection))
+        if home is None:
             raise ShapeError(
                 "connection: expected one over this frame, got one over another frame. Build it "
                 "over this frame."
@@ -91,7 +92,7 @@ def checked_frame(
             f"expected a real frame for mechanics, got {frame.name or 'one'}, which is complex (a "
             "null tetrad). Use a real frame of the same metric."
         )
-    return frame, connection
+    return frame, home
 
 
 def expressions(

@@ -15,7 +15,7 @@ import sympy as sp
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph, graph, numpy_function
-from geomtorsion.copies import only_fields
+from geomtorsion.copies import comparable, content_hash, equal_content, only_fields
 from geomtorsion.curves.edges import edges_of
 from geomtorsion.errors import (
     ArgumentError,
@@ -146,6 +146,20 @@ class Chart:
     kept: Element | None = None
     end: str = ""
     antipodal: tuple[int, ...] = ()
+
+    def __eq__(self, other: object) -> bool:
+        return self._plain == other._plain if isinstance(other, Chart) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.coordinates))
+
+    @cached_property
+    def _plain(self) -> tuple[object, ...]:
+        """What counts when charts are compared: expressions in place of elements."""
+        legs = [[(i, x.sympy) for i, x in row] for row in self.legs] if self.frame is None else []
+        edge, kept = (None if x is None else x.sympy for x in (self.edge, self.kept))
+        margin = self.keeps_frame, self.margin, self.antipodal
+        return self.name, self.coordinates, self.frame, legs, edge, kept, margin
 
     def __getstate__(self) -> dict[str, object]:
         return only_fields(self)
@@ -297,6 +311,8 @@ class TransitionMap:
     sample: Mapping[sp.Symbol, Any] | None = None
     written: Written | None = None
 
+    __eq__, __hash__ = equal_content, content_hash
+
     def __post_init__(self) -> None:
         for name in ("source", "target"):
             checks.text(getattr(self, name), name, ArgumentError)
@@ -436,6 +452,22 @@ class Atlas:
     changes: Callable[[], tuple[TransitionMap, ...]]
     order: tuple[str, ...] = ()
     origin: tuple[Callable[[Frame], Atlas], Frame] | None = None
+
+    def __eq__(self, other: object) -> bool:
+        """Equal charts in an equal order, and equal maps."""
+        if not isinstance(other, Atlas):
+            return NotImplemented
+        if self is other:
+            return True
+        if (self.home, self.names) != (other.home, other.names):
+            return False
+        if self.origin is not None and comparable(self.origin) == comparable(other.origin):
+            return True
+        charts = all(self.chart(name) == other.chart(name) for name in self.names)
+        return charts and self._table == other._table
+
+    def __hash__(self) -> int:
+        return hash((self.home, self.names))
 
     def __reduce__(self) -> tuple[object, ...]:
         if self.origin is not None:

@@ -32,7 +32,7 @@ from geomtorsion.curves.stops import read_stops
 from geomtorsion.curves.transported import Deviation, TransportedVectors
 from geomtorsion.errors import MetricError, ShapeError, StartError
 from geomtorsion.exact.reading import checked
-from geomtorsion.geometry import Connection, Frame, levi_civita
+from geomtorsion.geometry import Connection, Frame, at_home, levi_civita
 from geomtorsion.geometry.components import determinant
 from geomtorsion.geometry.connections import (
     ConnectionLike,
@@ -229,8 +229,8 @@ def parallel_transport(
         raise ShapeError(f"vector: expected a list of numbers, got {checks.shown(vectors)}.")
     nested = bool(rows) and isinstance(rows[0], list | tuple | np.ndarray)
     carried = tuple(checked_numbers(row, n, "vector") for row in (rows if nested else [rows]))
-    carrier = connection or levi_civita(problem.frame)
-    if carrier.frame is not problem.frame:
+    carrier = at_home(problem.frame, connection or levi_civita(problem.frame))
+    if carrier is None:
         raise ShapeError(
             "connection: expected one over the frame of the curve, got one over another frame. "
             "Build it over this frame."

@@ -15,7 +15,7 @@ from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.codegen import graph
 from geomtorsion.codegen.expression_graph import branch_check
-from geomtorsion.copies import only_fields
+from geomtorsion.copies import content_hash, equal_content, only_fields
 from geomtorsion.curves import readout
 from geomtorsion.curves.atlas import Atlas, MovingPoint, atlas_of
 from geomtorsion.curves.equations import Equations, Law, velocity_names, written
@@ -105,6 +105,8 @@ class CurveProblem:
     _beginnings: dict[int, tuple[str, MovingPoint]] = field(
         default_factory=dict, repr=False, init=False
     )
+
+    __eq__, __hash__ = equal_content, content_hash
 
     def __getstate__(self) -> dict[str, object]:
         return only_fields(self)

@@ -18,6 +18,7 @@ from geomtorsion.geometry.curvature import Curvature
 from geomtorsion.geometry.embedded import embedded
 from geomtorsion.geometry.forms import Form
 from geomtorsion.geometry.frame import Frame
+from geomtorsion.geometry.homes import at_home
 from geomtorsion.geometry.identity import IdentityCheck, identities
 from geomtorsion.geometry.integrability import Integrability, ParallelVolume
 from geomtorsion.geometry.lie_derivative import lie, lie_bracket
@@ -39,6 +40,7 @@ __all__ = [
     "Tensor",
     "Torsion",
     "antisymmetric",
+    "at_home",
     "blend",
     "cartan",
     "connections",

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, ClassVar
 
-import sympy as sp
+import numpy as np
 
 from geomtorsion.caching import cached_property
 from geomtorsion.checks import instance
@@ -27,14 +27,18 @@ from geomtorsion.geometry.components import (
 from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.frame_matrices import is_dense, parallel_rows
+from geomtorsion.geometry.homes import at_home
 from geomtorsion.geometry.notation import ComponentTable, Names, Where
 from geomtorsion.geometry.parts import nonmetricity_parts
 from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.tensor import Tensor
 
 if TYPE_CHECKING:
+    from numpy.typing import DTypeLike
+
     from geomtorsion.geometry.curvature import Curvature
     from geomtorsion.geometry.forms import Form
+    from geomtorsion.geometry.indexing import One
     from geomtorsion.geometry.torsion import Torsion
 
 HALF = Fraction(1, 2)
@@ -70,9 +74,18 @@ class Connection:
     maker: Callable[[Frame], Connection] | None = None
     allowed: tuple[int, ...] | None = None
 
-    def __getitem__(self, index: tuple[int, int, int]) -> sp.Expr:
-        """Gamma_ab^c as a sympy expression."""
+    has_own_field: ClassVar[bool] = True
+
+    def __getitem__(self, index: One | tuple[One, ...]) -> Any:
+        """Gamma_ab^c as a sympy expression, or an array of coefficients (see Tensor)."""
         return self.coefficients[index]
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self.coefficients)
+
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> np.ndarray:
+        """All coefficients Gamma_ab^c (see Tensor)."""
+        return np.asarray(self.coefficients, dtype=dtype)
 
     def table(
         self, names: Names | None = None, *, where: Where | None = None, every: bool = False
@@ -157,7 +170,7 @@ class Connection:
     @cached_property
     def contortion_from_torsion(self) -> Tensor:
         """The contortion by its definition in terms of the torsion, for any connection."""
-        return contortion_of(self.torsion.S)
+        return riemannian.contortion_of(self.torsion.S)
 
     @cached_property
     def disformation(self) -> Tensor:
@@ -235,7 +248,8 @@ class Connection:
         """
         frame = self.frame
         instance(tensor, Tensor, "tensor")
-        if tensor.frame is not frame:
+        home = at_home(frame, tensor)
+        if home is None:
             raise ShapeError(
                 "expected a tensor over the frame of the connection, got one over another frame. "
                 "Build it over this frame."
@@ -244,6 +258,7 @@ class Connection:
             raise TensorIndexError(
                 f"{tensor.label}: expected a tensor in all its indices, got other components."
             )
+        tensor = home
         get, n, coordinates = tensor.components.get, frame.dimension, frame.coordinates
         tables = {"d": self.coefficients.components.get}
         if tensor.slots != tensor.slots.lower():
@@ -467,6 +482,29 @@ class Connection:
         """Whether the coefficients are symmetric."""
         return self.torsion.S.is_zero
 
+    # -- equality and copies ---------------------------------------------------------------------
+
+    def __eq__(self, other: object) -> bool:
+        """Equal frames, permitted legs and coefficients, decided exactly; names do not count."""
+        if not isinstance(other, Connection):
+            return NotImplemented
+        if self is other:
+            return True
+        if self.allowed != other.allowed or self.frame != other.frame:
+            return False
+        if self.maker is not None and self.maker == other.maker:
+            return True
+        return self.coefficients == other.coefficients
+
+    def __hash__(self) -> int:
+        return hash((self.frame, self.allowed))
+
+    def _carried(self, frame: Frame) -> Connection:
+        """This connection over an equal frame."""
+        if self.maker is not None:
+            return self.maker(frame)
+        return replace(self, frame=frame, coefficients=self.coefficients._carried(frame))
+
     def __reduce__(self) -> tuple[object, ...]:
         # The frame can make its own connections again, bit for bit; that pickle is shorter.
         if self.maker is not None:
@@ -484,15 +522,3 @@ class Connection:
         return self.coefficients._repr_latex_()
 
     _repr_html_ = drawn_by("notebook_tables", "connection_html")
-
-
-def contortion_of(torsion: Tensor) -> Tensor:
-    """K_ab^c, slots ddu, of a torsion S_ab^c: K_abc = S_abc - S_bca + S_cab."""
-    frame, lower = torsion.frame, torsion.lowered(2).components.get
-
-    def rule(index: Index) -> Element:
-        a, b, c = index
-        terms = [(1, lower((a, b, c))), (-1, lower((b, c, a))), (1, lower((c, a, b)))]
-        return frame.field.sum(terms)
-
-    return Tensor(frame, "ddd", rule, antisymmetric(3, 1, 2), "K", "contortion").raised(2)

@@ -11,11 +11,12 @@ from geomtorsion.errors import ArgumentError, GeomtorsionError, ShapeError, Tens
 from geomtorsion.exact import Element
 from geomtorsion.geometry import riemannian
 from geomtorsion.geometry.components import Index
-from geomtorsion.geometry.connection import Connection, contortion_of
+from geomtorsion.geometry.connection import Connection
 from geomtorsion.geometry.derived import derived
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.frame_matrices import parallel_rows
 from geomtorsion.geometry.from_arrays import tensor_from_array
+from geomtorsion.geometry.homes import at_home
 from geomtorsion.geometry.tensor import Scalar, Source, Tensor
 from geomtorsion.geometry.torsion import Torsion
 
@@ -261,8 +262,9 @@ def from_spin_connection(frame: FrameLike, omega: object) -> Connection:
 def _direction_first(frame: Frame, omega: Tensor) -> Tensor:
     """A spin connection with slots dDU from a tensor with the direction first, in other slots."""
     slots = omega.slots
-    if omega.frame is frame and len(slots) == 3 and slots[0] in "dD" and set(slots[1:]) <= {*"DU"}:
-        free = Tensor(frame, slots, omega.components)._with_slot(0, "d")
+    home = at_home(frame, omega)
+    if home is not None and len(slots) == 3 and slots[0] in "dD" and set(slots[1:]) <= {*"DU"}:
+        free = Tensor(frame, slots, home.components)._with_slot(0, "d")
         if slots[1:] == "UD":
             get = free.components.get
             return Tensor(frame, "dDU", lambda index: get((index[0], index[2], index[1])))
@@ -347,7 +349,7 @@ def from_torsion(frame: FrameLike, torsion: object) -> Connection:
                 f"[{a}, {b}, {c}] and [{b}, {a}, {c}] do not cancel. "
                 "Use from_coefficients for coefficients, from_contortion for a contortion."
             )
-    gamma = riemannian.christoffel(frame) + contortion_of(tensor)
+    gamma = riemannian.christoffel(frame) + riemannian.contortion_of(tensor)
     coefficients = _coefficients(frame, gamma.components, "\\Gamma", "connection")
     return Connection(frame, coefficients, "connection from torsion", "metric")
 
@@ -375,14 +377,15 @@ def blend(first: ConnectionLike, second: ConnectionLike, share: Scalar = HALF) -
     s/r
     """
     first, second = as_connection(first, "first"), as_connection(second, "second")
-    if first.frame is not second.frame:
+    second_here = at_home(first.frame, second)
+    if second_here is None:
         raise ShapeError(
             "expected connections over one frame, got different frames. Build both over the same "
             "frame."
         )
     (weight,) = first.frame.read([("share", share)])
     # One difference and one product a component; (1 - s) A + s B would take two products.
-    mixed = first.coefficients + (second.coefficients - first.coefficients) * weight
+    mixed = first.coefficients + (second_here.coefficients - first.coefficients) * weight
     coefficients = _coefficients(first.frame, mixed.components, "\\Gamma", "connection")
     kind = "general" if "general" in (first.kind, second.kind) else "metric"
     name = f"blend of {first.name} and {second.name}"
@@ -406,7 +409,8 @@ def _with_slots(frame: Frame, values: object, what: str) -> Tensor:
 
 def _given(frame: Frame, tensor: Tensor, slots: str, what: str) -> Tensor:
     """A tensor handed in for an array: the same frame and the right slots."""
-    if tensor.frame is not frame:
+    home = at_home(frame, tensor)
+    if home is None:
         raise ShapeError(
             f"{what}: expected a tensor over this frame, got one over another frame. Build it over "
             "this frame."
@@ -416,4 +420,4 @@ def _given(frame: Frame, tensor: Tensor, slots: str, what: str) -> Tensor:
             f"{what}: expected slots {slots!r}, got {tensor.slots!r}. Use raised, lowered, "
             "in_frame or in_coordinates."
         )
-    return tensor
+    return home

@@ -17,6 +17,7 @@ from geomtorsion.geometry.connections import FrameLike, frame_of, from_spin_conn
 from geomtorsion.geometry.derived import derived
 from geomtorsion.geometry.forms import Form
 from geomtorsion.geometry.frame import Frame
+from geomtorsion.geometry.homes import at_home
 from geomtorsion.geometry.orthonormalize import Row, completed_squares
 from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.geometry.validation import named_symbols
@@ -154,12 +155,13 @@ def _row(frame: Frame, number: int, item: object, parameters: Sequence[sp.Symbol
     """Components a_mu of one constraint a_mu q'^mu = 0, without zeros."""
     where, n = f"constraint {number + 1}", frame.dimension
     if isinstance(item, Form):
-        if item.frame is not frame or item.degree != 1 or item.values:
+        form = at_home(frame, item)
+        if form is None or item.degree != 1 or item.values:
             raise ConstraintError(
                 f"{where}: expected a one-form over the frame of the kinetic metric, got {item!r}. "
                 "Build it over this frame, with degree 1."
             )
-        row = {mu: value for (mu,), value in item.components.items()}
+        row = {mu: value for (mu,), value in form.components.items()}
     else:
         if isinstance(item, str):
             coefficients = _differentials(frame, where, item, parameters)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import FunctionType, MethodType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import sympy as sp
 
@@ -19,6 +19,7 @@ from geomtorsion.geometry import (
     constructors,
     evaluation,
     frame_matrices,
+    homes,
     naming,
     notation,
     substitution,
@@ -91,6 +92,8 @@ class Frame:
     field: Field
     given: Mapping[str, Elements]
     attached: dict[str, Any]
+
+    has_own_field: ClassVar[bool] = True
 
     @exclusive
     def __init__(
@@ -559,7 +562,19 @@ class Frame:
         """An element as it is printed: short, with the names of the frame (see `named`)."""
         return self.field.written(element, constructors.names(self))
 
-    # -- copies ---------------------------------------------------------------------------------
+    # -- equality and copies --------------------------------------------------------------------
+
+    def __eq__(self, other: object) -> bool:
+        """Equal coordinates, parameters, domain, branches, coframe and eta; names do not count.
+
+        Tensors, forms and connections of equal frames combine. False where it cannot be decided
+        that two coframes are equal.
+        """
+        return homes.are_equal(self, other) if isinstance(other, Frame) else NotImplemented
+
+    @unlocked
+    def __hash__(self) -> int:
+        return homes.number(self)
 
     def __reduce__(self) -> tuple[object, ...]:
         """Made again from its original input, so that every result is the same to the bit."""

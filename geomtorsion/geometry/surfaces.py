@@ -20,6 +20,7 @@ from geomtorsion.geometry.evaluation import sample_point
 from geomtorsion.geometry.expansion import again, whole_of
 from geomtorsion.geometry.forms import Form
 from geomtorsion.geometry.frame import Frame
+from geomtorsion.geometry.homes import at_home
 from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.geometry.validation import with_generic_functions
 
@@ -168,7 +169,8 @@ class Surface:
                 )
             return Form.of(self.pullback(field.tensor))
         checks.instance(field, Tensor, "field")
-        if field.frame is not self.ambient:
+        home = at_home(self.ambient, field)
+        if home is None:
             raise ShapeError(
                 "field: expected a tensor over the frame of the space, got one over another frame."
                 " Build it over surface.ambient."
@@ -178,7 +180,7 @@ class Surface:
                 f"{field.label}: expected lower indices for a pullback, got slots "
                 f"{field.slots!r}. Lower them with lowered()."
             )
-        plain = field.in_coordinates()
+        plain = home.in_coordinates()
         components = self._on(plain.components).nonzero
         slope = self._slope
 

@@ -125,7 +125,10 @@ def matrix_entries(values: object, name: str) -> tuple[int, Matrix]:
     needed = "{subject}: expected rows of entries, got {value}. Give nested lists."
     rows = [
         checks.entries(row, f"{name}[{i}]", refusal, message=needed)
-        if isinstance(row, Iterable) and not isinstance(row, str | sp.Basic)
+        if isinstance(row, Iterable)
+        and not isinstance(row, str | sp.Basic)
+        # A tensor of rank 0 is one expression.
+        and getattr(row, "ndim", 1) > 0
         else [row]
         for i, row in enumerate(checks.entries(values, name, refusal, message=needed))
     ]

@@ -15,7 +15,7 @@ from geomtorsion.displays import drawn_by
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, Truncated, TruncatedField
 from geomtorsion.exclusive import exclusive
-from geomtorsion.geometry import Connection, Frame, IdentityCheck, Tensor, antisymmetric
+from geomtorsion.geometry import Connection, Frame, IdentityCheck, Tensor, antisymmetric, at_home
 from geomtorsion.geometry.connections import ConnectionLike, as_connection
 from geomtorsion.gravity.fields import HALF, FrameFields, Index, Terms
 from geomtorsion.gravity.fluids import Fluid
@@ -453,12 +453,13 @@ def equations(
         raise GravityError(
             "equations: expected a connection, got an empty list. Give gt.cartan(frame) or another."
         )
-    for connection in several:
-        if connection.frame is not several[0].frame:
-            raise GravityError(
-                "equations: expected connections over one frame, got different frames. Make all "
-                "connections from one Frame object."
-            )
+    over_one = [at_home(several[0].frame, connection) for connection in several]
+    several = [connection for connection in over_one if connection is not None]
+    if len(several) < len(over_one):
+        raise GravityError(
+            "equations: expected connections over one frame, got different frames. Make all "
+            "connections over equal frames."
+        )
     if sum(one.kind == "levi-civita" for one in several) > 1:
         raise GravityError(
             "equations: expected the Levi-Civita connection once, got it twice. Give it once."

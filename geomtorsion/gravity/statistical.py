@@ -9,7 +9,7 @@ import sympy as sp
 
 from geomtorsion import checks
 from geomtorsion.errors import ShapeError, TensorIndexError
-from geomtorsion.geometry import Connection, Tensor, from_coefficients, levi_civita
+from geomtorsion.geometry import Connection, Tensor, at_home, from_coefficients, levi_civita
 from geomtorsion.geometry.connections import FrameLike, as_frame
 
 
@@ -55,12 +55,13 @@ def statistical(
     metric = as_frame(metric, "metric")
     n = metric.dimension
     if isinstance(cubic, Tensor):
-        if cubic.frame is not metric or cubic.slots.lower() != "ddd":
+        home = at_home(metric, cubic)
+        if home is None or cubic.slots.lower() != "ddd":
             raise ShapeError(
                 f"cubic: expected a tensor over the metric's frame with slots ddd, got "
                 f"{cubic.label} with slots {cubic.slots!r}. Lower its indices."
             )
-        tensor = cubic.in_coordinates()
+        tensor = home.in_coordinates()
     else:
         tensor = Tensor(metric, "ddd", _entries(checks.rows(cubic), n), (), "C", "cubic form")
     for index in tensor.components.nonzero:

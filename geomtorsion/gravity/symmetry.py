@@ -13,7 +13,7 @@ from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, ShapeError
 from geomtorsion.exact import Echelon, Element, vanishing_sums
 from geomtorsion.exclusive import exclusive
-from geomtorsion.geometry import Connection, Frame, Tensor, cartan, levi_civita, lie
+from geomtorsion.geometry import Connection, Frame, Tensor, at_home, cartan, levi_civita, lie
 from geomtorsion.geometry.connections import FrameLike, as_frame
 
 Row = list[Element]
@@ -66,12 +66,13 @@ def symmetries(frame: FrameLike, keep: str | Connection = "metric") -> Symmetrie
     """
     frame = as_frame(frame)
     if isinstance(keep, Connection):
-        if keep.frame is not frame:
+        kept = at_home(frame, keep)
+        if kept is None:
             raise ShapeError(
                 "keep: expected a connection over the frame, got one over another frame. Build it "
                 "over this one."
             )
-        return Symmetries(frame, keep)
+        return Symmetries(frame, kept)
     name = checks.choice(keep, KEEPS, "keep", ArgumentError)
     return Symmetries(frame, cartan(frame) if name == "teleparallel" else levi_civita(frame))
 

@@ -25,6 +25,7 @@ from geomtorsion.loops.edges import EdgeIntegrals, EdgeList
 from geomtorsion.loops.exact_circle import exact_circle
 from geomtorsion.loops.exact_integral import ExactBurgersVector, exact_burgers_vector
 from geomtorsion.loops.forms import forms
+from geomtorsion.loops.frame_vector import VectorSum
 from geomtorsion.loops.hodograph import Hodograph, hodograph
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.maps import BurgersMap, burgers_map, burgers_vectors
@@ -62,6 +63,7 @@ __all__ = [
     "Part",
     "Segment",
     "StochasticEnsemble",
+    "VectorSum",
     "arcs",
     "burgers_map",
     "burgers_vector",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
@@ -27,7 +27,7 @@ class Loop:
     """Closed path in coordinates: one part, or several in succession.
 
     parts: closed paths from one common base point, in order.
-    name: name in messages and figures.
+    name: name in messages and figures; it does not count when loops are compared.
 
     Examples
     --------
@@ -40,7 +40,7 @@ class Loop:
     """
 
     parts: tuple[Part, ...]
-    name: str = ""
+    name: str = field(default="", compare=False)
 
     def __repr__(self) -> str:
         places = [f"{shown(part.centre)}, size {part.size:.6g}" for part in self.parts]
@@ -291,6 +291,9 @@ class Loop:
                 "from one base point; give them the same one, for instance by polygons."
             )
         return Loop(self.parts + other.parts, f"{self.name} then {other.name}")
+
+    def __neg__(self) -> Loop:
+        return self.reversed()
 
     def reversed(self) -> Loop:
         """The same loop backwards."""

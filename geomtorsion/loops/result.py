@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-import mpmath
 import numpy as np
 
 from geomtorsion.caching import cached_property
 from geomtorsion.conventions import Signed
+from geomtorsion.copies import content_hash, equal_content
 from geomtorsion.displays import drawn_by, figure_by
-from geomtorsion.errors import LoopError
 from geomtorsion.exclusive import exclusive
 from geomtorsion.loops import validation
-from geomtorsion.loops.arcs import Number, Parameters
+from geomtorsion.loops.arcs import Number
 from geomtorsion.loops.defects import EnclosedDefect, enclosed_defects
+from geomtorsion.loops.frame_vector import FrameVector
 from geomtorsion.outgoing import size_text
 
 if TYPE_CHECKING:
@@ -42,6 +42,8 @@ class Check:
     agrees: bool | None
     text: str
 
+    __eq__, __hash__ = equal_content, content_hash
+
     @property
     def difference(self) -> np.ndarray | None:
         """Line minus flux, shape (n,): the part of enclosed defects if the routes disagree."""
@@ -53,7 +55,7 @@ class Check:
 
 @exclusive
 @dataclass(frozen=True, eq=False, repr=False)
-class BurgersVector(Signed):
+class BurgersVector(Signed, FrameVector):
     """The Burgers vector of one loop, frame components.
 
     frame, loop: the frame and the loop of the vector.
@@ -66,6 +68,8 @@ class BurgersVector(Signed):
     accuracy: the requested relative error.
     evaluations: points at which coframe or curl were evaluated; seconds: wall time.
     parameters: the values of the frame's parameters, by name.
+
+    It is an array of its components for NumPy; sums and multiples have errors as well.
     """
 
     frame: Frame
@@ -79,41 +83,16 @@ class BurgersVector(Signed):
     check: Check
     accuracy: float
     evaluations: int
-    seconds: float
+    seconds: float = field(compare=False)
     parameters: Mapping[str, Number]
 
-    @cached_property
-    def vector(self) -> np.ndarray:
-        """b^i in the frame, shape (n,)."""
-        with np.errstate(over="ignore"):
-            result = self.reduced * self.size
-            if self.power == 2:
-                result = result * self.size
-        result.setflags(write=False)
-        return result
-
-    @property
-    def error(self) -> float:
-        """Bound on the error of the largest component of `vector`."""
-        return self.reduced_error * self.size * (self.size if self.power == 2 else 1.0)
-
-    @property
-    def relative_error(self) -> float:
-        """Error over the largest component: 0 for an exact zero, infinite for an inexact zero."""
-        largest = float(np.abs(self.reduced).max())
-        if largest:
-            return self.reduced_error / largest
-        return math.inf if self.reduced_error else 0.0
+    # Two equal computations are equal, however long they took.
+    __eq__, __hash__ = equal_content, content_hash
 
     @property
     def reached(self) -> bool:
         """Whether the requested relative error was reached."""
         return self.relative_error <= self.accuracy
-
-    @property
-    def vanishes(self) -> bool:
-        """Whether the vector is zero within its error."""
-        return self.relative_error >= 1 or not self.reduced.any()
 
     @cached_property
     def enclosed(self) -> tuple[EnclosedDefect, ...]:
@@ -124,32 +103,6 @@ class BurgersVector(Signed):
         if self.check.agrees is not False:
             return ()
         return enclosed_defects(self.frame, self.loop, self.parameters)
-
-    @property
-    def numbers(self) -> tuple[mpmath.mpf | mpmath.mpc, ...]:
-        """b^i as mpmath numbers, which do not underflow: for loops of size 1e-300."""
-        unit = mpmath.mpf(self.size) ** self.power
-        return tuple(mpmath.mpmathify(x) * unit for x in self.reduced.tolist())
-
-    @cached_property
-    def _eta(self) -> np.ndarray:
-        """The metric of the frame as numbers."""
-        return self.frame.eta.at(self._named({}))
-
-    def _named(self, point: Parameters) -> dict[Any, Any]:
-        """A point with the parameters."""
-        return {**self.parameters, **point}
-
-    @property
-    def square(self) -> float | complex:
-        """eta_ij b^i b^j."""
-        return (self.vector @ self._eta @ self.vector).item()
-
-    @property
-    def magnitude(self) -> float:
-        """Length of the vector, sqrt|eta_ij b^i b^j|."""
-        scale = self.size**self.power
-        return math.sqrt(abs((self.reduced @ self._eta @ self.reduced).item())) * scale
 
     def in_coordinates(self, point: Sequence[float] | None = None) -> np.ndarray:
         """E_i^mu(point) b^i, shape (n,); the point is the centre of the loop if not given.
@@ -167,23 +120,16 @@ class BurgersVector(Signed):
         values = dict(zip((s.name for s in self.frame.coordinates), place, strict=True))
         return self.frame.legs.at(self._named(values)) @ self.vector
 
-    def screw(self, direction: Sequence[float]) -> np.ndarray:
-        """Screw part of b: its component along a direction (frame components).
-
-        Raises
-        ------
-        LoopError
-            The direction has no length in the metric of the frame.
-        """
-        along = np.array(validation.vector(direction, "direction", self.frame.dimension))
-        square = along @ self._eta @ along
-        if not abs(square) > 1e-15 * np.abs(along).max() ** 2:
-            raise LoopError(f"direction {direction!r} has no length in the metric of the frame.")
-        return along * ((along @ self._eta @ self.vector) / square)
-
-    def edge(self, direction: Sequence[float]) -> np.ndarray:
-        """Edge part of b: its component perpendicular to a direction (frame components)."""
-        return self.vector - self.screw(direction)
+    def __neg__(self) -> BurgersVector:
+        """The Burgers vector of the reversed loop."""
+        check = self.check
+        flux = None if check.flux is None else 0.0 - check.flux
+        return replace(
+            self,
+            loop=self.loop.reversed(),
+            reduced=0.0 - self.reduced,
+            check=replace(check, line=0.0 - check.line, flux=flux),
+        )
 
     def to_json(self) -> dict[str, Any]:
         """Everything as plain values, ready for json.dumps."""

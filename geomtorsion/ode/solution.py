@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, KeysView, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
@@ -259,6 +259,16 @@ class Solution:
             nothing has this name.
         """
         return self.moment[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.moment)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.moment
+
+    def keys(self) -> KeysView[str]:
+        """Names of the states, coordinates, velocities and outputs."""
+        return self.moment.keys()
 
     @property
     def states(self) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, KeysView, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -150,6 +150,16 @@ class SceneResult:
             f"expected a watched quantity, got {name!r}. {hint}There are {', '.join(self.values)}; "
             f"add {name!r} to watch and run again."
         )
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.values)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.values
+
+    def keys(self) -> KeysView[str]:
+        """Names of the watched quantities."""
+        return self.values.keys()
 
     def at(self, time: ArrayLike) -> Mapping[str, np.ndarray]:
         """Outputs by name at any times up to the last.

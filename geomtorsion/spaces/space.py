@@ -12,6 +12,7 @@ from sympy import Basic, Expr, Integer, Symbol
 from sympy.combinatorics.permutations import Permutation
 
 from geomtorsion.checks import expression
+from geomtorsion.copies import content_hash, equal_content
 from geomtorsion.displays import drawn_by
 from geomtorsion.geometry import Connection, Frame, cartan
 from geomtorsion.outgoing import markdown_text
@@ -53,7 +54,7 @@ class KnownAnswer:
     """
 
     quantity: str
-    components: Mapping[Index, Closed] | Closed
+    components: Mapping[Index, Closed] | Closed = field(hash=False)
     basis: str = "coordinate"
     complete: bool = True
     source: str = ""
@@ -85,10 +86,10 @@ class FirstMotion:
     start: tuple[float, ...]
     frame_velocity: tuple[float, ...]
     t: float = 2.0
-    parameters: Mapping[str, float] = field(default_factory=dict)
+    parameters: Mapping[str, float] = field(default_factory=dict, hash=False)
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Space:
     """Space from the library or a file: a frame with its description, source and known results.
 
@@ -136,6 +137,8 @@ class Space:
     atlas: Callable[[Frame], Atlas] | None = None
     motion: FirstMotion | None = None
     embedding: Callable[[Frame], Embedding] | None = None
+
+    __eq__, __hash__ = equal_content, content_hash
 
     def own_connection(self) -> Connection:
         """The connection of the space, or the Cartan connection of its frame.
