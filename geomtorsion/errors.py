@@ -131,10 +131,11 @@ class FileFormatError(GeomtorsionError, ValueError):
     """A file cannot be read or written: the message names the file, the key and the reason."""
 
 
-class UnknownNameError(GeomtorsionError, KeyError):
+class UnknownNameError(GeomtorsionError, KeyError, AttributeError):
     """No space, quantity or format has this name; the message lists near ones.
 
-    A KeyError, by which mappings such as `Moment` know that a name is not in them.
+    A KeyError, by which mappings such as `Moment` know that a name is not in them; and an
+    AttributeError, by which `hasattr` knows it of `solution.states`.
     """
 
     # KeyError.__str__ would put the message in quotes.

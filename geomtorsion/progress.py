@@ -5,10 +5,11 @@ from __future__ import annotations
 import os
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Protocol
 
+from geomtorsion.errors import ArgumentError
 from geomtorsion.outgoing import moving
 
 if TYPE_CHECKING:
@@ -73,6 +74,25 @@ def bar(
     finally:
         if shown is not None:
             shown.stop()
+
+
+@contextmanager
+def reports(
+    progress: Callable[[float], object] | bool | None, what: str
+) -> Iterator[Callable[[float], object] | None]:
+    """The function that receives the finished fraction: of the caller, a bar for True, or None."""
+    if progress is True:
+        with bar(what, wanted=True) as show:
+            yield show
+    elif progress in (None, False):
+        yield None
+    elif callable(progress):
+        yield progress
+    else:
+        raise ArgumentError(
+            f"progress: expected a function of the finished fraction, True, False or None, got "
+            f"{progress!r:.100}."
+        )
 
 
 def _opened(what: str, total: float, *, kept: bool) -> Progress:

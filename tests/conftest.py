@@ -4,6 +4,7 @@ import decimal
 import gc
 import warnings
 from collections.abc import Iterator
+from importlib import import_module
 from typing import Any
 
 import flint
@@ -36,6 +37,16 @@ settings.load_profile("geomtorsion")
 # Tests that take longest or wait for a browser: they start first, so that none is left for one
 # worker at the end.
 LONG = ("tests/teaching/lab/", "tests/test_types.py", "tests/hard/")
+
+
+@pytest.fixture
+def blocks(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """One entry for each block of steps, of 2000 steps or fewer."""
+    blocks: list[int] = []
+    for name in ("taylor", "stepper", "stepwise"):
+        module = import_module(f"geomtorsion.ode.engines.{name}")
+        monkeypatch.setattr(module, "check_limits", lambda: blocks.append(1))
+    return blocks
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -132,7 +132,7 @@ VALUES = values()
 # Protocols, errors, and small plain results that are parts of copied results.
 PARTS = {
     "AffineMap", "Chart", "CostRow", "CostTable", "Defect", "EdgeList", "EnclosedDefect", "Engine",
-    "GeomtorsionError", "LatticeBurgers", "Network", "NodeRule", "Phase", "Reaction", "SceneCost",
+    "GeomtorsionError", "Integrability", "LatticeBurgers", "Network", "NodeRule", "Phase", "Reaction", "SceneCost",
     "TransitionMap",
 }  # fmt: skip
 

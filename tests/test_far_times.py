@@ -1,6 +1,4 @@
-"""Far times: a solver gives the value or an error of our own, within seconds."""
-
-import time
+"""Far times: a solver gives the value or an error of our own, within few steps."""
 
 import numpy as np
 import pytest
@@ -8,8 +6,8 @@ import pytest
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.ode import ODE, Engine, RungeKutta, solve, solve_many
 
-# CPU seconds; the steps of one second reach t = 1e6 at most.
-SECONDS = 6
+# Blocks of steps after which engines look at their progress.
+MOST_BLOCKS = 8
 KEPLER = {"x": "u", "y": "v", "u": "-x/(x**2+y**2)**(3/2)", "v": "-y/(x**2+y**2)**(3/2)"}
 SYSTEMS = {
     "oscillator": ODE.of({"x": "v", "v": "-x"}, [1, 0]),
@@ -23,24 +21,22 @@ ENGINES: list[Engine | None] = [None, RungeKutta()]
 @pytest.mark.parametrize("problem", SYSTEMS.values(), ids=SYSTEMS.keys())
 @pytest.mark.parametrize("engine", ENGINES, ids=["chosen", "Runge-Kutta"])
 @pytest.mark.parametrize("last", [1e308, -1e15])
-def test_one_motion(problem: ODE, engine: Engine | None, last: float):
-    """A motion cannot reach such a time and raises an error within seconds."""
-    began = time.process_time()
+def test_one_motion(problem: ODE, engine: Engine | None, last: float, blocks: list[int]):
+    """A motion cannot reach such a time and raises an error within few steps."""
     with pytest.raises(GeomtorsionError):
         solve(problem, last, engine=engine)
-    assert time.process_time() - began < SECONDS
+    assert len(blocks) <= MOST_BLOCKS
 
 
 @pytest.mark.parametrize("problem", SYSTEMS.values(), ids=SYSTEMS.keys())
 @pytest.mark.parametrize("engine", ENGINES, ids=["chosen", "Runge-Kutta"])
 @pytest.mark.parametrize("times", [-1e308, [5e14, 1e15]])
-def test_many_motions(problem: ODE, engine: Engine | None, times: object):
+def test_many_motions(problem: ODE, engine: Engine | None, times: object, blocks: list[int]):
     """A batch of five raises an error with the reason of its first member."""
     starts = np.array([float(value) for value in problem.start]) * np.linspace(1, 1.1, 5)[:, None]
-    began = time.process_time()
     with pytest.raises(GeomtorsionError, match=r"got none\. Member 0: "):
         solve_many(problem, starts, times, engine=engine)
-    assert time.process_time() - began < SECONDS
+    assert len(blocks) <= 5 * MOST_BLOCKS
 
 
 def test_an_escape_arrives():

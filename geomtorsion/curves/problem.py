@@ -535,6 +535,26 @@ class CurveProblem:
             return readout.places(self, times, pieces, shape)
         return readout.moment(self, times, pieces, shape, bits)
 
+    def read_gaps(
+        self, one: Trajectory, two: Trajectory, count: int, *, doubles: bool
+    ) -> list[tuple[float, float]]:
+        """Differences of coordinates and velocities in the home chart, each with its size."""
+        return readout.gaps(self, one, two, count, doubles=doubles)
+
+    def member_gaps(
+        self, members: Members, one: Rows, two: Rows
+    ) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Pairs of what is read at home of two runs of members, each (number, m, n)."""
+        return readout.member_gaps(self, members, one, two)
+
+    def together(self, name: str) -> tuple[str, ...]:
+        """Coordinates, velocities or carried components that are measured together with one."""
+        equations = self.equations(self.atlas.home)
+        if name in equations.velocities:
+            return tuple(equations.velocities)
+        groups = ([equations.states[k] for k in group] for group in equations.groups)
+        return next((tuple(group) for group in groups if name in group), ())
+
     def in_chart(self, trajectory: Trajectory, name: str) -> np.ndarray:
         """Coordinates of all samples in a chart."""
         self.atlas.chart(name)

@@ -10,8 +10,10 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.curves.atlas import MovingPoint
+from geomtorsion.curves.equations import coordinate_groups
 from geomtorsion.errors import ChartEdgeError, ShapeError, StartError
 from geomtorsion.ode.engines import Taylor
+from geomtorsion.ode.error_estimate import alike
 from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.numbers import Real, floats, multiplied, precision_of
@@ -43,6 +45,44 @@ def moment(
         values |= {name: columns[:, k].reshape(shape) for k, name in enumerate(names)}
     values |= {name: x.reshape((*shape, x.shape[1])) for name, x in whole.items()}
     return Moment(times.reshape(shape), values, whole=tuple(whole))
+
+
+def gaps(
+    problem: CurveProblem, one: Trajectory, two: Trajectory, count: int, *, doubles: bool
+) -> list[tuple[float, float]]:
+    """Largest difference and size of each group of coordinates and of the velocities at home.
+
+    States of the home chart are compared already: only q' is read off these. Nothing where the home
+    chart does not reach.
+    """
+    if problem.start is None or not count:
+        return []
+    try:
+        here, there = [_read(problem, x, count, doubles=doubles) for x in (one, two)]
+    except ChartEdgeError:
+        return []
+    (q, v, u), (q2, v2, u2) = here, there
+    pairs = [(v, v2)]
+    if set(one.labels) != {problem.atlas.home}:
+        groups = map(list, coordinate_groups(problem.atlas.chart(problem.atlas.home)))
+        pairs += [(u, u2), *((q[:, group], q2[:, group]) for group in groups)]
+    return [
+        (float(np.abs(a - alike(a, b)).astype(float).max()), float(np.abs(a).astype(float).max()))
+        for a, b in pairs
+    ]
+
+
+def _read(
+    problem: CurveProblem, trajectory: Trajectory, count: int, *, doubles: bool
+) -> list[np.ndarray]:
+    """(q, q', u) at the first samples, in the home chart."""
+    bits = 53 if doubles else trajectory.engine.precision
+    parts = [
+        _at_home(problem, x, x.states.astype(float) if doubles else x.states, bits)[:3]
+        for x in trajectory.segments
+        if x.count
+    ]
+    return [np.concatenate(values)[:count] for values in zip(*parts, strict=True)]
 
 
 def places(
@@ -285,6 +325,27 @@ def read_members(
     if width:
         table |= {name: q[..., k] for k, name in enumerate(problem.coordinates)}
     return table | {name: u[..., k] for k, name in enumerate(equations.velocities)}
+
+
+def member_gaps(
+    problem: CurveProblem, members: Members, one: Rows, two: Rows
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Pairs of coordinates (by groups) and of velocities at home, each (number, m, n).
+
+    Nothing where the members are at home: these are their states.
+    """
+    home = problem.atlas.home
+    if members.label in (home, ""):
+        return []
+    times = np.zeros(one.states.shape[1])
+    try:
+        here, there = (read_members(problem, members, rows, times) for rows in (one, two))
+    except ChartEdgeError:
+        return []
+    groups = coordinate_groups(problem.atlas.chart(home))
+    pairs = [(here["frame_velocity"], there["frame_velocity"])]
+    q, p = here["coordinates"], there["coordinates"]
+    return pairs + [(q[..., list(group)], p[..., list(group)]) for group in groups]
 
 
 def start_lists(

@@ -17,6 +17,7 @@ from geomtorsion.errors import CheckpointError, FileFormatError
 from geomtorsion.files import written
 from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz, write_npz
 from geomtorsion.ode.engines.taylor import Taylor, is_available
+from geomtorsion.ode.roundings import Roundings
 from geomtorsion.ode.system import Engine, Run
 from geomtorsion.ode.trajectory import Runner, Stage, run_stage
 
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from geomtorsion.ode.solution import Problem
 
 # Files of format 3 may hold runs in which constants of the equations were 0.
-FORMAT = 4
+FORMAT = 5
 # Writing may take this part of the time; how often it is done changes no result.
 SHARE = 0.1
 _FIELDS = ("steps", "evaluations", "outcome", "reason", "compile_seconds", "run_seconds",
@@ -158,15 +159,19 @@ class Checkpoint:
         tolerance: float,
         perturbation: float,
         longest: float,
-        pattern: int,
+        roundings: Roundings | None,
     ) -> Runner:
         """What makes the parts of one run, or takes them from the file."""
+
+        pattern = 0 if roundings is None else roundings.pattern
 
         def run(k: int, stage: Stage, times: np.ndarray) -> Run:
             name = part_name(engine, tolerance, perturbation, k, pattern)
             result = self.known(name, engine, stage, times)
             if result is None:
-                result = run_stage(stage, times, tolerance, engine, longest=longest)
+                result = run_stage(
+                    stage, times, tolerance, engine, longest=longest, roundings=roundings
+                )
                 self.keep(name, result)
             return result
 

@@ -27,6 +27,7 @@ from geomtorsion.ode.error_estimate import (
     roundings_matter,
 )
 from geomtorsion.ode.members import BatchRows, Members, Rows, run_members
+from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.numbers import (
     PARTS,
     check_memory,
@@ -117,7 +118,7 @@ class Ensemble:
         UnknownNameError
             nothing has this name.
         """
-        return self.values[name]
+        return Moment(self.times, self.values)[name]
 
     @property
     def states(self) -> np.ndarray:
@@ -339,7 +340,7 @@ class _Job:
             reference = self._batch(
                 "check_seconds", pending, finer, None, np.full(len(pending), grain), limit
             )
-            estimates = self._errors(answer, reference)
+            estimates = self._errors(pending, answer, reference)
             failed = tolerance != first
             self._add_roundings(pending, answer, tolerance, estimates, failed=failed)
             if self.interrupted:
@@ -403,7 +404,9 @@ class _Job:
             return
         parts = np.array([change_by_rounding(engine, steps[k]) for k in np.flatnonzero(some)])
         moved = self._batch("check_seconds", pending[some], tolerance, None, parts)
-        errors[some] = np.fmax(errors[some], self._errors(answer.of(some), moved) / SAFETY)
+        errors[some] = np.fmax(
+            errors[some], self._errors(pending[some], answer.of(some), moved) / SAFETY
+        )
 
     def _keep(
         self, index: np.ndarray, answer: BatchRows, done: np.ndarray, errors: np.ndarray | float
@@ -447,15 +450,21 @@ class _Job:
             else:
                 self.trajectories[k] = answer
 
-    def _errors(self, answer: BatchRows, reference: BatchRows) -> np.ndarray:
+    def _errors(self, index: np.ndarray, answer: BatchRows, reference: BatchRows) -> np.ndarray:
         """The error of each member, group by group; not a number where it is not known."""
         worst = np.full(len(answer.finished), rounding(self.engine, 1))
+        both = answer.finished & reference.finished
+        pairs = [
+            (answer.states[..., list(group)], reference.states[..., list(group)])
+            for group in self.members.groups
+        ]
+        pairs += self.problem.member_gaps(
+            self.members.of(index), *(Rows(x.states, both, {}) for x in (answer, reference))
+        )
         with np.errstate(all="ignore"):
-            for group in self.members.groups:
-                one, two = (x.states[..., list(group)] for x in (answer, reference))
+            for one, two in pairs:
                 size, gap = (np.abs(x).max(axis=(1, 2)) for x in (one, one - two))
                 worst = np.fmax(worst, np.where(gap > 0, gap / size, gap))
-        both = answer.finished & reference.finished
         return np.where(both, SAFETY * worst, np.nan)
 
 

@@ -1,17 +1,21 @@
 """Error estimate: one rule for everything that moves.
 
-The answer is compared with a run two orders finer, which starts a rounding away; twice the largest
-difference is the error. Roundings of two runs in doubles may agree by chance. Where they may be a
-noticeable part of the error, the answer is also compared with a run to the same tolerance whose
-start is moved by as much as the roundings of all steps add up to; that difference is a lower bound
-of the reported error. Where the motion amplifies errors, this run is moved on the way as well.
+The answer is compared with one more run, two orders finer; twice the largest difference is the
+error. The finer run starts a rounding away.
+
+Roundings of two runs in doubles may agree by chance. Where they may be much of the difference, the
+state of the finer run is also changed on the way, in 64 places, by as much as the roundings of the
+answer's steps add up to: a motion that amplifies errors amplifies these changes as well. Such a
+difference is a random number, and may be small by chance: the error is twenty times as large. If
+that misses the accuracy, a second run with other changes shows by its difference from the first
+how much roundings are.
 
 No step of the finer run is longer than a hundredth of the way: a long step sees nothing of rates
 that change further ahead.
 
-The rule cannot see what all of its runs share: rates that change within less than such a step and
-are constant to all digits around, and roundings of the rates themselves where these lose digits in
-a difference, such as 1 - cos(x) of a small x. A proof sees both: see `geomtorsion.prove`.
+The rule cannot see what both runs share: rates that change within less than such a step and are
+constant to all digits around, and roundings of the rates themselves where these lose digits in a
+difference, such as 1 - cos(x) of a small x. A proof sees both: see `geomtorsion.prove`.
 """
 
 from __future__ import annotations
@@ -25,11 +29,14 @@ import numpy as np
 from geomtorsion.ode.numbers import floats
 from geomtorsion.ode.system import Engine, columns
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory
-from geomtorsion.precision import GOLDEN
+from geomtorsion.precision import EPS, GOLDEN
 
 # The error is so many times the difference, for the finer run has an error of its own; and that run
 # starts so many units in the last place away, for roundings add up on the way.
 SAFETY = 2.0
+# The same where the difference may be a random number, which is below a tenth of its mean in some
+# ten of a hundred cases; and for the difference of two runs that differ by roundings only.
+CHANCE, SPREAD = 20.0, 2.0
 # Each tolerance aims at this part of the accuracy, for errors do not follow it to the letter and
 # one more pair of runs costs more than a finer one.
 AIM = 0.1
@@ -38,11 +45,6 @@ AIM = 0.1
 NOISE = 100.0
 # They differ by more than this fraction of their size, because rounding errors are not smaller.
 UNALIKE = 1 / NOISE
-# A motion that amplifies errors is moved in the middle of each of so many equal parts of the way.
-# Each part costs a call of the engine.
-PLACES = 16
-# Numbers of the patterns of signs by which it is moved.
-PATTERNS = (1, 2)
 
 
 class Comparable(Protocol):
@@ -52,24 +54,23 @@ class Comparable(Protocol):
         """States of a segment in the coordinates of a label, shape (m, size)."""
         ...
 
+    def read_gaps(
+        self, one: Trajectory, two: Trajectory, count: int, /, *, doubles: bool
+    ) -> list[tuple[float, float]]:
+        """What a reader gets at the first samples: largest differences, each with its size.
+
+        doubles: whether to work them out in doubles.
+        """
+        ...
+
 
 class Integration(Protocol):
     """Integrates a motion."""
 
     def __call__(
-        self,
-        engine: Engine,
-        tolerance: float,
-        part: float,
-        *,
-        limited: bool = False,
-        pattern: int = 0,
+        self, engine: Engine, tolerance: float, answer: Trajectory | None = None, pattern: int = 1
     ) -> Trajectory:
-        """The trajectory from a start that is changed by a part.
-
-        limited: whether no step may be longer than a share of the way; pattern: number of a pattern
-        of signs by which the state is changed on the way instead of at the start, or 0.
-        """
+        """The trajectory; to compare it with an answer, with changes of a pattern on the way."""
         ...
 
 
@@ -77,12 +78,16 @@ class Verified(NamedTuple):
     """An answer, the finer run it was compared with, the error, and all runs that were made.
 
     error: relative to the size of each group of states; infinite where nothing could be compared.
+    growth: the error in units of what each step adds to it.
+    safety: the error in units of the difference.
     """
 
     answer: Trajectory
     reference: Trajectory
     error: float
     runs: tuple[Trajectory, ...]
+    growth: float
+    safety: float
 
 
 def verified(
@@ -91,64 +96,61 @@ def verified(
     accuracy: float,
     run: Integration,
     *,
-    failed: bool = False,
+    growth: float = 0.0,
+    last: bool = True,
 ) -> Verified:
     """The first answer of an engine's ladder of tolerances whose error is small enough.
 
-    Or the best one, where none is. failed: whether an earlier run missed the accuracy.
+    Or the best one, where none is.
+
+    growth: of an attempt that failed. last: whether no more precise engine follows.
     """
-    perturbation = SAFETY * 2.0 ** (1 - engine.precision)
     runs: list[Trajectory] = []
     best: Verified | None = None
-    growth = 0.0
-    tolerance: float | None = engine.first(AIM * accuracy)
+    aim = AIM * accuracy
+    tolerance: float | None = engine.first(aim / growth if growth > 1 else aim)
     while tolerance is not None and (finer := engine.finer(tolerance)) is not None:
-        answer = run(engine, tolerance, 0.0)
-        reference = run(engine, finer, perturbation, limited=True)
-        least = SAFETY * rounding(engine, answer.steps)
+        answer = run(engine, tolerance)
+        least = rounding(engine, answer.steps)
+        reference = run(engine, finer, answer)
         runs += [answer, reference]
-        error = max(SAFETY * difference(problem, answer, reference), least)
-        # A motion that misses an accuracy amplifies errors, and it may do so anywhere on the way.
-        amplifies = failed or best is not None
-        # Roundings grow on the way as far as what the steps omitted did, in an attempt that missed.
-        grown = growth * rounding(engine, answer.steps) > AIM * error
-        matter = failed or grown or roundings_matter(engine, answer.steps, tolerance)
-        if error <= accuracy and matter:
-            # Moved on the way, it is moved by the roundings of each part.
-            change = change_by_rounding(engine, answer.steps // (PLACES if amplifies else 1))
-            if not amplifies:
-                # The next power of two keeps the number of different starts small.
-                change = 2.0 ** math.ceil(math.log2(change))
-            # One pattern of signs may cancel by chance where few roundings decide.
-            for pattern in PATTERNS if amplifies else (0,):
-                moved = run(engine, tolerance, change, pattern=pattern)
-                runs.append(moved)
-                second = SAFETY * difference(problem, answer, moved)
-                if second > error:
-                    reference, error = moved, second
-        rounded = best is not None and best.error <= UNALIKE and SAFETY * error > best.error
-        if best is None or error < best.error:
-            best = Verified(answer, reference, error, ())
+        gap = max(difference(problem, answer, reference, accuracy), least)
+        error = SAFETY * gap
+        if error <= accuracy and roundings_matter(engine, answer.steps, tolerance):
+            error = CHANCE * gap
+            if error > accuracy:
+                second = run(engine, finer, answer, 2)
+                runs.append(second)
+                other = difference(problem, answer, second, accuracy)
+                reference, gap = (second, other) if other > gap else (reference, gap)
+                spread = difference(problem, *runs[-2:], accuracy)
+                error = SAFETY * gap + SPREAD * spread
         # If a finer tolerance does not halve the error, the rest is rounding, and later agreement
         # would be chance.
-        if error <= accuracy or rounded or answer.outcome == "stuck":
+        rounded = best is not None and best.error <= UNALIKE and SAFETY * error > best.error
+        if math.isfinite(error):
+            growth = max(growth, error / max(tolerance, least))
+        if best is None or error < best.error:
+            best = Verified(answer, reference, error, (), growth, error / gap)
+        # What steps omit may add up in proportion to their number, roundings as its root.
+        hopeless = not last and growth * 2.0**-engine.precision > accuracy
+        if error <= accuracy or rounded or hopeless or answer.outcome == "stuck":
             break
-        growth = max(growth, error / tolerance)
         tolerance = next_tolerance(engine, tolerance, accuracy / error)
     assert best is not None
-    return best._replace(runs=tuple(runs))
+    return best._replace(runs=tuple(runs), growth=growth)
 
 
 def roundings_matter(engine: Engine, steps: int, tolerance: float) -> bool:
     """Whether roundings may be a noticeable part of the error of a run.
 
     The motion carries the rounding of a step to the end as it carries what the step omits, which is
-    about the tolerance. A step may omit less where it counts: therefore AIM twice.
+    about the tolerance. A step may omit less where it counts.
     """
-    return rounding(engine, steps) > AIM**2 * tolerance
+    return rounding(engine, steps) > tolerance / NOISE
 
 
-def change_by_rounding(engine: Engine, steps: int) -> float:
+def change_by_rounding(engine: Engine, steps: float) -> float:
     """Relative change of a state as large as what the roundings of so many steps add up to.
 
     Each step rounds the state to half a unit in the last place at most. The roundings add up at
@@ -172,18 +174,23 @@ def next_tolerance(engine: Engine, tolerance: float, missing: float) -> float | 
     return target if engine.finer(target) is not None else finer
 
 
-def rounding(engine: Engine, steps: int) -> float:
-    """The error that no estimate goes below: a last place a step, adding up at random."""
+def rounding(engine: Engine, steps: float) -> float:
+    """Relative size of the roundings of some steps: a last place each, adding up at random."""
     return 2.0 ** (1 - engine.precision) * math.sqrt(max(steps, 1))
 
 
-def difference(problem: Comparable, one: Trajectory, two: Trajectory) -> float:
+def difference(
+    problem: Comparable, one: Trajectory, two: Trajectory, accuracy: float = 0.0
+) -> float:
     """Largest difference of two trajectories, each group of states against its own size.
 
-    Over all samples that both reached, in the coordinates in which the first was followed.
+    Over all samples that both reached, in the coordinates in which the first was followed, and in
+    those in which they are read.
     Infinite where there is no such sample, where a difference is NaN, where only one of them was
     stopped, or where only the first reached the end. If both were stopped, their last states and
     times are also compared.
+
+    accuracy: at least that of doubles, what is read off the states is worked out in doubles.
     """
     count = min(one.count, two.count)
     stopped = one.outcome == two.outcome == "stopped"
@@ -199,6 +206,10 @@ def difference(problem: Comparable, one: Trajectory, two: Trajectory) -> float:
         worst = gap / abs(one.reached) if gap else 0.0
     for pair in _pairs(problem, one, two, stopped):
         worst = max(worst, pair.largest(one))
+    if math.isfinite(worst):
+        doubles = accuracy > NOISE * EPS
+        for gap, size in problem.read_gaps(one, two, count, doubles=doubles):
+            worst = max(worst, gap / size if gap else 0.0)
     return worst
 
 
@@ -323,7 +334,7 @@ def _pairs(problem: Comparable, one: Trajectory, two: Trajectory, stopped: bool)
         for _, segment, _ in parts:
             firsts = segment.stage.first.tolist()
             sizes = [max(x, abs(y)) for x, y in zip(sizes, firsts, strict=False)]
-        yield _Pair(parts, here, _alike(here, there), sizes)
+        yield _Pair(parts, here, alike(here, there), sizes)
 
 
 def _samples(one: Trajectory, stopped: bool) -> list[tuple[int, Segment, np.ndarray]]:
@@ -359,7 +370,7 @@ def _matched(
     return blocks[0] if len(blocks) == 1 else np.concatenate(blocks)
 
 
-def _alike(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+def alike(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """The second array in the kind of the first, where NumPy cannot mix the two."""
     if first.dtype == second.dtype or first.dtype != np.longdouble or second.dtype == np.float64:
         return second

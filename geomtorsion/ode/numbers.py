@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
-from functools import cache, lru_cache
+from functools import lru_cache
 from typing import Any, TypeAlias
 
 import mpmath
@@ -129,26 +129,6 @@ def perturbed(
         with working_precision(bits):
             changed.append(mpf(value, bits) * (1 + mpmath.mpf(change)))
     return changed
-
-
-@cache
-def random_signs(place: tuple[int, int], size: int) -> np.ndarray:
-    """Signs that look random and are the same in each call: roundings add up as such signs do.
-
-    Examples
-    --------
-    >>> random_signs((1, 0), 4).tolist(), random_signs((1, 1), 4).tolist()
-    ([-1.0, -1.0, 1.0, 1.0], [1.0, 1.0, 1.0, -1.0])
-    """
-    pattern, number = place
-    signs = []
-    for k in range(size):
-        # Bits are mixed by the last steps of MurmurHash3.
-        bits = (pattern << 20 | number * 64 + k + 1) * 0x9E3779B9 & 0xFFFFFFFF
-        bits = (bits ^ bits >> 16) * 0x85EBCA6B & 0xFFFFFFFF
-        bits = (bits ^ bits >> 13) * 0xC2B2AE35 & 0xFFFFFFFF
-        signs.append(1.0 if (bits ^ bits >> 16) & 1 else -1.0)
-    return np.array(signs)
 
 
 def _is_held(value: Real, precision: int) -> bool:

@@ -391,6 +391,19 @@ class ODE:
         """States of a segment, normalized groups rescaled to length one."""
         return self.unit_rows(states[:, : self.size])
 
+    def read_gaps(self, *_trajectories: object, doubles: bool) -> list[tuple[float, float]]:
+        """Nothing but states is read at the samples, apart from outputs."""
+        return []
+
+    def member_gaps(self, *_rows: object) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Nothing but states is read off members, apart from outputs."""
+        return []
+
+    def together(self, name: str) -> tuple[str, ...]:
+        """The states that are measured together with one; nothing for an output."""
+        groups = ([self.states[k] for k in group] for group in self.first_stage(53, 0.0).groups)
+        return next((tuple(group) for group in groups if name in group), ())
+
     def unit_rows(self, states: np.ndarray) -> np.ndarray:
         """Rows of states with normalized groups rescaled to length one, at their own precision."""
         if not self._unit_places or not len(states):

@@ -16,7 +16,7 @@ from geomtorsion.codegen.steps import ROUNDINGS
 from geomtorsion.copies import only_fields
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ArgumentError, ExpressionError, TimeError
-from geomtorsion.ode.error_estimate import SAFETY, difference, rounding
+from geomtorsion.ode.error_estimate import CHANCE, SAFETY, UNALIKE, difference, rounding
 from geomtorsion.ode.moment import Moment, Term
 from geomtorsion.ode.numbers import PARTS, times_between
 from geomtorsion.ode.roots import crossings
@@ -97,6 +97,16 @@ class Problem(Protocol):
         """States of a segment in the coordinates of a label."""
         ...
 
+    def read_gaps(
+        self, one: Trajectory, two: Trajectory, count: int, /, *, doubles: bool
+    ) -> list[tuple[float, float]]:
+        """What a reader gets at the first samples: largest differences, each with its size."""
+        ...
+
+    def together(self, name: str) -> tuple[str, ...]:
+        """Names of what is measured together with a name; nothing for what is read off."""
+        ...
+
     def moment(
         self,
         times: np.ndarray,
@@ -153,7 +163,8 @@ class Solution:
         may be what `at` gives between the times: see `error_between`.
     engine, reason: what solved it, and why that was chosen.
     cost: steps, evaluations, seconds.
-    trajectory: the integration; reference: the finer one with which it was compared.
+    trajectory: the integration; reference: the finer one with which it was compared; safety: the
+        error in units of their difference.
 
     Numbers are floats unless an accuracy finer than 1.1e-16 was requested, which floats do not
     hold. Then all arrays are of the type of the engine: NumPy's long double, or heyoka's longer
@@ -178,6 +189,7 @@ class Solution:
     cost: Cost
     trajectory: Trajectory
     reference: Trajectory | None = None
+    safety: float = SAFETY
 
     def __getstate__(self) -> dict[str, object]:
         return only_fields(self)
@@ -418,11 +430,12 @@ class Solution:
         }
 
     def error_of(self, name: str) -> float:
-        """Estimate of the largest error at `times` of what a name gives, against its largest size.
+        """Estimate of the largest error at `times` of what a name gives, relative to its size.
 
-        `error` is about states. Where a velocity q'^mu = E_i^mu u^i changes much over a small
-        part of the way, it is known less well than the coordinates that it is read off.
-        Infinite where no finer run reached all of the times.
+        A state, coordinate or velocity is measured against the largest size in its group, such as
+        that of all velocities: `error` is the largest of these. An output is measured against its
+        own largest size, and may be known better or worse. Infinite where no finer run reached
+        all of the times.
 
         Raises
         ------
@@ -440,13 +453,19 @@ class Solution:
         if self.reference is None or self.reference.count != self.trajectory.count:
             return float("inf")
         gap = float(np.abs(here - self._finer[name]).max(initial=0.0))
-        least = SAFETY * rounding(self.trajectory.engine, self.trajectory.steps)
+        # A smaller difference of a single name may be chance.
+        few = CHANCE * rounding(self.trajectory.engine, self.trajectory.steps)
+        least = min(few, self.error)
         if gap == 0:
             return least
-        size = float(np.abs(here).max())
+        together = self.problem.together(name)
+        size = max(float(np.abs(self[word]).max()) for word in together or (name,))
         # If a value is NaN, or nothing remains to compare with, the error is unknown.
-        is_known = np.isfinite(gap) and size > 0
-        return max(least, SAFETY * gap / size) if is_known else float("inf")
+        error = self.safety * gap / size if np.isfinite(gap) and size > 0 else float("inf")
+        if together and error > UNALIKE:
+            # `error` knows the size of states that are only noise.
+            return self.error
+        return max(least, error)
 
     @cached_property
     def _finer(self) -> Solution:
@@ -473,7 +492,7 @@ class Solution:
         parts = (np.arange(count) + SHIFT) / count
         times = (knots[:-1, None] + parts * np.diff(knots)[:, None]).ravel()
         gap = difference(self.problem, _sampled(one, times), _sampled(two, times))
-        return max(self.error, SAFETY * gap)
+        return max(self.error, self.safety * gap)
 
     def __str__(self) -> str:
         ended = {"stopped": ", where it stops", "stuck": f", stuck: {self.trajectory.reason}"}

@@ -15,17 +15,26 @@ from geomtorsion.errors import AccuracyError, StartError, TimeError
 from geomtorsion.ode.checkpoint import Checkpoint, fingerprint
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
 from geomtorsion.ode.engines.taylor import is_available
-from geomtorsion.ode.error_estimate import PLACES, Verified, verified
+from geomtorsion.ode.error_estimate import (
+    SAFETY,
+    Verified,
+    change_by_rounding,
+    rounding,
+    roundings_matter,
+    verified,
+)
 from geomtorsion.ode.numbers import (
     PARTS,
     check_memory,
     checked_accuracy,
     checked_times,
 )
+from geomtorsion.ode.roundings import PLACES, Roundings
 from geomtorsion.ode.solution import DOUBLE, Cost, Problem, Solution
 from geomtorsion.ode.system import WorkLimitError, checked_engine
 from geomtorsion.ode.trajectory import Trajectory, integrate
 from geomtorsion.precision import GOLDEN
+from geomtorsion.progress import reports
 
 Progress: TypeAlias = Callable[[float], object]
 
@@ -36,7 +45,7 @@ def solve(
     accuracy: float = 1e-10,
     engine: Engine | None = None,
     checkpoint: str | Path | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
     *,
     overwrite: bool = False,
 ) -> Solution:
@@ -61,7 +70,7 @@ def solve(
         a file into which the run is written as it goes; a later call with the same problem,
         times, accuracy and engine continues from there, to the same result.
     progress
-        called with the finished fraction, from 0 to 1.
+        called with the finished fraction, from 0 to 1; True shows a bar.
     overwrite
         whether to replace the checkpoint of another run.
 
@@ -101,18 +110,19 @@ def solve(
             f"{checks.shown(float(times[-1]))} that is {unit:.3g} times as fast. Use other units "
             "of time."
         )
-    report = None if progress is None else Report(progress, float(scaled[-1]))
     store = None
     if checkpoint is not None:
         key = fingerprint(problem, times, accuracy, engine)
         store = Checkpoint(checkpoint, key, overwrite=overwrite)
-    try:
-        solution = _solved(problem, times, scaled, accuracy, engine, store, report)
-    finally:
-        if store is not None:
-            store.write()
-    if progress is not None:
-        progress(1.0)
+    with reports(progress, "motion") as show:
+        report = None if show is None else Report(show, float(scaled[-1]))
+        try:
+            solution = _solved(problem, times, scaled, accuracy, engine, store, report)
+        finally:
+            if store is not None:
+                store.write()
+        if show is not None:
+            show(1.0)
     return solution
 
 
@@ -128,12 +138,15 @@ def _solved(
     """The answer of the first engine that is good enough."""
     runs: list[Trajectory] = []
     names: list[str] = []
-    best = math.inf
+    best, growth = math.inf, 0.0
     end = float(grid[-1])
     parts = () if kept is None else tuple(end * k / PARTS for k in range(1, PARTS))
     for candidate, reason in engines(problem, accuracy, engine):
         check_memory(len(grid), len(problem.first_stage(candidate.precision, 0.0).start))
-        result = _followed(_Runs(problem, candidate, accuracy, grid, parts, kept, report), runs)
+        last = engine is not None or candidate.precision > 113
+        asked = _Runs(problem, candidate, accuracy, grid, parts, kept, report, last)
+        result = _followed(asked, runs, growth)
+        growth = result.growth
         names.append(candidate.name)
         best = min(best, result.error)
         if result.error <= accuracy or result.answer.outcome == "stuck":
@@ -165,6 +178,7 @@ class _Runs:
     """What runs of one engine have in common.
 
     grid: the times of the samples; cuts: times at which runs end and continue.
+    last: whether no more precise engine follows.
     """
 
     problem: Problem
@@ -174,54 +188,53 @@ class _Runs:
     cuts: tuple[float, ...]
     kept: Checkpoint | None
     report: Report | None
+    last: bool = True
 
     @property
     def limit(self) -> float:
         """The longest step of a run that has to see ahead; not commensurate with the cuts."""
         return GOLDEN * abs(float(self.grid[-1])) / PARTS or math.inf
 
-    def verified(self, runs: list[Trajectory]) -> Verified:
+    def verified(self, runs: list[Trajectory], growth: float = 0.0) -> Verified:
         """The answer with its error; all runs are added to those given."""
-        result = verified(self.problem, self.engine, self.accuracy, self.run, failed=bool(runs))
+        result = verified(
+            self.problem, self.engine, self.accuracy, self.run, growth=growth, last=self.last
+        )
         runs += result.runs
         return result
 
     @property
     def parts(self) -> tuple[float, ...]:
         """Times at which the way is divided into equal parts."""
-        return tuple(self._at(k / PARTS) for k in range(1, PARTS))
-
-    def _at(self, share: float) -> float:
-        """The time after a share of the way."""
-        return float(self.grid[-1]) * share
+        return tuple(float(self.grid[-1]) * (k / PARTS) for k in range(1, PARTS))
 
     def run(
         self,
         engine: Engine,
         tolerance: float,
-        part: float,
-        *,
-        limited: bool = False,
-        pattern: int = 0,
+        answer: Trajectory | None = None,
+        pattern: int = 1,
     ) -> Trajectory:
-        longest = self.limit if limited else math.inf
-        cuts = self.cuts
-        if pattern:
-            # The roundings of each part move the state in the middle of that part. The cuts of the
-            # answer stay, so that both meet the same features.
-            middles = {self._at((k + 0.5) / PLACES) for k in range(PLACES)}
-            cuts = tuple(sorted({*cuts, *middles}, key=abs))
+        # A run to compare starts a rounding away; cut where the answer is cut, it would pass over
+        # the same.
+        moved, roundings, longest = 0.0, None, math.inf
+        if answer is not None:
+            moved, longest = SAFETY * 2.0 ** (1 - engine.precision), self.limit
+        if answer is not None and roundings_matter(engine, answer.steps, answer.tolerance):
+            # Less than a last place would be rounded away.
+            part = max(change_by_rounding(engine, answer.steps / PLACES), rounding(engine, 1))
+            steps = max(answer.steps, int(PARTS / GOLDEN))
+            roundings = Roundings(part, steps, float(self.grid[-1]), pattern)
         try:
             return integrate(
-                self.problem.first_stage(engine.precision, 0.0 if pattern else part),
+                self.problem.first_stage(engine.precision, moved),
                 self.grid,
                 tolerance,
                 engine,
-                # Cut where the answer is cut, both would pass over the same.
-                cuts=() if limited and self.kept is None else cuts,
-                shake=(part, pattern) if pattern else None,
+                cuts=() if answer and self.kept is None else self.cuts,
+                roundings=roundings,
                 longest=longest,
-                runner=self.kept and self.kept.runner(engine, tolerance, part, longest, pattern),
+                runner=self.kept and self.kept.runner(engine, tolerance, moved, longest, roundings),
                 watch=self.report and self.report.next_run(),
             )
         except WorkLimitError as limit:
@@ -246,13 +259,13 @@ def alone(problem: Problem, engine: Engine, accuracy: float, grid: np.ndarray) -
     return _followed(_Runs(problem, engine, accuracy, grid, (), None, None), [])
 
 
-def _followed(asked: _Runs, runs: list[Trajectory]) -> Verified:
+def _followed(asked: _Runs, runs: list[Trajectory], growth: float = 0.0) -> Verified:
     """The answer with its error.
 
     Where it fails and a step was long, the answer may not have seen what the finer run saw: it is
     cut into short parts.
     """
-    result = asked.verified(runs)
+    result = asked.verified(runs, growth)
     long = result.answer.longest_step > asked.limit
     if result.error > asked.accuracy and long and not asked.cuts:
         result = replace(asked, cuts=asked.parts).verified(runs)
@@ -282,7 +295,9 @@ def _solution(
         error = max(error, DOUBLE)
     name = answer.engine.name
     cost = Cost.of(answer, runs)
-    return Solution(problem, times, accuracy, error, name, reason, cost, answer, found.reference)
+    return Solution(
+        problem, times, accuracy, error, name, reason, cost, answer, found.reference, found.safety
+    )
 
 
 def engines(

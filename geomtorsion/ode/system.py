@@ -16,6 +16,7 @@ from geomtorsion.codegen import Graph
 from geomtorsion.copies import only_fields
 from geomtorsion.errors import LimitError, StartError
 from geomtorsion.ode.numbers import Real, divided, floats, multiplied
+from geomtorsion.ode.roundings import Changes
 from geomtorsion.precision import EXACT_BITS
 
 # Functions that have a value everywhere.
@@ -392,6 +393,9 @@ class Engine(Protocol):
     `solve`, `solve_many`, scenes, costs and checkpoints. Files keep its samples; only the engines
     of this package are made again from a file to give values in between.
 
+    An engine with the attribute `changes_on_the_way = True` takes `changes` in `run`; its claims of
+    error then contain roundings on the way, not only at the start.
+
     An engine may have one more method, `batch(batch, tolerance) -> seconds of compilation`, which
     runs the members of a `Batch` at once. `solve_many` calls it, and runs the members one by one
     with an engine that lacks it.
@@ -447,6 +451,7 @@ class Engine(Protocol):
         dense: bool = False,
         watch: Watch | None = None,
         longest: float = math.inf,
+        changes: Changes | None = None,
     ) -> Run:
         """Integrate from times[0] through all times.
 
@@ -466,6 +471,10 @@ class Engine(Protocol):
             pass through. Watching changes no bit of a result.
         longest
             no step is longer, in the units of `times`.
+        changes
+            after a step for which `changes.due()` holds the run continues from the state
+            `changes.made(state, state at the start)`; `due` is called after each step. Only given
+            to engines with `changes_on_the_way`.
 
         Returns
         -------
@@ -561,16 +570,19 @@ def scaled_run(
     dense: bool = False,
     watch: Watch | None = None,
     longest: float = math.inf,
+    changes: Changes | None = None,
 ) -> Run:
     """See `Engine.run`: the same, in units of its own size where numbers are far from one.
 
     extents: of the start, if known.
     """
     units = units_of(system, start, parameters, float(times[-1] - times[0]), extents)
+    more = {} if changes is None else {"changes": changes}
     if units is None:
         run = engine.run(
-            system, start, parameters, times, tolerance, dense=dense, watch=watch, longest=longest
-        )
+            system, start, parameters, times, tolerance,
+            dense=dense, watch=watch, longest=longest, **more,
+        )  # fmt: skip
         return checked_run(engine, run, times)
     unit = units.time
     sizes = units.sizes.tolist()
@@ -584,6 +596,7 @@ def scaled_run(
             dense=dense,
             watch=None if watch is None else lambda t: watch(t * unit),
             longest=longest / unit,
+            **more,
         )
     except WorkLimitError as limit:
         raise limit.counted(unit) from None

@@ -13,8 +13,9 @@ from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.copies import only_fields
 from geomtorsion.errors import StartError
-from geomtorsion.ode.numbers import PARTS, Real, floats, random_signs
+from geomtorsion.ode.numbers import PARTS, Real, floats
 from geomtorsion.ode.roots import crossings
+from geomtorsion.ode.roundings import Roundings
 from geomtorsion.ode.system import (
     STANDSTILL,
     Dense,
@@ -26,7 +27,6 @@ from geomtorsion.ode.system import (
     extents_of,
     scaled_run,
 )
-from geomtorsion.precision import GOLDEN
 
 State: TypeAlias = Sequence[Real] | np.ndarray
 # A motion with more events than this changes charts forever at an edge.
@@ -249,7 +249,7 @@ def integrate(
     engine: Engine,
     *,
     cuts: Sequence[float] = (),
-    shake: tuple[float, int] | None = None,
+    roundings: Roundings | None = None,
     longest: float = math.inf,
     runner: Runner | None = None,
     watch: Watch | None = None,
@@ -264,8 +264,8 @@ def integrate(
         local tolerance for the engine.
     cuts
         times at which a stage ends and continues, so that a file can keep its parts.
-    shake
-        relative change of the state at each cut, and number of the pattern of its signs.
+    roundings
+        changes of the state on the way, by engines that make them.
     longest
         the longest step in time.
     runner
@@ -284,7 +284,7 @@ def integrate(
         stop = _next_break(stage, waiting, sign, end)
         samples, head, count = _samples(times, done, stage.begin, stop, sign)
         if runner is None:
-            run = run_stage(stage, samples, tolerance, engine, watch, longest)
+            run = run_stage(stage, samples, tolerance, engine, watch, longest, roundings)
         else:
             run = runner(len(segments), stage, samples)
             if watch is not None:
@@ -298,8 +298,7 @@ def integrate(
                 return Trajectory(engine, tolerance, tuple(segments), "done")
             event = stage.timed
             if event is None or event.when != stop:
-                last = _shaken(stage, run.last, shake, len(segments)) if shake else run.last
-                last = last if stage.kept is None else stage.kept(last)
+                last = run.last if stage.kept is None else stage.kept(run.last)
                 stage = replace(stage, start=last, begin=stop)
                 continue
         else:
@@ -324,22 +323,6 @@ def integrate(
                 outcome, reason = event.ending(float(run.reached), segments[-1].last)
             return Trajectory(engine, tolerance, tuple(segments), outcome, run.reason or reason)
         stage = after
-
-
-def _shaken(stage: Stage, state: State, shake: tuple[float, int], number: int) -> np.ndarray:
-    """The last state of a stage with each component changed by a relative part, up or down.
-
-    A component that has not changed since the stage began has not been rounded either, nor has a
-    clock: they stay. shake: the part and the pattern of signs; number: of the place on the way.
-    """
-    values, system = np.asarray(state), stage.system
-    sizes = np.where(np.arange(len(values)) % 2, GOLDEN, 1.0) * shake[0]
-    signs = sizes * random_signs((shake[1], number), len(values))
-    signs[values == np.asarray(stage.start)] = 0.0
-    if system.clock is not None:
-        signs[system.states.index(system.clock[0])] = 0.0
-    kind = values.dtype.type
-    return values + values * np.array([kind(x) for x in signs.tolist()], dtype=values.dtype)
 
 
 def _next_break(stage: Stage, cuts: Sequence[float], sign: float, end: float) -> float | None:
@@ -374,16 +357,20 @@ def run_stage(
     engine: Engine,
     watch: Watch | None = None,
     longest: float = math.inf,
+    roundings: Roundings | None = None,
 ) -> Run:
     """The run of one stage, ended where its guard falls through zero."""
     system, numbers = stage.system, stage.parameters
     event = stage.boundary
     final = event is not None and (event.then is None or event.stop is not None)
+    takes = getattr(engine, "changes_on_the_way", False)
+    clock = None if system.clock is None else system.states.index(system.clock[0])
 
     def run(dense: bool) -> Run:
+        made = roundings.changes(float(times[0]), clock) if roundings and takes else None
         return scaled_run(
             engine, system, stage.start, numbers, times, tolerance,
-            extents=stage.extents, dense=dense, watch=watch, longest=longest,
+            extents=stage.extents, dense=dense, watch=watch, longest=longest, changes=made,
         )  # fmt: skip
 
     if system.guard is None or not final or engine.finds_every_root:

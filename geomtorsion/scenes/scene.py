@@ -278,7 +278,7 @@ class Scene:
         self,
         engine: Engine | None = None,
         checkpoint: str | Path | None = None,
-        progress: Callable[[float], None] | None = None,
+        progress: Callable[[float], object] | bool | None = None,
     ) -> SceneResult:
         """Solve the scene; the result holds the outputs by name.
 

@@ -18,6 +18,7 @@ from geomtorsion.ode import Checkpoint, Cost, Engine, solve
 from geomtorsion.ode.checkpoint import fingerprint
 from geomtorsion.ode.numbers import checked_times
 from geomtorsion.ode.solution import DOUBLE
+from geomtorsion.progress import reports
 from geomtorsion.rigid import FreeTop, attitude, free_top
 from geomtorsion.scenes.context import OMEGA, POSITION, QUATERNION, VELOCITY, VERTICAL
 from geomtorsion.scenes.result import SceneResult, result_of
@@ -172,7 +173,7 @@ def solve_scene(
     scene: Scene,
     engine: Engine | None = None,
     checkpoint: str | Path | None = None,
-    progress: Callable[[float], None] | None = None,
+    progress: Callable[[float], object] | bool | None = None,
 ) -> SceneResult:
     """Solve a scene; see `Scene.run`."""
     # Equations that cannot be written down are refused before anything is computed.
@@ -190,8 +191,9 @@ def solve_scene(
     if form is not None:
         result = _in_closed_form(scene, form)
         if result is not None:
-            if progress is not None:
-                progress(1.0)
+            with reports(progress, "scene") as show:
+                if show is not None:
+                    show(1.0)
             return result
     try:
         solved = solve(ode, scene.times, scene.accuracy, engine, checkpoint, progress)

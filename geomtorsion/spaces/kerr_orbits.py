@@ -51,6 +51,7 @@ class KerrOrbit:
     energy, angular_momentum, carter: E = -p_t, L = p_phi and Q of a particle of unit mass.
     radii: roots r1 >= r2 > r3 >= r4 of the radial equation; the orbit is between r2 and r1.
     reduced: L / x, which is finite for polar orbits also.
+    room: r2 - r3, which vanishes at the separatrix.
 
     Examples
     --------
@@ -68,6 +69,7 @@ class KerrOrbit:
     carter: float
     radii: tuple[float, float, float, float]
     reduced: float
+    room: float
 
     @property
     def _bound(self) -> float:
@@ -81,8 +83,14 @@ class KerrOrbit:
     def _radial_speed(self, psi: np.ndarray) -> np.ndarray:
         """d psi / d lambda."""
         scale = (1 - self.energy) * (1 + self.energy) / ((1 - self.e) * (1 + self.e))
-        r, (_, _, r3, r4) = self.radius(psi), self.radii
-        return self.p * np.sqrt(scale * (1 - r3 / r) * (1 - r4 / r))
+        r, r4 = self.radius(psi), self.radii[3]
+        # r - r3 as a sum of two parts that are positive, so that nothing cancels.
+        above = self.room + r * self.e * 2 * np.sin(psi / 2) ** 2 / (1 + self.e)
+        return self.p * np.sqrt(scale * above / r * (1 - r4 / r))
+
+    def _mean_turn(self, function: Callable[[np.ndarray], np.ndarray]) -> float:
+        """Mean over psi, with more places at the periapsis, where orbits hover."""
+        return mean(function, (self.room / self.radii[1]) ** 0.25)
 
     def _height(self, chi: np.ndarray) -> np.ndarray:
         """cos(theta)^2 at the polar angle chi."""
@@ -136,14 +144,14 @@ class KerrOrbit:
         speed = self._polar_speed
         rest = mean(lambda chi: 1 / (speed(chi) * (self.reduced + speed(chi))))
         turning = (math.copysign(1.0, self.x) - self._bound * self.x * rest) / once
-        radial = 1 / mean(lambda psi: 1 / self._radial_speed(psi))
+        radial = 1 / self._mean_turn(lambda psi: 1 / self._radial_speed(psi))
         azimuthal = self._mean_radial(dragged) + turning - a * energy
         return Frequencies(radial / rate, 1 / once / rate, azimuthal / rate, time, rate)
 
     def _mean_radial(self, function: Callable[[np.ndarray], np.ndarray]) -> float:
         """Mean over Mino time of a function of psi."""
-        weight = mean(lambda psi: 1 / self._radial_speed(psi))
-        return mean(lambda psi: function(psi) / self._radial_speed(psi)) / weight
+        weight = self._mean_turn(lambda psi: 1 / self._radial_speed(psi))
+        return self._mean_turn(lambda psi: function(psi) / self._radial_speed(psi)) / weight
 
     def _mean_polar(self, function: Callable[[np.ndarray], np.ndarray]) -> float:
         """Mean over Mino time of a function of chi."""
@@ -266,10 +274,10 @@ def kerr_orbit(a: float, p: float, e: float = 0.0, x: float = 1.0) -> KerrOrbit:
             f"a = {numbers['a']:.6g}, e = {numbers['e']:.6g}, x = {numbers['x']:.6g}. Give a "
             "larger p."
         )
-    energy, turn, carter, reduced, *radii = (float(value) for value in constants)
+    energy, turn, carter, reduced, *radii, room = (float(value) for value in constants)
     r1, r2, r3, r4 = radii
     return KerrOrbit(**numbers, energy=energy, angular_momentum=turn, carter=carter,
-                     radii=(r1, r2, r3, r4), reduced=reduced)  # fmt: skip
+                     radii=(r1, r2, r3, r4), reduced=reduced, room=room)  # fmt: skip
 
 
 def _constants(
@@ -319,11 +327,14 @@ def _constants(
     third = (total + mpmath.sqrt(gap)) / 2 if gap >= 0 else mpmath.inf
     if not (reduced > 0 and third < inner and inner > 1 + mpmath.sqrt(1 - a * a)):
         return None
-    return energy, x * reduced, carter, reduced, outer, inner, third, product / third
+    radii = outer, inner, third, product / third
+    return energy, x * reduced, carter, reduced, *radii, inner - third
 
 
-def mean(function: Callable[[np.ndarray], np.ndarray]) -> float:
+def mean(function: Callable[[np.ndarray], np.ndarray], width: float = 1.0) -> float:
     """Mean of a smooth periodic function over a turn, by equal steps, doubled until it stays.
+
+    width: below 1 the steps are equal in s, tan(angle / 2) = width tan(s / 2): closer around 0.
 
     Raises
     ------
@@ -337,7 +348,10 @@ def mean(function: Callable[[np.ndarray], np.ndarray]) -> float:
     """
     places, before = FIRST_PLACES, math.nan
     while places <= MOST_PLACES:
-        average = float(np.mean(function(2 * np.pi * np.arange(places) / places)))
+        half = np.pi * np.arange(places) / places
+        sine, cosine = width * np.sin(half), np.cos(half)
+        weights = width / (sine**2 + cosine**2)
+        average = float(np.mean(weights * function(2 * np.arctan2(sine, cosine))))
         if abs(average - before) <= CALCULATED * abs(average) / 100:
             return average
         places, before = 2 * places, average

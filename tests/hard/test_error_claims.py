@@ -11,8 +11,9 @@ import pytest
 
 from geomtorsion import scenes
 from geomtorsion.accuracy.cost import truth_of
-from geomtorsion.curves import geodesic
+from geomtorsion.curves import autoparallel, geodesic, parallel_transport
 from geomtorsion.errors import AccuracyError
+from geomtorsion.geometry import cartan
 from geomtorsion.ode import ODE, RungeKutta, Taylor, solve, solve_many
 from geomtorsion.spaces import load
 from tests.ode.engines import every_engine, needs_heyoka
@@ -173,3 +174,65 @@ def test_chaos(end, engine):
                 continue
             # One unlucky rounding in the first steps is decisive: most motions have smaller errors.
             assert_claim(truth.error(solution), solution, accuracy, most=10_000)
+
+
+@pytest.mark.parametrize("end", [1700.0, 2000.0])
+def test_the_first_number_holds_on_long_orbits(end):
+    """Kepler's equation: the error is not below the truth after hundreds of turns."""
+    solution = solve(eccentric(0.8), end, 1e-8)
+    assert orbit_error(solution) <= solution.error <= 1e-8
+
+
+def test_the_first_number_holds_where_roundings_decide():
+    """A damped forced double well: roundings grow late, and those at the start are forgotten."""
+    well = ODE.of({"x": "v", "v": "x - x**3 - v/5 + 3*cos(t)/10"}, [0.5, 0])
+    solution = solve(well, 60.0, 1e-9)
+    assert truth_of(well, solution.times).error(solution) <= solution.error <= 1e-9
+
+
+TOP = geodesic(load("so3").frame, [2.1, 0.02, 0.4], frame_velocity=[0.3, 1, 0.2], metric=(1, 2, 3))
+LINE = autoparallel(cartan(load("so3").frame), [2.1, 0.02, 0.4], frame_velocity=[0.3, 1, 0.2])
+
+
+@pytest.mark.parametrize(
+    "problem",
+    [
+        TOP,
+        TOP.with_charts("so3"),
+        LINE.with_charts("so3"),
+        parallel_transport(
+            geodesic(load("s2").frame, [0.02, 0.5], frame_velocity=[0.3, 0.9], parameters={"R": 1}),
+            [1, 2],
+        ),
+        eccentric(0.7),
+        scenes.load("lagrange_cusp").ode,
+    ],
+    ids=["top", "top in angles", "line in angles", "transport", "orbit", "scene"],
+)
+@pytest.mark.parametrize("accuracy", [1e-5, 1e-9, 1e-12])
+def test_the_error_is_the_largest_of_all(problem, accuracy):
+    """`error` holds for each state, coordinate and velocity, also near a pole of the angles."""
+    solution = solve(problem, 3.0, accuracy)
+    names = [name for name in solution.moment.values if problem.together(name)]
+    names += [name for name in ("velocity", "coordinates") if name in solution.moment.values]
+    claims = [solution.error_of(name) for name in names]
+    assert max(claims) <= solution.error * (1 + 1e-6)
+    assert max(claims) >= solution.error / 100
+    exact = solve(problem, 3.0, 1e-17, Taylor(113))
+    for name in names:
+        here, there = (np.asarray(x[name], dtype=float) for x in (solution, exact))
+        together = problem.together(name) or (name,)
+        size = max(np.abs(exact[word].astype(float)).max() for word in together)
+        assert np.abs(here - there).max() <= (solution.error + 4e-16) * size
+
+
+def test_members_near_a_pole():
+    """The errors of an ensemble are those of the coordinates that it gives."""
+    random = np.random.default_rng(0)
+    starts, spins = random.uniform(0.02, 0.5, (12, 3)), random.normal(size=(12, 3))
+    many = solve_many(TOP, starts, [0, 1, 2], 1e-6, frame_velocities=spins)
+    exact = solve_many(TOP, starts, [0, 1, 2], 1e-12, frame_velocities=spins)
+    gap = np.abs(many.coordinates - exact.coordinates).max(axis=(1, 2))
+    size = np.abs(exact.coordinates).max(axis=(1, 2))
+    assert (gap <= many.errors * size).all()
+    assert many.error <= 1e-6

@@ -16,10 +16,16 @@ x, y, z = sp.symbols("x y z", real=True)
 f = (x - sp.Rational(1, 2)) ** 2 + y**2
 
 
+def everywhere(name: str) -> Frame:
+    """A shipped frame without its declared domain: the formulas are smooth beyond it."""
+    frame = load(name).frame
+    return Frame(frame.coordinates, frame.coframe.to_sympy(), parameters=frame.parameters)
+
+
 @pytest.mark.parametrize("radius", [1e-6, 0.9999999e-6, 1e-9, 1e-14])
 def test_next_to_gimbal_lock(radius: float) -> None:
     """A millionth from the edge of the chart, or touching it: the coframe is smooth there."""
-    frame = load("so3").frame
+    frame = everywhere("so3")
     b = burgers_vector(frame, Loop.circle([0.3, 1e-6, 0.2], radius, (1, 2)))
     with mpmath.workdps(60):
         r, q = mpmath.mpf(radius), mpmath.mpf(1e-6)
@@ -39,7 +45,7 @@ def test_a_thousand_wiggles() -> None:
     b = burgers_vector(load("heisenberg").frame, loop)
     assert b.vector == pytest.approx([0, 0, -np.pi * (1 + 1 / 200)], abs=1e-11)
     assert b.reached
-    so3 = burgers_vector(load("so3").frame, loop)
+    so3 = burgers_vector(everywhere("so3"), loop)
     assert so3.check.agrees
     assert so3.reached
 
@@ -75,7 +81,7 @@ def test_a_loop_of_radius_a_million() -> None:
     """Rounding of the coordinates is part of the error, and the estimate contains it."""
     b = burgers_vector(load("heisenberg").frame, Loop.circle([0.3, 1, 0], 1e6))
     assert b.vector[2] == pytest.approx(-np.pi * 1e12, rel=SAME)
-    frame = load("so3").frame
+    frame = everywhere("so3")
     for radius in (1e2, 1e4):
         b = burgers_vector(frame, Loop.circle([0.3, 1, 0.2], radius), 1e-9)
         with mpmath.workdps(40):
@@ -130,7 +136,7 @@ def test_singular_along_a_whole_side() -> None:
     ends = Frame([x, y], [[1, sp.sqrt(x)], [0, 1]])
     with pytest.raises(SingularPointError, match="no finite value"):
         burgers_vector(ends, Loop.circle([0, 0], 1))
-    polar = load("s2").frame
+    polar = everywhere("s2")
     assert burgers_vector(polar, Loop.circle([0, 0], 1), parameters={"R": 1}).reached
 
 

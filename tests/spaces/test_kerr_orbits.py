@@ -98,6 +98,21 @@ def test_through_the_equator_and_over_the_poles():
             assert getattr(one, name) == pytest.approx(getattr(two, name), rel=1e-8)
 
 
+@pytest.mark.parametrize("room", [1.0, 1e-6, 1e-10])
+def test_frequency_beside_the_separatrix(room):
+    """Without spin the radial frequency is an elliptic integral, down to p = 6 + 2 e."""
+    p, e = 6.6 + room, 0.3
+    with mpmath.workdps(40):
+        p_exact, e_exact = mpmath.mpf(p), mpmath.mpf(e)
+        square = ((p_exact - 2) ** 2 - 4 * e_exact**2) / (p_exact * (p_exact - 3 - e_exact**2))
+        r1, r2 = p_exact / (1 - e_exact), p_exact / (1 + e_exact)
+        r3 = 2 / (1 - square) - r1 - r2
+        modulus = (r1 - r2) * r3 / ((r1 - r3) * r2)
+        speed = mpmath.sqrt((1 - square) * (r1 - r3) * r2)
+        exact = float(mpmath.pi * speed / (2 * mpmath.ellipk(modulus)))
+    assert gt.kerr_orbit(0, p, e).mino_frequencies.radial == pytest.approx(exact, rel=1e-12)
+
+
 def test_constants_are_those_of_the_curve():
     """E, L and Carter's constant agree with the frame velocities of the geodesic."""
     orbit = gt.kerr_orbit(0.9, 6, 0.3, 0.5)

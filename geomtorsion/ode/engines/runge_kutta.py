@@ -14,6 +14,7 @@ from geomtorsion.ode.engines.stacked import run_stacked
 from geomtorsion.ode.engines.stepper import LARGEST
 from geomtorsion.ode.engines.stepwise import stepwise_run
 from geomtorsion.ode.numbers import Real
+from geomtorsion.ode.roundings import Changes
 from geomtorsion.ode.system import Batch, Run, System, Watch
 
 # Each tolerance is this part of the last.
@@ -26,6 +27,7 @@ class _Ladder:
 
     precision = 53
     finds_every_root = False
+    changes_on_the_way = True
     finest: float
 
     def first(self, accuracy: float) -> float:
@@ -89,12 +91,23 @@ class RungeKutta(_Ladder):
         dense: bool = False,
         watch: Watch | None = None,
         longest: float = math.inf,
+        changes: Changes | None = None,
     ) -> Run:
         """See `Engine.run`."""
         most = self.max_evaluations
         method = "generated" if system.size <= LARGEST else "DOP853"
         return stepwise_run(
-            method, most, system, start, parameters, times, tolerance, dense, watch, longest
+            method,
+            most,
+            system,
+            start,
+            parameters,
+            times,
+            tolerance,
+            dense,
+            watch,
+            longest,
+            changes,
         )
 
     def batch(self, batch: Batch, tolerance: float) -> float:
@@ -147,9 +160,20 @@ class Stiff(_Ladder):
         dense: bool = False,
         watch: Watch | None = None,
         longest: float = math.inf,
+        changes: Changes | None = None,
     ) -> Run:
         """See `Engine.run`."""
         most = self.max_evaluations
         return stepwise_run(
-            self.method, most, system, start, parameters, times, tolerance, dense, watch, longest
+            self.method,
+            most,
+            system,
+            start,
+            parameters,
+            times,
+            tolerance,
+            dense,
+            watch,
+            longest,
+            changes,
         )

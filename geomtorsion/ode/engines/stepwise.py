@@ -22,6 +22,7 @@ from geomtorsion.ode.engines.stepper import (
     too_many_evaluations,
 )
 from geomtorsion.ode.numbers import Real, floats
+from geomtorsion.ode.roundings import Changes
 from geomtorsion.ode.system import (
     STEPS_AT_ONCE,
     Dense,
@@ -150,6 +151,12 @@ class ScipySteps:
         """Evaluations of the rates."""
         return 0 if self._solver is None else int(self._solver.nfev)
 
+    def move(self, state: Sequence[float]) -> None:
+        """Continue from another state at the same time; LSODA keeps its own, and does not."""
+        self.state = tuple(state)
+        self._solver.y = np.array(state)
+        self._solver.f = np.asarray(self._solver.fun(self._solver.t, self._solver.y))
+
     def advance(self) -> Piece | None:
         """One accepted step; None where none is: see `stuck`."""
         solver = self._solver
@@ -211,6 +218,7 @@ def stepwise_run(
     dense: bool,
     watch: Watch | None = None,
     longest: float = math.inf,
+    changes: Changes | None = None,
 ) -> Run:
     """See `Engine.run`; method: "generated" steps of DOP853; or "DOP853", "Radau", "LSODA"."""
     began = time.perf_counter()
@@ -292,6 +300,8 @@ def stepwise_run(
             done = count
         if outcome == "edge":
             break
+        if changes is not None and changes.due():
+            walk.move(changes.made(np.array(walk.state), samples[0]).tolist())
     if where is None:
         where = samples[-1].copy()
     ended = time.perf_counter()

@@ -28,6 +28,7 @@ from geomtorsion.errors import ArgumentError, MissingExtraError
 from geomtorsion.ode.engines.registers import FEW, run_in_registers
 from geomtorsion.ode.numbers import Real, floats, mpf
 from geomtorsion.ode.rates import KEPT
+from geomtorsion.ode.roundings import Changes
 from geomtorsion.ode.system import (
     STANDSTILL,
     STEPS_AT_ONCE,
@@ -294,6 +295,7 @@ class Taylor:
         checks.count(self.max_steps, "max_steps", ArgumentError, 1)
 
     finds_every_root = True
+    changes_on_the_way = True
 
     @property
     def name(self) -> str:
@@ -306,8 +308,8 @@ class Taylor:
         return 2.0 ** -(self.precision + 9)
 
     def first(self, accuracy: float) -> float:
-        """See `Engine.first`: the error of a motion is near the tolerance of its series."""
-        order = max(order_of(max(accuracy, self.finest)), LOWEST_ORDER)
+        """See `Engine.first`: one order finer than the accuracy, as errors grow on the way."""
+        order = max(order_of(max(accuracy, self.finest)) + 1, LOWEST_ORDER)
         # The finest two have no finer run with which to compare them.
         return tolerance_of(min(order, order_of(self.finest) - 2))
 
@@ -370,11 +372,12 @@ class Taylor:
         dense: bool = False,
         watch: Watch | None = None,
         longest: float = math.inf,
+        changes: Changes | None = None,
     ) -> Run:
         """See `Engine.run`."""
         backward = bool(times[-1] < times[0])
         compiled, compiling = self.compiled(system, tolerance, backward=backward)
-        run = self._run(compiled, system, start, parameters, times, dense, watch, longest)
+        run = self._run(compiled, system, start, parameters, times, dense, watch, longest, changes)
         run.compile_seconds = compiling
         return run
 
@@ -397,6 +400,7 @@ class Taylor:
         dense: bool,
         watch: Watch | None,
         longest: float,
+        changes: Changes | None,
     ) -> Run:
         """The run by one integrator."""
         began = time.perf_counter()
@@ -416,12 +420,21 @@ class Taylor:
                     system, state, floats(parameters), pace, reached, abs(left), self.max_steps
                 )
 
-            step = {} if longest == math.inf else {"max_delta_t": self.number(longest)}
+            step: dict[str, Any] = {}
+            if longest != math.inf:
+                step["max_delta_t"] = self.number(longest)
+            if changes is not None:
+                step["callback"] = _Changing(changes, start)
             states, outcome, steps, longest, reason = self._propagated(
                 integrator, grid, watch, room, refuse, step
             )
             if outcome == "stuck":
                 place = _last_regular(integrator, grid[0], start, grid[-1], steps)
+                # An unstable step of stiff equations cannot be taken back either.
+                _place(integrator, *place)
+                integrator.propagate_until(grid[-1], max_steps=1)
+                if np.isfinite(integrator.state.astype(float)).all():
+                    refuse(abs(float(integrator.last_h)), float(place[0]))
                 if room is not None:
                     _place(integrator, grid[0], start)
                     edge = _edge_ahead(integrator, place, grid[-1], room, room())
@@ -432,6 +445,7 @@ class Taylor:
                 states = states[np.abs((grid[: len(states)] - grid[0]).astype(float)) <= lasted]
             reached, last = integrator.time, integrator.state.copy()
             if dense and reached != grid[0]:
+                step.pop("callback", None)
                 # The steps are the same with and without the grid.
                 _place(integrator, grid[0], start)
                 record = _Record(integrator, grid[0])
@@ -465,7 +479,7 @@ class Taylor:
         A run without progress is ended.
         `room`: the guard, if it may have no series within a step, so that its zero is not detected.
         refuse: (mean step, time reached) -> an error where too many steps would follow.
-        step: heyoka's option for the longest step.
+        step: heyoka's options for the longest step and for a function called after each.
         """
         if grid[0] == grid[-1]:
             return integrator.state.copy()[None, :], "done", 0, 0.0, ""
@@ -520,6 +534,19 @@ def _place(integrator: Any, at: Any, state: np.ndarray) -> None:
     integrator.state[:] = state
     if integrator.with_events:
         integrator.reset_cooldowns()
+
+
+class _Changing:
+    """Callback that changes the state after some steps."""
+
+    def __init__(self, changes: Changes, start: np.ndarray) -> None:
+        self.changes, self.start = changes, start
+
+    def __call__(self, integrator: Any) -> bool:
+        """Change the state where a change is due; True continues."""
+        if self.changes.due():
+            integrator.state[:] = self.changes.made(integrator.state, self.start)
+        return True
 
 
 class _Record:
