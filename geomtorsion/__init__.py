@@ -12,6 +12,7 @@ from geomtorsion.cli.interrupts import begin_command
 
 begin_command()
 
+from difflib import get_close_matches
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -62,6 +63,7 @@ if TYPE_CHECKING:
         Frame,
         IdentityCheck,
         Integrability,
+        ParallelVolume,
         Surface,
         Tensor,
         Torsion,
@@ -69,6 +71,7 @@ if TYPE_CHECKING:
         cartan,
         constrained,
         contract,
+        embedded,
         from_coefficients,
         from_contortion,
         from_spin_connection,
@@ -91,6 +94,7 @@ if TYPE_CHECKING:
         Complex,
         Defect,
         Development,
+        Diffusion,
         EdgeList,
         EnclosedDefect,
         ExactBurgersVector,
@@ -103,6 +107,7 @@ if TYPE_CHECKING:
         develop,
         develop_path,
         develop_period,
+        diffusion,
         dispiration,
         enclosed_defects,
         exact_burgers_vector,
@@ -112,7 +117,12 @@ if TYPE_CHECKING:
         parallel_screws,
     )
     from geomtorsion.materials import crystals, images
-    from geomtorsion.materials.fields import SampledFrame, ScatteredFrame
+    from geomtorsion.materials.fields import (
+        SampledFrame,
+        ScatteredFrame,
+        defect_conservation,
+        defect_densities,
+    )
     from geomtorsion.materials.images import (
         LatticeBurgers,
         LatticeImage,
@@ -161,15 +171,16 @@ if TYPE_CHECKING:
     from geomtorsion.spaces.kerr_orbits import Frequencies, KerrOrbit, kerr_orbit
     from geomtorsion.teaching import exercises
 
-# Imported on first use: sympy alone takes longer than the start of a program should.
+# Imported on first use: the import of sympy takes longer than the start of a program should.
 _LATER = {
     "allowance": ("limits",),
     "exact": ("Certainty", "parse_expression"),
     "geometry": (
         "Connection", "Curvature", "DependencyGraph", "Form", "Frame", "IdentityCheck",
-        "Integrability", "Surface", "Tensor", "Torsion", "blend", "cartan", "constrained",
-        "contract", "from_coefficients", "from_contortion", "from_spin_connection",
-        "from_torsion", "identities", "levi_civita", "lie", "lie_bracket", "surface",
+        "Integrability", "ParallelVolume", "Surface", "Tensor", "Torsion", "blend", "cartan",
+        "constrained", "contract", "embedded", "from_coefficients", "from_contortion",
+        "from_spin_connection", "from_torsion", "identities", "levi_civita", "lie", "lie_bracket",
+        "surface",
     ),
     "spaces": ("read",),
     "geometry.numpy_functions": ("numpy_function",),
@@ -190,13 +201,15 @@ _LATER = {
     "gravity": ("Symmetries", "killing_equations", "symmetries"),
     "loops": (
         "AffineMap", "BurgersMap", "BurgersVector", "Cochain", "Complex", "Defect", "Development",
-        "EdgeList", "EnclosedDefect", "ExactBurgersVector", "Loop", "Network", "NodeRule",
-        "burgers_map", "burgers_vector", "burgers_vectors", "develop", "develop_path",
-        "develop_period",
+        "Diffusion", "EdgeList", "EnclosedDefect", "ExactBurgersVector", "Loop", "Network",
+        "NodeRule", "burgers_map", "burgers_vector", "burgers_vectors", "develop", "develop_path",
+        "develop_period", "diffusion",
         "dispiration", "enclosed_defects", "exact_burgers_vector", "find_defects",
         "parallel_dislocations", "parallel_edges", "parallel_screws",
     ),
-    "materials.fields": ("SampledFrame", "ScatteredFrame"),
+    "materials.fields": (
+        "SampledFrame", "ScatteredFrame", "defect_conservation", "defect_densities",
+    ),
     "materials.lines": ("Box", "DislocationNetwork", "LineArrays", "Reaction"),
     "materials.maps": ("Circuit", "OrientationMap", "Phase"),
     "materials.images": ("LatticeBurgers", "LatticeImage", "LatticePhases"),
@@ -240,6 +253,7 @@ __all__ = [
     "Defect",
     "DependencyGraph",
     "Development",
+    "Diffusion",
     "DislocationNetwork",
     "EdgeList",
     "EnclosedDefect",
@@ -265,6 +279,7 @@ __all__ = [
     "Network",
     "NodeRule",
     "OrientationMap",
+    "ParallelVolume",
     "Phase",
     "Proof",
     "Reaction",
@@ -299,12 +314,16 @@ __all__ = [
     "contract",
     "conventions",
     "crystals",
+    "defect_conservation",
+    "defect_densities",
     "develop",
     "develop_path",
     "develop_period",
+    "diffusion",
     "dispiration",
     "distance_apart",
     "effects",
+    "embedded",
     "enclosed_defects",
     "equations_of_motion",
     "errors",
@@ -361,7 +380,9 @@ if not TYPE_CHECKING:
         if name in _PACKAGES:
             return import_module(f"geomtorsion.{_PACKAGES[name]}")
         if name not in _HOME:
-            raise AttributeError(f"module 'geomtorsion' has no attribute {name!r}")
+            near = get_close_matches(name, __all__, n=1)
+            hint = f". Did you mean {near[0]}?" if near else ""
+            raise AttributeError(f"module 'geomtorsion' has no attribute {name!r}{hint}")
         found = getattr(import_module(f"geomtorsion.{_HOME[name]}"), _INSIDE.get(name, name))
         # Kept, because a second import costs as much as a short solution.
         globals()[name] = found

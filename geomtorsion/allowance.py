@@ -92,7 +92,7 @@ class Limits:
 
 
 def limits(*, seconds: float | None = None, megabytes: float | None = None) -> Limits:
-    """A block in which work ends with an error when it exceeds a limit of time or memory.
+    """Context manager: work that exceeds a limit of time or memory raises an error.
 
     For geometry, printing, actions, reading and proofs: all exact work of the thread that enters
     the block. A limit raises or does nothing; answers never depend on it. Finished quantities

@@ -802,7 +802,7 @@ def array(
 
 @dataclass(frozen=True)
 class Measurable:
-    """Sizes of measured numbers: products of four are finite, and those of lengths are not zero."""
+    """Sizes of measured numbers: products of four are finite, products of lengths are not zero."""
 
     least: float = 1e-70
     most: float = 1e70

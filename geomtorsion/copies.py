@@ -1,9 +1,13 @@
-"""Copies: pickling of a value: its fields, and nothing computed from them."""
+"""Copies: pickling of a value without what was computed from it, and equality by content."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import fields
+from functools import partial
 from typing import Any
+
+import numpy as np
 
 
 def only_fields(self: Any) -> dict[str, Any]:
@@ -21,3 +25,43 @@ def only_fields(self: Any) -> dict[str, Any]:
     found = {item.name: getattr(self, item.name) for item in fields(self)}
     filled = [name for name, kept in found.items() if name[0] == "_" and isinstance(kept, dict)]
     return found | {name: {} for name in filled}
+
+
+def content(self: Any) -> tuple[object, ...]:
+    """The public fields of a dataclass that count when it is compared, arrays as their numbers.
+
+    Examples
+    --------
+    >>> from geomtorsion.ode import At
+    >>> content(At(1.0, {"a": 0}))
+    (1.0, (('a', 0),))
+    """
+    counted = [x.name for x in fields(self) if x.compare and x.name[0] != "_"]
+    return tuple(comparable(getattr(self, name)) for name in counted)
+
+
+def equal_content(self: Any, other: object) -> bool:
+    """Whether two values of one class have equal content; a class takes it as its `__eq__`."""
+    if type(other) is not type(self):
+        return NotImplemented
+    return self is other or content(self) == content(other)
+
+
+def content_hash(self: Any) -> int:
+    """Hash of the content; a class takes it as its `__hash__`."""
+    return hash(content(self))
+
+
+def comparable(value: Any) -> Any:
+    """A value that `==` compares as a whole and that has a hash."""
+    if isinstance(value, np.ndarray):
+        return value.shape, tuple(value.ravel().tolist())
+    if isinstance(value, Mapping):
+        # The order of the names does not count.
+        pairs = [(key, comparable(entry)) for key, entry in value.items()]
+        return tuple(sorted(pairs, key=lambda pair: str(pair[0])))
+    if isinstance(value, list | tuple):
+        return tuple(comparable(entry) for entry in value)
+    if isinstance(value, partial):
+        return value.func, comparable(value.args), comparable(value.keywords)
+    return value

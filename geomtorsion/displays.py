@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
 from geomtorsion.outgoing import latex_formula
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def drawn_by(module: str, function: str) -> Callable[[Any], str]:
@@ -29,6 +32,25 @@ def drawn_by(module: str, function: str) -> Callable[[Any], str]:
 
     drawn.__doc__ = "What a notebook shows."
     return drawn
+
+
+def figure_by(module: str, function: str) -> Callable[..., Figure]:
+    """A method `plot` that draws a value: a function of a module of pictures.
+
+    It takes the other arguments of the function, by name. `pictures.save` writes the figure.
+
+    Examples
+    --------
+    >>> from geomtorsion.loops import BurgersVector
+    >>> BurgersVector.plot.__doc__.partition(":")[0]
+    'Draw it as a matplotlib figure'
+    """
+
+    def plot(self: object, **options: object) -> Figure:
+        return getattr(import_module(f"geomtorsion.pictures.{module}"), function)(self, **options)
+
+    plot.__doc__ = f"Draw it as a matplotlib figure: `geomtorsion.pictures.{module}.{function}`."
+    return plot
 
 
 def latex_of(value: object) -> str:

@@ -6,7 +6,7 @@ are read. The precision of mpmath and python-flint belongs to the whole process.
 of this, not one for each field: two threads that took the locks of two frames in opposite order, as
 in maps between charts, would wait for each other for ever.
 
-Entrances take it: the methods of elements, fields, frames, tensors and what is made of them,
+Entrances take it: the methods of elements, fields, frames, tensors and objects made of them,
 printing included, and the functions that generate code. An entrance holds it until its value is
 complete, so that threads get the values that their calls give in some order. Numerical work (steps
 of a solution, quadratures) runs without it; nobody may wait for another thread while holding it.

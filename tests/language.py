@@ -36,7 +36,11 @@ PATTERNS: dict[str, tuple[str, str]] = {
         r"\b(?:tell|tells|told|telling|say|says|said|saying)\b",
         "report, estimate, state, name",
     ),
-    "stands, lies": (r"\b(?:stands?|stood|standing|lies|lie|lay)\b", "is, is in, is at"),
+    # The text "lie" by itself is the name of a function.
+    "stands, lies": (
+        r"(?!\Alie\Z)\b(?:stands?|stood|standing|lies|lie|lay)\b",
+        "is, is in, is at",
+    ),
     "alone": (r"\balone\b", "only, by itself"),
     "round": (
         r"\bround\b(?! (?:metric|sphere|spheres|body|bodies|trip|trips|bracket|brackets|off|to)\b)",

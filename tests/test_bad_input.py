@@ -142,10 +142,10 @@ def test_float_entry_is_offered_as_a_rational(entry, rational):
 
 
 @pytest.mark.parametrize(
-    "entry", ["x", None, object(), [1]], ids=["text", "None", "object", "list"]
+    "entry", ["x +", "z", None, object(), [1]], ids=["text", "name", "None", "object", "list"]
 )
 def test_entry_that_is_no_expression(entry):
-    """Text, None and other objects are refused as entries."""
+    """Text that is no expression, unknown names and other objects are refused as entries."""
     with pytest.raises(GeomtorsionError):
         gt.Frame([x, y], [[1, 0], [0, entry]])
 

@@ -18,7 +18,8 @@ ALL = [*EXAMPLES, *SCENES]
 EXPECTED = 17
 # These take at least a third of a second; `.ci/run` runs all examples as scripts.
 LONG = {"dzhanibekov", "18_lines_between_atoms", "04_what_accuracy_costs", "16_dislocation_network",
-        "13_paper_equations", "07_tiny_loops", "rolling_disc"}  # fmt: skip
+        "13_paper_equations", "07_tiny_loops", "rolling_disc",
+        "25_a_gait_is_a_loop"}  # fmt: skip
 RUN = [pytest.param(x, marks=pytest.mark.slow) if x.stem in LONG else x for x in ALL]
 
 

@@ -39,8 +39,8 @@ def blocks(language: str, text: str = TEXT) -> list[str]:
 
 
 def examples(page: Path) -> doctest.DocTest:
-    """The Python of a page, with its results."""
-    text = "\n".join(blocks("pycon", page.read_text("utf-8")))
+    """The Python of a page, with its results, as `python -m doctest` finds it."""
+    text = page.read_text("utf-8")
     return doctest.DocTestParser().get_doctest(text, {}, page.name, str(page), 0)
 
 
@@ -55,7 +55,7 @@ COMMANDS = [
 # exports all tabs, and the test of the lesson in examples/classroom.md covers them.
 LONG = (
     "geomtorsion exercises export --to stack -o moodle",
-    "geomtorsion lab --export course",
+    "geomtorsion lab --export pages",
 )
 INSTALLING = [line for block in blocks("sh") for line in block.splitlines() if "venv" in line]
 

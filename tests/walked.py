@@ -17,7 +17,7 @@ import geomtorsion
 from geomtorsion import geodesic, solve, spaces
 
 PACKAGE = str(Path(geomtorsion.__file__).parent)
-# They wrap a function as functools does; a reader goes on to the function itself.
+# They wrap a function as functools does; the wrapped function itself is read.
 WRAPPERS = {str(Path(PACKAGE) / name) for name in ("caching.py", "exclusive.py")}
 
 

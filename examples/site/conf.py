@@ -34,6 +34,7 @@ version = release = gt.__version__
 extensions = [
     "myst_nb",
     "sphinx.ext.autodoc",
+    "sphinx_copybutton",
     "formulas",
     "docstrings",
     "reference",
@@ -77,8 +78,14 @@ html_theme = "furo"
 html_title = f"geomtorsion {release}"
 html_math_renderer = "mathml"
 html_static_path = ["style"]
+html_favicon = "style/favicon.svg"
 html_css_files = ["formulas.css", "site.css"]
 html_copy_source = False
 html_show_sphinx = False
 html_theme_options = {"footer_icons": []}
 pygments_style = "friendly"
+
+# Copy what can be run: not the prompts, and no output.
+copybutton_selector = "div:not(.output) > div.highlight > pre"
+copybutton_prompt_text = r">>> |\.\.\. "
+copybutton_prompt_is_regexp = True

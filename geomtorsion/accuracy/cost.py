@@ -42,12 +42,12 @@ LONG_ENOUGH = 0.02
 class CostRow:
     """One engine at one accuracy.
 
-    asked: requested accuracy; achieved: error against the truth; estimated: the estimate of
+    asked: requested accuracy. achieved: error against the reference. estimated: the estimate of
     `solve`.
-    seconds: integration of the answer;
-    total_seconds: `solve` as a whole, error estimate included.
-    compile_seconds: the first time, if anything was compiled.
-    note: why there is no answer, or nothing.
+    seconds: integration of the answer.
+    total_seconds: `solve` with its error estimate.
+    compile_seconds: compilation on the first call.
+    note: why there is no answer; empty otherwise.
     """
 
     engine: str
@@ -226,7 +226,9 @@ def accuracy_cost(
     """
     asked = [checked_accuracy(accuracy) for accuracy in accuracies]
     if not asked:
-        raise AccuracyError("no accuracy was given; give some, such as [1e-6, 1e-9].")
+        raise AccuracyError(
+            "accuracies: expected at least one, got none. Give some, such as [1e-6, 1e-9]."
+        )
     solvers = list(engines or ([Taylor()] if is_available() else []) + [RungeKutta()])
     times, grid = checked_times(t)
     truth = truth_of(problem, grid, exact)

@@ -17,6 +17,7 @@ from mpmath.libmp import prec_to_dps
 
 from geomtorsion import checks
 from geomtorsion.accuracy.cost import ACCURACIES, LONG_ENOUGH
+from geomtorsion.displays import figure_by
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import burgers_vector, forms, integrals
 from geomtorsion.loops.arcs import exact_number
@@ -80,6 +81,8 @@ class LoopCosts:
         good = [row for row in self.rows if row.error <= accuracy]
         return min(good, key=lambda row: row.seconds, default=None)
 
+    plot = figure_by("costs", "draw_loop_costs")
+
     def __str__(self) -> str:
         head = f"{'rule':16}{'points':>8}{'asked':>9}{'error':>10}{'claimed':>10}{'time':>11}"
         lines = [self.name, head]
@@ -130,7 +133,7 @@ def loop_costs(
     """
     unknown = [rule for rule in rules if rule not in RULES]
     if unknown:
-        raise LoopError(f"there is no rule {unknown[0]!r}; known are {', '.join(RULES)}.")
+        raise LoopError(f"rules: expected some of {', '.join(RULES)}, got {unknown[0]!r}.")
     truth = reference(frame, loop, parameters)
     largest = max(abs(x) for x in truth)
     # Values that half of the digits do not distinguish from zero are rounding.

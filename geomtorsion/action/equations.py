@@ -28,6 +28,7 @@ from geomtorsion.errors import LagrangianError, LimitError
 if TYPE_CHECKING:
     from geomtorsion.exact import Element
     from geomtorsion.geometry import Connection, Frame
+    from geomtorsion.geometry.connections import ConnectionLike, FrameLike
 
 
 @dataclass(frozen=True)
@@ -92,7 +93,7 @@ class EquationsOfMotion:
     frame: the frame whose forms give the velocities.
     lagrangian: L(q, u, t).
     forces: F_k(q, u, t), one for each form of the frame: F_k u^k is their power.
-    constraints: expressions linear in u, with a part free of u or not, that stay zero.
+    constraints: expressions that stay zero, linear in u plus a term without u.
     principle: how the action is varied.
     hamel, lagrange: the two derivations, in exact elements.
     """
@@ -189,7 +190,7 @@ class EquationsOfMotion:
 
     @cached_property
     def invariants(self) -> ConservedQuantities:
-        """Name -> f(q, u, t) that the motion keeps, each proved by exact zero."""
+        """Name -> conserved quantity f(q, u, t), each proved by exact zero."""
         return conserved(self.hamel, self.frame, self.lagrange.bundle.frame)
 
     @cached_property
@@ -263,14 +264,14 @@ class EquationsOfMotion:
 
 
 def equations_of_motion(
-    frame: Frame,
+    frame: FrameLike,
     lagrangian: str | int | sp.Expr | Element,
     forces: object = None,
     principle: str = "closed_in_coordinates",
     constraints: object = None,
     *,
     parameters: Iterable[sp.Symbol | str] | None = None,
-    connection: Connection | None = None,
+    connection: ConnectionLike | None = None,
 ) -> EquationsOfMotion:
     """Equations of motion of any Lagrangian L(q, u, t) in the velocities of a frame.
 
@@ -332,7 +333,7 @@ def equations_of_motion(
     (0, 0, 0)
     """
     chosen = principle_named(principle)
-    validation.check_frame(frame, connection)
+    frame, connection = validation.checked_frame(frame, connection)
     n = frame.dimension
     pushes = validation.force_entries(forces, n)
     fixed = validation.constraint_entries(constraints, n)
@@ -352,14 +353,14 @@ def equations_of_motion(
 
 
 def conserved_quantities(
-    frame: Frame,
+    frame: FrameLike,
     lagrangian: str | int | sp.Expr | Element,
     forces: object = None,
     principle: str = "closed_in_coordinates",
     constraints: object = None,
     *,
     parameters: Iterable[sp.Symbol | str] | None = None,
-    connection: Connection | None = None,
+    connection: ConnectionLike | None = None,
 ) -> ConservedQuantities:
     """Name -> f(q, u, t) that the motion keeps: the `invariants` of its equations.
 

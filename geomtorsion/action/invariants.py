@@ -213,7 +213,7 @@ class _Found:
 
 
 class ConservedQuantities(Mapping[str, sp.Expr]):
-    """Name -> f(q, u, t) that a motion keeps, each proved by exact zero, and where it was searched.
+    """Conserved quantities f(q, u, t) by name, each proved by exact zero, and the search.
 
     ansatz: the families of functions that were searched, one line for each. All linear
         combinations of a family with rational coefficients that the motion keeps are found; the

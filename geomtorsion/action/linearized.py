@@ -24,11 +24,11 @@ from geomtorsion.ode.terms import expression, symbol_table
 
 if TYPE_CHECKING:
     from geomtorsion.exact import Element
-    from geomtorsion.geometry import Connection, Frame
+    from geomtorsion.geometry.connections import ConnectionLike, FrameLike
 
 
 def linearized(
-    frame: Frame,
+    frame: FrameLike,
     lagrangian: str | int | sp.Expr | Element,
     forces: object = None,
     principle: str = "closed_in_coordinates",
@@ -37,7 +37,7 @@ def linearized(
     at: Mapping[object, object],
     velocities: Sequence[sp.Symbol | str] | None = None,
     parameters: Iterable[sp.Symbol | str] | None = None,
-    connection: Connection | None = None,
+    connection: ConnectionLike | None = None,
 ) -> Linearization:
     """Equations of motion to first order around a steady motion, without writing them out.
 
@@ -85,7 +85,7 @@ def linearized(
     [2.0, -2.0]
     """
     chosen = principle_named(principle)
-    validation.check_frame(frame, connection)
+    frame, connection = validation.checked_frame(frame, connection)
     n = frame.dimension
     pushes = validation.force_entries(forces, n)
     fixed = validation.constraint_entries(constraints, n)

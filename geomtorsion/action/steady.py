@@ -94,7 +94,7 @@ class Linearization:
         return np.array(sorted(roots, key=lambda x: (-round(x.real, 12), x.imag)))
 
     def at(self, values: Mapping[object, object]) -> Linearization:
-        """The same with values for some parameters.
+        """This linearization with values for some parameters.
 
         Raises
         ------

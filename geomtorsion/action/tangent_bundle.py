@@ -61,7 +61,7 @@ def symbols_of(frame: Frame) -> MotionSymbols:
     time = next((name for name in _TIMES if name not in taken), None)
     if names is None or time is None:
         raise LagrangianError(
-            "the frame uses all names for velocities or time: "
+            "expected a free name for the velocities and the time, got a frame that uses all of "
             f"{', '.join([stem + '1' for stem in _STEMS] + list(_TIMES))}. Rename a coordinate."
         )
     coordinates = [symbol.name for symbol in frame.coordinates]
@@ -90,8 +90,8 @@ def free_pattern(frame: Frame, names: Sequence[str | int], forms: Sequence[str])
         if not taken & {form.format(name) for name in names}:
             return form
     raise LagrangianError(
-        f"the frame uses names of all the forms {', '.join(forms)}, which are needed for changes "
-        "and variations. Rename a coordinate."
+        "expected free names for changes and variations, got a frame that uses names of all the "
+        f"forms {', '.join(forms)}. Rename a coordinate."
     )
 
 

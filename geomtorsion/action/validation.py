@@ -15,7 +15,8 @@ from geomtorsion.checks import near_names
 from geomtorsion.errors import ConstraintError, LagrangianError, ShapeError
 from geomtorsion.exact import parse_expression
 from geomtorsion.exact.reading import counted_as
-from geomtorsion.geometry import Connection, Frame
+from geomtorsion.geometry import Connection, Frame, at_home
+from geomtorsion.geometry.connections import ConnectionLike, FrameLike, as_connection, as_frame
 from geomtorsion.geometry.validation import free_symbols, named_symbols
 
 Named = list[tuple[str, object]]
@@ -73,12 +74,15 @@ def _listed(values: object, what: str) -> list[Any]:
     return [row[0] if isinstance(row, list) and len(row) == 1 else row for row in rows]
 
 
-def check_frame(frame: Frame, connection: Connection | None, *, complex_too: bool = False) -> None:
-    """Refuse a connection of another frame, and complex frames: they describe no motion."""
-    checks.instance(frame, Frame, "frame")
+def checked_frame(
+    frame: FrameLike, connection: ConnectionLike | None, *, complex_too: bool = False
+) -> tuple[Frame, Connection | None]:
+    """Frame and connection; refuses a connection of another frame, and complex frames."""
+    frame = as_frame(frame)
+    home = None
     if connection is not None:
-        checks.instance(connection, Connection, "connection")
-        if connection.frame is not frame:
+        home = at_home(frame, as_connection(connection))
+        if home is None:
             raise ShapeError(
                 "connection: expected one over this frame, got one over another frame. Build it "
                 "over this frame."
@@ -88,6 +92,7 @@ def check_frame(frame: Frame, connection: Connection | None, *, complex_too: boo
             f"expected a real frame for mechanics, got {frame.name or 'one'}, which is complex (a "
             "null tetrad). Use a real frame of the same metric."
         )
+    return frame, home
 
 
 def expressions(

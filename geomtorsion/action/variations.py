@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from geomtorsion.action import validation
+from geomtorsion.action.gaps import Gap
 from geomtorsion.action.hamel import coefficients_of, torsion_over
 from geomtorsion.action.principles import principle_named
 from geomtorsion.action.tangent_bundle import bundle_over, free_pattern, symbols_of
@@ -19,6 +20,8 @@ from geomtorsion.geometry import Tensor
 if TYPE_CHECKING:
     from geomtorsion.exact import Element
     from geomtorsion.geometry import Connection, Frame
+    from geomtorsion.geometry.connections import ConnectionLike, FrameLike
+    from geomtorsion.ode import ODE
 
 _IMAGES = ("dPhi{}", "delta{}")
 
@@ -101,6 +104,62 @@ class Variation:
             return tuple(-term for term in terms)
         curl_part = _bilinear(self.frame.anholonomy, self.velocities, self.gaps)
         return tuple(-one - two for one, two in zip(terms, curl_part, strict=True))
+
+    def gap_ode(
+        self,
+        motion: ODE,
+        images: Sequence[object],
+        *,
+        parameters: Mapping[str, object] | None = None,
+    ) -> ODE:
+        """The gap b^i of a varied path, solved beside the path (Kleinert and Pelster 1999).
+
+        The path and its variation start at one point. With closed_in_image and dPhi^i = 0 at the
+        end, their images in the frame also end at one point. In the space the two ends are
+        e^i_mu dq^mu = b^i apart (Fiziev and Kleinert 1996). `pictures.draw_gap` draws both.
+
+        Equation
+        --------
+        b'^i = - T_kj^i u^j dPhi^k - C_kj^i u^j b^k,  b^i = 0 at t = 0: `gap_rates` along a path
+
+        Parameters
+        ----------
+        motion
+            equations whose states include all coordinates q^mu: of a body
+            (`ODE.of(gt.equations_of_motion(...), start)`), or of a path as a function of time.
+        images
+            dPhi^i, n functions of the time, of states and parameters, as text or expressions.
+        parameters
+            numbers for names that the motion does not have.
+
+        Returns
+        -------
+        ODE: the motion, the gaps, and the outputs frame_velocity (u^i), image (dPhi^i) and moved
+        (dq^mu).
+
+        Raises
+        ------
+        ShapeError
+            the motion lacks a coordinate, or there are not n images.
+        ExpressionError
+            an image or a rate of the motion cannot be read, or a name has two meanings.
+
+        Examples
+        --------
+        A top turns at a constant rate about its third axis:
+
+        >>> from geomtorsion.ode import ODE, solve
+        >>> from geomtorsion.spaces import load
+        >>> bar = variation(load("so3").frame, "closed_in_image")
+        >>> turning = ODE.of({"phi1": 1, "phi2": 0, "phi3": 0}, [0, 1, 0])
+        >>> beside = bar.gap_ode(turning, ["sin(t)", 0, 0])
+        >>> [beside.rates.expressions[name] for name in ("b1", "b2", "b3")]
+        [b2, -b1 - sin(t), 0]
+        >>> round(float(solve(beside, 2.0)["b2"][-1]), 6)
+        -0.909297
+        """
+        gap = Gap(self.frame, self.images, self.gaps, self.gap_rates, self.coordinates)
+        return gap.beside(motion, images, {} if parameters is None else parameters)
 
     @cached_property
     def proved(self) -> bool | None:
@@ -189,9 +248,9 @@ class Variation:
 
 
 def variation(
-    frame: Frame,
+    frame: FrameLike,
     principle: str = "closed_in_coordinates",
-    connection: Connection | None = None,
+    connection: ConnectionLike | None = None,
 ) -> Variation:
     """How u^i = e^i_mu q'^mu changes under a variation of the path, derived from the frame.
 
@@ -223,7 +282,7 @@ def variation(
     (True, False)
     """
     chosen = principle_named(principle)
-    validation.check_frame(frame, connection, complex_too=True)
+    frame, connection = validation.checked_frame(frame, connection, complex_too=True)
     return Variation(frame, chosen.name, connection)
 
 

@@ -11,9 +11,9 @@ import typer
 from geomtorsion import gravity
 from geomtorsion.geometry import Connection, cartan, levi_civita
 from geomtorsion.gravity import FieldEquations
+from geomtorsion.gravity.vocabulary import THEORIES
 from geomtorsion.spaces import Space
 
-THEORIES = ("tegr", "stegr", "einstein_cartan", "general_relativity", "gauss_bonnet")
 RIEMANNIAN = ("general_relativity", "gauss_bonnet")
 
 

@@ -9,6 +9,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import lru_cache
+from types import MappingProxyType
 from typing import Any
 
 import mpmath
@@ -121,6 +122,36 @@ class Graph:
     def size(self) -> int:
         """Number of outputs."""
         return len(self.outputs)
+
+    @cached_property
+    def operations(self) -> Mapping[str, int]:
+        """Number of operations on values that are not constant, by kind.
+
+        A sum of n terms counts n - 1 times, a product with a constant as "scale" and a function
+        by its name.
+
+        Examples
+        --------
+        >>> import sympy
+        >>> x, a = sympy.symbols("x a")
+        >>> dict(graph(["x", "a"], [sympy.sin(x) ** 2 + a * x + 1], ["a"]).operations)
+        {'sin': 1, 'square': 1, 'scale': 1, 'sum': 2}
+        """
+        count: dict[str, int] = {}
+        for step in self.steps:
+            if step.constant or step.kind == "argument":
+                continue
+            kind, times = step.kind, 1
+            if kind == "call":
+                kind = str(step.detail)
+            elif kind == "sum":
+                times = len(step.operands) - 1
+            elif kind in ("product", "quotient"):
+                # A constant above the line makes no quotient cheaper.
+                first, second = (self.steps[place].constant for place in step.operands)
+                kind = "scale" if second or (first and kind == "product") else kind
+            count[kind] = count.get(kind, 0) + times
+        return MappingProxyType(count)
 
     @cached_property
     def key(self) -> str:

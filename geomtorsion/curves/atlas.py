@@ -15,7 +15,7 @@ import sympy as sp
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph, graph, numpy_function
-from geomtorsion.copies import only_fields
+from geomtorsion.copies import comparable, content_hash, equal_content, only_fields
 from geomtorsion.curves.edges import edges_of
 from geomtorsion.errors import (
     ArgumentError,
@@ -122,18 +122,18 @@ class ElementMatrix:
 
 @dataclass(frozen=True, eq=False)
 class Chart:
-    """Coordinates in which a motion can be followed.
+    """Coordinate system in which a motion is computed.
 
-    name: by which an atlas knows it.
+    name: its name in the atlas.
     coordinates: symbols; more than the dimension of the space in a redundant chart.
     legs: for each coordinate the pairs (i, E[mu, i]) that do not vanish: q'^mu = E[mu, i] u^i.
     frame: the frame written in these coordinates; None for a redundant chart.
     keeps_frame: whether its legs are the fields of the home chart's frame.
     edge: an element that vanishes where the chart ends; None if the frame itself defines its edges.
-    margin: below this value of |edge| the solver moves over to another chart.
+    margin: below this value of |edge| the solver changes the chart.
     kept: an element that equals one everywhere (redundant charts).
-    antipodal: indices of coordinates whose signs may all change without another point being meant.
-    end: where motions end that do not reach the edge, in words.
+    antipodal: indices of coordinates whose common sign does not change the point.
+    end: where a motion ends before it reaches the edge, in words.
     """
 
     name: str
@@ -146,6 +146,20 @@ class Chart:
     kept: Element | None = None
     end: str = ""
     antipodal: tuple[int, ...] = ()
+
+    def __eq__(self, other: object) -> bool:
+        return self._plain == other._plain if isinstance(other, Chart) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.coordinates))
+
+    @cached_property
+    def _plain(self) -> tuple[object, ...]:
+        """What counts when charts are compared: expressions in place of elements."""
+        legs = [[(i, x.sympy) for i, x in row] for row in self.legs] if self.frame is None else []
+        edge, kept = (None if x is None else x.sympy for x in (self.edge, self.kept))
+        margin = self.keeps_frame, self.margin, self.antipodal
+        return self.name, self.coordinates, self.frame, legs, edge, kept, margin
 
     def __getstate__(self) -> dict[str, object]:
         return only_fields(self)
@@ -297,6 +311,8 @@ class TransitionMap:
     sample: Mapping[sp.Symbol, Any] | None = None
     written: Written | None = None
 
+    __eq__, __hash__ = equal_content, content_hash
+
     def __post_init__(self) -> None:
         for name in ("source", "target"):
             checks.text(getattr(self, name), name, ArgumentError)
@@ -421,7 +437,7 @@ class MovingPoint(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Atlas:
-    """Charts of one space and the maps between them, made when they are first used.
+    """Charts of a space and the maps between them, created on first use.
 
     home: name of the chart of the frame that the user works with.
     makers: name -> function without arguments that makes the chart.
@@ -436,6 +452,22 @@ class Atlas:
     changes: Callable[[], tuple[TransitionMap, ...]]
     order: tuple[str, ...] = ()
     origin: tuple[Callable[[Frame], Atlas], Frame] | None = None
+
+    def __eq__(self, other: object) -> bool:
+        """Equal charts in an equal order, and equal maps."""
+        if not isinstance(other, Atlas):
+            return NotImplemented
+        if self is other:
+            return True
+        if (self.home, self.names) != (other.home, other.names):
+            return False
+        if self.origin is not None and comparable(self.origin) == comparable(other.origin):
+            return True
+        charts = all(self.chart(name) == other.chart(name) for name in self.names)
+        return charts and self._table == other._table
+
+    def __hash__(self) -> int:
+        return hash((self.home, self.names))
 
     def __reduce__(self) -> tuple[object, ...]:
         if self.origin is not None:
@@ -480,7 +512,7 @@ class Atlas:
         return self.order or tuple(self.makers)
 
     def only(self, *names: str) -> Atlas:
-        """The same space with only these charts."""
+        """This atlas restricted to some charts."""
         for name in names:
             if name not in self.makers:
                 self.chart(name)
@@ -518,7 +550,7 @@ class Atlas:
         parameters: Mapping[str, Real],
         bits: int,
     ) -> MovingPoint:
-        """A moving point in another chart; above 53 bits with mpmath numbers throughout.
+        """Position and velocity in another chart, as mpmath numbers above 53 bits.
 
         Raises
         ------

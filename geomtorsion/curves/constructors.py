@@ -32,21 +32,25 @@ from geomtorsion.curves.stops import read_stops
 from geomtorsion.curves.transported import Deviation, TransportedVectors
 from geomtorsion.errors import MetricError, ShapeError, StartError
 from geomtorsion.exact.reading import checked
-from geomtorsion.geometry import Connection, Frame, levi_civita
+from geomtorsion.geometry import Connection, Frame, at_home, levi_civita
 from geomtorsion.geometry.components import determinant
+from geomtorsion.geometry.connections import (
+    ConnectionLike,
+    FrameLike,
+    as_connection,
+    frame_of,
+)
 from geomtorsion.geometry.derived import derived
-from geomtorsion.ode.numbers import Numbers, checked_numbers, floats
-
-# A velocity typed with twelve digits meets a constraint to this part of its size.
-ROUNDED = 1e-11
+from geomtorsion.ode.numbers import Numbers, Real, checked_numbers, floats
+from geomtorsion.precision import CALCULATED
 
 
 def autoparallel(
-    connection: Connection,
-    start: Numbers | None = None,
-    velocity: Numbers | None = None,
+    connection: ConnectionLike,
+    start: Numbers | Mapping[Any, Real] | None = None,
+    velocity: Numbers | Mapping[Any, Real] | None = None,
     *,
-    frame_velocity: Numbers | None = None,
+    frame_velocity: Numbers | Mapping[Any, Real] | None = None,
     parameters: Mapping[Any, Any] | None = None,
     causal: str | None = None,
     atlas: Atlas | None = None,
@@ -54,7 +58,7 @@ def autoparallel(
     force: object = None,
     potential: object = None,
 ) -> CurveProblem:
-    """A straightest line: the velocity is carried parallel along itself.
+    """Straightest line: its velocity is transported parallel along itself.
 
     Equation
     --------
@@ -64,11 +68,13 @@ def autoparallel(
     Parameters
     ----------
     connection
-        any connection; for the Cartan connection u is constant.
+        any connection; for the Cartan connection u is constant. A space, or the name of a shipped
+        one, contributes its own connection, or the Cartan connection if it has none.
     start
-        q^mu, shape (n,); None on a Lie group where only u is needed.
+        q^mu, shape (n,), or {"r": 1, "theta": 0}; None on a Lie group where only u is needed.
     velocity, frame_velocity
-        q'^mu, or u^i = e^i_mu q'^mu, shape (n,): exactly one of them.
+        q'^mu, or u^i = e^i_mu q'^mu, shape (n,): exactly one of them; by name {"r": 0, "theta": 1}
+        or {"u1": 1, "u2": 0}.
     parameters
         values of the parameters of the frame, by name.
     causal
@@ -120,7 +126,7 @@ def autoparallel(
     >>> solution.outcome, solution.stopped_by, round(float(solution.times[-1]), 9)
     ('stopped', '3 - r', 2.0)
     """
-    checks.instance(connection, Connection, "connection")
+    connection = as_connection(connection)
     law: Law = Autoparallel(connection)
     if connection.kind == "cartan":
         law = CartanAutoparallel()
@@ -136,11 +142,11 @@ def autoparallel(
 
 
 def geodesic(
-    space: Frame | Connection,
-    start: Numbers | None = None,
-    velocity: Numbers | None = None,
+    space: FrameLike | Connection,
+    start: Numbers | Mapping[Any, Real] | None = None,
+    velocity: Numbers | Mapping[Any, Real] | None = None,
     *,
-    frame_velocity: Numbers | None = None,
+    frame_velocity: Numbers | Mapping[Any, Real] | None = None,
     metric: Any = None,
     parameters: Mapping[Any, Any] | None = None,
     causal: str | None = None,
@@ -156,7 +162,7 @@ def geodesic(
     Parameters
     ----------
     space
-        the frame; a connection contributes only its frame.
+        a frame, a space or the name of a shipped one; a connection contributes only its frame.
     start, velocity, frame_velocity, parameters, causal, atlas, stop
         as in `autoparallel`.
     metric
@@ -177,8 +183,7 @@ def geodesic(
     u2' = (1)*u1*u3
     u3' = (-1/3)*u1*u2
     """
-    frame = space.frame if isinstance(space, Connection) else space
-    checks.instance(frame, Frame, "space")
+    frame = space if isinstance(space, Frame) else frame_of(space, "space")
     law = Geodesic(None if metric is None else kinetic_metric(metric, frame))
     return _posed(
         "geodesic", frame, law, start, velocity, frame_velocity, parameters, causal, atlas, stop
@@ -186,9 +191,9 @@ def geodesic(
 
 
 def parallel_transport(
-    problem: CurveProblem, vectors: Any, connection: Connection | None = None
+    problem: CurveProblem, vectors: Any, connection: ConnectionLike | None = None
 ) -> CurveProblem:
-    """The same motion with vectors carried parallel along it.
+    """The same motion with vectors that are transported parallel along it.
 
     Equation
     --------
@@ -212,7 +217,7 @@ def parallel_transport(
     """
     checks.instance(problem, CurveProblem, "problem")
     if connection is not None:
-        checks.instance(connection, Connection, "connection")
+        connection = as_connection(connection)
     if problem.start is None:
         raise StartError(
             "parallel transport: expected a curve with coordinates, got one without. Give it a "
@@ -224,8 +229,8 @@ def parallel_transport(
         raise ShapeError(f"vector: expected a list of numbers, got {checks.shown(vectors)}.")
     nested = bool(rows) and isinstance(rows[0], list | tuple | np.ndarray)
     carried = tuple(checked_numbers(row, n, "vector") for row in (rows if nested else [rows]))
-    carrier = connection or levi_civita(problem.frame)
-    if carrier.frame is not problem.frame:
+    carrier = at_home(problem.frame, connection or levi_civita(problem.frame))
+    if carrier is None:
         raise ShapeError(
             "connection: expected one over the frame of the curve, got one over another frame. "
             "Build it over this frame."
@@ -236,7 +241,7 @@ def parallel_transport(
 def geodesic_deviation(
     problem: CurveProblem, offset: Numbers, rate: Numbers | None = None
 ) -> CurveProblem:
-    """The same motion with the deviation to a neighbouring one.
+    """The same motion with the deviation from a neighbouring motion.
 
     Parameters
     ----------
@@ -314,7 +319,7 @@ def _check_permitted(connection: Connection, problem: CurveProblem) -> None:
     speeds = np.array(floats(problem.frame_velocity))
     permitted = np.isin(np.arange(len(speeds)), connection.allowed)
     forbidden = np.abs(speeds[~permitted]).max(initial=0.0)
-    if forbidden > ROUNDED * np.abs(speeds).max():
+    if forbidden > CALCULATED * np.abs(speeds).max():
         nearest = np.where(permitted, speeds, 0.0).tolist()
         raise StartError(
             "expected a velocity that the constraints permit, got one with a part of "

@@ -25,7 +25,7 @@ def distance_apart(
     *,
     angles: Sequence[str] | None = None,
 ) -> np.ndarray:
-    """How far two motions are from each other at each of the times of the first.
+    """Distance of two motions at each time of the first.
 
     Parameters
     ----------

@@ -86,7 +86,7 @@ class CartanAutoparallel:
         return {}
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Autoparallel:
     """Autoparallels of any connection: u'^k = - omega_ij^k u^i u^j."""
 

@@ -13,6 +13,7 @@ from geomtorsion.curves.constructors import autoparallel, parallel_transport
 from geomtorsion.curves.problem import CurveProblem, checked_parameters
 from geomtorsion.errors import ChartEdgeError, ShapeError, StartError, StuckError, TimeError
 from geomtorsion.geometry import Connection
+from geomtorsion.geometry.connections import ConnectionLike, as_connection
 from geomtorsion.ode.numbers import Numbers
 from geomtorsion.ode.problem import ODE
 from geomtorsion.ode.solve import solve
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def exponential_map(
-    connection: Connection,
+    connection: ConnectionLike,
     start: Numbers,
     vector: Numbers,
     *,
@@ -62,7 +63,7 @@ def exponential_map(
 
 
 def holonomy(
-    connection: Connection,
+    connection: ConnectionLike,
     path: CurveProblem | Sequence[Any],
     t: float = 1.0,
     *,
@@ -102,7 +103,8 @@ def holonomy(
     >>> (holonomy(sphere, circle, parameters={"R": 1}).round(6) + 0.0).tolist()
     [[-1.0, 0.0], [0.0, -1.0]]
     """
-    n = checks.instance(connection, Connection, "connection").frame.dimension
+    connection = as_connection(connection)
+    n = connection.frame.dimension
     end = checks.number(t, "t", TimeError)
     unit = np.eye(n).tolist()
     if isinstance(path, CurveProblem):

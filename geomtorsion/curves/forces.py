@@ -32,6 +32,21 @@ class Forced:
     needs_frame = True
     is_quadratic = False
 
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Forced):
+            return NotImplemented
+        if (self.law, self.frame) != (other.law, other.frame):
+            return False
+        return self._components == other._components
+
+    def __hash__(self) -> int:
+        return hash((self.law, self.frame))
+
+    @property
+    def _components(self) -> list[object]:
+        """The acceleration and the potential as expressions."""
+        return [None if x is None else x.sympy for x in (*self.acceleration, self.potential)]
+
     @property
     def text(self) -> str:
         """The equation in one line."""

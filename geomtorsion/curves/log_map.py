@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.curves.constructors import autoparallel
 from geomtorsion.curves.problem import CurveProblem, checked_start
@@ -16,6 +15,7 @@ from geomtorsion.curves.search import STALE, Followed, Hit, Search, reach_of
 from geomtorsion.curves.shooting import ROUNDING, Line, Shooter, lengths_of
 from geomtorsion.errors import EndpointError, GeomtorsionError
 from geomtorsion.geometry import Connection
+from geomtorsion.geometry.connections import ConnectionLike, as_connection
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
 from geomtorsion.ode.numbers import Numbers, checked_accuracy, checked_numbers
 from geomtorsion.ode.solution import Solution
@@ -28,16 +28,16 @@ SHARPEST = 4 * ROUNDING
 
 @dataclass(frozen=True, eq=False)
 class LogMap:
-    """A motion that leads from one point to another in unit time.
+    """Motion from one point to another in unit time.
 
     vector: its initial frame velocity u^i.
     miss: distance of its end from the target, in the frame at the target, all signs of eta as
         positive.
     solution: the motion.
-    shots: how many motions Newton's iteration followed to find it.
+    shots: number of motions that Newton's iteration computed.
     length: sqrt(|eta_ij u^i u^j|); the length of the motion, or its proper time.
     conjugate: parts of the motion, between 0 and 1, at which a point is conjugate to the start.
-    guarantee: among which motions it is the shortest, in words.
+    guarantee: the set of motions among which it is the shortest, in words.
     """
 
     vector: np.ndarray
@@ -50,7 +50,7 @@ class LogMap:
 
 
 def log_map(
-    connection: Connection,
+    connection: ConnectionLike,
     start: Numbers,
     end: Numbers,
     *,
@@ -102,7 +102,8 @@ def log_map(
     >>> found.vector.round(6).tolist(), round(found.length, 6)
     ([-0.122417, 0.479426], 0.494808)
     """
-    frame = checks.instance(connection, Connection, "connection").frame
+    connection = as_connection(connection)
+    frame = connection.frame
     n = frame.dimension
     accuracy = checked_accuracy(accuracy)
     checked_engine(engine)
@@ -123,8 +124,8 @@ def log_map(
     try:
         return answer(accuracy)
     except EndpointError as error:
-        # Near a conjugate point only motions that are as sharp as floats allow tell directions
-        # apart.
+        # Near a conjugate point directions differ only in motions that are as sharp as floats
+        # allow.
         if accuracy <= SHARPEST or engine is not None:
             raise
         try:

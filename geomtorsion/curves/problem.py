@@ -15,7 +15,7 @@ from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.codegen import graph
 from geomtorsion.codegen.expression_graph import branch_check
-from geomtorsion.copies import only_fields
+from geomtorsion.copies import content_hash, equal_content, only_fields
 from geomtorsion.curves import readout
 from geomtorsion.curves.atlas import Atlas, MovingPoint, atlas_of
 from geomtorsion.curves.equations import Equations, Law, velocity_names, written
@@ -41,7 +41,7 @@ from geomtorsion.errors import (
 )
 from geomtorsion.geometry.domain_edges import Edge
 from geomtorsion.geometry.evaluation import sign_of
-from geomtorsion.geometry.validation import broken_relations
+from geomtorsion.geometry.relations import broken_relations
 from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment, Term
@@ -66,7 +66,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class CurveProblem:
-    """A curve to be solved for: law, frame, start; made by `geodesic`, `autoparallel`, ...
+    """Curve to solve for: law, frame and start; made by `geodesic`, `autoparallel`, ...
 
     name: of the curve.
     frame: its coordinates and frame vectors are those in which start and answer are given.
@@ -77,7 +77,7 @@ class CurveProblem:
     atlas: charts of the space.
     carried: quantities carried along: transported vectors or a deviation.
     coordinate_velocity: q'^mu at t = 0 where that was given; more digits of u^i come from it.
-    stops: conditions that end the curve where they fall through zero.
+    stops: expressions; the curve ends where one of them decreases through zero.
 
     Examples
     --------
@@ -106,6 +106,8 @@ class CurveProblem:
         default_factory=dict, repr=False, init=False
     )
 
+    __eq__, __hash__ = equal_content, content_hash
+
     def __getstate__(self) -> dict[str, object]:
         return only_fields(self)
 
@@ -125,7 +127,7 @@ class CurveProblem:
 
     @cached_property
     def charts(self) -> tuple[str, ...]:
-        """Names of the charts in which this motion can be followed, by preference."""
+        """Names of the charts in which this motion can be computed, by preference."""
         if self.start is None:
             return ("",)
         charts = []
@@ -214,7 +216,7 @@ class CurveProblem:
         return replace(self, start=place, frame_velocity=speeds, coordinate_velocity=rates)
 
     def carry(self, carried: Carried) -> CurveProblem:
-        """The same motion with something carried along."""
+        """The same motion with transported vectors or a deviation."""
         return replace(self, carried=carried, _written={})
 
     def with_charts(self, *names: str) -> CurveProblem:
@@ -544,7 +546,7 @@ class CurveProblem:
     def member_gaps(
         self, members: Members, one: Rows, two: Rows
     ) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Pairs of what is read at home of two runs of members, each (number, m, n)."""
+        """Pairs of values read at home of two runs of members, each (number, m, n)."""
         return readout.member_gaps(self, members, one, two)
 
     def together(self, name: str) -> tuple[str, ...]:
@@ -559,6 +561,10 @@ class CurveProblem:
         """Coordinates of all samples in a chart."""
         self.atlas.chart(name)
         return readout.in_chart(self, trajectory, name)
+
+    def continued(self, points: np.ndarray, chart: str) -> np.ndarray:
+        """Points of the curve in a chart, shape (m, n), without jumps of angles by full turns."""
+        return readout.continued(self, chart, points)
 
     def invariant_changes(self, trajectory: Trajectory) -> dict[str, np.ndarray]:
         """Relative change of each invariant at each sample, counted separately in each chart."""
@@ -660,10 +666,31 @@ def checked_parameters(frame: Frame, parameters: Mapping[Any, Any] | None) -> di
     return numbers
 
 
+def in_order(values: object, names: Sequence[str], what: str) -> object:
+    """The values of a mapping {name or symbol: number} in the order of the names; lists as given.
+
+    Raises
+    ------
+    StartError
+        A name is unknown or has no value.
+    """
+    if not isinstance(values, Mapping):
+        return values
+    by_name = checks.known_keys(values, names, what, StartError)
+    missing = [name for name in names if name not in by_name]
+    if missing:
+        raise StartError(
+            f"{what}: expected a number for each of {', '.join(names)}, got none for "
+            f"{', '.join(missing)}. Add it."
+        )
+    return [by_name[name] for name in names]
+
+
 def checked_start(frame: Frame, start: object, parameters: Mapping[str, Real]) -> tuple[Real, ...]:
     """Coordinates at which the frame is regular."""
-    names = ", ".join(symbol.name for symbol in frame.coordinates)
-    place = checked_numbers(start, frame.dimension, f"start ({names})")
+    names = [symbol.name for symbol in frame.coordinates]
+    start = in_order(start, names, "start")
+    place = checked_numbers(start, frame.dimension, f"start ({', '.join(names)})")
     for symbol, value in zip(frame.coordinates, place, strict=True):
         if sign_of(frame, symbol):
             checks.check_declared(symbol, value)
@@ -685,8 +712,8 @@ def checked_start(frame: Frame, start: object, parameters: Mapping[str, Real]) -
         size = 0.0
     if size == 0.0 or not math.isfinite(size):
         raise StartError(
-            f"expected a regular frame at the start {where}, got {frame.name or 'one'}, which is "
-            f"singular there: its determinant vanishes or has no value. {_advice(frame, point)}"
+            f"the frame {frame.name or ''}".rstrip() + f" is singular at the start {where}: its "
+            f"determinant vanishes or has no value. {_advice(frame, point)}"
         )
     return place
 
@@ -751,8 +778,10 @@ def frame_velocities(
             "them."
         )
     if velocity is None:
-        return checked_numbers(frame_velocity, frame.dimension, "frame_velocity"), None
-    rates = checked_numbers(velocity, frame.dimension, "velocity")
+        ordered = in_order(frame_velocity, velocity_names(frame), "frame_velocity")
+        return checked_numbers(ordered, frame.dimension, "frame_velocity"), None
+    names = [symbol.name for symbol in frame.coordinates]
+    rates = checked_numbers(in_order(velocity, names, "velocity"), frame.dimension, "velocity")
     if start is None:
         raise StartError(
             "velocity: expected a start with it, got none. Give a start, or frame_velocity (u^i)."

@@ -192,15 +192,29 @@ def _turned(problem: CurveProblem, source: str, target: str, q: np.ndarray) -> n
     q = q.copy()
     for k in route[-1].angles:
         centre = float(problem.start[k])
-        turns = np.round((q[:, k].astype(float) - centre) / (2 * np.pi))
-        bits = precision_of(q)
-        if bits == 53:
-            q[:, k] -= 2 * np.pi * turns
-            continue
-        with working_precision(2 * bits):
-            shifts = [2 * mpmath.pi * int(turn) for turn in turns]
-        q[:, k] -= Taylor(bits).array(shifts)
+        _turn_back(q, k, np.round((q[:, k].astype(float) - centre) / (2 * np.pi)))
     return q
+
+
+def continued(problem: CurveProblem, chart: str, q: np.ndarray) -> np.ndarray:
+    """Points of a curve, shape (m, n), with angles that pass a full turn without a jump."""
+    atlas, q = problem.atlas, q.copy()
+    routes = [atlas.route(name, chart) for name in atlas.makers]
+    for k in sorted({k for route in routes if route for k in route[-1].angles}):
+        angles = q[:, k].astype(float)
+        _turn_back(q, k, np.round((angles - np.unwrap(angles)) / (2 * np.pi)))
+    return q
+
+
+def _turn_back(q: np.ndarray, k: int, turns: np.ndarray) -> None:
+    """Subtract whole turns from column k of points, in their precision."""
+    bits = precision_of(q)
+    if bits == 53:
+        q[:, k] -= 2 * np.pi * turns
+        return
+    with working_precision(2 * bits):
+        shifts = [2 * mpmath.pi * int(turn) for turn in turns]
+    q[:, k] -= Taylor(bits).array(shifts)
 
 
 def _long_rows(rows: Sequence[Sequence[Real]], bits: int) -> np.ndarray:

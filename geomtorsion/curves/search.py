@@ -166,12 +166,12 @@ class Search:
         return vt.T @ np.diag(1 / s) @ u.T
 
     def slope_noise(self, vector: np.ndarray, aim: Aim) -> float:
-        """Error of slopes by central differences, whose two parts balance; with some room."""
+        """Four times the error of slopes by central differences, whose two parts balance."""
         share = self.shooter.difference(vector, aim) / float(lengths_of(vector))
         return (2 * share) ** 2
 
     def direction_error(self, hit: Hit, miss: float) -> float:
-        """Angle by which the direction of a hit may be off, twice that of its miss; or infinite."""
+        """Bound, perhaps infinite, of the angle between the direction of a hit and the true one."""
         inverse = self.inverse_slopes(hit.shot, hit.aim)
         if inverse is None:
             return np.inf

@@ -13,6 +13,7 @@ from geomtorsion import checks
 from geomtorsion.curves.problem import checked_parameters, checked_start, frame_velocities
 from geomtorsion.errors import ArgumentError, ShapeError, StartError
 from geomtorsion.geometry import Connection, Frame, levi_civita
+from geomtorsion.geometry.connections import ConnectionLike, as_connection
 from geomtorsion.ode import ODE
 from geomtorsion.ode.numbers import Numbers, checked_numbers
 
@@ -21,7 +22,7 @@ Matrix = list[list[sp.Expr]]
 
 
 def spinning(
-    connection: Connection,
+    connection: ConnectionLike,
     start: Numbers,
     velocity: Numbers,
     spin: object,
@@ -84,7 +85,7 @@ def spinning(
     >>> round(float(solution["phi"][-1]), 6)
     1.822146
     """
-    checks.instance(connection, Connection, "connection")
+    connection = as_connection(connection)
     frame = connection.frame
     name = checks.choice(coupling, COUPLINGS, "coupling", ArgumentError)
     if connection.metric_compatible is not True:

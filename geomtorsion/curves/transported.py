@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from geomtorsion.geometry import Connection
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class TransportedVectors:
     """Vectors w^j carried parallel: w'^k = - omega_ij^k u^i w^j.
 
@@ -53,7 +53,7 @@ class TransportedVectors:
         return tuple(map(tuple, rows))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Deviation:
     """The vector to a neighbouring motion: the equations of motion, differentiated exactly.
 

@@ -40,8 +40,8 @@ T = TypeVar("T")
 class Certainty:
     """How sure it is that an element vanishes or not.
 
-    proved: whether polynomials decided, or a value that is not zero.
-    error: else a bound on the chance that the answer is wrong; 1 where there is no answer.
+    proved: True if the answer is proved.
+    error: otherwise an upper bound on the probability that the answer is wrong; 1 if unknown.
     """
 
     proved: bool

@@ -23,7 +23,7 @@ from geomtorsion.exact.names import (
     SPECIAL_IF_DECLARED,
     SUBSTITUTION_NAME,
 )
-from geomtorsion.exact.syntax import Node, parse, too_deep
+from geomtorsion.exact.syntax import Node, parse, too_deep, with_products
 from geomtorsion.exact.tokens import Limits, Source, Token, tokens_of
 
 _NO_NUMBER = (sympy.zoo, sympy.oo, -sympy.oo, sympy.nan)
@@ -40,9 +40,10 @@ def parse_expression(
 ) -> sympy.Expr:
     """Read a sympy expression from text that may come from anywhere.
 
-    Numbers are exact; ``**`` and ``^`` are powers; ``pi``, ``E`` and ``I`` are the constants unless
-    ``symbols`` redefines them; ``diff(f(r), r, 2)`` is a derivative of an unknown function, and
-    so are ``Derivative(f(r), (r, 2))`` and ``Subs(Derivative(f(x), x), x, 2*r)``, sympy's own.
+    Numbers are exact; ``2 r sin(theta)`` is a product; ``**`` and ``^`` are powers; ``pi``, ``E``
+    and ``I`` are the constants unless ``symbols`` redefines them; ``diff(f(r), r, 2)`` is a
+    derivative of an unknown function, and so are ``Derivative(f(r), (r, 2))`` and
+    ``Subs(Derivative(f(x), x), x, 2*r)``, sympy's own.
 
     Parameters
     ----------
@@ -107,7 +108,7 @@ def parse_expression(
             )
     source = Source(text, where)
     tokens = tokens_of(source, {*symbols, *(functions or ())}, limits, decimals=decimals)
-    return read_tokens(source, tokens, symbols, functions, limits)
+    return read_tokens(source, with_products(source, tokens), symbols, functions, limits)
 
 
 def read_tokens(

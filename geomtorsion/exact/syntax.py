@@ -57,6 +57,57 @@ def parse(source: Source, tokens: Sequence[Token], limits: Limits) -> Node:
     return _Parser(tokens).sum()
 
 
+def with_products(source: Source, tokens: Sequence[Token]) -> list[Token]:
+    """The tokens with the signs of products that a text omits, as in 2 r sin(theta).
+
+    A product after a division is refused, with both readings, except after a fraction of numbers
+    and a space: 1/2 r. A name before a bracket stays a call.
+
+    Raises
+    ------
+    ExpressionError
+        The text can be read in two ways: 1/2r, 1/r sin(theta), E^2 x.
+
+    Examples
+    --------
+    >>> from geomtorsion.exact.tokens import tokens_of
+    >>> source = Source("1/2 (1 + r)(1 - r)sin(r)", "entry")
+    >>> names = [token.text for token in with_products(source, tokens_of(source, {"r"}, Limits()))]
+    >>> "".join(names)
+    '1/2*(1+r)*(1-r)*sin(r)'
+    """
+    result: list[Token] = []
+    # For each open bracket, whether a value is in a denominator: "", "fraction" or "value".
+    under = [""]
+    for k, token in enumerate(tokens):
+        before = result[-1] if result else None
+        if token.kind == "name" or token.text == "(":
+            after_value = before is not None and (before.kind != "sign" or before.text == ")")
+            called = token.text == "(" and before is not None and before.kind == "name"
+            if after_value and before is not None and not called:
+                spaced = token.start > before.end
+                power = [x.text for x in result[-3:-1]] == ["E", "**"] and before.kind == "number"
+                if power or under[-1] == "value" or (under[-1] and not spaced):
+                    reason = "this can be read in two ways, because a product has no sign"
+                    remedy = "Put brackets around the denominator or the exponent, and write *."
+                    raise source.error(before.start, token.end, reason, remedy)
+                result.append(Token("sign", "*", token.start, token.start))
+                under[-1] = ""
+        if token.text == "/":
+            first = result[-2].text if len(result) > 1 else "("
+            after = tokens[k + 1].kind if k + 1 < len(tokens) else ""
+            plain = before is not None and before.kind == after == "number" and first in "(+-,"
+            under[-1] = "fraction" if plain else "value"
+        elif token.text in ("+", "-", "*", ",") and (before is None or before.text != "**"):
+            under[-1] = ""
+        elif token.text == "(":
+            under.append("")
+        elif token.text == ")" and len(under) > 1:
+            under.pop()
+        result.append(token)
+    return result
+
+
 def too_deep(limits: Limits) -> str:
     """Message for brackets that are nested too deeply."""
     return f"the expression is nested too deeply; the limit is {limits.depth} levels"

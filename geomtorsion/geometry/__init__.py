@@ -1,6 +1,6 @@
 """Geometry: symbols in, tensors out."""
 
-from geomtorsion.geometry import notation, validation
+from geomtorsion.geometry import connections, notation, validation
 from geomtorsion.geometry.components import antisymmetric, symmetric
 from geomtorsion.geometry.connection import Connection
 from geomtorsion.geometry.connections import (
@@ -15,10 +15,12 @@ from geomtorsion.geometry.connections import (
 from geomtorsion.geometry.constrained import constrained
 from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.curvature import Curvature
+from geomtorsion.geometry.embedded import embedded
 from geomtorsion.geometry.forms import Form
 from geomtorsion.geometry.frame import Frame
+from geomtorsion.geometry.homes import at_home
 from geomtorsion.geometry.identity import IdentityCheck, identities
-from geomtorsion.geometry.integrability import Integrability
+from geomtorsion.geometry.integrability import Integrability, ParallelVolume
 from geomtorsion.geometry.lie_derivative import lie, lie_bracket
 from geomtorsion.geometry.quantities import DependencyGraph
 from geomtorsion.geometry.surfaces import Surface, surface
@@ -33,14 +35,18 @@ __all__ = [
     "Frame",
     "IdentityCheck",
     "Integrability",
+    "ParallelVolume",
     "Surface",
     "Tensor",
     "Torsion",
     "antisymmetric",
+    "at_home",
     "blend",
     "cartan",
+    "connections",
     "constrained",
     "contract",
+    "embedded",
     "from_coefficients",
     "from_contortion",
     "from_spin_connection",

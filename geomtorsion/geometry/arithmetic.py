@@ -6,12 +6,20 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+import numpy as np
 import sympy as sp
 
 from geomtorsion import checks
-from geomtorsion.errors import ArgumentError, MissingValueError, TensorIndexError, UndecidedError
+from geomtorsion.errors import (
+    ArgumentError,
+    MissingValueError,
+    TensorIndexError,
+    UndecidedError,
+)
 from geomtorsion.exact import Element
 from geomtorsion.geometry.components import Index, common
+from geomtorsion.geometry.homes import at_home
+from geomtorsion.geometry.indexing import vanishes
 
 if TYPE_CHECKING:
     from geomtorsion.geometry.tensor import Scalar, Tensor
@@ -25,7 +33,8 @@ def combined(first: Tensor, second: Tensor | Scalar, sign: int) -> Tensor:
                 f"{first.label}: expected a tensor to add, got {checks.shown(second)}."
             )
         second = first.frame.scalar(second, "t", "")
-    if second.frame is not first.frame:
+    home = at_home(first.frame, second)
+    if home is None:
         raise TensorIndexError(
             f"{first.label} and {second.label}: expected tensors of one frame, got tensors of two. "
             "Build both on the same frame."
@@ -35,7 +44,7 @@ def combined(first: Tensor, second: Tensor | Scalar, sign: int) -> Tensor:
             f"{first.label} and {second.label}: expected equal slots, got {first.slots!r} and "
             f"{second.slots!r}. Use raised, lowered, in_frame or in_coordinates first."
         )
-    field, one, two = first.frame.field, first.components.get, second.components.get
+    field, one, two = first.frame.field, first.components.get, home.components.get
 
     def rule(index: Index) -> Element:
         return field.sum([(1, one(index)), (sign, two(index))])
@@ -123,11 +132,12 @@ def number(tensor: Tensor) -> float:
 
 def equal(first: Tensor, second: Tensor) -> bool:
     """Exact equality of all components over one frame with equal slots."""
-    if second.frame is not first.frame or second.slots != first.slots:
+    home = at_home(first.frame, second) if second.slots == first.slots else None
+    if home is None:
         return False
-    if first.components.nonzero == second.components.nonzero:
+    if first.components.nonzero == home.components.nonzero:
         return True
-    verdict = combined(first, second, -1).is_zero
+    verdict = combined(first, home, -1).is_zero
     if verdict is None:
         raise UndecidedError(
             f"whether {first.label} equals {second.label} cannot be decided exactly, because "
@@ -136,12 +146,24 @@ def equal(first: Tensor, second: Tensor) -> bool:
     return verdict
 
 
-def equals_scalar(tensor: Tensor, other: object) -> bool:
-    """Whether a tensor of rank 0 is exactly this number or expression."""
-    if tensor.slots or not _is_scalar(other):
+def equals(tensor: Tensor, other: object) -> bool:
+    """Whether a scalar is this expression, a tensor these components, or 0 where it vanishes."""
+    if _is_scalar(other):
+        exact = checks.fraction(other)
+        if not tensor.slots:
+            return equal(tensor, tensor.frame.scalar(other if exact is None else exact, "t", ""))
+        return vanishes(tensor) if exact == 0 else NotImplemented
+    listed = checks.rows(other)
+    if not tensor.slots or not isinstance(listed, list | tuple):
         return NotImplemented
-    exact = checks.fraction(other)
-    return equal(tensor, tensor.frame.scalar(other if exact is None else exact, "t", ""))
+    try:
+        array = np.array(listed, dtype=object)
+    except ValueError:
+        # Rows of several lengths.
+        return False
+    if array.shape != tensor.shape:
+        return False
+    return equal(tensor, replace(tensor, source=dict(np.ndenumerate(array)), symmetry=()))
 
 
 def _is_scalar(value: object) -> bool:
@@ -154,9 +176,10 @@ def _is_scalar(value: object) -> bool:
 
 def _own_element(tensor: Tensor, scalar: Tensor) -> Element:
     """The value of a tensor of rank 0 that belongs to the same frame."""
-    if scalar.frame is not tensor.frame:
+    home = at_home(tensor.frame, scalar)
+    if home is None:
         raise TensorIndexError(
             f"{tensor.label} and {scalar.label}: expected tensors of one frame, got tensors of "
             "two. Build both on the same frame."
         )
-    return scalar.element()
+    return home.element()

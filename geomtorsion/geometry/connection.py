@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, ClassVar
 
-import sympy as sp
+import numpy as np
 
 from geomtorsion.caching import cached_property
 from geomtorsion.checks import instance
@@ -15,7 +15,7 @@ from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ShapeError, TensorIndexError
 from geomtorsion.exact import Element
 from geomtorsion.exclusive import exclusive
-from geomtorsion.geometry import riemannian
+from geomtorsion.geometry import integrability, riemannian
 from geomtorsion.geometry.components import (
     Components,
     Index,
@@ -27,15 +27,18 @@ from geomtorsion.geometry.components import (
 from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.frame_matrices import is_dense, parallel_rows
-from geomtorsion.geometry.integrability import Integrability, integrability
+from geomtorsion.geometry.homes import at_home
 from geomtorsion.geometry.notation import ComponentTable, Names, Where
 from geomtorsion.geometry.parts import nonmetricity_parts
 from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.tensor import Tensor
 
 if TYPE_CHECKING:
+    from numpy.typing import DTypeLike
+
     from geomtorsion.geometry.curvature import Curvature
     from geomtorsion.geometry.forms import Form
+    from geomtorsion.geometry.indexing import One
     from geomtorsion.geometry.torsion import Torsion
 
 HALF = Fraction(1, 2)
@@ -71,9 +74,18 @@ class Connection:
     maker: Callable[[Frame], Connection] | None = None
     allowed: tuple[int, ...] | None = None
 
-    def __getitem__(self, index: tuple[int, int, int]) -> sp.Expr:
-        """Gamma_ab^c as a sympy expression."""
+    has_own_field: ClassVar[bool] = True
+
+    def __getitem__(self, index: One | tuple[One, ...]) -> Any:
+        """Gamma_ab^c as a sympy expression, or an array of coefficients (see Tensor)."""
         return self.coefficients[index]
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self.coefficients)
+
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> np.ndarray:
+        """All coefficients Gamma_ab^c (see Tensor)."""
+        return np.asarray(self.coefficients, dtype=dtype)
 
     def table(
         self, names: Names | None = None, *, where: Where | None = None, every: bool = False
@@ -158,7 +170,7 @@ class Connection:
     @cached_property
     def contortion_from_torsion(self) -> Tensor:
         """The contortion by its definition in terms of the torsion, for any connection."""
-        return contortion_of(self.torsion.S)
+        return riemannian.contortion_of(self.torsion.S)
 
     @cached_property
     def disformation(self) -> Tensor:
@@ -236,7 +248,8 @@ class Connection:
         """
         frame = self.frame
         instance(tensor, Tensor, "tensor")
-        if tensor.frame is not frame:
+        home = at_home(frame, tensor)
+        if home is None:
             raise ShapeError(
                 "expected a tensor over the frame of the connection, got one over another frame. "
                 "Build it over this frame."
@@ -245,6 +258,7 @@ class Connection:
             raise TensorIndexError(
                 f"{tensor.label}: expected a tensor in all its indices, got other components."
             )
+        tensor = home
         get, n, coordinates = tensor.components.get, frame.dimension, frame.coordinates
         tables = {"d": self.coefficients.components.get}
         if tensor.slots != tensor.slots.lower():
@@ -375,6 +389,37 @@ class Connection:
 
         return connection_form(self).part(*index) if index else connection_form(self)
 
+    @cached_property
+    def transposed(self) -> Connection:
+        """The connection Gamma_ba^c: the same autoparallels, the opposite torsion.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame, cartan
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> polar = cartan(Frame([r, phi], [[1, 0], [0, r]]))
+        >>> polar.torsion.T[0, 1, 1], polar.transposed.torsion.T[0, 1, 1]
+        (1/r, -1/r)
+        >>> polar.volume, polar.transposed.volume
+        (parallel volume: r, parallel volume: 1)
+        """
+        if self.is_torsion_free:
+            return self
+        get, what = self.coefficients.components.get, ("\\Gamma", "connection")
+        swapped = Tensor(self.frame, "ddu", lambda x: get((x[1], x[0], x[2])), (), *what, (1, 2))
+        return Connection(self.frame, swapped, f"transposed {self.name}")
+
+    @cached_property
+    def volume(self) -> integrability.ParallelVolume:
+        """The volume f sqrt|g| that is parallel, or the component that prevents it, exactly.
+
+        D_a (f sqrt|g|) = 0 for d_a log f = Gamma_ab^b - d_a log sqrt|g|. A metric connection keeps
+        sqrt|g|. Integrate D_a w^a by parts with the volume of `transposed` (Saa 1993): for a metric
+        connection with torsion vector 3 d_a Theta it is exp(-3 Theta) sqrt|g| (Fiziev 1998).
+        """
+        return integrability.parallel_volume(self.coefficients, self.kind != "general")
+
     def subs(self, values: Values) -> Connection:
         """The connection with values for parameters and unknown functions (see Frame.subs).
 
@@ -423,19 +468,42 @@ class Connection:
         return self.nonmetricity.is_zero
 
     @cached_property
-    def integrable(self) -> Integrability:
+    def integrable(self) -> integrability.Integrability:
         """Whether the permitted velocities belong to surfaces: the constraints are holonomic.
 
         They are exactly where the torsion components along the forbidden legs vanish (Frobenius);
         see `constrained`. Without constraints the answer is yes.
         """
         legs = range(self.frame.dimension) if self.allowed is None else self.allowed
-        return integrability(self.torsion.T, legs)
+        return integrability.integrability(self.torsion.T, legs)
 
     @property
     def is_torsion_free(self) -> bool | None:
         """Whether the coefficients are symmetric."""
         return self.torsion.S.is_zero
+
+    # -- equality and copies ---------------------------------------------------------------------
+
+    def __eq__(self, other: object) -> bool:
+        """Equal frames, permitted legs and coefficients, decided exactly; names do not count."""
+        if not isinstance(other, Connection):
+            return NotImplemented
+        if self is other:
+            return True
+        if self.allowed != other.allowed or self.frame != other.frame:
+            return False
+        if self.maker is not None and self.maker == other.maker:
+            return True
+        return self.coefficients == other.coefficients
+
+    def __hash__(self) -> int:
+        return hash((self.frame, self.allowed))
+
+    def _carried(self, frame: Frame) -> Connection:
+        """This connection over an equal frame."""
+        if self.maker is not None:
+            return self.maker(frame)
+        return replace(self, frame=frame, coefficients=self.coefficients._carried(frame))
 
     def __reduce__(self) -> tuple[object, ...]:
         # The frame can make its own connections again, bit for bit; that pickle is shorter.
@@ -448,21 +516,9 @@ class Connection:
         return self
 
     def __repr__(self) -> str:
-        return f"{self.name}: {self.coefficients!r}"
+        return f"{self.name} {repr(self.coefficients).removeprefix(f'{self.coefficients.name} ')}"
 
     def _repr_latex_(self) -> str:
         return self.coefficients._repr_latex_()
 
     _repr_html_ = drawn_by("notebook_tables", "connection_html")
-
-
-def contortion_of(torsion: Tensor) -> Tensor:
-    """K_ab^c, slots ddu, of a torsion S_ab^c: K_abc = S_abc - S_bca + S_cab."""
-    frame, lower = torsion.frame, torsion.lowered(2).components.get
-
-    def rule(index: Index) -> Element:
-        a, b, c = index
-        terms = [(1, lower((a, b, c))), (-1, lower((b, c, a))), (1, lower((c, a, b)))]
-        return frame.field.sum(terms)
-
-    return Tensor(frame, "ddd", rule, antisymmetric(3, 1, 2), "K", "contortion").raised(2)

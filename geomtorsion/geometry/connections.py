@@ -1,23 +1,118 @@
-"""Connections: how they are made over a frame."""
+"""Connections: how they are made over a frame, a space, or the name of a space."""
 
 from __future__ import annotations
 
 from fractions import Fraction
+from importlib import import_module
+from typing import Protocol, TypeAlias, runtime_checkable
 
 from geomtorsion import checks
-from geomtorsion.errors import ShapeError, TensorIndexError
+from geomtorsion.errors import ArgumentError, GeomtorsionError, ShapeError, TensorIndexError
 from geomtorsion.exact import Element
 from geomtorsion.geometry import riemannian
 from geomtorsion.geometry.components import Index
-from geomtorsion.geometry.connection import Connection, contortion_of
+from geomtorsion.geometry.connection import Connection
 from geomtorsion.geometry.derived import derived
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.frame_matrices import parallel_rows
 from geomtorsion.geometry.from_arrays import tensor_from_array
+from geomtorsion.geometry.homes import at_home
 from geomtorsion.geometry.tensor import Scalar, Source, Tensor
 from geomtorsion.geometry.torsion import Torsion
 
 HALF = Fraction(1, 2)
+
+
+@runtime_checkable
+class HasConnection(Protocol):
+    """A space: it has a frame and one connection that it is about."""
+
+    @property
+    def frame(self) -> Frame:
+        """The frame of the space."""
+        ...
+
+    def own_connection(self) -> Connection:
+        """The connection of the space, or the Cartan connection of its frame."""
+        ...
+
+
+FrameLike: TypeAlias = Frame | HasConnection | str
+ConnectionLike: TypeAlias = Connection | HasConnection | str
+
+
+def as_frame(
+    value: object, name: str = "frame", error: type[GeomtorsionError] = ArgumentError
+) -> Frame:
+    """A frame from a frame, a space, or the name of a shipped space.
+
+    Raises
+    ------
+    ArgumentError
+        The value is none of these; `error` replaces this class.
+    UnknownNameError
+        No space has this name; the message lists near ones.
+
+    Examples
+    --------
+    >>> as_frame("so3").dimension
+    3
+    """
+    space = _named(value)
+    return space.frame if isinstance(space, HasConnection) else _instance(space, name, error)
+
+
+def frame_of(value: object, name: str = "frame") -> Frame:
+    """A frame as in `as_frame`, or the frame over which a connection was made."""
+    return value.frame if isinstance(value, Connection) else as_frame(value, name)
+
+
+def as_connection(
+    value: object, name: str = "connection", error: type[GeomtorsionError] = ArgumentError
+) -> Connection:
+    """A connection from a connection, a space, or the name of a shipped space.
+
+    A space contributes its own connection, if it has one, otherwise the Cartan connection.
+
+    Raises
+    ------
+    ArgumentError
+        The value is none of these; `error` replaces this class. A frame has many connections.
+    UnknownNameError
+        No space has this name; the message lists near ones.
+
+    Examples
+    --------
+    >>> as_connection("so3").kind, as_connection("chaplygin_sleigh").allowed
+    ('cartan', (0, 1))
+    """
+    space = _named(value)
+    if isinstance(space, HasConnection):
+        return space.own_connection()
+    if isinstance(space, Frame):
+        raise error(
+            f"{name}: expected a Connection, got a frame, which has many. Give cartan(frame) or "
+            "levi_civita(frame)."
+        )
+    return checks.instance(space, Connection, name, error)
+
+
+def _instance(value: object, name: str, error: type[GeomtorsionError]) -> Frame:
+    """A frame; for a connection the message names the way to its frame."""
+    if isinstance(value, Connection):
+        raise error(f"{name}: expected a Frame, got a connection. Give connection.frame.")
+    return checks.instance(value, Frame, name, error)
+
+
+def _named(value: object) -> object:
+    """The shipped space for its name; every other value as it is.
+
+    The package of spaces is named, not imported, as `displays.drawn_by` names pictures: spaces
+    are made of frames, and only a text that a user typed leads from here to them.
+    """
+    if isinstance(value, str):
+        return import_module("geomtorsion.spaces").shipped_space(value)
+    return value
 
 
 def _coefficients(frame: Frame, source: Source, symbol: str, name: str) -> Tensor:
@@ -25,10 +120,10 @@ def _coefficients(frame: Frame, source: Source, symbol: str, name: str) -> Tenso
     return Tensor(frame, "ddu", source, (), symbol, name, anchored=(1, 2))
 
 
-def cartan(frame: Frame | Connection) -> Connection:
+def cartan(frame: FrameLike | Connection) -> Connection:
     """The connection in which the legs of the frame are parallel (Cartan, Weitzenboeck).
 
-    A connection contributes its frame.
+    A space, or the name of a shipped one, and a connection contribute their frame.
 
     Equation
     --------
@@ -58,10 +153,11 @@ def _cartan(frame: Frame) -> Connection:
     return Connection(frame, coefficients, "Cartan connection", "cartan", cartan)
 
 
-def levi_civita(frame: Frame | Connection) -> Connection:
+def levi_civita(frame: FrameLike | Connection) -> Connection:
     """The torsion-free connection of the metric of the frame.
 
-    A connection contributes its frame: the contortion is the difference of the two.
+    A space, its name or a connection contributes its frame: the contortion of a connection is its
+    difference to this one.
 
     Equation
     --------
@@ -84,12 +180,7 @@ def _levi_civita(frame: Frame) -> Connection:
     return Connection(frame, coefficients, "Levi-Civita connection", "levi-civita", levi_civita)
 
 
-def frame_of(given: object) -> Frame:
-    """A frame, or the frame over which a connection was made."""
-    return given.frame if isinstance(given, Connection) else checks.instance(given, Frame, "frame")
-
-
-def from_coefficients(frame: Frame, coefficients: object) -> Connection:
+def from_coefficients(frame: FrameLike, coefficients: object) -> Connection:
     """Connection from any coefficients Gamma_ab^c: torsion, curvature and nonmetricity at once.
 
     Parameters
@@ -112,7 +203,7 @@ def from_coefficients(frame: Frame, coefficients: object) -> Connection:
     >>> bent.torsion.S[0, 1, 0], bent.is_flat, bent.metric_compatible
     (y/2, False, False)
     """
-    checks.instance(frame, Frame, "frame")
+    frame = as_frame(frame)
     if isinstance(coefficients, Tensor):
         tensor = _given(frame, coefficients, "ddu", "connection coefficients")
     else:
@@ -120,7 +211,7 @@ def from_coefficients(frame: Frame, coefficients: object) -> Connection:
     return Connection(frame, _coefficients(frame, tensor.components, "\\Gamma", "connection"))
 
 
-def from_spin_connection(frame: Frame, omega: object) -> Connection:
+def from_spin_connection(frame: FrameLike, omega: object) -> Connection:
     """Connection from its spin connection omega_ai^j: D_a E_i = omega_ai^j E_j.
 
     Equation
@@ -144,7 +235,7 @@ def from_spin_connection(frame: Frame, omega: object) -> Connection:
     >>> again.is_torsion_free, again.metric_compatible
     (True, True)
     """
-    checks.instance(frame, Frame, "frame")
+    frame = as_frame(frame)
     if isinstance(omega, Tensor):
         tensor = _direction_first(frame, omega)
     else:
@@ -171,8 +262,9 @@ def from_spin_connection(frame: Frame, omega: object) -> Connection:
 def _direction_first(frame: Frame, omega: Tensor) -> Tensor:
     """A spin connection with slots dDU from a tensor with the direction first, in other slots."""
     slots = omega.slots
-    if omega.frame is frame and len(slots) == 3 and slots[0] in "dD" and set(slots[1:]) <= {*"DU"}:
-        free = Tensor(frame, slots, omega.components)._with_slot(0, "d")
+    home = at_home(frame, omega)
+    if home is not None and len(slots) == 3 and slots[0] in "dD" and set(slots[1:]) <= {*"DU"}:
+        free = Tensor(frame, slots, home.components)._with_slot(0, "d")
         if slots[1:] == "UD":
             get = free.components.get
             return Tensor(frame, "dDU", lambda index: get((index[0], index[2], index[1])))
@@ -180,7 +272,7 @@ def _direction_first(frame: Frame, omega: Tensor) -> Tensor:
     return _given(frame, omega, "dDU", "spin connection")
 
 
-def from_contortion(frame: Frame, contortion: object) -> Connection:
+def from_contortion(frame: FrameLike, contortion: object) -> Connection:
     """Metric connection from its contortion: Gamma_ab^c = Gamma_bar_ab^c + K_ab^c.
 
     Parameters
@@ -203,7 +295,7 @@ def from_contortion(frame: Frame, contortion: object) -> Connection:
     >>> turning.metric_compatible, turning.torsion.S[0, 1, 0]
     (True, -c/2)
     """
-    checks.instance(frame, Frame, "frame")
+    frame = as_frame(frame)
     tensor = _with_slots(frame, contortion, "contortion")
     lower = tensor.lowered(2).components
     for a, b, c in lower.nonzero:
@@ -218,7 +310,7 @@ def from_contortion(frame: Frame, contortion: object) -> Connection:
     return Connection(frame, coefficients, "connection from contortion", "metric")
 
 
-def from_torsion(frame: Frame, torsion: object) -> Connection:
+def from_torsion(frame: FrameLike, torsion: object) -> Connection:
     """The one metric connection that has a given torsion S_ab^c = (Gamma_ab^c - Gamma_ba^c)/2.
 
     Equation
@@ -247,7 +339,7 @@ def from_torsion(frame: Frame, torsion: object) -> Connection:
     >>> again.metric_compatible, again.coefficients == cartan(frame).coefficients
     (True, True)
     """
-    checks.instance(frame, Frame, "frame")
+    frame = as_frame(frame)
     tensor = _with_slots(frame, torsion.S if isinstance(torsion, Torsion) else torsion, "torsion")
     own = tensor.components
     for a, b, c in own.nonzero:
@@ -257,12 +349,12 @@ def from_torsion(frame: Frame, torsion: object) -> Connection:
                 f"[{a}, {b}, {c}] and [{b}, {a}, {c}] do not cancel. "
                 "Use from_coefficients for coefficients, from_contortion for a contortion."
             )
-    gamma = riemannian.christoffel(frame) + contortion_of(tensor)
+    gamma = riemannian.christoffel(frame) + riemannian.contortion_of(tensor)
     coefficients = _coefficients(frame, gamma.components, "\\Gamma", "connection")
     return Connection(frame, coefficients, "connection from torsion", "metric")
 
 
-def blend(first: Connection, second: Connection, share: Scalar = HALF) -> Connection:
+def blend(first: ConnectionLike, second: ConnectionLike, share: Scalar = HALF) -> Connection:
     """(1 - share) first + share second: the Cartan-Schouten family between two connections.
 
     Parameters
@@ -284,16 +376,16 @@ def blend(first: Connection, second: Connection, share: Scalar = HALF) -> Connec
     >>> blend(levi_civita(frame), cartan(frame), s).torsion.T[0, 1, 1]
     s/r
     """
-    for connection, name in ((first, "first"), (second, "second")):
-        checks.instance(connection, Connection, name)
-    if first.frame is not second.frame:
+    first, second = as_connection(first, "first"), as_connection(second, "second")
+    second_here = at_home(first.frame, second)
+    if second_here is None:
         raise ShapeError(
             "expected connections over one frame, got different frames. Build both over the same "
             "frame."
         )
     (weight,) = first.frame.read([("share", share)])
     # One difference and one product a component; (1 - s) A + s B would take two products.
-    mixed = first.coefficients + (second.coefficients - first.coefficients) * weight
+    mixed = first.coefficients + (second_here.coefficients - first.coefficients) * weight
     coefficients = _coefficients(first.frame, mixed.components, "\\Gamma", "connection")
     kind = "general" if "general" in (first.kind, second.kind) else "metric"
     name = f"blend of {first.name} and {second.name}"
@@ -317,7 +409,8 @@ def _with_slots(frame: Frame, values: object, what: str) -> Tensor:
 
 def _given(frame: Frame, tensor: Tensor, slots: str, what: str) -> Tensor:
     """A tensor handed in for an array: the same frame and the right slots."""
-    if tensor.frame is not frame:
+    home = at_home(frame, tensor)
+    if home is None:
         raise ShapeError(
             f"{what}: expected a tensor over this frame, got one over another frame. Build it over "
             "this frame."
@@ -327,4 +420,4 @@ def _given(frame: Frame, tensor: Tensor, slots: str, what: str) -> Tensor:
             f"{what}: expected slots {slots!r}, got {tensor.slots!r}. Use raised, lowered, "
             "in_frame or in_coordinates."
         )
-    return tensor
+    return home

@@ -13,10 +13,11 @@ from geomtorsion.errors import ConstraintError, MetricError, TensorIndexError
 from geomtorsion.exact import Element, parse_expression
 from geomtorsion.geometry.components import Index, minus
 from geomtorsion.geometry.connection import Connection
-from geomtorsion.geometry.connections import frame_of, from_spin_connection, levi_civita
+from geomtorsion.geometry.connections import FrameLike, frame_of, from_spin_connection, levi_civita
 from geomtorsion.geometry.derived import derived
 from geomtorsion.geometry.forms import Form
 from geomtorsion.geometry.frame import Frame
+from geomtorsion.geometry.homes import at_home
 from geomtorsion.geometry.orthonormalize import Row, completed_squares
 from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.geometry.validation import named_symbols
@@ -29,7 +30,7 @@ EXPECTED = f"{{subject}}: expected a list, got {{value}}. {ADVICE}"
 
 
 def constrained(
-    space: Frame | Connection,
+    space: FrameLike | Connection,
     allowed: Sequence[object],
     *,
     parameters: Sequence[sp.Symbol | str] | str = (),
@@ -84,7 +85,7 @@ def constrained(
     >>> skate.metric_compatible, skate.allowed, skate.integrable
     (True, (0, 1), not integrable: T_12^3 = 1/sqrt(I))
     """
-    frame = frame_of(space)
+    frame = frame_of(space, "space")
     items = checks.entries(allowed, "allowed", ConstraintError, message=EXPECTED)
     if not items:
         raise ConstraintError(EXPECTED.format(subject="allowed", value="an empty list"))
@@ -154,12 +155,13 @@ def _row(frame: Frame, number: int, item: object, parameters: Sequence[sp.Symbol
     """Components a_mu of one constraint a_mu q'^mu = 0, without zeros."""
     where, n = f"constraint {number + 1}", frame.dimension
     if isinstance(item, Form):
-        if item.frame is not frame or item.degree != 1 or item.values:
+        form = at_home(frame, item)
+        if form is None or item.degree != 1 or item.values:
             raise ConstraintError(
                 f"{where}: expected a one-form over the frame of the kinetic metric, got {item!r}. "
                 "Build it over this frame, with degree 1."
             )
-        row = {mu: value for (mu,), value in item.components.items()}
+        row = {mu: value for (mu,), value in form.components.items()}
     else:
         if isinstance(item, str):
             coefficients = _differentials(frame, where, item, parameters)

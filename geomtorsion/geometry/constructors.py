@@ -33,7 +33,7 @@ def from_frame(
     branches: Mapping[sp.Expr, sp.Expr] | None = None,
 ) -> Frame:
     """See Frame.from_frame."""
-    n, entries = validation.matrix_entries(legs, "legs")
+    n, entries = validation.typed_entries(legs, "legs", coordinates, parameters)
     opened = validation.opened(coordinates, n, entries, parameters, domain, complex, branches)
     elements = validation.read_matrix(opened.field, entries, "legs")
     eta = validation.read_signature(opened.field, signature, n)
@@ -56,7 +56,7 @@ def from_metric(
     branches: Mapping[sp.Expr, sp.Expr] | None = None,
 ) -> Frame:
     """See Frame.from_metric."""
-    n, entries = validation.matrix_entries(metric, "metric")
+    n, entries = validation.typed_entries(metric, "metric", coordinates, parameters)
     opened = validation.opened(coordinates, n, entries, parameters, domain, False, branches)
     elements = validation.read_matrix(opened.field, entries, "metric")
     validation.check_symmetric(elements, n)

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from geomtorsion.checks import shown, text
 from geomtorsion.errors import ShapeError, TensorIndexError
 from geomtorsion.geometry.components import Symmetry, effective, joined
+from geomtorsion.geometry.homes import at_home
 from geomtorsion.geometry.index_types import KINDS, POSITIONS
 from geomtorsion.geometry.tensor import Tensor
 
@@ -51,7 +52,13 @@ def contract(letters: str, *tensors: Tensor) -> Tensor:
     {(0, 0): 1, (1, 1): 1}
     """
     groups, result_letters = _parse(letters, tensors)
-    frame = tensors[0].frame
+    frame, handed = tensors[0].frame, len(tensors)
+    homes = [at_home(frame, tensor) for tensor in tensors]
+    tensors = tuple(tensor for tensor in homes if tensor is not None)
+    if len(tensors) < handed:
+        raise ShapeError(
+            "expected tensors over one frame, got different frames. Build all over the same frame."
+        )
     slots = _check(letters, groups, result_letters, tensors)
     field = frame.field
     current, current_letters = tensors[0].components, groups[0]
@@ -96,10 +103,6 @@ def _check(
     text: str, groups: Sequence[str], wanted: str, tensors: Sequence[Tensor]
 ) -> dict[str, str]:
     """Slots of the remaining letters; an error if anything does not fit."""
-    if any(tensor.frame is not tensors[0].frame for tensor in tensors):
-        raise ShapeError(
-            "expected tensors over one frame, got different frames. Build all over the same frame."
-        )
     seen: dict[str, list[tuple[str, str]]] = defaultdict(list)
     for group, tensor in zip(groups, tensors, strict=True):
         if len(group) != len(tensor.slots):

@@ -36,7 +36,7 @@ HALF = Fraction(1, 2)
 
 
 @exclusive
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, repr=False)
 class Curvature:
     """Curvature of a connection.
 

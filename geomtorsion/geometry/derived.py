@@ -24,7 +24,8 @@ Arguments = TypeVarTuple("Arguments")
 def derived(make: Callable[[F, *Arguments], T]) -> Callable[[F, *Arguments], T]:
     """Decorator for a quantity of a frame: the frame keeps the result for its later calls.
 
-    The first argument is the frame, the others are hashable.
+    The first argument is the frame, the others are hashable. A frame or connection among them is
+    known by its identity: the result has elements of its field, not of that of an equal one.
 
     Examples
     --------
@@ -42,9 +43,27 @@ def derived(make: Callable[[F, *Arguments], T]) -> Callable[[F, *Arguments], T]:
     @exclusive
     @wraps(make)
     def quantity(frame: F, *arguments: *Arguments) -> T:
-        results, key = frame._derived, (make, *arguments)
+        results, key = frame._derived, (make, *map(_key, arguments))
         if key not in results:
             results[key] = make(frame, *arguments)
         return results[key]
 
     return quantity
+
+
+def _key(argument: object) -> object:
+    """An argument as part of a key."""
+    return Itself(argument) if getattr(argument, "has_own_field", False) else argument
+
+
+class Itself:
+    """A key that equals only a key of the very same object, which it holds."""
+
+    def __init__(self, value: object) -> None:
+        self.value = value
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Itself) and other.value is self.value
+
+    def __hash__(self) -> int:
+        return id(self.value)

@@ -6,7 +6,7 @@ from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations, product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import sympy as sp
 
@@ -24,6 +24,7 @@ from geomtorsion.geometry.components import (
     shifted,
 )
 from geomtorsion.geometry.frame import Frame
+from geomtorsion.geometry.homes import at_home
 from geomtorsion.geometry.lie_derivative import lie, vector
 from geomtorsion.geometry.tensor import Scalar, Tensor
 
@@ -71,6 +72,8 @@ class Form:
     source: Source
     values: str = ""
     symbol: str = "alpha"
+
+    has_own_field: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         """Check frame, degree and value slots."""
@@ -217,8 +220,8 @@ class Form:
 
     def _same(self, other: object, what: str) -> Form:
         """Another form over the same frame."""
-        form = checks.instance(other, Form, what)
-        if form.frame is not self.frame:
+        form = at_home(self.frame, checks.instance(other, Form, what))
+        if form is None:
             raise ShapeError(
                 f"{what}: expected a form over the same frame, got one over another frame. Build "
                 "both over one."
@@ -261,13 +264,20 @@ class Form:
     __rmul__ = __mul__
 
     def __eq__(self, other: object) -> bool:
-        """Exact equality of two forms over one frame."""
+        """Exact equality of two forms over equal frames; a form that vanishes equals 0.
+
+        Raises
+        ------
+        UndecidedError
+            It cannot be decided.
+        """
         if not isinstance(other, Form):
-            return NotImplemented
-        like = (other.frame is self.frame, other.degree, other.values)
-        if like != (True, self.degree, self.values):
+            is_scalar = not self.degree and not self.values
+            return self.tensor.__eq__(other) if is_scalar or _is_zero(other) else NotImplemented
+        same = at_home(self.frame, other)
+        if same is None or (same.degree, same.values) != (self.degree, self.values):
             return False
-        verdict = (self - other).is_zero
+        verdict = (self - same).is_zero
         if verdict is None:
             raise UndecidedError(
                 "whether two forms are equal cannot be decided exactly: functions occur whose "
@@ -276,7 +286,10 @@ class Form:
         return verdict
 
     def __hash__(self) -> int:
-        return hash((self.degree, self.values, frozenset(self.components.items())))
+        return hash((self.degree, self.tensor))
+
+    def __bool__(self) -> bool:
+        return bool(self.tensor)
 
     def wedge(self, other: Form) -> Form:
         """Exterior product; value indices of this form come before the others.
@@ -434,12 +447,13 @@ class Form:
         >>> plane.coframe_form().D(levi_civita(plane)).is_zero
         True
         """
-        if getattr(connection, "frame", None) is not self.frame:
+        carrier = at_home(self.frame, connection) if hasattr(connection, "coefficients") else None
+        if carrier is None:
             raise ShapeError(
                 "connection: expected a connection over the frame of the form, got "
                 f"{checks.shown(connection)}. Build both over one frame."
             )
-        return self._derivative(connection)
+        return self._derivative(carrier)
 
     def _derivative(self, connection: Connection | None) -> Form:
         head, n, field = len(self.values), self.frame.dimension, self.frame.field
@@ -489,6 +503,11 @@ class Form:
 
     # -- copies and writing ------------------------------------------------------------------------
 
+    def _carried(self, frame: Frame) -> Form:
+        """This form over an equal frame."""
+        get = self.tensor._carried(frame).components.get
+        return Form(frame, self.degree, get, self.values, self.symbol)
+
     def __reduce__(self) -> tuple[object, ...]:
         entries = {place: value.sympy for place, value in self.components.items()}
         return type(self), (self.frame, self.degree, entries, self.values, self.symbol)
@@ -507,6 +526,11 @@ class Form:
             return self.tensor._repr_latex_()
         text = _text(self, sp.latex, " \\wedge ", " \\, ", "\\mathrm{{d}}{}")
         return f"${text}$"
+
+
+def _is_zero(value: object) -> bool:
+    """Whether a value is the number zero."""
+    return checks.fraction(value) == 0
 
 
 def _text(form: Form, write: Callable[[object], str], wedge: str, space: str, basis: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import FunctionType, MethodType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import sympy as sp
 
@@ -19,6 +19,7 @@ from geomtorsion.geometry import (
     constructors,
     evaluation,
     frame_matrices,
+    homes,
     naming,
     notation,
     substitution,
@@ -52,7 +53,9 @@ class Frame:
     attached: data that do not follow from the frame: its "atlas" and "names" for printing.
 
     To make one: coframe (rows i, columns mu) as nested lists or a sympy matrix; signature None
-    (all +1), a tuple of signs, or a constant symmetric matrix eta; domain one relation or several;
+    (all +1), a tuple of signs, a text such as "-+++", or a constant symmetric matrix eta; domain
+        one relation or several, as text too: "r > 0, 0 < theta < pi". Entries may be text in the
+        coordinates and the listed parameters;
     branches {root: value}: values of roots that are rational in other names, where the sign shall
         not be the positive one, such as {sqrt(1 - sin(x)**2): -cos(x)}.
 
@@ -76,6 +79,9 @@ class Frame:
     >>> frame = Frame([r, phi], [[1, 0], [0, r]])
     >>> frame.metric[1, 1], frame.legs[1, 1], frame.anholonomy[0, 1, 1]
     (r**2, 1/r, 1/r)
+    >>> cone = Frame("r phi", [["1", "0"], ["0", "k r"]], parameters="k", domain="r > 0")
+    >>> cone.metric[1, 1], cone.domain
+    (k**2*r**2, (r > 0,))
     """
 
     coordinates: tuple[sp.Symbol, ...]
@@ -86,6 +92,8 @@ class Frame:
     field: Field
     given: Mapping[str, Elements]
     attached: dict[str, Any]
+
+    has_own_field: ClassVar[bool] = True
 
     @exclusive
     def __init__(
@@ -99,7 +107,7 @@ class Frame:
         name: str | None = None,
         branches: Mapping[sp.Expr, sp.Expr] | None = None,
     ) -> None:
-        n, entries = validation.matrix_entries(coframe, "coframe")
+        n, entries = validation.typed_entries(coframe, "coframe", coordinates, parameters)
         opened = validation.opened(coordinates, n, entries, parameters, domain, complex, branches)
         elements = validation.read_matrix(opened.field, entries, "coframe")
         eta = validation.read_signature(opened.field, signature, n)
@@ -215,6 +223,7 @@ class Frame:
         constants
             C_ij^k, shape (n, n, n): the brackets of the legs. The object of anholonomy of the
             frame, 2 S of its Cartan connection, is minus these. Entries are numbers or parameters.
+            A mapping {(0, 1, 2): 1} names those that do not vanish, in one order of i and j.
         coordinates
             Coordinates of the second kind; x1 ... xn if not given.
 
@@ -553,7 +562,19 @@ class Frame:
         """An element as it is printed: short, with the names of the frame (see `named`)."""
         return self.field.written(element, constructors.names(self))
 
-    # -- copies ---------------------------------------------------------------------------------
+    # -- equality and copies --------------------------------------------------------------------
+
+    def __eq__(self, other: object) -> bool:
+        """Equal coordinates, parameters, domain, branches, coframe and eta; names do not count.
+
+        Tensors, forms and connections of equal frames combine. False where it cannot be decided
+        that two coframes are equal.
+        """
+        return homes.are_equal(self, other) if isinstance(other, Frame) else NotImplemented
+
+    @unlocked
+    def __hash__(self) -> int:
+        return homes.number(self)
 
     def __reduce__(self) -> tuple[object, ...]:
         """Made again from its original input, so that every result is the same to the bit."""

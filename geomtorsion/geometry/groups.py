@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import combinations, product
 from typing import Any
 
@@ -39,8 +39,38 @@ def invariant_coframe(
     return symbols, coframe
 
 
+def _dense(constants: Mapping[object, object]) -> list[list[list[object]]]:
+    """C_ij^k as nested lists from {(i, j, k): value}; one order of i and j is enough."""
+    given: dict[tuple[int, ...], object] = {}
+    for index, value in constants.items():
+        numbers = tuple(map(checks.whole, index)) if isinstance(index, tuple) else ()
+        places = tuple(k for k in numbers if k is not None and k >= 0)
+        if len(places) != 3 or len(numbers) != 3:
+            raise StructureConstantError(
+                "structure constants: expected three indices (i, j, k), counted from 0, as a key, "
+                f"got {checks.shown(index)}. Write {{(0, 1, 2): 1}} for [E_0, E_1] = E_2."
+            )
+        given[places] = value
+    legs = {leg for places in given for leg in places}
+    n = len(legs)
+    # A single large index would fill the memory.
+    if legs != set(range(n)):
+        raise StructureConstantError(
+            f"structure constants: expected each leg from 0 to {max(legs)} in some index, got "
+            f"{n} of them. Add an index with the value 0 for a leg that commutes with all others."
+        )
+    opposite = {
+        (j, i, k): -checks.expression(value, f"structure constants[{i}, {j}, {k}]")
+        for (i, j, k), value in given.items()
+    }
+    whole = opposite | given
+    return [[[whole.get((i, j, k), 0) for k in range(n)] for j in range(n)] for i in range(n)]
+
+
 def checked_constants(constants: object) -> list[list[list[sp.Expr]]]:
     """C_ij^k as nested lists; antisymmetric and satisfying the Jacobi identity, both exactly."""
+    if isinstance(constants, Mapping):
+        constants = _dense(constants)
     needed = "{subject}: expected C_ij^k of shape (n, n, n), axes (i, j, k), got {value}."
     rows = checks.entries(constants, "structure constants", StructureConstantError, message=needed)
     n = len(rows)

@@ -6,13 +6,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import combinations, product
 
-from geomtorsion.checks import instance
 from geomtorsion.exact import Certainty, Element
 from geomtorsion.exact.element import PROVED, least_certain
 from geomtorsion.geometry import notation, riemannian
 from geomtorsion.geometry.components import Index
 from geomtorsion.geometry.connection import Connection
-from geomtorsion.geometry.connections import cartan, levi_civita
+from geomtorsion.geometry.connections import ConnectionLike, as_connection, cartan, levi_civita
 from geomtorsion.geometry.frame import Frame
 
 
@@ -55,7 +54,7 @@ class IdentityChecks(list[IdentityCheck]):
         )
 
 
-def identities(connection: Connection | Frame) -> IdentityChecks:
+def identities(connection: ConnectionLike | Frame) -> IdentityChecks:
     """Check the identities that apply to a connection, exactly; for a frame, its Cartan connection.
 
     Metricity is a property rather than an identity: it fails for a connection that does not keep
@@ -78,7 +77,7 @@ def identities(connection: Connection | Frame) -> IdentityChecks:
     """
     if isinstance(connection, Frame):
         connection = cartan(connection)
-    instance(connection, Connection, "connection")
+    connection = as_connection(connection)
     results = [metricity(connection), decomposition(connection)]
     results += [first_bianchi(connection), second_bianchi(connection)]
     if connection.metric_compatible:

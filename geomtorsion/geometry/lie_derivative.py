@@ -11,6 +11,7 @@ from geomtorsion.geometry.components import Index, symmetric
 from geomtorsion.geometry.connection import Connection
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.from_arrays import tensor_from_array
+from geomtorsion.geometry.homes import at_home
 from geomtorsion.geometry.tensor import Tensor
 
 if TYPE_CHECKING:
@@ -29,7 +30,8 @@ def vector(frame: Frame, values: object, name: str = "vector") -> Tensor:
     """
     if not isinstance(values, Tensor):
         return tensor_from_array(frame, "u", values, name)
-    if values.frame is not frame:
+    home = at_home(frame, values)
+    if home is None:
         raise ShapeError(
             f"{name}: expected a vector over the same frame, got one over another frame. Build "
             "both over the same frame."
@@ -38,7 +40,7 @@ def vector(frame: Frame, values: object, name: str = "vector") -> Tensor:
         raise TensorIndexError(
             f"{name}: expected a tensor with one index, got slots {values.slots!r}. Give a vector."
         )
-    return values.raised(0).in_coordinates()
+    return home.raised(0).in_coordinates()
 
 
 @overload

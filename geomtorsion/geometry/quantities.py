@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from geomtorsion.caching import cached_property
 from geomtorsion.checks import close_names, shown
-from geomtorsion.displays import drawn_by
+from geomtorsion.displays import drawn_by, figure_by
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import frame_matrices
@@ -316,6 +316,7 @@ class DependencyGraph:
         return str(self)
 
     _repr_html_ = drawn_by("notebook_pictures", "plan_html")
+    plot = figure_by("notebook_pictures", "draw_plan")
 
     def __str__(self) -> str:
         heading = f"{'step':<20}{'components':>11}{'products at most':>18}  what it is"

@@ -194,3 +194,15 @@ def ricci_in_frame(frame: Frame) -> Tensor:
         return frame.field.sum([(1, x, lower((m, *index, k))) for (m, k), x in inverse.items()])
 
     return Tensor(frame, "DD", rule, symmetric(2), "R", "Ricci tensor")
+
+
+def contortion_of(torsion: Tensor) -> Tensor:
+    """K_ab^c, slots ddu, of a torsion S_ab^c: K_abc = S_abc - S_bca + S_cab."""
+    frame, lower = torsion.frame, torsion.lowered(2).components.get
+
+    def rule(index: Index) -> Element:
+        a, b, c = index
+        terms = [(1, lower((a, b, c))), (-1, lower((b, c, a))), (1, lower((c, a, b)))]
+        return frame.field.sum(terms)
+
+    return Tensor(frame, "ddd", rule, antisymmetric(3, 1, 2), "K", "contortion").raised(2)

@@ -15,17 +15,18 @@ from geomtorsion.exact import Element
 from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry.change import Map, coordinate_map, moved_domain
 from geomtorsion.geometry.components import Components, Index, determinant, symmetric
-from geomtorsion.geometry.connections import levi_civita
+from geomtorsion.geometry.connections import FrameLike, as_frame, levi_civita
 from geomtorsion.geometry.evaluation import sample_point
 from geomtorsion.geometry.expansion import again, whole_of
 from geomtorsion.geometry.forms import Form
 from geomtorsion.geometry.frame import Frame
+from geomtorsion.geometry.homes import at_home
 from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.geometry.validation import with_generic_functions
 
 
 def surface(
-    frame: Frame,
+    frame: FrameLike,
     coordinates: object,
     embedding: object = None,
     domain: object = None,
@@ -67,7 +68,7 @@ def surface(
     >>> tube.extrinsic_curvature[0, 0], tube.extrinsic_curvature[1, 1]
     (-M*sqrt(r*(-2*M + r))/r**3, sqrt(r*(-2*M + r)))
     """
-    checks.instance(frame, Frame, "frame")
+    frame = as_frame(frame)
     way = coordinate_map(frame, coordinates, {} if embedding is None else embedding)
     if len(way.new) >= frame.dimension:
         raise ShapeError(
@@ -168,7 +169,8 @@ class Surface:
                 )
             return Form.of(self.pullback(field.tensor))
         checks.instance(field, Tensor, "field")
-        if field.frame is not self.ambient:
+        home = at_home(self.ambient, field)
+        if home is None:
             raise ShapeError(
                 "field: expected a tensor over the frame of the space, got one over another frame."
                 " Build it over surface.ambient."
@@ -178,7 +180,7 @@ class Surface:
                 f"{field.label}: expected lower indices for a pullback, got slots "
                 f"{field.slots!r}. Lower them with lowered()."
             )
-        plain = field.in_coordinates()
+        plain = home.in_coordinates()
         components = self._on(plain.components).nonzero
         slope = self._slope
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, SupportsIndex
+from typing import TYPE_CHECKING, Any, ClassVar, SupportsIndex
 
 import sympy as sp
 
@@ -17,7 +17,7 @@ from geomtorsion.exact import Certainty, Element
 from geomtorsion.exact.element import least_certain
 from geomtorsion.exact.expansion import Expansion, limit
 from geomtorsion.exclusive import exclusive
-from geomtorsion.geometry import arithmetic, evaluation, notation
+from geomtorsion.geometry import arithmetic, evaluation, indexing, notation
 from geomtorsion.geometry.components import Components, Index, Symmetry, change_slot, effective
 from geomtorsion.geometry.index_types import EXCHANGES, KINDS, moved
 from geomtorsion.geometry.notation import ComponentTable, Names, Where
@@ -25,7 +25,7 @@ from geomtorsion.geometry.substitution import Value, Values, approaches, substit
 
 if TYPE_CHECKING:
     import numpy as np
-    from numpy.typing import ArrayLike
+    from numpy.typing import ArrayLike, DTypeLike
 
     from geomtorsion.geometry.frame import Frame
 
@@ -68,6 +68,8 @@ class Tensor:
     name: str = ""
     anchored: tuple[int, ...] = ()
 
+    has_own_field: ClassVar[bool] = True
+
     def __post_init__(self) -> None:
         """Refuse slots that are none."""
         if not isinstance(self.slots, str) or set(self.slots) - set(KINDS):
@@ -106,10 +108,52 @@ class Tensor:
         # A zero that is not proved carries the chance that it is wrong.
         return self.components.zeros.get(place, self.components.get(place))
 
-    def __getitem__(self, index: SupportsIndex | tuple[SupportsIndex, ...]) -> sp.Expr:
-        """One component as a sympy expression; nothing else is computed."""
-        place = self._checked(index if isinstance(index, tuple) else (index,))
-        return notation.component(self, place, notation.plain)
+    def __getitem__(self, index: indexing.One | tuple[indexing.One, ...]) -> Any:
+        """One component as a sympy expression, or with slices or fewer indices an array of them.
+
+        An index is a number, negative from the end, or a coordinate index by symbol or name. Only
+        what is chosen is computed.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> metric = Frame([r, phi], [[1, 0], [0, r]]).metric
+        >>> metric["phi", -1], metric[phi], metric[:, 0]
+        (r**2, [0, r**2], [1, 0])
+        """
+        return indexing.chosen(self, index)
+
+    def __iter__(self) -> Iterator[Any]:
+        return indexing.rows(self)
+
+    def __len__(self) -> int:
+        if not self.slots:
+            raise TensorIndexError(
+                f"{self.label}: expected a tensor with indices, got a scalar, which has no length."
+            )
+        return self.frame.dimension
+
+    @property
+    def ndim(self) -> int:
+        """Number of indices."""
+        return len(self.slots)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The dimension, once for each index."""
+        return (self.frame.dimension,) * len(self.slots)
+
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> np.ndarray:
+        """Floats if all components are numbers, else an array of sympy expressions."""
+        return indexing.numpy_array(self, dtype)
+
+    # Numbers and arrays of NumPy leave sums, products and comparisons to the tensor.
+    __array_ufunc__ = None
+
+    def __bool__(self) -> bool:
+        return indexing.truth(self)
 
     def _checked(self, index: Sequence[SupportsIndex]) -> Index:
         """An index tuple of the right length and range."""
@@ -350,22 +394,38 @@ class Tensor:
         return product(self, other)
 
     def __eq__(self, other: object) -> bool:
-        """Exact equality of all components; the slots must agree. Rank 0 equals its expression."""
+        """Exact equality of all components; the slots must agree.
+
+        A scalar equals its expression, a tensor that vanishes equals 0, and a tensor equals a
+        matrix or an array of its components.
+
+        Raises
+        ------
+        UndecidedError
+            It cannot be decided.
+        """
         if isinstance(other, Tensor):
             return arithmetic.equal(self, other)
-        return arithmetic.equals_scalar(self, other)
+        return arithmetic.equals(self, other)
 
     def __hash__(self) -> int:
         if not self.slots:
             return hash(self[()])
-        return hash((self.slots, frozenset(self.components.nonzero.items())))
+        # Elements of equal frames are written by other generators, so that places count only.
+        places = frozenset(self.components.support)
+        return hash((self.slots, self.frame, places)) if places else hash(0)
 
     @property
     def _sympy_(self) -> Callable[[], sp.Expr]:
-        """Hook by which sympy reads a tensor of rank 0 as an expression."""
+        """Hook by which sympy reads a scalar as an expression, and refuses other tensors."""
+        return self._expression
+
+    def _expression(self) -> sp.Expr:
+        """A scalar as an expression."""
         if self.slots:
-            raise AttributeError("a tensor with indices is not an expression")
-        return lambda: self[()]
+            # Matrices of sympy then leave a comparison to the tensor.
+            raise sp.SympifyError(f"{self.label}, a tensor with indices")
+        return self[()]
 
     @property
     def _op_priority(self) -> float:
@@ -488,6 +548,12 @@ class Tensor:
         return replace(self, frame=over, source=self.components.mapped(over.field, changed))
 
     # -- copies --------------------------------------------------------------------------------
+
+    def _carried(self, frame: Frame) -> Tensor:
+        """This tensor over an equal frame."""
+        if frame.field is self.frame.field:
+            return replace(self, frame=frame, source=self.components)
+        return self._mapped(lambda value, _: value, frame)
 
     def __reduce__(self) -> tuple[object, ...]:
         values = {index: x.sympy for index, x in self.components.independent.items()}

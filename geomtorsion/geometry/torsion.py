@@ -25,7 +25,7 @@ HALF, THIRD, QUARTER = Fraction(1, 2), Fraction(1, 3), Fraction(1, 4)
 
 
 @exclusive
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, repr=False)
 class Torsion:
     """Torsion of a connection, with the half (S) and without (T), and its parts.
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from itertools import combinations
 from typing import Any
 
@@ -21,9 +22,10 @@ from geomtorsion.errors import (
     SignatureError,
     UndecidedError,
 )
-from geomtorsion.exact import Element, Field
+from geomtorsion.exact import Element, Field, parse_expression
 from geomtorsion.exact.reading import counted_as
 from geomtorsion.geometry.components import dependence, determinant
+from geomtorsion.geometry.relations import relations_in
 from geomtorsion.precision import EPS
 
 Matrix = dict[tuple[int, int], Any]
@@ -70,7 +72,8 @@ def opened(
         checks.expression(root, "branches"): checks.expression(value, f"branches[{root}]")
         for root, value in checks.table(branches, "branches").items()
     }
-    relations = domain_relations(domain)
+    words = partial(names_of, coordinates, parameters, entries.values())
+    relations = domain_relations(domain, words)
     free = free_symbols([*entries.values(), *relations, *chosen, *chosen.values()])
     symbols = coordinate_symbols(coordinates, n, free)
     constants = parameter_symbols(parameters, symbols, free)
@@ -91,7 +94,29 @@ def opened(
     return Opened(symbols, constants, relations, complex_, field)
 
 
+SIGNS = {"+": 1, "-": -1, "−": -1}
 REFUSALS = {"metric": MetricError, "signature": SignatureError}
+
+
+def typed_entries(
+    values: object, name: str, coordinates: object, parameters: object
+) -> tuple[int, Matrix]:
+    """As `matrix_entries`, with entries that may be text in coordinates and parameters."""
+    n, entries = matrix_entries(values, name)
+    typed = {index: x for index, x in entries.items() if isinstance(x, str)}
+    if not typed:
+        return n, entries
+    names = names_of(coordinates, parameters, entries.values())
+    for index, text in typed.items():
+        entries[index] = parse_expression(text, names, where=f"{name}{list(index)}")
+    return n, {index: x for index, x in entries.items() if not _is_plain_zero(x)}
+
+
+def names_of(coordinates: object, parameters: object, values: Iterable) -> dict[str, sp.Symbol]:
+    """The names that a text may use: of coordinates, parameters, and symbols in other values."""
+    free = free_symbols(values)
+    named = named_symbols(() if parameters is None else parameters, free, "parameter")
+    return {symbol.name: symbol for symbol in (*free, *named, *named_symbols(coordinates, free))}
 
 
 def matrix_entries(values: object, name: str) -> tuple[int, Matrix]:
@@ -100,16 +125,22 @@ def matrix_entries(values: object, name: str) -> tuple[int, Matrix]:
     needed = "{subject}: expected rows of entries, got {value}. Give nested lists."
     rows = [
         checks.entries(row, f"{name}[{i}]", refusal, message=needed)
-        if isinstance(row, Iterable) and not isinstance(row, str | sp.Basic)
+        if isinstance(row, Iterable)
+        and not isinstance(row, str | sp.Basic)
+        # A tensor of rank 0 is one expression.
+        and getattr(row, "ndim", 1) > 0
         else [row]
         for i, row in enumerate(checks.entries(values, name, refusal, message=needed))
     ]
     n = len(rows)
     for i, row in enumerate(rows):
         if len(row) != n:
+            more = name == "coframe" and {len(one) for one in rows} == {len(row)} and len(row) < n
             raise refusal(
                 f"{name} is not square: it has {n} rows, but row {i} has {len(row)} entries. "
                 "Give as many rows as columns, one column for each coordinate."
+                + " For more rows than columns use gt.embedded(coordinates, rows)."
+                * more
             )
     if n == 0:
         raise refusal(f"{name} is empty. Give at least one coordinate and one row.")
@@ -206,10 +237,12 @@ def free_symbols(values: Iterable[Any]) -> set[sp.Symbol]:
 
 
 def signs_or_rows(signature: object) -> list[Any]:
-    """A signature as a list, of signs or of rows of a matrix."""
+    """A signature as a list, of signs or of rows of a matrix; "-+++" is a list of signs."""
+    if isinstance(signature, str) and signature and not set(signature) - set(SIGNS):
+        return [SIGNS[sign] for sign in signature]
     message = (
-        "{subject}: expected signs or a matrix, got {value}. Write (-1, 1, 1, 1), or a constant "
-        "symmetric matrix."
+        '{subject}: expected signs or a matrix, got {value}. Write (-1, 1, 1, 1), "-+++", or a '
+        "constant symmetric matrix."
     )
     return checks.entries(signature, "signature", SignatureError, message=message)
 
@@ -314,13 +347,21 @@ def check_symmetric(entries: dict[tuple[int, int], Element], n: int) -> None:
 
 
 def read_more(field: Field, entries: Sequence[tuple[str, object]]) -> list[Element]:
-    """Exact elements of pairs (where, expression or element); new symbols are declared."""
+    """Exact elements of pairs (where, expression, text or element); new symbols are declared.
+
+    Names in a text must be symbols of the field.
+    """
     for entry in checks.entries(entries, "entries"):
         if not isinstance(entry, tuple) or len(entry) != 2:
             raise ArgumentError(
                 "entries: expected pairs (name in messages, expression), got "
                 f"{checks.shown(entry)}."
             )
+    names = {symbol.name: symbol for symbol in field.symbols}
+    entries = [
+        (where, parse_expression(x, names, where=where) if isinstance(x, str) else x)
+        for where, x in entries
+    ]
     plain = [value for _, value in entries if not isinstance(value, Element)]
     free = free_symbols(plain)
     new = free - set(field.symbols) - set(counted_as(free, field.symbols))
@@ -329,10 +370,14 @@ def read_more(field: Field, entries: Sequence[tuple[str, object]]) -> list[Eleme
     return [value if isinstance(value, Element) else next(read) for _, value in entries]
 
 
-def domain_relations(domain: object) -> tuple[sp.Basic, ...]:
-    """A domain as relations that all hold: from one relation, And(...), a sequence or None."""
+def domain_relations(
+    domain: object, names: Callable[[], Mapping[str, sp.Symbol]] = dict
+) -> tuple[sp.Basic, ...]:
+    """A domain as relations that all hold: one, And(...), several, or text such as "r > 0"."""
     if domain is None:
         return ()
+    if isinstance(domain, str):
+        domain = domain.split(",")
     relations = "{subject}: expected relations, got {value}. Give r > 2*M, 0 < theta."
     items = (
         [domain]
@@ -342,6 +387,10 @@ def domain_relations(domain: object) -> tuple[sp.Basic, ...]:
     conditions: list[sp.Basic] = []
     item: Any
     for item in items:
+        if isinstance(item, str):
+            read = partial(parse_expression, symbols=names(), where="domain")
+            conditions += relations_in(item, read, "domain", CoordinateError)
+            continue
         parts = item.args if isinstance(item, sp.And) else (item,)
         for part in parts:
             if part is True or part == sp.true:
@@ -392,27 +441,6 @@ def candidate_points(
         if all(relation.subs(point) == sp.true for relation in others):
             has_point = True
             yield point
-
-
-def broken_relations(
-    relations: Iterable[sp.Basic], values: Mapping[sp.Symbol, float]
-) -> list[sp.Basic]:
-    """Relations that a point does not satisfy, except those on whose very edge it is.
-
-    Examples
-    --------
-    >>> r, M = sp.symbols("r M")
-    >>> broken_relations([r > 2 * M, r > 0], {r: 1.5, M: 1})
-    [r > 2*M]
-    >>> broken_relations([r > 2 * M], {r: 2, M: 1})
-    []
-    """
-    return [
-        relation
-        for relation in relations
-        if relation.subs(values) == sp.false
-        and float((relation.args[0] - relation.args[1]).subs(values)) != 0.0
-    ]
 
 
 def with_functions(element: Element, point: RationalPoint) -> dict[Any, Any]:

@@ -53,3 +53,8 @@ __all__ = [
     "translations",
     "weyssenhoff",
 ]
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return [*__all__]

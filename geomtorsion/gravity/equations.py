@@ -11,10 +11,12 @@ from sympy.core.function import AppliedUndef
 
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
+from geomtorsion.displays import drawn_by
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, Truncated, TruncatedField
 from geomtorsion.exclusive import exclusive
-from geomtorsion.geometry import Connection, Frame, IdentityCheck, Tensor, antisymmetric
+from geomtorsion.geometry import Connection, Frame, IdentityCheck, Tensor, antisymmetric, at_home
+from geomtorsion.geometry.connections import ConnectionLike, as_connection
 from geomtorsion.gravity.fields import HALF, FrameFields, Index, Terms
 from geomtorsion.gravity.fluids import Fluid
 from geomtorsion.gravity.geometries import check_geometry
@@ -30,7 +32,7 @@ from geomtorsion.gravity.vocabulary import Vocabulary, declared_constants, meani
 @exclusive
 @dataclass(frozen=True, eq=False, repr=False)
 class FieldEquations:
-    """Left sides of the field equations of a Lagrangian; a solution makes them vanish.
+    """Field equations of a Lagrangian: the expressions that vanish on a solution.
 
     connections: the connections over one frame.
     lagrangian: the theory.
@@ -48,6 +50,8 @@ class FieldEquations:
     connections: tuple[Connection, ...]
     lagrangian: Lagrangian
     matter: tuple[MatterField | Fluid, ...] = ()
+
+    _repr_html_ = drawn_by("field_equations", "field_equations_html")
 
     def __repr__(self) -> str:
         names = ", ".join(one.name for one in self.connections)
@@ -92,7 +96,7 @@ class FieldEquations:
         return {name: (one, name) for one in self._fields for name in one.names}
 
     def check_names(self) -> None:
-        """Refuse names in the Lagrangian that mean nothing here."""
+        """Raise an error for unknown names in the Lagrangian."""
         _ = self._named
 
     @cached_property
@@ -399,7 +403,7 @@ class FieldEquations:
 
 
 def equations(
-    connections: Connection | Iterable[Connection],
+    connections: ConnectionLike | Iterable[ConnectionLike],
     lagrangian: Lagrangian | str | sp.Expr,
     matter: MatterField | Fluid | Iterable[MatterField | Fluid] = (),
     *,
@@ -415,8 +419,10 @@ def equations(
     Parameters
     ----------
     connections
-        One connection, or several over one frame. Names of invariants of the second and third
-        connection end in _2, _3; names of the Levi-Civita connection beside others end in bar.
+        One connection, or several over one frame. A space, or the name of a shipped one,
+        contributes its own connection, or the Cartan connection if it has none. Names of
+        invariants of the second and third connection end in _2, _3; names of the Levi-Civita
+        connection beside others end in bar.
     lagrangian
         Text, a sympy expression in `gravity.names`, or a theory such as `gravity.tegr`. A new name
         that multiplies invariants is a constant; functions such as f(T) may be unknown.
@@ -441,17 +447,19 @@ def equations(
     True
     """
     message = "{subject}: expected one connection or a list of connections, got {value}."
-    several = _listed(connections, Connection, "connections", message)
+    listed = _listed(connections, ConnectionLike, "connections", message)
+    several = [as_connection(one, "connections", GravityError) for one in listed]
     if not several:
         raise GravityError(
             "equations: expected a connection, got an empty list. Give gt.cartan(frame) or another."
         )
-    for connection in several:
-        if connection.frame is not several[0].frame:
-            raise GravityError(
-                "equations: expected connections over one frame, got different frames. Make all "
-                "connections from one Frame object."
-            )
+    over_one = [at_home(several[0].frame, connection) for connection in several]
+    several = [connection for connection in over_one if connection is not None]
+    if len(several) < len(over_one):
+        raise GravityError(
+            "equations: expected connections over one frame, got different frames. Make all "
+            "connections over equal frames."
+        )
     if sum(one.kind == "levi-civita" for one in several) > 1:
         raise GravityError(
             "equations: expected the Levi-Civita connection once, got it twice. Give it once."

@@ -11,7 +11,8 @@ import sympy as sp
 from geomtorsion import checks
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element
-from geomtorsion.geometry import Connection, Frame, Tensor, antisymmetric
+from geomtorsion.geometry import Connection, Frame, Tensor, antisymmetric, at_home
+from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.gravity.fields import HALF, FrameFields, Index, Terms
 from geomtorsion.gravity.lagrangian import scalar_of
 
@@ -136,7 +137,7 @@ def weyssenhoff(
 
 
 def torsion_from_spin(
-    frame: Frame, tau: Tensor | Sequence, kappa: sp.Expr | str = "kappa"
+    frame: FrameLike, tau: Tensor | Sequence, kappa: sp.Expr | str = "kappa"
 ) -> Tensor:
     """The torsion T_ij^a of a spin density in the theory L = R/(2 kappa) + L_m, slots DDU.
 
@@ -171,7 +172,7 @@ def torsion_from_spin(
     >>> torsion_from_spin(flat, tau.tolist()).nonzero()
     {(1, 2, 0): kappa*s, (2, 1, 0): -kappa*s}
     """
-    checks.instance(frame, Frame, "frame", GravityError)
+    frame = as_frame(frame, "frame", GravityError)
     n = frame.dimension
     if n < 3:
         raise GravityError(
@@ -199,12 +200,13 @@ def _spin_density(frame: Frame, tau: Tensor | Sequence) -> Tensor:
     """tau^a_ij, slots UDD, checked."""
     n = frame.dimension
     if isinstance(tau, Tensor):
-        if tau.frame is not frame or len(tau.slots) != 3:
+        home = at_home(frame, tau)
+        if home is None or len(tau.slots) != 3:
             raise GravityError(
                 f"tau: expected a tensor tau^a_ij over this frame, got {tau.label}. Build it over "
                 "the frame of the equations."
             )
-        tensor = tau.in_frame().lowered().raised(0)
+        tensor = home.in_frame().lowered().raised(0)
     else:
         values = {}
         for a, rows in enumerate(_square_list(tau, n, "tau")):
@@ -226,9 +228,10 @@ def antisymmetric_matrix(frame: Frame, values: object, what: str) -> Tensor:
     """An antisymmetric matrix in the frame, slots DD, checked."""
     n = frame.dimension
     if isinstance(values, Tensor):
-        if values.frame is not frame or len(values.slots) != 2:
+        home = at_home(frame, values)
+        if home is None or len(values.slots) != 2:
             raise GravityError(f"{what}: expected a tensor of rank 2 over this frame, got another.")
-        tensor = values.in_frame().lowered()
+        tensor = home.in_frame().lowered()
     else:
         entries = {}
         for i, row in enumerate(_square_list(values, n, what)):

@@ -6,10 +6,11 @@ from collections.abc import Mapping
 
 from geomtorsion import checks
 from geomtorsion.errors import GravityError
-from geomtorsion.geometry import Connection, Frame, from_spin_connection, levi_civita
+from geomtorsion.geometry import Connection, from_spin_connection, levi_civita
+from geomtorsion.geometry.connections import FrameLike, as_frame
 
 
-def inertial(frame: Frame, limit: Mapping) -> Connection:
+def inertial(frame: FrameLike, limit: Mapping) -> Connection:
     """The flat metric connection with the spin connection of the limit of a coframe.
 
     The limit of the coframe without gravity has turning legs only: its Levi-Civita connection is
@@ -34,7 +35,7 @@ def inertial(frame: Frame, limit: Mapping) -> Connection:
     >>> connection.is_flat, connection.torsion.S.is_zero
     (True, False)
     """
-    checks.instance(frame, Frame, "frame", GravityError)
+    frame = as_frame(frame, "frame", GravityError)
     reference = levi_civita(frame.subs(limit))
     if not reference.is_flat:
         raise GravityError(

@@ -13,7 +13,7 @@ from geomtorsion import checks
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, parse_expression
 from geomtorsion.exact import names as words
-from geomtorsion.geometry import Frame, Tensor
+from geomtorsion.geometry import Frame, Tensor, at_home
 from geomtorsion.gravity.invariants import INVARIANTS
 from geomtorsion.gravity.vocabulary import MATTER, Vocabulary
 
@@ -193,8 +193,10 @@ def read(given: Lagrangian, vocabulary: Vocabulary) -> Reading:
 
 def scalar_of(frame: Frame, value: object, where: str) -> Element:
     """An exact element of a number, an expression, text or a tensor of rank 0."""
-    if isinstance(value, Tensor) and not value.slots and value.frame is frame:
-        return value.element()
+    if isinstance(value, Tensor) and not value.slots:
+        home = at_home(frame, value)
+        if home is not None:
+            return home.element()
     applied = {
         generator.argument[0].__name__: generator.shown
         for generator in frame.field.generators

@@ -15,9 +15,10 @@ from geomtorsion.errors import SignatureError, UndecidedError
 from geomtorsion.exact import Element
 from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Frame, levi_civita
+from geomtorsion.geometry.connections import FrameLike, as_frame
 
 
-def newman_penrose(frame: Frame) -> NewmanPenrose:
+def newman_penrose(frame: FrameLike) -> NewmanPenrose:
     """Newman-Penrose scalars of the metric of a null tetrad (l, n, m, m_bar).
 
     Equation
@@ -47,7 +48,7 @@ def newman_penrose(frame: Frame) -> NewmanPenrose:
     >>> kerr.petrov_type, kerr.psi[0], kerr.psi[4]
     ('D', 0, 0)
     """
-    checks.instance(frame, Frame, "frame")
+    frame = as_frame(frame)
     n = frame.dimension
     eta = [[frame.eta[i, j] for j in range(n)] for i in range(n)]
     product = eta[0][1] if n == 4 else 0

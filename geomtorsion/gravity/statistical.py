@@ -9,11 +9,12 @@ import sympy as sp
 
 from geomtorsion import checks
 from geomtorsion.errors import ShapeError, TensorIndexError
-from geomtorsion.geometry import Connection, Frame, Tensor, from_coefficients, levi_civita
+from geomtorsion.geometry import Connection, Tensor, at_home, from_coefficients, levi_civita
+from geomtorsion.geometry.connections import FrameLike, as_frame
 
 
 def statistical(
-    metric: Frame, cubic: object, alpha: int | Fraction | sp.Expr | str = "alpha"
+    metric: FrameLike, cubic: object, alpha: int | Fraction | sp.Expr | str = "alpha"
 ) -> Connection:
     """The alpha-connection of a statistical manifold.
 
@@ -51,15 +52,16 @@ def statistical(
     >>> statistical(fisher, C).curvature.scalar[()], statistical(fisher, C, 1).is_flat
     ((alpha - 1)*(alpha + 1), True)
     """
-    checks.instance(metric, Frame, "metric")
+    metric = as_frame(metric, "metric")
     n = metric.dimension
     if isinstance(cubic, Tensor):
-        if cubic.frame is not metric or cubic.slots.lower() != "ddd":
+        home = at_home(metric, cubic)
+        if home is None or cubic.slots.lower() != "ddd":
             raise ShapeError(
                 f"cubic: expected a tensor over the metric's frame with slots ddd, got "
                 f"{cubic.label} with slots {cubic.slots!r}. Lower its indices."
             )
-        tensor = cubic.in_coordinates()
+        tensor = home.in_coordinates()
     else:
         tensor = Tensor(metric, "ddd", _entries(checks.rows(cubic), n), (), "C", "cubic form")
     for index in tensor.components.nonzero:

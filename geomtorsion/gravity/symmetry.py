@@ -13,15 +13,16 @@ from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, ShapeError
 from geomtorsion.exact import Echelon, Element, vanishing_sums
 from geomtorsion.exclusive import exclusive
-from geomtorsion.geometry import Connection, Frame, Tensor, cartan, levi_civita, lie
+from geomtorsion.geometry import Connection, Frame, Tensor, at_home, cartan, levi_civita, lie
+from geomtorsion.geometry.connections import FrameLike, as_frame
 
 Row = list[Element]
 KEEPS = ("metric", "teleparallel")
 
 
 @exclusive
-def symmetries(frame: Frame, keep: str | Connection = "metric") -> Symmetries:
-    """Symmetries of a frame: the vector fields along which a geometry does not change.
+def symmetries(frame: FrameLike, keep: str | Connection = "metric") -> Symmetries:
+    """Vector fields along which the geometry of a frame does not change.
 
     Equation
     --------
@@ -63,19 +64,20 @@ def symmetries(frame: Frame, keep: str | Connection = "metric") -> Symmetries:
     >>> symmetries(plane, keep="teleparallel").dimension
     1
     """
-    checks.instance(frame, Frame, "frame")
+    frame = as_frame(frame)
     if isinstance(keep, Connection):
-        if keep.frame is not frame:
+        kept = at_home(frame, keep)
+        if kept is None:
             raise ShapeError(
                 "keep: expected a connection over the frame, got one over another frame. Build it "
                 "over this one."
             )
-        return Symmetries(frame, keep)
+        return Symmetries(frame, kept)
     name = checks.choice(keep, KEEPS, "keep", ArgumentError)
     return Symmetries(frame, cartan(frame) if name == "teleparallel" else levi_civita(frame))
 
 
-def killing_equations(frame: Frame) -> tuple[sp.Eq, ...]:
+def killing_equations(frame: FrameLike) -> tuple[sp.Eq, ...]:
     """The equations (L_xi g)_ab = 0, a <= b, of unknown components xi^a of all coordinates.
 
     Equation
@@ -94,7 +96,7 @@ def killing_equations(frame: Frame) -> tuple[sp.Eq, ...]:
     r**2*Derivative(xi^phi(r, phi), r) + Derivative(xi^r(r, phi), phi)
     2*r*(r*Derivative(xi^phi(r, phi), phi) + xi^r(r, phi))
     """
-    checks.instance(frame, Frame, "frame")
+    frame = as_frame(frame)
     q, n = frame.coordinates, frame.dimension
     change = lie([sp.Function(f"xi^{one.name}")(*q) for one in q], frame)
     return tuple(sp.Eq(change[a, b], 0, evaluate=False) for a in range(n) for b in range(a, n))

@@ -17,6 +17,8 @@ from geomtorsion.exact import names as words
 from geomtorsion.geometry import Connection, Frame
 from geomtorsion.gravity.invariants import INVARIANTS
 
+# Theories that need no numbers; each is a Lagrangian in the package.
+THEORIES = ("tegr", "stegr", "einstein_cartan", "general_relativity", "gauss_bonnet")
 # Names of matter fields, and the functions that introduce them.
 MATTER = {
     "X": "gravity.scalar_field(phi)",
@@ -112,6 +114,13 @@ class Vocabulary:
         if self.is_own(name) or name in self.declared or not self.names:
             return
         self._check_invariant(name)
+        theory = checks.close_names(name.lower(), THEORIES, cutoff=0.75)
+        if theory and name.lower() not in SYNONYMS:
+            raise GravityError(
+                f"lagrangian: expected invariants or the name of a theory, got {name}. Did you "
+                f"mean {theory[0]}, in Python gravity.{theory[0]}? If {name} is a constant, "
+                f"declare it: {_declaration([*self.declared, name])}."
+            )
         near = checks.close_names(name, [one for one in self.names if len(one) > 2], cutoff=0.75)
         same = [one for one in self.names if one.lower() == name.lower()]
         indexed = bool(_INDICES.fullmatch(name))

@@ -3,6 +3,13 @@
 from geomtorsion.loops import arcs, exact_integral, integrals, loop_files, quadrature, validation
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Arc, Number, Parameters, Part, Segment
+from geomtorsion.loops.brownian import (
+    Diffusion,
+    EnsembleMean,
+    InvariantMeasure,
+    StochasticEnsemble,
+    diffusion,
+)
 from geomtorsion.loops.burgers import burgers_vector
 from geomtorsion.loops.cochain import ChainSums, Cochain
 from geomtorsion.loops.complexes import Complex
@@ -18,6 +25,7 @@ from geomtorsion.loops.edges import EdgeIntegrals, EdgeList
 from geomtorsion.loops.exact_circle import exact_circle
 from geomtorsion.loops.exact_integral import ExactBurgersVector, exact_burgers_vector
 from geomtorsion.loops.forms import forms
+from geomtorsion.loops.frame_vector import VectorSum
 from geomtorsion.loops.hodograph import Hodograph, hodograph
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.maps import BurgersMap, burgers_map, burgers_vectors
@@ -39,11 +47,14 @@ __all__ = [
     "Defect",
     "DevelopedPath",
     "Development",
+    "Diffusion",
     "EdgeIntegrals",
     "EdgeList",
     "EnclosedDefect",
+    "EnsembleMean",
     "ExactBurgersVector",
     "Hodograph",
+    "InvariantMeasure",
     "Loop",
     "Network",
     "NodeRule",
@@ -51,6 +62,8 @@ __all__ = [
     "Parameters",
     "Part",
     "Segment",
+    "StochasticEnsemble",
+    "VectorSum",
     "arcs",
     "burgers_map",
     "burgers_vector",
@@ -59,6 +72,7 @@ __all__ = [
     "develop_path",
     "develop_period",
     "developed_path",
+    "diffusion",
     "dispiration",
     "enclosed_defects",
     "exact_burgers_vector",

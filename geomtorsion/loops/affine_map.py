@@ -71,11 +71,11 @@ class AffineMap:
 
     @cached_property
     def inverse(self) -> AffineMap:
-        """The motion of the path run backwards."""
+        """Inverse map: the development of the reversed path."""
         return AffineMap(-np.linalg.solve(self.matrix, self.increment))
 
     def seen_from(self, path: AffineMap) -> AffineMap:
-        """The motion of the same loop from a base point further along a path: conjugation.
+        """Development of the same loop from another base point at the end of a path (conjugation).
 
         Equation
         --------
@@ -108,7 +108,7 @@ class AffineMap:
 
     @property
     def angle(self) -> float:
-        """Angle by which a transported vector rotates: signed in the plane, else in [0, pi].
+        """Angle by which a transported vector rotates: signed in the plane, otherwise in [0, pi].
 
         The sign in the plane counts from the first leg to the second. In more than three
         dimensions it is the Frobenius norm of frank over sqrt(2).
@@ -129,7 +129,7 @@ class AffineMap:
 
     @property
     def axis(self) -> np.ndarray | None:
-        """Unit vector about which a carried vector turns, shape (3,); None without a turn."""
+        """Unit vector of the rotation axis, shape (3,); None if there is no rotation."""
         self._needs(3, "axis")
         vector = -_axial(self._rotating)
         size, cosine = _length(vector), 1 + float(np.trace(self.turn)) / 2
@@ -145,7 +145,7 @@ class AffineMap:
 
     @property
     def along_axis(self) -> float:
-        """Translation along the axis: the same from every base point; |b| without a turn."""
+        """Translation along the axis, equal for all base points; |b| without a rotation."""
         axis = self.axis
         return _length(self.burgers) if axis is None else float(axis @ self.burgers)
 

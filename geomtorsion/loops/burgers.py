@@ -10,7 +10,7 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import ArgumentError
-from geomtorsion.geometry import Frame
+from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.loops.arcs import Parameters, Part
 from geomtorsion.loops.defects import lines_alone
 from geomtorsion.loops.domain import refuse_outside
@@ -35,7 +35,7 @@ from geomtorsion.outgoing import size_text
 
 @overload
 def burgers_vector(
-    frame: Frame,
+    frame: FrameLike,
     loop: Loop,
     accuracy: float = ...,
     *,
@@ -57,7 +57,7 @@ def burgers_vector(
 
 @overload
 def burgers_vector(
-    frame: Frame,
+    frame: FrameLike,
     loop: Loop,
     accuracy: float = ...,
     *,
@@ -67,14 +67,14 @@ def burgers_vector(
 
 
 def burgers_vector(
-    frame: Frame | HasBurgers[object],
+    frame: FrameLike | HasBurgers[object],
     loop: Loop,
     accuracy: float = 1e-12,
     *,
     parameters: Parameters | None = None,
     exact: bool = False,
 ) -> object:
-    """Burgers vector of a loop: what the frame misses when the loop closes in coordinates.
+    """Burgers vector of a loop: the gap in the frame of a loop that closes in the coordinates.
 
     Equation
     --------
@@ -91,8 +91,9 @@ def burgers_vector(
     Parameters
     ----------
     frame
-        A frame; or one sampled on a grid or at scattered points, whose spacing determines the
-        error (see `SampledFrame.burgers`): then only the loop is a parameter.
+        A frame, a space, or the name of a shipped one; or a frame sampled on a grid or at
+        scattered points, whose spacing determines the error (see `SampledFrame.burgers`): then
+        only the loop is a parameter.
     accuracy
         Wanted relative error of the vector (largest component); `reached` reports success.
     parameters
@@ -121,7 +122,7 @@ def burgers_vector(
     Examples
     --------
     >>> import sympy as sp
-    >>> from geomtorsion.geometry import Frame
+    >>> from geomtorsion.geometry.connections import FrameLike, as_frame
     >>> x, y, z = sp.symbols("x y z")
     >>> frame = Frame([x, y, z], [[1, 0, 0], [0, 1, 0], [-y, x, 1]])
     >>> b = burgers_vector(frame, Loop.circle([5, 0, 0], 1e-9))
@@ -135,7 +136,7 @@ def burgers_vector(
                 " Leave out exact and parameters, or give a Frame."
             )
         return frame.burgers(checks.instance(loop, Loop, "loop"))
-    checks.instance(frame, Frame, "frame")
+    frame = as_frame(frame)
     check_loop(loop, frame.dimension)
     if exact:
         return exact_burgers_vector(frame, loop, parameters=parameters)
@@ -206,10 +207,10 @@ def _chosen(
             "line: the flux of the torsion differs, so the loop encloses a defect of the frame",
         )
     if not better:
-        return line, True, "line: both routes agree, its error is the smaller"
+        return line, True, "line: both methods agree; this one is more accurate"
     error, largest = float(line.error[0]), float(np.abs(line.values).max())
     if error <= accuracy * largest:
-        return flux, True, "flux: both routes agree, its error is the smaller"
+        return flux, True, "flux: both methods agree; this one is more accurate"
     digits = f"{error / largest:.0e}" if largest else "no digit"
     why = f"flux: the loop is so small that the line integral is good to {digits} of b only"
     return flux, True, why

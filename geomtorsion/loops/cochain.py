@@ -72,7 +72,7 @@ class Cochain:
     complex: the nodes, edges, faces and cells.
     values: one row for each edge, from its first node to its second, shape (edges, n); whole
         numbers (int64) stay whole, and all their sums are exact.
-    errors: bound on the largest component of each row, shape (edges,); zero if not given.
+    errors: bound on the largest component of each row, shape (edges,); zero by default.
     degree: 0 for values on nodes, 1 on edges, 2 on faces, 3 on cells.
 
     Raises
@@ -226,7 +226,7 @@ class Cochain:
         positions: np.ndarray | Sequence[Sequence[float]],
         periods: np.ndarray | Sequence[Sequence[float]] | None = None,
     ) -> Cochain:
-        """Differences of positions along the edges: the cochain that closes around every face.
+        """Differences of positions along the edges: a cochain whose sum around every face is zero.
 
         Parameters
         ----------

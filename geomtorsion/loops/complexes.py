@@ -21,21 +21,21 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Complex:
-    """A cell complex: a graph, and if wanted faces and cells bounded by its edges and faces.
+    """Cell complex: a graph, with optional faces (cycles of edges) and cells (closed by faces).
 
-    nodes: how many there are, counted from 0.
+    nodes: number of nodes; their numbers count from 0.
     pairs: first and second node of each edge, shape (edges, 2); several edges may join the same
         nodes, and an edge may end where it begins (in another image).
     images: number of periods between the two nodes of each edge, shape (edges, d): the second
         node is meant in the image so many periods further. d = 0: nothing is periodic.
     faces: sense in which each face runs through each edge, sparse, shape (faces, edges).
     cells: sense in which each cell has each face, sparse, shape (cells, faces): 1 outwards.
-    labels: what the nodes are called; their numbers if not given.
+    labels: names of the nodes; their numbers by default.
 
     Raises
     ------
     NetworkError
-        A node is not there, a face is not closed (in the space without periods), or a cell is not.
+        A node does not exist, or a face or cell is not closed (in the space without periods).
 
     Examples
     --------
@@ -279,7 +279,7 @@ class Complex:
             raise NetworkError(f"node {checks.shown(label)} is not in the network.") from None
 
     def label(self, node: int) -> Hashable:
-        """What a node is called."""
+        """Name of a node."""
         return self.labels[node] if self.labels else node
 
     @cached_property

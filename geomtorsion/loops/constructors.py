@@ -434,6 +434,6 @@ def _offsets(
     for k in np.flatnonzero(steps <= COINCIDE * np.abs(offsets).max()).tolist():
         raise LoopError(
             f"{where}: {what} {(k - 1) % len(rows)} and {what} {k} coincide at "
-            f"{shown(rows[k])}. Leave one of them out."
+            f"{shown(rows[k])}. Omit one of them."
         )
     return place, scale, offsets, source

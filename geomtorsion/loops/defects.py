@@ -14,6 +14,7 @@ from geomtorsion.checks import exact_number
 from geomtorsion.checks import expression as expression_of
 from geomtorsion.errors import LoopError, MissingValueError
 from geomtorsion.exact.form import Sum, form
+from geomtorsion.geometry.connections import ConnectionLike, FrameLike, as_connection, as_frame
 from geomtorsion.geometry.derived import derived
 from geomtorsion.loops.affine_form import AffineForm, line_rate
 from geomtorsion.loops.affine_map import AffineMap
@@ -44,9 +45,9 @@ class Defect:
     point: a point on it, exact, shape (n,).
     across: two coordinates, or two covectors of shape (n,), that are constant along it: loops
         turn positively from the first to the second. None if it has more than two such
-        directions: then loops do not wind around it.
+        directions, because loops do not wind around it then.
     name: its name.
-    source: "declared", or the expression whose zero it is.
+    source: "declared", or the expression that vanishes on it.
     names: of the coordinates; free: numbers of those that vary along it.
 
     Examples
@@ -94,7 +95,7 @@ class Defect:
         return tuple(numbers)
 
     def winding(self, loop: Loop, parameters: Parameters | None = None) -> int:
-        """How often a loop winds around it.
+        """Winding number of a loop around it.
 
         Raises
         ------
@@ -141,7 +142,7 @@ class EnclosedDefect:
         return text
 
 
-def find_defects(frame: Frame, connection: Connection | None = None) -> tuple[Defect, ...]:
+def find_defects(frame: FrameLike, connection: ConnectionLike | None = None) -> tuple[Defect, ...]:
     """Lines on which the coframe is singular, from the exact denominators and the determinant.
 
     With a connection also those on which its coefficients in the frame are.
@@ -156,6 +157,8 @@ def find_defects(frame: Frame, connection: Connection | None = None) -> tuple[De
     >>> [str(defect) for defect in find_defects(load("screw_dislocation").frame)]
     ['singular line at x = 0, y = 0']
     """
+    frame = as_frame(frame)
+    connection = None if connection is None else as_connection(connection)
     if connection is None or connection.kind == "cartan":
         if isinstance(frame.given, Lines):
             return _of_lines(frame, frame.given)
@@ -228,12 +231,12 @@ def isolated_zero(
 
 
 def enclosed_defects(
-    frame: Frame,
+    frame: FrameLike,
     loop: Loop,
     parameters: Parameters | None = None,
     *,
     defects: Sequence[Defect] | None = None,
-    connection: Connection | None = None,
+    connection: ConnectionLike | None = None,
 ) -> tuple[EnclosedDefect, ...]:
     """The defects that a loop winds around, with turns and the charge of one turn.
 
@@ -259,6 +262,8 @@ def enclosed_defects(
     >>> inside.turns, str(inside)
     (-2, 'singular line at x = 0, y = 0, -2 times')
     """
+    frame = as_frame(frame)
+    connection = None if connection is None else as_connection(connection)
     loop, parameters = with_numbers(frame, loop, parameters)
     # Positions need few of them; all given values are checked nevertheless.
     parameter_values(frame, (), parameters)

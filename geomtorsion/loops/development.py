@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geomtorsion import checks
+from geomtorsion.displays import drawn_by, figure_by
 from geomtorsion.errors import ArgumentError
 from geomtorsion.geometry import Connection
+from geomtorsion.geometry.connections import ConnectionLike, as_connection
 from geomtorsion.loops.affine_form import AffineForm, around_cone, line_rate
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Number, Parameters, Part
@@ -130,9 +131,9 @@ class RouteCheck:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Development:
-    """What a loop misses when it is rolled out: a motion, seen in the frame at its base point.
+    """Closure failure of a developed loop: translation and rotation in the frame at the base.
 
-    connection, loop: what it belongs to.
+    connection, loop: the connection and the loop that was developed.
     motion: v -> rotation v + burgers, with its invariants.
     error: bound on the error of burgers; turn_error: of the entries of the rotation.
     route: "line", "cone", or "line and cone" where parts of the loop needed different ones.
@@ -162,7 +163,7 @@ class Development:
 
     @property
     def rotation(self) -> np.ndarray:
-        """R^j_i, shape (n, n): where the legs arrive, seen from those at the base point."""
+        """R^j_i, shape (n, n): the transported legs in the frame at the base point."""
         return self.motion.rotation
 
     @property
@@ -177,17 +178,20 @@ class Development:
 
     @property
     def axis(self) -> np.ndarray | None:
-        """Axis of that turn in three dimensions, None without a turn."""
+        """Rotation axis in three dimensions; None if there is no rotation."""
         return self.motion.axis
 
     @property
     def along_axis(self) -> float:
-        """Burgers vector along the axis of the turn: the same from every base point."""
+        """Burgers vector along the rotation axis, the same from every base point."""
         return self.motion.along_axis
 
     def seen_from(self, path: AffineMap) -> AffineMap:
-        """The motion of the same loop from the end of a path that starts at the base point."""
+        """Development of the same loop from the end of a path that starts at the base point."""
         return self.motion.seen_from(path)
+
+    plot = figure_by("development", "draw_rolled_out")
+    _repr_html_ = drawn_by("notebook_pictures", "development_html")
 
     def __repr__(self) -> str:
         inside = f", encloses {len(self.enclosed)} defect(s)" if self.enclosed else ""
@@ -198,7 +202,7 @@ class Development:
 
 
 def develop(
-    connection: Connection,
+    connection: ConnectionLike,
     loop: Loop,
     accuracy: float = 1e-12,
     *,
@@ -256,7 +260,8 @@ def develop(
             "connection: expected a Connection, got samples of a frame, whose legs count as "
             "parallel: their development is the Burgers vector. Use burgers_vector(grid, loop)."
         )
-    frame = checks.instance(connection, Connection, "connection").frame
+    connection = as_connection(connection)
+    frame = connection.frame
     check_loop(loop, frame.dimension)
     check_accuracy(accuracy)
     start = time.perf_counter()

@@ -35,9 +35,8 @@ def loop_edges(frame: Frame) -> tuple[Edge, ...]:
 
 
 @derived
-def _compiled(frame: Frame) -> tuple[Poles, tuple]:
-    """The edges as one function of arrays, and the parameters in them."""
-    edges = loop_edges(frame)
+def _compiled(frame: Frame, edges: tuple[Edge, ...]) -> tuple[Poles, tuple]:
+    """Edges as one function of arrays, and the parameters in them."""
     needed = {symbol for edge in edges for symbol in edge.element.symbols}
     parameters = tuple(s for s in frame.field.symbols if s in needed - set(frame.coordinates))
     arguments = [*frame.coordinates, *parameters]
@@ -46,16 +45,17 @@ def _compiled(frame: Frame) -> tuple[Poles, tuple]:
 
 
 def edge_values(frame: Frame, parameters: Parameters | None) -> Poles | None:
-    """What is positive inside the domain of a frame, as a function of points; None without edges.
+    """Quantities that are positive inside the domain of a frame; None without edges.
 
     Raises
     ------
     MissingValueError
         A parameter of the domain has no value.
     """
-    if not loop_edges(frame):
+    edges = loop_edges(frame)
+    if not edges:
         return None
-    function, wanted = _compiled(frame)
+    function, wanted = _compiled(frame, edges)
     names = {symbol.name for symbol in frame.field.symbols}
     table = checks.by_name(parameters, "parameters", UnknownNameError)
     own = {name: value for name, value in table.items() if name in names}
@@ -72,8 +72,25 @@ def refuse_outside(frame: Frame, parts: Sequence[Part], parameters: Parameters |
         It does; the message names the condition and a point.
     """
     edges = edge_values(frame, parameters)
-    if edges is None:
-        return
+    if edges is not None:
+        _refuse_parts(edges, parts)
+
+
+def refuse_numbers_outside(frame: Frame, parts: Sequence[Part]) -> None:
+    """Refuse a loop of numbers that leaves the domain; edges with parameters are not checked.
+
+    Raises
+    ------
+    ChartEdgeError
+        It does; the message names the condition and a point.
+    """
+    inside = set(frame.coordinates)
+    edges = tuple(edge for edge in loop_edges(frame) if edge.element.symbols <= inside)
+    if edges:
+        _refuse_parts(_compiled(frame, edges)[0], parts)
+
+
+def _refuse_parts(edges: Poles, parts: Sequence[Part]) -> None:
     for part in parts:
         for arc in part.arcs:
             s = np.linspace(0, 1, max(SAMPLES, 4 * arc.waves + 1))
@@ -89,7 +106,8 @@ def refuse_points(edges: Poles, points: np.ndarray, owner: str = "a loop") -> No
         k, j = np.argwhere(outside)[0]
         raise ChartEdgeError(
             f"expected {owner} inside the domain of the frame, {edges.names[k]}, got the point "
-            f"{shown(points[:, j])}. Move it inside, or use other coordinates."
+            f"{shown(points[:, j])}. Outside, the coframe is singular or does not describe the "
+            "space. Move it inside, make it larger or smaller, or use other coordinates."
         )
 
 

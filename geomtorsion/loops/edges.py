@@ -41,7 +41,7 @@ class EdgeList:
 
     positions: coordinates of the nodes, shape (nodes, n).
     pairs: numbers of the two nodes of each edge, shape (edges, 2).
-    labels: what the nodes are called; their numbers if not given.
+    labels: names of the nodes; their numbers by default.
 
     Examples
     --------

@@ -10,6 +10,7 @@ from geomtorsion import checks
 from geomtorsion.checks import expression
 from geomtorsion.errors import LoopError, UndecidedError
 from geomtorsion.geometry import Frame
+from geomtorsion.loops.domain import refuse_numbers_outside
 from geomtorsion.loops.exact_integral import (
     Piece,
     definite,
@@ -18,6 +19,7 @@ from geomtorsion.loops.exact_integral import (
     short,
     verified,
 )
+from geomtorsion.loops.loop import Loop
 
 
 def exact_circle(
@@ -26,7 +28,8 @@ def exact_circle(
     """Burgers vector of a circle in closed form, without arrays of numbers.
 
     `exact_burgers_vector` takes any loop and looks for poles by numbers; here it has to be seen
-    exactly that no denominator of the coframe has a zero on the circle.
+    exactly that no denominator of the coframe has a zero on the circle. Where the circle or the
+    domain of the frame has symbols, it is up to the caller that the circle is inside the domain.
 
     Parameters
     ----------
@@ -39,6 +42,8 @@ def exact_circle(
     ------
     LoopError
         The centre has not one entry a coordinate, or the plane is none.
+    ChartEdgeError
+        A circle of numbers leaves the declared domain of the frame.
     UndecidedError
         A denominator may vanish on the circle or a root change its sign, or no closed form is
         known.
@@ -50,6 +55,8 @@ def exact_circle(
     (0, 0, -pi*R**2)
     """
     piece = circle_piece(frame, centre, radius, plane)
+    if not sp.Tuple(*piece[0]).free_symbols - {piece[1]}:
+        refuse_numbers_outside(frame, Loop.circle(centre, radius, plane).parts)
     forms = pulled_back(frame, piece)
     _refuse_changes(frame, piece)
     components = []
@@ -58,7 +65,7 @@ def exact_circle(
         if value is None:
             raise UndecidedError(
                 f"b^{i} of this circle has no closed form that is known here: the integrand is "
-                f"{checks.shown(f)}. Ask for numbers, with burgers_vector."
+                f"{checks.shown(f)}. Use burgers_vector(...) for a number."
             )
         components.append(short(value))
     where = sample_of(frame, sp.Tuple(*piece[0]).free_symbols - {piece[1]})
@@ -87,8 +94,8 @@ def _refuse_changes(frame: Frame, piece: Piece) -> None:
     path = piece[0]
     if frame.field.relied_on:
         raise UndecidedError(
-            "the coframe has roots whose sign is known on a part of the space only; whether the "
-            "circle stays there is found by numbers. Ask for them, with burgers_vector."
+            "expected a coframe without choices of sign, got roots that were read for a part "
+            "of the space. Use burgers_vector(...) for a number."
         )
     table = dict(zip(frame.coordinates, path, strict=True))
     for value in [*frame.coframe.nonzero().values(), *frame.coframe.undecided().values()]:
@@ -97,6 +104,6 @@ def _refuse_changes(frame: Frame, piece: Piece) -> None:
         if not below.is_nonzero:
             raise UndecidedError(
                 f"the denominator {checks.shown(sp.denom(sp.together(value)))} of the coframe "
-                "changes along the circle; whether it vanishes there is found by numbers. Put the "
-                "centre where it stays the same, or ask for numbers, with burgers_vector."
+                "changes along the circle and may vanish there. Put the centre where it stays the "
+                "same, or use burgers_vector(...) for a number."
             )

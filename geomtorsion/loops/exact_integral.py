@@ -21,6 +21,7 @@ from geomtorsion.conventions import burgers
 from geomtorsion.displays import drawn_by, latex_of
 from geomtorsion.errors import (
     AllowanceError,
+    ChartEdgeError,
     ExpressionError,
     LimitError,
     LoopError,
@@ -29,14 +30,15 @@ from geomtorsion.errors import (
     UndecidedError,
 )
 from geomtorsion.exact import Field
+from geomtorsion.exact.integration import integrated
 from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Frame
+from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.loops.arcs import Arc, Curve, Ellipse, Parameters, Part, exact_number
 from geomtorsion.loops.defects import find_defects
-from geomtorsion.loops.domain import refuse_outside
+from geomtorsion.loops.domain import refuse_numbers_outside
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.integrals import refuse_other_periods
-from geomtorsion.loops.integration_process import integrated
 from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.loops.values import with_values
@@ -194,9 +196,9 @@ Piece = tuple[tuple[sp.Expr, ...], sp.Symbol, sp.Expr, sp.Expr]
 class ExactBurgersVector:
     """The Burgers vector of one loop in closed form, frame components.
 
-    frame, loop: what it belongs to.
+    frame, loop: the frame and the loop of the vector.
     vector: b^i, exact expressions in the parameters of frame and loop.
-    checked_at: where it was compared with a proved integral, to 15 digits.
+    checked_at: values at which it agrees with a proved integral to 15 digits.
     seconds: wall time.
     """
 
@@ -258,14 +260,16 @@ class ExactBurgersVector:
 
 
 def exact_burgers_vector(
-    frame: Frame, loop: Loop, seconds: float = 20.0, *, parameters: Parameters | None = None
+    frame: FrameLike, loop: Loop, seconds: float = 20.0, *, parameters: Parameters | None = None
 ) -> ExactBurgersVector:
     """Burgers vector of a loop in closed form.
 
     The pulled-back one-forms are integrated over every arc: constants, polynomials, trigonometric
     polynomials and waves of them (Bessel functions), rational functions on the circle, and what
     sympy can integrate. The result is compared with a proved integral before it is given.
-    Decimal numbers in the loop are exact: 0.3 is 3/10.
+    Decimal numbers in the loop are exact: 0.3 is 3/10. Where the loop or the domain of the frame
+    has symbols without a value, it is up to the caller that the loop is inside the domain: it is
+    refused only where it is outside for all values tried.
 
     Parameters
     ----------
@@ -281,6 +285,8 @@ def exact_burgers_vector(
         The loop goes where a root of the coframe has not the sign with which it was read.
     SingularPointError
         The loop passes through a point where the coframe is singular.
+    ChartEdgeError
+        The loop leaves the declared domain of the frame.
     UndecidedError
         No closed form was found within the time, or it does not agree with the numbers.
     LoopError
@@ -300,13 +306,14 @@ def exact_burgers_vector(
     (0, 0, 9*pi/100)
     """
     start = time.perf_counter()
-    checks.instance(frame, Frame, "frame")
+    frame = as_frame(frame)
     check_loop(loop, frame.dimension)
     checks.positive(seconds, "seconds", LoopError)
     frame, loop = with_values(frame, loop, parameters)
     total = [sp.S.Zero] * frame.dimension
     where = sample_of(frame, loop.symbols)
     _refuse_poles(frame, loop, where)
+    _refuse_outside(frame, loop, where)
     _refuse_other_windings(frame, loop, where)
     numbers: list[list[acb]] = [[] for _ in range(frame.dimension)]
     try:
@@ -317,14 +324,14 @@ def exact_burgers_vector(
                     if value is None:
                         raise UndecidedError(
                             f"b^{i} of this loop has no closed form that is known here: the "
-                            f"integrand is {f}. Ask for numbers, without exact=True."
+                            f"integrand is {f}. Use exact=False for a number."
                         )
                     total[i] += times * value
                     numbers[i].append(times * _number(f, piece, where))
             vector = tuple(short(x) for x in total)
     except AllowanceError:
         raise UndecidedError(
-            f"no closed form was found in {seconds:g} s. Ask for numbers, without exact=True."
+            f"no closed form was found in {seconds:g} s. Use exact=False for a number."
         ) from None
     _verify(vector, numbers, where)
     return ExactBurgersVector(frame, loop, vector, where, time.perf_counter() - start)
@@ -344,10 +351,26 @@ def _refuse_poles(frame: Frame, loop: Loop, where: Mapping[sp.Symbol, sp.Expr]) 
         return
     for part in here.parts:
         refuse_poles(compiled.poles, part)
-    refuse_outside(frame, here.parts, values)
     if frame.field.relied_on:
         # Raises where a root has not the sign with which it was read.
         compiled.coframe.at(here.points())
+
+
+def _refuse_outside(frame: Frame, loop: Loop, where: Mapping[sp.Symbol, sp.Expr]) -> None:
+    """Refuse a loop outside the domain; with symbols, where it is outside for all values tried."""
+    trials = [dict(where)]
+    for symbol, scale in product(sorted(loop.symbols, key=str), SCALES):
+        trials.append({**where, symbol: where[symbol] * scale})
+    refusal: ChartEdgeError | None = None
+    for values in trials:
+        try:
+            refuse_numbers_outside(frame, loop.at(values).parts if loop.symbols else loop.parts)
+        except ChartEdgeError as error:
+            refusal = refusal or error
+        else:
+            return
+    if refusal is not None:
+        raise refusal
 
 
 def _refuse_other_windings(frame: Frame, loop: Loop, where: Mapping[sp.Symbol, sp.Expr]) -> None:
@@ -471,7 +494,7 @@ def _verify(
             shown = number.str(DIGITS, radius=False) if number.is_finite() else "not proved"
         raise UndecidedError(
             f"the closed form {expression} for b^{i} was found, but it is {value.evalf(DIGITS)} "
-            f"where the integral is {shown}. Ask for numbers, without exact=True."
+            f"where the integral is {shown}. Use exact=False for a number."
         )
 
 

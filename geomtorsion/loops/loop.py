@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
@@ -24,10 +24,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class Loop:
-    """A closed path in coordinates: one part, or several run through one after the other.
+    """Closed path in coordinates: one part, or several in succession.
 
     parts: closed paths from one common base point, in order.
-    name: what it is called in messages and pictures.
+    name: name in messages and figures; it does not count when loops are compared.
 
     Examples
     --------
@@ -40,7 +40,7 @@ class Loop:
     """
 
     parts: tuple[Part, ...]
-    name: str = ""
+    name: str = field(default="", compare=False)
 
     def __repr__(self) -> str:
         places = [f"{shown(part.centre)}, size {part.size:.6g}" for part in self.parts]
@@ -292,13 +292,16 @@ class Loop:
             )
         return Loop(self.parts + other.parts, f"{self.name} then {other.name}")
 
+    def __neg__(self) -> Loop:
+        return self.reversed()
+
     def reversed(self) -> Loop:
         """The same loop backwards."""
         parts = tuple(replace(part, times=-part.times) for part in reversed(self.parts))
         return Loop(parts, f"{self.name} backwards")
 
     def times(self, count: int) -> Loop:
-        """The loop run through several times; negative: backwards.
+        """This loop repeated; a negative number reverses it.
 
         Raises
         ------
@@ -318,7 +321,7 @@ class Loop:
 
     @property
     def symbols(self) -> frozenset[sp.Symbol]:
-        """Symbols other than the curve parameter: they need values before numbers can come."""
+        """Symbols other than the curve parameter; a numerical result needs values for them."""
         symbol_sets = [getattr(arc, "symbols", frozenset()) for p in self.parts for arc in p.arcs]
         return frozenset().union(*symbol_sets)
 
@@ -385,7 +388,7 @@ class Loop:
                     yield part, arc, part.times < 0
 
     def points(self, count: int = 400) -> np.ndarray:
-        """Coordinates of points along it for pictures, shape (n, about count), both ends in."""
+        """Coordinates of points along the loop, shape (n, about count), with both ends."""
         stretches = list(self.arcs())
         number = checks.count(count, "count", LoopError, 1)
         checks.check_room(number * self.dimension, f"count: {number:,} points", "Give fewer.")
@@ -419,7 +422,7 @@ class Loop:
         return total
 
     def winding(self, axis: Sequence[float], plane: Plane = (0, 1)) -> int:
-        """How often it winds around an axis, counted from the first direction to the second.
+        """Winding number around an axis, positive from the first direction to the second.
 
         Parameters
         ----------

@@ -9,9 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.displays import drawn_by
+from geomtorsion.displays import drawn_by, figure_by
 from geomtorsion.errors import ChartEdgeError, LoopError, SingularPointError
 from geomtorsion.geometry import Frame
+from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.loops import validation
 from geomtorsion.loops.arcs import Ellipse, Parameters, Plane, Point
 from geomtorsion.loops.burgers import burgers_vector
@@ -39,12 +40,12 @@ class BurgersMap:
     plane: the two directions of the plane, shape (2, n).
     centres: q^mu, shape (n, *shape); shape: of the map, as (rows, columns) of a grid.
     areas: signed area of each loop in the coordinates of the plane, shape (*shape).
-    vectors: b^i in the frame, shape (n, *shape); NaN where a loop was not done or is singular.
+    vectors: b^i in the frame, shape (n, *shape); NaN where a loop is unfinished or singular.
     density: b^i per area, shape (n, *shape): it does not underflow.
     errors: bound on the error of the largest component, shape (*shape).
-    expected: 2 S_{mn}^i A^{mn} at the centre: what a small loop has, shape (n, *shape).
+    expected: 2 S_{mn}^i A^{mn} at the centre, the limit of a small loop, shape (n, *shape).
     enclosed: where line and flux differ because a defect is inside, shape (*shape).
-    done: how many loops were finished; fewer than all after Ctrl-C.
+    done: number of finished loops; after Ctrl-C it is smaller than the number of loops.
     evaluations: points at which coframe or curl were evaluated; seconds: wall time.
     """
 
@@ -69,7 +70,7 @@ class BurgersMap:
 
     @property
     def reached(self) -> np.ndarray:
-        """Where the requested relative error was reached, shape (*shape)."""
+        """Whether each loop reached the requested relative error, shape (*shape)."""
         return self.errors <= self.accuracy * np.abs(self.vectors).max(axis=0)
 
     @property
@@ -78,6 +79,7 @@ class BurgersMap:
         return np.nansum(self.vectors.reshape(len(self.vectors), -1), axis=1)
 
     _repr_html_ = drawn_by("notebook_pictures", "map_html")
+    plot = figure_by("loops", "draw_map")
 
     def __repr__(self) -> str:
         text = f"BurgersMap({self.done} of {self.areas.size} loops, {self.seconds:.2g} s"
@@ -87,7 +89,7 @@ class BurgersMap:
 
 
 def burgers_vectors(
-    frame: Frame,
+    frame: FrameLike,
     centres: Sequence[Point] | np.ndarray,
     radius: float | Sequence[float] | np.ndarray,
     plane: Plane = (0, 1),
@@ -125,7 +127,7 @@ def burgers_vectors(
     >>> found.vectors[2] / found.areas
     array([2., 2.])
     """
-    checks.instance(frame, Frame, "frame")
+    frame = as_frame(frame)
     places = _array(centres, "centres", 2)
     radii = np.broadcast_to(_array(radius, "radius"), places.shape[:1])
     if not (radii > 0).all():
@@ -139,7 +141,7 @@ def burgers_vectors(
 
 
 def burgers_map(
-    frame: Frame,
+    frame: FrameLike,
     edges: Sequence[Sequence[float] | np.ndarray],
     plane: Plane = (0, 1),
     at: Sequence[float] | None = None,
@@ -179,7 +181,7 @@ def burgers_map(
     >>> found.areas.shape, found.enclosed.sum(), abs(found.total).round(9)
     ((11, 11), np.int64(1), array([0., 0., 3.]))
     """
-    checks.instance(frame, Frame, "frame")
+    frame = as_frame(frame)
     is_array = isinstance(edges, np.ndarray) and edges.ndim > 0
     if not (is_array or isinstance(edges, list | tuple)) or len(edges) != 2:
         raise LoopError("edges: expected two arrays, one for each direction of the plane.")

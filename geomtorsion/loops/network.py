@@ -33,7 +33,7 @@ MOST_LISTED = 100_000
 
 @dataclass(frozen=True, eq=False)
 class Network:
-    """A graph laid into a frame: Burgers vectors of all its cycles from one integral per edge.
+    """Graph in the space of a frame: Burgers vectors of all cycles from one integral per edge.
 
     frame: whose coframe is integrated: a `Frame`, or a `SampledFrame` that contains all edges.
     graph: networkx graph whose nodes have coordinates, or an `EdgeList` of arrays; edges are

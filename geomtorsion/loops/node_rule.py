@@ -52,9 +52,9 @@ class Violation:
 
 @dataclass(frozen=True, eq=False)
 class NodeRule:
-    """Whether lines of torsion are conserved in every cell.
+    """Check that torsion lines do not end inside a cell.
 
-    checked: number of cells; 0 means that nothing was checked.
+    checked: number of checked cells.
     violations: cells in which the flux of torsion out of all faces is not zero (a line ends
         there, or the frame is not smooth inside), or whose line integrals do not cancel.
     pierced: faces whose line integral is not the flux of torsion through them: a singular line
@@ -67,7 +67,7 @@ class NodeRule:
 
     @property
     def holds(self) -> bool | None:
-        """True, False, or None where there was no cell to check."""
+        """True, False, or None if there is no cell."""
         return None if not self.checked else not self.violations
 
     def __str__(self) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import LoopError
-from geomtorsion.geometry import Connection
+from geomtorsion.geometry.connections import ConnectionLike, as_connection
 from geomtorsion.loops.affine_form import AffineForm, line_rate
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Parameters, Part, Segment, shown
@@ -23,7 +23,7 @@ from geomtorsion.precision import CALCULATED
 
 
 def develop_path(
-    connection: Connection,
+    connection: ConnectionLike,
     points: Sequence[Sequence[float]],
     accuracy: float = 1e-12,
     *,
@@ -51,7 +51,8 @@ def develop_path(
     >>> quarter.burgers.round(12).tolist(), round(quarter.angle, 12)
     ([-2.0, 2.0], -1.570796326795)
     """
-    n = checks.instance(connection, Connection, "connection").frame.dimension
+    connection = as_connection(connection)
+    n = connection.frame.dimension
     entries = checks.entries(points, "points", LoopError)
     rows = [vector(point, f"points[{k}]", n) for k, point in enumerate(entries)]
     if len(rows) < 2 or any(one == two for one, two in pairwise(rows)):
@@ -68,7 +69,7 @@ def develop_path(
 
 
 def develop_period(
-    connection: Connection,
+    connection: ConnectionLike,
     points: Sequence[Sequence[float]],
     periods: Parameters,
     accuracy: float = 1e-12,
@@ -111,7 +112,8 @@ def develop_period(
     >>> round(math.degrees(turn.angle), 9), turn.burgers.round(9).tolist()
     (60.0, [-1.0, -1.732050808, 0.0])
     """
-    frame = checks.instance(connection, Connection, "connection").frame
+    connection = as_connection(connection)
+    frame = connection.frame
     names = {symbol.name: k for k, symbol in enumerate(frame.coordinates)}
     lengths: dict[int, float] = {}
     for name, value in checks.by_name(periods, "periods", LoopError).items():
@@ -141,7 +143,7 @@ def develop_period(
 
 @dataclass(frozen=True, eq=False)
 class DevelopedPath:
-    """A loop and its development, step by step.
+    """A loop and its development as points along both.
 
     points: along the loop, coordinates, shape (n, k).
     places: their images in the frame at the base point, shape (n, k).
@@ -154,7 +156,7 @@ class DevelopedPath:
 
 
 def developed_path(
-    connection: Connection,
+    connection: ConnectionLike,
     loop: Loop,
     count: int = 400,
     *,
@@ -177,7 +179,8 @@ def developed_path(
     >>> path.places.shape, path.legs[-1].round(3).tolist()
     ((2, 41), [[0.973, 0.233], [-0.233, 0.973]])
     """
-    frame = checks.instance(connection, Connection, "connection").frame
+    connection = as_connection(connection)
+    frame = connection.frame
     n = frame.dimension
     check_loop(loop, n)
     loop, parameters = with_numbers(frame, loop, parameters)

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-import mpmath
 import numpy as np
 
 from geomtorsion.caching import cached_property
 from geomtorsion.conventions import Signed
-from geomtorsion.displays import drawn_by
-from geomtorsion.errors import LoopError
+from geomtorsion.copies import content_hash, equal_content
+from geomtorsion.displays import drawn_by, figure_by
 from geomtorsion.exclusive import exclusive
 from geomtorsion.loops import validation
-from geomtorsion.loops.arcs import Number, Parameters
+from geomtorsion.loops.arcs import Number
 from geomtorsion.loops.defects import EnclosedDefect, enclosed_defects
+from geomtorsion.loops.frame_vector import FrameVector
 from geomtorsion.outgoing import size_text
 
 if TYPE_CHECKING:
@@ -29,9 +29,9 @@ if TYPE_CHECKING:
 class Check:
     """The two independent routes side by side.
 
-    line, flux: b^i by each, shape (n,); flux is None where the torsion is not smooth inside.
+    line, flux: b^i by each route, shape (n,); flux is None if the torsion has a defect inside.
     line_error, flux_error: their own error estimates.
-    agrees: True, False, or None where there is nothing to compare.
+    agrees: True, False, or None if only one route exists.
     text: the comparison in words.
     """
 
@@ -42,9 +42,11 @@ class Check:
     agrees: bool | None
     text: str
 
+    __eq__, __hash__ = equal_content, content_hash
+
     @property
     def difference(self) -> np.ndarray | None:
-        """Line minus flux, shape (n,); where the routes disagree: what sits on a defect."""
+        """Line minus flux, shape (n,): the part of enclosed defects if the routes disagree."""
         return None if self.flux is None else self.line - self.flux
 
     def __str__(self) -> str:
@@ -53,19 +55,21 @@ class Check:
 
 @exclusive
 @dataclass(frozen=True, eq=False, repr=False)
-class BurgersVector(Signed):
+class BurgersVector(Signed, FrameVector):
     """The Burgers vector of one loop, frame components.
 
-    frame, loop: what it belongs to.
+    frame, loop: the frame and the loop of the vector.
     reduced: b^i / size**power, shape (n,): finite even where b itself is below all doubles.
     reduced_error: bound on the error of its largest component, in the same unit.
     size, power: the unit: the size of the loop, and 1 or 2.
     route: "line", "flux", or "line and flux" where the parts of the loop needed different ones.
-    reason: why that route, in words.
+    reason: why this route was chosen, in words.
     check: the other route, and whether both agree.
     accuracy: the requested relative error.
     evaluations: points at which coframe or curl were evaluated; seconds: wall time.
     parameters: the values of the frame's parameters, by name.
+
+    It is an array of its components for NumPy; sums and multiples have errors as well.
     """
 
     frame: Frame
@@ -79,77 +83,26 @@ class BurgersVector(Signed):
     check: Check
     accuracy: float
     evaluations: int
-    seconds: float
+    seconds: float = field(compare=False)
     parameters: Mapping[str, Number]
 
-    @cached_property
-    def vector(self) -> np.ndarray:
-        """b^i in the frame, shape (n,)."""
-        with np.errstate(over="ignore"):
-            result = self.reduced * self.size
-            if self.power == 2:
-                result = result * self.size
-        result.setflags(write=False)
-        return result
-
-    @property
-    def error(self) -> float:
-        """Bound on the error of the largest component of `vector`."""
-        return self.reduced_error * self.size * (self.size if self.power == 2 else 1.0)
-
-    @property
-    def relative_error(self) -> float:
-        """Error over largest component: 0 for an exact zero, infinite for a zero that is not."""
-        largest = float(np.abs(self.reduced).max())
-        if largest:
-            return self.reduced_error / largest
-        return math.inf if self.reduced_error else 0.0
+    # Two equal computations are equal, however long they took.
+    __eq__, __hash__ = equal_content, content_hash
 
     @property
     def reached(self) -> bool:
         """Whether the requested relative error was reached."""
         return self.relative_error <= self.accuracy
 
-    @property
-    def vanishes(self) -> bool:
-        """Whether the vector is zero within its error."""
-        return self.relative_error >= 1 or not self.reduced.any()
-
     @cached_property
     def enclosed(self) -> tuple[EnclosedDefect, ...]:
-        """Defects inside with place and turns, where line and flux disagree and they are found.
+        """Enclosed defects with position and winding number, if line and flux disagree.
 
         A loop around a defect has a Burgers vector although the torsion vanishes all along it.
         """
         if self.check.agrees is not False:
             return ()
         return enclosed_defects(self.frame, self.loop, self.parameters)
-
-    @property
-    def numbers(self) -> tuple[mpmath.mpf | mpmath.mpc, ...]:
-        """b^i as mpmath numbers, which do not underflow: for loops of size 1e-300."""
-        unit = mpmath.mpf(self.size) ** self.power
-        return tuple(mpmath.mpmathify(x) * unit for x in self.reduced.tolist())
-
-    @cached_property
-    def _eta(self) -> np.ndarray:
-        """The metric of the frame as numbers."""
-        return self.frame.eta.at(self._named({}))
-
-    def _named(self, point: Parameters) -> dict[Any, Any]:
-        """A point with the parameters."""
-        return {**self.parameters, **point}
-
-    @property
-    def square(self) -> float | complex:
-        """eta_ij b^i b^j."""
-        return (self.vector @ self._eta @ self.vector).item()
-
-    @property
-    def magnitude(self) -> float:
-        """Length of the vector, sqrt|eta_ij b^i b^j|."""
-        scale = self.size**self.power
-        return math.sqrt(abs((self.reduced @ self._eta @ self.reduced).item())) * scale
 
     def in_coordinates(self, point: Sequence[float] | None = None) -> np.ndarray:
         """E_i^mu(point) b^i, shape (n,); the point is the centre of the loop if not given.
@@ -167,23 +120,16 @@ class BurgersVector(Signed):
         values = dict(zip((s.name for s in self.frame.coordinates), place, strict=True))
         return self.frame.legs.at(self._named(values)) @ self.vector
 
-    def screw(self, direction: Sequence[float]) -> np.ndarray:
-        """The part of b along a direction (frame components), as of a screw dislocation.
-
-        Raises
-        ------
-        LoopError
-            The direction has no length in the metric of the frame.
-        """
-        along = np.array(validation.vector(direction, "direction", self.frame.dimension))
-        square = along @ self._eta @ along
-        if not abs(square) > 1e-15 * np.abs(along).max() ** 2:
-            raise LoopError(f"direction {direction!r} has no length in the metric of the frame.")
-        return along * ((along @ self._eta @ self.vector) / square)
-
-    def edge(self, direction: Sequence[float]) -> np.ndarray:
-        """The part of b across a direction (frame components), as of an edge dislocation."""
-        return self.vector - self.screw(direction)
+    def __neg__(self) -> BurgersVector:
+        """The Burgers vector of the reversed loop."""
+        check = self.check
+        flux = None if check.flux is None else 0.0 - check.flux
+        return replace(
+            self,
+            loop=self.loop.reversed(),
+            reduced=0.0 - self.reduced,
+            check=replace(check, line=0.0 - check.line, flux=flux),
+        )
 
     def to_json(self) -> dict[str, Any]:
         """Everything as plain values, ready for json.dumps."""
@@ -214,6 +160,7 @@ class BurgersVector(Signed):
         }
 
     _repr_html_ = drawn_by("notebook_pictures", "burgers_html")
+    plot = figure_by("loops", "draw_closure")
 
     def __repr__(self) -> str:
         parts = ", ".join(f"{x:.12g}" for x in self.vector.tolist())

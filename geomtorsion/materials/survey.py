@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from geomtorsion.caching import cached_property
+from geomtorsion.displays import figure_by
 from geomtorsion.files import written
 from geomtorsion.materials.burgers import (
     Covariance,
@@ -354,6 +355,8 @@ class Survey:
             arrays["in_plane"] = self.laid(self.arrows)
         with written(path) as part:
             write_npz(part, arrays)
+
+    plot = figure_by("measured", "draw_survey")
 
     def __repr__(self) -> str:
         where = "" if self.known.all() else f", {int((~self.known).sum())} {self.missing}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, KeysView, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,7 +13,7 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.copies import only_fields
-from geomtorsion.displays import drawn_by
+from geomtorsion.displays import drawn_by, figure_by
 from geomtorsion.errors import AccuracyError, GeomtorsionError, StartError, TimeError
 from geomtorsion.ode.batch import batch_method
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
@@ -120,6 +120,16 @@ class Ensemble:
         """
         return Moment(self.times, self.values)[name]
 
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.values)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.values
+
+    def keys(self) -> KeysView[str]:
+        """Names of the states, coordinates, velocities and outputs."""
+        return self.values.keys()
+
     @property
     def states(self) -> np.ndarray:
         """All states of first-order equations, shape (number, m, size)."""
@@ -156,6 +166,7 @@ class Ensemble:
 
     __repr__ = __str__
     _repr_html_ = drawn_by("notebook_pictures", "solution_html")
+    plot = figure_by("solutions", "draw_solution")
 
 
 def solve_many(

@@ -190,7 +190,7 @@ def difference(
     stopped, or where only the first reached the end. If both were stopped, their last states and
     times are also compared.
 
-    accuracy: at least that of doubles, what is read off the states is worked out in doubles.
+    accuracy: not below a rounding of doubles, in which values are computed from the states.
     """
     count = min(one.count, two.count)
     stopped = one.outcome == two.outcome == "stopped"

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geomtorsion.checks import near_names, shown
+from geomtorsion.copies import content_hash, equal_content
 from geomtorsion.errors import UnknownNameError
 
 
@@ -27,6 +28,9 @@ class Moment(Mapping[str, np.ndarray]):
     time: np.ndarray
     values: Mapping[str, np.ndarray]  # type: ignore[assignment]  # a field, not the method
     whole: tuple[str, ...] = ()
+
+    __eq__ = equal_content
+    __hash__ = content_hash  # type: ignore[assignment]  # a mapping has none, a frozen one has
 
     def __getitem__(self, name: str) -> np.ndarray:
         if isinstance(name, str) and name in self.values:

@@ -15,7 +15,7 @@ import sympy as sp
 
 from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph, graph
-from geomtorsion.copies import only_fields
+from geomtorsion.copies import content_hash, equal_content, only_fields
 from geomtorsion.displays import drawn_by, latex_of
 from geomtorsion.errors import ExpressionError, StartError, StuckError
 from geomtorsion.ode import constructor
@@ -38,7 +38,7 @@ class ODE:
 
     rates: the equations.
     start: numbers in the order of the states, at t = 0.
-    parameters: name -> number, as they are at t = 0.
+    parameters: name -> number, the initial values.
     invariants, outputs: name -> expression, or expressions that make a vector.
     events: changes at given times, in order of time.
     normalized: groups of states that have length one together.
@@ -65,6 +65,8 @@ class ODE:
     normalized: tuple[tuple[str, ...], ...] = ()
     name: str = ""
     _stages: dict[tuple[int, float], Stage] = field(default_factory=dict, repr=False, init=False)
+
+    __eq__, __hash__ = equal_content, content_hash
 
     def __getstate__(self) -> dict[str, object]:
         return only_fields(self)

@@ -11,7 +11,7 @@ import sympy as sp
 
 from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph, graph
-from geomtorsion.copies import only_fields
+from geomtorsion.copies import content, content_hash, only_fields
 from geomtorsion.errors import ExpressionError
 from geomtorsion.ode.system import System
 from geomtorsion.ode.terms import KINKED
@@ -52,6 +52,14 @@ class Rates:
     stop: sp.Expr | None
     norm_groups: tuple[tuple[str, ...], ...]
     declared: tuple[sp.Symbol, ...] = ()
+
+    def __eq__(self, other: object) -> bool:
+        # The order of the states is that of the start.
+        if not isinstance(other, Rates):
+            return NotImplemented
+        return self is other or (self.states, content(self)) == (other.states, content(other))
+
+    __hash__ = content_hash
 
     def __getstate__(self) -> dict[str, object]:
         return only_fields(self)

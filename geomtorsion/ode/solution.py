@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, KeysView, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
@@ -14,7 +14,7 @@ from geomtorsion.caching import cached_property
 from geomtorsion.codegen.arrays import BLOCK
 from geomtorsion.codegen.steps import ROUNDINGS
 from geomtorsion.copies import only_fields
-from geomtorsion.displays import drawn_by
+from geomtorsion.displays import drawn_by, figure_by
 from geomtorsion.errors import ArgumentError, ExpressionError, TimeError
 from geomtorsion.ode.error_estimate import CHANCE, SAFETY, UNALIKE, difference, rounding
 from geomtorsion.ode.moment import Moment, Term
@@ -104,7 +104,7 @@ class Problem(Protocol):
         ...
 
     def together(self, name: str) -> tuple[str, ...]:
-        """Names of what is measured together with a name; nothing for what is read off."""
+        """Names that share one size with a name; empty for values computed from states."""
         ...
 
     def moment(
@@ -259,6 +259,16 @@ class Solution:
             nothing has this name.
         """
         return self.moment[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.moment)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.moment
+
+    def keys(self) -> KeysView[str]:
+        """Names of the states, coordinates, velocities and outputs."""
+        return self.moment.keys()
 
     @property
     def states(self) -> np.ndarray:
@@ -433,7 +443,7 @@ class Solution:
         """Estimate of the largest error at `times` of what a name gives, relative to its size.
 
         A state, coordinate or velocity is measured against the largest size in its group, such as
-        that of all velocities: `error` is the largest of these. An output is measured against its
+        all velocities: `error` is the largest of these. An output is measured against its
         own largest size, and may be known better or worse. Infinite where no finer run reached
         all of the times.
 
@@ -510,6 +520,7 @@ class Solution:
         return str(self)
 
     _repr_html_ = drawn_by("notebook_pictures", "solution_html")
+    plot = figure_by("solutions", "draw_solution")
 
     # -- taking it elsewhere ---------------------------------------------------------------------
 

@@ -132,7 +132,7 @@ class At:
     """
 
     time: float
-    changes: Mapping[str, Real] = field(default_factory=dict)
+    changes: Mapping[str, Real] = field(default_factory=dict, hash=False)
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.costs import draw_loop_costs, work_precision_picture
     from geomtorsion.pictures.curve_files import curve_pictures
     from geomtorsion.pictures.development import draw_development
+    from geomtorsion.pictures.gaps import draw_gap
     from geomtorsion.pictures.loops import draw_closure, draw_map
     from geomtorsion.pictures.measured import draw_circuits, draw_survey
     from geomtorsion.pictures.network import draw_dislocations, draw_lines, draw_network
@@ -35,6 +36,7 @@ _HOMES = {
     "draw_closure": "loops",
     "draw_development": "development",
     "draw_dislocations": "network",
+    "draw_gap": "gaps",
     "draw_lines": "network",
     "draw_loop_costs": "costs",
     "draw_map": "loops",
@@ -54,6 +56,7 @@ __all__ = [
     "draw_closure",
     "draw_development",
     "draw_dislocations",
+    "draw_gap",
     "draw_lines",
     "draw_loop_costs",
     "draw_map",
@@ -72,3 +75,8 @@ def __getattr__(name: str) -> object:
     if name not in _HOMES:
         raise AttributeError(f"module 'geomtorsion.pictures' has no attribute {name!r}")
     return getattr(import_module(f"geomtorsion.pictures.{_HOMES[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return [*__all__]

@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from mpl_toolkits.mplot3d import Axes3D
 
-    from geomtorsion.curves import Atlas
     from geomtorsion.ode import Solution
     from geomtorsion.spaces import Pair
 
@@ -111,11 +110,11 @@ def paths_picture(pair: Pair) -> Figure:
     if len(names) == 1:
         graphs = {
             name: np.column_stack([pair.curves[name].times, points])
-            for name, points in continued(pair).items()
+            for name, points in pair.coordinates.items()
         }
         views.append((graphs, [clock(pair), *names], "", False))
     elif len(names) <= 3:
-        views.append((continued(pair), names, f"in the chart {pair.chart}", False))
+        views.append((pair.coordinates, names, f"in the chart {pair.chart}", False))
     if not views:
         raise LimitError(
             f"expected a path in ordinary space, got one in {len(names)} coordinates of "
@@ -138,7 +137,7 @@ def coordinates_picture(pair: Pair) -> Figure:
     MissingExtraError
         matplotlib is not installed.
     """
-    points = continued(pair)
+    points = pair.coordinates
     names = [symbol.name for symbol in pair.symbols]
     columns = 1 if len(names) == 1 else 2 if len(names) in (2, 4) else 3
     rows = math.ceil(len(names) / columns)
@@ -157,27 +156,6 @@ def coordinates_picture(pair: Pair) -> Figure:
     legend(figure, shown)
     captioned(figure, caption(pair))
     return figure
-
-
-def continued(pair: Pair) -> dict[str, np.ndarray]:
-    """Coordinates with angles carried on beyond a full turn instead of jumping back."""
-    atlas = pair.problem.atlas
-    return {
-        name: carried_on(atlas, pair.chart, points) for name, points in pair.coordinates.items()
-    }
-
-
-def carried_on(atlas: Atlas, chart: str, points: np.ndarray) -> np.ndarray:
-    """Points of a curve, shape (m, n), whose angles do not jump back after a turn."""
-    angles: set[int] = set()
-    for name in atlas.makers:
-        route = atlas.route(name, chart) if name != chart else []
-        if route:
-            angles |= set(route[-1].angles)
-    smooth = np.array(points, dtype=float)
-    for k in angles:
-        smooth[:, k] = np.unwrap(smooth[:, k])
-    return smooth
 
 
 def _view(
@@ -292,7 +270,7 @@ def attitude_picture(pair: Pair) -> Figure:
 
 
 def distance_picture(pair: Pair) -> Figure:
-    """Distance of the two motions over time; logarithmic where there is next to none.
+    """Distance of the two motions over time; equal motions beside the requested accuracy.
 
     Raises
     ------
@@ -305,8 +283,9 @@ def distance_picture(pair: Pair) -> Figure:
     stroke = SERIES[3]
     line = Stroke(stroke.color, "-", stroke.width).line
     if pair.coincide:
-        axes.plot(times, visible(pair.distance), **line, label="distance")
+        # On this scale a distance below the accuracy is seen as what it is: none.
         asked = pair.straight.accuracy
+        axes.plot(times, pair.distance, **line, label="distance")
         axes.axhline(
             asked,
             color="#666b73",
@@ -314,8 +293,9 @@ def distance_picture(pair: Pair) -> Figure:
             linewidth=1.2,
             label="requested accuracy",
         )
-        axes.set_yscale("log")
-        axes.set_title("Both motions agree to the requested accuracy", fontsize=11)
+        largest = max(asked, float(pair.distance.max()))
+        axes.set_ylim(-0.1 * largest, 1.25 * largest)
+        axes.set_title("The two motions are equal within the accuracy", fontsize=11)
         legend(figure, axes)
     else:
         axes.plot(times, pair.distance, **line)

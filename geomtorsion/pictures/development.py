@@ -17,14 +17,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from geomtorsion.geometry import Connection
+    from geomtorsion.geometry.connections import ConnectionLike
     from geomtorsion.loops import Development
 
 SOFT = "#5c6475"
 
 
 def draw_development(
-    connection: Connection,
+    connection: ConnectionLike,
     loop: Loop,
     *,
     parameters: Mapping[str | sp.Symbol, float] | None = None,
@@ -49,8 +49,13 @@ def draw_development(
     MissingExtraError
         matplotlib is not installed.
     """
-    turn = develop(connection, loop, parameters=parameters)
-    path = developed_path(connection, loop, 600, parameters=parameters)
+    return draw_rolled_out(develop(connection, loop, parameters=parameters), frames=frames)
+
+
+def draw_rolled_out(turn: Development, *, frames: int = 12) -> Figure:
+    """A development, drawn as `draw_development` draws it; see `Development.plot`."""
+    connection, loop = turn.connection, turn.loop
+    path = developed_path(connection, loop, 600, parameters=turn.parameters)
     figure = new_figure(10.4, 5.0)
     left, right = figure.subplots(1, 2)
     _draw_loop(left, path, [latex(symbol) for symbol in connection.frame.coordinates], frames)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from geomtorsion import checks
 from geomtorsion.geometry import DependencyGraph, notation
 from geomtorsion.outgoing import number_text, size_text
+from geomtorsion.pictures.development import draw_rolled_out
 from geomtorsion.pictures.loops import draw_closure, draw_map
 from geomtorsion.pictures.scene_plan import layers_picture
 from geomtorsion.pictures.solutions import draw_solution
@@ -15,7 +16,7 @@ from geomtorsion.pictures.style import pictured
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from geomtorsion.loops import BurgersMap, BurgersVector
+    from geomtorsion.loops import BurgersMap, BurgersVector, Development
     from geomtorsion.ode import Ensemble, Solution
 
 
@@ -40,6 +41,11 @@ def _components(b: BurgersVector) -> str:
 def map_html(survey: BurgersMap) -> str:
     """The density of Burgers vectors."""
     return pictured(str(survey), lambda: draw_map(survey))
+
+
+def development_html(turn: Development) -> str:
+    """The loop and its rolled-out path, with the gap and the turned frame."""
+    return pictured(str(turn), lambda: draw_rolled_out(turn))
 
 
 def plan_html(plan: DependencyGraph) -> str:

@@ -157,12 +157,15 @@ def axes_picture(
     notes: Sequence[str] = (),
     names: Sequence[str] = ("1", "2", "3"),
 ) -> Figure:
-    """Where all three axes of a body point, as it turns, on the unit sphere of space.
+    """The three axes of a body in space: the paths of their tips on the unit sphere.
+
+    Lines from the centre are the axes e_i(q) themselves, at the start and, pale, at the end
+    ([FizievKleinert1994], Fig. 1).
 
     Parameters
     ----------
     matrices
-        shape (m, 3, 3): rotations from body to space.
+        shape (m, 3, 3): rotations from body to space; column k is axis k + 1.
 
     Raises
     ------
@@ -177,10 +180,15 @@ def axes_picture(
     for k, stroke in enumerate(SERIES[:3]):
         curve_on(axes, turn[:, :, k], viewer, stroke, f"axis {names[k]} of the body")
         numbered(axes, turn[0, :, k], viewer, names[k], stroke)
+        for place, alpha, width in ((turn[0, :, k], 0.95, 2.2), (turn[-1, :, k], 0.45, 1.4)):
+            spoke = np.array([np.zeros(3), place])
+            axes.plot(*spoke.T, color=stroke.color, linewidth=width, alpha=alpha)
     if title:
         axes.set_title(title, fontsize=12)
     legend(figure, axes)
-    captioned(figure, [*notes, "Dots: start; pale: behind the globe; x, y, z are fixed in space."])
+    lines = ["Lines from the centre: the axes of the body at the start and, pale, at the end."]
+    lines.append("Dots: start; pale: behind the globe; x, y, z are fixed in space.")
+    captioned(figure, [*notes, *lines])
     return figure
 
 

@@ -12,7 +12,6 @@ from geomtorsion import checks
 from geomtorsion.curves import CurveProblem
 from geomtorsion.errors import ArgumentError, ShapeError
 from geomtorsion.ode import Ensemble, Solution
-from geomtorsion.pictures.curves import carried_on
 from geomtorsion.pictures.style import (
     SERIES,
     STYLE,
@@ -34,7 +33,7 @@ Lines = Mapping[str, np.ndarray]
 
 
 def draw_solution(found: Solution | Ensemble) -> Figure:
-    """Every coordinate or state over time, and the path of a curve in two coordinates.
+    """Draw every coordinate or state over time, and a path in two coordinates.
 
     found: a solution, or an ensemble with more than one time, of which every motion is a line.
 
@@ -103,7 +102,7 @@ def _caption(found: Solution | Ensemble) -> str:
     error = number(float(f"{found.error:.1e}"))
     if isinstance(found, Solution):
         ended = "" if found.outcome == "done" else f"; {found.outcome}"
-        return f"By {found.engine}; error below {error}, {number(found.accuracy)} asked{ended}."
+        return f"By {found.engine}; error below {error}, {number(found.accuracy)} requested{ended}."
     shown = min(len(found), STYLE.members)
     return f"{shown} of {len(found)} motions, by {found.engine}; error below {error}."
 
@@ -115,7 +114,7 @@ def _finely(found: Solution) -> tuple[np.ndarray, Lines]:
     times = np.linspace(0.0, float(found.times[-1]), STYLE.samples)
     moment, problem = found.at(times), found.problem
     if isinstance(problem, CurveProblem) and problem.start is not None:
-        smooth = carried_on(problem.atlas, problem.atlas.home, moment.coordinates)
+        smooth = problem.continued(moment.coordinates, problem.atlas.home).astype(float)
         columns: dict[str, np.ndarray] = dict(zip(problem.coordinates, smooth.T, strict=True))
     else:
         columns = dict(problem.columns(moment))

@@ -44,7 +44,7 @@ class Proof:
         rows of the rotation; for a solution one tuple of states for each of its times.
     names: names of the balls, or of the states at each time.
     charts: for a solution the chart of its states at each time.
-    digits: how many were requested.
+    digits: number of requested digits.
     error: proved bound of |result - truth|, in the measure used for the error of the result.
     holds: True: the result is within its error; False: it is not; None: the balls do not decide.
     bits, steps, seconds: the precision, the steps (arcs of a loop), and the time that it took.
@@ -83,7 +83,7 @@ class Proof:
 
     @cached_property
     def radii(self) -> Any:
-        """How far the true value is from `values` at most, in the same shape."""
+        """Largest possible distance of the true value from `values`, in the same shape."""
         return self._floats(_radius)
 
     def _floats(self, read: Callable[[arb], float]) -> Any:

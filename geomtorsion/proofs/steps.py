@@ -207,16 +207,19 @@ class Stepper:
         return Disk(radius, tuple(defect), math.log2(radius) - max(gain, 0.0))
 
     def best_disk(self, radius: float, last: float) -> Disk:
-        """The disk that allows the longest step, near a radius; last: a step long enough."""
+        """The disk that allows the longest step, near a radius; last: a step long enough.
+
+        Disks larger than 8 steps to the end gain nothing. Where forces cancel at the start, only
+        roundings give the first radius, which is larger by far.
+        """
         best, shrunk = self.disk(radius), 0
         while best is None:
-            radius *= SHRINK**3
+            radius = min(radius * SHRINK**3, 8 * last)
             shrunk += 1
             if shrunk > MOST_TRIES:
                 raise ProofError("there is no disk on which the rates are analytic")
             best = self.disk(radius)
         for factor in (SHRINK,) if shrunk else (1 / SHRINK, SHRINK):
-            # Larger disks than 8 steps to the end gain nothing.
             while factor < 1 or radius <= 8 * last:
                 disk = self.disk(radius * factor)
                 if disk is None or disk.longest <= best.longest + 1e-3:

@@ -61,7 +61,7 @@ FLIPS = 0.5 / EPS
 
 @dataclass(frozen=True)
 class FreeTop:
-    """A rigid body without moments, in closed form; make one with `free_top`.
+    """Torque-free rigid body in closed form; made by `free_top`.
 
     moments: principal moments of inertia, shape (3,); mass times length squared.
     omega0: body-fixed angular velocity at t = 0, shape (3,); radians per time.
@@ -254,7 +254,7 @@ class FreeTop:
 
 
 def free_top(moments: object, omega: object, quaternion: object = (1.0, 0.0, 0.0, 0.0)) -> FreeTop:
-    """The free top with these principal moments that starts with these rates.
+    """Torque-free top with given principal moments and initial angular velocity.
 
     Equation
     --------

@@ -26,3 +26,8 @@ __all__ = [
     "to_toml",
     "write_file",
 ]
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return [*__all__]

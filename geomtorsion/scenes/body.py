@@ -23,11 +23,11 @@ Expression = Number | str
 
 @dataclass(frozen=True)
 class Body:
-    """A rigid body: how heavy it is and how it resists turning, about its centre of mass.
+    """Mass and moments of inertia of a rigid body about its centre of mass.
 
     mass: kg.
-    moments: principal moments of inertia about the body axes 1, 2, 3 (kg m^2); or
-    inertia: the whole tensor in body axes, 3 x 3 (kg m^2), symmetric.
+    moments: principal moments of inertia about the body axes 1, 2, 3 (kg m^2).
+    inertia: instead of `moments`, the tensor in body axes, 3 x 3 (kg m^2), symmetric.
 
     Raises
     ------
@@ -98,7 +98,7 @@ class Body:
 
     @classmethod
     def points(cls, masses: Iterable[tuple[Number, Sequence[Number]]]) -> Body:
-        """Point masses (kg) at places (m) in axes parallel to the body's; any origin will do.
+        """Point masses (kg) at positions (m) in axes parallel to the body axes, from any origin.
 
         Examples
         --------
@@ -137,7 +137,7 @@ class Body:
 
     @cached_property
     def symmetry_axis(self) -> np.ndarray | None:
-        """Unit vector of the axis of symmetry, body axes; None where two moments never agree.
+        """Unit vector of the axis of symmetry, body axes; None if no two moments are equal.
 
         A body with three equal moments has the third axis.
 

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from geomtorsion import checks
+from geomtorsion.errors import UnknownNameError
 from geomtorsion.pictures.scene_attitude import (
     axes_picture,
     axis_picture,
@@ -30,18 +32,20 @@ Draw = Callable[["SceneResult"], "Figure"]
 LAWS = frozenset({"naive", "torsion"})
 
 
-def plot(result: SceneResult, path: str | Path | None = None) -> Figure:
-    """The outputs over time in one figure; written to a file if a path is given.
-
-    Raises
-    ------
-    MissingExtraError
-        matplotlib is not installed.
-    """
-    figure = watched(result)
+def plot(result: SceneResult, path: str | Path | None = None, figure: str = "watched") -> Figure:
+    """One of the `drawings` of a result; written to a file if a path is given."""
+    choices = drawings(result)
+    if figure not in choices:
+        near = checks.near_names(figure, choices) if isinstance(figure, str) else ""
+        hint = f"Did you mean {near}? " if near else ""
+        raise UnknownNameError(
+            f"figure: expected one of {', '.join(choices)} for these outputs, got "
+            f"{checks.shown(figure)}. {hint}Watch more quantities for other figures."
+        )
+    drawn = choices[figure][0](result)
     if path is not None:
-        save(figure, Path(path))
-    return figure
+        save(drawn, Path(path))
+    return drawn
 
 
 def drawings(result: SceneResult) -> dict[str, tuple[Draw, str]]:
@@ -60,7 +64,7 @@ def drawings(result: SceneResult) -> dict[str, tuple[Draw, str]]:
     if "axis" in values and len(result.times) > 1:
         shown["axis"] = (axis, "The path of the tip of the axis on the sphere.")
     if "matrix" in values:
-        shown["attitude"] = (attitude, "Where the axes of the body point.")
+        shown["attitude"] = (attitude, "The axes of the body in space.")
     if scene is not None and scene.body.moments is not None and _turns(values.get("omega")):
         shown["cones"] = (cones, "How the body turns, seen from itself and from space.")
     if "position" in values:
@@ -98,7 +102,7 @@ def notes_of(result: SceneResult) -> list[str]:
     error = number(float(f"{result.error:.1e}"))
     how = result.closed_form or result.engine
     ended = "" if result.outcome == "done" else f"; {result.outcome}"
-    return [f"By {how}; error below {error}, {number(result.accuracy)} asked{ended}."]
+    return [f"By {how}; error below {error}, {number(result.accuracy)} requested{ended}."]
 
 
 def watched(result: SceneResult) -> Figure:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, KeysView, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -89,7 +89,7 @@ ADVICE = "Write one with SceneResult.save."
 
 @dataclass(frozen=True, eq=False)
 class SceneResult:
-    """A scene that was solved.
+    """Solved scene: its outputs over time, with an error estimate.
 
     scene: the solved scene; None if the result was loaded from a file.
     times: shape (m,), s.
@@ -138,7 +138,7 @@ class SceneResult:
 
     @property
     def complete(self) -> bool:
-        """Whether the scene was followed to its end: the last time, or where it stops."""
+        """Whether the motion reached the last time or the stop condition."""
         return self.outcome in ("done", "stopped")
 
     def __getitem__(self, name: str) -> np.ndarray:
@@ -151,8 +151,18 @@ class SceneResult:
             f"add {name!r} to watch and run again."
         )
 
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.values)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.values
+
+    def keys(self) -> KeysView[str]:
+        """Names of the watched quantities."""
+        return self.values.keys()
+
     def at(self, time: ArrayLike) -> Mapping[str, np.ndarray]:
-        """Watched quantities at any times up to the last, by name.
+        """Outputs by name at any times up to the last.
 
         Between the times of the result they are interpolated by the engine, or exact where there
         is a closed form. Angles that continue beyond pi restart in each call.
@@ -179,7 +189,7 @@ class SceneResult:
         return {k: v.reshape((*asked.shape, *v.shape[1:])) for k, v in quantities.items()}
 
     def changes(self) -> dict[str, np.ndarray]:
-        """Change of each invariant at the times since the start (since the last switch), relative.
+        """Relative change of each invariant since the start, or since the last switch.
 
         The largest value of each is the one in `drift`; a result from a file has none.
 
@@ -256,15 +266,20 @@ class SceneResult:
                 table |= {f"{name}_{label}": flat[:, k] for k, label in enumerate(labels)}
         return table
 
-    def plot(self, path: str | Path | None = None) -> Figure:
+    def plot(self, path: str | Path | None = None, *, figure: str = "watched") -> Figure:
         """A figure of the outputs over time; written to `path` (png, svg, pdf) if given.
+
+        figure: another figure that these outputs have: "attitude" shows the axes of the body in
+        space and needs the output "matrix"; "axis", "cones", "path", "laws", "trust", "plan".
 
         Raises
         ------
+        UnknownNameError
+            The outputs have no figure of this name; the message lists those they have.
         MissingExtraError
             matplotlib is not installed.
         """
-        return plot(self, path)
+        return plot(self, path, figure)
 
     # -- taking it elsewhere ---------------------------------------------------------------------
 

@@ -138,7 +138,7 @@ class Scene:
     """A rigid body in motion, with exactly the states that its outputs and effects need.
 
     body: the body.
-    effects: its effects; rotation by its own inertia (spin) is always included.
+    effects: forces, torques and constraints; the free rotation (spin) is always included.
     start: its initial state.
     watch: names of the quantities to report, see `geomtorsion.scenes.observables`.
     t: last time (s), or all times at which to report, from 0 on.
@@ -149,9 +149,9 @@ class Scene:
     Raises
     ------
     SceneError
-        no start; an effect twice, or two that contradict each other; no effect at all.
+        There is no start or no effect, an effect occurs twice, or two contradict each other.
     UnknownNameError
-        something to be watched that no effect provides; the message names near ones.
+        A quantity in `watch` does not exist; the message names similar ones.
 
     Examples
     --------
@@ -225,7 +225,7 @@ class Scene:
 
     @cached_property
     def assembly(self) -> Assembly:
-        """All equations in symbols, before the selection."""
+        """All equations in symbols, before unneeded states are removed."""
         return assemble(self.body, self.keyed)
 
     @cached_property
@@ -257,12 +257,12 @@ class Scene:
 
     @property
     def numbers(self) -> tuple[Mapping[str, Number], Mapping[str, Number]]:
-        """Start of each state and value of each parameter: what differs between equal scenes."""
+        """Start of each state and value of each parameter: the numbers in the equations."""
         return start_of(self.selection, self.start), parameters_of(self.selection, self.start)
 
     @cached_property
     def observables(self) -> Mapping[str, str]:
-        """Name -> what it is, of everything that can be watched here; also euler:CONVENTION."""
+        """Name -> meaning of each quantity that can be reported; also euler:CONVENTION."""
         own = [name for part in self.assembly.parts.values() for name in part.outputs]
         return {name: observable(name, self.assembly).meaning for name in (*OBSERVABLES, *own)}
 

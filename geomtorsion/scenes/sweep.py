@@ -42,7 +42,7 @@ _START = re.compile(r"start\.([^\W\d]\w*)(?:\[(\d+)\])?")
 
 @dataclass(frozen=True, eq=False)
 class SceneSweep:
-    """Measures for every combination of the varied values.
+    """Measured values for every combination of the varied values.
 
     title: of the scene.
     varied: path -> values, in the order of the axes; shape (n,), or (n, 3) for whole vectors.

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from geomtorsion.spaces.checking import CONNECTION_QUANTITIES, disagreements
 from geomtorsion.spaces.files import read_file
-from geomtorsion.spaces.registry import SPACES, load, names, titles
+from geomtorsion.spaces.registry import SPACES, load, names, shipped_space, titles
 from geomtorsion.spaces.space import KnownAnswer, Space
 
 if TYPE_CHECKING:
@@ -28,6 +28,7 @@ __all__ = [
     "pair_problems",
     "read_file",
     "refuse_unknown_functions",
+    "shipped_space",
     "solve_pair",
     "titles",
 ]
@@ -40,3 +41,8 @@ def __getattr__(name: str) -> object:
     if name not in _LATER:
         raise AttributeError(f"module 'geomtorsion.spaces' has no attribute {name!r}")
     return getattr(import_module("geomtorsion.spaces.pair"), name)
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return [*__all__]

@@ -50,7 +50,9 @@ def space(name: str, title: str) -> Space:
             motion=FirstMotion((4.14, -1.36, -1.07), (0.802, 0.535, 0.267), parameters={"b": 0.48}),
             group="defects in crystals",
             notes="The displacement u_x = b phi / (2 pi) is multivalued, its differential is not. "
-            "The coframe is singular on the axis and on the circle x^2 + y^2 = b y / (2 pi).",
+            "The coframe is singular on the axis and on the circle x^2 + y^2 = b y / (2 pi). The "
+            "domain is outside of this circle: a loop that enters it is refused. Make loops around "
+            "the axis wider than b / (2 pi).",
         )
     w = scale / (2 * (1 - nu) * square**2)
     distortion = [

@@ -12,7 +12,7 @@ import sympy as sp
 from geomtorsion import checks
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.geometry import Frame
-from geomtorsion.geometry.validation import broken_relations
+from geomtorsion.geometry.relations import broken_relations
 from geomtorsion.spaces.registry import shipped
 from geomtorsion.spaces.space import FirstMotion
 

@@ -33,7 +33,7 @@ class Frequencies:
     """Angular frequencies of an orbit per unit of one time; M = 1.
 
     radial, polar, azimuthal: 2 pi over the period of r, of theta, and of phi in the mean.
-    time: which time; rate: that time per unit of Mino time, in the mean.
+    time: name of the time; rate: mean of this time per unit of Mino time.
     """
 
     radial: float
@@ -51,7 +51,7 @@ class KerrOrbit:
     energy, angular_momentum, carter: E = -p_t, L = p_phi and Q of a particle of unit mass.
     radii: roots r1 >= r2 > r3 >= r4 of the radial equation; the orbit is between r2 and r1.
     reduced: L / x, which is finite for polar orbits also.
-    room: r2 - r3, which vanishes at the separatrix.
+    `room`: r2 - r3, which vanishes at the separatrix.
 
     Examples
     --------

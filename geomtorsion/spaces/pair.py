@@ -25,9 +25,9 @@ from geomtorsion.spaces.space import Space
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """Two motions that begin alike: straightest and shortest.
+    """Autoparallel and geodesic from one start.
 
-    space: where they move.
+    space: the space of both motions.
     straight, shortest: solutions; either may have stopped early.
     chosen: which of start, velocity, t and parameters were not given but chosen.
     stops: name of a curve -> where and why it stopped before the last time.
@@ -56,7 +56,7 @@ class Pair:
 
     @cached_property
     def embedding(self) -> Embedding | None:
-        """How the space is drawn, if that is known and the home chart reaches everywhere."""
+        """Embedding for figures, if there is one and the home chart covers both motions."""
         return embedding_of(self.space.frame) if self.chart == self.problem.atlas.home else None
 
     @cached_property
@@ -82,20 +82,25 @@ class Pair:
 
     @cached_property
     def coordinates(self) -> dict[str, np.ndarray]:
-        """For each curve its coordinates in that chart, shape (m, n)."""
-        if self.chart == self.problem.atlas.home:
-            return {name: solution.coordinates for name, solution in self.curves.items()}
-        return {name: solution.in_chart(self.chart) for name, solution in self.curves.items()}
+        """For each curve its coordinates in that chart, shape (m, n); angles do not jump."""
+        problem, chart = self.problem, self.chart
+        return {
+            name: problem.continued(
+                solution.coordinates if chart == problem.atlas.home else solution.in_chart(chart),
+                chart,
+            )
+            for name, solution in self.curves.items()
+        }
 
     @cached_property
     def distance(self) -> np.ndarray:
-        """Their distance, as long as both continue, shape (m,)."""
+        """Distance of the two motions while both continue, shape (m,)."""
         one, two = sorted(self.curves.values(), key=lambda solution: len(solution.times))
         return distance_apart(one, two, self.chart)
 
     @property
     def measure(self) -> str:
-        """What the distance is, in a few words."""
+        """Definition of the distance, in words."""
         if np.linalg.eigvalsh(np.real(self.problem.frame.eta.at({}))).min() > 0:
             return "the coframe half way between the two: the true distance when small"
         return (

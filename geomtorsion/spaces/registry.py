@@ -53,6 +53,11 @@ SPACES: tuple[tuple[str, str, str], ...] = (
     ("chaplygin_sleigh", "constrained_bodies", "a sledge on a blade, which cannot slip sideways"),
     ("rolling_disc", "constrained_bodies", "an upright disc that rolls without slipping"),
     ("wheeled_robot", "constrained_bodies", "a robot that drives and turns, never sideways"),
+    (
+        "kustaanheimo_stiefel",
+        "kustaanheimo_stiefel",
+        "the map from four dimensions to three that makes Kepler an oscillator",
+    ),
     ("twisted_bar", "twisted_bar", "a crystal whose lattice turns steadily along z"),
     ("screw_dislocation", "screw_dislocation", "screw dislocation along z"),
     ("screw_core", "screw_dislocation", "screw dislocation with a smooth core"),
@@ -124,7 +129,7 @@ def titles() -> dict[str, str]:
 
 
 def load(name: str | PathLike[str]) -> Space:
-    """The shipped space of this name, or that in a tetrad file (a path, or a text with .toml).
+    """Space with this name, or from a tetrad file (a path, or a text that ends in .toml).
 
     Imports the module of the space and no other one.
 
@@ -173,6 +178,22 @@ def shipped(frame: Frame) -> Space | None:
     's2'
     """
     return _loaded(frame.name) if frame.name in names() else None
+
+
+def shipped_space(name: str) -> Space:
+    """The shipped space of this name; equal calls return one space, so that its tensors combine.
+
+    Raises
+    ------
+    UnknownNameError
+        No space has this name; the message lists near ones.
+
+    Examples
+    --------
+    >>> shipped_space("s2").frame is shipped_space("s2").frame
+    True
+    """
+    return _loaded(name) if name in names() else load(name)
 
 
 @cache

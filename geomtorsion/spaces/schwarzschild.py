@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from functools import partial
 
 import sympy as sp
 from sympy import Rational, Symbol, cos, oo, pi, sin, sqrt, symbols
@@ -57,7 +58,7 @@ def space(name: str, title: str) -> Space:
             KnownAnswer("scalar_curvature", 0),
             KnownAnswer("kretschmann", 48 * mass**2 / r**6),
         ),
-        atlas=_atlas,
+        atlas=around_the_centre,
         embedding=orbit_embedding,
         motion=FirstMotion(
             (0.0, 10.0, math.pi / 2, 0.0), (1.0628, 0.0, 0.0, 0.36), 700.0, {"M": 1.0}
@@ -67,8 +68,11 @@ def space(name: str, title: str) -> Space:
     )
 
 
-def _atlas(frame: Frame) -> Atlas:
-    """Ingoing Kerr-Schild coordinates: through the horizon and the poles."""
+def around_the_centre(frame: Frame, legs: Frame | None = None) -> Atlas:
+    """Ingoing Kerr-Schild coordinates beside t, r, theta, phi: through the horizon and the poles.
+
+    legs: a frame of the same metric in the same coordinates, which geodesics follow first.
+    """
     t, r, theta, phi = frame.coordinates
     (mass,) = frame.parameters
     radius = length(*INNER[1:])
@@ -82,7 +86,7 @@ def _atlas(frame: Frame) -> Atlas:
     )
     outside = {mass: 1, r: 5, t: 0, theta: 1, phi: 1}
     edge = (1 - 2 * mass / r) * sp.sin(theta)
-    return through_the_horizon(frame, mass, there, back, outside, edge, (3,))
+    return through_the_horizon(frame, mass, there, back, outside, edge, (3,), legs)
 
 
 def through_the_horizon(
@@ -93,8 +97,12 @@ def through_the_horizon(
     outside: Mapping[sp.Symbol, int],
     edge: sp.Expr,
     angles: tuple[int, ...],
+    legs: Frame | None = None,
 ) -> Atlas:
-    """The chart of the frame, and g = eta + (2 M / r) l l with l = dT + dr."""
+    """The chart of the frame, and g = eta + (2 M / r) l l with l = dT + dr.
+
+    legs: a frame of the same metric in the same coordinates, which geodesics follow first.
+    """
     home, radius = frame.name, length(*INNER[1:])
     lower = [sp.S.One, *(x / radius for x in INNER[1:])]
     upper = [-sp.S.One, *lower[1:]]
@@ -113,9 +121,16 @@ def through_the_horizon(
         home: lambda: Chart.of(frame, edge=edge, margin=0.1),
         "kerr_schild": far,
     }
+    same = ()
+    if legs is not None:
+        first = partial(Chart.of, legs, edge=edge, margin=0.1, keeps_frame=False)
+        makers = {legs.name: first} | makers
+        pairs = ((home, legs.name), (legs.name, home))
+        same = tuple(TransitionMap(*pair, frame.coordinates, frame.coordinates) for pair in pairs)
     beyond = dict(zip(INNER, (0, 3, 3, 3), strict=True)) | {mass: 1}
     maps = (
         TransitionMap(home, "kerr_schild", frame.coordinates, there, (mass,), (), outside),
         TransitionMap("kerr_schild", home, INNER, back, (mass,), angles, beyond),
+        *same,
     )
     return Atlas(home, makers, lambda: maps)

@@ -2,7 +2,9 @@
 
 from sympy import Rational, cos, oo, pi, sin, sqrt, symbols
 
+from geomtorsion.curves.atlas import Atlas
 from geomtorsion.geometry import Frame
+from geomtorsion.spaces.schwarzschild import around_the_centre
 from geomtorsion.spaces.space import (
     FirstMotion,
     KnownAnswer,
@@ -59,10 +61,26 @@ def _cartesian(name: str, title: str) -> Space:
             KnownAnswer("ricci", {}),
             KnownAnswer("kretschmann", KRETSCHMANN),
         ),
+        atlas=_with_diagonal_legs,
         motion=FirstMotion((0.0, 8.0, 1.2, 0.3), (1.25, 0.5, 0.25, 0.5), parameters={"M": 1.0}),
         group="gravity",
         notes="Signature (-, +, +, +), G = c = 1.",
     )
+
+
+def _with_diagonal_legs(frame: Frame) -> Atlas:
+    """Geodesics follow the legs along dt, dr, dtheta, dphi, whose rates have half the terms."""
+    h = sqrt(1 - 2 * MASS / R)
+    rows = [[0] * k + [x] + [0] * (3 - k) for k, x in enumerate((h, 1 / h, R, R * sin(THETA)))]
+    legs = Frame(
+        COORDINATES,
+        rows,
+        signature=(-1, 1, 1, 1),
+        parameters=(MASS,),
+        domain=frame.domain,
+        name="diagonal",
+    )
+    return around_the_centre(frame, legs)
 
 
 def _falling(name: str, title: str) -> Space:

@@ -12,8 +12,9 @@ from sympy import Basic, Expr, Integer, Symbol
 from sympy.combinatorics.permutations import Permutation
 
 from geomtorsion.checks import expression
+from geomtorsion.copies import content_hash, equal_content
 from geomtorsion.displays import drawn_by
-from geomtorsion.geometry import Connection, Frame
+from geomtorsion.geometry import Connection, Frame, cartan
 from geomtorsion.outgoing import markdown_text
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ Table = dict[Index, sympy.Expr]
 
 @dataclass(frozen=True)
 class KnownAnswer:
-    """A closed form that somebody else derived and this package must reproduce.
+    """Published closed form that this package must reproduce.
 
     Fields
     ------
@@ -53,7 +54,7 @@ class KnownAnswer:
     """
 
     quantity: str
-    components: Mapping[Index, Closed] | Closed
+    components: Mapping[Index, Closed] | Closed = field(hash=False)
     basis: str = "coordinate"
     complete: bool = True
     source: str = ""
@@ -85,19 +86,19 @@ class FirstMotion:
     start: tuple[float, ...]
     frame_velocity: tuple[float, ...]
     t: float = 2.0
-    parameters: Mapping[str, float] = field(default_factory=dict)
+    parameters: Mapping[str, float] = field(default_factory=dict, hash=False)
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Space:
-    """A shipped or read space: a frame with its story, its source and known answers.
+    """Space from the library or a file: a frame with its description, source and known results.
 
     Fields
     ------
     name, title
         The key by which it is loaded, and a one-line title.
     story
-        Two lines: the use of the space and the character of its torsion.
+        Two lines: what the space is used for, and what its torsion is like.
     source
         Book or paper, with place.
     frame
@@ -136,6 +137,21 @@ class Space:
     atlas: Callable[[Frame], Atlas] | None = None
     motion: FirstMotion | None = None
     embedding: Callable[[Frame], Embedding] | None = None
+
+    __eq__, __hash__ = equal_content, content_hash
+
+    def own_connection(self) -> Connection:
+        """The connection of the space, or the Cartan connection of its frame.
+
+        Functions that take a connection use it where they are given a space.
+
+        Examples
+        --------
+        >>> from geomtorsion.spaces import load
+        >>> load("so3").own_connection().name
+        'Cartan connection'
+        """
+        return cartan(self.frame) if self.connection is None else self.connection
 
     def __repr__(self) -> str:
         lines = [f"{self.name}: {self.title}", self.story, f"source: {self.source}"]

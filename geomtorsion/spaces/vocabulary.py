@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import sympy
@@ -12,13 +13,12 @@ import sympy
 from geomtorsion.checks import cut, did_you_mean, shown
 from geomtorsion.errors import FileFormatError
 from geomtorsion.exact import parse_expression
+from geomtorsion.geometry.relations import relations_in
 
 ASSUMPTIONS = (
     "real", "positive", "negative", "nonnegative", "nonpositive", "nonzero", "integer", "complex",
 )  # fmt: skip
 _NAME = re.compile(r"[^\W0-9]\w*")
-_COMPARISON = re.compile(r"(<=|>=|<|>)")
-_RELATIONS = {"<": sympy.Lt, ">": sympy.Gt, "<=": sympy.Le, ">=": sympy.Ge}
 
 # As TOML writes them.
 FLAG = "{subject}: expected true or false, got {value}."
@@ -65,17 +65,9 @@ class Vocabulary:
         """Inequalities such as "0 < theta < pi" as sympy relations."""
         relations: list[sympy.Rel] = []
         for number, text in enumerate(texts(self.file, value, place)):
-            first, *rest = _COMPARISON.split(text)
-            if not rest:
-                raise FileFormatError(
-                    f"{self.file}: {place}[{number}]: expected a comparison, got {shown(text)}. "
-                    'Write "r > 2*M" or "0 < theta < pi".'
-                )
-            left = self.expression(first, f"{place}[{number}]")
-            for sign, text_right in zip(rest[::2], rest[1::2], strict=True):
-                right = self.expression(text_right, f"{place}[{number}]")
-                relations.append(_RELATIONS[sign](left, right))
-                left = right
+            where = f"{place}[{number}]"
+            read = partial(self.expression, place=where)
+            relations += relations_in(text, read, f"{self.file}: {where}", FileFormatError)
         return relations
 
 

@@ -69,7 +69,7 @@ def test_what_is_quick_is_repeated(lasts, repeats, monkeypatch):
 
 def test_refused():
     """An empty list of accuracies and a negative accuracy are refused."""
-    with pytest.raises(AccuracyError, match="no accuracy was given"):
+    with pytest.raises(AccuracyError, match="expected at least one, got none"):
         accuracy_cost(TOP, 1.0, [RungeKutta()], [])
     with pytest.raises(AccuracyError, match="positive"):
         accuracy_cost(TOP, 1.0, [RungeKutta()], [-1e-6])

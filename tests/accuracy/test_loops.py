@@ -70,7 +70,7 @@ def test_the_reference_has_its_digits() -> None:
 
 def test_bad_requests() -> None:
     """Unknown rules, loops without a relative error and loops from numbers only are refused."""
-    with pytest.raises(LoopError, match="no rule 'Simpson'"):
+    with pytest.raises(LoopError, match="got 'Simpson'"):
         loop_costs(FRAME, Loop.circle(CENTRE, 1), rules=["Simpson"])
     with pytest.raises(LoopError, match="vanishes"):
         loop_costs(load("flat_polar").frame, Loop.polygon([[1, 0], [1, 2], [1, 1]]))

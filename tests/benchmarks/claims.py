@@ -2,8 +2,8 @@
 
 Run with `python -m tests.benchmarks.claims --number 400`. The truth is a run in 160 bits. Each
 line: a family, claims below the truth (of states; of anything that a reader can ask for), the
-median of true / claimed, the median and the largest price (operations of all runs in units of those
-of the answer), and the CPU time of repeated solves.
+median of true / claimed, the median and the largest price (operations of all runs relative to
+the answer), and the CPU time of repeated solves.
 """
 
 from __future__ import annotations
@@ -187,12 +187,12 @@ def claim(name: str, problem: Any, end: float, accuracy: float) -> Claim | None:
     return Claim(name, state, anything, named, price, min(seconds), text)
 
 
-# Seconds of an operation in numbers of so many bits, in those of doubles.
+# Cost of an operation in numbers of so many bits, relative to doubles.
 SLOWER = {53: 1, 64: 10, 113: 80, 300: 200}
 
 
 def price_of(problem: Any, end: float, accuracy: float, solution: Solution) -> float:
-    """Operations of all runs in units of those of the answer."""
+    """Operations of all runs relative to the operations of the answer."""
 
     def work(one: Trajectory) -> float:
         # A step of order n takes about n^2 operations.

@@ -23,6 +23,7 @@ from tests.ode.engines import every_engine
 PARAMETERS = {
     "s2": {"R": 2.0},
     "schwarzschild": {"M": 1.0},
+    "schwarzschild_cartesian": {"M": 1.0},
     "schwarzschild_isotropic": {"M": 1.0},
     "kerr": {"M": 1.0, "a": 0.6},
     "de_sitter": {"L": 9.0},
@@ -33,6 +34,7 @@ POINTS = {
     "flat_cylindrical": [1.2, 0.3, 0.4],
     "flat_spherical": [1.2, 0.7, 0.4],
     "schwarzschild": [0.3, 6.0, 1.1, 0.4],
+    "schwarzschild_cartesian": [0.3, 6.0, 1.1, 0.4],
     "schwarzschild_isotropic": [0.3, 3.0, 1.1, 0.4],
     "kerr": [0.3, 6.0, 1.1, 0.4],
     "de_sitter": [0.3, 6.0, 1.1, 0.4],
@@ -53,7 +55,7 @@ def changes():
 
 def test_there_are_as_many_charts_as_stated():
     """Seven sets of angles, five of them with a second set; spheres, flat spaces, horizons."""
-    assert len(changes()) == 27
+    assert len(changes()) == 29
 
 
 @pytest.mark.parametrize("change", one_in(2, changes()))

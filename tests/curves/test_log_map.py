@@ -51,7 +51,7 @@ def test_a_generic_great_circle_almost_to_the_antipode(short):
 
 
 def test_the_reason_is_that_the_end_is_almost_conjugate():
-    """So near to the antipode that errors hide the direction, the refusal gives that as its reason."""
+    """Near the antipode errors hide the direction, and the refusal gives this reason."""
     end = great_circle([0.7, -1.2], 0.4, np.pi - 1e-9)
     with pytest.raises(EndpointError, match="conjugate|cut locus"):
         log_map(levi_civita(load("s2").frame), [0.7, -1.2], end, parameters={"R": 1})

@@ -145,7 +145,7 @@ def test_a_false_claim_is_exposed(frame: Frame) -> None:
 
 def test_repr(frame: Frame) -> None:
     """The text begins with the name; LaTeX shows the components."""
-    assert repr(cartan(frame)).startswith("Cartan connection: ")
+    assert repr(cartan(frame)).startswith("Cartan connection Gamma_{ab}^{c} (")
     assert r"\Gamma_{x y }{}^{y }" in cartan(frame)._repr_latex_()
 
 

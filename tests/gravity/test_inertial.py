@@ -41,4 +41,4 @@ def test_a_limit_that_is_not_flat_is_refused() -> None:
     with pytest.raises(GravityError, match="make the metric flat"):
         g.inertial(hole, {"M": 1})
     with pytest.raises(GravityError):
-        g.inertial("hole", {})  # type: ignore[arg-type]
+        g.inertial(3, {})  # type: ignore[arg-type]

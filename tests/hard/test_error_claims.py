@@ -227,7 +227,7 @@ def test_the_error_is_the_largest_of_all(problem, accuracy):
 
 
 def test_members_near_a_pole():
-    """The errors of an ensemble are those of the coordinates that it gives."""
+    """The errors of an ensemble belong to the coordinates that it gives."""
     random = np.random.default_rng(0)
     starts, spins = random.uniform(0.02, 0.5, (12, 3)), random.normal(size=(12, 3))
     many = solve_many(TOP, starts, [0, 1, 2], 1e-6, frame_velocities=spins)

@@ -97,7 +97,7 @@ MAKERS: dict[str, Callable[[], Shared]] = {
     "unknown functions": unknown_functions,
     "nested roots": nested_roots,
 }
-# Which of several equal ways a tensor is written in depends here on what was computed before it.
+# Here the order of the calculations decides which of several equal texts a tensor gets.
 WRITTEN_IN_SEVERAL_WAYS = ("unknown functions", "nested roots")
 
 
@@ -116,7 +116,7 @@ def bits(ball: flint.arb) -> tuple[object, ...]:
     return ball.mid().man_exp(), ball.rad().man_exp()
 
 
-def written(_: Shared, tensor: gt.Tensor) -> str:
+def written(shared: Shared, tensor: gt.Tensor) -> str:
     """A tensor as text, as a formula and as components."""
     return f"{tensor!r} {tensor._repr_latex_()} {tensor.nonzero()} {tensor.certainty}"
 
@@ -180,7 +180,7 @@ def symmetries(shared: Shared) -> str:
 
 
 def field_equations(shared: Shared) -> str:
-    """Einstein's equations, and those of teleparallel gravity."""
+    """Einstein's equations, and the equations of teleparallel gravity."""
     einstein = gravity.equations(gt.levi_civita(shared.frame), gravity.general_relativity)
     parallel = gravity.equations(gt.cartan(shared.frame), gravity.tegr)
     return f"{einstein.E!r} {parallel.E!r}"
@@ -219,15 +219,14 @@ MOTIONS: dict[str, Question] = {"geodesic": geodesic, "autoparallel": autoparall
 
 
 def questions(name: str, shared: Shared) -> dict[str, Question]:
-    """What is asked of a space."""
+    """Quantities of a space by name."""
     looks = {"numbers": numbers}
     others: dict[str, Question] = {}
     if name not in WRITTEN_IN_SEVERAL_WAYS:
         looks["written"] = written
         others = MORE | (MOTIONS if shared.start else {})
         others |= {"burgers": burgers} if shared.loop else {}
-    named = QUANTITIES if isinstance(QUANTITIES, Mapping) else {q.name: q for q in QUANTITIES}
-    tensors = {f"{q} {how}": of_tensor(look, q) for q in named for how, look in looks.items()}
+    tensors = {f"{q} {how}": of_tensor(look, q) for q in QUANTITIES for how, look in looks.items()}
     return {**tensors, **others}
 
 

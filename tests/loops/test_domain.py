@@ -58,7 +58,7 @@ def test_no_circle_about_the_edge_has_a_closed_form() -> None:
 
 
 def test_a_file_of_loops_is_refused(tmp_path) -> None:
-    """A loop that was read from a file is no exception."""
+    """A loop that was read from a file is refused as well."""
     file = tmp_path / "loops.json"
     file.write_text('[{"circle": {"centre": [0, 0], "radius": 0.2}}]', "utf-8")
     with pytest.raises(ChartEdgeError, match=WORDS):

@@ -3,7 +3,8 @@
 import pytest
 import sympy as sp
 
-from geomtorsion.errors import LoopError, UndecidedError
+from geomtorsion.errors import ChartEdgeError, LoopError, UndecidedError
+from geomtorsion.geometry import Frame
 from geomtorsion.loops import Loop, burgers_vector, exact_burgers_vector
 from geomtorsion.loops.exact_circle import exact_circle
 from geomtorsion.spaces import load
@@ -51,6 +52,26 @@ def test_what_only_numbers_decide_is_refused():
         exact_circle(load("schwarzschild").frame, (0, 10, 1, 0), R, (1, 2))
     with pytest.raises(UndecidedError, match="no closed form"):
         exact_circle(load("frw_flat").frame, (0, 0, 0, 0), R)
+
+
+x, y = sp.symbols("x y", real=True)
+b = sp.Symbol("b", positive=True)
+HALF_PLANES = Frame([x, y], [[1, 0], [b * x * y, 1]], parameters=(b,), domain=[x > 0, y < b])
+
+
+@pytest.mark.parametrize(
+    "exact", [exact_circle, lambda f, *a: exact_burgers_vector(f, Loop.circle(*a)).vector]
+)
+def test_circles_of_numbers_stay_inside_the_domain(exact):
+    """Numbers are checked against each edge without parameters; symbols are up to the caller."""
+    half = sp.Rational(1, 2)
+    for frame, centre in ((HALF_PLANES, (0, 0)), (HALF_PLANES, (half - half**9, 9)),
+                          (load("flat_polar").frame, (0, 0))):  # fmt: skip
+        with pytest.raises(ChartEdgeError, match="the domain is . > 0, got the point"):
+            exact(frame, centre, half)
+    # Outside y < b for small b, and x > 0 for R above 1.
+    assert exact(HALF_PLANES, (1, 9), half)[0] == 0
+    assert exact(load("flat_polar").frame, (1, 0), R) == (0, sp.pi * R**2)
 
 
 @pytest.mark.parametrize(("centre", "plane"), [((0, 0), (0, 1)), ((0, 0, 0), (1, 1))])

@@ -336,7 +336,7 @@ def test_progress_shows_a_bar(capsys):
     solve(decay, 1.0, progress=False)
     assert capsys.readouterr().err == ""
     with pytest.raises(ArgumentError, match="progress: expected a function of the finished"):
-        solve(decay, 1.0, progress=3)
+        solve(decay, 1.0, progress=3)  # pyright: ignore[reportArgumentType]
 
 
 def test_robertsons_problem():

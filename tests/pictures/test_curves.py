@@ -6,7 +6,7 @@ import pytest
 from geomtorsion.errors import FileFormatError
 from geomtorsion.ode import RungeKutta
 from geomtorsion.pictures.curve_files import curve_pictures
-from geomtorsion.pictures.curves import caption, continued
+from geomtorsion.pictures.curves import caption
 from geomtorsion.pictures.sphere import parted, towards
 from geomtorsion.pictures.style import SERIES, STROKES, mathematics, new_figure, number, save
 from geomtorsion.spaces import load, names
@@ -87,9 +87,23 @@ def test_the_caption_says_all():
 
 
 def test_angles_go_on():
-    """An azimuth of more than a full turn, solved in quaternions, has no jumps."""
-    for points in continued(pair_of("so3", t=20)).values():
+    """An azimuth of more than a full turn, solved in quaternions, has no jumps, as in the table."""
+    pair = pair_of("so3", t=20)
+    table = pair.columns()
+    for curve, points in pair.coordinates.items():
         assert np.abs(np.diff(points, axis=0)).max() < np.pi
+        assert np.ptp(points[:, 0]) > 2 * np.pi
+        assert (table[f"{curve} phi1"] == points[:, 0]).all()
+
+
+def test_equal_motions_are_shown_as_equal():
+    """The figure of two equal motions says so, on an axis where rounding is not visible."""
+    pytest.importorskip("matplotlib")
+    pair = pair_of("so3")
+    [axes] = curve_pictures(pair)["distance"][0](pair).axes
+    assert "equal" in axes.get_title()
+    assert axes.get_yscale() == "linear"
+    assert axes.get_ylim()[1] > pair.straight.accuracy > pair.distance.max()
 
 
 def test_numbers_and_names():

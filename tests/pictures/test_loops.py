@@ -78,11 +78,11 @@ def test_a_map_rings_the_defect() -> None:
     """One panel for the one component, one ring with its strength; the first axis points right."""
     grid = np.linspace(-1, 1, 12)
     edge = load("edge_dislocation").frame
-    found = burgers_map(edge, (grid, grid[2:]), parameters={"b": 2})
+    found = burgers_map(edge, (grid, grid[2:]), parameters={"b": 0.1})
     figure = draw_map(found)
     axes, _ = figure.axes
     assert axes.get_title().startswith("$b^1$")
-    assert [text.get_text() for text in axes.texts] == ["b = 2"]
+    assert [text.get_text() for text in axes.texts] == ["b = 0.1"]
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("$x$", "$y$")
     assert axes.get_xlim() == pytest.approx((-1, 1))
     assert axes.get_ylim() == pytest.approx((grid[2], 1))

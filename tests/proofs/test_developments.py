@@ -79,6 +79,18 @@ def test_the_angle_is_the_area():
         assert abs(found[1, 0]).overlaps(abs(area.sin()))
 
 
+def test_legs_that_turn_in_a_period():
+    """Legs of the plane that turn by phi/3 have turned by a third after a circle: b = 0, R = 1."""
+    r, phi = sp.symbols("r phi", real=True)
+    c, s = sp.cos(phi / 3), sp.sin(phi / 3)
+    plane = gt.levi_civita(gt.Frame([r, phi], [[c, r * s], [-s, r * c]]))
+    loop = gt.Loop.parametric(["1", "s"], interval=(0, "2*pi"), periods={1: "2*pi"})
+    proof = proved(plane, loop)
+    for ball, exact in zip(proof.balls, [0, 0, 1, 0, 0, 1], strict=True):
+        assert ball.contains(exact)
+        assert ball.rad() < 1e-18
+
+
 def test_a_connection_with_torsion_and_curvature():
     """The library's error holds for a connection that is neither flat nor torsion-free."""
     so3 = gt.spaces.load("so3").frame

@@ -28,7 +28,7 @@ LOOPS = [
 
 @pytest.mark.parametrize("loop", LOOPS, ids=lambda loop: type(loop.parts[0].arcs[0]).__name__)
 def test_arcs_are_the_arcs_of_the_loop(loop):
-    """Coordinates and slopes of each arc in balls contain those of the loop, to rounding."""
+    """Coordinates and slopes of each arc agree with the floats of the loop, to rounding."""
     for part in loop.parts:
         for ball_arc, arc in zip(arcs_of(part), part.arcs, strict=True):
             for s in (0.0, 0.25, 0.6):

@@ -5,6 +5,7 @@
 import pytest
 from flint import arb, arb_mat, fmpq
 
+import geomtorsion as gt
 from geomtorsion.precision import ball_precision
 from geomtorsion.proofs import series, steps
 from geomtorsion.proofs.series import BallSystem
@@ -138,3 +139,15 @@ def test_balls_of_all_methods_overlap(rates):
         for one in found:
             for other in found:
                 assert all(a.overlaps(b) for a, b in zip(one, other, strict=True))
+
+
+@pytest.mark.parametrize("end", [0.5, 10.0])
+def test_a_start_at_which_forces_cancel(end):
+    """v' = tanh(100 (x - 3/10)) - x is -a = -2/(e^140 + 1) at x = 1: x = 1 - a (1 - cos t)."""
+    rates = {"x": "v", "v": "-x + tanh(100*(x - 3/10))"}
+    proof = gt.prove(gt.solve(gt.ODE.of(rates, [1, 0]), end), 80)
+    with ball_precision(400):
+        x, v = proof.balls[-1]
+        pull = 2 / (arb(140).exp() + 1)
+        assert abs(x - 1 + pull * (1 - arb(end).cos())) < arb(10) ** -79
+        assert (v + pull * arb(end).sin()).contains(0)

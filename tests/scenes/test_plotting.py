@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from geomtorsion.errors import SceneError
+from geomtorsion.errors import SceneError, UnknownNameError
 from geomtorsion.ode import RungeKutta
 from geomtorsion.scenes import Body, Scene, SceneResult, State, load
 from geomtorsion.scenes.plotting import drawings, finely, plot
@@ -41,6 +41,28 @@ def test_drawings_fit_the_scene(name):
         assert about.endswith(".")
         said = "\n".join(text.get_text() for text in figure.texts)
         assert key == "plan" or "error below" in said
+
+
+def test_a_figure_by_its_name():
+    """The attitude: tips on the unit sphere, and each axis from the centre to both ends."""
+    start = State(omega=[0.01, 3, 0], euler=(0, 0.3, 0))
+    scene = Scene(Body(1.0, moments=(1, 2, 3)), (), start, t=2.0, samples=9, watch=("matrix",))
+    result = scene.run()
+    (axes,) = result.plot(figure="attitude").axes
+    lines = [np.array(line.get_data_3d()).T for line in axes.lines]
+    spokes = [line for line in lines if len(line) == 2 and not line[0].any()]
+    matrices = result["matrix"].reshape(-1, 3, 3)
+    expected = [matrices[m][:, k] for k in range(3) for m in (0, -1)]
+    assert np.abs(np.array([spoke[1] for spoke in spokes]) - expected).max() < 1e-9
+    assert len(result.plot(figure="watched").axes) == len(result.plot().axes)
+
+
+@pytest.mark.parametrize("name", ["atitude", "path", 3])
+def test_a_figure_that_the_outputs_do_not_have(name):
+    """The message lists the figures that there are."""
+    result = load("dzhanibekov").with_values(samples=5, t=1.0).run()
+    with pytest.raises(UnknownNameError, match="expected one of watched, attitude, cones"):
+        result.plot(figure=name)
 
 
 def test_the_right_law_is_drawn_beside_the_naive_one():

@@ -13,7 +13,8 @@ sys.path.append(str(SITE / "extensions"))
 @pytest.fixture(scope="session")
 def built(tmp_path_factory) -> Path:
     """The folder with the pages; the build fails on any warning, as the README's command does."""
-    pytest.importorskip("myst_nb", reason="the extra docs is not installed")
+    for name in ("myst_nb", "sphinx_copybutton"):
+        pytest.importorskip(name, reason="the extra docs is not installed")
     import sources  # on the path that is added above
 
     kept = SITE.parents[1] / "build" / "site"

@@ -122,3 +122,27 @@ def test_into_the_isotropic_hole(engine):
     assert found[-1] < 1.9
     want = (r**1.5 - 1.5 * np.sqrt(2.0) * times) ** (2 / 3)
     assert found == pytest.approx(want, rel=1e-8)
+
+
+@every_engine
+def test_two_tetrads_of_the_black_hole_have_one_fall(engine):
+    """Geodesics do not depend on the legs: Cartesian and static ones agree across the horizon."""
+    start, velocity = [0.0, 6.0, 1.2, 0.3], [1.6, -0.5, 0.01, 0.03]
+    times = [2.0, 6.5]
+    static, cartesian = (
+        solve(
+            geodesic(load(name).frame, start, velocity, parameters={"M": 1}), times, 1e-10, engine
+        )
+        for name in ("schwarzschild", "schwarzschild_cartesian")
+    )
+    assert cartesian.charts == ("diagonal", "kerr_schild")
+    one, two = (sol.in_chart("kerr_schild") for sol in (static, cartesian))
+    assert np.linalg.norm(two[:, 1:], axis=1).min() < 2
+    assert two == pytest.approx(one, abs=1e-9 * np.abs(one).max())
+    outside = [solve(sol.problem, 2.0, 1e-10, engine) for sol in (static, cartesian)]
+    assert outside[1].velocity[-1] == pytest.approx(outside[0].velocity[-1], abs=1e-9)
+    # Both answer in their own legs, which carry the same norm and the same leg along time.
+    one, two = (sol.frame_velocity[-1] for sol in outside)
+    assert two[0] == pytest.approx(one[0], abs=1e-9)
+    assert np.linalg.norm(two[1:]) == pytest.approx(np.linalg.norm(one[1:]), abs=1e-9)
+    assert abs(two[3] - one[3]) > 0.1

@@ -1,6 +1,8 @@
 """drawings: figures for the gallery, of examples that draw none themselves.
 
 python examples/site/extensions/drawings.py 01_any_tetrad figure.png
+
+For the name of a shipped scene, its motion in space is drawn.
 """
 
 from __future__ import annotations
@@ -9,7 +11,25 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 import geomtorsion as gt
+from geomtorsion.pictures.scene_attitude import axes_picture
+from geomtorsion.pictures.style import (
+    SERIES,
+    STROKES,
+    captioned,
+    legend,
+    new_figure,
+    quiet,
+    space_box,
+)
+from geomtorsion.scenes.plotting import drawings
+from geomtorsion.spaces.registry import embedding_of
+
+# Figures of a scene that show the motion in space, the clearest first.
+IN_SPACE = ("laws", "axis", "path", "cones", "attitude")
+FINELY = np.linspace(0.0, 1.0, 801)
 
 
 def plan() -> Any:
@@ -17,10 +37,10 @@ def plan() -> Any:
     return gt.pictures.draw_plan(gt.spaces.load("schwarzschild").frame.plan("ricci"))
 
 
-def paths(space: str, **options: Any) -> Any:
+def paths(space: str, figure: str = "paths", **options: Any) -> Any:
     """Autoparallel and geodesic of a space from one start."""
     pair = gt.spaces.solve_pair(gt.spaces.load(space), **options)
-    return gt.pictures.curve_pictures(pair)["paths"][0](pair)
+    return gt.pictures.curve_pictures(pair)[figure][0](pair)
 
 
 def closure() -> Any:
@@ -36,11 +56,27 @@ def pole() -> Any:
 
 
 def top() -> Any:
-    """Body rates of a free top, from its action."""
+    """The axes of a free top on the sphere of space, from its action."""
     energy = "(u1**2 + 2*u2**2 + 3*u3**2)/2"
-    equations = gt.equations_of_motion(gt.spaces.load("so3").frame, energy)
+    so3 = gt.spaces.load("so3").frame
     start = {"phi1": 0, "phi2": 1, "phi3": 0, "u1": 0.1, "u2": 2, "u3": 0}
-    return gt.pictures.draw_solution(gt.solve(gt.ODE.of(equations, start), 20.0))
+    motion = gt.solve(gt.ODE.of(gt.equations_of_motion(so3, energy), start), FINELY * 8.0)
+    angles = np.column_stack([motion[name] for name in ("phi1", "phi2", "phi3")])
+    embedding = embedding_of(so3)
+    assert embedding is not None
+    return axes_picture(embedding.attitudes(angles, {}), "A free top, from its action")
+
+
+def flip() -> Any:
+    """Dzhanibekov's flip: the angular momentum seen from the body, the axis seen from space."""
+    return chosen(gt.scenes.load("dzhanibekov").run())
+
+
+def chosen(result: gt.SceneResult) -> Any:
+    """The figure of a scene that shows its motion in space; lines over time as the last choice."""
+    shown = drawings(result)
+    name = next(name for name in (*IN_SPACE, "watched") if name in shown)
+    return shown[name][0](result)
 
 
 def lines() -> Any:
@@ -65,24 +101,54 @@ def cosmology() -> Any:
 
 def orbit() -> Any:
     """An orbit around a rotating black hole."""
-    start = {"M": 1.0, "a": 0.5}
+    values = {"M": 1.0, "a": 0.5}
     kerr = gt.geodesic(
-        gt.spaces.load("kerr").frame, [0, 8, 1.5, 0], [1.25, 0.05, 0.01, 0.05], parameters=start
+        gt.spaces.load("kerr").frame, [0, 8, 1.5, 0], [1.25, 0.05, 0.01, 0.05], parameters=values
     )
-    return gt.pictures.draw_solution(gt.solve(kerr, 200.0))
+    return around(gt.solve(kerr, FINELY * 400.0), 1 + np.sqrt(1 - values["a"] ** 2))
 
 
 def bound() -> Any:
     """A bound orbit around a rotating black hole, from its shape."""
     shape = gt.kerr_orbit(0.9, 6, 0.3, 0.5)
-    return gt.pictures.draw_solution(gt.solve(shape.geodesic(), 300.0))
+    return around(gt.solve(shape.geodesic(), FINELY * 350.0), 1 + np.sqrt(1 - 0.9**2))
+
+
+def around(orbit: gt.Solution, horizon: float) -> Any:
+    """An orbit in coordinates t, r, theta, phi around a black hole, as a curve in space."""
+    _, r, theta, phi = np.asarray(orbit.coordinates, float).T
+    across = r * np.sin(theta)
+    path = np.column_stack([across * np.cos(phi), across * np.sin(phi), r * np.cos(theta)])
+    figure = new_figure(5.6, 5.2)
+    axes: Any = figure.add_subplot(projection="3d")
+    axes.plot(*path.T, **SERIES[0].line)
+    up, turn = np.mgrid[0 : np.pi : 25j, 0 : 2 * np.pi : 49j]
+    ball = np.array([np.sin(up) * np.cos(turn), np.sin(up) * np.sin(turn), np.cos(up)])
+    axes.plot_surface(*(horizon * ball), color="#222222", linewidth=0)
+    size = np.abs(path).max()
+    space_box(axes, ["$x$", "$y$", "$z$"], np.full(3, -size), np.full(3, size))
+    axes.set_box_aspect((1, 1, 1))
+    captioned(figure, ["Lengths in units of the mass; black: the horizon."])
+    return figure
 
 
 def fall() -> Any:
-    """A body that falls towards a black hole on a geodesic."""
+    """A body at rest above a black hole: it falls on a geodesic and hovers on an autoparallel."""
     hole = gt.spaces.load("schwarzschild").frame
-    body = gt.geodesic(hole, [0, 10, 1.57, 0], [1.118, 0, 0, 0], parameters={"M": 1})
-    return gt.pictures.draw_solution(gt.solve(body, 20.0))
+    rest = {"start": [0, 10, 1.57, 0], "velocity": [1.118, 0, 0, 0], "parameters": {"M": 1}}
+    figure = new_figure(5.6, 4.2)
+    axes = figure.add_subplot()
+    straight, shortest = gt.autoparallel(gt.cartan(hole), **rest), gt.geodesic(hole, **rest)
+    curves = {"autoparallel": straight, "geodesic": shortest}
+    for name, problem in curves.items():
+        motion = gt.solve(problem, FINELY * 30.0)
+        axes.plot(motion.times, motion.coordinates[:, 1], **STROKES[name].line, label=name)
+    axes.set_xlabel("proper time / $M$")
+    axes.set_ylabel("radius / $M$")
+    axes.set_ylim(0, 11)
+    quiet(axes)
+    legend(figure, axes)
+    return figure
 
 
 DRAWINGS: dict[str, Callable[[], Any]] = {
@@ -91,8 +157,8 @@ DRAWINGS: dict[str, Callable[[], Any]] = {
     "03_straightest_and_shortest": lambda: paths("r3xso3", t=4.0),
     "05_through_the_pole": pole,
     "10_action_principle": top,
-    "11_euler_top": lambda: gt.scenes.load("dzhanibekov").run().plot(),
-    "13_paper_equations": lambda: paths("so3", t=10.0, moments=[1, 2, 3]),
+    "11_euler_top": flip,
+    "13_paper_equations": lambda: paths("so3", "attitude", t=10.0, moments=[1, 2, 3]),
     "18_lines_between_atoms": lines,
     "19_how_sure_is_a_number": costs,
     "20_field_equations_of_a_tetrad": cosmology,
@@ -104,4 +170,5 @@ DRAWINGS: dict[str, Callable[[], Any]] = {
 
 if __name__ == "__main__":
     name, file = sys.argv[1:]
-    gt.pictures.save(DRAWINGS[name](), file)
+    drawn = DRAWINGS[name]() if name in DRAWINGS else chosen(gt.scenes.load(name).run())
+    gt.pictures.save(drawn, file)

@@ -29,12 +29,6 @@ from sphinx.util.docutils import SphinxDirective
 EXAMPLES = ROOT / "examples"
 # Options by which examples draw, and the kind of their argument: a file or a folder.
 DRAWING = {"--picture": "file", "--map": "file", "--pictures": "folder"}
-# Draws a shipped scene; its example compares it with the known answer.
-_SCENE = """
-import sys
-from geomtorsion import scenes
-scenes.load(sys.argv[1]).run().plot(sys.argv[2])
-"""
 # Letters of a line of a card, and the size of its text.
 CARD = (26, 22)
 LONGEST_RUN = 300
@@ -100,11 +94,10 @@ def run(example: Example, folder: Path) -> None:
     printed = _python([str(example.path), *arguments])
     if option and DRAWING[option] == "folder":
         next(iter(sorted((folder / example.name).glob("*.png")))).replace(picture)
-    scene = _scene(example)
-    if not option and scene:
-        _python(["-c", _SCENE, scene, str(picture)])
-    if not option and example.name in DRAWINGS:
-        _python([str(Path(__file__).with_name("drawings.py")), example.name, str(picture)])
+    # The shipped scene of an example, which compares it with the known answer, or a drawing.
+    drawn = _scene(example) or (example.name if example.name in DRAWINGS else "")
+    if not option and drawn:
+        _python([str(Path(__file__).with_name("drawings.py")), drawn, str(picture)])
     if not picture.is_file():
         picture = picture.with_suffix(".svg")
         picture.write_text(card(example.title), "utf-8")

@@ -1,6 +1,7 @@
 """reference: the directive `public`, which documents the public names of a package once each.
 
 A name that `geomtorsion` itself exports is documented on the first page; pages of packages link it.
+Each class has a page of its own in api/pages, which is written before Sphinx reads the pages.
 """
 
 # pyright: reportMissingImports=false
@@ -20,6 +21,7 @@ from typing import ClassVar
 from docstrings import converted, escaped
 from docutils import nodes
 from docutils.statemachine import StringList
+from sources import CLASSES, SITE
 from sphinx.util.docutils import SphinxDirective
 from sphinx.util.nodes import make_refnode, nested_parse_with_titles
 from topics import ordered, table
@@ -63,6 +65,46 @@ def package_of(name: str) -> str:
         return "packages"
     parts = value.__module__.removeprefix("geomtorsion.").split(".")
     return ".".join(parts[:2] if parts[0] in GROUPS else parts[:1])
+
+
+def has_page(value: object) -> bool:
+    """Whether a public name is a class with a page of its own; exceptions share one page."""
+    return isclass(value) and not issubclass(value, Exception)
+
+
+def class_pages() -> dict[str, str]:
+    """The text of the page of each public class, by its full name."""
+    homes = {
+        place: (page.stem, page.read_text("utf-8").split("\n")[0])
+        for page in sorted(Path(SITE, "api").glob("*.rst"))
+        for place in _PLACED.findall(page.read_text("utf-8"))
+    }
+    rest = ("rest", "More names")
+    pages: dict[str, str] = {}
+    for module in public_modules():
+        package = module.__name__
+        for name in public_names(module):
+            if not has_page(getattr(module, name)) or exported_above(package, name):
+                continue
+            of = package_of(name) if package == "geomtorsion" else ""
+            page, title = homes.get((package, of), rest)
+            pages[f"{package}.{name}"] = (
+                f":orphan:\n\n{name}\n{'=' * len(name)}\n\n"
+                f":doc:`Reference </api/index>` › :doc:`{title} </api/{page}>`\n\n"
+                f".. autoclass:: {package}.{name}\n"
+            )
+    return pages
+
+
+def _write_pages(app) -> None:
+    """Write each page that changed, and remove pages of removed classes."""
+    CLASSES.mkdir(exist_ok=True)
+    pages = {CLASSES / f"{name}.rst": text for name, text in class_pages().items()}
+    for path in set(CLASSES.iterdir()) - set(pages):
+        path.unlink()
+    for path, text in pages.items():
+        if not path.is_file() or path.read_text("utf-8") != text:
+            path.write_text(text, "utf-8")
 
 
 def exported_above(package: str, name: str) -> list[str]:
@@ -113,8 +155,11 @@ class Public(SphinxDirective):
         if name == "geomtorsion" and of != "packages":
             for topic, members in topics.items():
                 lines += [f".. rubric:: {topic}", "", *table(name, members)]
+        elif classes := [one for one in names if has_page(getattr(module, one))]:
+            lines += [".. rubric:: Classes", "", *table(name, classes)]
         for one in [one for members in topics.values() for one in members]:
-            lines += self.entry(name, one, getattr(module, one))
+            if not has_page(getattr(module, one)):
+                lines += self.entry(name, one, getattr(module, one))
         return lines
 
     def entry(self, package: str, name: str, value: object) -> list[str]:
@@ -125,8 +170,7 @@ class Public(SphinxDirective):
             home = f":py:mod:`{value.__name__}`"
             return [f"- {home}\\: {escaped(first)}", ""]
         if isclass(value):
-            kind = "autoexception" if issubclass(value, Exception) else "autoclass"
-            return [f".. {kind}:: {full}", ""]
+            return [f".. autoexception:: {full}", ""]
         if isfunction(value) or callable(value):
             return [f".. autofunction:: {full}", ""]
         return [f".. autodata:: {full}", "    :no-value:", ""]
@@ -177,5 +221,6 @@ def setup(app) -> dict[str, bool]:
     """Register the directive and the links."""
     app.add_directive("public", Public)
     app.add_directive("rest", Rest)
+    app.connect("builder-inited", _write_pages)
     app.connect("missing-reference", _resolve)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

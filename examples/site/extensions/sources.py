@@ -15,8 +15,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[3]
 SITE = ROOT / "examples" / "site"
-# Written while the site is built.
+# Written while the site is built: pages of examples, and pages of classes.
 MADE = SITE / "gallery" / "pages"
+CLASSES = SITE / "api" / "pages"
 FOLDERS = ("geomtorsion", "examples")
 FILES = ("README.md", "CHANGELOG.md", "LICENSE", "pyproject.toml")
 
@@ -25,7 +26,8 @@ def files() -> Iterator[Path]:
     """Every file that a page may be made from."""
     for folder in FOLDERS:
         for path in (ROOT / folder).rglob("*"):
-            if path.is_file() and path.suffix != ".pyc" and MADE not in path.parents:
+            written = {MADE, CLASSES} & set(path.parents)
+            if path.is_file() and path.suffix != ".pyc" and not written:
                 yield path
     yield from (ROOT / name for name in FILES)
 

@@ -40,10 +40,10 @@ TOPICS: dict[str, str] = {
     "BurgersMap exact_burgers_vector ExactBurgersVector",
     "Defects": "Defect dispiration parallel_screws parallel_edges parallel_dislocations "
     "enclosed_defects EnclosedDefect find_defects",
-    "Developments": "develop develop_path develop_period Development AffineMap",
+    "Developments": "develop develop_path develop_period Development AffineMap diffusion Diffusion",
     "Steps on a network": "Cochain Complex EdgeList Network NodeRule",
     "Measured fields, maps and images": "SampledFrame ScatteredFrame OrientationMap Circuit Phase "
-    "LatticeImage LatticePhases LatticeBurgers images",
+    "LatticeImage LatticePhases LatticeBurgers images defect_densities defect_conservation",
     "Atoms and dislocation lines": "crystals DislocationNetwork LineArrays Box Reaction",
     "Rigid bodies": "Body Scene State effects scenes SceneResult StateSelection SceneCost FreeTop "
     "free_top",

@@ -17,3 +17,8 @@ __all__ = [
     "read",
     "read_all",
 ]
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return [*__all__]

@@ -65,7 +65,7 @@ class Crystal(InFrame):
     periodic: along which edges the cell repeats, shape (3,).
     species: of each atom, if known; not used here.
 
-    lattice, orient and constant are found if not given.
+    lattice, orient and constant are determined from the atoms by default.
 
     Raises
     ------

@@ -21,6 +21,7 @@ from geomtorsion.materials.fields.circuits import (
     sampled_edges,
     unexplained,
 )
+from geomtorsion.materials.fields.densities import Density, incompatibility_of
 from geomtorsion.materials.fields.displaced import (
     displaced_burgers,
     displaced_circuits,
@@ -285,6 +286,30 @@ class SampledFrame(Samples):
         both = (self.nye, self.nye_noise)
         values, floor = (np.sqrt((x**2).sum(axis=(0, 1))) / b for x in both)
         return values, floor
+
+    @cached_property
+    def incompatibility(self) -> Density:
+        """Incompatibility eta_kl = eps_kab eps_lcd d_a d_c E_bd of the strain, with its errors.
+
+        E is the symmetric part of the coframe, whose distortion is small. A strain that comes from
+        a displacement has eta = 0 [Kroener 1958]. The values have shape (3, 3, N_1, N_2, N_3); on a
+        plane grid only k = l = 3 is known, with shape (1, 1, N_1, N_2).
+
+        Raises
+        ------
+        GridError
+            The grid has more than three axes, or the field fewer rows than axes.
+
+        Examples
+        --------
+        >>> axes = [np.linspace(-1, 1, 9)] * 2
+        >>> x, y = np.meshgrid(*axes, indexing="ij")
+        >>> strain = np.array([[3 * y**2, 0 * x], [0 * x, x**2]])
+        >>> eta = SampledFrame.from_distortion(axes, strain, sigma=1e-3).incompatibility
+        >>> eta.values[0, 0].mean().round(9), eta.error[0, 0, 4, 4].round(3)
+        (np.float64(8.0), np.float64(0.069))
+        """
+        return incompatibility_of(self)
 
     @cached_property
     def cochain(self) -> Cochain:

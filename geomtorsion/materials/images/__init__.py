@@ -6,3 +6,8 @@ from geomtorsion.materials.images.phases import LatticePhases
 from geomtorsion.materials.images.spots import Spots
 
 __all__ = ["LatticeBurgers", "LatticeImage", "LatticePhases", "Spots"]
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return [*__all__]

@@ -82,16 +82,16 @@ class Box:
 
     @cached_property
     def volume(self) -> float:
-        """Its volume, coordinates cubed."""
+        """Volume, in coordinate units cubed."""
         return _volume(np.asarray(self.vectors))
 
     @cached_property
     def inverse(self) -> np.ndarray:
-        """Takes coordinates to fractions of the edges: x @ inverse, shape (3, 3)."""
+        """Matrix from coordinates to fractions of the edges: x @ inverse, shape (3, 3)."""
         return np.linalg.inv(self.vectors)
 
     def images(self, steps: np.ndarray | Sequence[Sequence[float]]) -> np.ndarray:
-        """Whole periods to be added to steps so that each is the shortest, shape (k, 3).
+        """Whole periods that make each step the shortest when added, shape (k, 3).
 
         Fractions of the edges are rounded, as in codes for dislocation dynamics: in a very skew box
         another image may be slightly nearer.

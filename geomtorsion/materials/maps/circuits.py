@@ -19,7 +19,7 @@ class Circuit:
     """A closed chain of steps between neighbouring pixels.
 
     starts, ends: row and column of the pixels of each step, shape (k, 2).
-    times: how often the circuit makes each step, shape (k,).
+    times: multiplicity of each step, shape (k,).
     name: of the circuit, for messages and figures.
 
     Raises

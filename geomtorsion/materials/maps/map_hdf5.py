@@ -170,8 +170,11 @@ def read_orix(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
         number = np.where(crystal_map.is_indexed, crystal_map.phase_id + 1, 0)
         steps = float(crystal_map.dx), float(crystal_map.dy)
     except Exception as error:  # noqa: BLE001
-        # orix has readers of several formats, which raise different errors.
+        # orix has readers of several formats, which raise different errors. An AttributeError names
+        # parts of orix: it has no reader for the manufacturer, or a part of the map is missing.
         reason = cut(str(error)) or type(error).__name__
+        if isinstance(error, AttributeError):
+            reason = "it has no reader for this manufacturer, or a part of the map is missing"
         raise FileFormatError(
             f"{path.name}: expected a map of rows and columns, got a file that orix cannot read "
             f"({reason}). Its groups are {cut(', '.join(names)) or 'none'}. Export it as .ctf or "

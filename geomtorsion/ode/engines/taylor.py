@@ -276,7 +276,7 @@ class Taylor:
     Raises
     ------
     ArgumentError
-        Bits that heyoka has no numbers of, or a number of steps that is none.
+        heyoka does not support this precision, or max_steps is not a positive integer.
 
     Examples
     --------

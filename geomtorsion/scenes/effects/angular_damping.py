@@ -15,7 +15,7 @@ from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
 
 @dataclass(frozen=True)
 class AngularDamping(Effect):
-    """A moment against the rotation, in proportion to it.
+    """Damping torque, proportional to the angular velocity and opposite to it.
 
     Equation
     --------
@@ -29,7 +29,7 @@ class AngularDamping(Effect):
     Raises
     ------
     SceneError
-        a coefficient is negative or no number.
+        A coefficient is negative or not a number.
 
     Examples
     --------

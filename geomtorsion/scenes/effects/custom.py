@@ -17,7 +17,7 @@ from geomtorsion.scenes.effects.protocol import Contribution, Effect, Switch, un
 
 @dataclass(frozen=True)
 class Custom(Effect):
-    """An effect of the user's own, in expressions that are read through the whitelist.
+    """User-defined effect, written as expressions, which a restricted parser reads.
 
     Expressions may contain t, Omega1..3, n1..3 (upwards, seen from the body), R11..R23, q0..q3,
     x, y, z, vx, vy, vz, m, I1..3, and the names of `parameters` and `states`.

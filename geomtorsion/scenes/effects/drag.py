@@ -16,7 +16,7 @@ from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
 
 @dataclass(frozen=True)
 class LinearDrag(Effect):
-    """Resistance in proportion to the speed (slow motion in something thick).
+    """Drag proportional to the speed (slow motion in a viscous fluid).
 
     Equation
     --------
@@ -34,7 +34,7 @@ class LinearDrag(Effect):
     Raises
     ------
     SceneError
-        the coefficient is negative or no number, a vector has not three components.
+        The coefficient is negative or not a number, or a vector does not have three components.
 
     Examples
     --------
@@ -63,7 +63,7 @@ class LinearDrag(Effect):
 
 @dataclass(frozen=True)
 class QuadraticDrag(Effect):
-    """Resistance in proportion to the square of the speed (a ball or a stone in air).
+    """Drag proportional to the square of the speed (a ball or a stone in air).
 
     Equation
     --------
@@ -86,7 +86,7 @@ class QuadraticDrag(Effect):
     Raises
     ------
     SceneError
-        a number is negative or none, a vector has not three components.
+        A number is negative or missing, or a vector does not have three components.
 
     Examples
     --------

@@ -13,8 +13,8 @@ from geomtorsion.scenes.effects.protocol import Contribution, Effect
 class Drift(Effect):
     """The centre of mass moves freely by Newton's law: m v' = F in space axes.
 
-    A body that nothing holds drifts in any case; naming it makes a scene that also holds
-    the body (pivot, rolling) an error.
+    A body without a constraint drifts in any case. If a scene names this effect and also holds
+    the body (pivot, rolling), it is an error.
 
     Equation
     --------
@@ -31,5 +31,5 @@ class Drift(Effect):
     excludes: ClassVar[frozenset[str]] = frozenset({"pivot", "rolling", "knife_edge"})
 
     def adds(self, context: Context) -> Contribution:
-        """Nothing beyond the equations that every free body obeys."""
+        """No terms: these are the equations of every free body."""
         return Contribution()

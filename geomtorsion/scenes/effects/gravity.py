@@ -14,7 +14,7 @@ from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
 class Gravity(Effect):
     """Uniform gravity along the negative third space axis.
 
-    A free body falls and its rotation does not notice; a body on a pivot is turned.
+    It does not affect the rotation of a free body; on a body with a pivot it exerts a torque.
 
     Equation
     --------

@@ -37,7 +37,7 @@ class KnifeEdge(Effect):
     Raises
     ------
     SceneError
-        the arm has not three components, the speed is not a number.
+        The arm does not have three components, or the speed is not a number.
 
     Examples
     --------

@@ -17,7 +17,7 @@ from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
 
 @dataclass(frozen=True)
 class Magnet(Effect):
-    """A magnetic moment fixed to the body, in a field that is the same everywhere.
+    """Magnetic dipole fixed to the body, in a uniform field.
 
     Equation
     --------

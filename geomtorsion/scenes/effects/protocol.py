@@ -18,7 +18,7 @@ Switch = tuple[Number, Mapping[str, Number]]
 
 @dataclass(frozen=True)
 class Constraint:
-    """A restriction linear in the velocities: how the body moves, by fewer speeds.
+    """Constraint linear in the velocities: it expresses the motion by fewer speeds.
 
     The equations are projected on the speeds that remain (d'Alembert, Kane), so that forces of
     constraint never appear.
@@ -49,13 +49,13 @@ class Constraint:
 
 @dataclass(frozen=True)
 class Contribution:
-    """What one effect adds to the equations of a body. Whatever is not given is nothing.
+    """Terms that one effect adds to the equations of a body; each is zero by default.
 
     moment: moment about the centre of mass, body axes (N m).
-    force: force at the centre of mass, space axes (N). Where a constraint ties the centre of mass
-        to the rotation, its moment is worked out from it.
+    force: force at the centre of mass, space axes (N). If a constraint ties the centre of mass
+        to the rotation, the torque of the force is computed.
     momentum: internal angular momentum, body axes (N m s), added to I Omega (a rotor); the
-        moments that follow, -Omega x h - h', are worked out.
+        resulting torque, -Omega x h - h', is computed.
     inertia: 3 x 3, added to the body's inertia tensor (kg m^2).
     states, start: states of its own -> rate, and -> value at the start.
     energy: energy stored in it (J): potentials, energy of rotors.
@@ -111,7 +111,7 @@ class Effect:
     wrong: ClassVar[bool] = False
 
     def adds(self, context: Context) -> Contribution:
-        """What it adds to the equations, in the symbols of the context."""
+        """Terms that it adds to the equations, in the symbols of the context."""
         raise NotImplementedError
 
     def called(self, context: Context) -> str:

@@ -22,7 +22,7 @@ class Rolling(Effect):
 
     The axis of a disc is the third body axis; its rim is sharp. The centre of mass is the centre
     of disc or ball; moments of inertia are free (a hoop, a disc, Chaplygin's ball). Its height
-    follows from the attitude: a start may leave the position out, or give that height.
+    follows from the attitude: a start may omit the position, or give that height.
 
     Equation
     --------

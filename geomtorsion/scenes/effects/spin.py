@@ -27,5 +27,5 @@ class Spin(Effect):
     title: ClassVar[str] = "rotation by its own inertia (Euler)"
 
     def adds(self, context: Context) -> Contribution:
-        """Nothing beyond the equations that every body obeys."""
+        """No terms: these are the equations of every body."""
         return Contribution()

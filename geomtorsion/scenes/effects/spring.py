@@ -16,7 +16,7 @@ from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
 
 @dataclass(frozen=True)
 class Spring(Effect):
-    """A linear spring from a point of space to a point of the body.
+    """Linear spring between a fixed point in space and a point of the body.
 
     Equation
     --------
@@ -36,7 +36,7 @@ class Spring(Effect):
     Raises
     ------
     SceneError
-        a number is none or negative, a vector has not three components.
+        A number is missing or negative, or a vector does not have three components.
 
     Examples
     --------

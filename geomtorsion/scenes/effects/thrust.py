@@ -71,7 +71,7 @@ class Thrust(Effect):
 
 @dataclass(frozen=True)
 class BodyMoment(Effect):
-    """A moment fixed to the body: a pair of jets, a motor.
+    """Torque with fixed components in body axes, for example by a pair of jets.
 
     Equation
     --------

@@ -63,7 +63,7 @@ class Torsion(Effect):
 
 @dataclass(frozen=True)
 class Naive(Effect):
-    """The naive law, I Omega' = M: the wrong answer that the paper warns of.
+    """Naive law I Omega' = M: a wrong result that the paper warns of.
 
     Variations that close in the image Phi, which is not a coordinate, give this law. It does not
     conserve the angular momentum in space; it conserves the energy, because the omitted term does
@@ -86,5 +86,5 @@ class Naive(Effect):
     wrong: ClassVar[bool] = True
 
     def adds(self, context: Context) -> Contribution:
-        """Nothing but the word to leave Omega x L out."""
+        """No terms: it removes Omega x L from the equations."""
         return Contribution(naive=True)

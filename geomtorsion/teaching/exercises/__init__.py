@@ -18,3 +18,8 @@ __all__ = [
     "names",
     "titles",
 ]
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return [*__all__]

@@ -41,7 +41,7 @@ def steps(*hints: str) -> tuple[str, ...]:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Exercise:
-    """An exercise in one variant.
+    """One variant of an exercise.
 
     number: "3.2". title, chapter: the exercise and its chapter. level: warm-up, exercise or
     project. seed: the variant; 0 is the variant of the paper. variant: its content. loader:

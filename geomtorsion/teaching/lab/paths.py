@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geomtorsion.outgoing import size_text
-from geomtorsion.pictures.style import SERIES, STROKES, ends, number, visible
+from geomtorsion.pictures.style import SERIES, STROKES, ends, number
 from geomtorsion.pictures.text import greek_name
 from geomtorsion.spaces import solve_pair
 from geomtorsion.teaching.exercises.worker_pool import Json
@@ -164,15 +164,14 @@ def _plane(places: dict[str, np.ndarray], names: Sequence[str], title: str, *, e
 
 
 def _distance(pair: Pair) -> str:
-    """The distance between them over time; on a logarithmic axis if the curves coincide."""
+    """The distance between them over time; beside the accuracy if the curves coincide."""
     times = pair.times[: len(pair.distance)]
     if pair.coincide:
-        figure, axes = plane(
-            "Distance between the curves: zero within the accuracy", ("t", "distance")
-        )
-        axes.plot(times, visible(pair.distance), **DISTANCE.line)
+        figure, axes = plane("The two curves are equal within the accuracy", ("t", "distance"))
+        axes.plot(times, pair.distance, **DISTANCE.line)
         axes.axhline(PAGE.accuracy, **SERIES[5].line, label="requested accuracy")
-        axes.set_yscale("log")
+        largest = max(PAGE.accuracy, float(pair.distance.max()))
+        axes.set_ylim(-0.1 * largest, 1.25 * largest)
         key(figure, axes)
         return svg(figure)
     figure, axes = plane("Distance between the two curves over time", ("t", "distance"))

@@ -107,7 +107,7 @@ def test_a_motion_that_ends_early_ends_with_1(tmp_path, no_pictures):
         (("s2", "--start", "1"), "expected 2 numbers, got 1"),
         (("s2", "--start", "a,b"), "expected a number, got 'a'"),
         (("s2", "--start", "nan,0"), "expected a finite number, got nan"),
-        (("s2", "--start", "0,0"), "which is singular there"),
+        (("s2", "--start", "0,0"), "is singular at the start"),
         (("s2", "--start", "1,__import__('os')"), "expected a number"),
         (("s2", "--velocity", "1,2", "--frame-velocity", "1,2"), "got both. Give one of them"),
         (("s2", "--t", "0"), "t: expected a time other than 0"),

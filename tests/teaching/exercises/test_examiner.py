@@ -77,7 +77,7 @@ def test_a_process_that_dies_costs_one_answer():
     with Examiner() as examiner:
         assert examiner.check("3.2", "cot(phi2)").right
         [worker] = processes(examiner)
-        worker.process.kill()
-        worker.process.wait()
+        worker.process.process.kill()
+        worker.process.process.wait()
         assert examiner.check("3.2", "cot(phi2)").right
     assert not processes(examiner)

@@ -48,8 +48,8 @@ def test_every_exercise_is_there(pages: tuple[Path, ...]):
     assert "Solution" not in text
 
 
-# Page -> a text that says what a page without a server is; texts that are true of the served page
-# only, on no page.
+# Page -> a text about a page without a server. Texts that are true only of the served page are on
+# no page.
 SAYS = {
     "index": "Nothing is computed here.",
     "loops": "Make the radius smaller",

@@ -1,7 +1,8 @@
-"""Integration process: a script in which sympy integrates; its requests are lines of JSON.
+"""Integration: integrals that sympy finds, in a process that can be ended.
 
-An integral may take sympy any time, and nothing ends it but the end of its process. Expressions
-are sent as text, which the reader of all expressions reads.
+An integral may take sympy any time, and nothing ends it but the end of its process. This file is
+also the script of that process: its requests are lines of JSON, with expressions as text, which
+the reader of all expressions reads.
 """
 
 from __future__ import annotations
@@ -32,12 +33,57 @@ _FOUND: Mapping[str, Any] = {
 }
 
 
-def integrated(f: sp.Expr, t: sp.Symbol, low: sp.Expr, high: sp.Expr) -> sp.Expr | None:
+def antiderivative(f: sp.Expr, t: sp.Symbol) -> sp.Expr | None:
+    """An integral of f over t, also with unknown functions; None where no method finds one.
+
+    Examples
+    --------
+    >>> x, y = sp.symbols("x y")
+    >>> F = sp.Function("F")(x, y)
+    >>> antiderivative(2 * F * F.diff(x) + y, x)
+    x*y + F(x, y)**2
+    """
+    total: sp.Expr = sp.S.Zero
+    # What multiplies the highest derivative is integrated over the one below it.
+    while slopes := [d for d in f.atoms(sp.Derivative) if t in d.variables]:
+        highest = max(slopes, key=lambda d: (d.variables.count(t), len(d.variables), str(d)))
+        others = list(highest.variables)
+        others.remove(t)
+        below = highest.expr.diff(*others) if others else highest.expr
+        jets = sorted(f.atoms(sp.Derivative, AppliedUndef) | {below}, key=str)
+        names = {jet: sp.Dummy(f"j{k}") for k, jet in enumerate(jets)}
+        factor = sp.diff(f.xreplace(names), names[highest])
+        if factor.has(names[highest]):
+            return None
+        part = _primitive(factor, names[below])
+        if part is None:
+            return None
+        part = part.xreplace({name: jet for jet, name in names.items()})
+        total, f = total + part, sp.cancel(f - part.diff(t))
+        if f.has(highest):
+            return None
+    unknown = f.atoms(AppliedUndef) | f.atoms(sp.Derivative)
+    if any(t in jet.free_symbols for jet in unknown):
+        return None
+    names = {jet: sp.Dummy(f"j{k}") for k, jet in enumerate(sorted(unknown, key=str))}
+    rest = _primitive(f.xreplace(names), t)
+    return None if rest is None else total + rest.xreplace({x: jet for jet, x in names.items()})
+
+
+def _primitive(f: sp.Expr, t: sp.Symbol) -> sp.Expr | None:
+    """An integral over t of an expression without unknown functions."""
+    if not f.has(t):
+        return f * t
+    return sp.integrate(f, t) if f.is_polynomial(t) else integrated(f, t)
+
+
+def integrated(f: sp.Expr, t: sp.Symbol, *ends: sp.Expr) -> sp.Expr | None:
     """The integral of f over t that sympy finds, from the other process; None where it finds none.
 
-    None also for an expression that is not in our syntax, such as one with unknown functions.
+    ends: from where to where; without them the integral is indefinite. None also for an expression
+    that is not in our syntax, such as one with unknown functions.
     """
-    expressions = (f, low, high)
+    expressions = (f, *ends)
     if any(x.has(AppliedUndef) for x in expressions):
         return None
     # Letters of any kind are names of symbols, and not all are read back.
@@ -68,8 +114,8 @@ def _read(text: str, symbols: Mapping[str, sp.Symbol]) -> sp.Expr:
 def answer(parts: Sequence[str], variable: str, symbols: Mapping[str, Mapping[str, bool]]) -> str:
     """The integral as text, or nothing."""
     table = {name: sp.Symbol(name, **assumptions) for name, assumptions in symbols.items()}
-    f, low, high = (_read(part, table) for part in parts)
-    integral = sp.integrate(f, (table[variable], low, high))
+    f, *ends = (_read(part, table) for part in parts)
+    integral = sp.integrate(f, (table[variable], *ends))
     return "" if integral.has(sp.Integral, sp.nan, sp.zoo, sp.Piecewise) else str(integral)
 
 

@@ -4,7 +4,8 @@ A bound that is too small makes a ball wrong; one that is much too large would l
 pass, so each is compared with its exact value on both sides.
 """
 
-# pyright: reportOptionalMemberAccess=false
+# pyright: reportOptionalMemberAccess=false, reportGeneralTypeIssues=false
+# pyright: reportArgumentType=false
 
 from __future__ import annotations
 
@@ -12,11 +13,12 @@ import math
 
 import pytest
 import sympy as sp
-from flint import arb, arb_mat, fmpq
+from flint import acb, arb, arb_mat, fmpq
 
+from geomtorsion.ode import ODE
 from geomtorsion.precision import ball_precision
 from geomtorsion.proofs import steps
-from geomtorsion.proofs.series import polynomial, taylor, variation
+from geomtorsion.proofs.series import BallSystem, polynomial, taylor, variation
 from geomtorsion.proofs.sets import LohnerSet
 from geomtorsion.proofs.steps import Disk, Method, Stepper, dyadic_below
 from geomtorsion.proofs.wanted import Wanted, around_zero, upper, upper_float
@@ -126,6 +128,43 @@ def test_a_tube_contains_its_widest_motion():
     assert tube.rad() < 5
 
 
+@pytest.mark.parametrize(("radius", "size"), [(0, 3), (0.5, 0), (0.25, 1)])
+def test_the_width_of_a_tube(radius, size):
+    """Starts within rho and a defect M t/R deviate by exp(L t) (rho + M t^2 / (2 R)) at most."""
+    whole, outer = LohnerSet.of([arb(1, radius)]), 2.5
+    search = Stepper(system_of({"x": "x"}), whole, Method(1, 1), 60)
+    bound, (width,) = search._tube(Disk(4.0, (arb(size),), 0.0), outer)
+    truth = arb(outer).exp() * (whole.radii[0] + arb(size) * arb(outer) ** 2 / 8)
+    assert is_least(bound[0, 0], arb(1))
+    assert truth < width < 3 * truth
+
+
+def test_a_tube_bounds_its_jacobian():
+    """x' = x^2: |J| = 2 |x| at the corner of the reach of P and the width of the tube."""
+    search = Stepper(system_of({"x": "x**2"}), LohnerSet.of([arb(1, 0.01)]), Method(8, 4), 60)
+    bound, (width,) = search._tube(search.disk(0.3), 0.2)
+    side = search.reach(0.2)[0][0] + width
+    assert is_least(bound[0, 0], 2 * ((1 + side) ** 2 + side**2).sqrt())
+
+
+def test_the_remainder_grows_with_the_motion():
+    """x' = x: the remainder is exp(t) times the integral of the defect."""
+    search, time = stepper_of({"x": "x"}, [arb(1)]), fmpq(1, 4)
+    disk = search.best_disk(1.0, 1.0)
+    step = search.proved(disk, time)
+    (defect,) = disk.remainder(arb(time), 8)
+    assert is_least(step.remainder[0], arb(time).exp() * defect)
+
+
+def test_a_tube_reaches_as_far_as_its_motion():
+    """x' = x from 1 itself: the tube ends at exp(t), up to a fiftieth of the way."""
+    step = one_step({"x": "x"}, [arb(1)], Method(20, 6), fmpq(1, 4))
+    (tube,) = step.tube
+    way = arb(0.25).exp() - 1
+    assert tube.contains(1 + way)
+    assert tube.rad() < way * 1.02
+
+
 @pytest.mark.parametrize("length", [fmpq(1, 8), fmpq(1, 2)])
 def test_the_remainder_of_a_step(length):
     """x' = x: |x - P| is the rest of the exponential series, below the remainder."""
@@ -137,6 +176,17 @@ def test_the_remainder_of_a_step(length):
     assert step.hull(t)[0].contains(t.exp())
 
 
+@pytest.mark.parametrize("share", [fmpq(1, 2), fmpq(1, 1)])
+def test_the_variation_of_a_step(share):
+    """The radius of V beside its polynomial is growth times the tail of its series."""
+    step = one_step({"x": "x"}, [arb(1)], Method(20, 6, -60), fmpq(3, 2))
+    time, order = arb(fmpq(3, 2) * share), step.variation_order
+    series = sum((time**k / math.factorial(k) for k in range(order + 1)), arb(0))
+    tail = (time / step.outer) ** (order + 1) / (1 - time / step.outer)
+    assert is_least(step.growth[0, 0].upper(), step.outer.exp())
+    assert is_least(arb(upper(step.variation(time)[0, 0] - series)), step.growth[0, 0] * tail)
+
+
 def test_no_step_is_longer_than_its_dyadic_bound():
     """A step is rounded down, by less than 2^-11."""
     for value in (0.1, 1 / 3, 7.9, 2.0**-40 * 1.999):
@@ -146,7 +196,7 @@ def test_no_step_is_longer_than_its_dyadic_bound():
 
 
 def test_the_series_of_the_variation():
-    """V of x'' = -x is the rotation by t: its coefficients are those of cosine and sine."""
+    """V of x'' = -x is the rotation by t: it has the coefficients of cosine and sine."""
     _, slopes = taylor(system_of({"x": "v", "v": "-x"}), [arb(1), arb(0)], 6, 6)
     found = variation(slopes, 2, 6)
     for k, matrix in enumerate(found):
@@ -158,6 +208,27 @@ def test_the_series_of_the_variation():
                 assert matrix[i, j].contains(truth[i][j])
                 assert matrix[i, j].rad() < 1e-25
     assert polynomial([arb(1), arb(2), arb(3)], arb(10)) == 321
+
+
+def test_the_variation_along_a_motion():
+    """x' = x^2 from 1 has V = 1/(1 - t)^2, with the coefficients k + 1."""
+    _, slopes = taylor(system_of({"x": "x**2"}), [arb(1)], 8, 8)
+    for k, matrix in enumerate(variation(slopes, 1, 8)):
+        assert matrix[0, 0].contains(k + 1)
+        assert matrix[0, 0].rad() < 1e-25
+
+
+def test_slopes_and_rates_of_a_system():
+    """They are not finite across a branch point; backwards in time rates have the other sign."""
+    root = system_of({"x": "x**(5/2)"})
+    boxes = acb(arb(1, 0.5), arb(0, 0.5)), acb(arb(0, 0.5), arb(0, 0.5))
+    for function in (root.rates_on, root.slopes_on):
+        assert [function([box])[0].is_finite() for box in boxes] == [True, False]
+    system = ODE.of({"x": "3*x"}, [1]).system
+    signs = [
+        BallSystem.of(system, list, backwards=back).rates_at([arb(2)])[0] for back in (False, True)
+    ]
+    assert signs == [6, -6]
 
 
 def test_the_hull_of_a_set():
@@ -198,6 +269,7 @@ def test_small_bounds():
     third = arb(1) / 3
     assert arb(upper_float(third)) >= third.upper()
     assert upper_float(third) <= 1 / 3 * (1 + 2.0**-50)
+    assert 1.5 <= upper_float(arb(1, 0.5)) <= 1.5 * (1 + 2.0**-29)
     assert upper_float(arb(1) / 0) == math.inf
     assert Wanted.of(15, arb(0), arb(1)).bits == 51
     assert Wanted.of(1, arb(2) ** -100, arb(1)).bits == 104

@@ -1,0 +1,191 @@
+"""Everyday lines, as a user types them, each with its result; and what slips are answered with."""
+
+import importlib
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import geomtorsion as gt
+from geomtorsion import gravity
+from geomtorsion.errors import (
+    ArgumentError,
+    CoordinateError,
+    ExpressionError,
+    SignatureError,
+    StartError,
+    StructureConstantError,
+    UnknownNameError,
+)
+from geomtorsion.pictures import can_draw
+
+SO3 = gt.spaces.load("so3")
+LOOP = gt.Loop.circle([0.3, 1, 0.2], 0.3)
+CURVE = gt.geodesic("flat_polar", [1, 0], [1, 0.5])
+POLAR = gt.Frame("r theta", [["1", "0"], ["0", "r"]])
+HOLE = gt.Frame(
+    "t r theta phi",
+    [["sqrt(1 - 2 M/r)", 0, 0, 0], [0, "1/sqrt(1 - 2 M/r)", 0, 0], [0, 0, "r", 0],
+     [0, 0, 0, "r sin(theta)"]],
+    signature="-+++", parameters="M", domain="r > 2 M, M > 0, 0 < theta < pi",
+)  # fmt: skip
+r = sp.Symbol("r")
+
+LINES = {
+    "a name for a frame": (lambda: gt.cartan("so3").is_flat, True),
+    "a space for a frame": (
+        lambda: str(gt.cartan(SO3).torsion.T[0, 1, 2]),
+        str(gt.cartan(SO3.frame).torsion.T[0, 1, 2]),
+    ),
+    "equal names give tensors that combine": (
+        lambda: (gt.levi_civita("s2").coefficients - gt.levi_civita("s2").coefficients).is_zero,
+        True,
+    ),
+    "Levi-Civita of a name": (lambda: gt.levi_civita("flat_polar").is_flat, True),
+    "Burgers vector of a space": (
+        lambda: list(gt.burgers_vector(SO3, LOOP).vector),
+        list(gt.burgers_vector(SO3.frame, LOOP).vector),
+    ),
+    "exact Burgers vector of a name": (
+        lambda: len(gt.exact_burgers_vector("heisenberg", gt.Loop.circle([0, 0, 0], 1)).vector),
+        3,
+    ),
+    "autoparallel of a space": (
+        lambda: gt.autoparallel(SO3, [0.3, 1, 0.2], frame_velocity=[1, 0, 0]).text,
+        gt.autoparallel(gt.cartan(SO3.frame), [0.3, 1, 0.2], frame_velocity=[1, 0, 0]).text,
+    ),
+    "a space's own connection": (
+        lambda: gt.spaces.load("chaplygin_sleigh").own_connection().allowed,
+        (0, 1),
+    ),
+    "development of a name": (
+        lambda: gt.develop("so3", LOOP).angle,
+        gt.develop(gt.cartan(SO3.frame), LOOP).angle,
+    ),
+    "identities of a name": (lambda: all(x.holds for x in gt.identities("flat_polar")), True),
+    "symmetries of a name": (lambda: gt.symmetries("flat_polar").dimension, 3),
+    "constraints over a name": (
+        lambda: gt.constrained("flat_polar", [0]).allowed,
+        (0,),
+    ),
+    "field equations of a name": (lambda: gravity.equations("frw", "T").frame.dimension, 4),
+    "metric of a frame in text": (lambda: POLAR.metric[1, 1] == sp.Symbol("r") ** 2, True),
+    "a scalar in text": (lambda: POLAR.scalar("2 r")[()] == 2 * sp.Symbol("r"), True),
+    "a vector in text": (lambda: POLAR.vector(["r", "0"])[0] == sp.Symbol("r"), True),
+    "a signature in text": (lambda: [HOLE.eta[k, k] for k in range(4)], [-1, 1, 1, 1]),
+    "a domain in text": (lambda: len(HOLE.domain), 4),
+    "a black hole in text": (lambda: gt.levi_civita(HOLE).curvature.ricci.is_zero, True),
+    "a metric in text": (
+        lambda: gt.Frame.from_metric("r phi", [["1", "0"], ["0", "r^2"]], domain="r>0").shape,
+        "metric",
+    ),
+    "legs in text": (
+        lambda: str(gt.Frame.from_frame("r phi", [["1", "0"], ["0", "1/r"]]).coframe[1, 1]),
+        "r",
+    ),
+    "text beside a symbol": (
+        lambda: gt.Frame([r, "phi"], [[1, 0], [0, "r"]]).metric[1, 1] == r**2,
+        True,
+    ),
+    "structure constants by index": (
+        lambda: gt.Frame.from_structure_constants(
+            {(0, 1, 2): 1, (1, 2, 0): 1, (2, 0, 1): 1}
+        ).anholonomy[0, 1, 2],
+        -1,
+    ),
+    "a start by name": (
+        lambda: gt.geodesic("flat_polar", {"phi": 0, "r": 1}, {"phi": 0.5, "r": 1}).start,
+        CURVE.start,
+    ),
+    "a velocity by name": (
+        lambda: gt.geodesic("flat_polar", {"phi": 0, "r": 1}, {"phi": 0.5, "r": 1}).frame_velocity,
+        CURVE.frame_velocity,
+    ),
+    "frame velocities by name": (
+        lambda: gt.autoparallel("so3", frame_velocity={"u3": 3, "u1": 1, "u2": 2}).frame_velocity,
+        (1, 2, 3),
+    ),
+    "a product without a sign": (
+        lambda: gt.parse_expression("2 r", {"r": r}) == 2 * r,
+        True,
+    ),
+    "hasattr of a slip": (lambda: hasattr(gt, "autoparralel"), False),
+    "field equations in a notebook": (
+        lambda: gravity.equations("frw", "T")._repr_html_().count("<section"),
+        3,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("line", LINES)
+def test_an_everyday_line_gives_what_its_user_expects(line: str) -> None:
+    """Each line runs as typed and gives the result beside it."""
+    call, expected = LINES[line]
+    assert call() == expected
+
+
+SLIPS = [
+    (lambda: gt.cartan("so33"), UnknownNameError, "Near: so3"),
+    (lambda: gt.cartan(3), ArgumentError, "expected a Frame, got 3"),
+    (lambda: gt.burgers_vector(gt.cartan(SO3), LOOP), ArgumentError, "Give connection.frame"),
+    (lambda: gt.autoparallel(SO3.frame, [0, 1, 0]), ArgumentError, r"Give cartan\(frame\) or"),
+    (lambda: gt.Frame("r", [["a r"]]), ExpressionError, "a is neither a coordinate nor a declared"),
+    (lambda: gt.Frame("r", [["r"]], domain="r"), CoordinateError, "expected a comparison"),
+    (lambda: gt.Frame("r", [["r"]], signature="x"), SignatureError, r'"-\+\+\+"'),
+    (lambda: gt.Frame("r", [["1/r sin(r)"]]), ExpressionError, "read in two ways"),
+    (lambda: gt.Frame("r", [["__import__('os')"]]), ExpressionError, "expressions|starts with"),
+    (
+        lambda: gt.Frame.from_structure_constants({(0, 1): 1}),
+        StructureConstantError,
+        "expected three indices",
+    ),
+    (
+        lambda: gt.Frame.from_structure_constants({(0, 1, 10**9): 1}),
+        StructureConstantError,
+        "expected each leg from 0",
+    ),
+    (lambda: gt.geodesic("flat_polar", {"ph": 0, "r": 1}, [1, 0]), StartError, "Did you mean phi"),
+    (lambda: gt.geodesic("flat_polar", {"r": 1}, [1, 0]), StartError, "got none for phi"),
+    (lambda: gt.autoparralel, AttributeError, r"Did you mean autoparallel\?"),
+]
+
+
+@pytest.mark.parametrize(("call", "error", "words"), SLIPS)
+def test_a_slip_is_answered(call, error, words) -> None:
+    """Each slip raises an error that names the remedy."""
+    with pytest.raises(error, match=words):
+        call()
+
+
+PACKAGES = ("pictures", "gravity", "spaces", "scenes", "exercises", "crystals", "images")
+
+
+@pytest.mark.parametrize("name", PACKAGES)
+def test_tab_shows_the_public_names(name: str) -> None:
+    """`dir` of a public package is its __all__, and each name is there."""
+    package = getattr(gt, name)
+    assert dir(package) == sorted(package.__all__)
+    assert importlib.import_module(package.__name__) is package
+    assert all(getattr(package, one) is not None for one in package.__all__)
+
+
+FIGURES = {
+    "Burgers vector": (lambda: gt.burgers_vector(SO3, LOOP), 2),
+    "development": (lambda: gt.develop("so3", LOOP), 2),
+    "solution": (lambda: gt.solve(CURVE, [0.0, 1.0]), 1),
+    "plan": (lambda: SO3.frame.plan("metric"), 1),
+    "map": (
+        lambda: gt.burgers_map(
+            "screw_dislocation", (np.linspace(-1, 1, 4), np.linspace(-1, 1, 4)), parameters={"b": 1}
+        ),
+        1,
+    ),
+}
+
+
+@pytest.mark.skipif(not can_draw(), reason="the extra plots is not installed")
+@pytest.mark.parametrize("what", FIGURES)
+def test_a_result_draws_itself(what: str) -> None:
+    """`.plot()` gives the figure of the package of pictures."""
+    make, least = FIGURES[what]
+    assert len(make().plot().axes) >= least
