@@ -11,9 +11,9 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.curves.atlas import MovingPoint
 from geomtorsion.curves.equations import coordinate_groups
-from geomtorsion.errors import ChartEdgeError, ShapeError, StartError
+from geomtorsion.errors import ChartEdgeError, ShapeError, SingularPointError, StartError
 from geomtorsion.ode.engines import Taylor
-from geomtorsion.ode.error_estimate import alike
+from geomtorsion.ode.error_estimate import UNALIKE, alike
 from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.numbers import Real, floats, multiplied, precision_of
@@ -53,22 +53,27 @@ def gaps(
     """Largest difference and size of each group of coordinates and of the velocities at home.
 
     States of the home chart are compared already: only q' is read off these. Nothing where the home
-    chart does not reach.
+    chart does not reach, nor at samples where it has no value in spite of small errors of the
+    states: angles at an origin are arbitrary, those beyond a pole may differ by a turn.
     """
     if problem.start is None or not count:
         return []
     try:
         here, there = [_read(problem, x, count, doubles=doubles) for x in (one, two)]
-    except ChartEdgeError:
+    except (ChartEdgeError, SingularPointError):
         return []
     (q, v, u), (q2, v2, u2) = here, there
     pairs = [(v, v2)]
     if set(one.labels) != {problem.atlas.home}:
         groups = map(list, coordinate_groups(problem.atlas.chart(problem.atlas.home)))
         pairs += [(u, u2), *((q[:, group], q2[:, group]) for group in groups)]
+    differences = [np.abs(a - alike(a, b)).astype(float).max(axis=1, initial=0) for a, b in pairs]
+    sizes = [float(np.abs(a).astype(float).max(initial=0)) for a, _ in pairs]
+    valued = np.ones(len(v), dtype=bool)
+    for gap, size in zip(differences, sizes, strict=True) if len(pairs) > 1 else ():
+        valued &= ~(gap > UNALIKE * size)
     return [
-        (float(np.abs(a - alike(a, b)).astype(float).max()), float(np.abs(a).astype(float).max()))
-        for a, b in pairs
+        (float(gap[valued].max(initial=0)), x) for gap, x in zip(differences, sizes, strict=True)
     ]
 
 
