@@ -29,7 +29,7 @@ import numpy as np
 from geomtorsion.ode.numbers import floats
 from geomtorsion.ode.system import Engine, columns
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory
-from geomtorsion.precision import EPS, GOLDEN
+from geomtorsion.precision import GOLDEN
 
 # The error is so many times the difference, for the finer run has an error of its own; and that run
 # starts so many units in the last place away, for roundings add up on the way.
@@ -55,11 +55,11 @@ class Comparable(Protocol):
         ...
 
     def read_gaps(
-        self, one: Trajectory, two: Trajectory, count: int, /, *, doubles: bool
-    ) -> list[tuple[float, float]]:
-        """What a reader gets at the first samples: largest differences, each with its size.
+        self, one: Trajectory, two: Trajectory, count: int, accuracy: float, /
+    ) -> list[tuple[np.ndarray, float]]:
+        """What a reader gets at the first samples: differences at each, and the size of all.
 
-        doubles: whether to work them out in doubles.
+        accuracy: the part of a size below which nothing is told apart.
         """
         ...
 
@@ -190,7 +190,8 @@ def difference(
     stopped, or where only the first reached the end. If both were stopped, their last states and
     times are also compared.
 
-    accuracy: not below a rounding of doubles, in which values are computed from the states.
+    accuracy: of values computed from the states, and the distance to an edge of a chart from
+        which they are compared.
     """
     count = min(one.count, two.count)
     stopped = one.outcome == two.outcome == "stopped"
@@ -207,17 +208,31 @@ def difference(
     for pair in _pairs(problem, one, two, stopped):
         worst = max(worst, pair.largest(one))
     if math.isfinite(worst):
-        doubles = accuracy > NOISE * EPS
-        for gap, size in problem.read_gaps(one, two, count, doubles=doubles):
-            worst = max(worst, gap / size if gap else 0.0)
+        worst = max(worst, float(_read_differences(problem, one, two, count, accuracy).max()))
     return worst
 
 
-def difference_over_samples(problem: Comparable, one: Trajectory, two: Trajectory) -> np.ndarray:
+def _read_differences(
+    problem: Comparable, one: Trajectory, two: Trajectory, count: int, accuracy: float
+) -> np.ndarray:
+    """Largest relative difference of what a reader gets at each of the first samples, (count,)."""
+    worst = np.zeros(max(count, 1))
+    for gaps, size in problem.read_gaps(one, two, count, accuracy):
+        worst = np.maximum(worst, gaps / size if gaps.any() else 0.0)
+    return worst
+
+
+def difference_over_samples(
+    problem: Comparable, one: Trajectory, two: Trajectory, accuracy: float = 0.0
+) -> np.ndarray:
     """The same at each sample of the first, shape (m,); not a number where the second ended."""
     differences = np.full(one.count, np.nan)
     for pair in _pairs(problem, one, two, False):
         differences[pair.places] = pair.at_samples()
+    count = min(one.count, two.count)
+    if count:
+        read = _read_differences(problem, one, two, count, accuracy)
+        differences[:count] = np.maximum(differences[:count], read)
     return differences
 
 
