@@ -1,6 +1,7 @@
 """Everyday lines, as a user types them, each with its result; and what slips are answered with."""
 
 import importlib
+import inspect
 
 import numpy as np
 import pytest
@@ -29,6 +30,7 @@ HOLE = gt.Frame(
      [0, 0, 0, "r sin(theta)"]],
     signature="-+++", parameters="M", domain="r > 2 M, M > 0, 0 < theta < pi",
 )  # fmt: skip
+MOTION = gt.solve(CURVE, [0.0, 1.0])
 r = sp.Symbol("r")
 
 LINES = {
@@ -110,6 +112,12 @@ LINES = {
         True,
     ),
     "hasattr of a slip": (lambda: hasattr(gt, "autoparralel"), False),
+    "hasattr of a slip on a frame": (lambda: hasattr(POLAR, "torsion"), False),
+    "hasattr of a name on a frame": (lambda: hasattr(POLAR, "metric"), True),
+    "getattr with a default": (lambda: getattr(LOOP, "curve", 3), 3),
+    "help of a hinted function": (
+        lambda: list(inspect.signature(gt.solve).parameters)[:3], ["problem", "t", "accuracy"]
+    ),
     "field equations in a notebook": (
         lambda: gravity.equations("frw", "T")._repr_html_().count("<section"),
         3,
@@ -147,6 +155,22 @@ SLIPS = [
     (lambda: gt.geodesic("flat_polar", {"ph": 0, "r": 1}, [1, 0]), StartError, "Did you mean phi"),
     (lambda: gt.geodesic("flat_polar", {"r": 1}, [1, 0]), StartError, "got none for phi"),
     (lambda: gt.autoparralel, AttributeError, r"Did you mean autoparallel\?"),
+    (lambda: POLAR.torsion, AttributeError, r"mean gt.cartan\(frame\).torsion\?"),
+    (lambda: POLAR.cofram, AttributeError, r"Did you mean coframe\?"),
+    (lambda: POLAR.quite_another, AttributeError, "no attribute 'quite_another'$"),
+    (lambda: POLAR._private, AttributeError, "no attribute '_private'$"),
+    (lambda: SO3.metric, AttributeError, r"mean space.frame.metric\?"),
+    (lambda: gt.cartan(POLAR).ricci, AttributeError, r"mean connection.curvature.ricci\?"),
+    (lambda: POLAR.metric.simplify, AttributeError, r"mean tensor.to_sympy\(\)\?"),
+    (lambda: POLAR.metric.element_, AttributeError, r"Did you mean element\?"),
+    (lambda: LOOP.curve, AttributeError, r"Did you mean gt.Loop.parametric\?"),
+    (lambda: CURVE.strat, AttributeError, r"Did you mean start\?"),
+    (lambda: MOTION.y, AttributeError, r"mean solution.states\?"),
+    (lambda: gt.solve(CURVE, 1, method="RK45"), ArgumentError, r"mean engine=RungeKutta\(\)\?"),
+    (lambda: gt.solve(CURVE, 1, acuracy=1e-3), ArgumentError, r"Did you mean accuracy\?"),
+    (lambda: gt.geodesic(POLAR, [1, 0], velocty=[1, 0]), ArgumentError, r"mean velocity\?"),
+    (lambda: gt.burgers_vector(SO3, LOOP, tol=1e-8), ArgumentError, "mean accuracy=1e-8"),
+    (lambda: gt.develop("so3", LOOP, conection=1), ArgumentError, r"mean connection\?"),
 ]
 
 

@@ -39,7 +39,7 @@ BELOW_THE_WALL = (
     ("caching", "errors", "outgoing"),
     ("exclusive",),
     ("checks", "copies", "displays", "precision", "progress", "workers"),
-    ("allowance", "conventions", "files"),
+    ("allowance", "conventions", "files", "hints"),
     ("npz",),
     ("hdf5",),
     ("exact",),

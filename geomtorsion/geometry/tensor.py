@@ -22,6 +22,7 @@ from geomtorsion.geometry.components import Components, Index, Symmetry, change_
 from geomtorsion.geometry.index_types import EXCHANGES, KINDS, moved
 from geomtorsion.geometry.notation import ComponentTable, Names, Where
 from geomtorsion.geometry.substitution import Value, Values, approaches, substitution
+from geomtorsion.hints import attribute_hints
 
 if TYPE_CHECKING:
     import numpy as np
@@ -36,6 +37,7 @@ Points = Mapping[str, "Number | ArrayLike"] | Mapping[sp.Expr, "Number | ArrayLi
 Source = Components | Mapping[Index, Scalar] | Callable[[Index], Element]
 
 
+@attribute_hints(simplify="tensor.to_sympy()", components="tensor.nonzero()")
 @exclusive
 @dataclass(frozen=True, eq=False, repr=False)
 class Tensor:

@@ -10,6 +10,7 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import LoopError, MissingValueError
+from geomtorsion.hints import attribute_hints
 from geomtorsion.loops import constructors, validation
 from geomtorsion.loops.arcs import Arc, Number, Parameters, Part, Plane, Point, shown
 from geomtorsion.loops.chains import pairs_of
@@ -22,6 +23,9 @@ if TYPE_CHECKING:
     import sympy as sp
 
 
+@attribute_hints(
+    curve="gt.Loop.parametric", square="gt.Loop.plaquette", rectangle="gt.Loop.plaquette"
+)
 @dataclass(frozen=True, repr=False)
 class Loop:
     """Closed path in coordinates: one part, or several in succession.

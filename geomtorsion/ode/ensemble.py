@@ -15,6 +15,7 @@ from geomtorsion.caching import cached_property
 from geomtorsion.copies import only_fields
 from geomtorsion.displays import drawn_by, figure_by
 from geomtorsion.errors import AccuracyError, GeomtorsionError, StartError, TimeError
+from geomtorsion.hints import argument_hints, attribute_hints
 from geomtorsion.ode.batch import batch_method
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
 from geomtorsion.ode.engines.taylor import is_available
@@ -43,6 +44,7 @@ from geomtorsion.precision import GOLDEN
 from geomtorsion.progress import PATIENCE, bar
 
 
+@attribute_hints(t="ensemble.times")
 @dataclass(frozen=True, eq=False)
 class Ensemble:
     """Many solved motions of one problem.
@@ -169,6 +171,9 @@ class Ensemble:
     plot = figure_by("solutions", "draw_solution")
 
 
+@argument_hints(
+    method="engine=RungeKutta()", rtol="accuracy=1e-8", atol="accuracy=1e-8", tol="accuracy=1e-8"
+)
 def solve_many(
     problem: Any,
     starts: object = None,

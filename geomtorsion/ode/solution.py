@@ -16,6 +16,7 @@ from geomtorsion.codegen.steps import ROUNDINGS
 from geomtorsion.copies import only_fields
 from geomtorsion.displays import drawn_by, figure_by
 from geomtorsion.errors import ArgumentError, ExpressionError, TimeError
+from geomtorsion.hints import attribute_hints
 from geomtorsion.ode.error_estimate import CHANCE, SAFETY, UNALIKE, difference, rounding
 from geomtorsion.ode.moment import Moment, Term
 from geomtorsion.ode.numbers import PARTS, times_between
@@ -148,6 +149,9 @@ class Problem(Protocol):
         ...
 
 
+@attribute_hints(
+    t="solution.times", y="solution.states", sol="solution.at", success="solution.complete"
+)
 @dataclass(frozen=True, eq=False)
 class Solution:
     """A solved motion: of a curve in a space, of a scene, of any first-order equations.

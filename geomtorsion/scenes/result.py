@@ -17,6 +17,7 @@ from geomtorsion.checks import did_you_mean, shown
 from geomtorsion.copies import only_fields
 from geomtorsion.errors import FileFormatError, SceneError, UnknownNameError
 from geomtorsion.files import written
+from geomtorsion.hints import attribute_hints
 from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz, write_npz
 from geomtorsion.ode import Cost, solve
 from geomtorsion.ode.numbers import times_between
@@ -87,6 +88,7 @@ ABOUT = {
 ADVICE = "Write one with SceneResult.save."
 
 
+@attribute_hints()
 @dataclass(frozen=True, eq=False)
 class SceneResult:
     """Solved scene: its outputs over time, with an error estimate.
