@@ -419,15 +419,11 @@ class Tensor:
 
     @property
     def _sympy_(self) -> Callable[[], sp.Expr]:
-        """Hook by which sympy reads a scalar as an expression, and refuses other tensors."""
-        return self._expression
+        """Hook by which sympy reads a scalar as an expression, and other tensors as arrays.
 
-    def _expression(self) -> sp.Expr:
-        """A scalar as an expression."""
-        if self.slots:
-            # Matrices of sympy then leave a comparison to the tensor.
-            raise sp.SympifyError(f"{self.label}, a tensor with indices")
-        return self[()]
+        An array is no expression and no matrix: sympy leaves sums and comparisons to the tensor.
+        """
+        return self.to_sympy
 
     @property
     def _op_priority(self) -> float:
