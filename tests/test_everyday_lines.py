@@ -8,11 +8,12 @@ import pytest
 import sympy as sp
 
 import geomtorsion as gt
-from geomtorsion import gravity
+from geomtorsion import exercises, gravity
 from geomtorsion.errors import (
     ArgumentError,
     CoordinateError,
     ExpressionError,
+    ShapeError,
     SignatureError,
     StartError,
     StructureConstantError,
@@ -30,6 +31,7 @@ HOLE = gt.Frame(
      [0, 0, 0, "r sin(theta)"]],
     signature="-+++", parameters="M", domain="r > 2 M, M > 0, 0 < theta < pi",
 )  # fmt: skip
+SCENE = gt.Scene(gt.Body(moments=(1, 2, 3)), start=gt.State(omega=(1, 0, 0)))
 MOTION = gt.solve(CURVE, [0.0, 1.0])
 r = sp.Symbol("r")
 
@@ -118,6 +120,23 @@ LINES = {
     "help of a hinted function": (
         lambda: list(inspect.signature(gt.solve).parameters)[:3], ["problem", "t", "accuracy"]
     ),
+    "a scene in short": (lambda: repr(SCENE), "Scene(scene: no effects; watched: omega)"),
+    "a body in short": (lambda: repr(SCENE.body), "Body(moments=(1, 2, 3))"),
+    "a state in short": (lambda: repr(SCENE.start), "State(omega=(1, 0, 0))"),
+    "a moment in short": (lambda: repr(MOTION.at(0.0))[:24], "Moment at 0: r = 1, phi "),
+    "a verdict in short": (
+        lambda: repr(exercises.load("3.2", 1).check({"christoffel": "1"})),
+        "Verdict(exercise 3.2: 0 of 1 points; christoffel wrong)",
+    ),
+    "a proof in a notebook": (
+        lambda: gt.prove(gt.burgers_vector(SO3, LOOP))._repr_html_().count("<tr>"), 4
+    ),
+    "a loop in a notebook": (lambda: "circle" in LOOP._repr_html_(), True),
+    "a moment in a notebook": (lambda: MOTION.at(0.0)._repr_html_().count("<tr>"), 5),
+    "a metric as a matrix": (lambda: POLAR.metric._repr_html_().count("<mtr>"), 2),
+    "a torsion is no matrix": (
+        lambda: gt.cartan(POLAR).torsion.S._repr_html_().count("<mtr>"), 0
+    ),
     "field equations in a notebook": (
         lambda: gravity.equations("frw", "T")._repr_html_().count("<section"),
         3,
@@ -154,6 +173,7 @@ SLIPS = [
     ),
     (lambda: gt.geodesic("flat_polar", {"ph": 0, "r": 1}, [1, 0]), StartError, "Did you mean phi"),
     (lambda: gt.geodesic("flat_polar", {"r": 1}, [1, 0]), StartError, "got none for phi"),
+    (lambda: LOOP.plot(names=["x"]), ShapeError, "expected 3, one for each coordinate, got 1"),
     (lambda: gt.autoparralel, AttributeError, r"Did you mean autoparallel\?"),
     (lambda: POLAR.torsion, AttributeError, r"mean gt.cartan\(frame\).torsion\?"),
     (lambda: POLAR.cofram, AttributeError, r"Did you mean coframe\?"),
@@ -197,6 +217,7 @@ FIGURES = {
     "Burgers vector": (lambda: gt.burgers_vector(SO3, LOOP), 2),
     "development": (lambda: gt.develop("so3", LOOP), 2),
     "solution": (lambda: gt.solve(CURVE, [0.0, 1.0]), 1),
+    "loop": (lambda: LOOP, 1),
     "plan": (lambda: SO3.frame.plan("metric"), 1),
     "map": (
         lambda: gt.burgers_map(

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.displays import drawn_by, figure_by
 from geomtorsion.errors import LoopError, MissingValueError
 from geomtorsion.hints import attribute_hints
 from geomtorsion.loops import constructors, validation
@@ -51,6 +52,9 @@ class Loop:
         turns = [f", {part.times} times" if part.times != 1 else "" for part in self.parts]
         every = "; ".join(map("".join, zip(places, turns, strict=True)))
         return f"Loop {self.name!r} at {every}"
+
+    _repr_html_ = drawn_by("notebook_pictures", "loop_html")
+    plot = figure_by("loops", "draw_loop")
 
     # -- constructors ---------------------------------------------------------------------------
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.curve_files import curve_pictures
     from geomtorsion.pictures.development import draw_development
     from geomtorsion.pictures.gaps import draw_gap
-    from geomtorsion.pictures.loops import draw_closure, draw_map
+    from geomtorsion.pictures.loops import draw_closure, draw_loop, draw_map
     from geomtorsion.pictures.measured import draw_circuits, draw_survey
     from geomtorsion.pictures.network import draw_dislocations, draw_lines, draw_network
     from geomtorsion.pictures.notebook_pictures import draw_plan
@@ -38,6 +38,7 @@ _HOMES = {
     "draw_dislocations": "network",
     "draw_gap": "gaps",
     "draw_lines": "network",
+    "draw_loop": "loops",
     "draw_loop_costs": "costs",
     "draw_map": "loops",
     "draw_network": "network",
@@ -58,6 +59,7 @@ __all__ = [
     "draw_dislocations",
     "draw_gap",
     "draw_lines",
+    "draw_loop",
     "draw_loop_costs",
     "draw_map",
     "draw_network",

@@ -356,6 +356,9 @@ class Scene:
         acting = ", ".join(self.keyed) or "no effects"
         return f"{self.title or self.name or 'scene'}: {acting}; watched: {', '.join(self.watch)}"
 
+    def __repr__(self) -> str:
+        return f"Scene({self})"
+
 
 def _names(watch: Any) -> tuple[str, ...]:
     """Names of what to report, each once."""

@@ -251,6 +251,10 @@ class Verdict:
         points = f"<p>{self.points_text}</p>"
         return f"<div><table>{head}{rows}</table>{points}{notes}</div>"
 
+    def __repr__(self) -> str:
+        states = ", ".join(f"{one.name} {one.state}" for one in self.questions)
+        return f"Verdict(exercise {self.number}: {self.points_text}; {states})"
+
     def __str__(self) -> str:
         lines = []
         for question in self.questions:
