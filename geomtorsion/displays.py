@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import MISSING, fields
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -54,6 +54,11 @@ def figure_by(module: str, function: str) -> Callable[..., Figure]:
 
     plot.__doc__ = f"Draw it as a matplotlib figure: `geomtorsion.pictures.{module}.{function}`."
     return plot
+
+
+def key_completions(self: Mapping[str, object]) -> list[str]:
+    """Names that a notebook offers after `solution[`."""
+    return list(self.keys())
 
 
 def values_text(values: object) -> str:

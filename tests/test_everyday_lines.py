@@ -2,6 +2,7 @@
 
 import importlib
 import inspect
+import sys
 
 import numpy as np
 import pytest
@@ -13,6 +14,8 @@ from geomtorsion.errors import (
     ArgumentError,
     CoordinateError,
     ExpressionError,
+    MissingExtraError,
+    MissingValueError,
     ShapeError,
     SignatureError,
     StartError,
@@ -137,6 +140,11 @@ LINES = {
     "a torsion is no matrix": (
         lambda: gt.cartan(POLAR).torsion.S._repr_html_().count("<mtr>"), 0
     ),
+    "keys after a bracket": (lambda: list(MOTION._ipython_key_completions_()), list(MOTION)),
+    "keys of a moment": (lambda: MOTION.at(0)._ipython_key_completions_()[:2], ["r", "phi"]),
+    "keys of a verdict": (
+        lambda: exercises.load("3.2", 1).check({})._ipython_key_completions_(), ["christoffel"]
+    ),
     "field equations in a notebook": (
         lambda: gravity.equations("frw", "T")._repr_html_().count("<section"),
         3,
@@ -174,6 +182,12 @@ SLIPS = [
     (lambda: gt.geodesic("flat_polar", {"ph": 0, "r": 1}, [1, 0]), StartError, "Did you mean phi"),
     (lambda: gt.geodesic("flat_polar", {"r": 1}, [1, 0]), StartError, "got none for phi"),
     (lambda: LOOP.plot(names=["x"]), ShapeError, "expected 3, one for each coordinate, got 1"),
+    (
+        lambda: gt.cartan(POLAR).torsion.S.plot(at={}),
+        ShapeError,
+        "expected a tensor with two indices",
+    ),
+    (lambda: POLAR.metric.plot(at={}), MissingValueError, "r"),
     (lambda: gt.autoparralel, AttributeError, r"Did you mean autoparallel\?"),
     (lambda: POLAR.torsion, AttributeError, r"mean gt.cartan\(frame\).torsion\?"),
     (lambda: POLAR.cofram, AttributeError, r"Did you mean coframe\?"),
@@ -218,6 +232,7 @@ FIGURES = {
     "development": (lambda: gt.develop("so3", LOOP), 2),
     "solution": (lambda: gt.solve(CURVE, [0.0, 1.0]), 1),
     "loop": (lambda: LOOP, 1),
+    "constant tensor": (lambda: POLAR.eta, 1),
     "plan": (lambda: SO3.frame.plan("metric"), 1),
     "map": (
         lambda: gt.burgers_map(
@@ -234,3 +249,28 @@ def test_a_result_draws_itself(what: str) -> None:
     """`.plot()` gives the figure of the package of pictures."""
     make, least = FIGURES[what]
     assert len(make().plot().axes) >= least
+
+
+@pytest.mark.skipif(not can_draw(), reason="the extra plots is not installed")
+def test_a_tensor_draws_its_components() -> None:
+    """A figure of a metric shows the numbers at the point, row by row."""
+    axes = POLAR.metric.plot(at={"r": 3}).axes[0]
+    assert [text.get_text() for text in axes.texts] == ["1", "0", "0", "9"]
+    assert [text.get_text() for text in axes.get_xticklabels()] == ["$r$", "$\\theta$"]
+
+
+def test_a_motion_goes_to_xarray() -> None:
+    """`to_xarray` has the columns of `to_pandas` along the time, and the error."""
+    pytest.importorskip("xarray")
+    data = MOTION.to_xarray()
+    assert data["r"].dims == ("t",)
+    assert data["r"].values.tolist() == MOTION["r"].tolist()
+    assert float(data["phi"].sel(t=1.0)) == MOTION["phi"][-1]
+    assert data.attrs["error"] == MOTION.error
+
+
+def test_without_xarray_a_line_says_what_to_install(monkeypatch) -> None:
+    """`to_xarray` names the library that is missing."""
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    with pytest.raises(MissingExtraError, match="to_xarray needs xarray"):
+        MOTION.to_xarray()

@@ -9,7 +9,7 @@ import numpy as np
 
 from geomtorsion.checks import near_names, shown
 from geomtorsion.copies import content_hash, equal_content
-from geomtorsion.displays import drawn_by, values_text
+from geomtorsion.displays import drawn_by, key_completions, values_text
 from geomtorsion.errors import UnknownNameError
 
 
@@ -38,6 +38,7 @@ class Moment(Mapping[str, np.ndarray]):
         return f"Moment at {values_text(self.time)}: {parts}"
 
     _repr_html_ = drawn_by("notebook_pictures", "moment_html")
+    _ipython_key_completions_ = key_completions
 
     def __getitem__(self, name: str) -> np.ndarray:
         if isinstance(name, str) and name in self.values:

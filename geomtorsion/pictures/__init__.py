@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.report import write_report
     from geomtorsion.pictures.solutions import draw_solution
     from geomtorsion.pictures.style import can_draw, save
+    from geomtorsion.pictures.tensors import draw_tensor
 
 # Imported on first use: printing a formula needs neither loops nor motions.
 _HOMES = {
@@ -45,6 +46,7 @@ _HOMES = {
     "draw_plan": "notebook_pictures",
     "draw_solution": "solutions",
     "draw_survey": "measured",
+    "draw_tensor": "tensors",
     "save": "style",
     "work_precision_picture": "costs",
     "write_report": "report",
@@ -66,6 +68,7 @@ __all__ = [
     "draw_plan",
     "draw_solution",
     "draw_survey",
+    "draw_tensor",
     "save",
     "work_precision_picture",
     "write_report",

@@ -285,6 +285,9 @@ class SceneResult:
 
     # -- taking it elsewhere ---------------------------------------------------------------------
 
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self.values)
+
     def to_pandas(self) -> pandas.DataFrame:
         """A pandas table: times, then each component of the outputs.
 

@@ -240,6 +240,9 @@ class Verdict:
         table = {question.name: question for question in self.questions}
         return table[known_name(name, table, f"exercise {self.number}", UnknownNameError)]
 
+    def _ipython_key_completions_(self) -> list[str]:
+        return [question.name for question in self.questions]
+
     def _repr_html_(self) -> str:
         rows = "".join(
             f"<tr><td>{escape(one.name)}</td><td>{escape(one.state)}</td>"
