@@ -14,6 +14,7 @@ from geomtorsion.errors import (
     ArgumentError,
     CoordinateError,
     ExpressionError,
+    LoopError,
     MissingExtraError,
     MissingValueError,
     ShapeError,
@@ -25,7 +26,8 @@ from geomtorsion.errors import (
 from geomtorsion.pictures import can_draw
 
 SO3 = gt.spaces.load("so3")
-LOOP = gt.Loop.circle([0.3, 1, 0.2], 0.3)
+PLACE = [0.3, 1, 0.2]
+LOOP = gt.Loop.circle(PLACE, 0.3)
 CURVE = gt.geodesic("flat_polar", [1, 0], [1, 0.5])
 POLAR = gt.Frame("r theta", [["1", "0"], ["0", "r"]])
 HOLE = gt.Frame(
@@ -140,6 +142,16 @@ LINES = {
     "a torsion is no matrix": (
         lambda: gt.cartan(POLAR).torsion.S._repr_html_().count("<mtr>"), 0
     ),
+    "a plane by names": (
+        lambda: list(gt.burgers_vectors(SO3, [PLACE], 0.1, plane=("phi1", "phi2")).vectors[0]),
+        list(gt.burgers_vectors(SO3, [PLACE], 0.1, plane=(0, 1)).vectors[0]),
+    ),
+    "a plane of a map by names": (
+        lambda: list(
+            gt.burgers_map("flat_polar", ([1, 2, 3], [0, 1]), plane=("phi", "r")).plane[0]
+        ),
+        [0, 1],
+    ),
     "keys after a bracket": (lambda: list(MOTION._ipython_key_completions_()), list(MOTION)),
     "keys of a moment": (lambda: MOTION.at(0)._ipython_key_completions_()[:2], ["r", "phi"]),
     "keys of a verdict": (
@@ -188,6 +200,12 @@ SLIPS = [
         "expected a tensor with two indices",
     ),
     (lambda: POLAR.metric.plot(at={}), MissingValueError, "r"),
+    (lambda: gt.Loop.circle([0, 0], 1, ("r", "phi")), LoopError, "count them from 0"),
+    (
+        lambda: gt.burgers_vectors(SO3, [PLACE], 0.1, plane=("phi1", "phi4")),
+        LoopError,
+        "'phi4' is not known. Did you mean phi",
+    ),
     (lambda: gt.autoparralel, AttributeError, r"Did you mean autoparallel\?"),
     (lambda: POLAR.torsion, AttributeError, r"mean gt.cartan\(frame\).torsion\?"),
     (lambda: POLAR.cofram, AttributeError, r"Did you mean coframe\?"),

@@ -46,7 +46,7 @@ def draw_tensor(tensor: Tensor, at: Mapping[str | sympy.Symbol, float] | None = 
     figure = new_figure(5.2, 4.6)
     axes = figure.add_subplot()
     reach = float(np.abs(values).max()) or 1.0
-    image = axes.imshow(values.real, cmap="RdBu_r", vmin=-reach, vmax=reach)
+    image = axes.imshow(np.real(values), cmap="RdBu_r", vmin=-reach, vmax=reach)
     names = [f"${latex(symbol)}$" for symbol in tensor.frame.coordinates]
     legs = [str(k + 1) for k in range(tensor.frame.dimension)]
     down, across = (names if slot in "du" else legs for slot in tensor.slots)
