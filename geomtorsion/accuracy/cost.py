@@ -313,7 +313,9 @@ class Truth:
 
     def error(self, solution: Solution) -> float:
         """Largest error of a solution, each group of states against its own size."""
-        return difference(self.problem, solution.trajectory, self.trajectory)
+        return difference(
+            self.problem, solution.trajectory, self.trajectory, solution.accuracy
+        )
 
 
 def truth_of(problem: CurveProblem | ODE, grid: np.ndarray, exact: States | None = None) -> Truth:

@@ -229,6 +229,17 @@ class Chart:
         speeds = self.frame_vectors.applied(point, column)
         return self._edge_slopes.applied(point, speeds)[:, 0]
 
+    def edge_distances(
+        self, point: Mapping[str, Real | np.ndarray], changes: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """All edges at many points, and how far changes of coordinates, shape (n, m), move them."""
+        values = self._edge_graph.numpy()(*(point[name] for name in self._edge_graph.arguments))
+        reach = np.zeros((len(self.edges), changes.shape[1]))
+        slopes = self._edge_slopes
+        for (k, mu), slope in zip(slopes.entries, slopes.values(point), strict=True):
+            reach[k] += np.abs(slope) * changes[mu]
+        return np.broadcast_to(values, reach.shape), reach
+
     def distance(self, point: Mapping[str, float]) -> float:
         """The edge at a point in units of its margin; infinite where there is none."""
         if self.edge is None or not self.margin:

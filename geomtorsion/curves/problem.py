@@ -540,16 +540,16 @@ class CurveProblem:
         return readout.moment(self, times, pieces, shape, bits)
 
     def read_gaps(
-        self, one: Trajectory, two: Trajectory, count: int, *, doubles: bool
-    ) -> list[tuple[float, float]]:
-        """Differences of coordinates and velocities in the home chart, each with its size."""
-        return readout.gaps(self, one, two, count, doubles=doubles)
+        self, one: Trajectory, two: Trajectory, count: int, accuracy: float
+    ) -> list[tuple[np.ndarray, float]]:
+        """Differences of coordinates and velocities at home at each sample, each with its size."""
+        return readout.gaps(self, one, two, count, accuracy)
 
     def member_gaps(
-        self, members: Members, one: Rows, two: Rows
+        self, members: Members, one: Rows, two: Rows, accuracy: float
     ) -> list[tuple[np.ndarray, np.ndarray]]:
         """Pairs of values read at home of two runs of members, each (number, m, n)."""
-        return readout.member_gaps(self, members, one, two)
+        return readout.member_gaps(self, members, one, two, accuracy)
 
     def together(self, name: str) -> tuple[str, ...]:
         """Coordinates, velocities or carried components that are measured together with one."""

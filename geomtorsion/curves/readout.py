@@ -13,12 +13,12 @@ from geomtorsion.curves.atlas import MovingPoint
 from geomtorsion.curves.equations import coordinate_groups
 from geomtorsion.errors import ChartEdgeError, ShapeError, StartError
 from geomtorsion.ode.engines import Taylor
-from geomtorsion.ode.error_estimate import alike
+from geomtorsion.ode.error_estimate import NOISE, alike
 from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.numbers import Real, floats, multiplied, precision_of
 from geomtorsion.ode.trajectory import Segment, Trajectory
-from geomtorsion.precision import working_precision
+from geomtorsion.precision import EPS, working_precision
 
 if TYPE_CHECKING:
     from geomtorsion.curves.problem import CurveProblem
@@ -48,28 +48,29 @@ def moment(
 
 
 def gaps(
-    problem: CurveProblem, one: Trajectory, two: Trajectory, count: int, *, doubles: bool
-) -> list[tuple[float, float]]:
-    """Largest difference and size of each group of coordinates and of the velocities at home.
+    problem: CurveProblem, one: Trajectory, two: Trajectory, count: int, accuracy: float
+) -> list[tuple[np.ndarray, float]]:
+    """Differences at each sample, and size, of groups of coordinates and the velocities at home.
 
     States of the home chart are compared already: only q' is read off these. Nothing where the home
-    chart does not reach.
+    chart does not reach, or where its edge is not told from the place.
     """
     if problem.start is None or not count:
         return []
     try:
-        here, there = [_read(problem, x, count, doubles=doubles) for x in (one, two)]
+        here, there = [_read(problem, x, count, doubles=accuracy > NOISE * EPS) for x in (one, two)]
     except ChartEdgeError:
         return []
     (q, v, u), (q2, v2, u2) = here, there
     pairs = [(v, v2)]
     if set(one.labels) != {problem.atlas.home}:
-        groups = map(list, coordinate_groups(problem.atlas.chart(problem.atlas.home)))
-        pairs += [(u, u2), *((q[:, group], q2[:, group]) for group in groups)]
-    return [
-        (float(np.abs(a - alike(a, b)).astype(float).max()), float(np.abs(a).astype(float).max()))
-        for a, b in pairs
-    ]
+        pairs += [(u, u2), *_coordinate_pairs(problem, q, q2)]
+    inside = ~_at_edge(problem, q, accuracy)
+    differences = []
+    for a, b in pairs:
+        gap, size = (np.abs(x).astype(float).max(axis=1) for x in (a - alike(a, b), a))
+        differences.append((np.where(inside, gap, 0.0), float(size[inside].max(initial=0.0))))
+    return differences
 
 
 def _read(
@@ -83,6 +84,43 @@ def _read(
         if x.count
     ]
     return [np.concatenate(values)[:count] for values in zip(*parts, strict=True)]
+
+
+def _coordinate_pairs(
+    problem: CurveProblem, one: np.ndarray, two: np.ndarray
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Coordinates at home of the same places in two runs, by groups.
+
+    Angles that another chart gives are turned to the nearest of the first run: where they are cut,
+    half a turn from the start, either side is right.
+    """
+    atlas, two = problem.atlas, alike(one, two).copy()
+    routes = [atlas.route(name, atlas.home) for name in problem.charts]
+    for k in sorted({k for route in routes if route for k in route[-1].angles}):
+        turns = np.round((two[..., k] - one[..., k]).astype(float) / (2 * np.pi))
+        if np.any(turns):
+            _turn_back(two, k, turns)
+    groups = map(list, coordinate_groups(atlas.chart(atlas.home)))
+    return [(one[..., group], two[..., group]) for group in groups]
+
+
+def _at_edge(problem: CurveProblem, q: np.ndarray, accuracy: float) -> np.ndarray:
+    """Which places are no further from an edge of the home chart than the accuracy.
+
+    Coordinates and frame vectors have no definite values there, such as the angle at the origin.
+    q: shape (..., n). Distances are in coordinates, each in units of its largest value.
+    """
+    chart = problem.atlas.chart(problem.atlas.home)
+    rows = np.asarray(q).reshape(-1, q.shape[-1]).astype(float)
+    if not chart.edges:
+        return np.zeros(q.shape[:-1], dtype=bool)
+    numbers = {key: float(value) for key, value in problem.parameters.items()}
+    place = dict(zip(chart.names, rows.T, strict=True)) | numbers
+    with np.errstate(all="ignore"):
+        sizes = np.broadcast_to(np.abs(rows).max(axis=0, initial=0.0), rows.shape)
+        left, reach = chart.edge_distances(place, accuracy * sizes.T)
+        near = ~(np.abs(left) > reach)
+    return near.any(axis=0).reshape(q.shape[:-1])
 
 
 def places(
@@ -160,10 +198,13 @@ def converted(
         q, u = np.asarray(q, dtype=float), np.asarray(u, dtype=float)
     if bits > 53 or not problem.atlas.same_frame(source, target):
         numbers = problem.parameters
-        points = [
-            problem.atlas.moved(source, target, MovingPoint(list(a), list(b), []), numbers, bits)
-            for a, b in zip(q, u, strict=True)
-        ]
+        points = []
+        for a, b in zip(q, u, strict=True):
+            point = MovingPoint(list(a), list(b), [])
+            try:
+                points.append(problem.atlas.moved(source, target, point, numbers, bits))
+            except (ChartEdgeError, ArithmeticError):
+                raise _not_covered(a, source, target) from None
         there = _long_rows([point.coordinates for point in points], bits)
         turned = _long_rows([point.velocities for point in points], bits)
     else:
@@ -171,12 +212,17 @@ def converted(
     finite = np.isfinite(there.astype(float))
     if not finite.all():
         bad = int(np.argmin(finite.all(axis=1)))
-        place = ", ".join(f"{float(x):.6g}" for x in q[bad])
-        raise ChartEdgeError(
-            f"the motion passes ({place}) in chart {source!r}, which chart {target!r} does not "
-            f"cover. Use solution.in_chart({source!r})."
-        )
+        raise _not_covered(q[bad], source, target)
     return _turned(problem, source, target, there), turned
+
+
+def _not_covered(place: np.ndarray, source: str, target: str) -> ChartEdgeError:
+    """The error for a place that a chart does not reach."""
+    numbers = ", ".join(f"{float(x):.6g}" for x in place)
+    return ChartEdgeError(
+        f"the motion passes ({numbers}) in chart {source!r}, which chart {target!r} does not "
+        f"cover. Use solution.in_chart({source!r})."
+    )
 
 
 def _turned(problem: CurveProblem, source: str, target: str, q: np.ndarray) -> np.ndarray:
@@ -205,11 +251,11 @@ def _turn_back(q: np.ndarray, k: int, turns: np.ndarray) -> None:
     """Subtract whole turns from column k of points, in their precision."""
     bits = precision_of(q)
     if bits == 53:
-        q[:, k] -= 2 * np.pi * turns
+        q[..., k] -= 2 * np.pi * turns
         return
     with working_precision(2 * bits):
         shifts = [2 * mpmath.pi * int(turn) for turn in turns]
-    q[:, k] -= Taylor(bits).array(shifts)
+    q[..., k] -= Taylor(bits).array(shifts)
 
 
 def _long_rows(rows: Sequence[Sequence[Real]], bits: int) -> np.ndarray:
@@ -342,11 +388,11 @@ def read_members(
 
 
 def member_gaps(
-    problem: CurveProblem, members: Members, one: Rows, two: Rows
+    problem: CurveProblem, members: Members, one: Rows, two: Rows, accuracy: float
 ) -> list[tuple[np.ndarray, np.ndarray]]:
     """Pairs of coordinates (by groups) and of velocities at home, each (number, m, n).
 
-    Nothing where the members are at home: these are their states.
+    Nothing where the members are at home: these are their states. Zeros at edges: see `gaps`.
     """
     home = problem.atlas.home
     if members.label in (home, ""):
@@ -356,10 +402,10 @@ def member_gaps(
         here, there = (read_members(problem, members, rows, times) for rows in (one, two))
     except ChartEdgeError:
         return []
-    groups = coordinate_groups(problem.atlas.chart(home))
-    pairs = [(here["frame_velocity"], there["frame_velocity"])]
-    q, p = here["coordinates"], there["coordinates"]
-    return pairs + [(q[..., list(group)], p[..., list(group)]) for group in groups]
+    q, q2 = here["coordinates"], there["coordinates"]
+    pairs = [(here["frame_velocity"], there["frame_velocity"]), *_coordinate_pairs(problem, q, q2)]
+    inside = ~np.array([_at_edge(problem, rows, accuracy) for rows in q])[..., None]
+    return [(np.where(inside, a, 0.0), np.where(inside, b, 0.0)) for a, b in pairs]
 
 
 def start_lists(

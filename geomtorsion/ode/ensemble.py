@@ -476,7 +476,9 @@ class _Job:
             for group in self.members.groups
         ]
         pairs += self.problem.member_gaps(
-            self.members.of(index), *(Rows(x.states, both, {}) for x in (answer, reference))
+            self.members.of(index),
+            *(Rows(x.states, both, {}) for x in (answer, reference)),
+            self.accuracy,
         )
         with np.errstate(all="ignore"):
             for one, two in pairs:

@@ -7,8 +7,8 @@ Roundings of two runs in doubles may agree by chance. Where they may be much of 
 state of the finer run is also changed on the way, in 64 places, by as much as the roundings of the
 answer's steps add up to: a motion that amplifies errors amplifies these changes as well. Such a
 difference is a random number, and may be small by chance: the error is twenty times as large. If
-that misses the accuracy, a second run with other changes shows by its difference from the first
-how much roundings are.
+that is not far below the accuracy, a second run with other changes shows by its difference from the
+first how much roundings are.
 
 No step of the finer run is longer than a hundredth of the way: a long step sees nothing of rates
 that change further ahead.
@@ -29,7 +29,7 @@ import numpy as np
 from geomtorsion.ode.numbers import floats
 from geomtorsion.ode.system import Engine, columns
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory
-from geomtorsion.precision import EPS, GOLDEN
+from geomtorsion.precision import GOLDEN
 
 # The error is so many times the difference, for the finer run has an error of its own; and that run
 # starts so many units in the last place away, for roundings add up on the way.
@@ -55,11 +55,11 @@ class Comparable(Protocol):
         ...
 
     def read_gaps(
-        self, one: Trajectory, two: Trajectory, count: int, /, *, doubles: bool
-    ) -> list[tuple[float, float]]:
-        """What a reader gets at the first samples: largest differences, each with its size.
+        self, one: Trajectory, two: Trajectory, count: int, accuracy: float, /
+    ) -> list[tuple[np.ndarray, float]]:
+        """What a reader gets at the first samples: differences at each, and the size of all.
 
-        doubles: whether to work them out in doubles.
+        accuracy: the part of a size below which nothing is told apart.
         """
         ...
 
@@ -118,7 +118,7 @@ def verified(
         error = SAFETY * gap
         if error <= accuracy and roundings_matter(engine, answer.steps, tolerance):
             error = CHANCE * gap
-            if error > accuracy:
+            if error > AIM * accuracy:
                 second = run(engine, finer, answer, 2)
                 runs.append(second)
                 other = difference(problem, answer, second, accuracy)
@@ -190,7 +190,8 @@ def difference(
     stopped, or where only the first reached the end. If both were stopped, their last states and
     times are also compared.
 
-    accuracy: not below a rounding of doubles, in which values are computed from the states.
+    accuracy: of values computed from the states, and the distance to an edge of a chart from
+        which they are compared.
     """
     count = min(one.count, two.count)
     stopped = one.outcome == two.outcome == "stopped"
@@ -207,17 +208,31 @@ def difference(
     for pair in _pairs(problem, one, two, stopped):
         worst = max(worst, pair.largest(one))
     if math.isfinite(worst):
-        doubles = accuracy > NOISE * EPS
-        for gap, size in problem.read_gaps(one, two, count, doubles=doubles):
-            worst = max(worst, gap / size if gap else 0.0)
+        worst = max(worst, float(_read_differences(problem, one, two, count, accuracy).max()))
     return worst
 
 
-def difference_over_samples(problem: Comparable, one: Trajectory, two: Trajectory) -> np.ndarray:
+def _read_differences(
+    problem: Comparable, one: Trajectory, two: Trajectory, count: int, accuracy: float
+) -> np.ndarray:
+    """Largest relative difference of what a reader gets at each of the first samples, (count,)."""
+    worst = np.zeros(max(count, 1))
+    for gaps, size in problem.read_gaps(one, two, count, accuracy):
+        worst = np.maximum(worst, gaps / size if gaps.any() else 0.0)
+    return worst
+
+
+def difference_over_samples(
+    problem: Comparable, one: Trajectory, two: Trajectory, accuracy: float = 0.0
+) -> np.ndarray:
     """The same at each sample of the first, shape (m,); not a number where the second ended."""
     differences = np.full(one.count, np.nan)
     for pair in _pairs(problem, one, two, False):
         differences[pair.places] = pair.at_samples()
+    count = min(one.count, two.count)
+    if count:
+        read = _read_differences(problem, one, two, count, accuracy)
+        differences[:count] = np.maximum(differences[:count], read)
     return differences
 
 

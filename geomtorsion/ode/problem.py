@@ -395,7 +395,7 @@ class ODE:
         """States of a segment, normalized groups rescaled to length one."""
         return self.unit_rows(states[:, : self.size])
 
-    def read_gaps(self, *_trajectories: object, doubles: bool) -> list[tuple[float, float]]:
+    def read_gaps(self, *_trajectories: object) -> list[tuple[np.ndarray, float]]:
         """Nothing but states is read at the samples, apart from outputs."""
         return []
 

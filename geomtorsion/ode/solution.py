@@ -99,9 +99,9 @@ class Problem(Protocol):
         ...
 
     def read_gaps(
-        self, one: Trajectory, two: Trajectory, count: int, /, *, doubles: bool
-    ) -> list[tuple[float, float]]:
-        """What a reader gets at the first samples: largest differences, each with its size."""
+        self, one: Trajectory, two: Trajectory, count: int, accuracy: float, /
+    ) -> list[tuple[np.ndarray, float]]:
+        """What a reader gets at the first samples: differences at each, and the size of all."""
         ...
 
     def together(self, name: str) -> tuple[str, ...]:
@@ -162,7 +162,9 @@ class Solution:
     accuracy: the requested accuracy, relative to the size of the solution.
     error: estimate of the largest error at `times`, each group of states (coordinates, frame
         velocities, ...) against its own largest size; a group that is zero except for rounding
-        against the sum of the terms of its rates. Quantities derived from the states, such as
+        against the sum of the terms of its rates. Coordinates and velocities do not count at places
+        no further from the edge of their chart than the accuracy, where they have no definite
+        values (the angle at the origin). Quantities derived from the states, such as
         velocities in coordinates or outputs, may have a smaller or larger error: see `error_of`; so
         may be what `at` gives between the times: see `error_between`.
     engine, reason: what solved it, and why that was chosen.
@@ -505,7 +507,9 @@ class Solution:
         count = -(-PARTS // (len(knots) - 1))
         parts = (np.arange(count) + SHIFT) / count
         times = (knots[:-1, None] + parts * np.diff(knots)[:, None]).ravel()
-        gap = difference(self.problem, _sampled(one, times), _sampled(two, times))
+        gap = difference(
+            self.problem, _sampled(one, times), _sampled(two, times), self.accuracy
+        )
         return max(self.error, self.safety * gap)
 
     def __str__(self) -> str:

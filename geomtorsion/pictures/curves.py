@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geomtorsion.errors import LimitError
-from geomtorsion.ode.error_estimate import SAFETY, difference_over_samples
+from geomtorsion.ode.error_estimate import difference_over_samples
 from geomtorsion.pictures.sphere import curve_on, globe, numbered, space_axes, towards
 from geomtorsion.pictures.style import (
     FLAT,
@@ -55,8 +55,10 @@ def error_over_time(solution: Solution) -> np.ndarray | None:
     """
     if solution.reference is None:
         return None
-    differences = difference_over_samples(solution.problem, solution.trajectory, solution.reference)
-    return SAFETY * differences[len(differences) - len(solution.times) :]
+    differences = difference_over_samples(
+        solution.problem, solution.trajectory, solution.reference, solution.accuracy
+    )
+    return solution.safety * differences[len(differences) - len(solution.times) :]
 
 
 # Position of a panel (rows, columns, number), and curves by name.
