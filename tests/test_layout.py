@@ -37,8 +37,8 @@ ROOT = TESTS.parent
 BELOW_THE_WALL = (
     ("caching", "errors", "outgoing"),
     ("exclusive",),
-    ("checks", "copies", "displays", "precision", "progress", "workers"),
-    ("allowance", "conventions", "files", "hints"),
+    ("checks", "copies", "precision", "progress", "workers"),
+    ("allowance", "conventions", "displays", "files", "hints"),
     ("npz",),
     ("hdf5",),
     ("exact",),
