@@ -48,6 +48,9 @@ class Limits:
         self._end = self._next = float("inf")
         self._before = 0
 
+    def __repr__(self) -> str:
+        return f"Limits(seconds={self.seconds}, megabytes={self.megabytes})"
+
     def __enter__(self) -> Limits:
         """Start to count."""
         now, before = time.monotonic(), resident()

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, fields
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import sympy as sp
 
+from geomtorsion.checks import cut
 from geomtorsion.outgoing import latex_formula
 
 if TYPE_CHECKING:
@@ -51,6 +54,45 @@ def figure_by(module: str, function: str) -> Callable[..., Figure]:
 
     plot.__doc__ = f"Draw it as a matplotlib figure: `geomtorsion.pictures.{module}.{function}`."
     return plot
+
+
+def key_completions(self: Mapping[str, object]) -> list[str]:
+    """Names that a notebook offers after `solution[`."""
+    return list(self.keys())
+
+
+def values_text(values: object) -> str:
+    """Numbers in one line with six digits; a long array is shortened.
+
+    Examples
+    --------
+    >>> values_text(1 / 3), values_text([1.0, 2.5])
+    ('0.333333', '[1, 2.5]')
+    """
+    array = np.asarray(values)
+    text = np.array2string(
+        array, separator=", ", threshold=8, edgeitems=2, formatter={"float": lambda x: f"{x:.6g}"}
+    )
+    return " ".join(text.split())
+
+
+def short_repr(self: Any) -> str:
+    """The type of a dataclass and its fields that are not at their defaults; arrays as shapes.
+
+    Examples
+    --------
+    >>> from geomtorsion.scenes import State
+    >>> short_repr(State(omega=(0, 0, 1)))
+    'State(omega=(0, 0, 1))'
+    """
+    parts = []
+    for one in fields(self):
+        value = getattr(self, one.name)
+        if not one.repr or value is None or (one.default is not MISSING and value is one.default):
+            continue
+        array = isinstance(value, np.ndarray)
+        parts.append(f"{one.name}={f'array{value.shape}' if array else cut(repr(value))}")
+    return f"{type(self).__name__}({', '.join(parts)})"
 
 
 def latex_of(value: object) -> str:

@@ -34,6 +34,9 @@ SCENE = scenes.Scene(
 )
 RESULT = SCENE.run(gt.RungeKutta())
 GRID = gt.SampledFrame([np.arange(9.0), np.arange(9.0)], np.ones((1, 2, 9, 9)))
+_CUBE = [np.arange(9.0)] * 3
+BLOCK = gt.SampledFrame(_CUBE, np.broadcast_to(np.eye(3)[:, :, None, None, None], (3, 3, 9, 9, 9)))
+SLOPES = gt.SampledFrame(_CUBE, np.zeros((3, 3, 9, 9, 9)))
 _POINTS = np.random.default_rng(0).uniform(-1, 1, (60, 2))
 SCATTERED = gt.ScatteredFrame.from_coframe(
     _POINTS, np.ones((1, 2, 60)), mask=np.hypot(*_POINTS.T) < 0.3
@@ -134,6 +137,14 @@ def public_functions() -> list[Case]:
         _public("DependencyGraph", frame=PLANE, name="ricci"),
         _public("blend", first=CARTAN, second=RIEMANN, share=sp.Rational(1, 2)),
         _public("cartan", frame=PLANE),
+        _public("constrained", space=PLANE, allowed=[0], parameters="c"),
+        _public(
+            "embedded", coordinates=[X, Y], rows=[[1, 0], [0, 1], [2 * X, 0]], signature=(1, 1, 1),
+            parameters=[], domain=[X > 0], name="parabolic",
+        ),
+        _public("diffusion", connection=CARTAN),
+        _public("defect_densities", strain=BLOCK, bend=SLOPES),
+        _public("defect_conservation", dislocation=SLOPES, disclination=SLOPES),
         _public("limits", seconds=1.0, megabytes=100.0),
         _public("levi_civita", frame=PLANE),
         _public("identities", connection=CARTAN),
@@ -613,5 +624,5 @@ RESULTS = frozenset(
     "EquationsOfMotion ExactBurgersVector IdentityCheck LogMap NodeRule SavedSolution SceneCost "
     "SceneResult Solution StateSelection Variation Atlas Chart CurveProblem DislocationNetwork "
     "Engine LatticeBurgers LatticePhases Certainty Proof Linearization KerrOrbit "
-    "Frequencies Surface Symmetries".split()
+    "Frequencies Surface Symmetries Diffusion Integrability ParallelVolume".split()
 )

@@ -1,17 +1,23 @@
 """Everyday lines, as a user types them, each with its result; and what slips are answered with."""
 
 import importlib
+import inspect
+import sys
 
 import numpy as np
 import pytest
 import sympy as sp
 
 import geomtorsion as gt
-from geomtorsion import gravity
+from geomtorsion import exercises, gravity
 from geomtorsion.errors import (
     ArgumentError,
     CoordinateError,
     ExpressionError,
+    LoopError,
+    MissingExtraError,
+    MissingValueError,
+    ShapeError,
     SignatureError,
     StartError,
     StructureConstantError,
@@ -20,7 +26,8 @@ from geomtorsion.errors import (
 from geomtorsion.pictures import can_draw
 
 SO3 = gt.spaces.load("so3")
-LOOP = gt.Loop.circle([0.3, 1, 0.2], 0.3)
+PLACE = [0.3, 1, 0.2]
+LOOP = gt.Loop.circle(PLACE, 0.3)
 CURVE = gt.geodesic("flat_polar", [1, 0], [1, 0.5])
 POLAR = gt.Frame("r theta", [["1", "0"], ["0", "r"]])
 HOLE = gt.Frame(
@@ -29,6 +36,8 @@ HOLE = gt.Frame(
      [0, 0, 0, "r sin(theta)"]],
     signature="-+++", parameters="M", domain="r > 2 M, M > 0, 0 < theta < pi",
 )  # fmt: skip
+SCENE = gt.Scene(gt.Body(moments=(1, 2, 3)), start=gt.State(omega=(1, 0, 0)))
+MOTION = gt.solve(CURVE, [0.0, 1.0])
 r = sp.Symbol("r")
 
 LINES = {
@@ -110,6 +119,44 @@ LINES = {
         True,
     ),
     "hasattr of a slip": (lambda: hasattr(gt, "autoparralel"), False),
+    "hasattr of a slip on a frame": (lambda: hasattr(POLAR, "torsion"), False),
+    "hasattr of a name on a frame": (lambda: hasattr(POLAR, "metric"), True),
+    "getattr with a default": (lambda: getattr(LOOP, "curve", 3), 3),
+    "help of a hinted function": (
+        lambda: list(inspect.signature(gt.solve).parameters)[:3], ["problem", "t", "accuracy"]
+    ),
+    "a scene in short": (lambda: repr(SCENE), "Scene(scene: no effects; watched: omega)"),
+    "a body in short": (lambda: repr(SCENE.body), "Body(moments=(1, 2, 3))"),
+    "a state in short": (lambda: repr(SCENE.start), "State(omega=(1, 0, 0))"),
+    "a moment in short": (lambda: repr(MOTION.at(0.0))[:24], "Moment at 0: r = 1, phi "),
+    "a verdict in short": (
+        lambda: repr(exercises.load("3.2", 1).check({"christoffel": "1"})),
+        "Verdict(exercise 3.2: 0 of 1 points; christoffel wrong)",
+    ),
+    "a proof in a notebook": (
+        lambda: gt.prove(gt.burgers_vector(SO3, LOOP))._repr_html_().count("<tr>"), 4
+    ),
+    "a loop in a notebook": (lambda: "circle" in LOOP._repr_html_(), True),
+    "a moment in a notebook": (lambda: MOTION.at(0.0)._repr_html_().count("<tr>"), 5),
+    "a metric as a matrix": (lambda: POLAR.metric._repr_html_().count("<mtr>"), 2),
+    "a torsion is no matrix": (
+        lambda: gt.cartan(POLAR).torsion.S._repr_html_().count("<mtr>"), 0
+    ),
+    "a plane by names": (
+        lambda: list(gt.burgers_vectors(SO3, [PLACE], 0.1, plane=("phi1", "phi2")).vectors[0]),
+        list(gt.burgers_vectors(SO3, [PLACE], 0.1, plane=(0, 1)).vectors[0]),
+    ),
+    "a plane of a map by names": (
+        lambda: list(
+            gt.burgers_map("flat_polar", ([1, 2, 3], [0, 1]), plane=("phi", "r")).plane[0]
+        ),
+        [0, 1],
+    ),
+    "keys after a bracket": (lambda: list(MOTION._ipython_key_completions_()), list(MOTION)),
+    "keys of a moment": (lambda: MOTION.at(0)._ipython_key_completions_()[:2], ["r", "phi"]),
+    "keys of a verdict": (
+        lambda: exercises.load("3.2", 1).check({})._ipython_key_completions_(), ["christoffel"]
+    ),
     "field equations in a notebook": (
         lambda: gravity.equations("frw", "T")._repr_html_().count("<section"),
         3,
@@ -146,7 +193,36 @@ SLIPS = [
     ),
     (lambda: gt.geodesic("flat_polar", {"ph": 0, "r": 1}, [1, 0]), StartError, "Did you mean phi"),
     (lambda: gt.geodesic("flat_polar", {"r": 1}, [1, 0]), StartError, "got none for phi"),
+    (lambda: LOOP.plot(names=["x"]), ShapeError, "expected 3, one for each coordinate, got 1"),
+    (
+        lambda: gt.cartan(POLAR).torsion.S.plot(at={}),
+        ShapeError,
+        "expected a tensor with two indices",
+    ),
+    (lambda: POLAR.metric.plot(at={}), MissingValueError, "r"),
+    (lambda: gt.Loop.circle([0, 0], 1, ("r", "phi")), LoopError, "count them from 0"),
+    (
+        lambda: gt.burgers_vectors(SO3, [PLACE], 0.1, plane=("phi1", "phi4")),
+        LoopError,
+        "'phi4' is not known. Did you mean phi",
+    ),
     (lambda: gt.autoparralel, AttributeError, r"Did you mean autoparallel\?"),
+    (lambda: POLAR.torsion, AttributeError, r"mean gt.cartan\(frame\).torsion\?"),
+    (lambda: POLAR.cofram, AttributeError, r"Did you mean coframe\?"),
+    (lambda: POLAR.quite_another, AttributeError, "no attribute 'quite_another'$"),
+    (lambda: POLAR._private, AttributeError, "no attribute '_private'$"),
+    (lambda: SO3.metric, AttributeError, r"mean space.frame.metric\?"),
+    (lambda: gt.cartan(POLAR).ricci, AttributeError, r"mean connection.curvature.ricci\?"),
+    (lambda: POLAR.metric.simplify, AttributeError, r"mean tensor.to_sympy\(\)\?"),
+    (lambda: POLAR.metric.element_, AttributeError, r"Did you mean element\?"),
+    (lambda: LOOP.curve, AttributeError, r"Did you mean gt.Loop.parametric\?"),
+    (lambda: CURVE.strat, AttributeError, r"Did you mean start\?"),
+    (lambda: MOTION.y, AttributeError, r"mean solution.states\?"),
+    (lambda: gt.solve(CURVE, 1, method="RK45"), ArgumentError, r"mean engine=RungeKutta\(\)\?"),
+    (lambda: gt.solve(CURVE, 1, acuracy=1e-3), ArgumentError, r"Did you mean accuracy\?"),
+    (lambda: gt.geodesic(POLAR, [1, 0], velocty=[1, 0]), ArgumentError, r"mean velocity\?"),
+    (lambda: gt.burgers_vector(SO3, LOOP, tol=1e-8), ArgumentError, "mean accuracy=1e-8"),
+    (lambda: gt.develop("so3", LOOP, conection=1), ArgumentError, r"mean connection\?"),
 ]
 
 
@@ -173,6 +249,8 @@ FIGURES = {
     "Burgers vector": (lambda: gt.burgers_vector(SO3, LOOP), 2),
     "development": (lambda: gt.develop("so3", LOOP), 2),
     "solution": (lambda: gt.solve(CURVE, [0.0, 1.0]), 1),
+    "loop": (lambda: LOOP, 1),
+    "constant tensor": (lambda: POLAR.eta, 1),
     "plan": (lambda: SO3.frame.plan("metric"), 1),
     "map": (
         lambda: gt.burgers_map(
@@ -189,3 +267,28 @@ def test_a_result_draws_itself(what: str) -> None:
     """`.plot()` gives the figure of the package of pictures."""
     make, least = FIGURES[what]
     assert len(make().plot().axes) >= least
+
+
+@pytest.mark.skipif(not can_draw(), reason="the extra plots is not installed")
+def test_a_tensor_draws_its_components() -> None:
+    """A figure of a metric shows the numbers at the point, row by row."""
+    axes = POLAR.metric.plot(at={"r": 3}).axes[0]
+    assert [text.get_text() for text in axes.texts] == ["1", "0", "0", "9"]
+    assert [text.get_text() for text in axes.get_xticklabels()] == ["$r$", "$\\theta$"]
+
+
+def test_a_motion_goes_to_xarray() -> None:
+    """`to_xarray` has the columns of `to_pandas` along the time, and the error."""
+    pytest.importorskip("xarray")
+    data = MOTION.to_xarray()
+    assert data["r"].dims == ("t",)
+    assert data["r"].values.tolist() == MOTION["r"].tolist()
+    assert float(data["phi"].sel(t=1.0)) == MOTION["phi"][-1]
+    assert data.attrs["error"] == MOTION.error
+
+
+def test_without_xarray_a_line_says_what_to_install(monkeypatch) -> None:
+    """`to_xarray` names the library that is missing."""
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    with pytest.raises(MissingExtraError, match="to_xarray needs xarray"):
+        MOTION.to_xarray()

@@ -173,7 +173,8 @@ TRUE = [
     "F.metric == [[1, 0, 0], [0, r**2, 0], [0, 0, r**2*sp.sin(theta)**2]]",
     "F.metric != sp.eye(3)", "F.metric != sp.eye(2)", "F.metric != [[1], [2, 3]]",
     "F.metric != 'metric'", "F.metric != None", "F.metric.__eq__(object()) is NotImplemented",
-    "bool(F.scalar(r))", "not F.scalar(sp.sin(r)**2 + sp.cos(r)**2 - 1)",
+    "F.metric != r", "r != F.metric", "S not in [r, 0]", "bool(F.scalar(r))",
+    "not F.scalar(sp.sin(r)**2 + sp.cos(r)**2 - 1)",
     "F.coframe_form(0) - F.coframe_form(0) == 0", "F.coframe_form(0) != 0",
     "F.coframe_form(0) != 'dr'", "gt.Form(F, 0, {(): r}) == r",
     # indices
@@ -223,6 +224,7 @@ REFUSED = [
     ("S[-4, 0, 0]", TensorIndexError, "whole number from -3 to 2"),
     ("S[0, 0, 0, 0]", TensorIndexError, "up to 3 indices"),
     ("S['x', 0, 0]", TensorIndexError, "'x'"),
+    ("S[np.array([0, 1]), 0]", TensorIndexError, "expected up to 3 indices"),
     ("S[1.0, 0, 0]", TensorIndexError, "1.0"),
     ("S[True, 0, 0]", TensorIndexError, "True"),
     ("S['r':]", TensorIndexError, "or a slice"),

@@ -4,10 +4,12 @@ import ast
 import csv
 import io
 import json
+import re
 import warnings
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
+from types import FunctionType
 from typing import Any
 
 import click
@@ -201,6 +203,14 @@ def test_everything_public_is_tried():
     assert not missing, f"give canary_cases a call that works: {missing}"
     effects = {f"effects.{effect.__name__}" for effect in scenes.effects.EFFECTS}
     assert effects <= {case.name for case in CASES}
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_no_object_shows_its_address(case):
+    """What a public call returns prints without the address of an object."""
+    result = case.call(**case.arguments)
+    if not isinstance(result, FunctionType):
+        assert not re.search("0x[0-9a-f]{6}", f"{result!r} {result}")
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)

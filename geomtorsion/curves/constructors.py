@@ -41,10 +41,12 @@ from geomtorsion.geometry.connections import (
     frame_of,
 )
 from geomtorsion.geometry.derived import derived
+from geomtorsion.hints import argument_hints
 from geomtorsion.ode.numbers import Numbers, Real, checked_numbers, floats
 from geomtorsion.precision import CALCULATED
 
 
+@argument_hints(q0="start", v0="velocity", x0="start")
 def autoparallel(
     connection: ConnectionLike,
     start: Numbers | Mapping[Any, Real] | None = None,
@@ -141,6 +143,7 @@ def autoparallel(
     return problem
 
 
+@argument_hints(q0="start", v0="velocity", x0="start")
 def geodesic(
     space: FrameLike | Connection,
     start: Numbers | Mapping[Any, Real] | None = None,

@@ -42,6 +42,7 @@ from geomtorsion.errors import (
 from geomtorsion.geometry.domain_edges import Edge
 from geomtorsion.geometry.evaluation import sign_of
 from geomtorsion.geometry.relations import broken_relations
+from geomtorsion.hints import attribute_hints
 from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment, Term
@@ -64,6 +65,7 @@ if TYPE_CHECKING:
     from geomtorsion.ode.system import System
 
 
+@attribute_hints(solve="gt.solve(problem, times)")
 @dataclass(frozen=True, eq=False)
 class CurveProblem:
     """Curve to solve for: law, frame and start; made by `geodesic`, `autoparallel`, ...

@@ -152,7 +152,7 @@ def equals(tensor: Tensor, other: object) -> bool:
         exact = checks.fraction(other)
         if not tensor.slots:
             return equal(tensor, tensor.frame.scalar(other if exact is None else exact, "t", ""))
-        return vanishes(tensor) if exact == 0 else NotImplemented
+        return vanishes(tensor) if exact == 0 else False
     listed = checks.rows(other)
     if not tensor.slots or not isinstance(listed, list | tuple):
         return NotImplemented

@@ -32,6 +32,7 @@ from geomtorsion.geometry.notation import ComponentTable, Names, Where
 from geomtorsion.geometry.parts import nonmetricity_parts
 from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.tensor import Tensor
+from geomtorsion.hints import attribute_hints
 
 if TYPE_CHECKING:
     from numpy.typing import DTypeLike
@@ -44,6 +45,13 @@ if TYPE_CHECKING:
 HALF = Fraction(1, 2)
 
 
+@attribute_hints(
+    ricci="connection.curvature.ricci",
+    riemann="connection.curvature.riemann",
+    T="connection.torsion.T",
+    S="connection.torsion.S",
+    metric="connection.frame.metric",
+)
 @exclusive
 @dataclass(frozen=True, eq=False, repr=False)
 class Connection:

@@ -27,6 +27,7 @@ from geomtorsion.geometry.parts import curvature_parts
 from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.geometry.torsion import scalar_of
+from geomtorsion.hints import attribute_hints
 
 if TYPE_CHECKING:
     from geomtorsion.geometry.connection import Connection
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
 HALF = Fraction(1, 2)
 
 
+@attribute_hints(tensor="curvature.riemann")
 @exclusive
 @dataclass(frozen=True, repr=False)
 class Curvature:

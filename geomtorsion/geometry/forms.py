@@ -27,6 +27,7 @@ from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.homes import at_home
 from geomtorsion.geometry.lie_derivative import lie, vector
 from geomtorsion.geometry.tensor import Scalar, Tensor
+from geomtorsion.hints import attribute_hints
 
 if TYPE_CHECKING:
     from geomtorsion.geometry.connection import Connection
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 Source = Mapping[Index, Scalar] | Mapping[int, Scalar] | Callable[[Index], Element]
 
 
+@attribute_hints()
 @exclusive
 @dataclass(frozen=True, eq=False, repr=False)
 class Form:

@@ -29,6 +29,7 @@ from geomtorsion.geometry.components import Components, alternating, inverse, sy
 from geomtorsion.geometry.from_arrays import tensor_from_array
 from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.tensor import Scalar, Tensor
+from geomtorsion.hints import attribute_hints
 
 if TYPE_CHECKING:
     from geomtorsion.geometry.forms import Form
@@ -38,6 +39,16 @@ Elements = dict[tuple[int, int], Element]
 Plain = tuple[str, validation.Matrix] | tuple[Callable[..., "Frame"], tuple[object, ...]]
 
 
+@attribute_hints(
+    torsion="gt.cartan(frame).torsion",
+    curvature="gt.levi_civita(frame).curvature",
+    ricci="gt.levi_civita(frame).curvature.ricci",
+    riemann="gt.levi_civita(frame).curvature.riemann",
+    connection="gt.cartan(frame)",
+    christoffel="gt.levi_civita(frame)",
+    tetrad="frame.coframe",
+    vielbein="frame.coframe",
+)
 @exclusive
 @dataclass(frozen=True, eq=False, repr=False, init=False)
 class Frame:

@@ -28,11 +28,12 @@ def chosen(tensor: Tensor, index: One | tuple[One, ...]) -> Any:
     """One component as an expression, or an array of those that slices choose."""
     items = index if isinstance(index, tuple) else (index,)
     rank, n = len(tensor.slots), tensor.frame.dimension
-    if Ellipsis in items:
-        place = items.index(Ellipsis)
+    gaps = [k for k, item in enumerate(items) if item is Ellipsis]
+    if gaps:
+        place = gaps[0]
         missing = rank - len(items) + 1
         items = (*items[:place], *[slice(None)] * missing, *items[place + 1 :])
-    if len(items) > rank or Ellipsis in items:
+    if len(items) > rank or len(gaps) > 1:
         raise _refused(tensor, index)
     axes: list[int | range] = []
     for slot, item in zip(tensor.slots, items, strict=False):

@@ -11,7 +11,7 @@ import sympy as sp
 
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
-from geomtorsion.displays import drawn_by
+from geomtorsion.displays import drawn_by, figure_by
 from geomtorsion.errors import ArgumentError, TensorIndexError
 from geomtorsion.exact import Certainty, Element
 from geomtorsion.exact.element import least_certain
@@ -22,6 +22,7 @@ from geomtorsion.geometry.components import Components, Index, Symmetry, change_
 from geomtorsion.geometry.index_types import EXCHANGES, KINDS, moved
 from geomtorsion.geometry.notation import ComponentTable, Names, Where
 from geomtorsion.geometry.substitution import Value, Values, approaches, substitution
+from geomtorsion.hints import attribute_hints
 
 if TYPE_CHECKING:
     import numpy as np
@@ -36,6 +37,7 @@ Points = Mapping[str, "Number | ArrayLike"] | Mapping[sp.Expr, "Number | ArrayLi
 Source = Components | Mapping[Index, Scalar] | Callable[[Index], Element]
 
 
+@attribute_hints(simplify="tensor.to_sympy()", components="tensor.nonzero()")
 @exclusive
 @dataclass(frozen=True, eq=False, repr=False)
 class Tensor:
@@ -417,15 +419,11 @@ class Tensor:
 
     @property
     def _sympy_(self) -> Callable[[], sp.Expr]:
-        """Hook by which sympy reads a scalar as an expression, and refuses other tensors."""
-        return self._expression
+        """Hook by which sympy reads a scalar as an expression, and other tensors as arrays.
 
-    def _expression(self) -> sp.Expr:
-        """A scalar as an expression."""
-        if self.slots:
-            # Matrices of sympy then leave a comparison to the tensor.
-            raise sp.SympifyError(f"{self.label}, a tensor with indices")
-        return self[()]
+        An array is no expression and no matrix: sympy leaves sums and comparisons to the tensor.
+        """
+        return self.to_sympy
 
     @property
     def _op_priority(self) -> float:
@@ -611,5 +609,6 @@ class Tensor:
         return notation.latex(self)
 
     _repr_html_ = drawn_by("notebook_tables", "tensor_html")
+    plot = figure_by("tensors", "draw_tensor")
     # A hook of sympy, which would mistake this class for a sympy tensor by its name.
     _latex, _pretty, _sympystr = notation.sympy_latex, notation.sympy_pretty, notation.sympy_text

@@ -17,6 +17,7 @@ from geomtorsion.geometry.from_arrays import tensor_from_array
 from geomtorsion.geometry.parts import torsion_parts
 from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.tensor import Scalar, Tensor
+from geomtorsion.hints import attribute_hints
 
 if TYPE_CHECKING:
     from geomtorsion.geometry.connection import Connection
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 HALF, THIRD, QUARTER = Fraction(1, 2), Fraction(1, 3), Fraction(1, 4)
 
 
+@attribute_hints(tensor="torsion.T")
 @exclusive
 @dataclass(frozen=True, repr=False)
 class Torsion:

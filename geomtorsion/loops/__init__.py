@@ -26,7 +26,7 @@ from geomtorsion.loops.exact_circle import exact_circle
 from geomtorsion.loops.exact_integral import ExactBurgersVector, exact_burgers_vector
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.frame_vector import VectorSum
-from geomtorsion.loops.hodograph import Hodograph, hodograph
+from geomtorsion.loops.hodograph import Hodograph, hodograph, outline
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.maps import BurgersMap, burgers_map, burgers_vectors
 from geomtorsion.loops.network import Network
@@ -83,6 +83,7 @@ __all__ = [
     "hodograph",
     "integrals",
     "loop_files",
+    "outline",
     "parallel_dislocations",
     "parallel_edges",
     "parallel_screws",

@@ -20,7 +20,7 @@ Vector = tuple[float, ...]
 # values by the names of parameters or by their symbols.
 Number = int | float | complex | Fraction | sp.Basic
 Point = Sequence[Number] | np.ndarray
-Plane = Sequence[int] | Sequence[Point] | np.ndarray
+Plane = Sequence[int] | Sequence[str] | Sequence[Point] | np.ndarray
 Parameters = Mapping[str, Number] | Mapping[sp.Symbol, Number] | Mapping[sp.Basic, Number]
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.errors import ArgumentError
 from geomtorsion.geometry.connections import FrameLike, as_frame
+from geomtorsion.hints import argument_hints
 from geomtorsion.loops.arcs import Parameters, Part
 from geomtorsion.loops.defects import lines_alone
 from geomtorsion.loops.domain import refuse_outside
@@ -66,6 +67,7 @@ def burgers_vector(
 ) -> ExactBurgersVector: ...
 
 
+@argument_hints(tol="accuracy=1e-8", rtol="accuracy=1e-8", values="parameters={name: number}")
 def burgers_vector(
     frame: FrameLike | HasBurgers[object],
     loop: Loop,

@@ -12,6 +12,7 @@ from geomtorsion.displays import drawn_by, figure_by
 from geomtorsion.errors import ArgumentError
 from geomtorsion.geometry import Connection
 from geomtorsion.geometry.connections import ConnectionLike, as_connection
+from geomtorsion.hints import argument_hints, attribute_hints
 from geomtorsion.loops.affine_form import AffineForm, around_cone, line_rate
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Number, Parameters, Part
@@ -129,6 +130,7 @@ class RouteCheck:
     text: str
 
 
+@attribute_hints()
 @dataclass(frozen=True, eq=False, repr=False)
 class Development:
     """Closure failure of a developed loop: translation and rotation in the frame at the base.
@@ -201,6 +203,7 @@ class Development:
         )
 
 
+@argument_hints(tol="accuracy=1e-8", rtol="accuracy=1e-8")
 def develop(
     connection: ConnectionLike,
     loop: Loop,

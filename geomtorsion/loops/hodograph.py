@@ -8,6 +8,7 @@ import numpy as np
 
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.integrals import line_at
+from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.quadrature import kronrod_rule
 from geomtorsion.loops.result import BurgersVector
 
@@ -33,6 +34,25 @@ class Hodograph:
     magnified: float
 
 
+def outline(loop: Loop, points: int = 360) -> tuple[np.ndarray, float, str]:
+    """Offsets of a loop from its centre, shape (n, k), the size of one loop in them, and the unit.
+
+    Loops that are tiny or huge count in their own size, which is then the unit, as text.
+    """
+    stretches = list(loop.arcs())
+    each = max(2, points // len(stretches))
+    path = []
+    for part, arc, backwards in stretches:
+        shift = (np.array(part.centre) - np.array(loop.centre)) / loop.size
+        ends, _ = arc.shape(np.arange(each + 1) / each)
+        offsets = shift[:, None] + part.size / loop.size * ends
+        path.append(offsets[:, ::-1] if backwards else offsets)
+    way = np.concatenate([path[0][:, :1], *(piece[:, 1:] for piece in path)], axis=1)
+    plain = 1e-3 <= loop.size <= 1e3
+    size = loop.size if plain else 1.0
+    return way * size, size, "" if plain else f"{loop.size:.3g}"
+
+
 def hodograph(b: BurgersVector, points: int = 360, shown: float = 0.25) -> Hodograph:
     """The image of a loop in the frame, with its gap enlarged where it could not be seen.
 
@@ -41,7 +61,7 @@ def hodograph(b: BurgersVector, points: int = 360, shown: float = 0.25) -> Hodog
     loop, compiled = b.loop, forms(b.frame, b.parameters)
     stretches = list(loop.arcs())
     each = max(2, points // len(stretches))
-    path, steps, linear = [], [], []
+    steps, linear = [], []
     grown = max(1.0, LEAST_SIZE / loop.size) if b.power == 2 else 1.0
     first = loop.parts[0]
     base = tuple(replace(first, size=first.size * grown).base.tolist())
@@ -59,25 +79,18 @@ def hodograph(b: BurgersVector, points: int = 360, shown: float = 0.25) -> Hodog
         share = part.size / loop.size
         sign = -1 if backwards else 1
         order = slice(None, None, sign)
-        shift = (np.array(part.centre) - np.array(loop.centre)) / loop.size
-        ends, _ = arc.shape(np.arange(each + 1) / each)
-        path.append((shift[:, None] + share * ends)[:, order])
         linear.append(sign * share * flat[:, order])
         steps.append(sign * share * ((rows - flat) / grown)[:, order])
     curved = _running(np.concatenate(steps, axis=1))
     straight = _running(np.concatenate(linear, axis=1))
-    way = np.concatenate([path[0][:, :1], *(piece[:, 1:] for piece in path)], axis=1)
     extent = float(np.ptp(straight + curved, axis=1).max()) or 1.0
     gap = float(np.abs(b.reduced).max()) * (b.size if b.power == 2 else 1.0)
     magnified = 1.0
     if 0 < gap < shown / 10 * extent and not b.vanishes:
         magnified = float(10.0 ** np.floor(np.log10(shown * extent / gap) + 0.5))
-    plain = 1e-3 <= loop.size <= 1e3
-    size = loop.size if plain else 1.0
-    unit = "" if plain else f"{loop.size:.3g}"
-    return Hodograph(
-        way * size, np.real(straight + magnified * curved) * size, loop.centre, unit, magnified
-    )
+    path, size, unit = outline(loop, points)
+    image = np.real(straight + magnified * curved) * size
+    return Hodograph(path, image, loop.centre, unit, magnified)
 
 
 def _running(steps: np.ndarray) -> np.ndarray:

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.displays import drawn_by, figure_by
 from geomtorsion.errors import LoopError, MissingValueError
+from geomtorsion.hints import attribute_hints
 from geomtorsion.loops import constructors, validation
 from geomtorsion.loops.arcs import Arc, Number, Parameters, Part, Plane, Point, shown
 from geomtorsion.loops.chains import pairs_of
@@ -22,6 +24,9 @@ if TYPE_CHECKING:
     import sympy as sp
 
 
+@attribute_hints(
+    curve="gt.Loop.parametric", square="gt.Loop.plaquette", rectangle="gt.Loop.plaquette"
+)
 @dataclass(frozen=True, repr=False)
 class Loop:
     """Closed path in coordinates: one part, or several in succession.
@@ -47,6 +52,9 @@ class Loop:
         turns = [f", {part.times} times" if part.times != 1 else "" for part in self.parts]
         every = "; ".join(map("".join, zip(places, turns, strict=True)))
         return f"Loop {self.name!r} at {every}"
+
+    _repr_html_ = drawn_by("notebook_pictures", "loop_html")
+    plot = figure_by("loops", "draw_loop")
 
     # -- constructors ---------------------------------------------------------------------------
 

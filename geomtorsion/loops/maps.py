@@ -134,10 +134,17 @@ def burgers_vectors(
         first = int(np.argmin(radii > 0))
         raise LoopError(f"radius: circle {first} has radius {radii[first]}; give positive ones.")
     _check_dimension(frame, places.shape[1])
-    directions = np.array(validation.orthonormal(*validation.rows(plane, frame.dimension)))
+    directions = np.array(
+        validation.orthonormal(*validation.rows(plane, frame.dimension, _names(frame)))
+    )
     axes = np.stack([radii, radii])
     circle = ClosedCurve(Ellipse((1.0, 0.0), (0.0, 1.0)), first=FIRST)
     return _map(frame, circle, np.pi, places.T, axes, directions, accuracy, parameters)
+
+
+def _names(frame: Frame) -> list[str]:
+    """Names of the coordinates."""
+    return [symbol.name for symbol in frame.coordinates]
 
 
 def burgers_map(
@@ -191,7 +198,7 @@ def burgers_map(
             raise LoopError(f"edges[{k}]: expected at least two increasing numbers.")
     n = frame.dimension
     place = np.zeros(n) if at is None else np.array(validation.vector(at, "at", n))
-    directions = np.array(validation.rows(plane, n))
+    directions = np.array(validation.rows(plane, n, _names(frame)))
     middles = np.meshgrid(*((side[1:] + side[:-1]) / 2 for side in lines), indexing="ij")
     steps = np.stack(np.meshgrid(*(np.diff(side) for side in lines), indexing="ij"))
     centres = place[:, None, None] + np.einsum("an,akm->nkm", directions, np.stack(middles))

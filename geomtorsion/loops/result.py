@@ -14,6 +14,7 @@ from geomtorsion.conventions import Signed
 from geomtorsion.copies import content_hash, equal_content
 from geomtorsion.displays import drawn_by, figure_by
 from geomtorsion.exclusive import exclusive
+from geomtorsion.hints import attribute_hints
 from geomtorsion.loops import validation
 from geomtorsion.loops.arcs import Number
 from geomtorsion.loops.defects import EnclosedDefect, enclosed_defects
@@ -53,6 +54,7 @@ class Check:
         return self.text
 
 
+@attribute_hints(norm="abs(b)", value="b.vector")
 @exclusive
 @dataclass(frozen=True, eq=False, repr=False)
 class BurgersVector(Signed, FrameVector):

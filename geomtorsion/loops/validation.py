@@ -75,14 +75,17 @@ def is_symbolic(*values: Any) -> bool:
     return False
 
 
-def rows(plane: Plane, dimension: int) -> tuple[np.ndarray, np.ndarray]:
-    """The two directions of a plane as vectors: from coordinate numbers, or as they were given."""
+def rows(plane: Plane, dimension: int, names: Sequence[str] = ()) -> tuple[np.ndarray, np.ndarray]:
+    """The two directions of a plane as vectors, from coordinate numbers, names or vectors.
+
+    names: of the coordinates, where a frame has them.
+    """
     if not checks.is_list(plane) or len(plane) != 2:
         raise LoopError(
             "plane: expected two coordinates such as (0, 1) or two vectors, got "
             f"{checks.shown(plane)}."
         )
-    directions = [_direction(side, dimension) for side in plane]
+    directions = [_direction(side, dimension, names) for side in plane]
     first, second = (np.array(direction) for direction in directions)
     gram = np.dot(first, second) ** 2 / (np.dot(first, first) * np.dot(second, second) or 1.0)
     if gram > 1 - 1e-14 or not first.any() or not second.any():
@@ -92,9 +95,16 @@ def rows(plane: Plane, dimension: int) -> tuple[np.ndarray, np.ndarray]:
     return first, second
 
 
-def _direction(side: Any, dimension: int) -> tuple[float, ...]:
+def _direction(side: Any, dimension: int, names: Sequence[str]) -> tuple[float, ...]:
     """A unit vector along a coordinate, or the vector that was given."""
     number = checks.whole(side)
+    if isinstance(side, str | sp.Symbol):
+        if not names:
+            raise LoopError(
+                f"plane: expected coordinate numbers or vectors, got {checks.shown(side)}. A loop "
+                "has no names of coordinates: count them from 0."
+            )
+        number = names.index(checks.known_name(str(side), names, "plane", LoopError))
     if number is not None:
         if not 0 <= number < dimension:
             raise LoopError(

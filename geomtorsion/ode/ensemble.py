@@ -13,8 +13,9 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.copies import only_fields
-from geomtorsion.displays import drawn_by, figure_by
+from geomtorsion.displays import drawn_by, figure_by, key_completions
 from geomtorsion.errors import AccuracyError, GeomtorsionError, StartError, TimeError
+from geomtorsion.hints import argument_hints, attribute_hints
 from geomtorsion.ode.batch import batch_method
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
 from geomtorsion.ode.engines.taylor import is_available
@@ -43,6 +44,7 @@ from geomtorsion.precision import GOLDEN
 from geomtorsion.progress import PATIENCE, bar
 
 
+@attribute_hints(t="ensemble.times")
 @dataclass(frozen=True, eq=False)
 class Ensemble:
     """Many solved motions of one problem.
@@ -167,8 +169,12 @@ class Ensemble:
     __repr__ = __str__
     _repr_html_ = drawn_by("notebook_pictures", "solution_html")
     plot = figure_by("solutions", "draw_solution")
+    _ipython_key_completions_ = key_completions
 
 
+@argument_hints(
+    method="engine=RungeKutta()", rtol="accuracy=1e-8", atol="accuracy=1e-8", tol="accuracy=1e-8"
+)
 def solve_many(
     problem: Any,
     starts: object = None,

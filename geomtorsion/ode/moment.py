@@ -9,6 +9,7 @@ import numpy as np
 
 from geomtorsion.checks import near_names, shown
 from geomtorsion.copies import content_hash, equal_content
+from geomtorsion.displays import drawn_by, key_completions, values_text
 from geomtorsion.errors import UnknownNameError
 
 
@@ -31,6 +32,13 @@ class Moment(Mapping[str, np.ndarray]):
 
     __eq__ = equal_content
     __hash__ = content_hash  # type: ignore[assignment]  # a mapping has none, a frozen one has
+
+    def __repr__(self) -> str:
+        parts = ", ".join(f"{name} = {values_text(self[name])}" for name in self)
+        return f"Moment at {values_text(self.time)}: {parts}"
+
+    _repr_html_ = drawn_by("notebook_pictures", "moment_html")
+    _ipython_key_completions_ = key_completions
 
     def __getitem__(self, name: str) -> np.ndarray:
         if isinstance(name, str) and name in self.values:

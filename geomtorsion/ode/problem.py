@@ -18,6 +18,7 @@ from geomtorsion.codegen import Graph, graph
 from geomtorsion.copies import content_hash, equal_content, only_fields
 from geomtorsion.displays import drawn_by, latex_of
 from geomtorsion.errors import ExpressionError, StartError, StuckError
+from geomtorsion.hints import attribute_hints
 from geomtorsion.ode import constructor
 from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.members import Members, Rows
@@ -32,6 +33,7 @@ from geomtorsion.ode.writing import number_text, numbers_text, term_text, terms_
 from geomtorsion.precision import working_precision
 
 
+@attribute_hints(solve="gt.solve(problem, times)")
 @dataclass(frozen=True, eq=False)
 class ODE:
     """First-order equations x' = f(x, parameters, t) with a start; made by `ODE.of`.

@@ -14,14 +14,15 @@ from geomtorsion.caching import cached_property
 from geomtorsion.codegen.arrays import BLOCK
 from geomtorsion.codegen.steps import ROUNDINGS
 from geomtorsion.copies import only_fields
-from geomtorsion.displays import drawn_by, figure_by
+from geomtorsion.displays import drawn_by, figure_by, key_completions
 from geomtorsion.errors import ArgumentError, ExpressionError, TimeError
+from geomtorsion.hints import attribute_hints
 from geomtorsion.ode.error_estimate import CHANCE, SAFETY, UNALIKE, difference, rounding
 from geomtorsion.ode.moment import Moment, Term
 from geomtorsion.ode.numbers import PARTS, times_between
 from geomtorsion.ode.roots import crossings
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory, close_times
-from geomtorsion.ode.writing import pandas_table, write_solution
+from geomtorsion.ode.writing import pandas_table, write_solution, xarray_dataset
 from geomtorsion.outgoing import size_text
 from geomtorsion.precision import EPS, GOLDEN
 
@@ -148,6 +149,9 @@ class Problem(Protocol):
         ...
 
 
+@attribute_hints(
+    t="solution.times", y="solution.states", sol="solution.at", success="solution.complete"
+)
 @dataclass(frozen=True, eq=False)
 class Solution:
     """A solved motion: of a curve in a space, of a scene, of any first-order equations.
@@ -526,6 +530,8 @@ class Solution:
     _repr_html_ = drawn_by("notebook_pictures", "solution_html")
     plot = figure_by("solutions", "draw_solution")
 
+    _ipython_key_completions_ = key_completions
+
     # -- taking it elsewhere ---------------------------------------------------------------------
 
     def to_pandas(self) -> Any:  # pandas is not a dependency
@@ -537,6 +543,17 @@ class Solution:
             pandas is not installed.
         """
         return pandas_table(self.problem.columns(self.moment))
+
+    def to_xarray(self) -> Any:  # xarray is not a dependency
+        """An xarray Dataset along the time: everything that has a name; attributes hold the error.
+
+        Raises
+        ------
+        MissingExtraError
+            xarray is not installed.
+        """
+        remarks = {"error": self.error, "accuracy": self.accuracy, "engine": str(self.engine)}
+        return xarray_dataset(self.problem.columns(self.moment), remarks)
 
     def save(self, path: str | Path) -> None:
         """Write an NPZ file with arrays (as doubles) and metadata; `SavedSolution.load` reads it.

@@ -12,6 +12,7 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import AccuracyError, StartError, TimeError
+from geomtorsion.hints import argument_hints
 from geomtorsion.ode.checkpoint import Checkpoint, fingerprint
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
 from geomtorsion.ode.engines.taylor import is_available
@@ -39,6 +40,14 @@ from geomtorsion.progress import reports
 Progress: TypeAlias = Callable[[float], object]
 
 
+@argument_hints(
+    method="engine=RungeKutta()",
+    rtol="accuracy=1e-8",
+    atol="accuracy=1e-8",
+    tol="accuracy=1e-8",
+    t_span="t",
+    t_eval="t",
+)
 def solve(
     problem: Problem,
     t: object,

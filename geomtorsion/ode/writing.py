@@ -85,10 +85,28 @@ def pandas_table(columns: Mapping[str, Any]) -> Any:
     MissingExtraError
         pandas is not installed.
     """
+    return _optional("pandas", "to_pandas").DataFrame(columns)
+
+
+def xarray_dataset(columns: Mapping[str, Any], remarks: Mapping[str, Any]) -> Any:
+    """Columns by name as an xarray Dataset; the first is the coordinate along which all run.
+
+    Raises
+    ------
+    MissingExtraError
+        xarray is not installed.
+    """
+    (along, times), *others = columns.items()
+    variables = {name: (along, values) for name, values in others}
+    xarray = _optional("xarray", "to_xarray")
+    return xarray.Dataset(variables, coords={along: times}, attrs=dict(remarks))
+
+
+def _optional(module: str, caller: str) -> Any:
+    """A library that is not a dependency."""
     try:
-        pandas = import_module("pandas")
+        return import_module(module)
     except ImportError:
         raise MissingExtraError(
-            "to_pandas needs pandas, which is not installed. Run `pip install pandas`."
+            f"{caller} needs {module}, which is not installed. Run `pip install {module}`."
         ) from None
-    return pandas.DataFrame(columns)

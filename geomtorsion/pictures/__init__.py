@@ -20,13 +20,14 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.curve_files import curve_pictures
     from geomtorsion.pictures.development import draw_development
     from geomtorsion.pictures.gaps import draw_gap
-    from geomtorsion.pictures.loops import draw_closure, draw_map
+    from geomtorsion.pictures.loops import draw_closure, draw_loop, draw_map
     from geomtorsion.pictures.measured import draw_circuits, draw_survey
     from geomtorsion.pictures.network import draw_dislocations, draw_lines, draw_network
     from geomtorsion.pictures.notebook_pictures import draw_plan
     from geomtorsion.pictures.report import write_report
     from geomtorsion.pictures.solutions import draw_solution
     from geomtorsion.pictures.style import can_draw, save
+    from geomtorsion.pictures.tensors import draw_tensor
 
 # Imported on first use: printing a formula needs neither loops nor motions.
 _HOMES = {
@@ -38,12 +39,14 @@ _HOMES = {
     "draw_dislocations": "network",
     "draw_gap": "gaps",
     "draw_lines": "network",
+    "draw_loop": "loops",
     "draw_loop_costs": "costs",
     "draw_map": "loops",
     "draw_network": "network",
     "draw_plan": "notebook_pictures",
     "draw_solution": "solutions",
     "draw_survey": "measured",
+    "draw_tensor": "tensors",
     "save": "style",
     "work_precision_picture": "costs",
     "write_report": "report",
@@ -58,12 +61,14 @@ __all__ = [
     "draw_dislocations",
     "draw_gap",
     "draw_lines",
+    "draw_loop",
     "draw_loop_costs",
     "draw_map",
     "draw_network",
     "draw_plan",
     "draw_solution",
     "draw_survey",
+    "draw_tensor",
     "save",
     "work_precision_picture",
     "write_report",

@@ -7,14 +7,16 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from sympy import latex
+from sympy import Symbol, latex
 
 from geomtorsion import checks
-from geomtorsion.errors import LoopError
-from geomtorsion.loops import BurgersMap, BurgersVector, Hodograph, hodograph
+from geomtorsion.errors import LoopError, ShapeError
+from geomtorsion.loops import BurgersMap, BurgersVector, Hodograph, Loop, hodograph, outline
 from geomtorsion.pictures.style import FLAT, arrow, new_figure, quiet, sense
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -43,8 +45,35 @@ def draw_closure(b: BurgersVector) -> Figure:
     drawn = hodograph(b)
     figure = new_figure(9.6, 4.6)
     names = [latex(symbol) for symbol in b.frame.coordinates]
-    _draw_path(_axes(figure, 121, drawn.path), drawn, names)
+    _draw_path(_axes(figure, 121, drawn.path), drawn.path, drawn.centre, drawn.unit, names)
     _draw_image(_axes(figure, 122, drawn.image), drawn, b)
+    return figure
+
+
+def draw_loop(loop: Loop, names: Sequence[str] | None = None) -> Figure:
+    """A loop in coordinates, with its base point and its sense.
+
+    names: of the coordinates; q^1, q^2, ... if not given.
+
+    Raises
+    ------
+    MissingValueError
+        The loop has symbols without values; `loop.at` takes them.
+    ShapeError
+        There are not as many names as coordinates.
+    MissingExtraError
+        matplotlib is not installed.
+    """
+    checks.instance(loop, Loop, "loop")
+    if names is not None and len(names) != loop.dimension:
+        raise ShapeError(
+            f"names: expected {loop.dimension}, one for each coordinate, got {len(names)}."
+        )
+    path, _, unit = outline(loop)
+    figure = new_figure(4.8, 4.6)
+    symbols = [f"q^{{{k + 1}}}" for k in range(loop.dimension)]
+    labels = symbols if names is None else [latex(Symbol(name)) for name in names]
+    _draw_path(_axes(figure, 111, path), path, loop.centre, unit, labels)
     return figure
 
 
@@ -80,16 +109,17 @@ def _axes(figure: Figure, place: int, points: np.ndarray) -> Axes:
     return axes
 
 
-def _draw_path(axes: Axes, drawn: Hodograph, names: list[str]) -> None:
+def _draw_path(
+    axes: Axes, path: np.ndarray, centre: Sequence[float], unit: str, names: Sequence[str]
+) -> None:
     """The loop in coordinates, with its base point and its sense."""
-    chosen = _extents(drawn.path)
-    points = drawn.path[chosen]
+    chosen = _extents(path)
+    points = path[chosen]
     axes.plot(*points, color=PATH, linewidth=2)
     if len(points) == 2:
         sense(axes, points, PATH)
     axes.plot(*points[:, :1], "o", color=START, markersize=5)
-    unit = drawn.unit
-    labels = [_offset_label(names[k], drawn.centre[k], unit) for k in chosen]
+    labels = [_offset_label(names[k], centre[k], unit) for k in chosen]
     _label(axes, labels)
     axes.set_title("the loop, in coordinates: closed", fontsize=11)
 

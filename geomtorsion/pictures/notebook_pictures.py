@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from geomtorsion import checks
+from geomtorsion.displays import values_text
 from geomtorsion.geometry import DependencyGraph, notation
-from geomtorsion.outgoing import number_text, size_text
+from geomtorsion.outgoing import html_text, number_text, size_text
 from geomtorsion.pictures.development import draw_rolled_out
-from geomtorsion.pictures.loops import draw_closure, draw_map
+from geomtorsion.pictures.loops import draw_closure, draw_loop, draw_map
 from geomtorsion.pictures.scene_plan import layers_picture
 from geomtorsion.pictures.solutions import draw_solution
 from geomtorsion.pictures.style import pictured
@@ -16,8 +17,9 @@ from geomtorsion.pictures.style import pictured
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from geomtorsion.loops import BurgersMap, BurgersVector, Development
-    from geomtorsion.ode import Ensemble, Solution
+    from geomtorsion.loops import BurgersMap, BurgersVector, Development, Loop
+    from geomtorsion.ode import Ensemble, Moment, Solution
+    from geomtorsion.proofs import Proof
 
 
 def solution_html(found: Solution | Ensemble) -> str:
@@ -36,6 +38,43 @@ def _components(b: BurgersVector) -> str:
     inside = [f"enclosed: {one}" for one in b.enclosed]
     route = f"error below {size_text(b.error)}; {b.reason}"
     return "\n".join([*lines, route, b.check.text, *inside])
+
+
+def loop_html(loop: Loop) -> str:
+    """A loop in coordinates."""
+    return pictured(str(loop), lambda: draw_loop(loop))
+
+
+def proof_html(proof: Proof) -> str:
+    """Each value with its certain digits, and the verdict on the reported error.
+
+    Examples
+    --------
+    >>> from geomtorsion.loops import Loop, burgers_vector
+    >>> from geomtorsion.proofs import prove
+    >>> proof_html(prove(burgers_vector("so3", Loop.circle([0.3, 1, 0.2], 0.1)))).count("<tr>")
+    4
+    """
+    heading, *_, verdict = str(proof).splitlines()
+    rows = [line.split(" = ", 1) for line in proof.lines()]
+    table = notation.html_table(("value", "certain digits"), rows, verdict.strip())
+    return f"<div><p>{html_text(heading)}</p>{table}</div>"
+
+
+def moment_html(moment: Moment) -> str:
+    """Each quantity of a motion by name: its value, or its values in the first and last row.
+
+    Examples
+    --------
+    >>> from geomtorsion.curves import geodesic
+    >>> from geomtorsion.ode import solve
+    >>> moment = solve(geodesic("flat_polar", [1, 0], [1, 0.5]), 1.0).at(0.5)
+    >>> moment_html(moment).count("<tr>")
+    5
+    """
+    rows = [(name, values_text(moment[name])) for name in moment]
+    below = f"at the time {values_text(moment.time)}"
+    return f"<div>{notation.html_table(('name', 'value'), rows, below)}</div>"
 
 
 def map_html(survey: BurgersMap) -> str:

@@ -32,15 +32,28 @@ _LEFT = ' style="text-align:left"'
 
 
 def tensor_html(tensor: Tensor) -> str:
-    """The components of a tensor that do not vanish.
+    """The components of a tensor that do not vanish; above them a matrix if it has two indices.
 
     Examples
     --------
     >>> from geomtorsion.spaces import load
-    >>> tensor_html(load("so3").frame.metric).count("<tr>")  # one for each component
-    5
+    >>> shown = tensor_html(load("so3").frame.metric)
+    >>> shown.count("<mtr>"), shown.count("<tr>")  # three rows, and one for each component
+    (3, 5)
     """
-    return table_html(tensor.table())
+    table = table_html(tensor.table())
+    if len(tensor.slots) != 2 or not tensor.nonzero():
+        return table
+    n = range(tensor.frame.dimension)
+    try:
+        texts = [[short(tensor, (i, j)) for j in n] for i in n]
+    except LimitError:
+        return table
+    if sum(max(len(str(row[j])) for row in texts) + 2 for j in n) > STYLE.line:
+        return table
+    matrix = latex_matrix([[latex_text(value) for value in row] for row in texts])
+    label = latex_label(_symbol(tensor), letters(tensor.slots), tensor.slots)
+    return f"<div>{_math(f'{label} = {matrix}', display=True)}{table}</div>"
 
 
 def torsion_html(torsion: Torsion) -> str:

@@ -15,6 +15,7 @@ from flint import arb
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.copies import only_fields
+from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ArgumentError, ProofError, UnknownNameError
 from geomtorsion.exclusive import exclusive
 from geomtorsion.loops import BurgersVector, Development
@@ -130,6 +131,7 @@ class Proof:
         )
 
     __repr__ = __str__
+    _repr_html_ = drawn_by("notebook_pictures", "proof_html")
 
 
 class _Plain(NamedTuple):

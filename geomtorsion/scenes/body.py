@@ -13,6 +13,7 @@ import sympy as sp
 
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
+from geomtorsion.displays import short_repr
 from geomtorsion.errors import BodyError, SceneError
 from geomtorsion.precision import CALCULATED
 
@@ -49,6 +50,8 @@ class Body:
     mass: Number = 1.0
     moments: Sequence[Number] | None = None
     inertia: Sequence[Sequence[Number]] | np.ndarray | None = None
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         """Check, and keep tuples."""

@@ -17,6 +17,7 @@ from geomtorsion.checks import did_you_mean, shown
 from geomtorsion.copies import only_fields
 from geomtorsion.errors import FileFormatError, SceneError, UnknownNameError
 from geomtorsion.files import written
+from geomtorsion.hints import attribute_hints
 from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz, write_npz
 from geomtorsion.ode import Cost, solve
 from geomtorsion.ode.numbers import times_between
@@ -87,6 +88,7 @@ ABOUT = {
 ADVICE = "Write one with SceneResult.save."
 
 
+@attribute_hints()
 @dataclass(frozen=True, eq=False)
 class SceneResult:
     """Solved scene: its outputs over time, with an error estimate.
@@ -282,6 +284,9 @@ class SceneResult:
         return plot(self, path, figure)
 
     # -- taking it elsewhere ---------------------------------------------------------------------
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self.values)
 
     def to_pandas(self) -> pandas.DataFrame:
         """A pandas table: times, then each component of the outputs.

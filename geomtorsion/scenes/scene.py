@@ -15,6 +15,7 @@ from geomtorsion.caching import cached_property
 from geomtorsion.checks import near_names
 from geomtorsion.copies import only_fields
 from geomtorsion.errors import GeomtorsionError, SceneError, UnknownNameError
+from geomtorsion.hints import attribute_hints
 from geomtorsion.ode import solve
 from geomtorsion.ode.numbers import check_memory, checked_accuracy, checked_times
 from geomtorsion.outgoing import html_text
@@ -133,6 +134,7 @@ def _near(name: str, known: tuple[str, ...]) -> str:
     return f"Did you mean {near}? {listed}" if near else listed
 
 
+@attribute_hints(solve="scene.run()")
 @dataclass(frozen=True)
 class Scene:
     """A rigid body in motion, with exactly the states that its outputs and effects need.
@@ -353,6 +355,9 @@ class Scene:
     def __str__(self) -> str:
         acting = ", ".join(self.keyed) or "no effects"
         return f"{self.title or self.name or 'scene'}: {acting}; watched: {', '.join(self.watch)}"
+
+    def __repr__(self) -> str:
+        return f"Scene({self})"
 
 
 def _names(watch: Any) -> tuple[str, ...]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
+from geomtorsion.displays import short_repr
 from geomtorsion.errors import StartError
 from geomtorsion.rigid import attitude
 from geomtorsion.scenes.body import Number
@@ -50,6 +51,8 @@ class State:
     position: Sequence[Number] | None = None
     velocity: Sequence[Number] | None = None
     euler_convention: str = attitude.PAPER
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         """Check, and keep tuples."""

@@ -93,6 +93,9 @@ class SceneSweep:
                 table[name] = np.broadcast_to(along, shape).ravel()
         return table | {name: values.ravel() for name, values in self.measured.items()}
 
+    def _ipython_key_completions_(self) -> list[str]:
+        return [*self.varied, *self.measured]
+
     def to_pandas(self) -> pandas.DataFrame:
         """The table as a pandas frame.
 

@@ -15,6 +15,7 @@ from geomtorsion.checks import expression
 from geomtorsion.copies import content_hash, equal_content
 from geomtorsion.displays import drawn_by
 from geomtorsion.geometry import Connection, Frame, cartan
+from geomtorsion.hints import attribute_hints
 from geomtorsion.outgoing import markdown_text
 
 if TYPE_CHECKING:
@@ -89,6 +90,9 @@ class FirstMotion:
     parameters: Mapping[str, float] = field(default_factory=dict, hash=False)
 
 
+@attribute_hints(
+    metric="space.frame.metric", coframe="space.frame.coframe", torsion="gt.cartan(space).torsion"
+)
 @dataclass(frozen=True, eq=False, repr=False)
 class Space:
     """Space from the library or a file: a frame with its description, source and known results.

@@ -69,6 +69,10 @@ class DislocationNetwork:
     box: Box | None = None
     _scale: float = field(init=False, default=1.0, repr=False)
 
+    def __repr__(self) -> str:
+        graph = self.graph
+        return f"DislocationNetwork({len(graph)} nodes, {graph.number_of_edges()} lines)"
+
     def __post_init__(self) -> None:
         """Read the Burgers vectors exactly, once."""
         import networkx as nx  # 0.15 s, and only networks need it

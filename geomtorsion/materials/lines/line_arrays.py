@@ -55,6 +55,9 @@ class LineArrays:
     grains: Sequence[int | None]
     known: Mapping[str, Any]
 
+    def __repr__(self) -> str:
+        return f"LineArrays({len(self.positions)} nodes, {len(self.pairs)} lines)"
+
     def __init__(
         self,
         positions: ArrayLike,

@@ -240,6 +240,9 @@ class Verdict:
         table = {question.name: question for question in self.questions}
         return table[known_name(name, table, f"exercise {self.number}", UnknownNameError)]
 
+    def _ipython_key_completions_(self) -> list[str]:
+        return [question.name for question in self.questions]
+
     def _repr_html_(self) -> str:
         rows = "".join(
             f"<tr><td>{escape(one.name)}</td><td>{escape(one.state)}</td>"
@@ -250,6 +253,10 @@ class Verdict:
         notes = "".join(f"<p>{escape(note)}</p>" for note in self.notes)
         points = f"<p>{self.points_text}</p>"
         return f"<div><table>{head}{rows}</table>{points}{notes}</div>"
+
+    def __repr__(self) -> str:
+        states = ", ".join(f"{one.name} {one.state}" for one in self.questions)
+        return f"Verdict(exercise {self.number}: {self.points_text}; {states})"
 
     def __str__(self) -> str:
         lines = []

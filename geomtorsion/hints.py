@@ -1,0 +1,97 @@
+"""Hints: a misspelt attribute or argument is answered with the name that was probably meant."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import wraps
+from inspect import Parameter, signature
+from typing import NoReturn, ParamSpec, TypeVar
+
+from geomtorsion.checks import near_names, shown
+from geomtorsion.errors import ArgumentError
+
+Kind = TypeVar("Kind", bound=type)
+Arguments = ParamSpec("Arguments")
+Result = TypeVar("Result")
+
+
+def attribute_hints(**meant: str) -> Callable[[Kind], Kind]:
+    """Let a class answer an unknown attribute with the name, or the line, that was meant.
+
+    meant: attribute that users expect -> the line that gives it.
+
+    The class gets a `__getattr__` that only raises AttributeError, so `hasattr` stays right.
+
+    Examples
+    --------
+    >>> from geomtorsion.spaces import load
+    >>> load("so3").frame.torsion
+    Traceback (most recent call last):
+    AttributeError: Frame has no attribute 'torsion'. Did you mean gt.cartan(frame).torsion?
+    """
+
+    def decorate(kind: Kind) -> Kind:
+        def refuse(self: object, name: str) -> NoReturn:
+            if hasattr(type(self), name):
+                # A property raised AttributeError: its own message counts.
+                object.__getattribute__(self, name)
+            near = ""
+            # Copies, pickles and notebooks look for names with underscores, and often.
+            if not name.startswith("_"):
+                public = (one for one in dir(self) if not one.startswith("_"))
+                near = meant.get(name) or near_names(name, public)
+            hint = f". Did you mean {near}?" if near else ""
+            # With a name in the error, Python would add a question of its own.
+            raise AttributeError(
+                f"{type(self).__name__} has no attribute {name!r}{hint}", name=None
+            )
+
+        # Set here and not written in the class: checkers of types would then take any name.
+        setattr(kind, "__getattr__", refuse)  # noqa: B010
+        return kind
+
+    return decorate
+
+
+def argument_hints(
+    **meant: str,
+) -> Callable[[Callable[Arguments, Result]], Callable[Arguments, Result]]:
+    """Let a function answer an unknown keyword with the keyword that was meant.
+
+    meant: keyword of other libraries -> how to write it here.
+
+    Raises
+    ------
+    ArgumentError
+        A call has a keyword that the function does not take.
+
+    Examples
+    --------
+    >>> @argument_hints(rtol="accuracy=1e-8")
+    ... def run(time, accuracy=1e-10): ...
+    >>> run(1, rtol=1e-3)
+    Traceback (most recent call last):
+    geomtorsion.errors.ArgumentError: run: expected the arguments time, accuracy, got 'rtol'. Did
+    you mean accuracy=1e-8?
+    """
+
+    def decorate(function: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
+        parameters = signature(function).parameters.values()
+        names = [one.name for one in parameters if one.kind is not Parameter.VAR_KEYWORD]
+        allowed = frozenset(names)
+
+        @wraps(function)
+        def checked(*args: Arguments.args, **options: Arguments.kwargs) -> Result:
+            for name in options:
+                if name not in allowed:
+                    near = meant.get(name) or near_names(name, names)
+                    hint = f" Did you mean {near}?" if near else ""
+                    raise ArgumentError(
+                        f"{function.__name__}: expected the arguments {', '.join(names)}, got "
+                        f"{shown(name)}.{hint}"
+                    )
+            return function(*args, **options)
+
+        return checked
+
+    return decorate
