@@ -70,6 +70,7 @@ LONG: dict[str, str] = {
     # Each of these replaces several files that were always read together.
     "codegen/reading.py": "all that is read: elements, their products, expressions",
     "curves/atlas.py": "charts, the maps between them, and the point that they carry",
+    "curves/readout.py": "all that is read off the states of a curve, and what two runs differ by",
     "curves/problem.py": "a curve from its start, which is checked, through charts; for solvers",
     "exact/element.py": "canonical and lazy elements, their interface and the walks through them",
     "exact/arguments.py": "angles and exponents, over one kind of basis",
@@ -98,12 +99,12 @@ CEILINGS = {
     "percent of Any": 3.6,
     # 17 of these choose steps and precision in proofs; no ball depends on them.
     "tuned constants": 151,
-    "files of a first motion": 42,
-    "frames of a first motion": 24,
+    "files of a first motion": 43,
+    "frames of a first motion": 26,
 }
 # Lines of code below and above the wall, rounded up to five hundreds, without docstrings, comments
 # and blanks. A change that needs more raises a number and states in its commit what users get.
-BUDGET = {"below the wall": 45500, "above the wall": 42500}
+BUDGET = {"below the wall": 42500, "above the wall": 42500}
 # What a program that imports the package does not wait for.
 LATER = ("sympy", "flint", "mpmath", "numpy", "multiprocessing", "asyncio", "tomllib", "sqlite3")
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")
