@@ -226,25 +226,6 @@ def _is_number(node: ast.expr) -> bool:
     return isinstance(node, ast.BinOp) and _is_number(node.left) and _is_number(node.right)
 
 
-def unmirrored(tests: Path) -> list[str]:
-    """Test files whose name does not begin with the name of a module of the package they test.
-
-    test_parsing.py and test_parsing_limits.py test parsing.py, or the package parsing/.
-    """
-    found = []
-    for file in sorted(tests.rglob("test_*.py")):
-        folder = PACKAGE / file.parent.relative_to(tests)
-        if folder == PACKAGE or not (folder / "__init__.py").is_file():
-            continue
-        words = file.stem.removeprefix("test_").split("_")
-        names = ["_".join(words[:count]) for count in range(1, len(words) + 1)]
-        if not any(
-            (folder / f"{n}.py").is_file() or (folder / n / "__init__.py").is_file() for n in names
-        ):
-            found.append(str(file.relative_to(tests)))
-    return found
-
-
 def questions_of_class(tree: ast.AST) -> list[int]:
     """Lines that test the class of an engine."""
     classes = {type(engine).__name__ for engine in SHIPPED}

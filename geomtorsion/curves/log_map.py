@@ -267,6 +267,10 @@ class _Choice:
                 "end, or start and end in the opposite order."
             )
         if answer.conjugate and self.search.shooter.is_definite and self.is_geodesic:
+            # Beyond an antipode the shorter motion leaves the start in the opposite direction.
+            back = self.search.hit(self.search.aim, found.vector * (1 - 2 * answer.conjugate[0]))
+            if back is not None and back.length < found.length:
+                return self._answered(back, guarantee)
             raise EndpointError(
                 f"expected the shortest motion {self.where}, but the shortest one found, of length "
                 f"{answer.length:.9g}, passes a point conjugate to its start at t = "

@@ -7,8 +7,8 @@ Roundings of two runs in doubles may agree by chance. Where they may be much of 
 state of the finer run is also changed on the way, in 64 places, by as much as the roundings of the
 answer's steps add up to: a motion that amplifies errors amplifies these changes as well. Such a
 difference is a random number, and may be small by chance: the error is twenty times as large. If
-that misses the accuracy, a second run with other changes shows by its difference from the first
-how much roundings are.
+that is not far below the accuracy, a second run with other changes shows by its difference from the
+first how much roundings are.
 
 No step of the finer run is longer than a hundredth of the way: a long step sees nothing of rates
 that change further ahead.
@@ -118,7 +118,7 @@ def verified(
         error = SAFETY * gap
         if error <= accuracy and roundings_matter(engine, answer.steps, tolerance):
             error = CHANCE * gap
-            if error > accuracy:
+            if error > AIM * accuracy:
                 second = run(engine, finer, answer, 2)
                 runs.append(second)
                 other = difference(problem, answer, second, accuracy)

@@ -295,7 +295,7 @@ def test_stiff_equations_are_refused_at_once(engine, blocks):
 @pytest.mark.parametrize(
     ("eccentricity", "end"), [(0.8, 2000.0), pytest.param(0.6, 1e4, marks=pytest.mark.slow)]
 )
-def test_a_long_conservative_motion_is_not_taken_for_stiff(eccentricity, end):
+def test_a_long_conservative_motion_is_not_taken_for_stiff(eccentricity, end, blocks):
     """An orbit approaches some neighbours as fast as it leaves others: it is not stiff."""
     near = 1 - eccentricity
     orbit = ODE.of(
@@ -304,6 +304,9 @@ def test_a_long_conservative_motion_is_not_taken_for_stiff(eccentricity, end):
     )
     found = solve(orbit, end, 1e-7)
     assert found.engine == "Taylor"
+    # At most a hundred steps a turn, and five runs: two attempts with their finer runs, one more.
+    assert found.cost.steps <= 100 * end / math.tau
+    assert len(blocks) <= 5 * math.ceil(found.cost.steps / 2000)
 
 
 @needs_heyoka
