@@ -313,9 +313,7 @@ class Truth:
 
     def error(self, solution: Solution) -> float:
         """Largest error of a solution, each group of states against its own size."""
-        return difference(
-            self.problem, solution.trajectory, self.trajectory, solution.accuracy
-        )
+        return difference(self.problem, solution.trajectory, self.trajectory, solution.accuracy)
 
 
 def truth_of(problem: CurveProblem | ODE, grid: np.ndarray, exact: States | None = None) -> Truth:

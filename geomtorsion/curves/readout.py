@@ -203,7 +203,7 @@ def converted(
             point = MovingPoint(list(a), list(b), [])
             try:
                 points.append(problem.atlas.moved(source, target, point, numbers, bits))
-            except (ChartEdgeError, ArithmeticError):
+            except ArithmeticError:
                 raise _not_covered(a, source, target) from None
         there = _long_rows([point.coordinates for point in points], bits)
         turned = _long_rows([point.velocities for point in points], bits)
@@ -221,7 +221,7 @@ def _not_covered(place: np.ndarray, source: str, target: str) -> ChartEdgeError:
     numbers = ", ".join(f"{float(x):.6g}" for x in place)
     return ChartEdgeError(
         f"the motion passes ({numbers}) in chart {source!r}, which chart {target!r} does not "
-        f"cover. Use solution.in_chart({source!r})."
+        f"reach. Use solution.in_chart({source!r})."
     )
 
 

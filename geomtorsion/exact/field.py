@@ -295,10 +295,9 @@ class Field(Tower):
         """
         return self._reader.read_all([(where, expr)])[0]
 
-    @property
-    def read_all(self) -> Callable[[Iterable[tuple[str, Any]]], list[Element]]:
+    def read_all(self, entries: Iterable[tuple[str, Any]]) -> list[Element]:
         """Reads expressions together, so that angles and exponents get one common basis."""
-        return self._reader.read_all
+        return self._reader.read_all(entries)
 
     def from_json(self, data: Mapping[str, Any], functions: Iterable[str] = ()) -> Element:
         """The element that `Element.to_json` wrote, read through the whitelist parser."""

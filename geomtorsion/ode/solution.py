@@ -507,9 +507,7 @@ class Solution:
         count = -(-PARTS // (len(knots) - 1))
         parts = (np.arange(count) + SHIFT) / count
         times = (knots[:-1, None] + parts * np.diff(knots)[:, None]).ravel()
-        gap = difference(
-            self.problem, _sampled(one, times), _sampled(two, times), self.accuracy
-        )
+        gap = difference(self.problem, _sampled(one, times), _sampled(two, times), self.accuracy)
         return max(self.error, self.safety * gap)
 
     def __str__(self) -> str:

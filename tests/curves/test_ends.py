@@ -163,6 +163,33 @@ def test_no_warnings_at_the_origin(name, home_first, engine):
 
 
 @every_engine
+@pytest.mark.parametrize(("accuracy", "miss"), [(1e-6, 1e-5), (1e-6, 0.1), (1e-10, 1e-4)])
+def test_the_error_holds_beside_the_origin(accuracy, miss, engine):
+    """A straight line that passes the origin at a distance: angle and velocities count there."""
+    problem = geodesic(load("flat_polar").frame, [1.0, 0.0], [-1.0, miss])
+    times = np.array([0.5, 1.0, 1.5])
+    sol = solve(problem, times, accuracy, engine)
+    x, y = 1 - times, miss * times
+    r = np.hypot(x, y)
+    places = np.array([r, np.arctan2(y, x)]).T
+    speeds = np.array([(miss * y - x) / r, (miss * x + y) / r**2]).T
+    assert sol.error <= accuracy
+    for got, exact in ((sol.coordinates, places), (sol.velocity, speeds)):
+        assert np.abs(got - exact).max() <= (sol.error + 1e-15 / miss) * np.abs(exact).max()
+
+
+@every_engine
+def test_members_pass_through_the_origin(engine):
+    """One of two lines meets the origin at a time that is read; the other misses it."""
+    problem = geodesic(load("flat_polar").frame, [1.0, 0.4], [-1.0, 0.0])
+    speeds = [[-1.0, 0.0], [-1.0, 0.2]]
+    many = solve_many(problem, None, [0.5, 1.0, 3.0], 1e-9, engine, velocities=speeds)
+    assert many.finished.all()
+    assert many.error <= 1e-9
+    assert many.coordinates[:, -1, 0] == pytest.approx([2.0, np.hypot(2.0, 0.6)], abs=1e-8)
+
+
+@every_engine
 def test_the_end_of_all_charts_is_found(engine):
     """Kerr's inner horizon, r = M - sqrt(M^2 - a^2), is where both charts that reach it end.
 

@@ -321,6 +321,24 @@ def test_two_frames_in_opposite_order() -> None:
     assert set(results[1::2]) == {scalar(1)}
 
 
+def test_reading_is_not_interrupted() -> None:
+    """While a thread reads expressions into a field, which grows, no other does exact work."""
+    field, ball = gt.spaces.load("s3").frame.field, gt.spaces.load("s2").frame
+    other = threading.Thread(target=lambda: repr(ball.metric), daemon=True)
+    waits = []
+
+    def entries() -> Iterator[tuple[str, sp.Expr]]:
+        other.start()
+        other.join(0.5)
+        waits.append(other.is_alive())
+        yield "entry", sp.Integer(1)
+
+    assert field.read_all(entries()) == [field.one]
+    assert waits == [True]
+    other.join(DEADLOCK)
+    assert not other.is_alive()
+
+
 def test_a_limit_ends_the_wait_for_another_thread() -> None:
     """A block with a limit does not wait longer for exact work of another thread."""
     begun, finish = threading.Event(), threading.Event()
