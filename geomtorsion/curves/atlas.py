@@ -155,7 +155,7 @@ class Chart:
 
     @cached_property
     def _plain(self) -> tuple[object, ...]:
-        """What counts when charts are compared: expressions in place of elements."""
+        """What counts when charts are compared: expressions instead of elements."""
         legs = [[(i, x.sympy) for i, x in row] for row in self.legs] if self.frame is None else []
         edge, kept = (None if x is None else x.sympy for x in (self.edge, self.kept))
         margin = self.keeps_frame, self.margin, self.antipodal

@@ -53,7 +53,7 @@ def gaps(
     """Differences at each sample, and size, of groups of coordinates and the velocities at home.
 
     States of the home chart are compared already: only q' is read off these. Nothing where the home
-    chart does not reach, or where its edge is not told from the place.
+    chart does not reach, or where an edge is within the accuracy.
     """
     if problem.start is None or not count:
         return []
@@ -105,7 +105,7 @@ def _coordinate_pairs(
 
 
 def _at_edge(problem: CurveProblem, q: np.ndarray, accuracy: float) -> np.ndarray:
-    """Which places are no further from an edge of the home chart than the accuracy.
+    """Whether places are as near to an edge of the home chart as the accuracy.
 
     Coordinates and frame vectors have no definite values there, such as the angle at the origin.
     q: shape (..., n). Distances are in coordinates, each in units of its largest value.

@@ -25,7 +25,7 @@ def derived(make: Callable[[F, *Arguments], T]) -> Callable[[F, *Arguments], T]:
     """Decorator for a quantity of a frame: the frame keeps the result for its later calls.
 
     The first argument is the frame, the others are hashable. A frame or connection among them is
-    known by its identity: the result has elements of its field, not of that of an equal one.
+    known by its identity: the result has elements of its field, not of the field of an equal one.
 
     Examples
     --------

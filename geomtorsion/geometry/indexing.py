@@ -54,7 +54,7 @@ _plain = notation.plain
 
 
 def _numbers(tensor: Tensor, slot: str, item: object) -> int | range | None:
-    """The values of one index: a number, or those of a slice; None if it is not valid."""
+    """The values of one index: a number, or the numbers of a slice; None if it is not valid."""
     n = tensor.frame.dimension
     if isinstance(item, slice):
         ends = (item.start, item.stop, item.step)
