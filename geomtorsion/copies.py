@@ -1,4 +1,4 @@
-"""Copies: pickling of a value without what was computed from it, and equality by content."""
+"""Copies: pickling of a value without its computed properties, and equality by content."""
 
 from __future__ import annotations
 

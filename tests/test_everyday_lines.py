@@ -139,7 +139,7 @@ LINES = {
     "a loop in a notebook": (lambda: "circle" in LOOP._repr_html_(), True),
     "a moment in a notebook": (lambda: MOTION.at(0.0)._repr_html_().count("<tr>"), 5),
     "a metric as a matrix": (lambda: POLAR.metric._repr_html_().count("<mtr>"), 2),
-    "a torsion is no matrix": (
+    "a torsion is not a matrix": (
         lambda: gt.cartan(POLAR).torsion.S._repr_html_().count("<mtr>"), 0
     ),
     "a plane by names": (

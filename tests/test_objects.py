@@ -118,7 +118,7 @@ def test_frames_with_other_content_are_unequal(name: str) -> None:
 
 
 def test_frames_are_equal_in_whatever_way_they_are_made() -> None:
-    """Frames from legs, from a metric and from other expressions equal that of the coframe."""
+    """Frames from legs, from a metric and from other expressions equal the frame of the coframe."""
     half = sp.sin(theta / 2) * sp.cos(theta / 2) * 2 * r
     ways = [
         gt.Frame([r, theta, phi], sp.diag(1, r, half)),
@@ -209,7 +209,7 @@ TRUE = [
 
 @pytest.mark.parametrize("line", TRUE)
 def test_a_line_is_true(line: str) -> None:
-    """Each line holds as it stands."""
+    """Each line holds."""
     assert eval(line)  # noqa: S307  # a line of this file
 
 

@@ -1,7 +1,7 @@
 """Homes: whether frames are equal, and tensors of an equal frame carried into the field of one.
 
 Every frame has an exact field of its own. Equal frames are not made one object: they may print by
-other names, have other charts, and two threads that load a space must get what each computes by itself.
+other names, have other charts, and two threads that load a space must get their own result.
 """
 
 from __future__ import annotations

@@ -113,8 +113,8 @@ class Tensor:
     def __getitem__(self, index: indexing.One | tuple[indexing.One, ...]) -> Any:
         """One component as a sympy expression, or with slices or fewer indices an array of them.
 
-        An index is a number, negative from the end, or a coordinate index by symbol or name. Only
-        what is chosen is computed.
+        An index is a number, negative from the end, or a coordinate index by symbol or name.
+        Other components are not computed.
 
         Examples
         --------
@@ -421,7 +421,8 @@ class Tensor:
     def _sympy_(self) -> Callable[[], sp.Expr]:
         """Hook by which sympy reads a scalar as an expression, and other tensors as arrays.
 
-        An array is no expression and no matrix: sympy leaves sums and comparisons to the tensor.
+        An array is neither an expression nor a matrix:
+        sympy leaves sums and comparisons to the tensor.
         """
         return self.to_sympy
 

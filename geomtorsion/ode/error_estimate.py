@@ -59,7 +59,7 @@ class Comparable(Protocol):
     ) -> list[tuple[np.ndarray, float]]:
         """What a reader gets at the first samples: differences at each, and the size of all.
 
-        accuracy: the part of a size below which nothing is told apart.
+        accuracy: the part of a size below which differences do not count.
         """
         ...
 

@@ -54,7 +54,7 @@ class Rates:
     declared: tuple[sp.Symbol, ...] = ()
 
     def __eq__(self, other: object) -> bool:
-        # The order of the states is that of the start.
+        # The order of the states is the order of the start.
         if not isinstance(other, Rates):
             return NotImplemented
         return self is other or (self.states, content(self)) == (other.states, content(other))

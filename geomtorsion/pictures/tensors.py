@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 def draw_tensor(tensor: Tensor, at: Mapping[str | sympy.Symbol, float] | None = None) -> Figure:
     """Components of a tensor with two indices at a point: first index down, second index across.
 
-    Colours run from the negative to the positive end of the largest modulus; those of complex
-    components show their real parts.
+    Colours run from the negative to the positive end of the largest modulus; complex ones show
+    their real parts.
 
     at: value of each coordinate and parameter on which the tensor depends.
 

@@ -76,7 +76,7 @@ def test_rates_of_tops_cost_what_they_cost_by_hand():
     ("name", "chart"), [("de_sitter", "painleve"), ("schwarzschild_cartesian", "diagonal")]
 )
 def test_a_geodesic_begins_with_the_cheaper_legs(name, chart):
-    """Of two frames of one metric the one with fewer operations is followed."""
+    """From two frames of one metric the one with fewer operations is followed."""
     problem = motion(name)
     assert problem.first_stage(53, 0.0).label == chart
     dear = convolutions(problem.system(problem.atlas.home))

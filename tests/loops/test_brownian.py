@@ -200,6 +200,6 @@ REFUSALS = (
 
 @pytest.mark.parametrize(("call", "words"), REFUSALS)
 def test_refusals(call, words) -> None:
-    """Bad input is refused with what was expected."""
+    """Bad input is refused, and the message names the expected input."""
     with pytest.raises(GeomtorsionError, match=words):
         call()

@@ -321,7 +321,7 @@ def test_stiff_steps_that_blow_up_are_called_stiff(accuracy):
 
 
 def test_hasattr_knows_what_a_motion_has():
-    """An ODE has states and no coordinates, alone and in an ensemble."""
+    """An ODE has states and no coordinates, single and in an ensemble."""
     decay = ODE.of({"x": "-x"}, [1])
     for solution in (solve(decay, 1.0), solve(decay, 1.0).at(0.5), solve_many(decay, [[1]], 1.0)):
         assert hasattr(solution, "states")

@@ -47,7 +47,7 @@ def test_incompatibility_of_a_polynomial_is_exact() -> None:
 
 def test_a_displacement_has_no_densities() -> None:
     """The gradient of a displacement is compatible within its reported error."""
-    # Of u = sin(x + 2 y), cos(y z), exp(x - z).
+    # For u = sin(x + 2 y), cos(y z), exp(x - z).
     exact = np.array(
         [
             [np.cos(X + 2 * Y), 2 * np.cos(X + 2 * Y), 0 * X],
