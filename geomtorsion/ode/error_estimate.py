@@ -147,7 +147,7 @@ def roundings_matter(engine: Engine, steps: int, tolerance: float) -> bool:
     The motion carries the rounding of a step to the end as it carries what the step omits, which is
     about the tolerance. A step may omit less where it counts.
     """
-    return rounding(engine, steps) > tolerance / NOISE
+    return rounding(engine, steps) > tolerance / NOISE**2
 
 
 def change_by_rounding(engine: Engine, steps: float) -> float:
