@@ -80,12 +80,13 @@ class ElementMatrix:
 
     @cached_property
     def _graph(self) -> Graph:
-        symbols = {symbol.name for element in self.entries.values() for symbol in element.symbols}
+        # A common factor that cancels may bring in symbols on which the value does not depend.
+        symbols = {s.name for element in self.entries.values() for s in element.field.symbols}
         return graph(sorted(symbols), list(self.entries.values()), factor=False)
 
     def values(self, point: Mapping[str, Real | np.ndarray]) -> np.ndarray:
         """The entries at one point or many, shape (entries, ...)."""
-        numbers = [point[name] for name in self._graph.arguments]
+        numbers = [point.get(name, np.nan) for name in self._graph.arguments]
         columns = [x if isinstance(x, np.ndarray) else float(x) for x in numbers]
         return self._graph.numpy()(*columns)
 
