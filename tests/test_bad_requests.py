@@ -36,9 +36,9 @@ def test_unknown_quantity_lists_near_names():
 
 
 def test_index_out_of_range_or_too_few():
-    """Wrong, missing and negative indices of components are refused."""
+    """Indices out of range, too many of them, and unknown names are refused."""
     metric = gt.Frame([x, y], UNIT).metric
-    bad: list[Any] = [(0, 2), (0,), (0, 0, 0), (0, -1), ("x", 0), (0.0, 1)]
+    bad: list[Any] = [(0, 2), (0, 0, 0), (0, -3), ("q", 0), (0.0, 1)]
     for index in bad:
         with pytest.raises(TensorIndexError, match="2"):
             metric[index]
@@ -66,7 +66,7 @@ def test_whole_numbers_of_every_kind_are_indices(one: Any):
 def test_what_is_no_whole_number_is_none_anywhere(none: Any):
     """Truth values, floats and text are refused as whole numbers."""
     frame = gt.Frame([x, y], [[1, 0], [0, x]])
-    with pytest.raises(TensorIndexError, match="expected 2 whole numbers"):
+    with pytest.raises(TensorIndexError, match="each a whole number"):
         frame.coframe[none, 1]
     with pytest.raises(TensorIndexError, match="expected an index of"):
         frame.coframe.table(where={none: 1})
@@ -119,8 +119,8 @@ def test_contraction_that_does_not_fit():
 
 
 def test_tensors_of_two_frames_do_not_mix():
-    """Tensors of two frames cannot be added."""
-    one, two = gt.Frame([x, y], UNIT), gt.Frame([x, y], UNIT)
+    """Tensors of two different frames cannot be added."""
+    one, two = gt.Frame([x, y], UNIT), gt.Frame([x, y], [[1, 0], [0, 2]])
     with pytest.raises(TensorIndexError, match="frame"):
         _ = one.metric + two.metric
 
@@ -147,8 +147,8 @@ def test_spin_connection_of_wrong_shape():
 
 
 def test_blend_of_two_frames():
-    """Connections of two frames cannot be blended."""
-    one, two = gt.Frame([x, y], UNIT), gt.Frame([x, y], UNIT)
+    """Connections of two different frames cannot be blended."""
+    one, two = gt.Frame([x, y], UNIT), gt.Frame([x, y], [[1, 0], [0, 2]])
     with pytest.raises(GeomtorsionError, match="frame"):
         gt.blend(gt.cartan(one), gt.levi_civita(two), sp.Rational(1, 2))
 

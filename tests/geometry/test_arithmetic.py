@@ -110,12 +110,13 @@ def test_what_a_scalar_cannot_be(curvature):
 
 
 def test_scalar_of_an_expression():
-    """A frame makes scalars from numbers and expressions, but not from text."""
+    """A frame makes scalars from numbers, expressions and text about its symbols."""
     scalar = POLAR.scalar(R**2, "h", "height")
     assert "height h" in repr(scalar)
     assert POLAR.scalar(3)[()] == 3
-    with pytest.raises(ExpressionError, match="scalar: 'r' is text"):
-        POLAR.scalar("r")
+    assert POLAR.scalar("r**2")[()] == R**2
+    with pytest.raises(ExpressionError, match="scalar: q is neither a coordinate"):
+        POLAR.scalar("q")
 
 
 def test_indices_of_other_kinds():

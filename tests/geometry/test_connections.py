@@ -92,7 +92,7 @@ def test_unknown_functions_with_a_signature():
     assert (shown.eta[0, 0], shown.eta[1, 1]) == (-1, 1)
 
 
-@pytest.mark.parametrize("signature", [5, "++", (1, 2), (1,), [[1, 2], [3, 4]], (1, "1"), None])
+@pytest.mark.parametrize("signature", [5, "+x", (1, 2), (1,), [[1, 2], [3, 4]], (1, "1"), None])
 def test_signatures_that_are_none(signature):
     """A number, a text, entries other than 1 and -1, or a wrong size is refused as signature."""
     makers = (

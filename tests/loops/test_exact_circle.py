@@ -48,7 +48,7 @@ def test_what_only_numbers_decide_is_refused():
     """Refused: a denominator that changes, a root whose sign changes, no closed form."""
     with pytest.raises(UndecidedError, match="changes along the circle"):
         exact_circle(load("screw_dislocation").frame, (2, 0, 0), R)
-    with pytest.raises(UndecidedError, match="roots whose sign"):
+    with pytest.raises(UndecidedError, match="choices of sign"):
         exact_circle(load("schwarzschild").frame, (0, 10, 1, 0), R, (1, 2))
     with pytest.raises(UndecidedError, match="no closed form"):
         exact_circle(load("frw_flat").frame, (0, 0, 0, 0), R)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +12,7 @@ import sympy as sp
 
 from geomtorsion.codegen import graph
 from geomtorsion.curves import edges_of
-from geomtorsion.geometry import cartan
+from geomtorsion.geometry import Frame, cartan
 from geomtorsion.loops import Hodograph, Loop, burgers_vector, develop, forms, hodograph
 from geomtorsion.outgoing import size_text
 from geomtorsion.pictures.loops import GAP, START
@@ -28,7 +29,6 @@ from geomtorsion.teaching.lab.space_info import is_around_the_axis, space_of
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from geomtorsion.geometry import Frame
     from geomtorsion.loops import BurgersVector
 
 PATH, IMAGE = SERIES[0], SERIES[2]
@@ -63,7 +63,7 @@ def closure_failure(
     if is_around_the_axis(space, centre, plane):
         return _around_the_axis(frame, values, [float(x) for x in centre], float(radius))
     loop = Loop.circle([float(x) for x in centre], float(radius), (first, second))
-    b = burgers_vector(frame, loop, parameters=values)
+    b = burgers_vector(_without_domain(frame), loop, parameters=values)
     expected = density(frame, b, first, second)
     names = [greek_name(symbol.name) for symbol in frame.coordinates]
     # Enough points for a smooth curve at 520 pixels, few enough to send with each move of a slider.
@@ -115,6 +115,19 @@ def _around_the_axis(
         "expected": [0.0] * len(centre),
         "error": float(motion.error),
     }
+
+
+@lru_cache(maxsize=16)
+def _without_domain(frame: Frame) -> Frame:
+    """The frame without its domain: the page reports a circle that leaves it, and continues."""
+    return Frame(
+        frame.coordinates,
+        frame.coframe.to_sympy(),
+        signature=frame.eta.to_sympy(),
+        parameters=frame.parameters,
+        complex=frame.complex,
+        name=frame.name,
+    )
 
 
 def _outside(frame: Frame, b: BurgersVector) -> str:

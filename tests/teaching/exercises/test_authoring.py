@@ -78,7 +78,7 @@ def test_the_teacher_gets_worked_solutions(tmp_path):
     """The teacher's page has the worked solutions; the other files do not."""
     *students, teacher = write_sheet("4", tmp_path, seed=1)
     page = teacher.read_text("utf-8")
-    assert page.count("Step by step") == 4
+    assert page.count("Step by step") == 5
     assert page.count("<code>equations</code>.</p>") == 1
     assert "<ol" in page
     for path in students:
