@@ -124,7 +124,7 @@ def burgers_vector(
     Examples
     --------
     >>> import sympy as sp
-    >>> from geomtorsion.geometry.connections import FrameLike, as_frame
+    >>> from geomtorsion.geometry import Frame
     >>> x, y, z = sp.symbols("x y z")
     >>> frame = Frame([x, y, z], [[1, 0, 0], [0, 1, 0], [-y, x, 1]])
     >>> b = burgers_vector(frame, Loop.circle([5, 0, 0], 1e-9))
