@@ -47,7 +47,7 @@ def values() -> dict[str, Callable[[], Any]]:
         "Cochain": lambda: gt.Cochain.of_edges([[0, 1], [1, 0]], [[3, 0], [-3, 0]]),
         "Complex": lambda: gt.Complex.grid((4, 3)),
         "ComponentTable": lambda: so3.metric.table("abc"),
-        "Integrability": lambda: gt.spaces.load("rolling_disc").connection.integrable,
+        "Integrability": lambda: gt.spaces.load("rolling_disc").own_connection().integrable,
         "ParallelVolume": lambda: gt.cartan(so3).transposed.volume,
         "Crystal": lambda: gt.crystals.Crystal(atoms, np.diag([18.0] * 3)),
         "Diffusion": lambda: gt.diffusion(gt.cartan(so3)),

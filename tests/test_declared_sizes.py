@@ -162,7 +162,8 @@ TEXTS = {
     "a.toml.gz": read_toml,
 }
 HEADS = {
-    "a.dump.gz": "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n50000000\nITEM: BOX BOUNDS\nITEM: ATOMS x\n",
+    "a.dump.gz": "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n50000000\nITEM: BOX BOUNDS\n"
+    "ITEM: ATOMS x\n",
     "a.xyz.gz": "50000000\nx\nFe 0 0 0\n",
     "a.lmp.gz": "LAMMPS data file\n\n",
     "network.data.gz": "dataFileVersion = 4\n",

@@ -1,5 +1,8 @@
 """Everyday lines, as a user types them, each with its result; and what slips are answered with."""
 
+# Slips of users, which a checker of types finds too.
+# pyright: reportAttributeAccessIssue=false, reportCallIssue=false, reportArgumentType=false
+
 import importlib
 import inspect
 import sys

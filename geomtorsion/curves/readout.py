@@ -120,7 +120,7 @@ def _at_edge(problem: CurveProblem, q: np.ndarray, accuracy: float) -> np.ndarra
         sizes = np.broadcast_to(np.abs(rows).max(axis=0, initial=0.0), rows.shape)
         left, reach = chart.edge_distances(place, accuracy * sizes.T)
         near = ~(np.abs(left) > reach)
-    return near.any(axis=0).reshape(q.shape[:-1])
+    return np.asarray(near.any(axis=0)).reshape(q.shape[:-1])
 
 
 def places(

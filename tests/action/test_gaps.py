@@ -1,5 +1,8 @@
 """Gaps of varied paths: closed forms, and the varied path itself as an independent run."""
 
+# Bad input is given on purpose.
+# pyright: reportArgumentType=false
+
 from __future__ import annotations
 
 import numpy as np

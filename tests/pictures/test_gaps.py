@@ -1,5 +1,8 @@
 """Figure of a gap: the images close, the paths in the space do not."""
 
+# Bad input is given on purpose; matplotlib declares data of lines loosely.
+# pyright: reportArgumentType=false, reportIndexIssue=false, reportOperatorIssue=false
+
 from __future__ import annotations
 
 import numpy as np

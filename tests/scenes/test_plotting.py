@@ -49,7 +49,7 @@ def test_a_figure_by_its_name():
     scene = Scene(Body(1.0, moments=(1, 2, 3)), (), start, t=2.0, samples=9, watch=("matrix",))
     result = scene.run()
     (axes,) = result.plot(figure="attitude").axes
-    lines = [np.array(line.get_data_3d()).T for line in axes.lines]
+    lines = [np.array(line.get_data_3d()).T for line in axes.lines]  # pyright: ignore[reportAttributeAccessIssue]
     spokes = [line for line in lines if len(line) == 2 and not line[0].any()]
     matrices = result["matrix"].reshape(-1, 3, 3)
     expected = [matrices[m][:, k] for k in range(3) for m in (0, -1)]
