@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import MISSING, fields
+from dataclasses import fields
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 import sympy as sp
@@ -15,6 +15,13 @@ from geomtorsion.outgoing import latex_formula
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+class Plot(Protocol):
+    """Method that draws a value as a figure."""
+
+    def __call__(self, **options: Any) -> Figure:
+        """Draw with options of the function of pictures."""
 
 
 def drawn_by(module: str, function: str) -> Callable[[Any], str]:
@@ -37,7 +44,7 @@ def drawn_by(module: str, function: str) -> Callable[[Any], str]:
     return drawn
 
 
-def figure_by(module: str, function: str) -> Callable[..., Figure]:
+def figure_by(module: str, function: str) -> Plot:
     """A method `plot` that draws a value: a function of a module of pictures.
 
     It takes the other arguments of the function, by name. `pictures.save` writes the figure.
@@ -88,7 +95,8 @@ def short_repr(self: Any) -> str:
     parts = []
     for one in fields(self):
         value = getattr(self, one.name)
-        if not one.repr or value is None or (one.default is not MISSING and value is one.default):
+        plain = isinstance(value, bool | int | float | str | tuple)
+        if not one.repr or value is None or (plain and value == one.default):
             continue
         array = isinstance(value, np.ndarray)
         parts.append(f"{one.name}={f'array{value.shape}' if array else cut(repr(value))}")

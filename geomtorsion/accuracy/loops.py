@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import mpmath
 import numpy as np
@@ -17,7 +17,7 @@ from mpmath.libmp import prec_to_dps
 
 from geomtorsion import checks
 from geomtorsion.accuracy.cost import ACCURACIES, LONG_ENOUGH
-from geomtorsion.displays import figure_by
+from geomtorsion.displays import Plot, figure_by
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import burgers_vector, forms, integrals
 from geomtorsion.loops.arcs import exact_number
@@ -81,7 +81,7 @@ class LoopCosts:
         good = [row for row in self.rows if row.error <= accuracy]
         return min(good, key=lambda row: row.seconds, default=None)
 
-    plot = figure_by("costs", "draw_loop_costs")
+    plot: ClassVar[Plot] = figure_by("costs", "draw_loop_costs")
 
     def __str__(self) -> str:
         head = f"{'rule':16}{'points':>8}{'asked':>9}{'error':>10}{'claimed':>10}{'time':>11}"

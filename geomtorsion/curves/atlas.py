@@ -323,7 +323,11 @@ class TransitionMap:
     sample: Mapping[sp.Symbol, Any] | None = None
     written: Written | None = None
 
-    __eq__, __hash__ = equal_content, content_hash
+    def __eq__(self, other: object) -> bool:
+        return equal_content(self, other)
+
+    def __hash__(self) -> int:
+        return content_hash(self)
 
     def __post_init__(self) -> None:
         for name in ("source", "target"):

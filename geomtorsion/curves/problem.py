@@ -108,7 +108,11 @@ class CurveProblem:
         default_factory=dict, repr=False, init=False
     )
 
-    __eq__, __hash__ = equal_content, content_hash
+    def __eq__(self, other: object) -> bool:
+        return equal_content(self, other)
+
+    def __hash__(self) -> int:
+        return content_hash(self)
 
     def __getstate__(self) -> dict[str, object]:
         return only_fields(self)

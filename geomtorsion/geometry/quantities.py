@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from geomtorsion.caching import cached_property
 from geomtorsion.checks import close_names, shown
-from geomtorsion.displays import drawn_by, figure_by
+from geomtorsion.displays import Plot, drawn_by, figure_by
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import frame_matrices
@@ -316,7 +316,7 @@ class DependencyGraph:
         return str(self)
 
     _repr_html_ = drawn_by("notebook_pictures", "plan_html")
-    plot = figure_by("notebook_pictures", "draw_plan")
+    plot: ClassVar[Plot] = figure_by("notebook_pictures", "draw_plan")
 
     def __str__(self) -> str:
         heading = f"{'step':<20}{'components':>11}{'products at most':>18}  what it is"

@@ -11,7 +11,7 @@ import sympy as sp
 
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
-from geomtorsion.displays import drawn_by, figure_by
+from geomtorsion.displays import Plot, drawn_by, figure_by
 from geomtorsion.errors import ArgumentError, TensorIndexError
 from geomtorsion.exact import Certainty, Element
 from geomtorsion.exact.element import least_certain
@@ -610,6 +610,6 @@ class Tensor:
         return notation.latex(self)
 
     _repr_html_ = drawn_by("notebook_tables", "tensor_html")
-    plot = figure_by("tensors", "draw_tensor")
+    plot: ClassVar[Plot] = figure_by("tensors", "draw_tensor")
     # A hook of sympy, which would mistake this class for a sympy tensor by its name.
     _latex, _pretty, _sympystr = notation.sympy_latex, notation.sympy_pretty, notation.sympy_text

@@ -5,10 +5,11 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
-from geomtorsion.displays import drawn_by, figure_by
+from geomtorsion.displays import Plot, drawn_by, figure_by
 from geomtorsion.errors import ArgumentError
 from geomtorsion.geometry import Connection
 from geomtorsion.geometry.connections import ConnectionLike, as_connection
@@ -192,7 +193,7 @@ class Development:
         """Development of the same loop from the end of a path that starts at the base point."""
         return self.motion.seen_from(path)
 
-    plot = figure_by("development", "draw_rolled_out")
+    plot: ClassVar[Plot] = figure_by("development", "draw_rolled_out")
     _repr_html_ = drawn_by("notebook_pictures", "development_html")
 
     def __repr__(self) -> str:

@@ -235,7 +235,11 @@ class VectorSum(Signed, FrameVector):
     power: int
     parameters: Mapping[str, Number]
 
-    __eq__, __hash__ = equal_content, content_hash
+    def __eq__(self, other: object) -> bool:
+        return equal_content(self, other)
+
+    def __hash__(self) -> int:
+        return content_hash(self)
 
     def __repr__(self) -> str:
         parts = ", ".join(f"{x:.12g}" for x in self.vector.tolist())

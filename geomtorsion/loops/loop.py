@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.displays import drawn_by, figure_by
+from geomtorsion.displays import Plot, drawn_by, figure_by
 from geomtorsion.errors import LoopError, MissingValueError
 from geomtorsion.hints import attribute_hints
 from geomtorsion.loops import constructors, validation
@@ -54,7 +54,7 @@ class Loop:
         return f"Loop {self.name!r} at {every}"
 
     _repr_html_ = drawn_by("notebook_pictures", "loop_html")
-    plot = figure_by("loops", "draw_loop")
+    plot: ClassVar[Plot] = figure_by("loops", "draw_loop")
 
     # -- constructors ---------------------------------------------------------------------------
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.displays import drawn_by, figure_by
+from geomtorsion.displays import Plot, drawn_by, figure_by
 from geomtorsion.errors import ChartEdgeError, LoopError, SingularPointError
 from geomtorsion.geometry import Frame
 from geomtorsion.geometry.connections import FrameLike, as_frame
@@ -79,7 +80,7 @@ class BurgersMap:
         return np.nansum(self.vectors.reshape(len(self.vectors), -1), axis=1)
 
     _repr_html_ = drawn_by("notebook_pictures", "map_html")
-    plot = figure_by("loops", "draw_map")
+    plot: ClassVar[Plot] = figure_by("loops", "draw_map")
 
     def __repr__(self) -> str:
         text = f"BurgersMap({self.done} of {self.areas.size} loops, {self.seconds:.2g} s"

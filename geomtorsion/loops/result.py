@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from geomtorsion.caching import cached_property
 from geomtorsion.conventions import Signed
 from geomtorsion.copies import content_hash, equal_content
-from geomtorsion.displays import drawn_by, figure_by
+from geomtorsion.displays import Plot, drawn_by, figure_by
 from geomtorsion.exclusive import exclusive
 from geomtorsion.hints import attribute_hints
 from geomtorsion.loops import validation
@@ -43,7 +43,11 @@ class Check:
     agrees: bool | None
     text: str
 
-    __eq__, __hash__ = equal_content, content_hash
+    def __eq__(self, other: object) -> bool:
+        return equal_content(self, other)
+
+    def __hash__(self) -> int:
+        return content_hash(self)
 
     @property
     def difference(self) -> np.ndarray | None:
@@ -89,7 +93,11 @@ class BurgersVector(Signed, FrameVector):
     parameters: Mapping[str, Number]
 
     # Two equal computations are equal, however long they took.
-    __eq__, __hash__ = equal_content, content_hash
+    def __eq__(self, other: object) -> bool:
+        return equal_content(self, other)
+
+    def __hash__(self) -> int:
+        return content_hash(self)
 
     @property
     def reached(self) -> bool:
@@ -162,7 +170,7 @@ class BurgersVector(Signed, FrameVector):
         }
 
     _repr_html_ = drawn_by("notebook_pictures", "burgers_html")
-    plot = figure_by("loops", "draw_closure")
+    plot: ClassVar[Plot] = figure_by("loops", "draw_closure")
 
     def __repr__(self) -> str:
         parts = ", ".join(f"{x:.12g}" for x in self.vector.tolist())

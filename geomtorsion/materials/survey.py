@@ -7,11 +7,12 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
 from geomtorsion.caching import cached_property
-from geomtorsion.displays import figure_by
+from geomtorsion.displays import Plot, figure_by
 from geomtorsion.files import written
 from geomtorsion.materials.burgers import (
     Covariance,
@@ -356,7 +357,7 @@ class Survey:
         with written(path) as part:
             write_npz(part, arrays)
 
-    plot = figure_by("measured", "draw_survey")
+    plot: ClassVar[Plot] = figure_by("measured", "draw_survey")
 
     def __repr__(self) -> str:
         where = "" if self.known.all() else f", {int((~self.known).sum())} {self.missing}"

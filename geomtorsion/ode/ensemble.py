@@ -6,14 +6,14 @@ import math
 import time
 from collections.abc import Iterator, KeysView, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.copies import only_fields
-from geomtorsion.displays import drawn_by, figure_by, key_completions
+from geomtorsion.displays import Plot, drawn_by, figure_by, key_completions
 from geomtorsion.errors import AccuracyError, GeomtorsionError, StartError, TimeError
 from geomtorsion.hints import argument_hints, attribute_hints
 from geomtorsion.ode.batch import batch_method
@@ -168,7 +168,7 @@ class Ensemble:
 
     __repr__ = __str__
     _repr_html_ = drawn_by("notebook_pictures", "solution_html")
-    plot = figure_by("solutions", "draw_solution")
+    plot: ClassVar[Plot] = figure_by("solutions", "draw_solution")
     _ipython_key_completions_ = key_completions
 
 

@@ -30,8 +30,11 @@ class Moment(Mapping[str, np.ndarray]):
     values: Mapping[str, np.ndarray]  # type: ignore[assignment]  # a field, not the method
     whole: tuple[str, ...] = ()
 
-    __eq__ = equal_content
-    __hash__ = content_hash  # type: ignore[assignment]  # a mapping has none, a frozen one has
+    def __eq__(self, other: object) -> bool:
+        return equal_content(self, other)
+
+    def __hash__(self) -> int:
+        return content_hash(self)
 
     def __repr__(self) -> str:
         parts = ", ".join(f"{name} = {values_text(self[name])}" for name in self)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, KeysView, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from geomtorsion.caching import cached_property
 from geomtorsion.codegen.arrays import BLOCK
 from geomtorsion.codegen.steps import ROUNDINGS
 from geomtorsion.copies import only_fields
-from geomtorsion.displays import drawn_by, figure_by, key_completions
+from geomtorsion.displays import Plot, drawn_by, figure_by, key_completions
 from geomtorsion.errors import ArgumentError, ExpressionError, TimeError
 from geomtorsion.hints import attribute_hints
 from geomtorsion.ode.error_estimate import CHANCE, SAFETY, UNALIKE, difference, rounding
@@ -526,7 +526,7 @@ class Solution:
         return str(self)
 
     _repr_html_ = drawn_by("notebook_pictures", "solution_html")
-    plot = figure_by("solutions", "draw_solution")
+    plot: ClassVar[Plot] = figure_by("solutions", "draw_solution")
 
     _ipython_key_completions_ = key_completions
 

@@ -81,7 +81,8 @@ class Stage:
     groups: tuple[tuple[int, ...], ...] = ()
     kept: Callable[[State], State] | None = None
 
-    __getstate__ = only_fields
+    def __getstate__(self) -> dict[str, object]:
+        return only_fields(self)
 
     @cached_property
     def first(self) -> np.ndarray:
@@ -117,7 +118,8 @@ class Segment:
     head: int
     count: int
 
-    __getstate__ = only_fields
+    def __getstate__(self) -> dict[str, object]:
+        return only_fields(self)
 
     @property
     def label(self) -> str:

@@ -142,7 +142,11 @@ class Space:
     motion: FirstMotion | None = None
     embedding: Callable[[Frame], Embedding] | None = None
 
-    __eq__, __hash__ = equal_content, content_hash
+    def __eq__(self, other: object) -> bool:
+        return equal_content(self, other)
+
+    def __hash__(self) -> int:
+        return content_hash(self)
 
     def own_connection(self) -> Connection:
         """The connection of the space, or the Cartan connection of its frame.
