@@ -8,11 +8,14 @@ import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
+from typing import TypeVar, cast
 
 from geomtorsion.checks import cut, did_you_mean, shown
-from geomtorsion.errors import ExpressionError, UnitError
+from geomtorsion.errors import ExpressionError, GeomtorsionError, UnitError
 from geomtorsion.exact import parse_expression
 from geomtorsion.exclusive import exclusive
+
+T = TypeVar("T")
 
 # Exponents of kilogram, metre, second, ampere and angle.
 _Powers = tuple[int, int, int, int, int]
@@ -244,6 +247,34 @@ def quantity(value: object, field: str = "") -> float:
         written = value if isinstance(value, str) else shown(value)
         raise ExpressionError(f"expected a finite number, got {cut(written)}.")
     return number
+
+
+def in_unit(value: T, field: str, name: str, error: type[GeomtorsionError]) -> T:
+    """The value with texts such as "3 rpm" read in the unit of a field, also within lists.
+
+    Everything else, such as a text without a number, stays as it is, for the checks of its own.
+
+    Raises
+    ------
+    The given error, with the name
+        The unit is unknown, or measures something else.
+
+    Examples
+    --------
+    >>> from geomtorsion.errors import StartError
+    >>> in_unit(("30 rpm", 0, 1), "rad/s", "omega", StartError) == (math.pi, 0, 1)
+    True
+    """
+    if isinstance(value, str):
+        try:
+            return cast(T, quantity(value, field))
+        except ExpressionError:
+            return value
+        except UnitError as unread:
+            raise error(f"{name}: {unread}") from None
+    if isinstance(value, list | tuple):
+        return cast(T, tuple(in_unit(part, field, name, error) for part in value))
+    return value
 
 
 @exclusive

@@ -254,7 +254,7 @@ class Element(ABC):
 
     @property
     def certainty(self) -> Certainty:
-        """How sure the answer of is_zero is: proved, up to a chance of error, or undecided."""
+        """Whether the answer of `is_zero` is proved, up to a chance of error, or undecided."""
         return self._field.certainty(self)
 
     def as_fraction(self) -> Fraction:

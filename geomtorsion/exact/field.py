@@ -268,7 +268,7 @@ class Field(Tower):
         )
 
     def declare(self, symbols: Iterable[sympy.Symbol]) -> None:
-        """Adds parameters that come up later, such as the share of a blend."""
+        """Add parameters after the field was made, such as the share of a blend."""
         self._add_symbols([symbol for symbol in symbols if symbol not in self._symbol_elements])
 
     def _add_symbols(self, symbols: Sequence[sympy.Symbol]) -> None:
@@ -296,7 +296,7 @@ class Field(Tower):
         return self._reader.read_all([(where, expr)])[0]
 
     def read_all(self, entries: Iterable[tuple[str, Any]]) -> list[Element]:
-        """Reads expressions together, so that angles and exponents get one common basis."""
+        """Read expressions together, so that angles and exponents get one common basis."""
         return self._reader.read_all(entries)
 
     def from_json(self, data: Mapping[str, Any], functions: Iterable[str] = ()) -> Element:
@@ -327,7 +327,7 @@ class Field(Tower):
         return kept.reciprocal(self, element) if reciprocal is None else reciprocal
 
     def cleared(self, element: Element, largest: int) -> Element | None:
-        """1 over an element, multiplied out; None where a product would be above the largest."""
+        """1 over an element, multiplied out; None if a product would be larger than the limit."""
         return inverse(self, element, largest)
 
     def whole(self, element: Element) -> Element:
@@ -343,7 +343,7 @@ class Field(Tower):
         return expanded
 
     def brief(self, element: Element) -> Element | None:
-        """An element multiplied out, if that takes little."""
+        """An element multiplied out, if that is cheap."""
         return kept.multiplied_out(self, element, briefly=True)
 
     # The functions that do it are the methods themselves.
@@ -423,7 +423,7 @@ class Field(Tower):
         return point_of(self).square_class(element, roots)
 
     def certainty(self, element: Element) -> Certainty:
-        """How sure it is that an element vanishes or not."""
+        """Whether the answer of `is_zero` is proved, or the chance that it is wrong."""
         verdict = element.is_zero
         if not verdict:
             return UNDECIDED if verdict is None else PROVED

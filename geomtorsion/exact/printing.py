@@ -45,7 +45,7 @@ class TextPrinter(PrintedOnce, StrPrinter):
 
 
 class TexPrinter(PrintedOnce, LatexPrinter):
-    r"""What `sympy.latex` gives of an expression.
+    r"""Print an expression as `sympy.latex` does.
 
     Examples
     --------
@@ -55,5 +55,5 @@ class TexPrinter(PrintedOnce, LatexPrinter):
     """
 
     def doprint(self, expr: sp.Basic) -> str:
-        """The formula, in which no name is obeyed."""
+        """The formula; a name in it is text, never a LaTeX command."""
         return latex_formula(super().doprint(expr))

@@ -49,11 +49,11 @@ class Echelon:
         return len(self.rows)
 
     def add(self, row: Sequence[Element]) -> bool:
-        """Take a row in if it is independent of those before; whether it was."""
+        """Add a row if it is independent of the rows so far; True if it was."""
         return bool(self.extend([row]))
 
     def extend(self, rows: Iterable[Sequence[Element]]) -> list[list[Element]]:
-        """Take in the rows that are independent of those before and of each other; these rows."""
+        """Add the rows that are independent of the rows so far and of each other; return them."""
         zero = self.field.zero
         new = [list(row) for row in rows if any(x is not zero for x in row)]
         if not new or self.rank == self.width:
@@ -68,7 +68,7 @@ class Echelon:
         return added
 
     def rank_of_columns(self, columns: Sequence[int]) -> int:
-        """The rank of the rows cut to some columns."""
+        """Rank of some columns of the rows."""
         if not self.rows:
             return 0
         images = roomy_point_of(self.field).images([row[k] for row in self.rows for k in columns])

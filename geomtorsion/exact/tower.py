@@ -131,7 +131,7 @@ class Tower(ABC):
 
     @abstractmethod
     def certainty(self, element: Element) -> Certainty:
-        """How sure it is that an element vanishes or not."""
+        """Whether the answer of `is_zero` is proved, or the chance that it is wrong."""
 
     @abstractmethod
     def whole(self, element: Element) -> Element:
@@ -139,11 +139,11 @@ class Tower(ABC):
 
     @abstractmethod
     def brief(self, element: Element) -> Element | None:
-        """An element multiplied out, if that takes little."""
+        """An element multiplied out, if that is cheap."""
 
     @abstractmethod
     def cleared(self, element: Element, largest: int) -> Element | None:
-        """1 over an element, multiplied out; None where a product would be above the largest."""
+        """1 over an element, multiplied out; None if a product would be larger than the limit."""
 
     @abstractmethod
     def square_class(self, element: Element, roots: Generators) -> Generators | None:

@@ -144,7 +144,7 @@ class TruncatedField:
 
     @property
     def tables(self) -> object:
-        """What compiled code asks of an exact field: there is none of series."""
+        """Refused: compiled code needs an exact field, not series."""
         raise LimitError(
             f"expected exact components, got series in {self.symbol} cut after order "
             f"{self.order}. Take one order with tensor.order(k), or the frame that was expanded."
@@ -197,7 +197,7 @@ class TruncatedField:
         self.base.settle()
 
     def declare(self, symbols: Iterable[sympy.Symbol]) -> None:
-        """Add parameters that come up later."""
+        """Add parameters after the field was made."""
         self.base.declare(symbols)
 
     def with_symbol(self, symbol: sympy.Symbol, value: Value) -> Field:
@@ -310,7 +310,7 @@ class TruncatedField:
         return Truncated(self, [part.conjugate() for part in element.parts])
 
     def certainty(self, element: Truncated) -> Certainty:
-        """How sure it is that a series vanishes or not."""
+        """Whether the answer of `is_zero` is proved, or the chance that it is wrong."""
         return least_certain(part.certainty for _, part in element.filled)
 
     # -- reading, writing and numbers ------------------------------------------------------------

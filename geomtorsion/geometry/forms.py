@@ -130,7 +130,7 @@ class Form:
 
     @cached_property
     def components(self) -> dict[Index, Element]:
-        """The components at increasing form indices that are not known to vanish."""
+        """Components at increasing form indices; those that vanish trivially are left out."""
         n, rank = self.frame.dimension, len(self.values)
         if callable(self.source):
             rule = self.source

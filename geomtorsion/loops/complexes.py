@@ -249,7 +249,7 @@ class Complex:
         return matrix
 
     def size(self, degree: int) -> int:
-        """How many nodes (0), edges (1), faces (2) or cells (3) there are."""
+        """Number of nodes (0), edges (1), faces (2) or cells (3)."""
         counts = (self.nodes, len(self.pairs), *(0 if x is None else x.shape[0] for x in self._up))
         return counts[degree]
 

@@ -56,9 +56,9 @@ def fingerprint(problem: Problem, times: np.ndarray, accuracy: float, engine: En
 
 
 class Checkpoint:
-    """Finished parts by engine, tolerance and number; written to a file as they come.
+    """A file that holds the finished parts of a long run, so that a stopped run can continue.
 
-    path: NPZ file; key: fingerprint of the run.
+    path: NPZ file; key: a hash of the problem, times and accuracy.
     """
 
     def __init__(self, path: str | Path, key: str, *, overwrite: bool = False) -> None:
@@ -95,7 +95,7 @@ class Checkpoint:
         return self.metadata["parts"]
 
     def known(self, name: str, engine: Engine, stage: Stage, times: np.ndarray) -> Run | None:
-        """A part that is finished already."""
+        """A part that an earlier run finished; None if there is none."""
         record = self.parts.get(name)
         if record is None:
             return None
@@ -133,12 +133,12 @@ class Checkpoint:
             self.write()
 
     def begin(self) -> None:
-        """Write the file if there is none, so that a run that is stopped early is known."""
+        """Write the file if there is none, so that it also exists after an early stop."""
         if not self.path.exists():
             self.write()
 
     def write(self) -> None:
-        """Replace the file at once: it is always whole, the old one or the new one."""
+        """Replace the file in one step: a reader sees the old file or the new one, never a part."""
         began = time.perf_counter()
         try:
             with written(self.path.parent, is_folder=True), written(self.path) as part:
@@ -161,7 +161,7 @@ class Checkpoint:
         longest: float,
         roundings: Roundings | None,
     ) -> Runner:
-        """What makes the parts of one run, or takes them from the file."""
+        """A function that computes the parts of one run, or reads them from the file."""
 
         pattern = 0 if roundings is None else roundings.pattern
 

@@ -299,7 +299,7 @@ def _group_list(
 def check_lengths(
     states: Sequence[str], start: Sequence[Real], normalized: Sequence[Sequence[str]]
 ) -> None:
-    """Refuse a start whose length is not one where it should be."""
+    """Raise an error if a normalized group does not have length one at the start."""
     for names in normalized:
         length = math.hypot(*(float(start[states.index(name)]) for name in names))
         if abs(length - 1) > PRINTED:

@@ -48,16 +48,16 @@ from geomtorsion.progress import PATIENCE, bar
 @attribute_hints(t="ensemble.times")
 @dataclass(frozen=True, eq=False)
 class Ensemble:
-    """Many solved motions of one problem.
+    """Solutions of one problem from many starts.
 
-    problem: the solved problem, from many starts.
+    problem: the solved problem.
     times: shape (m,).
     errors: shape (number,), estimate of the largest relative error of each member, as in
         `Solution.error`; not a number for members that were not verified or not finished.
-    finished: shape (number,), which members reached the last time.
+    finished: shape (number,), True for members that reached the last time.
     interrupted: whether it was stopped by Ctrl-C.
-    engine, reason, tolerance: the engine that solved them, why, and its finest tolerance.
-    compile_seconds, run_seconds, check_seconds: what it cost.
+    engine, reason, tolerance: the engine, why it was chosen, and its finest tolerance.
+    compile_seconds, run_seconds, check_seconds: as in `Cost`.
 
     Arrays by name, as `ensemble["x"]`, have shape (number, m) or (number, m, k); they are not a
     number where a member is not finished.
@@ -273,7 +273,7 @@ def _engine(engine: Engine | None, problem: Problem) -> tuple[Engine, str]:
                 f"solve_many: expected an engine in double precision, got {engine.name} with "
                 f"{engine.precision} bits. Solve the motions one by one."
             )
-        return engine, "as asked"
+        return engine, "as requested"
     if not problem.first_stage(53, 0.0).system.has_series:
         return RungeKutta(), "a function has no Taylor series: motions stacked into one system"
     if is_available():

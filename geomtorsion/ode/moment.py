@@ -15,11 +15,11 @@ from geomtorsion.errors import UnknownNameError
 
 @dataclass(frozen=True, eq=False)
 class Moment(Mapping[str, np.ndarray]):
-    """Everything that is known of a motion at some times, by name.
+    """All quantities of a motion at some times, by name.
 
-    time: as asked, shape (...).
+    time: the requested times, shape (...).
     values: name -> array; one number of a motion has shape (...), a vector (..., number).
-    whole: names of vectors whose components also have names.
+    whole: names of the vectors, such as "velocity"; their components have names of their own.
 
     For a curve: "coordinates" q^mu, "velocity" q'^mu, "frame_velocity" u^i, "transported" (the
     transported vectors), and each component by its own name. For other equations: "states" and

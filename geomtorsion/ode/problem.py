@@ -42,9 +42,9 @@ class ODE:
     start: numbers in the order of the states, at t = 0.
     parameters: name -> number, the initial values.
     invariants, outputs: name -> expression, or expressions that make a vector.
-    events: changes at given times, in order of time.
-    normalized: groups of states that have length one together.
-    name: what it is called.
+    events: changes at fixed times, in order of time.
+    normalized: groups of states that form a unit vector, such as the four of a quaternion.
+    name: used in tables and files.
 
     Examples
     --------
@@ -176,7 +176,7 @@ class ODE:
 
     @property
     def time_name(self) -> str:
-        """What the time is called in messages."""
+        """Name of the time in messages."""
         return self.rates.time
 
     @cached_property
@@ -228,7 +228,7 @@ class ODE:
         return problem
 
     def check_lengths(self) -> None:
-        """Refuse a start whose length is not one where it should be."""
+        """Raise an error if a normalized group does not have length one at the start."""
         constructor.check_lengths(self.states, self.start, self.normalized)
 
     # -- showing ---------------------------------------------------------------------------------
@@ -261,7 +261,7 @@ class ODE:
     # -- for the solver --------------------------------------------------------------------------
 
     def check_start(self) -> None:
-        """Refuse a start at which the motion has ended already."""
+        """Raise an error if a condition that ends the motion holds at the start."""
         room = self._room(0.0, self.start, self.parameters)
         if not room >= 0:
             raise StartError(
@@ -400,11 +400,11 @@ class ODE:
         return self.unit_rows(states[:, : self.size])
 
     def read_gaps(self, *_trajectories: object) -> list[tuple[np.ndarray, float]]:
-        """Nothing but states is read at the samples, apart from outputs."""
+        """Empty: only states and outputs are read at the samples."""
         return []
 
     def member_gaps(self, *_rows: object) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Nothing but states is read off members, apart from outputs."""
+        """Empty: only states and outputs are read from members."""
         return []
 
     def together(self, name: str) -> tuple[str, ...]:
@@ -590,7 +590,7 @@ class ODE:
         return table
 
     def stuck_error(self, trajectory: Trajectory) -> StuckError:
-        """Where a motion got stuck, why, and what can be done."""
+        """The error that says where a motion got stuck, why, and what to do."""
         segment = trajectory.segments[-1]
         last = np.array([float(x) for x in segment.last])[: self.size]
         reached = float(trajectory.reached)

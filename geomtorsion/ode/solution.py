@@ -32,12 +32,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Cost:
-    """What a solution cost.
+    """Steps and seconds that a solution took.
 
     steps, evaluations: of the answer, without the run that gave the error estimate.
-    compile_seconds: compilation, of all runs; zero where everything was kept from before.
+    compile_seconds: compilation in all runs; zero if the compiled code was in memory.
     run_seconds: integration of the answer.
-    check_seconds: integration of everything else: finer runs, answers that were not good enough.
+    check_seconds: integration of all other runs: finer runs, and answers that were not accurate
+        enough.
     """
 
     steps: int
@@ -83,7 +84,7 @@ class Problem(Protocol):
 
     @property
     def time_name(self) -> str:
-        """What the time is called in messages."""
+        """Name of the time in messages."""
         ...
 
     def check_start(self) -> None:

@@ -59,7 +59,7 @@ def solve(
     *,
     overwrite: bool = False,
 ) -> Solution:
-    """Solve a motion so that the result, not each step, is as accurate as asked.
+    """Solve a motion so that the result, not only each step, has the requested accuracy.
 
     Each answer comes with its error: it is compared with a run two orders finer that starts a
     rounding away (see `error_estimate`). The tolerance goes down until the error is below the
@@ -320,7 +320,7 @@ def engines(
 ) -> Iterator[tuple[Engine, str]]:
     """Engines in the order in which to try them, each with the reason."""
     if engine is not None:
-        yield engine, "as asked"
+        yield engine, "as requested"
         return
     has_series = problem.first_stage(53, 0.0).system.has_series
     if not (is_available() and has_series):

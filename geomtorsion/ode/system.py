@@ -293,9 +293,9 @@ class Run:
 
 
 class WorkLimitError(LimitError):
-    """A run needs more work than it may do.
+    """A run reached its limit of steps or evaluations.
 
-    args: what there was too much of, the time reached, what to do, the name of the time.
+    args: the limit, the time reached, a remedy, and the name of the time.
     """
 
     def __str__(self) -> str:
@@ -303,7 +303,7 @@ class WorkLimitError(LimitError):
         return f"the solver needs more than {work}; it reached {name} = {reached:.6g}. {advice}"
 
     def counted(self, unit: float, name: str = "t") -> WorkLimitError:
-        """The same in other units of time, whose name may be another one."""
+        """The same error with its time in another unit, and with another name of the time."""
         work, reached, advice, _ = self.args
         return type(self)(work, reached * unit, advice, name)
 

@@ -118,10 +118,10 @@ def number(value: Any, what: str) -> Real:
 
 @dataclass(frozen=True)
 class At:
-    """From exactly this time on a parameter has a new value, or a state starts from a new one.
+    """A change at a fixed time: a parameter gets a new value, or a state is set to a new value.
 
-    time: from t = 0 on.
-    changes: name of a parameter or state -> number.
+    time: at which the change happens, 0 or later.
+    changes: name of a parameter or state -> its new number.
 
     Examples
     --------
@@ -137,9 +137,9 @@ class At:
 
 @dataclass(frozen=True)
 class When:
-    """The motion ends where an expression falls through zero.
+    """A condition that ends the motion: an expression changes from positive to negative.
 
-    falls: text or sympy, over states, parameters and the time.
+    falls: the expression, text or sympy, in the states, the parameters and the time.
 
     Examples
     --------

@@ -16,9 +16,10 @@ from geomtorsion.caching import cached_property
 from geomtorsion.displays import short_repr
 from geomtorsion.errors import BodyError, SceneError
 from geomtorsion.precision import CALCULATED
+from geomtorsion.units import in_unit
 
 # A number as users give it: exact ones stay exact. An expression may also be text.
-Number = float | Fraction | sp.Expr
+Number = float | Fraction | sp.Expr | str
 Expression = Number | str
 
 
@@ -29,6 +30,8 @@ class Body:
     mass: kg.
     moments: principal moments of inertia about the body axes 1, 2, 3 (kg m^2).
     inertia: instead of `moments`, the tensor in body axes, 3 x 3 (kg m^2), symmetric.
+
+    Numbers may be texts with a unit, such as "200 g".
 
     Raises
     ------
@@ -42,6 +45,8 @@ class Body:
     [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 3.0]]
     >>> Body.box(12.0, (1, 2, 3)).moments
     (13.0, 10.0, 5.0)
+    >>> Body(mass="200 g", moments=("5 g m^2", "5 g m^2", "8 g m^2")).moments
+    (0.005, 0.005, 0.008)
     >>> Body(mass=1.0, moments=(1, 2, -4))
     Traceback (most recent call last):
     geomtorsion.errors.BodyError: moments[2] = -4: expected a positive number (kg m^2).
@@ -55,6 +60,8 @@ class Body:
 
     def __post_init__(self) -> None:
         """Check, and keep tuples."""
+        for key, unit in (("mass", "kg"), ("moments", "kg m^2"), ("inertia", "kg m^2")):
+            object.__setattr__(self, key, in_unit(getattr(self, key), unit, key, BodyError))
         positive(self.mass, "mass", "kg")
         if (self.moments is None) == (self.inertia is None):
             phrase = "neither" if self.moments is None else "both"
@@ -75,6 +82,7 @@ class Body:
         >>> Body.box(3.0, (2, 2, 2)).moments
         (2.0, 2.0, 2.0)
         """
+        mass, sides = _in_units(mass, sides=sides)
         return cls(positive(mass, "mass", "kg"), box_moments(mass, sides))
 
     @classmethod
@@ -86,6 +94,7 @@ class Body:
         >>> Body.ellipsoid(5.0, (1, 1, 1)).moments
         (2.0, 2.0, 2.0)
         """
+        mass, semiaxes = _in_units(mass, semiaxes=semiaxes)
         return cls(positive(mass, "mass", "kg"), ellipsoid_moments(mass, semiaxes))
 
     @classmethod
@@ -97,6 +106,7 @@ class Body:
         >>> Body.cylinder(4.0, 1.0, 0.0).moments
         (1.0, 1.0, 2.0)
         """
+        mass, radius, height = _in_units(mass, radius=radius, height=height)
         return cls(positive(mass, "mass", "kg"), cylinder_moments(mass, radius, height))
 
     @classmethod
@@ -313,6 +323,12 @@ def _positives(values: object, name: str, three: str, unit: str) -> tuple[Number
     for k, value in enumerate(numbers):
         positive(value, f"{name}[{k}]", unit)
     return numbers
+
+
+def _in_units(mass: Number, **lengths: Any) -> list[Any]:
+    """A mass and lengths, texts read in kg and m."""
+    read = [in_unit(value, "m", name, BodyError) for name, value in lengths.items()]
+    return [in_unit(mass, "kg", "mass", BodyError), *read]
 
 
 def _exact(value: Number) -> Fraction:

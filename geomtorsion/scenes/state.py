@@ -13,6 +13,7 @@ from geomtorsion.displays import short_repr
 from geomtorsion.errors import StartError
 from geomtorsion.rigid import attitude
 from geomtorsion.scenes.body import Number
+from geomtorsion.units import in_unit
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,8 @@ class State:
     position, velocity: of the centre of mass in space axes, m and m/s; 0 if not given.
     euler_convention: one of 24 names, see `geomtorsion.rigid.attitude`.
 
+    Numbers may be texts with a unit, such as "100 rpm".
+
     Raises
     ------
     StartError
@@ -38,6 +41,8 @@ class State:
     --------
     >>> State(omega=(0, 0, 20), euler=(0, 0.3, 0)).attitude.round(6).tolist()
     [0.988771, 0.0, 0.149438, 0.0]
+    >>> State(omega=(0, 0, "60 rpm"), euler=(0, "90 deg", 0)).omega
+    (0, 0, 6.283185307179586)
     >>> State(omega=(0, 0, 1), quaternion=(0, 0, 0, 0))
     Traceback (most recent call last):
     geomtorsion.errors.StartError: quaternion: expected length 1, got 0. Use \
@@ -62,7 +67,8 @@ class State:
             ("omega", "rad/s"), ("euler", "rad"), ("position", "m"), ("velocity", "m/s"),
         ):  # fmt: skip
             if getattr(self, key) is not None:
-                object.__setattr__(self, key, _three(getattr(self, key), key, unit))
+                values = in_unit(getattr(self, key), unit, key, StartError)
+                object.__setattr__(self, key, _three(values, key, unit))
         keys = [k for k in ("euler", "quaternion", "matrix") if getattr(self, k) is not None]
         if len(keys) > 1:
             raise StartError(

@@ -341,7 +341,7 @@ def test_asking_too_much_says_so():
 def test_choice_of_engine():
     """The default is Taylor where it is installed, else Runge-Kutta; a given engine is used."""
     assert solve(swing(), 1.0).engine == ("Taylor" if is_available() else "RungeKutta")
-    assert solve(swing(), 1.0, 1e-7, Stiff()).reason == "as asked"
+    assert solve(swing(), 1.0, 1e-7, Stiff()).reason == "as requested"
 
 
 def test_zero_time():

@@ -196,7 +196,7 @@ def test_why_is_said():
     """The result names the chosen engine and the reason."""
     sol = solve(problems()["so3"], 1.0)
     assert ("heyoka is" in sol.reason) == (sol.engine in ("Taylor", "RungeKutta"))
-    assert solve(problems()["so3"], 1.0, engine=RungeKutta()).reason == "as asked"
+    assert solve(problems()["so3"], 1.0, engine=RungeKutta()).reason == "as requested"
     assert "error below" in str(sol)
 
 

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from geomtorsion.errors import StartError, UnknownNameError
-from geomtorsion.scenes import State
+from geomtorsion.errors import BodyError, SceneError, StartError, UnknownNameError
+from geomtorsion.scenes import Body, State
+from geomtorsion.scenes.effects import Spring
 from tests.scenes.brute import zyz
 
 
@@ -68,3 +69,34 @@ def test_unknown_convention():
         UnknownNameError, match="Euler angles: expected the name of a convention, got 'zzx'"
     ):
         State(euler=(0, 0, 0), euler_convention="zzx")
+
+
+@pytest.mark.parametrize(
+    ("call", "value"),
+    [
+        (lambda: State(omega=(0, 0, "60 rpm")).omega[2], 2 * np.pi),
+        (lambda: State(euler=("90 deg", 0, 0)).euler[0], np.pi / 2),
+        (lambda: State(position=("3 km", 0, 0)).position[0], 3000),
+        (lambda: Body("200 g", ("3 g m^2", 0.003, 0.003)).mass, 0.2),
+        (lambda: Body.box("3 kg", ("200 cm", 2, 2)).moments[0], 2),
+        (lambda: Body.cylinder(4, "1 m", "0 m").moments[2], 2),
+        (lambda: Spring("2 N/cm").stiffness, 200),
+    ],
+)
+def test_texts_with_units(call, value):
+    """Numbers of bodies, starts and effects may be texts with a unit."""
+    assert call() == pytest.approx(value, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "words"),
+    [
+        (lambda: State(omega=(0, 0, "60 kg")), StartError, "omega: expected a value in rad/s, got"),
+        (lambda: Body("2 m", (1, 1, 1)), BodyError, "mass: expected a value in kg, got the unit m"),
+        (lambda: Spring("2 kg"), SceneError, "spring.stiffness: expected a value in N/m, got"),
+    ],
+)
+def test_units_that_measure_something_else(call, error, words):
+    """A wrong unit is named with its field."""
+    with pytest.raises(error, match=words):
+        call()

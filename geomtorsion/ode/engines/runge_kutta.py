@@ -54,12 +54,12 @@ class RungeKutta(_Ladder):
 
     Systems of few states step on plain floats, larger ones in scipy.
 
-    max_evaluations: after so many evaluations of the rates the run is given up.
+    max_evaluations: a run that needs more evaluations of the rates raises an error.
 
     Raises
     ------
     ArgumentError
-        max_evaluations is not a whole number from 1 on.
+        max_evaluations is not a positive integer.
 
     Examples
     --------
@@ -121,12 +121,12 @@ class Stiff(_Ladder):
     """Implicit solvers (scipy Radau or LSODA) with the exact Jacobian.
 
     method: "Radau" or "LSODA".
-    max_evaluations: after so many evaluations of the rates the run is given up.
+    max_evaluations: a run that needs more evaluations of the rates raises an error.
 
     Raises
     ------
     ArgumentError
-        The method is none of the two, or max_evaluations no whole number from 1 on.
+        The method is not "Radau" or "LSODA", or max_evaluations is not a positive integer.
 
     Examples
     --------
@@ -146,7 +146,7 @@ class Stiff(_Ladder):
 
     @property
     def name(self) -> str:
-        """How it is called in tables."""
+        """Its name in tables."""
         return f"Stiff({self.method})"
 
     def run(

@@ -271,7 +271,7 @@ class Taylor:
     """Adaptive Taylor series by heyoka (extra `fast`).
 
     precision: bits of the mantissa: 53 (double), 64 (long double), 113 (quadruple) to 400.
-    max_steps: after so many steps a run is given up.
+    max_steps: a run that needs more steps raises an error.
 
     Raises
     ------
@@ -299,7 +299,7 @@ class Taylor:
 
     @property
     def name(self) -> str:
-        """How it is called in tables."""
+        """Its name in tables."""
         return "Taylor" if self.precision == 53 else f"Taylor({self.precision})"
 
     @property

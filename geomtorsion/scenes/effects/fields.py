@@ -14,6 +14,7 @@ from geomtorsion.exact import parse_expression
 from geomtorsion.scenes.body import Expression, Number, exact
 from geomtorsion.scenes.context import GROUPS, Context
 from geomtorsion.scenes.effects.protocol import Effect, Switch, symbols_in
+from geomtorsion.units import in_unit
 
 _STATE = frozenset(symbol.name for group in GROUPS.values() for symbol in group)
 _SHORT = "t, Omega1..3, n1..3, R11..R23, q0..q3, x, y, z, vx, vy, vz"
@@ -21,7 +22,7 @@ SIGNS = {"positive": "a number > 0", "not negative": "a number >= 0", "any": "a 
 
 
 def check_numbers(effect: Effect, *names: str, sign: str = "any") -> None:
-    """Check fields that have to be plain finite numbers, of a given sign.
+    """Check fields that have to be finite numbers, of a given sign; texts with a unit are read.
 
     Raises
     ------
@@ -32,6 +33,8 @@ def check_numbers(effect: Effect, *names: str, sign: str = "any") -> None:
     --------
     >>> from geomtorsion.scenes.effects import Gravity
     >>> check_numbers(Gravity(9.81), "g")
+    >>> Gravity("981 cm/s^2").g
+    9.81
     >>> check_numbers(Gravity(-1), "g", sign="positive")
     Traceback (most recent call last):
     geomtorsion.errors.SceneError: gravity.g = -1: expected a number > 0 (m/s^2).
@@ -40,6 +43,9 @@ def check_numbers(effect: Effect, *names: str, sign: str = "any") -> None:
         value = getattr(effect, name)
         measured = f" ({u})" if (u := effect.units().get(name)) else ""
         message = f"{effect.key}.{name} = {value!r}: expected {SIGNS[sign]}{measured}."
+        if isinstance(value, str):
+            value = in_unit(value, u or "", f"{effect.key}.{name}", SceneError)
+            object.__setattr__(effect, name, value)
         try:
             number = exact(value, name)
         except (SceneError, TypeError):

@@ -7,6 +7,7 @@ from typing import ClassVar
 
 from geomtorsion.scenes.body import Number
 from geomtorsion.scenes.context import Context
+from geomtorsion.scenes.effects.fields import check_numbers
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
 
 
@@ -35,6 +36,10 @@ class Gravity(Effect):
     title: ClassVar[str] = "uniform gravity, downwards"
 
     g: Number = field(default=9.81, metadata=unit("m/s^2"))
+
+    def __post_init__(self) -> None:
+        """Check the number."""
+        check_numbers(self, "g")
 
     def adds(self, context: Context) -> Contribution:
         """A force at the centre of mass, with its potential."""

@@ -122,7 +122,7 @@ def _check_times(effect: Thrust | BodyMoment) -> None:
     for name in ("start", "end"):
         if getattr(effect, name) is not None:
             check_numbers(effect, name)
-    if effect.end is not None and effect.end <= (effect.start or 0):
+    if effect.end is not None and float(effect.end) <= float(effect.start or 0):
         raise SceneError(
             f"{effect.key}: expected an end after the start at {effect.start or 0} s, got "
             f"{effect.end} s. Exchange them."
