@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from geomtorsion.caching import cached_property
 from geomtorsion.checks import array, cut, entries, flag, instance, shown
-from geomtorsion.codegen.balls import float_values
+from geomtorsion.codegen.balls import BallCode, float_values
 from geomtorsion.codegen.expression_graph import Graph, branch_check, graph
 from geomtorsion.codegen.printers import FUNCTIONS, compiled, python_body, python_source
 from geomtorsion.codegen.steps import Forward, Signed, Step
@@ -209,12 +209,15 @@ class Settled:
         """Recompute doubtful values in place; return the index of the first that fails."""
         dtype = values.dtype
         columns = np.broadcast_arrays(*(np.asarray(x, dtype=dtype) for x in arguments))
+        codes: dict[tuple[int, ...], BallCode] = {}
         for place in np.argwhere(doubtful.any(axis=0)):
             at = tuple(place.tolist())
             point = tuple(column[at].item() for column in columns)
-            which = np.flatnonzero(doubtful[(slice(None), *at)]).tolist()
-            outputs = [self.graph.outputs[k] for k in which]
-            recomputed = float_values(replace(self.graph, outputs=tuple(outputs)), point)
+            which = tuple(np.flatnonzero(doubtful[(slice(None), *at)]).tolist())
+            if which not in codes:
+                outputs = tuple(self.graph.outputs[k] for k in which)
+                codes[which] = BallCode(replace(self.graph, outputs=outputs))
+            recomputed = float_values(codes[which], point)
             for k, value in zip(which, recomputed, strict=True):
                 replacement = last_resort(k, point) if value is None else value
                 if replacement is None:

@@ -13,6 +13,7 @@ from typing import Any, Literal
 import sympy as sp
 from flint import acb, arb, arb_series, ctx, fmpq, fmpz
 
+from geomtorsion.caching import cached_property
 from geomtorsion.codegen.ball_functions import COMPLEX, NAN, REAL, UNIT, Ball
 from geomtorsion.codegen.evaluation import rational
 from geomtorsion.codegen.expression_graph import Graph, graph
@@ -206,16 +207,21 @@ class BallCode:
         """The numbers of the graph at the precision in use."""
         return constants(self.graph.steps)
 
-    def _function(self, kind: Kind) -> BallFunction:
-        return _compiled(source(self.graph.steps, self.graph.outputs, kind), kind)
+    @cached_property
+    def _real(self) -> BallFunction:
+        return _compiled(source(self.graph.steps, self.graph.outputs, "real"), "real")
+
+    @cached_property
+    def _complex(self) -> BallFunction:
+        return _compiled(source(self.graph.steps, self.graph.outputs, "complex"), "complex")
 
     def real_function(self) -> BallFunction:
         """(arguments, numbers) -> outputs, of arb and of arb_series."""
-        return self._function("real")
+        return self._real
 
     def complex_function(self) -> BallFunction:
         """(arguments, numbers, analytic) -> outputs, of acb."""
-        return self._function("complex")
+        return self._complex
 
     def real(self, arguments: Sequence[Ball]) -> list[Ball]:
         """Outputs at real balls, or at series of them."""
@@ -273,7 +279,7 @@ def innermost(error: BaseException) -> BaseException:
 # -- balls as floats -------------------------------------------------------------------------------
 
 
-def float_values(wanted: Graph, arguments: Sequence[Any]) -> list[float | complex | None]:
+def float_values(code: BallCode, arguments: Sequence[Any]) -> list[float | complex | None]:
     """Values that are right to the last digit but one of a float; None where there is none.
 
     The precision is doubled until the balls are small enough. A value indistinguishable from zero
@@ -282,15 +288,14 @@ def float_values(wanted: Graph, arguments: Sequence[Any]) -> list[float | comple
     Examples
     --------
     >>> x = sp.Symbol("x")
-    >>> float_values(graph(["x"], [1 - sp.cos(x), sp.log(x)]), [0.0])
+    >>> float_values(BallCode(graph(["x"], [1 - sp.cos(x), sp.log(x)])), [0.0])
     [0.0, None]
     """
     settled: dict[int, float | complex] = {}
-    code = BallCode(wanted)
     bits = 128
-    while bits <= LARGEST_BITS and len(settled) < wanted.size:
+    while bits <= LARGEST_BITS and len(settled) < code.graph.size:
         with ball_precision(bits):
-            if wanted.is_complex:
+            if code.graph.is_complex:
                 values = code.complex([acb(x) for x in arguments], analytic=False)
             else:
                 values = code.real([arb(x) for x in arguments])
@@ -298,7 +303,7 @@ def float_values(wanted: Graph, arguments: Sequence[Any]) -> list[float | comple
                 if k not in settled and _is_settled(value, bits):
                     settled[k] = _number(value)
         bits *= 2
-    return [settled.get(k) for k in range(wanted.size)]
+    return [settled.get(k) for k in range(code.graph.size)]
 
 
 def _number(value: Ball) -> float | complex:

@@ -12,7 +12,7 @@ import sympy
 from geomtorsion import errors
 from geomtorsion.checks import close_names, cut
 from geomtorsion.codegen import graph
-from geomtorsion.codegen.balls import float_values
+from geomtorsion.codegen.balls import BallCode, float_values
 from geomtorsion.errors import ExpressionError, LimitError
 from geomtorsion.teaching.exercises.entries import flat, index, kind, table_or_list
 from geomtorsion.teaching.exercises.equations import equations
@@ -142,7 +142,7 @@ def _without_unit(question: Question, text: str, where: str) -> tuple[str, float
 
 def _float(expr: sympy.Expr, where: str) -> float:
     """An expression without symbols as a number."""
-    [value] = float_values(graph([], [expr]), [])
+    [value] = float_values(BallCode(graph([], [expr])), [])
     number = math.nan if value is None or complex(value).imag else complex(value).real
     if not math.isfinite(number):
         raise ExpressionError(
