@@ -50,7 +50,7 @@ BELOW_THE_WALL = (
 )
 # Applications: from packages below the wall they import only names in __all__.
 ABOVE_THE_WALL = (
-    ("gravity", "materials"),
+    ("fits", "gravity", "materials"),
     ("accuracy", "pictures", "paper"),
     ("scenes",),
     ("teaching",),

@@ -16,8 +16,9 @@ from geomtorsion.caching import cached_property
 from geomtorsion.codegen import graph
 from geomtorsion.codegen.expression_graph import branch_check
 from geomtorsion.copies import content_hash, equal_content, only_fields
-from geomtorsion.curves import derivatives, readout
+from geomtorsion.curves import readout
 from geomtorsion.curves.atlas import Atlas, MovingPoint, atlas_of
+from geomtorsion.curves.derivatives import Beginning
 from geomtorsion.curves.equations import Equations, Law, velocity_names, written
 from geomtorsion.curves.readout import laid_out, start_lists
 from geomtorsion.curves.stops import (
@@ -28,7 +29,7 @@ from geomtorsion.curves.stops import (
     terms_in_chart,
     with_stops,
 )
-from geomtorsion.curves.transported import Carried, carrying
+from geomtorsion.curves.transported import Carried, Derivatives, carrying
 from geomtorsion.displays import drawn_by, latex_of
 from geomtorsion.errors import (
     AccuracyError,
@@ -216,13 +217,25 @@ class CurveProblem:
         """
         place = self.start if start is None else checked_start(self.frame, start, self.parameters)
         if velocity is None and frame_velocity is None:
-            moved = replace(self, start=place, coordinate_velocity=None)
-            return derivatives.renewed(moved)
+            return replace(self, start=place, coordinate_velocity=None)._renewed()
         speeds, rates = frame_velocities(
             self.frame, place, velocity, frame_velocity, self.parameters
         )
         moved = replace(self, start=place, frame_velocity=speeds, coordinate_velocity=rates)
-        return derivatives.renewed(moved)
+        return moved._renewed()
+
+    def _renewed(self) -> CurveProblem:
+        """The same curve; derivatives, if it has some, belong to its start."""
+        if not isinstance(self.carried, Derivatives):
+            return self
+        return replace(self, carried=self._given.derivatives(self.carried.by))
+
+    @property
+    def _given(self) -> Beginning:
+        """The numbers at the start, as they were given."""
+        names = self.coordinates if self.start is not None else ()
+        speeds = self.frame_velocity, self.coordinate_velocity
+        return Beginning(self.frame, names, self.start or (), *speeds, self.parameters)
 
     @property
     def variables(self) -> dict[str, Real]:
@@ -238,7 +251,7 @@ class CurveProblem:
         >>> list(p.variables)
         ['R', 'theta', 'phi', "theta'", "phi'"]
         """
-        return derivatives.variables(self)
+        return self._given.variables
 
     def with_values(self, values: Mapping[str, Real]) -> CurveProblem:
         """The same law with other `variables`, by name; nothing is compiled again.
@@ -251,7 +264,11 @@ class CurveProblem:
         >>> p.with_values({"R": 2.0, "theta": 1.2}).variables["R"]
         2.0
         """
-        return derivatives.with_values(self, values)
+        parameters, place, speeds = self._given.changed(values)
+        changed, start = replace(self, parameters=parameters), place or None
+        if self.coordinate_velocity is None:
+            return changed.with_start(start, frame_velocity=speeds)
+        return changed.with_start(start, velocity=speeds)
 
     def with_derivatives(self, by: object) -> CurveProblem:
         """The same curve with its derivatives by some of its `variables`, in its home chart.
@@ -274,7 +291,12 @@ class CurveProblem:
         >>> sorted(solution)[:3]
         ['dphi_dtheta', 'dtheta_dtheta', 'du1_dtheta']
         """
-        return derivatives.with_derivatives(self, by)
+        if self.carried is not None:
+            raise StartError(
+                "derivatives: expected a curve without vectors carried along, got one with them. "
+                "Solve the two problems one after the other."
+            )
+        return replace(self, carried=self._given.derivatives(by))
 
     def carry(self, carried: Carried) -> CurveProblem:
         """The same motion with transported vectors or a deviation."""

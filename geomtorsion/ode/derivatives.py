@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import Any
 
 import sympy as sp
 
@@ -13,9 +13,6 @@ from geomtorsion.errors import ExpressionError, StartError, UnknownNameError
 from geomtorsion.ode.numbers import Real
 from geomtorsion.ode.rates import Rates
 from geomtorsion.ode.terms import At, Terms
-
-if TYPE_CHECKING:
-    from geomtorsion.ode.problem import ODE
 
 # What sympy writes where it knows no smooth derivative.
 _UNSMOOTH = (sp.Derivative, sp.Subs, sp.DiracDelta)
@@ -76,57 +73,66 @@ def derivative(term: sp.Expr, rows: Mapping[sp.Symbol, sp.Expr], where: str) -> 
     return total
 
 
-def with_derivatives(problem: ODE, by: object) -> ODE:
-    """The equations with a state for the derivative of each state, and outputs for outputs.
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Equations with a start; the fields are those of `ODE`.
 
-    Equation
-    --------
-    (dx/dp)' = (df/dx) (dx/dp) + df/dp, with dx/dp = 1 at the start for p the start of x
+    variables: names of what may vary.
     """
-    rates = problem.rates
-    words = checked_by(by, tuple(problem.variables), "derivatives")
-    columns = [_Column(problem, word) for word in words]
-    expressions, groups = dict(rates.expressions), list(rates.norm_groups)
-    start, outputs = list(problem.start), dict(problem.outputs)
-    parameters: dict[str, Real] = dict(problem.parameters)
-    events = problem.events
-    _check_new(problem, columns)
-    for column in columns:
-        groups += [tuple(column.name(x) for x in group) for group in rates.norm_groups]
-        start += [int(name == column.by) for name in rates.states]
-        if column.switch:
-            parameters[column.switch] = 1
-    for column in columns:
-        expressions |= column.rates()
-        outputs |= column.outputs()
-        events = tuple(column.event(event) for event in events)
-    wide = Rates(
-        expressions, tuple(parameters), rates.time, rates.stop, tuple(groups), rates.declared
-    )
-    return replace(
-        problem, rates=wide, start=tuple(start), parameters=parameters, outputs=outputs,
-        events=events,
-    )  # fmt: skip
 
+    rates: Rates
+    start: tuple[Real, ...]
+    parameters: Mapping[str, Real]
+    outputs: Mapping[str, Terms]
+    events: tuple[At, ...]
+    variables: tuple[str, ...]
 
-def _check_new(problem: ODE, columns: Sequence[_Column]) -> None:
-    """Refuse a derivative whose name is taken, as on a second call."""
-    seen = {*problem.rates.names, *problem.outputs}
-    for column in columns:
-        names = [column.name(x) for x in (*problem.states, *problem.outputs)]
-        for name in [*names, *([column.switch] if column.switch else [])]:
-            if name in seen:
-                raise ExpressionError(
-                    f"derivatives: expected {name} to be free for a derivative, got a quantity of "
-                    "this name. Rename it, or request all derivatives at once."
-                )
-            seen.add(name)
+    def derivatives(self, by: object) -> dict[str, Any]:
+        """Fields with a state for the derivative of each state, and outputs for outputs.
+
+        Equation
+        --------
+        (dx/dp)' = (df/dx) (dx/dp) + df/dp, with dx/dp = 1 at the start for p the start of x
+        """
+        rates = self.rates
+        words = checked_by(by, self.variables, "derivatives")
+        columns = [_Column(self, word) for word in words]
+        self._check_new(columns)
+        expressions, groups = dict(rates.expressions), list(rates.norm_groups)
+        start, outputs, events = list(self.start), dict(self.outputs), self.events
+        parameters: dict[str, Real] = dict(self.parameters)
+        for column in columns:
+            groups += [tuple(column.name(x) for x in group) for group in rates.norm_groups]
+            start += [int(name == column.by) for name in rates.states]
+            if column.switch:
+                parameters[column.switch] = 1
+            expressions |= column.rates()
+            outputs |= column.outputs()
+            events = tuple(column.event(event) for event in events)
+        wide = Rates(
+            expressions, tuple(parameters), rates.time, rates.stop, tuple(groups), rates.declared
+        )
+        fields = {"rates": wide, "start": tuple(start), "parameters": parameters}
+        return {**fields, "outputs": outputs, "events": events}
+
+    def _check_new(self, columns: Sequence[_Column]) -> None:
+        """Refuse a derivative whose name is taken, as on a second call."""
+        seen = {*self.rates.names, *self.outputs}
+        for column in columns:
+            names = [column.name(x) for x in (*self.rates.states, *self.outputs)]
+            for name in [*names, *([column.switch] if column.switch else [])]:
+                if name in seen:
+                    raise ExpressionError(
+                        f"derivatives: expected {name} to be free for a derivative, got a quantity "
+                        "of this name. Rename it, or request all derivatives at once."
+                    )
+                seen.add(name)
 
 
 class _Column:
     """Derivatives of everything by one parameter, or by one number at the start."""
 
-    def __init__(self, problem: ODE, by: str) -> None:
+    def __init__(self, problem: Motion, by: str) -> None:
         self.problem, self.by = problem, by
         changed = [event for event in problem.events if by in event.changes]
         # From such an event on the parameter has another value, which does not change with it.
@@ -134,7 +140,7 @@ class _Column:
         self.switch = f"acts_{by}" if self.is_parameter and changed else ""
         self.rows: dict[sp.Symbol, sp.Expr] = {
             sp.Symbol(name, real=True): sp.Symbol(self.name(name), real=True)
-            for name in problem.states
+            for name in problem.rates.states
         }
         if self.is_parameter:
             one = sp.Symbol(self.switch, real=True) if self.switch else sp.S.One
@@ -166,7 +172,7 @@ class _Column:
     def event(self, event: At) -> At:
         """The event with what it does to derivatives: a state with a new value has none."""
         more: dict[str, Real] = {
-            self.name(name): 0 for name in event.changes if name in self.problem.states
+            self.name(name): 0 for name in event.changes if name in self.problem.rates.states
         }
         if self.switch and self.by in event.changes:
             more[self.switch] = 0

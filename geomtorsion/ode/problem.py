@@ -21,7 +21,7 @@ from geomtorsion.displays import drawn_by, latex_of
 from geomtorsion.errors import ExpressionError, StartError, StuckError
 from geomtorsion.hints import attribute_hints
 from geomtorsion.ode import constructor
-from geomtorsion.ode.derivatives import with_derivatives
+from geomtorsion.ode.derivatives import Motion
 from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment, Term
@@ -281,7 +281,8 @@ class ODE:
         x' = k*x
         dx_dk' = dx_dk*k + x
         """
-        return with_derivatives(self, by)
+        fields = self.rates, self.start, self.parameters, self.outputs, self.events
+        return replace(self, **Motion(*fields, tuple(self.variables)).derivatives(by))
 
     def check_lengths(self) -> None:
         """Refuse a start whose length is not one where it should be."""
