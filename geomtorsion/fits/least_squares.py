@@ -102,7 +102,7 @@ def least_squares(model: Model, first: Mapping[str, float], data: Data) -> Fit:
         )
     best = trials.at(result.x)
     covariance, directions = _covariance(names, best)
-    curved = _curved(trials, names, result.x, best, covariance)
+    curved = _curved(trials, names, result.x, best)
     return Fit(
         values=dict(zip(names, result.x.tolist(), strict=True)),
         covariance=covariance,
@@ -166,25 +166,18 @@ def _covariance(names: Sequence[str], best: Prediction) -> tuple[np.ndarray, tup
 
 
 def _curved(
-    trials: _Trials,
-    names: Sequence[str],
-    values: np.ndarray,
-    best: Prediction,
-    covariance: np.ndarray,
+    trials: _Trials, names: Sequence[str], values: np.ndarray, best: Prediction
 ) -> Direction | None:
     """The least certain direction, if a step of one sigma along it is not as linear slopes say."""
-    finite = np.flatnonzero(np.isfinite(np.diag(covariance)))
-    if not len(finite):
+    spectrum = _Spectrum(best)
+    last = int(spectrum.clear.sum()) - 1
+    if last < 0:
         return None
-    part = covariance[np.ix_(finite, finite)]
-    errors = np.sqrt(np.diag(part))
-    spread, rows = np.linalg.eigh(part / np.outer(errors, errors))
-    step = np.zeros(len(values))
-    step[finite] = rows[:, -1] * math.sqrt(spread[-1]) * errors
+    step = spectrum.rows[last] / spectrum.singular[last] / spectrum.scales
     for sign in (1.0, -1.0):
         residuals = trials.residuals(values + sign * step)
         rise = float(residuals @ residuals - best.residuals @ best.residuals)
         # One where the prediction is linear; errors are sigmas where it is not far from one.
         if not 0.5 < rise < 2:
-            return Direction({n: float(x) for n, x in zip(names, step, strict=True) if x})
+            return Direction({n: x for n, x in zip(names, step.tolist(), strict=True) if x})
     return None

@@ -90,6 +90,7 @@ def test_moments_of_a_free_top_have_no_scale():
     assert all(np.isinf(x) for x in fit.errors.values())
     assert "do not determine I1 and I2 and I3" in fit.warnings[0]
     assert fit.degrees == 3 * 40 - 2
+    assert len(fit.warnings) == 1
     assert json.loads(json.dumps(fit.to_json()))["errors"]["I1"] is None
     fixed = gt.fit(guess, TIMES, data, 1e-3, ["I2", "I3"])
     assert not fixed.warnings
