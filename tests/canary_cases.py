@@ -208,7 +208,7 @@ def public_functions() -> list[Case]:
         _public(
             "solve_many", problem=CURVE, starts=[[0, 0], [0, 1]], t=0.5, accuracy=1e-6,
             engine=QUICK, velocities=None, frame_velocities=[[1, 0], [1, 0]], check=1,
-            progress=None,
+            progress=None, executor=None,
         ),
         _of(
             "ODE", gt.ODE.of, rates={"x": "v", "v": "-k*x"}, start=[1, 0], parameters={"k": 1},
@@ -233,10 +233,11 @@ def public_functions() -> list[Case]:
         _public("exact_burgers_vector", frame=PLANE, loop=CIRCLE, seconds=5.0),
         _public(
             "burgers_vectors", frame=PLANE, centres=[[0, 0], [1, 0]], radius=0.5, plane=(0, 1),
-            accuracy=1e-6, parameters={},
+            accuracy=1e-6, parameters={}, executor=None,
         ),
         _public(
             "burgers_map", frame=PLANE, edges=([0, 1, 2], [0, 1]), plane=(0, 1), at=[0, 0],
+            executor=None,
             accuracy=1e-6, parameters={},
         ),
         _public(
