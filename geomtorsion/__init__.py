@@ -55,6 +55,7 @@ if TYPE_CHECKING:
         spinning,
     )
     from geomtorsion.exact import Certainty, parse_expression
+    from geomtorsion.fits import Fit, fit
     from geomtorsion.geometry import (
         Connection,
         Curvature,
@@ -216,6 +217,7 @@ _LATER = {
     "proofs": ("Proof", "prove"),
     "spaces.kerr_orbits": ("Frequencies", "KerrOrbit", "kerr_orbit"),
     "accuracy": ("CostRow", "CostTable", "accuracy_cost"),
+    "fits": ("Fit", "fit"),
     "scenes": (
         "Body", "Scene", "SceneCost", "StateSelection", "SceneResult", "State", "effects",
     ),
@@ -261,6 +263,7 @@ __all__ = [
     "Ensemble",
     "EquationsOfMotion",
     "ExactBurgersVector",
+    "Fit",
     "Form",
     "Frame",
     "FreeTop",
@@ -331,6 +334,7 @@ __all__ = [
     "exercises",
     "exponential_map",
     "find_defects",
+    "fit",
     "free_top",
     "from_coefficients",
     "from_contortion",

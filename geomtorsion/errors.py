@@ -180,6 +180,25 @@ class AccuracyError(GeomtorsionError, ArithmeticError):
         self.solution: Any = None
 
 
+class WorkerError(GeomtorsionError, RuntimeError):
+    """A worker of an executor ended without a result.
+
+    part: the number of its part of the job. partial: what the other workers finished, or None.
+    """
+
+    page = "howto/more_machines"
+
+    def __init__(self, message: str, part: int = 0, partial: Any = None) -> None:
+        super().__init__(message)
+        self.part: int = part
+        self.partial: Any = partial
+
+    @classmethod
+    def of(cls, error: Exception, part: int) -> "WorkerError":
+        """The error for whatever a worker raised."""
+        return cls(f"{type(error).__name__}: {error}", part)
+
+
 class ChartEdgeError(GeomtorsionError, ArithmeticError):
     """A motion ran out of its chart; `solution` holds everything computed so far, or None."""
 

@@ -199,12 +199,16 @@ def public_functions() -> list[Case]:
         _public("prove", result=SOLVED, digits=5, start=[0, 0], parameters={}),
         _public(
             "solve", problem=CURVE, t=[0, 0.5], accuracy=1e-6, engine=QUICK, checkpoint=None,
-            progress=None, overwrite=False,
+            progress=None, overwrite=False, derivatives=["x"],
+        ),
+        _public(
+            "fit", problem=gt.ODE.of({"x": "-k*x"}, [1], parameters={"k": 1}), times=[0.5, 1.0],
+            data={"x": [0.6, 0.4]}, sigma={"x": 0.1}, free=["k"], accuracy=1e-6, engine=QUICK,
         ),
         _public(
             "solve_many", problem=CURVE, starts=[[0, 0], [0, 1]], t=0.5, accuracy=1e-6,
             engine=QUICK, velocities=None, frame_velocities=[[1, 0], [1, 0]], check=1,
-            progress=None,
+            progress=None, executor=None,
         ),
         _of(
             "ODE", gt.ODE.of, rates={"x": "v", "v": "-k*x"}, start=[1, 0], parameters={"k": 1},
@@ -229,10 +233,11 @@ def public_functions() -> list[Case]:
         _public("exact_burgers_vector", frame=PLANE, loop=CIRCLE, seconds=5.0),
         _public(
             "burgers_vectors", frame=PLANE, centres=[[0, 0], [1, 0]], radius=0.5, plane=(0, 1),
-            accuracy=1e-6, parameters={},
+            accuracy=1e-6, parameters={}, executor=None,
         ),
         _public(
             "burgers_map", frame=PLANE, edges=([0, 1, 2], [0, 1]), plane=(0, 1), at=[0, 0],
+            executor=None,
             accuracy=1e-6, parameters={},
         ),
         _public(
@@ -621,8 +626,8 @@ def other_cases() -> list[Case]:
 # files, and the readers of files are tested.
 RESULTS = frozenset(
     "BurgersMap BurgersVector CostRow CostTable Development EnclosedDefect Ensemble "
-    "EquationsOfMotion ExactBurgersVector IdentityCheck LogMap NodeRule SavedSolution SceneCost "
-    "SceneResult Solution StateSelection Variation Atlas Chart CurveProblem DislocationNetwork "
-    "Engine LatticeBurgers LatticePhases Certainty Proof Linearization KerrOrbit "
-    "Frequencies Surface Symmetries Diffusion Integrability ParallelVolume".split()
+    "EquationsOfMotion ExactBurgersVector Fit IdentityCheck LogMap NodeRule SavedSolution "
+    "SceneCost SceneResult Solution StateSelection Variation Atlas Chart CurveProblem "
+    "DislocationNetwork Engine LatticeBurgers LatticePhases Certainty Proof Linearization "
+    "KerrOrbit Frequencies Surface Symmetries Diffusion Integrability ParallelVolume".split()
 )

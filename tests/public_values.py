@@ -53,6 +53,9 @@ def values() -> dict[str, Callable[[], Any]]:
         "Diffusion": lambda: gt.diffusion(gt.cartan(so3)),
         "DislocationNetwork": lambda: gt.DislocationNetwork.of_arrays(arrays),
         "EquationsOfMotion": lambda: gt.equations_of_motion(so3, energy),
+        "Fit": lambda: gt.fit(
+            gt.ODE.of({"x": "k"}, [0], parameters={"k": 1}), [1, 2], {"x": [2.1, 3.9]}, 0.1, ["k"]
+        ),
         "Form": lambda: gt.levi_civita(so3).curvature_form(),
         "FreeTop": lambda: gt.free_top((1, 2, 3), (0.1, 1, 0)),
         "Gravity": lambda: gt.effects.Gravity(9.81),

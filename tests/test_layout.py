@@ -38,7 +38,7 @@ BELOW_THE_WALL = (
     ("caching", "errors", "outgoing"),
     ("exclusive",),
     ("checks", "copies", "precision", "progress", "workers"),
-    ("allowance", "conventions", "displays", "files", "hints"),
+    ("allowance", "conventions", "displays", "executors", "files", "hints"),
     ("npz",),
     ("hdf5",),
     ("exact",),
@@ -50,7 +50,7 @@ BELOW_THE_WALL = (
 )
 # Applications: from packages below the wall they import only names in __all__.
 ABOVE_THE_WALL = (
-    ("gravity", "materials"),
+    ("fits", "gravity", "materials"),
     ("accuracy", "pictures", "paper"),
     ("scenes",),
     ("teaching",),

@@ -121,6 +121,9 @@ def test_commands_run(command, tmp_path, monkeypatch):
     written(tmp_path, copper_screw())
     if "chains.data" in command:
         DislocationNetwork.of_arrays(rings(20, seed=6)).save("chains.data")
+    if "track.csv" in command:
+        rows = "\n".join(f"{t},{1.5 + t / 100},{0.5 * t}" for t in range(1, 5))
+        Path("track.csv").write_text(f"t,theta,phi\n{rows}\n", "utf-8")
     result = CliRunner().invoke(app, shlex.split(command)[1:])
     assert result.exit_code == 0, result.output
     assert result.output.strip()

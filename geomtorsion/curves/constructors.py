@@ -361,7 +361,7 @@ def _posed(
     place = None if start is None else checked_start(frame, start, numbers)
     speeds, rates = frame_velocities(frame, place, velocity, frame_velocity, numbers)
     check_causal(frame, speeds, causal)
-    written: dict[str, Any] = {} if atlas else _written(frame, law_key(law))
+    written: dict[tuple[str, ...], Any] = {} if atlas else _written(frame, law_key(law))
     names = () if place is None else [symbol.name for symbol in frame.coordinates]
     stops = () if stop is None else read_stops(stop, names, velocity_names(frame), numbers)
     problem = CurveProblem(
@@ -373,7 +373,7 @@ def _posed(
 
 
 @derived
-def _written(frame: Frame, key: str) -> dict[str, Any]:
+def _written(frame: Frame, key: str) -> dict[tuple[str, ...], Any]:
     """The equations of a law by charts, filled as they are written; key: see law_key."""
     return {}
 

@@ -18,6 +18,7 @@ from geomtorsion.codegen.expression_graph import branch_check
 from geomtorsion.copies import content_hash, equal_content, only_fields
 from geomtorsion.curves import readout
 from geomtorsion.curves.atlas import Atlas, MovingPoint, atlas_of
+from geomtorsion.curves.derivatives import Beginning
 from geomtorsion.curves.equations import Equations, Law, velocity_names, written
 from geomtorsion.curves.readout import laid_out, start_lists
 from geomtorsion.curves.stops import (
@@ -28,7 +29,7 @@ from geomtorsion.curves.stops import (
     terms_in_chart,
     with_stops,
 )
-from geomtorsion.curves.transported import Carried, carrying
+from geomtorsion.curves.transported import Carried, Derivatives, carrying
 from geomtorsion.displays import drawn_by, latex_of
 from geomtorsion.errors import (
     AccuracyError,
@@ -77,7 +78,7 @@ class CurveProblem:
     frame_velocity: u^i = e^i_mu q'^mu at t = 0.
     parameters: name -> number.
     atlas: charts of the space.
-    carried: quantities carried along: transported vectors or a deviation.
+    carried: quantities carried along: transported vectors, a deviation or derivatives.
     coordinate_velocity: q'^mu at t = 0 where that was given; more digits of u^i come from it.
     stops: expressions; the curve ends where one of them decreases through zero.
 
@@ -101,7 +102,7 @@ class CurveProblem:
     carried: Carried | None = None
     coordinate_velocity: tuple[Real, ...] | None = None
     stops: tuple[Stop, ...] = ()
-    _written: dict[str, Equations] = field(default_factory=dict, repr=False)
+    _written: dict[tuple[str, ...], Equations] = field(default_factory=dict, repr=False)
     _stages: dict[tuple[int, float], Stage] = field(default_factory=dict, repr=False, init=False)
     _systems: dict[str, System] = field(default_factory=dict, repr=False, init=False)
     _beginnings: dict[int, tuple[str, MovingPoint]] = field(
@@ -125,11 +126,12 @@ class CurveProblem:
     def equations(self, chart: str | None = None) -> Equations:
         """The equations in a chart (the home chart if none is named), computed once."""
         name = "" if self.start is None else chart or self.atlas.home
-        if name not in self._written:
+        key = (name, *(self.carried.names() if self.carried else ()))
+        if key not in self._written:
             place = self.atlas.chart(name) if name else None
             plain = written(self.frame, self.law, place)
-            self._written[name] = carrying(plain, self.carried) if self.carried else plain
-        return self._written[name]
+            self._written[key] = carrying(plain, self.carried) if self.carried else plain
+        return self._written[key]
 
     @cached_property
     def charts(self) -> tuple[str, ...]:
@@ -215,11 +217,86 @@ class CurveProblem:
         """
         place = self.start if start is None else checked_start(self.frame, start, self.parameters)
         if velocity is None and frame_velocity is None:
-            return replace(self, start=place, coordinate_velocity=None)
+            return replace(self, start=place, coordinate_velocity=None)._renewed()
         speeds, rates = frame_velocities(
             self.frame, place, velocity, frame_velocity, self.parameters
         )
-        return replace(self, start=place, frame_velocity=speeds, coordinate_velocity=rates)
+        moved = replace(self, start=place, frame_velocity=speeds, coordinate_velocity=rates)
+        return moved._renewed()
+
+    def _renewed(self) -> CurveProblem:
+        """The same curve; derivatives, if it has some, belong to its start."""
+        if not isinstance(self.carried, Derivatives):
+            return self
+        return replace(self, carried=self._given.derivatives(self.carried.by))
+
+    @property
+    def _given(self) -> Beginning:
+        """The numbers at the start, as they were given."""
+        names = self.coordinates if self.start is not None else ()
+        speeds = self.frame_velocity, self.coordinate_velocity
+        return Beginning(self.frame, names, self.start or (), *speeds, self.parameters)
+
+    @property
+    def variables(self) -> dict[str, Real]:
+        """Parameters and numbers at the start, by name: what derivatives and fits may vary.
+
+        Velocities are r', ... where a coordinate velocity was given, else u1, u2, ...
+
+        Examples
+        --------
+        >>> from geomtorsion.spaces import load
+        >>> from geomtorsion.curves import geodesic
+        >>> p = geodesic(load("s2").frame, [1.0, 0.0], [0.0, 1.0], parameters={"R": 1})
+        >>> list(p.variables)
+        ['R', 'theta', 'phi', "theta'", "phi'"]
+        """
+        return self._given.variables
+
+    def with_values(self, values: Mapping[str, Real]) -> CurveProblem:
+        """The same law with other `variables`, by name; nothing is compiled again.
+
+        Examples
+        --------
+        >>> from geomtorsion.spaces import load
+        >>> from geomtorsion.curves import geodesic
+        >>> p = geodesic(load("s2").frame, [1.0, 0.0], [0.0, 1.0], parameters={"R": 1})
+        >>> p.with_values({"R": 2.0, "theta": 1.2}).variables["R"]
+        2.0
+        """
+        parameters, place, speeds = self._given.changed(values)
+        changed, start = replace(self, parameters=parameters), place or None
+        if self.coordinate_velocity is None:
+            return changed.with_start(start, frame_velocity=speeds)
+        return changed.with_start(start, velocity=speeds)
+
+    def with_derivatives(self, by: object) -> CurveProblem:
+        """The same curve with its derivatives by some of its `variables`, in its home chart.
+
+        The derivative of r by M is `solution["dr_dM"]`, by the r' at the start `dr_drdot`. A
+        coordinate velocity that was given is held fixed, and so are frame velocities if these were.
+
+        Raises
+        ------
+        UnknownNameError, StartError
+            a name is unknown, repeated or missing, or vectors are carried along.
+
+        Examples
+        --------
+        >>> from geomtorsion.spaces import load
+        >>> from geomtorsion.curves import geodesic
+        >>> from geomtorsion.ode import solve
+        >>> p = geodesic(load("s2").frame, [1.0, 0.0], [0.0, 1.0], parameters={"R": 1})
+        >>> solution = solve(p.with_derivatives(["theta"]), 3.0)
+        >>> sorted(solution)[:3]
+        ['dphi_dtheta', 'dtheta_dtheta', 'du1_dtheta']
+        """
+        if self.carried is not None:
+            raise StartError(
+                "derivatives: expected a curve without vectors carried along, got one with them. "
+                "Solve the two problems one after the other."
+            )
+        return replace(self, carried=self._given.derivatives(by))
 
     def carry(self, carried: Carried) -> CurveProblem:
         """The same motion with transported vectors or a deviation."""

@@ -1,15 +1,18 @@
-"""Transported: vectors carried along a motion, in parallel or as deviation of a neighbour."""
+"""Transported: vectors carried along a motion, in parallel, as deviations or as derivatives."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeAlias
 
 from geomtorsion.codegen import Products
 from geomtorsion.curves.equations import Equations, derivative, symbols_in
+from geomtorsion.ode.derivatives import derivative_name
 from geomtorsion.ode.numbers import Real
 
 if TYPE_CHECKING:
+    from geomtorsion.exact import Element
     from geomtorsion.geometry import Connection
 
 
@@ -52,6 +55,12 @@ class TransportedVectors:
                 rows[v * n + k].append((-value, pair))
         return tuple(map(tuple, rows))
 
+    def groups(self, plain: Equations) -> list[tuple[int, ...]]:
+        """Each vector by itself."""
+        first, n = len(plain.states), len(self.vectors[0])
+        starts = range(first, first + len(self.vectors) * n, n)
+        return [tuple(range(k, k + n)) for k in starts]
+
 
 @dataclass(frozen=True)
 class Deviation:
@@ -85,27 +94,95 @@ class Deviation:
 
     def rates(self, plain: Equations) -> tuple[Products, ...]:
         """The Jacobian of the rates, applied to the deviation."""
-        n, names = len(self.offset), self.names()
-        moving = (*plain.states[:n], *plain.velocities)
-        rates: list[Products] = list(plain.rates)
-        rates += [()] * (2 * n - len(rates))
+        return linearized(plain, self.names())
+
+    def groups(self, plain: Equations) -> list[tuple[int, ...]]:
+        """Offset and rate together."""
+        first = len(plain.states)
+        return [tuple(range(first, first + len(self.start)))]
+
+
+@dataclass(frozen=True)
+class Derivatives:
+    """Derivatives of coordinates and frame velocities by parameters and numbers at the start.
+
+    by: what to differentiate by.
+    varied: coordinates (none without a start), then frame velocities; names.
+    columns: for each of `by` the derivatives of these at the start.
+    width: number of coordinates.
+    """
+
+    by: tuple[str, ...]
+    varied: tuple[str, ...]
+    columns: tuple[tuple[Real, ...], ...]
+    width: int
+
+    any_chart = False
+
+    @property
+    def start(self) -> tuple[Real, ...]:
+        """All columns in a row."""
+        return tuple(x for column in self.columns for x in column)
+
+    @property
+    def speed_powers(self) -> tuple[int, ...]:
+        """See `TransportedVectors.speed_powers`."""
+        one = (0,) * self.width + (1,) * (len(self.varied) - self.width)
+        return one * len(self.by)
+
+    def names(self) -> tuple[str, ...]:
+        """Names of the states."""
+        return tuple(derivative_name(name, by) for by in self.by for name in self.varied)
+
+    def rates(self, plain: Equations) -> tuple[Products, ...]:
+        """The Jacobian of the rates, applied to each column, and their slopes in a parameter."""
         return tuple(
-            tuple(
-                (element, (*factors, names[k]))
-                for k, name in enumerate(moving)
-                for element, factors in derivative(rate, name)
-            )
-            for rate in rates
+            rate
+            for by in self.by
+            for rate in linearized(plain, [derivative_name(x, by) for x in self.varied], by)
         )
 
+    def groups(self, plain: Equations) -> list[tuple[int, ...]]:
+        """Each column in the groups of the motion."""
+        groups = list(plain.groups)
+        if not plain.moves:
+            groups.append(tuple(range(self.width, len(self.varied))))
+        first, size = len(plain.states), len(self.varied)
+        return [
+            tuple(first + size * column + k for k in group)
+            for column in range(len(self.by))
+            for group in groups
+        ]
 
-Carried: TypeAlias = TransportedVectors | Deviation
+
+Carried: TypeAlias = TransportedVectors | Deviation | Derivatives
+
+
+def linearized(plain: Equations, names: Sequence[str], by: str = "") -> tuple[Products, ...]:
+    """Rates of small changes of coordinates and velocities, and of a parameter by one.
+
+    names: of the changes. Velocities that are constant have changes that are constant.
+    """
+    moving = (*plain.states[: plain.width], *plain.velocities)
+    rates: list[Products] = list(plain.rates)
+    rates += [()] * (len(names) - len(rates))
+    rows = []
+    for rate in rates:
+        terms: list[tuple[Element, tuple[str, ...]]] = [
+            (element, (*factors, name))
+            for symbol, name in zip(moving, names, strict=True)
+            for element, factors in derivative(rate, symbol)
+        ]
+        if by and by not in moving:
+            terms += derivative(rate, by)
+        rows.append(tuple(terms))
+    return tuple(rows)
 
 
 def carrying(plain: Equations, carried: Carried) -> Equations:
     """The equations with the carried quantities added as states."""
     names = carried.names()
-    groups = (*plain.groups, *_groups(carried, len(plain.states)))
+    groups = (*plain.groups, *carried.groups(plain))
     states, rates = (*plain.states, *names), carried.rates(plain)
     more = symbols_in(rates, (*states, *plain.parameters))
     return replace(
@@ -116,12 +193,3 @@ def carrying(plain: Equations, carried: Carried) -> Equations:
         groups=groups,
         carried=names,
     )
-
-
-def _groups(carried: Carried, first: int) -> list[tuple[int, ...]]:
-    """Each transported vector, or offset and rate together."""
-    if isinstance(carried, Deviation):
-        count = len(carried.start)
-        return [tuple(range(first, first + count))]
-    n = len(carried.vectors[0])
-    return [tuple(range(first + v * n, first + (v + 1) * n)) for v in range(len(carried.vectors))]

@@ -5,13 +5,15 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from functools import lru_cache
+from typing import Any, ClassVar
 
 import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.displays import Plot, drawn_by, figure_by
-from geomtorsion.errors import ChartEdgeError, LoopError, SingularPointError
+from geomtorsion.errors import ChartEdgeError, LoopError, SingularPointError, WorkerError
+from geomtorsion.executors import Executor, checked_executor, each_done
 from geomtorsion.geometry import Frame
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.loops import validation
@@ -97,6 +99,7 @@ def burgers_vectors(
     accuracy: float = 1e-10,
     *,
     parameters: Parameters | None = None,
+    executor: Executor | None = None,
 ) -> BurgersMap:
     """Burgers vectors of many circles in parallel planes.
 
@@ -110,6 +113,9 @@ def burgers_vectors(
         Two coordinates, or two vectors, which are made orthonormal in the coordinates.
     accuracy
         Wanted relative error of each vector.
+    executor
+        Takes the loops in blocks: a pool of `concurrent.futures`, or a `dask.distributed.Client`.
+        The result has the same bits for any number of workers.
 
     Raises
     ------
@@ -117,6 +123,8 @@ def burgers_vectors(
         A number is missing or not finite, or a radius is not positive.
     MissingValueError
         A parameter of the frame has no value.
+    WorkerError
+        A worker ended without a result; its `partial` has the loops that others finished.
 
     Examples
     --------
@@ -140,7 +148,8 @@ def burgers_vectors(
     )
     axes = np.stack([radii, radii])
     circle = ClosedCurve(Ellipse((1.0, 0.0), (0.0, 1.0)), first=FIRST)
-    return _map(frame, circle, np.pi, places.T, axes, directions, accuracy, parameters)
+    centres = places.T
+    return _map(frame, circle, np.pi, centres, axes, directions, accuracy, parameters, executor)
 
 
 def _names(frame: Frame) -> list[str]:
@@ -156,6 +165,7 @@ def burgers_map(
     accuracy: float = 1e-10,
     *,
     parameters: Parameters | None = None,
+    executor: Executor | None = None,
 ) -> BurgersMap:
     """Burgers vectors of all plaquettes of a grid: the density of dislocations over a surface.
 
@@ -168,6 +178,8 @@ def burgers_map(
         Two coordinates, or two vectors of shape (n,), taken as given.
     at
         Coordinates of the point from which the edges count; the origin if not given.
+    executor
+        See `burgers_vectors`.
 
     Returns
     -------
@@ -203,7 +215,8 @@ def burgers_map(
     middles = np.meshgrid(*((side[1:] + side[:-1]) / 2 for side in lines), indexing="ij")
     steps = np.stack(np.meshgrid(*(np.diff(side) for side in lines), indexing="ij"))
     centres = place[:, None, None] + np.einsum("an,akm->nkm", directions, np.stack(middles))
-    return _map(frame, Square(FIRST_ON_SIDE), 1.0, centres, steps, directions, accuracy, parameters)
+    square = Square(FIRST_ON_SIDE)
+    return _map(frame, square, 1.0, centres, steps, directions, accuracy, parameters, executor)
 
 
 @dataclass(frozen=True, eq=False)
@@ -333,13 +346,15 @@ def _map(
     plane: np.ndarray,
     accuracy: float,
     parameters: Parameters | None,
+    executor: Executor | None,
 ) -> BurgersMap:
     """Do all loops block by block; on Ctrl-C keep the finished blocks."""
     start = time.perf_counter()
+    pool = checked_executor(executor)
     validation.check_accuracy(accuracy, 1e-14)
     columns = tuple(np.flatnonzero(plane.any(axis=0)).tolist())
-    compiled = forms(frame, parameters, columns)
-    family = _Family(frame, shape, area, plane, accuracy, parameters, compiled)
+    # What the frame refuses is refused here, before anything is sent.
+    forms(frame, parameters, columns)
     grid, n = centres.shape[1:], frame.dimension
     places, sizes = centres.reshape(n, -1), axes.reshape(2, -1)
     count = sizes.shape[1]
@@ -348,19 +363,23 @@ def _map(
         empty, empty.copy(), np.full(count, np.inf), empty.copy(), np.zeros(count, bool)
     )
     done = points = 0
+    failure: WorkerError | None = None
+    blocks = [slice(k, min(k + TOGETHER, count)) for k in range(0, count, TOGETHER)]
+    family = frame, shape, area, plane, accuracy, parameters, columns
+    work = ((*family, places[:, block], sizes[:, block]) for block in blocks)
     try:
         with bar(f"{count} loops", count, patience=PATIENCE) as show:
-            for first in range(0, count, TOGETHER):
-                chosen = slice(first, first + TOGETHER)
-                block, more = family.measured(places[:, chosen], sizes[:, chosen])
-                values.fill(chosen, block)
-                done, points = min(count, first + TOGETHER), points + more
+            for k, (block, more) in each_done(pool, _sent if pool else _block, work):
+                values.fill(blocks[k], block)
+                done, points = done + blocks[k].stop - blocks[k].start, points + more
                 if show is not None:
                     show(done)
     except KeyboardInterrupt:
         # Finished blocks are returned; `complete` records the interruption.
         pass
-    return BurgersMap(
+    except WorkerError as error:
+        failure = error
+    result = BurgersMap(
         frame=frame,
         plane=plane,
         centres=centres,
@@ -375,6 +394,43 @@ def _map(
         evaluations=points,
         seconds=time.perf_counter() - start,
     )
+    if failure is not None:
+        block = blocks[failure.part]
+        raise WorkerError(
+            f"expected results from all workers, got none for loops {block.start} to "
+            f"{block.stop - 1}: {failure}. The finished loops are in the error's `partial`. Start "
+            "new workers, and compute the others.",
+            partial=result,
+        )
+    return result
+
+
+@lru_cache(maxsize=8)
+def _first_equal(frame: Frame) -> Frame:
+    """The first of equal frames: a worker compiles it once, and receives a copy with each block."""
+    return frame
+
+
+def _block(
+    frame: Frame,
+    shape: Shape,
+    area: float,
+    plane: np.ndarray,
+    accuracy: float,
+    parameters: Parameters | None,
+    columns: tuple[int, ...],
+    centres: np.ndarray,
+    axes: np.ndarray,
+) -> tuple[_Values, int]:
+    """Some of the loops, in this process."""
+    compiled = forms(frame, parameters, columns)
+    family = _Family(frame, shape, area, plane, accuracy, parameters, compiled)
+    return family.measured(centres, axes)
+
+
+def _sent(frame: Frame, *rest: Any) -> tuple[_Values, int]:
+    """Some of the loops, in a worker."""
+    return _block(_first_equal(frame), *rest)
 
 
 def _array(values: object, where: str, rank: int | None = None) -> np.ndarray:

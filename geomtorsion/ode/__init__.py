@@ -1,6 +1,14 @@
 """First-order equations with events: engines, solutions to a stated accuracy, ensembles."""
 
-from geomtorsion.ode import checkpoint, engines, error_estimate, numbers, solution, writing
+from geomtorsion.ode import (
+    checkpoint,
+    derivatives,
+    engines,
+    error_estimate,
+    numbers,
+    solution,
+    writing,
+)
 from geomtorsion.ode.checkpoint import Checkpoint
 from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
 from geomtorsion.ode.ensemble import Ensemble, solve_many
@@ -33,6 +41,7 @@ __all__ = [
     "When",
     "WorkLimitError",
     "checkpoint",
+    "derivatives",
     "engines",
     "error_estimate",
     "integrate",

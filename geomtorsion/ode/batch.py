@@ -8,6 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from geomtorsion.errors import WorkerError
+from geomtorsion.executors import Executor, each_done
+from geomtorsion.ode.engines.stacked import STACKED
 from geomtorsion.ode.system import Batch, Engine, Show, System, member_units, scaled_system
 
 
@@ -27,6 +30,15 @@ class BatchRun:
     longest: np.ndarray
     interrupted: bool = False
     compile_seconds: float = 0.0
+    failure: Failure | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Failure:
+    """Why a worker gave no result, and the members of which: shape (k,)."""
+
+    reason: str
+    members: np.ndarray
 
 
 def batch_method(engine: Engine) -> Callable[[Batch, float], float] | None:
@@ -50,6 +62,7 @@ def run_batch(
     *,
     counted: bool = False,
     longest: float = math.inf,
+    executor: Executor | None = None,
 ) -> BatchRun:
     """All members through times that begin at 0.
 
@@ -66,6 +79,8 @@ def run_batch(
         whether the steps are counted, which takes a microsecond a member.
     longest
         the longest step, in units of the times.
+    executor
+        takes the members in parts of a size that does not depend on the number of its workers.
     """
     number, size = states.shape
     own = member_units(system, states, parameters, units * (times[-1] - times[0]))
@@ -74,27 +89,90 @@ def run_batch(
         columns = np.concatenate((parameters, sizes, clocks[:, None] / sizes), axis=1)
         scaled = run_batch(
             engine, scaled_system(system), states / sizes, columns, units / clocks, pace, times,
-            tolerance, show, counted=counted, longest=longest,
+            tolerance, show, counted=counted, longest=longest, executor=executor,
         )  # fmt: skip
         return replace(scaled, states=scaled.states * sizes[:, None, :])
-    run = batch_method(engine)
-    assert run is not None
     result = np.full((number, len(times), size), np.nan)
     finished, crossed = np.zeros((2, number), dtype=bool)
-    batch = Batch(
-        system, states, parameters, units, pace, times, show, counted, longest, result, finished,
-        crossed, np.zeros((2, number)),
-    )  # fmt: skip
-    compiling, interrupted = 0.0, False
+    steps, compiling, interrupted, failure = np.zeros((2, number)), 0.0, False, None
+    # Members of one part share the steps of a method that stacks them.
+    share = number if executor is None else max(1, STACKED // size)
+    parts = [slice(first, min(first + share, number)) for first in range(0, number, share)]
+    common = times, tolerance, counted, longest
+    # Only this process has a bar.
+    own = (show,) if executor is None else ()
+    work = [
+        (engine, system, states[x], parameters[x], units[x], pace[x], *common, *own) for x in parts
+    ]
+    done = 0
     try:
-        compiling = run(batch, tolerance)
+        for k, part in each_done(executor, _filled, work):
+            place = parts[k]
+            result[place], finished[place], crossed[place] = (
+                part.states,
+                part.finished,
+                part.crossed,
+            )
+            steps[:, place] = part.steps
+            compiling, interrupted = (
+                max(compiling, part.compile_seconds),
+                interrupted or part.stopped,
+            )
+            done += place.stop - place.start
+            if show is not None and executor is not None:
+                show(done)
     except KeyboardInterrupt:
         interrupted = True
+    except WorkerError as error:
+        failure = Failure(str(error), np.arange(number)[parts[error.part]])
     if system.guard is not None:
         with np.errstate(all="ignore"):
             guard = system.guard_along(np.moveaxis(result, 2, 0), parameters.T[:, :, None])
         crossed |= finished & (np.broadcast_to(guard, result.shape[:2]) < 0).any(axis=1)
     finished &= ~crossed
     result[~finished] = np.nan
-    taken, longest_taken = batch.steps
-    return BatchRun(result, finished, taken, longest_taken, interrupted, compiling)
+    taken, longest_taken = steps
+    return BatchRun(result, finished, taken, longest_taken, interrupted, compiling, failure)
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """What an engine made of some members; stopped: by Ctrl-C."""
+
+    states: np.ndarray
+    finished: np.ndarray
+    crossed: np.ndarray
+    steps: np.ndarray
+    compile_seconds: float
+    stopped: bool
+
+
+def _filled(
+    engine: Engine,
+    system: System,
+    states: np.ndarray,
+    parameters: np.ndarray,
+    units: np.ndarray,
+    pace: np.ndarray,
+    times: np.ndarray,
+    tolerance: float,
+    counted: bool,
+    longest: float,
+    show: Show = None,
+) -> _Part:
+    """Some members, in this process; what Ctrl-C leaves is kept."""
+    run = batch_method(engine)
+    assert run is not None
+    number, size = states.shape
+    result = np.full((number, len(times), size), np.nan)
+    finished, crossed = np.zeros((2, number), dtype=bool)
+    batch = Batch(
+        system, states, parameters, units, pace, times, show, counted, longest, result, finished,
+        crossed, np.zeros((2, number)),
+    )  # fmt: skip
+    compiling, stopped = 0.0, False
+    try:
+        compiling = run(batch, tolerance)
+    except KeyboardInterrupt:
+        stopped = True
+    return _Part(result, finished, crossed, batch.steps, compiling, stopped)

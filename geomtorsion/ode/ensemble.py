@@ -14,9 +14,16 @@ from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.copies import only_fields
 from geomtorsion.displays import Plot, drawn_by, figure_by, key_completions
-from geomtorsion.errors import AccuracyError, GeomtorsionError, StartError, TimeError
+from geomtorsion.errors import (
+    AccuracyError,
+    GeomtorsionError,
+    StartError,
+    TimeError,
+    WorkerError,
+)
+from geomtorsion.executors import Executor, checked_executor, each_done
 from geomtorsion.hints import argument_hints, attribute_hints
-from geomtorsion.ode.batch import batch_method
+from geomtorsion.ode.batch import Failure, batch_method
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.error_estimate import (
@@ -187,6 +194,7 @@ def solve_many(
     frame_velocities: object = None,
     check: int | None = None,
     progress: bool | None = None,
+    executor: Executor | None = None,
 ) -> Ensemble:
     """Solve one problem from many starts at once.
 
@@ -211,6 +219,9 @@ def solve_many(
         steps verifies; None: all.
     progress
         show a bar; None: on a terminal, for long work.
+    executor
+        runs the members: a pool of `concurrent.futures`, or a `dask.distributed.Client`. The result
+        has the same bits for any number of workers.
 
     Members that leave their chart, and those with long steps whose finer run differs altogether,
     are solved one by one, as by `solve`. Ctrl-C returns the finished members.
@@ -223,6 +234,8 @@ def solve_many(
     AccuracyError
         the accuracy is not reached by all members that are verified; its `ensemble` has those
         that reach it, and the others as unfinished.
+    WorkerError
+        a worker ended without a result; its `partial` has the members that others finished.
 
     Examples
     --------
@@ -232,6 +245,7 @@ def solve_many(
     [0.540302, -0.416147]
     """
     checked_engine(engine)
+    pool = checked_executor(executor)
     accuracy = checked_accuracy(accuracy)
     if t is None:
         raise TimeError("t: expected the last time or a list of times, got none.")
@@ -241,7 +255,7 @@ def solve_many(
     number = len(members)
     sampled = number if check is None else checks.count(check, "check", StartError, 1)
     some = np.unique(np.linspace(0, number - 1, min(sampled, number)).astype(int))
-    job = _Job(problem, members, grid, solver, accuracy)
+    job = _Job(problem, members, grid, solver, accuracy, pool)
     patience = 0.0 if progress else PATIENCE
     with bar(f"{number} members", number, wanted=progress, patience=patience) as show:
         lacking = job.run(some, show)
@@ -260,6 +274,13 @@ def solve_many(
         members,
         job.rows,
     )
+    if job.failure is not None:
+        raise WorkerError(
+            f"expected results from all workers, got none for {len(job.failure.members)} members: "
+            f"{job.failure.reason}. {_listed(job.failure.members)} The finished members are in the "
+            "error's `partial`. Start new workers, and solve the others.",
+            partial=ensemble,
+        )
     if lacking:
         raise AccuracyError(lacking, ensemble)
     return ensemble
@@ -290,12 +311,19 @@ class _Job:
     """
 
     def __init__(
-        self, problem: Any, members: Members, grid: np.ndarray, engine: Engine, accuracy: float
+        self,
+        problem: Any,
+        members: Members,
+        grid: np.ndarray,
+        engine: Engine,
+        accuracy: float,
+        executor: Executor | None = None,
     ) -> None:
         number, size = members.states.shape
         check_memory(len(grid), size, number)
         self.problem, self.members, self.grid = problem, members, grid
-        self.engine, self.accuracy = engine, accuracy
+        self.engine, self.accuracy, self.executor = engine, accuracy, executor
+        self.failure: Failure | None = None
         self.errors = np.full(number, np.nan)
         self.states = np.full((number, len(grid), size), np.nan)
         self.finished = np.zeros(number, dtype=bool)
@@ -396,10 +424,13 @@ class _Job:
         if parts is not None:
             members = members.perturbed(parts)
         result = run_members(
-            members, self.grid, tolerance, self.engine, show, longest, counted=counted
-        )
+            members, self.grid, tolerance, self.engine, show, longest, counted=counted,
+            executor=self.executor,
+        )  # fmt: skip
         self.compile_seconds += result.compile_seconds
         self.interrupted |= result.interrupted
+        if result.failure is not None:
+            self._fail(result.failure.reason, index[result.failure.members])
         spent = time.perf_counter() - began - result.compile_seconds
         setattr(self, account, getattr(self, account) + spent)
         return result
@@ -434,39 +465,47 @@ class _Job:
         self.states[place], self.finished[place] = answer.states[done], True
         self.errors[place] = np.broadcast_to(errors, done.shape)[done]
 
+    def _fail(self, reason: str, members: np.ndarray) -> None:
+        """A worker gave no result for some members: the others that are done are kept."""
+        self.failure, self.interrupted = Failure(reason, members), True
+
     def _one_by_one(self, index: np.ndarray, show: Show = None) -> None:
         """Members that leave the batch, for another chart or for what steps passed over."""
-        for done, k in enumerate(index.tolist()):
-            if show is not None:
-                show(done)
-            problem = self.problem.member(self.members, k)
-            began = time.perf_counter()
-            try:
-                grid = self.grid * problem.time_unit
-                checked = alone(problem, self.engine, self.accuracy, grid)
-            except GeomtorsionError as error:
-                self.reason = self.reason or f"Member {k}: {error}"
-                continue
-            answer, error = checked.answer, checked.error
-            compiling = sum([run.compile_seconds for run in checked.runs])
-            self.compile_seconds += compiling
-            self.run_seconds += answer.run_seconds
-            self.check_seconds += time.perf_counter() - began - compiling - answer.run_seconds
-            self.tolerance = min(self.tolerance, answer.tolerance)
-            if answer.outcome != "done":
-                # It does not reach the end, and has no error to wait for.
-                self.reason = self.reason or f"Member {k}: {answer.reason or answer.outcome}."
-                continue
-            if error > self.accuracy:
-                self.lacking.append(k)
-                self.best = max(self.best, error)
-                continue
-            self.finished[k], self.errors[k] = True, error
-            if set(answer.labels) == {self.members.label}:
-                parts = [segment.states for segment in answer.segments]
-                self.states[k] = np.concatenate(parts)[:, : self.states.shape[2]]
-            else:
-                self.trajectories[k] = answer
+        singles = (self.problem.member(self.members, k) for k in index.tolist())
+        work = ((one, self.engine, self.accuracy, self.grid * one.time_unit) for one in singles)
+        reasons = {}
+        try:
+            for done, (place, single) in enumerate(each_done(self.executor, _alone, work), 1):
+                if show is not None:
+                    show(done)
+                k = int(index[place])
+                self.compile_seconds += single.compile_seconds
+                self.check_seconds += single.check_seconds
+                answer = single.answer
+                if answer is not None:
+                    self.run_seconds += answer.run_seconds
+                    self.tolerance = min(self.tolerance, answer.tolerance)
+                if answer is None or answer.outcome != "done":
+                    # It does not reach the end, and has no error to wait for.
+                    reasons[k] = f"Member {k}: {single.reason}"
+                elif single.error > self.accuracy:
+                    self.lacking.append(k)
+                    self.best = max(self.best, single.error)
+                else:
+                    self._keep_single(k, answer, single.error)
+        except WorkerError as error:
+            self._fail(str(error), index[[error.part]])
+        if reasons:
+            self.reason = self.reason or reasons[min(reasons)]
+
+    def _keep_single(self, k: int, answer: Trajectory, error: float) -> None:
+        """A member that was followed singly."""
+        self.finished[k], self.errors[k] = True, error
+        if set(answer.labels) == {self.members.label}:
+            parts = [segment.states for segment in answer.segments]
+            self.states[k] = np.concatenate(parts)[:, : self.states.shape[2]]
+        else:
+            self.trajectories[k] = answer
 
     def _errors(self, index: np.ndarray, answer: BatchRows, reference: BatchRows) -> np.ndarray:
         """The error of each member, group by group; not a number where it is not known."""
@@ -486,6 +525,31 @@ class _Job:
                 size, gap = (np.abs(x).max(axis=(1, 2)) for x in (one, one - two))
                 worst = np.fmax(worst, np.where(gap > 0, gap / size, gap))
         return np.where(both, SAFETY * worst, np.nan)
+
+
+@dataclass(frozen=True, eq=False)
+class _Single:
+    """One member by itself; without an answer, the reason. Seconds are those of all its runs."""
+
+    answer: Trajectory | None
+    error: float
+    reason: str
+    compile_seconds: float
+    check_seconds: float
+
+
+def _alone(problem: Problem, engine: Engine, accuracy: float, grid: np.ndarray) -> _Single:
+    """One motion with its error, in this process."""
+    began = time.perf_counter()
+    try:
+        checked = alone(problem, engine, accuracy, grid)
+    except GeomtorsionError as error:
+        return _Single(None, math.inf, str(error), 0.0, 0.0)
+    answer = checked.answer
+    compiling = sum([run.compile_seconds for run in checked.runs])
+    checking = time.perf_counter() - began - compiling - answer.run_seconds
+    reason = f"{answer.reason or answer.outcome}."
+    return _Single(answer, checked.error, reason, compiling, checking)
 
 
 def _listed(index: Sequence[int] | np.ndarray, what: str = "That is so for") -> str:

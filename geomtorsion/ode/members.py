@@ -9,7 +9,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from geomtorsion.copies import only_fields
-from geomtorsion.ode.batch import run_batch
+from geomtorsion.executors import Executor
+from geomtorsion.ode.batch import Failure, run_batch
 from geomtorsion.ode.engines import Engine
 from geomtorsion.ode.system import Show, System
 from geomtorsion.ode.trajectory import Trajectory
@@ -105,11 +106,12 @@ class BatchRows:
     longest: np.ndarray
     interrupted: bool = False
     compile_seconds: float = 0.0
+    failure: Failure | None = None
 
     def of(self, which: np.ndarray) -> BatchRows:
         """Some of the members."""
         rows = self.states[which], self.finished[which], self.steps[which], self.longest[which]
-        return BatchRows(*rows, self.interrupted, self.compile_seconds)
+        return BatchRows(*rows, self.interrupted, self.compile_seconds, self.failure)
 
 
 def run_members(
@@ -121,10 +123,11 @@ def run_members(
     longest: float = math.inf,
     *,
     counted: bool = False,
+    executor: Executor | None = None,
 ) -> BatchRows:
     """All members through a grid of times, from event to event.
 
-    longest, counted: see `run_batch`.
+    longest, counted, executor: see `run_batch`.
     """
     size, number = members.states.shape[1], len(members)
     states = np.full((number, len(grid), size), np.nan)
@@ -142,18 +145,19 @@ def run_members(
         local = grid[inside] - members.begin
         times = np.unique(np.concatenate(([0.0], local, [stop - members.begin])))
         times = times if sign > 0 else times[::-1]
-        run = _run_to_event(members, times, tolerance, engine, show, longest, counted)
+        run = _run_to_event(members, times, tolerance, engine, show, longest, counted, executor)
         compiling += run.compile_seconds
         finished &= run.finished
         steps += run.steps
         longest_steps = np.maximum(longest_steps, run.longest)
         place = np.searchsorted(np.abs(times), np.abs(local))
         states[:, inside] = run.states[:, place]
-        if run.interrupted or final or members.follow is None:
+        if run.interrupted or run.failure or final or members.follow is None:
             states[~finished] = np.nan
             return BatchRows(
-                states, finished & final, steps, longest_steps, run.interrupted, compiling
-            )
+                states, finished & final, steps, longest_steps, run.interrupted, compiling,
+                run.failure,
+            )  # fmt: skip
         members = members.follow(run.states[:, -1])
 
 
@@ -165,13 +169,14 @@ def _run_to_event(
     show: Show,
     longest: float,
     counted: bool,
+    executor: Executor | None,
 ) -> BatchRows:
     """All members up to their next event."""
     run = run_batch(
         engine, members.system, members.states, members.parameters, members.units, members.pace,
-        times, tolerance, show, counted=counted, longest=longest,
+        times, tolerance, show, counted=counted, longest=longest, executor=executor,
     )  # fmt: skip
     return BatchRows(
         run.states, run.finished, run.steps, run.longest * abs(times[-1]), run.interrupted,
-        run.compile_seconds,
+        run.compile_seconds, run.failure,
     )  # fmt: skip

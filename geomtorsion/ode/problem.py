@@ -13,6 +13,7 @@ import mpmath
 import numpy as np
 import sympy as sp
 
+from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph, graph
 from geomtorsion.copies import content_hash, equal_content, only_fields
@@ -20,6 +21,7 @@ from geomtorsion.displays import drawn_by, latex_of
 from geomtorsion.errors import ExpressionError, StartError, StuckError
 from geomtorsion.hints import attribute_hints
 from geomtorsion.ode import constructor
+from geomtorsion.ode.derivatives import Motion
 from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment, Term
@@ -226,6 +228,61 @@ class ODE:
         problem = replace(self, start=new_start, parameters=numbers, events=timed)
         problem.check_lengths()
         return problem
+
+    @property
+    def variables(self) -> dict[str, Real]:
+        """Parameters and numbers at the start, by name: what derivatives and fits may vary.
+
+        A state of a normalized group has no start of its own, and does not count.
+
+        Examples
+        --------
+        >>> ODE.of({"x": "k*x"}, [1], parameters={"k": 2}).variables
+        {'k': 2, 'x': 1}
+        """
+        held = {name for group in self.normalized for name in group}
+        states = zip(self.states, self.start, strict=True)
+        return dict(self.parameters) | {name: x for name, x in states if name not in held}
+
+    def with_values(self, values: Mapping[str, object]) -> ODE:
+        """The same equations with other `variables`, by name; nothing is compiled again.
+
+        Examples
+        --------
+        >>> ODE.of({"x": "k*x"}, [1], parameters={"k": 2}).with_values({"k": 3}).variables
+        {'k': 3, 'x': 1}
+        """
+        table = checks.known_keys(values, self.variables, "values", StartError)
+        numbers = {name: x for name, x in table.items() if name in self.rates.parameters}
+        start = {name: x for name, x in table.items() if name not in numbers}
+        return self.with_start(start or None, numbers or None)
+
+    def with_derivatives(self, by: object) -> ODE:
+        """The same motion with its derivatives by parameters, or by the start of states.
+
+        The derivative of x by k is the state `dx_dk`; outputs also have derivatives. `variables`
+        lists what may vary.
+
+        Equation
+        --------
+        (dx/dp)' = (df/dx) (dx/dp) + df/dp
+
+        Raises
+        ------
+        UnknownNameError, StartError
+            a name is unknown, repeated or missing.
+        ExpressionError
+            the equations have no derivative, or its name is taken.
+
+        Examples
+        --------
+        >>> growth = ODE.of({"x": "k*x"}, [1], parameters={"k": 2})
+        >>> print(growth.with_derivatives(["k"]).text)
+        x' = k*x
+        dx_dk' = dx_dk*k + x
+        """
+        fields = self.rates, self.start, self.parameters, self.outputs, self.events
+        return replace(self, **Motion(*fields, tuple(self.variables)).derivatives(by))
 
     def check_lengths(self) -> None:
         """Raise an error if a normalized group does not have length one at the start."""

@@ -145,6 +145,10 @@ class Problem(Protocol):
         """The problem as plain text and numbers, for files."""
         ...
 
+    def with_derivatives(self, by: object) -> Any:
+        """The same motion with its derivatives by parameters and numbers at the start."""
+        ...
+
     def stuck_error(self, trajectory: Trajectory) -> GeomtorsionError:
         """The error for a motion that cannot continue, with the position and a remedy."""
         ...

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.costs import draw_loop_costs, work_precision_picture
     from geomtorsion.pictures.curve_files import curve_pictures
     from geomtorsion.pictures.development import draw_development
+    from geomtorsion.pictures.fits import draw_fit
     from geomtorsion.pictures.gaps import draw_gap
     from geomtorsion.pictures.loops import draw_closure, draw_loop, draw_map
     from geomtorsion.pictures.measured import draw_circuits, draw_survey
@@ -37,6 +38,7 @@ _HOMES = {
     "draw_closure": "loops",
     "draw_development": "development",
     "draw_dislocations": "network",
+    "draw_fit": "fits",
     "draw_gap": "gaps",
     "draw_lines": "network",
     "draw_loop": "loops",
@@ -59,6 +61,7 @@ __all__ = [
     "draw_closure",
     "draw_development",
     "draw_dislocations",
+    "draw_fit",
     "draw_gap",
     "draw_lines",
     "draw_loop",

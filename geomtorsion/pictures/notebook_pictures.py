@@ -9,6 +9,7 @@ from geomtorsion.displays import values_text
 from geomtorsion.geometry import DependencyGraph, notation
 from geomtorsion.outgoing import html_text, number_text, size_text
 from geomtorsion.pictures.development import draw_rolled_out
+from geomtorsion.pictures.fits import draw_fit
 from geomtorsion.pictures.loops import draw_closure, draw_loop, draw_map
 from geomtorsion.pictures.scene_plan import layers_picture
 from geomtorsion.pictures.solutions import draw_solution
@@ -17,6 +18,7 @@ from geomtorsion.pictures.style import pictured
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from geomtorsion.fits import Fit
     from geomtorsion.loops import BurgersMap, BurgersVector, Development, Loop
     from geomtorsion.ode import Ensemble, Moment, Solution
     from geomtorsion.proofs import Proof
@@ -25,6 +27,11 @@ if TYPE_CHECKING:
 def solution_html(found: Solution | Ensemble) -> str:
     """A solution, over time."""
     return pictured(str(found), lambda: draw_solution(found))
+
+
+def fit_html(fit: Fit) -> str:
+    """Values with errors, data and residuals."""
+    return pictured(str(fit), lambda: draw_fit(fit))
 
 
 def burgers_html(b: BurgersVector) -> str:

@@ -202,6 +202,9 @@ DRAWINGS: dict[str, Callable[[], Any]] = {
     "24_constraints_are_torsion": lambda: paths("chaplygin_sleigh", t=6.0),
     "25_a_gait_is_a_loop": stroke,
     "26_kepler_as_an_oscillator": ellipses,
+    "27_parameters_from_data": lambda: example("27_parameters_from_data")["mass_and_spin"](
+        1
+    ).plot(),
 }
 
 if __name__ == "__main__":

@@ -1,0 +1,118 @@
+"""Data: measured numbers by name, with their noise."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.copies import content_hash, equal_content
+from geomtorsion.errors import ShapeError, StartError, UnknownNameError
+
+# One number for all data of a quantity, or one for each.
+Noise: TypeAlias = "float | Sequence[float] | np.ndarray | Mapping[str, object]"
+
+
+@dataclass(frozen=True, eq=False)
+class Data:
+    """Measured numbers with their noise, NaN where one is missing.
+
+    at: times, or numbers of loops, shape (m,).
+    values, sigma: name -> numbers and their standard deviations, shape (m,) or (m, k) each.
+    """
+
+    at: np.ndarray
+    values: Mapping[str, np.ndarray]
+    sigma: Mapping[str, np.ndarray]
+
+    def __eq__(self, other: object) -> bool:
+        return equal_content(self, other)
+
+    def __hash__(self) -> int:
+        return content_hash(self)
+
+    @classmethod
+    def of(cls, at: np.ndarray, data: object, sigma: object, quantities: Sequence[str]) -> Data:
+        """Checked data of some quantities.
+
+        Raises
+        ------
+        UnknownNameError, ShapeError, StartError
+            A name is unknown, an array has another length, or a sigma is not positive.
+        """
+        values, noise = {}, {}
+        for name, entry in checks.by_name(data, "data", StartError).items():
+            if name not in quantities:
+                raise UnknownNameError(
+                    f"data: expected quantities of the model, got {checks.shown(name)}. There are "
+                    f"{', '.join(quantities)}."
+                )
+            values[name] = _array(entry, name, len(at))
+            noise[name] = _positive(sigma, name, values[name].shape)
+        if not any(np.isfinite(x).any() for x in values.values()):
+            raise StartError("data: expected name -> numbers, got none.")
+        return cls(at, values, noise)
+
+    @property
+    def present(self) -> Mapping[str, np.ndarray]:
+        """Where there are numbers."""
+        return {name: np.isfinite(values) for name, values in self.values.items()}
+
+    def compared(self, name: str, prediction: np.ndarray) -> np.ndarray:
+        """(prediction - data) / sigma of one name, where there are data, shape (N,)."""
+        if prediction.shape != self.values[name].shape:
+            raise ShapeError(
+                f"data of {name}: expected shape {prediction.shape}, got {self.values[name].shape}."
+            )
+        here = self.present[name]
+        return ((prediction - self.values[name]) / self.sigma[name])[here]
+
+    def slopes(self, name: str, columns: Sequence[np.ndarray]) -> np.ndarray:
+        """Derivatives of what `compared` gives, from those of the predictions, shape (N, k)."""
+        here, sigma = self.present[name], self.sigma[name]
+        return np.stack([(column / sigma)[here] for column in columns], axis=1)
+
+    def laid_out(self, row: np.ndarray) -> dict[str, np.ndarray]:
+        """Numbers of all data in a row, by name and in the shape of the data."""
+        table, first = {}, 0
+        for name, here in self.present.items():
+            table[name] = np.full(here.shape, np.nan)
+            last = first + int(here.sum())
+            table[name][here] = row[first:last]
+            first = last
+        return table
+
+
+def _array(entry: object, name: str, length: int) -> np.ndarray:
+    """Numbers of one name."""
+    try:
+        numbers = np.array(entry, dtype=float)
+    except (TypeError, ValueError):
+        numbers = np.zeros(0)
+    if numbers.ndim not in (1, 2) or len(numbers) != length or np.isinf(numbers).any():
+        raise ShapeError(
+            f"data of {name}: expected {length} finite numbers (or NaN), got {checks.shown(entry)}."
+        )
+    return numbers
+
+
+def _positive(sigma: object, name: str, shape: tuple[int, ...]) -> np.ndarray:
+    """Standard deviations of the data of one name."""
+    if isinstance(sigma, Mapping):
+        table = checks.by_name(sigma, "sigma", StartError)
+        if name not in table:
+            raise StartError(f"sigma: expected the noise of {name}, got none. Add it.")
+        sigma = table[name]
+    try:
+        array = np.broadcast_to(np.asarray(sigma, dtype=float), shape).copy()
+    except (TypeError, ValueError):
+        array = np.zeros(shape)
+    if not (np.isfinite(array) & (array > 0)).all():
+        raise StartError(
+            f"sigma of {name}: expected positive numbers, one or as many as data, got "
+            f"{checks.shown(sigma)}."
+        )
+    return array

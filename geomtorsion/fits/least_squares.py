@@ -1,0 +1,183 @@
+"""Least squares: the parameters whose prediction is nearest to data with noise."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+import scipy  # loads its parts on first use
+
+from geomtorsion.errors import AccuracyError, GeomtorsionError, StartError
+from geomtorsion.fits.data import Data
+from geomtorsion.fits.result import Direction, Fit
+from geomtorsion.precision import EPS
+
+# chi^2 changes by less than this part in the last step: far less than one, which is one sigma.
+CONVERGED = math.sqrt(EPS)
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """What a model gives for some parameters, in units of the noise.
+
+    residuals: (prediction - data) / sigma, shape (N,).
+    slopes: their derivatives, shape (N, k).
+    error: relative numerical error of the slopes.
+    source: what was computed, such as a solution.
+    """
+
+    residuals: np.ndarray
+    slopes: np.ndarray
+    error: float
+    source: object
+
+
+Model: TypeAlias = Callable[[Mapping[str, float]], Prediction]
+
+
+class _Trials:
+    """Predictions of a model; the last good one is kept for its slopes.
+
+    count: how many were made.
+    """
+
+    def __init__(self, model: Model, names: Sequence[str]) -> None:
+        self.model, self.names, self.count = model, names, 0
+        self.last: tuple[bytes, Prediction] | None = None
+
+    def at(self, values: np.ndarray) -> Prediction:
+        """The prediction at some values, made once where it is asked for twice."""
+        key = values.tobytes()
+        if self.last is None or self.last[0] != key:
+            self.count += 1
+            named = dict(zip(self.names, values.tolist(), strict=True))
+            self.last = key, self.model(named)
+        return self.last[1]
+
+    def residuals(self, values: np.ndarray) -> np.ndarray:
+        """Residuals; infinite where there is no prediction, from which the search steps back."""
+        try:
+            return self.at(values).residuals
+        except GeomtorsionError:
+            assert self.last is not None
+            return np.full_like(self.last[1].residuals, np.inf)
+
+
+def least_squares(model: Model, first: Mapping[str, float], data: Data) -> Fit:
+    """The fit of a model, from a first guess.
+
+    A trust region in scaled parameters, as Levenberg and Marquardt proposed, with exact slopes
+    (scipy.optimize.least_squares). It steps back from parameters at which the model has no answer.
+
+    Raises
+    ------
+    StartError
+        There are fewer data than parameters.
+    AccuracyError
+        It does not converge.
+    """
+    names, start = tuple(first), np.array(list(first.values()), dtype=float)
+    count = sum(int(here.sum()) for here in data.present.values())
+    if count < len(names):
+        raise StartError(
+            f"free: expected at most as many parameters as the {count} data, got {len(names)}. "
+            "Free fewer."
+        )
+    trials = _Trials(model, names)
+    trials.at(start)
+    # Nothing is missing from what the search must not change.
+    held = np.zeros(len(names))
+    result = scipy.optimize.least_squares(
+        lambda x: np.concatenate((trials.residuals(x), held)), start,
+        lambda x: _Spectrum(trials.at(x)).slopes, method="trf", x_scale="jac",
+        ftol=CONVERGED, xtol=CONVERGED, gtol=None,
+    )  # fmt: skip
+    if result.status <= 0:
+        raise AccuracyError(
+            f"expected the fit to converge, got chi^2 = {2 * result.cost:.6g} after "
+            f"{result.nfev} solves. Start nearer to the answer, or free fewer parameters."
+        )
+    best = trials.at(result.x)
+    covariance, directions = _covariance(names, best)
+    curved = _curved(trials, names, result.x, best)
+    return Fit(
+        values=dict(zip(names, result.x.tolist(), strict=True)),
+        covariance=covariance,
+        chi2=float(best.residuals @ best.residuals),
+        degrees=count - len(names) + len(directions),
+        residuals=data.laid_out(-best.residuals),
+        data=data,
+        undetermined=directions,
+        curved=curved,
+        solves=trials.count,
+        source=best.source,
+    )
+
+
+class _Spectrum:
+    """Singular values of the slopes, each column in units of its size.
+
+    clear: which of them are no numerical noise. Along the others nothing is determined, and the
+    search must not move.
+    """
+
+    def __init__(self, best: Prediction) -> None:
+        sizes = np.linalg.norm(best.slopes, axis=0)
+        self.scales = np.where(sizes > 0, sizes, 1.0)
+        self.left, self.singular, self.rows = np.linalg.svd(
+            best.slopes / self.scales, full_matrices=False
+        )
+        # Numerical errors of the slopes add up to this where the exact singular value is zero.
+        self.noise = math.sqrt(len(sizes)) * max(best.error, EPS * len(best.residuals))
+        self.clear = self.singular > self.noise
+
+    @property
+    def slopes(self) -> np.ndarray:
+        """The slopes, and below them those that hold the search back; shape (N + k, k).
+
+        A search that may move along what is not determined goes there without end.
+        """
+        clear = np.where(self.clear, self.singular, 0.0)
+        held = np.where(self.clear, 0.0, self.singular[0])
+        rows = self.rows * self.scales
+        return np.concatenate(((self.left * clear) @ rows, held[:, None] * rows))
+
+
+def _covariance(names: Sequence[str], best: Prediction) -> tuple[np.ndarray, tuple[Direction, ...]]:
+    """(J^T J)^-1, infinite for parameters in a combination that the data do not determine."""
+    spectrum = _Spectrum(best)
+    clear, scales = spectrum.clear, spectrum.scales
+    inverse = spectrum.rows[clear].T / spectrum.singular[clear]
+    covariance = (inverse @ inverse.T) / np.outer(scales, scales)
+    directions = []
+    for shares in spectrum.rows[~clear]:
+        # Smaller shares are noise of the direction itself.
+        involved = np.abs(shares) > math.sqrt(spectrum.noise)
+        change = shares / scales
+        change = change / change[np.argmax(np.abs(change) * involved)]
+        pairs = zip(names, change.tolist(), involved.tolist(), strict=True)
+        directions.append(Direction({name: x for name, x, one in pairs if one}))
+        covariance[involved, :] = covariance[:, involved] = np.nan
+        covariance[involved, involved] = np.inf
+    return covariance, tuple(directions)
+
+
+def _curved(
+    trials: _Trials, names: Sequence[str], values: np.ndarray, best: Prediction
+) -> Direction | None:
+    """The least certain direction, if a step of one sigma along it is not as linear slopes say."""
+    spectrum = _Spectrum(best)
+    last = int(spectrum.clear.sum()) - 1
+    if last < 0:
+        return None
+    step = spectrum.rows[last] / spectrum.singular[last] / spectrum.scales
+    for sign in (1.0, -1.0):
+        residuals = trials.residuals(values + sign * step)
+        rise = float(residuals @ residuals - best.residuals @ best.residuals)
+        # One where the prediction is linear; errors are sigmas where it is not far from one.
+        if not 0.5 < rise < 2:
+            return Direction({n: x for n, x in zip(names, step.tolist(), strict=True) if x})
+    return None

@@ -1,0 +1,152 @@
+"""Result: parameters from data, with errors, and what the data do not determine."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+import scipy  # loads its parts on first use
+
+from geomtorsion.caching import cached_property
+from geomtorsion.copies import content_hash, equal_content, only_fields
+from geomtorsion.displays import Plot, drawn_by, figure_by
+from geomtorsion.fits.data import Data
+from geomtorsion.outgoing import number_text
+
+
+@dataclass(frozen=True, eq=False)
+class Direction:
+    """A joint change of parameters.
+
+    changes: name -> change, those that are involved.
+
+    Examples
+    --------
+    >>> print(Direction({"I1": 0.5, "I2": 1.0}))
+    I1 by 0.5 with I2 by 1
+    """
+
+    changes: Mapping[str, float]
+
+    def __eq__(self, other: object) -> bool:
+        return equal_content(self, other)
+
+    def __hash__(self) -> int:
+        return content_hash(self)
+
+    def __str__(self) -> str:
+        return " with ".join(f"{name} by {x:.3g}" for name, x in self.changes.items())
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """Parameters that fit data with noise, with errors; made by `fit`.
+
+    values: name -> best value.
+    covariance: of the values, shape (k, k); infinite where the data do not determine a value.
+    chi2: sum of the squares of the residuals.
+    degrees: of freedom, the number of data minus the number of determined parameters.
+    residuals: quantity -> (data - model) / sigma, not a number where data are missing.
+    data: what was fitted.
+    undetermined: joint changes of parameters that change no prediction.
+    curved: a joint change by one sigma that changes chi^2 by less than half of one or by more than
+        two: errors along it are no sigmas. None if there is no such change.
+    solves: how often the model was computed.
+    source: the model at the best values, such as a `Solution` with derivatives.
+    """
+
+    values: Mapping[str, float]
+    covariance: np.ndarray
+    chi2: float
+    degrees: int
+    residuals: Mapping[str, np.ndarray] = field(compare=False)
+    data: Data
+    undetermined: tuple[Direction, ...]
+    curved: Direction | None
+    solves: int
+    source: Any = field(compare=False)  # users know which model they fitted
+
+    def __eq__(self, other: object) -> bool:
+        return equal_content(self, other)
+
+    def __hash__(self) -> int:
+        return content_hash(self)
+
+    def __getstate__(self) -> dict[str, object]:
+        return only_fields(self)
+
+    def __getitem__(self, name: str) -> float:
+        """The best value of a parameter."""
+        return self.values[name]
+
+    @cached_property
+    def errors(self) -> Mapping[str, float]:
+        """One standard deviation of each value; infinite where the data do not determine it."""
+        return dict(zip(self.values, np.sqrt(np.diag(self.covariance)).tolist(), strict=True))
+
+    @cached_property
+    def correlation(self) -> np.ndarray:
+        """Covariance in units of the errors, shape (k, k)."""
+        errors = np.array(list(self.errors.values()))
+        with np.errstate(invalid="ignore"):
+            return self.covariance / np.outer(errors, errors)
+
+    @property
+    def chance(self) -> float:
+        """Probability that noise alone makes chi^2 as large, if sigma is right."""
+        return float(scipy.special.chdtrc(self.degrees, self.chi2)) if self.degrees else math.nan
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What restricts the use of the errors, in words."""
+        lines = [
+            f"the data do not determine {' and '.join(x.changes)}: to change {x} changes nothing "
+            "measured. Fix one of them."
+            for x in self.undetermined
+        ]
+        if self.curved is not None:
+            lines.append(
+                f"errors are not sigmas: chi^2 does not rise by 1 where one changes {self.curved}. "
+                "Fix a parameter, or take more data."
+            )
+        return tuple(lines)
+
+    def __str__(self) -> str:
+        lines = []
+        for name, value in self.values.items():
+            error = self.errors[name]
+            if math.isfinite(error):
+                lines.append(f"{name} = {number_text(value, error / 10)} +- {error:.2g}")
+            else:
+                lines.append(f"{name} = {value:.6g}, not determined")
+        lines.append(
+            f"chi^2 = {self.chi2:.4g} of {self.degrees} degrees of freedom "
+            f"(chance {self.chance:.2g}), {self.solves} solves"
+        )
+        return "\n".join([*lines, *(f"warning: {text}" for text in self.warnings)])
+
+    __repr__ = __str__
+    _repr_html_ = drawn_by("notebook_pictures", "fit_html")
+    plot: ClassVar[Plot] = figure_by("fits", "draw_fit")
+
+    def to_json(self) -> dict[str, Any]:
+        """Values, errors, covariance and chi^2 as a JSON-ready mapping; None where infinite."""
+        rows = self.covariance.tolist()
+        return {
+            "values": dict(self.values),
+            "errors": {name: _finite(x) for name, x in self.errors.items()},
+            "covariance": [[_finite(x) for x in row] for row in rows],
+            "chi2": self.chi2,
+            "degrees": self.degrees,
+            "chance": _finite(self.chance),
+            "solves": self.solves,
+            "warnings": list(self.warnings),
+        }
+
+
+def _finite(value: float) -> float | None:
+    """A number that JSON can hold."""
+    return value if math.isfinite(value) else None
