@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 NAMES = "xyz"
-# Share of the nodes, in percent, that the colours span: cores would hide everything else.
-SPANNED = 99.0
+COMPONENTS = ("mises", *(a + b for a in NAMES for b in NAMES))
 
 
 def draw_stress(
@@ -70,7 +69,7 @@ def draw_stress(
     figure = new_figure(STYLE.panel * ratio + 1.6, STYLE.panel + 1.2)
     axes = figure.add_subplot()
     signed = component != "mises"
-    top = float(np.percentile(np.abs(section), SPANNED)) or 1.0
+    top = float(np.percentile(np.abs(section), STYLE.spanned)) or 1.0
     mesh = axes.pcolormesh(
         x, y, section, shading="nearest", rasterized=True, vmin=-top if signed else 0.0, vmax=top,
         cmap="RdBu_r" if signed else "viridis",
@@ -103,8 +102,7 @@ def _plane(plane: object) -> tuple[int, int, int]:
 
 def _values(result: Stresses, component: str) -> np.ndarray:
     """The values of a component at the nodes."""
-    names = [a + b for a in NAMES for b in NAMES]
-    if checks.choice(component, ["mises", *names], "component", GridError) == "mises":
+    if checks.choice(component, COMPONENTS, "component", GridError) == "mises":
         return result.mises
     return result.stress[NAMES.index(component[0]), NAMES.index(component[1])]
 

@@ -11,9 +11,6 @@ import scipy  # loads its subpackages at first use
 from geomtorsion import checks
 from geomtorsion.materials.lines import Box
 
-# Numbers for each node: distortion, torsion and stress as modes and as values, and the solution.
-NUMBERS_PER_NODE = 90
-
 
 @dataclass(frozen=True, eq=False)
 class Cell:
@@ -32,7 +29,8 @@ class Cell:
         """Refuse a grid that does not fit into memory."""
         nodes = int(np.prod([float(n) for n in self.shape]))
         text = f"shape: a grid of {' x '.join(map(str, self.shape))} nodes"
-        checks.check_room(NUMBERS_PER_NODE * nodes, text, "Give fewer nodes.")
+        # Ten tensors for each node: distortion, torsion and stress, as modes and as values.
+        checks.check_room(90 * nodes, text, "Give fewer nodes.")
 
     def waves(self, lowest: Sequence[int] = (0, 0, 0)) -> np.ndarray:
         """Whole numbers of waves along each edge of the used modes, shape (modes, 3).

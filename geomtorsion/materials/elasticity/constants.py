@@ -11,6 +11,7 @@ from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import LONGEST_SHOWN, ElasticityError
 from geomtorsion.files import finite_number
+from geomtorsion.precision import PRINTED
 
 # Voigt's order: 1..6 stand for xx, yy, zz, yz, xz, xy.
 PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
@@ -52,8 +53,8 @@ c55=75.4, c66=75.4, unit='GPa')
         checks.text(self.unit, "unit", ElasticityError, longest=LONGEST_SHOWN)
         c = checks.array(self.voigt, "voigt", ElasticityError, shape=(6, 6))
         checks.measured(c, "voigt", ElasticityError)
-        # Constants from a table are rounded, and rotated ones carry rounding errors.
-        if np.abs(c - c.T).max() > 1e-9 * np.abs(c).max():
+        # Constants from a table are rounded.
+        if np.abs(c - c.T).max() > PRINTED * np.abs(c).max():
             raise ElasticityError(
                 "voigt: expected a symmetric matrix, got C_IJ that differ from C_JI. Give both "
                 "halves, or 21 numbers to of_voigt."
@@ -195,7 +196,7 @@ c55=75.4, c66=75.4, unit='GPa')
         True
         """
         r = checks.array(rotation, "rotation", ElasticityError, shape=(3, 3))
-        if np.abs(r @ r.T - np.eye(3)).max() > 1e-6:
+        if np.abs(r @ r.T - np.eye(3)).max() > PRINTED:
             raise ElasticityError(
                 f"rotation: expected an orthogonal matrix, got {checks.shown(r.tolist())}. Its "
                 "columns are orthogonal unit vectors."

@@ -9,7 +9,7 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import LONGEST_SHOWN, GridError
-from geomtorsion.files import written
+from geomtorsion.files import ending, written
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.lines import Box
 from geomtorsion.npz import TEXT_FORM, ArrayForm, read_npz, text_of, write_npz
@@ -135,6 +135,12 @@ class NyeField:
         mean = self.values.mean(axis=(2, 3, 4), keepdims=True)
         texts = (*self.corrections, balance_text(mean[..., 0, 0, 0], self.unit))
         return NyeField(self.values - mean, self.box, self.unit, texts)
+
+    @staticmethod
+    def is_in(path: str | Path) -> bool:
+        """Whether a file is an .npz file with an array nye."""
+        form = replace(FORMS["nye"], shape=None, optional=True)
+        return ending(path) == ".npz" and bool(read_npz(path, {"nye": form}))
 
     @classmethod
     def read(cls, path: str | Path) -> NyeField:

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from geomtorsion.checks import shown
 from geomtorsion.errors import GridError, MissingExtraError
-
-if TYPE_CHECKING:
-    from geomtorsion.materials.elasticity.stresses import Stresses
+from geomtorsion.materials.elasticity.cell import Cell
 
 
-def stress_dataset(result: Stresses) -> Any:  # xarray is not a dependency
-    """Stress, strain and distortion over the axes of the cell; attributes hold energy and units."""
-    cell = result.cell
+def stress_dataset(
+    cell: Cell, fields: Mapping[str, np.ndarray], remarks: Mapping[str, object]
+) -> Any:  # xarray is not a dependency
+    """Tensors of shape (3, 3, grid...) by name over the axes of a cell; remarks are attributes."""
     if not cell.is_along_axes:
         raise GridError(
             "to_xarray: expected a cell along the coordinates, got the edges "
@@ -29,32 +29,25 @@ def stress_dataset(result: Stresses) -> Any:  # xarray is not a dependency
             "to_xarray needs xarray, which is not installed. Run `pip install "
             "'geomtorsion[files]'`."
         ) from None
-    dimensions, names = ("i", "j", "x", "y", "z"), list("xyz")
-    fields = {"stress": result.stress, "strain": result.strain, "distortion": result.distortion}
-    variables = {name: (dimensions, values) for name, values in fields.items()}
+    names = list("xyz")
+    variables = {name: (["i", "j", *names], values) for name, values in fields.items()}
     coordinates = dict(zip(names, cell.axes, strict=True)) | {"i": names, "j": names}
-    attributes = {
-        "energy": result.energy, "error": result.error, "unit": result.unit,
-        "length_unit": result.length_unit, "corrections": " ".join(result.corrections),
-    }  # fmt: skip
-    data = xarray.Dataset(variables, coords=coordinates, attrs=attributes)
-    data["stress"].attrs["units"] = result.unit
-    return data
+    return xarray.Dataset(variables, coords=coordinates, attrs=dict(remarks))
 
 
-def vtk_bytes(result: Stresses) -> bytes:
-    """A legacy VTK file with the stress, strain and von Mises stress at the nodes."""
-    nodes = result.cell.shape
+def vtk_bytes(cell: Cell, mises: np.ndarray, fields: Mapping[str, np.ndarray]) -> bytes:
+    """A legacy VTK file with von Mises' stress and tensors at the nodes of a cell."""
+    nodes = cell.shape
     count = int(np.prod(nodes))
     parts = [
         b"# vtk DataFile Version 3.0\nstress by geomtorsion\nBINARY\nDATASET STRUCTURED_GRID\n",
         b"DIMENSIONS %d %d %d\nPOINTS %d double\n" % (*nodes, count),
-        _numbers(result.cell.points()),
+        _numbers(cell.points()),
         b"\nPOINT_DATA %d\nSCALARS mises double 1\nLOOKUP_TABLE default\n" % count,
-        _numbers(result.mises[None]),
+        _numbers(mises[None]),
     ]
-    for name, values in ((b"stress", result.stress), (b"strain", result.strain)):
-        parts += [b"\nTENSORS %b double\n" % name, _numbers(values.reshape(9, *nodes))]
+    for name, values in fields.items():
+        parts += [b"\nTENSORS %b double\n" % name.encode(), _numbers(values.reshape(9, *nodes))]
     return b"".join(parts) + b"\n"
 
 

@@ -281,7 +281,12 @@ class Stresses:
         MissingExtraError
             xarray is not installed.
         """
-        return stress_dataset(self)
+        remarks = {
+            "energy": self.energy, "error": self.error, "unit": self.unit,
+            "length_unit": self.length_unit, "corrections": " ".join(self.corrections),
+        }  # fmt: skip
+        fields = {"stress": self.stress, "strain": self.strain, "distortion": self.distortion}
+        return stress_dataset(self.cell, fields, remarks)
 
     def save(self, path: str | Path) -> None:
         """Write .vtk for ParaView (any cell), or .nc through xarray.
@@ -295,7 +300,8 @@ class Stresses:
         checks.choice(ending(file), [".vtk", ".nc"], "ending of the file name", GridError)
         with written(file) as target:
             if ending(file) == ".vtk":
-                target.write_bytes(vtk_bytes(self))
+                fields = {"stress": self.stress, "strain": self.strain}
+                target.write_bytes(vtk_bytes(self.cell, self.mises, fields))
             else:
                 self.to_xarray().to_netcdf(target, engine="h5netcdf")
 

@@ -19,11 +19,7 @@ from geomtorsion.materials.elasticity.nye_field import (
 )
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.lines import Box, DislocationNetwork, LineArrays
-
-# Nodes along the longest edge of a network's cell.
-NODES = 64
-# Share of the largest value below which a mean or a divergence is rounding, also of tables.
-BALANCED = 1e-9
+from geomtorsion.precision import CALCULATED
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,12 +127,12 @@ def _shape_of(lines: LineArrays, box: Box, shape: object) -> tuple[int, ...]:
     edges = np.asarray(box.vectors)
     sizes = np.linalg.norm(edges, axis=1)
     across = np.abs(np.cross(lines.steps[:, None, :], edges)).max(axis=2)
-    # Rounding of positions, as for Burgers vectors.
-    along = (across <= 1e-9 * sizes * lines.lengths[:, None]).all(axis=0)
+    along = (across <= CALCULATED * sizes * lines.lengths[:, None]).all(axis=0)
     if not len(lines.pairs):
         along[:] = False
     if shape is None or checks.whole(shape) is not None:
-        nodes = NODES if shape is None else checks.count(shape, "shape", NetworkError, 4)
+        # Two seconds for a loop; the error of the result shows whether a problem needs more.
+        nodes = 64 if shape is None else checks.count(shape, "shape", NetworkError, 4)
         flat = np.flatnonzero(along)
         longest = max(s for k, s in enumerate(sizes) if k not in flat)
         wanted = [math.ceil(nodes * s / longest * (1 - 1e-9)) for s in sizes]
@@ -191,7 +187,7 @@ def of_nye(
         )
     mean = source.values.mean(axis=(2, 3, 4))
     largest = float(np.abs(source.values).max())
-    if np.abs(mean).max() > BALANCED * largest:
+    if np.abs(mean).max() > CALCULATED * largest:
         if not balance:
             raise GridError(
                 "stresses: expected a Nye field whose mean is zero, got "
@@ -208,7 +204,7 @@ def of_nye(
     every = (weights[:, None, None] * np.abs(modes) ** 2).sum()
     share = math.sqrt(ended / every) if every else 0.0
     texts = source.corrections
-    if share > BALANCED:
+    if share > CALCULATED:
         text = (
             f"Lines that end, {share:.2g} of the Nye tensor, are closed through the crystal: only "
             "the part without divergence counts."

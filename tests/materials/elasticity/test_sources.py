@@ -325,7 +325,7 @@ def test_files_for_paraview_and_xarray(tmp_path: Path):
         value = data["stress"].sel(x=1.0, y=0.5, z=2.25)
         np.testing.assert_allclose(value.sel(i="x", j="z"), wanted[0, 2], atol=1e-12)
         assert data.attrs["energy"] == FOUND.energy
-        assert data["stress"].attrs["units"] == "GPa"
+        assert data.attrs["unit"] == "GPa"
 
 
 def test_a_simulated_network():
