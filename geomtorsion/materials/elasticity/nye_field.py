@@ -95,6 +95,7 @@ class NyeField:
         GridError
             The frame has holes, has neither two nor three axes, or its mean is singular.
         """
+        checks.instance(frame, SampledFrame, "frame", GridError)
         values, inverse = checked_frame(frame)
         alpha = np.zeros((3, 3, *values.shape[2:]))
         rows = np.arange(3)[: frame.rows]
