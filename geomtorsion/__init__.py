@@ -118,6 +118,12 @@ if TYPE_CHECKING:
         parallel_screws,
     )
     from geomtorsion.materials import crystals, images
+    from geomtorsion.materials.elasticity import (
+        ElasticConstants,
+        NyeField,
+        Stresses,
+        stresses,
+    )
     from geomtorsion.materials.fields import (
         SampledFrame,
         ScatteredFrame,
@@ -208,6 +214,7 @@ _LATER = {
         "dispiration", "enclosed_defects", "exact_burgers_vector", "find_defects",
         "parallel_dislocations", "parallel_edges", "parallel_screws",
     ),
+    "materials.elasticity": ("ElasticConstants", "NyeField", "Stresses", "stresses"),
     "materials.fields": (
         "SampledFrame", "ScatteredFrame", "defect_conservation", "defect_densities",
     ),
@@ -258,6 +265,7 @@ __all__ = [
     "Diffusion",
     "DislocationNetwork",
     "EdgeList",
+    "ElasticConstants",
     "EnclosedDefect",
     "Engine",
     "Ensemble",
@@ -281,6 +289,7 @@ __all__ = [
     "Loop",
     "Network",
     "NodeRule",
+    "NyeField",
     "OrientationMap",
     "ParallelVolume",
     "Phase",
@@ -297,6 +306,7 @@ __all__ = [
     "State",
     "StateSelection",
     "Stiff",
+    "Stresses",
     "Surface",
     "Symmetries",
     "Taylor",
@@ -368,6 +378,7 @@ __all__ = [
     "solve_many",
     "spaces",
     "spinning",
+    "stresses",
     "surface",
     "symmetries",
     "variation",

@@ -268,6 +268,12 @@ class ImageError(GeomtorsionError, ValueError):
     page = "tutorials/from_data"
 
 
+class ElasticityError(GeomtorsionError, ValueError):
+    """Elastic constants are not those of a stable crystal, or not as many as its symmetry has."""
+
+    page = "tutorials/stress"
+
+
 class UnitError(GeomtorsionError, ValueError):
     """A unit is unknown, or does not measure what the field measures."""
 

@@ -55,6 +55,10 @@ RING = gt.LineArrays(
     gt.Box.of_bounds([0, 0, 0], [4, 4, 4]),
 )  # fmt: skip
 PLACED = gt.DislocationNetwork.of_arrays(RING)
+STEEL = gt.ElasticConstants.isotropic(80.0, 0.3, "GPa")
+OPEN_FIELD = gt.NyeField(
+    np.zeros((3, 3, 2, 2, 2)), gt.Box.of_bounds([0, 0, 0], [4, 4, 4], periodic=False)
+)
 _Y, _X = np.mgrid[63:-1:-1, 0:64]
 PICTURE = np.cos(np.pi * _X / 3) + np.cos(np.pi * _Y / 3)
 PHASES = gt.LatticeImage(PICTURE).phases()
@@ -145,6 +149,12 @@ def public_functions() -> list[Case]:
         _public("diffusion", connection=CARTAN),
         _public("defect_densities", strain=BLOCK, bend=SLOPES),
         _public("defect_conservation", dislocation=SLOPES, disclination=SLOPES),
+        _public(
+            "stresses", source=PLACED, constants=STEEL, shape=[8, 8, 8], core=1.0, gauge=0.1,
+            mean_stress=np.eye(3), balance=False, convention="SF/RH",
+        ),
+        _public("ElasticConstants", voigt=np.eye(6), unit="GPa"),
+        _public("NyeField", values=np.zeros((3, 3, 4, 4, 4)), box=RING.box, unit="um"),
         _public("limits", seconds=1.0, megabytes=100.0),
         _public("levi_civita", frame=PLANE),
         _public("identities", connection=CARTAN),
@@ -427,6 +437,18 @@ def public_methods() -> list[Case]:
         _of("LineArrays", gt.LineArrays, positions=[[0, 0, 0], [1, 0, 0]], pairs=[[0, 1]],
             burgers=[[1, 0, 0]], box=gt.Box.of_bounds([0, 0, 0], [4, 4, 4]), images=[[0, 0, 0]],
             labels="ab", constraints=[0, 7], planes=[[0, 0, 1]]),
+        _of("ElasticConstants.isotropic", gt.ElasticConstants.isotropic, shear=1, poisson=0.3,
+            unit="GPa"),
+        _of("ElasticConstants.cubic", gt.ElasticConstants.cubic, c11=3, c12=1, c44=1, unit="GPa"),
+        _of("ElasticConstants.hexagonal", gt.ElasticConstants.hexagonal, c11=3, c12=1, c13=1,
+            c33=3, c44=1, unit="GPa"),
+        _of("ElasticConstants.of_voigt", gt.ElasticConstants.of_voigt, values=np.eye(6),
+            unit="GPa"),
+        _of("ElasticConstants.of_text", gt.ElasticConstants.of_text, text="isotropic 1 0.3 GPa"),
+        _of("ElasticConstants.rotated", STEEL.rotated, rotation=np.eye(3)),
+        _of("NyeField.padded", OPEN_FIELD.padded, nodes=2),
+        _of("NyeField.of_frame", gt.NyeField.of_frame, frame=BLOCK),
+        _of("Stresses.at", gt.stresses(PLACED, STEEL, shape=8).at, points=[[0, 0, 0]]),
         _of("Circuit.rectangle", gt.Circuit.rectangle, corner=(1, 1), rows=2, columns=2),
         _of("Circuit.of_cells", gt.Circuit.of_cells, cells=[[1, 1]], corner=(0, 0)),
         _of("Circuit.through", gt.Circuit.through, pixels=[(0, 0), (0, 2), (2, 2), (2, 0)]),
@@ -629,5 +651,5 @@ RESULTS = frozenset(
     "EquationsOfMotion ExactBurgersVector Fit IdentityCheck LogMap NodeRule SavedSolution "
     "SceneCost SceneResult Solution StateSelection Variation Atlas Chart CurveProblem "
     "DislocationNetwork Engine LatticeBurgers LatticePhases Certainty Proof Linearization "
-    "KerrOrbit Frequencies Surface Symmetries Diffusion Integrability ParallelVolume".split()
+    "KerrOrbit Frequencies Surface Symmetries Diffusion Integrability ParallelVolume Stresses".split()
 )

@@ -22,6 +22,7 @@ def values() -> dict[str, Callable[[], Any]]:
     corners, sides = [[1, 1, 2], [3, 1, 2], [3, 3, 2], [1, 3, 2]], [[0, 1], [1, 2], [2, 3], [3, 0]]
     box = gt.Box.of_bounds([0, 0, 0], [4, 4, 4])
     arrays = gt.LineArrays(corners, sides, [[0, 0, 1]] * 4, box)
+    steel = gt.ElasticConstants.isotropic(80, 0.3, unit="GPa")
     line = np.linspace(-3, 3, 20)
     x, y = np.meshgrid(line, line, indexing="ij")
     jump = 0.286 / (2 * np.pi) * np.arctan2(y, x)
@@ -52,6 +53,9 @@ def values() -> dict[str, Callable[[], Any]]:
         "Crystal": lambda: gt.crystals.Crystal(atoms, np.diag([18.0] * 3)),
         "Diffusion": lambda: gt.diffusion(gt.cartan(so3)),
         "DislocationNetwork": lambda: gt.DislocationNetwork.of_arrays(arrays),
+        "ElasticConstants": lambda: steel,
+        "NyeField": lambda: gt.NyeField(np.zeros((3, 3, 4, 4, 4)), box, "um"),
+        "Stresses": lambda: gt.stresses(gt.DislocationNetwork.of_arrays(arrays), steel, shape=8),
         "EquationsOfMotion": lambda: gt.equations_of_motion(so3, energy),
         "Fit": lambda: gt.fit(
             gt.ODE.of({"x": "k"}, [0], parameters={"k": 1}), [1, 2], {"x": [2.1, 3.9]}, 0.1, ["k"]

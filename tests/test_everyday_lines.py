@@ -255,6 +255,13 @@ FIGURES = {
     "loop": (lambda: LOOP, 1),
     "constant tensor": (lambda: POLAR.eta, 1),
     "plan": (lambda: SO3.frame.plan("metric"), 1),
+    "stress": (
+        lambda: gt.stresses(
+            gt.NyeField(np.zeros((3, 3, 4, 4, 4)), gt.Box.of_bounds([0, 0, 0], [1, 1, 1])),
+            gt.ElasticConstants.isotropic(1, 0.3),
+        ),
+        1,
+    ),
     "map": (
         lambda: gt.burgers_map(
             "screw_dislocation", (np.linspace(-1, 1, 4), np.linspace(-1, 1, 4)), parameters={"b": 1}

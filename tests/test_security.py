@@ -167,8 +167,8 @@ CASES = [
 # These check all their arguments at once, so no error of Python or sympy may escape.
 CHECKED = frozenset(
     "AffineMap At Body Box Cochain Complex Connection Curvature CurveProblem DependencyGraph "
-    "DislocationNetwork EdgeList LineArrays Element Exercise Frame RungeKutta State Stiff "
-    "Taylor Tensor Torsion TransitionMap When blend burgers_vector cartan "
+    "DislocationNetwork EdgeList ElasticConstants NyeField stresses LineArrays Element Exercise "
+    "Frame RungeKutta State Stiff Taylor Tensor Torsion TransitionMap When blend burgers_vector cartan "
     "conserved_quantities contract dispiration equations_of_motion exact_burgers_vector "
     "kerr_orbit linearized exponential_map free_top from_coefficients from_contortion "
     "from_spin_connection "
@@ -402,7 +402,7 @@ def test_no_table_of_loops_is_run(tmp_path):
             assert error is None or isinstance(error, GeomtorsionError)
 
 
-@pytest.mark.parametrize("kind", ["solution", "flow", "scene", "grid"])
+@pytest.mark.parametrize("kind", ["solution", "flow", "scene", "grid", "nye field"])
 def test_no_array_file_is_run(kind, tmp_path):
     """Objects, text and the payload instead of each array of an NPZ file are not executed."""
     path = tmp_path / "saved.npz"
@@ -411,6 +411,7 @@ def test_no_array_file_is_run(kind, tmp_path):
         "flow": (canary_cases.RUN.save, gt.SavedSolution.load),
         "scene": (canary_cases.RESULT.save, scenes.SceneResult.load),
         "grid": (canary_cases.GRID.save, gt.SampledFrame.read),
+        "nye field": (canary_cases.OPEN_FIELD.save, gt.NyeField.read),
     }
     write, read = saved[kind]
     write(path)
@@ -438,6 +439,7 @@ COMMANDS = {
     "accuracy": ["s2", "--t", "0.1"],
     "burgers": ["s2", "--circle", "1,0:0.1", "--set", "R=1"],
     "map": ["none.ctf", "--circle", "1,1:1", "--laue", "1=m-3m"],
+    "stress": ["none.data", "--elastic", "isotropic 1 0.3"],
     "run": ["euler_top", "--t", "0.1"],
     "scenes": [],
     "spaces": [],

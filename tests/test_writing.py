@@ -37,6 +37,7 @@ def things() -> dict[str, Any]:
         "solution": gt.solve(gt.ODE.of({"x": "-x"}, [1]), 1.0),
         "grid": gt.SampledFrame([np.arange(6.0)] * 2, np.ones((1, 2, 6, 6))),
         "network": gt.DislocationNetwork.of_arrays(rings(2, 1)),
+        "Nye field": gt.NyeField(np.zeros((3, 3, 4, 4, 4)), rings(2, 1).box, "um"),
         "scene": scene,
         "result": scene.run(),
     }
@@ -52,6 +53,7 @@ FILES: dict[str, Callable[[Any], object]] = {
     "solution": saved("solution"),
     "sampled frame": saved("grid"),
     "network": saved("network"),
+    "Nye field": saved("Nye field"),
     "result of a scene": saved("result"),
     "scene": lambda path: scenes.write_file(things()["scene"], path),
 }
@@ -66,6 +68,7 @@ READERS: dict[str, Callable[[Any], object]] = {
     "solution": gt.SavedSolution.load,
     "sampled frame": gt.SampledFrame.read,
     "network": gt.DislocationNetwork.read,
+    "Nye field": gt.NyeField.read,
     "result of a scene": scenes.SceneResult.load,
     "scene": scenes.read_file,
     "map": gt.OrientationMap.read,

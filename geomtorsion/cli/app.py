@@ -27,6 +27,7 @@ class Commands(LazyGroup):
         "map": "Map the Burgers vector per area of a measured field, and compare it with noise.",
         "crystal": "Find the dislocation lines of a crystal, with their Burgers vectors.",
         "network": "Read a dislocation network, and check that b is conserved at its nodes.",
+        "stress": "Compute the stress that belongs to dislocation lines or to a measured torsion.",
         "run": "Run a scene: a body, the effects on it, and the watched quantities.",
         "scenes": "List the shipped scenes; with a name, print that scene as a file.",
         "paper": "Recompute the equations of Fiziev and Kleinert (1994).",
@@ -36,7 +37,7 @@ class Commands(LazyGroup):
     groups: ClassVar = {
         "Geometry": ("spaces", "geometry", "check", "plan", "gravity", "report", "paper"),
         "Motions": ("curve", "fit", "run", "scenes", "accuracy"),
-        "Defects and data": ("burgers", "map", "crystal", "network"),
+        "Defects and data": ("burgers", "map", "crystal", "network", "stress"),
         "Teaching": ("lab", "exercises"),
     }
     limited = frozenset(summaries) - {"spaces", "network", "scenes", "lab", "exercises"}

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.notebook_pictures import draw_plan
     from geomtorsion.pictures.report import write_report
     from geomtorsion.pictures.solutions import draw_solution
+    from geomtorsion.pictures.stress import draw_stress
     from geomtorsion.pictures.style import can_draw, save
     from geomtorsion.pictures.tensors import draw_tensor
 
@@ -47,6 +48,7 @@ _HOMES = {
     "draw_network": "network",
     "draw_plan": "notebook_pictures",
     "draw_solution": "solutions",
+    "draw_stress": "stress",
     "draw_survey": "measured",
     "draw_tensor": "tensors",
     "save": "style",
@@ -70,6 +72,7 @@ __all__ = [
     "draw_network",
     "draw_plan",
     "draw_solution",
+    "draw_stress",
     "draw_survey",
     "draw_tensor",
     "save",

@@ -50,7 +50,8 @@ class Style:
     edges: of a network; more make a picture black.
     line, half, third: letters that fit into a row of a matrix, half of a page and a third of it.
     arrows: along the longer side of a map; more of them hide it. panel: height of a map, inches.
-    broad: largest ratio of its sides.
+    broad: largest ratio of its sides. spanned: percent of its nodes that the colours span, because
+    the few nodes in cores of lines would hide everything else.
     unfolded: components of a list before the rest is folded away. listed: the most in a notebook.
     samples: points of a smooth line. members: lines of an ensemble that are drawn.
     """
@@ -81,6 +82,7 @@ class Style:
     arrows: int = 22
     panel: float = 4.4
     broad: float = 2.2
+    spanned: float = 99.0
 
 
 STYLE = Style()

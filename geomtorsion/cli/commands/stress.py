@@ -1,0 +1,188 @@
+"""stress: the stress of a dislocation network, a coframe or a Nye field."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+
+from geomtorsion.checks import choice, shown
+from geomtorsion.cli.options import Form, argument, directory, option
+from geomtorsion.cli.results import say_on_error
+from geomtorsion.cli.terminal import wrapped
+from geomtorsion.errors import FileFormatError, GridError
+from geomtorsion.files import ending, finite_number, write_text
+from geomtorsion.materials.elasticity import ElasticConstants, NyeField, Stresses, stresses
+from geomtorsion.materials.fields import SampledFrame
+from geomtorsion.materials.lines import DislocationNetwork
+from geomtorsion.materials.readers import is_source, open_source
+from geomtorsion.pictures.stress import COMPONENTS, draw_stress
+from geomtorsion.pictures.style import can_draw, save
+from geomtorsion.progress import bar
+
+
+def stress(
+    file: Annotated[
+        Path,
+        argument("FILE", "A network (.data, .ca, .json), a coframe on a grid, or a Nye field."),
+    ],
+    elastic: Annotated[
+        str,
+        option(
+            metavar="'NAME C ... UNIT'",
+            text="Elastic constants: 'isotropic MU NU', 'cubic C11 C12 C44', 'hexagonal C11 C12 "
+            "C13 C33 C44' or 'voigt' with 21 numbers, and their unit.",
+        ),
+    ],
+    nodes: Annotated[
+        str | None,
+        option(metavar="N[,N,N]", text="Networks: nodes along the longest or each edge; 64."),
+    ] = None,
+    core: Annotated[
+        float | None,
+        option(metavar="X", text="Width of the Gaussian core; default: two steps for lines."),
+    ] = None,
+    gauge: Annotated[
+        float, typer.Option(metavar="X", help="Length of the gauge theory of dislocations.")
+    ] = 0.0,
+    balance: Annotated[
+        bool, typer.Option("--balance", help="Spread a net b through the cell evenly.")
+    ] = False,
+    padding: Annotated[
+        int | None,
+        option(metavar="N", text="Maps with open ends: nodes of perfect crystal around them."),
+    ] = None,
+    convention: Annotated[
+        str | None,
+        option(
+            metavar="NAME",
+            text="Sign of b in the file: SF/RH, Hirth-Lothe, ...; default: Hirth-Lothe for "
+            "networks in .data files, else SF/RH.",
+        ),
+    ] = None,
+    component: Annotated[
+        str, typer.Option(metavar="IJ", help="Component in the figure: xx, ..., xy, or mises.")
+    ] = "mises",
+    form: Annotated[
+        Form, typer.Option("--format", help="text to read, json for programs.")
+    ] = Form.text,
+    output: Annotated[
+        Path | None,
+        directory("Directory for stress.json, stress.vtk and stress.png, created if missing."),
+    ] = None,
+) -> None:
+    """Compute the stress of least elastic energy that belongs to a torsion.
+
+    The source is a dislocation network in a periodic box, or a measured field: a coframe on a
+    grid, or an .npz file with a Nye tensor. stress.json holds the Peach-Koehler force on each line
+    of a network; stress.vtk opens in ParaView. Lengths are in the units of the file, stresses in
+    those of the elastic constants.
+
+    \b
+    Examples:
+      geomtorsion stress chains.data --elastic "cubic 168.4 121.4 75.4 GPa" --balance -o out
+      geomtorsion stress nye.npz --elastic "isotropic 80 0.3 GPa" --padding 32 --balance
+    """
+    constants = ElasticConstants.of_text(elastic)
+    choice(component, COMPONENTS, "--component", GridError)
+    with bar(f"{file.name}: reading", 3) as show:
+        source = _opened(file, padding)
+        sign = convention or ("Hirth-Lothe" if ending(file) == ".data" else "SF/RH")
+        if show is not None:
+            show(1, f"{file.name}: stress")
+        result = stresses(
+            source, constants, shape=_nodes(nodes), core=core, gauge=gauge, balance=balance,
+            convention=sign,
+        )  # fmt: skip
+        document = {"file": file.name, **_summary(result)}
+        if show is not None:
+            show(2, f"{file.name}: error, from another grid")
+        document |= {"error": result.error, "energy_error": result.energy_error}
+    typer.echo(json.dumps(document, indent=2)) if form is Form.json else _explain(document)
+    if output is not None:
+        _save(result, document, component, output)
+
+
+def _opened(file: Path, padding: int | None) -> DislocationNetwork | SampledFrame | NyeField:
+    """The source in a file, by its ending and content."""
+    if not is_source(file):
+        if padding is not None:
+            raise GridError("--padding: expected a field with open ends, got a network. Omit it.")
+        return DislocationNetwork.read(file)
+    field = NyeField.read(file) if NyeField.is_in(file) else open_source(file)
+    if not isinstance(field, SampledFrame | NyeField):
+        raise FileFormatError(
+            f"{file.name}: expected a network, a coframe on a grid or a Nye field, got "
+            f"{type(field).__name__}. Give its Nye tensor as an .npz file: NyeField(...).save."
+        )
+    if padding is None:
+        return field
+    return (field if isinstance(field, NyeField) else NyeField.of_frame(field)).padded(padding)
+
+
+def _nodes(text: str | None) -> int | list[int] | None:
+    """Numbers of nodes as typed."""
+    if text is None:
+        return None
+    values = [finite_number(word.strip()) for word in text.split(",")]
+    whole = [int(x) for x in values if x is not None and x == int(x)]
+    if len(whole) != len(values) or len(values) not in (1, 3):
+        raise GridError(f"--nodes: expected one whole number or three, got {shown(text)}.")
+    return whole[0] if len(whole) == 1 else whole
+
+
+def _summary(result: Stresses) -> dict[str, Any]:
+    """Numbers of a stress, as plain data."""
+    mean = np.sqrt((result.stress**2).mean(axis=(2, 3, 4)))
+    return {
+        "source": repr(result.source),
+        "nodes": list(result.cell.shape),
+        "core": result.core,
+        "gauge": result.gauge,
+        "convention": result.convention,
+        "unit": result.unit,
+        "length_unit": result.length_unit,
+        "largest_stress": result.largest,
+        "root_mean_square": mean.tolist(),
+        "energy": result.energy,
+        "energy_unit": result.energy_unit,
+        "corrections": list(result.corrections),
+    }
+
+
+def _explain(document: dict[str, Any]) -> None:
+    """The summary in words."""
+    unit = f" {document['unit']}" if document["unit"] else ""
+    energy = f" {document['energy_unit']}" if document["energy_unit"] else ""
+    nodes = " x ".join(map(str, document["nodes"]))
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = document["root_mean_square"]
+    gauge = f", gauge length {document['gauge']:.6g}" if document["gauge"] else ""
+    typer.secho(document["file"], bold=True)
+    largest, error = document["largest_stress"], document["error"]
+    means = f"xx {xx:.4g}, yy {yy:.4g}, zz {zz:.4g}, yz {yz:.4g}, xz {xz:.4g}, xy {xy:.4g}{unit}"
+    for line in (
+        document["source"],
+        f"{nodes} nodes, core {document['core']:.6g}{gauge}, b as in {document['convention']}",
+        f"largest stress {largest:.6g}{unit}, error of the grid {error:.1g}{unit}",
+        f"root mean square: {means}",
+        f"energy {document['energy']:.6g}{energy}, error {document['energy_error']:.1g}",
+        *document["corrections"],
+    ):
+        typer.echo(wrapped(f"  {line}"))
+
+
+def _save(result: Stresses, document: dict[str, Any], component: str, folder: Path) -> None:
+    """stress.json with the forces, stress.vtk and stress.png."""
+    folder.mkdir(parents=True, exist_ok=True)
+    if isinstance(result.source, DislocationNetwork):
+        document = {**document, "forces": result.forces.tolist()}
+    paths = [folder / "stress.json", folder / "stress.vtk"]
+    write_text(paths[0], json.dumps(document, indent=2) + "\n")
+    result.save(paths[1])
+    if can_draw():
+        paths.append(folder / "stress.png")
+        save(draw_stress(result, component), paths[-1])
+    say_on_error(paths)
