@@ -16,6 +16,7 @@ class Commands(LazyGroup):
     summaries: ClassVar = {
         "spaces": "List the shipped spaces.",
         "geometry": "Show metric, connections, torsion and curvature.",
+        "symmetries": "Show symmetries, their algebra, and the holonomy of a connection.",
         "gravity": "Show the field equations of a Lagrangian on a space.",
         "check": "Check the identities of a space exactly.",
         "plan": "Show the steps that a quantity or a scene needs, and those it omits.",
@@ -33,7 +34,16 @@ class Commands(LazyGroup):
         "exercises": "List, show, check and grade exercises.",
     }
     groups: ClassVar = {
-        "Geometry": ("spaces", "geometry", "check", "plan", "gravity", "report", "paper"),
+        "Geometry": (
+            "spaces",
+            "geometry",
+            "check",
+            "plan",
+            "symmetries",
+            "gravity",
+            "report",
+            "paper",
+        ),
         "Motions": ("curve", "run", "scenes", "accuracy"),
         "Defects and data": ("burgers", "map", "crystal", "network"),
         "Teaching": ("lab", "exercises"),

@@ -10,11 +10,22 @@ from itertools import combinations, combinations_with_replacement, product
 import sympy as sp
 
 from geomtorsion import checks
+from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ArgumentError, ShapeError
 from geomtorsion.exact import Echelon, Element, vanishing_sums
 from geomtorsion.exclusive import exclusive
-from geomtorsion.geometry import Connection, Frame, Tensor, at_home, cartan, levi_civita, lie
+from geomtorsion.geometry import (
+    Connection,
+    Frame,
+    LieAlgebra,
+    Tensor,
+    at_home,
+    cartan,
+    levi_civita,
+    lie,
+)
 from geomtorsion.geometry.connections import FrameLike, as_frame
+from geomtorsion.gravity.symmetry_algebra import algebra_of
 
 Row = list[Element]
 KEEPS = ("metric", "teleparallel")
@@ -57,6 +68,7 @@ def symmetries(frame: FrameLike, keep: str | Connection = "metric") -> Symmetrie
     >>> plane = Frame([r, phi], [[1, 0], [0, r]])
     >>> print(symmetries(plane))
     3 symmetries of the metric, orbits of dimension 2
+    algebra: e(2)
     found 3 of 3:
       [0, 1]
       [sin(phi), cos(phi)/r]
@@ -157,6 +169,27 @@ class Symmetries:
     def orbits(self) -> int:
         """The dimension of the orbit of a generic point."""
         return self.dimension - self.isotropy
+
+    @cached_property
+    def algebra(self) -> LieAlgebra:
+        """The Lie algebra of all symmetries, exact, from one point and without a vector field.
+
+        Equation
+        --------
+        With F_bc = D_b xi_c the bracket zeta of xi and xi' has
+        zeta^a = xi^m F'_m^a - xi'^m F_m^a
+        D_b zeta_c = F_b^m F'_mc - F'_b^m F_mc + (xi^m xi'^d - xi'^m xi^d) R_mcbd
+
+        Each basis element has one of the components (xi^a, F_bc) equal to 1 and the other free ones
+        equal to 0 at a point near the generic point. Parameters have generic values.
+
+        Examples
+        --------
+        >>> import geomtorsion as gt
+        >>> gt.symmetries("schwarzschild").algebra.name
+        'so(3) + R'
+        """
+        return algebra_of(self.frame, self._ranks[1])
 
     # -- conditions on (xi^c, F_bc = D_b xi_c) at a point ------------------------------------------
 
@@ -341,9 +374,12 @@ class Symmetries:
     def __repr__(self) -> str:
         return str(self)
 
+    _repr_html_ = drawn_by("notebook_tables", "symmetries_html")
+
     def __str__(self) -> str:
         n = self.frame.dimension
         lines = [f"{self.dimension} symmetries of {self.kept}, orbits of dimension {self.orbits}"]
+        lines.append(f"algebra: {self.algebra.name}")
         lines.append(f"found {len(self.vectors)} of {self.dimension}:")
         shown = [[one[a] for a in range(n)] for one in self.vectors]
         lines += [f"  {value}" for value in shown]

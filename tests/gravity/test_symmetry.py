@@ -120,7 +120,9 @@ def test_no_more_vectors_than_dimensions(frame: gt.Frame) -> None:
 def test_report() -> None:
     """The report states both dimensions, and the searched combinations if vectors are missing."""
     text = str(gt.symmetries(BALL))
-    assert text.startswith("10 symmetries of the metric, orbits of dimension 4\nfound 8 of 10:")
+    assert text.startswith(
+        "10 symmetries of the metric, orbits of dimension 4\nalgebra: iso(3, 1)\nfound 8 of 10:"
+    )
     assert "searched: rational combinations" in text
     assert "searched" not in repr(gt.symmetries(CARTESIAN))
 
