@@ -124,6 +124,17 @@ class Brackets:
         }
         return Brackets.of(self.field, len(places), table)
 
+    def in_basis(self, basis: Sequence[Vector]) -> Brackets:
+        """The brackets of other basis elements, from their components, one row each."""
+        n = range(self.dimension)
+        rows = [[*row, *self.unit(i)] for i, row in enumerate(basis)]
+        inverse = [row[self.dimension :] for row in reduced(self.field, rows, 2 * len(n)).rows]
+        table = {}
+        for i, j in combinations(n, 2):
+            value = self.bracket(basis[i], basis[j])
+            table[i, j] = [self.field.sum([(1, value[m], inverse[m][k]) for m in n]) for k in n]
+        return Brackets.of(self.field, self.dimension, table)
+
     def subalgebra(self, span: Reduced) -> Brackets:
         """The brackets of the rows of a subalgebra."""
         table = {

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 
 from geomtorsion.errors import UndecidedError
@@ -15,11 +17,50 @@ LARGEST = (4, 16, 64, 256)
 Row = list[Element]
 
 
-def algebra_of(frame: Frame, conditions: Echelon) -> LieAlgebra:
-    """The algebra of the symmetries (xi^a, F_bc = D_b xi_c), b < c, that satisfy the conditions.
+@dataclass(frozen=True, eq=False)
+class AtPoint:
+    """The conditions on (xi^a, F_bc = D_b xi_c), b < c, at one point near the generic point.
 
-    zeta^a = xi^m F'_m^a - xi'^m F_m^a
-    D_b zeta_c = F_b^m F'_mc - F'_b^m F_mc + (xi^m xi'^d - xi'^m xi^d) R_mcbd
+    frame: the frame of the metric.
+    place: the point.
+    conditions: their values there.
+    """
+
+    frame: Frame
+    place: Specialization
+    conditions: Reduced
+
+    @cached_property
+    def algebra(self) -> LieAlgebra:
+        """The algebra with the basis that is 1 in one free unknown and 0 in the others."""
+        return _algebra(self.frame, self.place, self.conditions)
+
+    def components(self, values: Sequence[Element]) -> list[Element]:
+        """Components in this basis of a symmetry with values (xi^a, F_bc)."""
+        return [self.place(values[k]) for k in self.conditions.free]
+
+    def basis(self, fields: Sequence[Sequence[Element]]) -> list[list[Element]] | None:
+        """Components of fields with values (xi^a, F_bc), completed to a basis.
+
+        None where the fields depend on each other at the point.
+        """
+        d, field = self.algebra.dimension, self.place.field
+        rows = [self.components(values) for values in fields]
+        span = reduced(field, rows, d)
+        return (
+            [*rows, *(self.algebra.exact.unit(k) for k in span.free)]
+            if span.rank == len(rows)
+            else None
+        )
+
+
+def points(frame: Frame, conditions: Echelon) -> Iterator[AtPoint]:
+    """Points where all is regular and the rank of the conditions is the generic one.
+
+    Raises
+    ------
+    UndecidedError
+        All points have been used.
     """
     for largest in LARGEST:
         place = Specialization(frame.field, frame.coordinates, largest)
@@ -27,7 +68,7 @@ def algebra_of(frame: Frame, conditions: Echelon) -> LieAlgebra:
             rows = [place.all(row) for row in conditions.rows]
             values = reduced(place.field, rows, conditions.width)
             if values.rank == conditions.rank:
-                return _algebra(frame, place, values)
+                yield AtPoint(frame, place, values)
         except ZeroDivisionError:
             continue
     raise UndecidedError(
@@ -37,7 +78,11 @@ def algebra_of(frame: Frame, conditions: Echelon) -> LieAlgebra:
 
 
 def _algebra(frame: Frame, place: Specialization, conditions: Reduced) -> LieAlgebra:
-    """The algebra with the basis that is 1 in one free unknown and 0 in the others."""
+    """Brackets of the symmetries with the values that the conditions leave free.
+
+    zeta^a = xi^m F'_m^a - xi'^m F_m^a
+    D_b zeta_c = F_b^m F'_mc - F'_b^m F_mc + (xi^m xi'^d - xi'^m xi^d) R_mcbd
+    """
     n, field = frame.dimension, place.field
     basis, free = conditions.kernel(), conditions.free
     inverse = _values(place, frame.inverse_metric.components.nonzero)

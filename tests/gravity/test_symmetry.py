@@ -28,10 +28,23 @@ CARTESIAN = diagonal([t, x, y, z], 1, a, a, a)
 FLAT = diagonal([t, x, y, z], 1, 1, 1, 1)
 BALL = diagonal([t, r, theta, phi], 1, 1, r, r * S)
 
+u, v, H = sp.symbols("u v H", positive=True)
+ELLIPTIC = gt.Frame([u, v], sp.eye(2) * sp.sqrt(sp.sinh(u) ** 2 + sp.sin(v) ** 2))
+PARABOLIC = gt.Frame([u, v], sp.eye(2) * sp.sqrt(u**2 + v**2))
+SPACE = gt.Frame([r, u, theta, phi], sp.diag(1, r, r * sp.sin(u), r * sp.sin(u) * S))
+
 # Frame, invariant quantity, dimension, dimension of the orbits, number of vectors found.
 KNOWN = {
     "Minkowski": (FLAT, "metric", 10, 4, 10),
-    "Minkowski, spherical": (BALL, "metric", 10, 4, 8),
+    "Minkowski, spherical": (BALL, "metric", 10, 4, 10),
+    "de Sitter, static": (shipped("de_sitter"), "metric", 10, 4, 10),
+    "de Sitter, flat slices": (
+        diagonal([t, x, y, z], 1, *[sp.exp(H * t)] * 3), "metric", 10, 4, 10,
+    ),
+    "four dimensions, spherical": (SPACE, "metric", 10, 4, 10),
+    "plane, elliptic": (ELLIPTIC, "metric", 3, 2, 3),
+    "plane, parabolic": (PARABOLIC, "metric", 3, 2, 3),
+    "seven-sphere": (shipped("s7"), "metric", 28, 7, 28),
     "FLRW": (CARTESIAN, "metric", 6, 3, 6),
     "FLRW, spherical": (SPHERICAL, "metric", 6, 3, 6),
     "FLRW, good tetrad": (CARTESIAN, "teleparallel", 6, 3, 6),

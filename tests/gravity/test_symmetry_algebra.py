@@ -55,36 +55,18 @@ def test_frames(name: str) -> None:
     assert gt.symmetries(frame, keep).algebra.name == expected
 
 
-@pytest.mark.parametrize("name", ["s2", "flat_polar", "taub_nut", "schwarzschild", "ads3", "sol"])
+@pytest.mark.parametrize("name", ["s2", "flat_polar", "de_sitter", "taub_nut", "goedel", "frw"])
 def test_brackets_of_vectors(name: str) -> None:
-    """Brackets of vectors in closed form have constant coefficients of this algebra."""
+    """[xi_i, xi_j] = C_ij^k xi_k holds exactly, everywhere, for the vectors in closed form."""
     found = gt.symmetries(name)
-    vectors = found.vectors
-    assert len(vectors) == found.dimension
-    frame, n = found.frame, len(vectors)
-    parameters = dict.fromkeys(frame.parameters, sp.Rational(3, 2))
-    # Values at several points determine the constants.
-    places = [
-        {q: sp.Rational(2 * j + k + 3, 3 + j) for k, q in enumerate(frame.coordinates)} | parameters
-        for j in range(5)
-    ]
-
-    def values(field: gt.Tensor) -> list[sp.Expr]:
-        point_values = [field.at(place, digits=40) for place in places]
-        return [sp.Float(str(v), 40) for one in point_values for v in one.tolist()]
-
-    columns = sp.Matrix([values(one) for one in vectors]).T
-    square = columns.T * columns
-    constants = {(i, n - 1, 0): sp.S.Zero for i in range(n)}
-    for i, j in combinations(range(n), 2):
-        bracket = sp.Matrix(values(gt.lie_bracket(frame, vectors[i], vectors[j])))
-        weights = square.LUsolve(columns.T * bracket)
-        assert max(abs(e) for e in columns * weights - bracket) < 1e-25
-        for m, weight in enumerate(weights):
-            constants[i, j, m] = sp.nsimplify(weight, tolerance=1e-20, rational=True)
-    algebra = gt.LieAlgebra(constants)
-    assert algebra.name == found.algebra.name
-    assert algebra.signature == found.algebra.signature
+    vectors, algebra = found.vectors, found.algebra
+    assert len(vectors) == algebra.dimension
+    for i, j in combinations(range(len(vectors)), 2):
+        total = gt.lie_bracket(found.frame, vectors[i], vectors[j])
+        for (a, b, k), value in algebra.brackets().items():
+            if (a, b) == (i, j):
+                total = total - vectors[k] * value
+        assert total.is_zero
 
 
 def test_the_sign_of_a_parameter_decides() -> None:
