@@ -26,6 +26,7 @@ from geomtorsion.geometry import (
 )
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.gravity.symmetry_algebra import AtPoint, points
+from geomtorsion.gravity.symmetry_integration import IntegratedSymmetry
 from geomtorsion.gravity.symmetry_products import factors, products, waves
 from geomtorsion.gravity.symmetry_search import killing_vectors
 
@@ -71,7 +72,7 @@ def symmetries(frame: FrameLike, keep: str | Connection = "metric") -> Symmetrie
     >>> print(symmetries(plane))
     3 symmetries of the metric, orbits of dimension 2
     algebra: e(2)
-    found 3 of 3:
+    vectors:
       [0, 1]
       [sin(phi), cos(phi)/r]
       [-cos(phi), sin(phi)/r]
@@ -174,10 +175,10 @@ class Symmetries:
 
     @cached_property
     def algebra(self) -> LieAlgebra:
-        """The Lie algebra of all symmetries, exact, with `vectors` as its basis.
+        """The Lie algebra of all symmetries, exact, from their values at one point.
 
-        It follows from the values of all symmetries at one point, also where no vector is known in
-        closed form; then basis elements are those with one value 1 and the others 0 there.
+        Its basis are the `vectors` if all have a closed form. Otherwise each basis element has one
+        of the values that are free at the point equal to 1, and the others equal to 0.
 
         Equation
         --------
@@ -193,7 +194,10 @@ class Symmetries:
         >>> gt.symmetries("schwarzschild").algebra.name
         'so(3) + R'
         """
-        fields = [self._values(xi) for xi in self.vectors]
+        closed = self.closed_form
+        if len(closed) < self.dimension:
+            return self._point.algebra
+        fields = [self._values(xi) for xi in closed]
         for point in points(self.frame, self._ranks[1]):
             basis = point.basis(fields)
             if basis is not None:
@@ -282,14 +286,27 @@ class Symmetries:
     # -- vectors ---------------------------------------------------------------------------------
 
     @cached_property
-    def vectors(self) -> tuple[Tensor, ...]:
-        """The symmetries found: xi^a, slot u, each checked exactly.
+    def vectors(self) -> tuple[Tensor | IntegratedSymmetry, ...]:
+        """All symmetries: xi^a, slot u, in closed form and checked exactly, if there is one.
 
-        See `ansatz` for the components searched; where fewer than `dimension` are found, others
-        have components of another kind.
+        See `ansatz` for the components searched. The remaining symmetries give their values at
+        points, `vectors[k].at({"r": 3, ...})`, with errors: they are integrated from a base point.
         """
+        closed = self.closed_form
+        if len(closed) == self.dimension:
+            return closed
+        conditions = self._point.conditions
+        rest = [
+            IntegratedSymmetry(self.frame, self._ranks[1], conditions, conditions.free[k])
+            for k in self._point.missing([self._values(xi) for xi in closed])
+        ]
+        return (*closed, *rest)
+
+    @cached_property
+    def closed_form(self) -> tuple[Tensor, ...]:
+        """The symmetries in closed form: xi^a, slot u, each checked exactly (see `ansatz`)."""
         if self.connection.kind != "levi-civita":
-            return tuple(self._preserving(self._metric.vectors))
+            return tuple(self._preserving(self._metric.closed_form))
         vectors: list[Tensor] = []
         slots = "ud" if self.frame.complex else "uDd"
         for degree, constants in ((1, False), (1, True), (2, False), (2, True)):
@@ -358,10 +375,14 @@ class Symmetries:
         n = self.frame.dimension
         lines = [f"{self.dimension} symmetries of {self.kept}, orbits of dimension {self.orbits}"]
         lines.append(f"algebra: {self.algebra.name}")
-        lines.append(f"found {len(self.vectors)} of {self.dimension}:")
-        shown = [[one[a] for a in range(n)] for one in self.vectors]
-        lines += [f"  {value}" for value in shown]
-        if len(self.vectors) < self.dimension:
+        closed = self.closed_form
+        if len(closed) == self.dimension:
+            lines.append("vectors:" if closed else "no vectors")
+        else:
+            lines.append(f"{len(closed)} of {self.dimension} vectors have a closed form here:")
+        lines += [f"  {[one[a] for a in range(n)]}" for one in closed]
+        if len(closed) < self.dimension:
+            lines += [f"  {one!r}" for one in self.vectors[len(closed) :]]
             lines.append(f"searched: {self.ansatz}")
         return "\n".join(lines)
 

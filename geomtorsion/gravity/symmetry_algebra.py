@@ -40,18 +40,15 @@ class AtPoint:
         return [self.place(values[k]) for k in self.conditions.free]
 
     def basis(self, fields: Sequence[Sequence[Element]]) -> list[list[Element]] | None:
-        """Components of fields with values (xi^a, F_bc), completed to a basis.
-
-        None where the fields depend on each other at the point.
-        """
-        d, field = self.algebra.dimension, self.place.field
+        """Components of fields with values (xi^a, F_bc); None where they depend on each other."""
         rows = [self.components(values) for values in fields]
-        span = reduced(field, rows, d)
-        return (
-            [*rows, *(self.algebra.exact.unit(k) for k in span.free)]
-            if span.rank == len(rows)
-            else None
-        )
+        rank = reduced(self.place.field, rows, self.algebra.dimension).rank
+        return rows if rank == len(rows) else None
+
+    def missing(self, fields: Sequence[Sequence[Element]]) -> tuple[int, ...]:
+        """Numbers of the basis elements that complete fields with values (xi^a, F_bc)."""
+        rows = [self.components(values) for values in fields]
+        return reduced(self.place.field, rows, self.algebra.dimension).free
 
 
 def points(frame: Frame, conditions: Echelon) -> Iterator[AtPoint]:

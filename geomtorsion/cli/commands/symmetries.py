@@ -73,7 +73,7 @@ def _data(found: Symmetries, holonomy: HolonomyAlgebra) -> dict[str, object]:
         },
         "killing_form": algebra.signature,
         "derived_series": algebra.derived_series,
-        "vectors": [[str(one[a]) for a in range(n)] for one in found.vectors],
+        "vectors": [[str(one[a]) for a in range(n)] for one in found.closed_form],
         "holonomy": {
             "name": holonomy.name,
             "dimensions": holonomy.dimensions,
