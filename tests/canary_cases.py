@@ -168,6 +168,7 @@ def public_functions() -> list[Case]:
         ),
         _public("symmetries", frame=PLANE, keep="metric"),
         _public("killing_equations", frame=PLANE),
+        _public("LieAlgebra", constants={(0, 1, 2): 1}),
         _public(
             "spinning", connection=RIEMANN, start=[0, 0], velocity=[1, 1],
             spin=[[0, 0], [0, 0]], coupling="orbital", parameters={},
@@ -651,5 +652,6 @@ RESULTS = frozenset(
     "EquationsOfMotion ExactBurgersVector Fit IdentityCheck LogMap NodeRule SavedSolution "
     "SceneCost SceneResult Solution StateSelection Variation Atlas Chart CurveProblem "
     "DislocationNetwork Engine LatticeBurgers LatticePhases Certainty Proof Linearization "
-    "KerrOrbit Frequencies Surface Symmetries Diffusion Integrability ParallelVolume Stresses".split()
+    "KerrOrbit Frequencies Surface Symmetries Diffusion Integrability ParallelVolume Stresses "
+    "HolonomyAlgebra".split()
 )

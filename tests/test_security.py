@@ -433,6 +433,7 @@ def test_no_array_file_is_run(kind, tmp_path):
 COMMANDS = {
     "geometry": ["s2"],
     "gravity": ["s2"],
+    "symmetries": ["s2"],
     "check": ["s2"],
     "plan": ["s2"],
     "curve": ["s2", "--t", "0.1", "--accuracy", "1e-6"],

@@ -63,11 +63,11 @@ def field_equations(
     """The field equations of a Lagrangian or of a named theory on a space."""
     theory = getattr(gravity, lagrangian) if lagrangian in THEORIES else lagrangian
     chosen = connections or [Over.levi_civita if lagrangian in RIEMANNIAN else Over.own]
-    own = [_connection(space, one) for one in chosen]
+    own = [connection_of(space, one) for one in chosen]
     return gravity.equations(own, theory, constants=constants)
 
 
-def _connection(space: Space, over: Over) -> Connection:
+def connection_of(space: Space, over: Over) -> Connection:
     """A connection of a space."""
     if over is Over.levi_civita:
         return levi_civita(space.frame)

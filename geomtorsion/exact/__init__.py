@@ -5,9 +5,11 @@ from geomtorsion.exact.element import Certainty, Element
 from geomtorsion.exact.field import Field
 from geomtorsion.exact.functions import unknown_functions
 from geomtorsion.exact.generators import Branch, Generator
+from geomtorsion.exact.linear import Reduced, reduced, sign, signature, vanishes
 from geomtorsion.exact.parsing import parse_expression, read_tokens
 from geomtorsion.exact.printing import PrintedOnce, TexPrinter
 from geomtorsion.exact.relations import Echelon, vanishing_sums
+from geomtorsion.exact.specialization import Specialization
 from geomtorsion.exact.truncated import Truncated, TruncatedField
 
 __all__ = [
@@ -18,6 +20,8 @@ __all__ = [
     "Field",
     "Generator",
     "PrintedOnce",
+    "Reduced",
+    "Specialization",
     "TexPrinter",
     "Truncated",
     "TruncatedField",
@@ -25,8 +29,12 @@ __all__ = [
     "names",
     "parse_expression",
     "read_tokens",
+    "reduced",
+    "sign",
+    "signature",
     "syntax",
     "tokens",
     "unknown_functions",
+    "vanishes",
     "vanishing_sums",
 ]

@@ -1,6 +1,7 @@
 """Geometry: symbols in, tensors out."""
 
 from geomtorsion.geometry import connections, notation, validation
+from geomtorsion.geometry.brackets import Brackets
 from geomtorsion.geometry.components import antisymmetric, symmetric
 from geomtorsion.geometry.connection import Connection
 from geomtorsion.geometry.connections import (
@@ -18,9 +19,11 @@ from geomtorsion.geometry.curvature import Curvature
 from geomtorsion.geometry.embedded import embedded
 from geomtorsion.geometry.forms import Form
 from geomtorsion.geometry.frame import Frame
+from geomtorsion.geometry.holonomy import HolonomyAlgebra
 from geomtorsion.geometry.homes import at_home
 from geomtorsion.geometry.identity import IdentityCheck, identities
 from geomtorsion.geometry.integrability import Integrability, ParallelVolume
+from geomtorsion.geometry.lie_algebra import LieAlgebra
 from geomtorsion.geometry.lie_derivative import lie, lie_bracket
 from geomtorsion.geometry.quantities import DependencyGraph
 from geomtorsion.geometry.surfaces import Surface, surface
@@ -28,13 +31,16 @@ from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.geometry.torsion import Torsion
 
 __all__ = [
+    "Brackets",
     "Connection",
     "Curvature",
     "DependencyGraph",
     "Form",
     "Frame",
+    "HolonomyAlgebra",
     "IdentityCheck",
     "Integrability",
+    "LieAlgebra",
     "ParallelVolume",
     "Surface",
     "Tensor",

@@ -27,6 +27,7 @@ from geomtorsion.geometry.components import (
 from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.frame_matrices import is_dense, parallel_rows
+from geomtorsion.geometry.holonomy import HolonomyAlgebra, holonomy
 from geomtorsion.geometry.homes import at_home
 from geomtorsion.geometry.notation import ComponentTable, Names, Where
 from geomtorsion.geometry.parts import nonmetricity_parts
@@ -129,6 +130,19 @@ class Connection:
         from geomtorsion.geometry.curvature import Curvature
 
         return Curvature(self)
+
+    @cached_property
+    def holonomy_algebra(self) -> HolonomyAlgebra:
+        """The Lie algebra of the rotations by which loops turn vectors (see HolonomyAlgebra).
+
+        Examples
+        --------
+        >>> import geomtorsion as gt
+        >>> gt.levi_civita("s2").holonomy_algebra.dimension
+        1
+        """
+        riemann, is_metric = self.curvature.riemann, self.kind != "general"
+        return holonomy(riemann, self.covariant_derivative, self.name, is_metric)
 
     @cached_property
     def nonmetricity(self) -> Tensor:

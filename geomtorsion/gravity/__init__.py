@@ -9,6 +9,7 @@ from geomtorsion.gravity.matter import maxwell, scalar_field
 from geomtorsion.gravity.newman_penrose import NewmanPenrose, newman_penrose
 from geomtorsion.gravity.statistical import statistical
 from geomtorsion.gravity.symmetry import Symmetries, killing_equations, symmetries
+from geomtorsion.gravity.symmetry_integration import IntegratedSymmetry
 from geomtorsion.gravity.theories import (
     einstein_cartan,
     f_of,
@@ -24,6 +25,7 @@ from geomtorsion.gravity.translations import Translation, translations
 
 __all__ = [
     "FieldEquations",
+    "IntegratedSymmetry",
     "Invariant",
     "Lagrangian",
     "NewmanPenrose",

@@ -5,16 +5,30 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations, combinations_with_replacement, product
+from itertools import combinations, product
 
 import sympy as sp
 
 from geomtorsion import checks
-from geomtorsion.errors import ArgumentError, ShapeError
+from geomtorsion.displays import drawn_by
+from geomtorsion.errors import ArgumentError, ShapeError, UndecidedError
 from geomtorsion.exact import Echelon, Element, vanishing_sums
 from geomtorsion.exclusive import exclusive
-from geomtorsion.geometry import Connection, Frame, Tensor, at_home, cartan, levi_civita, lie
+from geomtorsion.geometry import (
+    Connection,
+    Frame,
+    LieAlgebra,
+    Tensor,
+    at_home,
+    cartan,
+    levi_civita,
+    lie,
+)
 from geomtorsion.geometry.connections import FrameLike, as_frame
+from geomtorsion.gravity.symmetry_algebra import AtPoint, points
+from geomtorsion.gravity.symmetry_integration import IntegratedSymmetry
+from geomtorsion.gravity.symmetry_products import factors, products, waves
+from geomtorsion.gravity.symmetry_search import killing_vectors
 
 Row = list[Element]
 KEEPS = ("metric", "teleparallel")
@@ -57,7 +71,8 @@ def symmetries(frame: FrameLike, keep: str | Connection = "metric") -> Symmetrie
     >>> plane = Frame([r, phi], [[1, 0], [0, r]])
     >>> print(symmetries(plane))
     3 symmetries of the metric, orbits of dimension 2
-    found 3 of 3:
+    algebra: e(2)
+    vectors:
       [0, 1]
       [sin(phi), cos(phi)/r]
       [-cos(phi), sin(phi)/r]
@@ -158,6 +173,42 @@ class Symmetries:
         """The dimension of the orbit of a generic point."""
         return self.dimension - self.isotropy
 
+    @cached_property
+    def algebra(self) -> LieAlgebra:
+        """The Lie algebra of all symmetries, exact, from their values at one point.
+
+        Its basis are the `vectors` if all have a closed form. Otherwise each basis element has one
+        of the values that are free at the point equal to 1, and the others equal to 0.
+
+        Equation
+        --------
+        With F_bc = D_b xi_c the bracket zeta of xi and xi' has
+        zeta^a = xi^m F'_m^a - xi'^m F_m^a
+        D_b zeta_c = F_b^m F'_mc - F'_b^m F_mc + (xi^m xi'^d - xi'^m xi^d) R_mcbd
+
+        Parameters have generic values.
+
+        Examples
+        --------
+        >>> import geomtorsion as gt
+        >>> gt.symmetries("schwarzschild").algebra.name
+        'so(3) + R'
+        """
+        closed = self.closed_form
+        if len(closed) < self.dimension:
+            return self._point.algebra
+        fields = [self._values(xi) for xi in closed]
+        for point in points(self.frame, self._ranks[1]):
+            basis = point.basis(fields)
+            if basis is not None:
+                return LieAlgebra.of(point.algebra.exact.in_basis(basis))
+        raise UndecidedError("the symmetries depend on each other at every point that was tried.")
+
+    @cached_property
+    def _point(self) -> AtPoint:
+        """The conditions at one point."""
+        return next(points(self.frame, self._ranks[1]))
+
     # -- conditions on (xi^c, F_bc = D_b xi_c) at a point ------------------------------------------
 
     @cached_property
@@ -235,119 +286,103 @@ class Symmetries:
     # -- vectors ---------------------------------------------------------------------------------
 
     @cached_property
-    def vectors(self) -> tuple[Tensor, ...]:
-        """The symmetries found: xi^a, slot u, each checked exactly.
+    def vectors(self) -> tuple[Tensor | IntegratedSymmetry, ...]:
+        """All symmetries: xi^a, slot u, in closed form and checked exactly, if there is one.
 
-        See `ansatz` for the components searched; where fewer than `dimension` are found, others
-        have components of another kind.
+        See `ansatz` for the components searched. The remaining symmetries give their values at
+        points, `vectors[k].at({"r": 3, ...})`, with errors: they are integrated from a base point.
         """
+        closed = self.closed_form
+        if len(closed) == self.dimension:
+            return closed
+        conditions = self._point.conditions
+        rest = [
+            IntegratedSymmetry(self.frame, self._ranks[1], conditions, conditions.free[k])
+            for k in self._point.missing([self._values(xi) for xi in closed])
+        ]
+        return (*closed, *rest)
+
+    @cached_property
+    def closed_form(self) -> tuple[Tensor, ...]:
+        """The symmetries in closed form: xi^a, slot u, each checked exactly (see `ansatz`)."""
+        if self.connection.kind != "levi-civita":
+            return tuple(self._preserving(self._metric.closed_form))
         vectors: list[Tensor] = []
-        constants = self.frame.parameters
-        for degree, factors in ((0, ()), (1, ()), (2, ()), (2, constants), (3, ())):
-            products = _monomials(self.frame, degree)
-            products += [c * one for c in factors for one in products]
-            vectors = self._independent([*vectors, *self._solved(products)])
-            if len(vectors) >= self.dimension:
-                break
+        slots = "ud" if self.frame.complex else "uDd"
+        for degree, constants in ((1, False), (1, True), (2, False), (2, True)):
+            functions = products(self.frame, self._waves, degree, constants)
+            for slot in slots:
+                if len(vectors) >= self.dimension:
+                    break
+                vectors = self._independent(
+                    [*vectors, *killing_vectors(self.frame, functions, slot)]
+                )
         return tuple(vectors)
 
-    def _independent(self, vectors: Sequence[Tensor]) -> list[Tensor]:
-        """Elements that are not sums of others with constant coefficients.
+    @cached_property
+    def _metric(self) -> Symmetries:
+        """The symmetries of the metric."""
+        return Symmetries(self.frame, levi_civita(self.frame))
 
-        A symmetry is determined by its value and its derivative at one point.
-        """
-        bar, n = levi_civita(self.frame), self.frame.dimension
-        echelon = Echelon(self.frame.field, n + len(self._turns))
-        independent = []
-        for xi in vectors:
-            slope = bar.covariant_derivative(xi.lowered(0))
-            row = [*(xi.element(a) for a in range(n)), *(slope.element(*x) for x in self._turns)]
-            if echelon.add(row):
-                independent.append(xi)
-        return independent
+    @cached_property
+    def _waves(self) -> dict[sp.Symbol, list[sp.Expr]]:
+        """Functions of the coordinates of which the metric is free."""
+        return waves(self.frame, self._metric._point)
+
+    def _preserving(self, killing: Sequence[Tensor]) -> list[Tensor]:
+        """Sums of Killing vectors that keep the connection as well."""
+        frame, field = self.frame, self.frame.field
+        extra = _difference(self.connection, levi_civita(frame))
+        changes = [lie(one, extra) for one in killing]
+        rows = [[x.components.get(index) for x in changes] for index in _representatives(extra)]
+        vectors = []
+        for weights in vanishing_sums(rows, len(killing)):
+            pairs = list(zip(weights, killing, strict=True))
+            values = {
+                (b,): field.sum([(c, one.element(b)) for c, one in pairs])
+                for b in range(frame.dimension)
+            }
+            vectors.append(Tensor(frame, "u", values, (), "\\xi", "symmetry"))
+        return vectors
+
+    def _independent(self, vectors: Sequence[Tensor]) -> list[Tensor]:
+        """Elements that are not sums of others with constant coefficients."""
+        echelon = Echelon(self.frame.field, self.frame.dimension + len(self._turns))
+        return [xi for xi in vectors if echelon.add(self._values(xi))]
+
+    def _values(self, xi: Tensor) -> Row:
+        """xi^a and D_b xi_c, b < c, which determine a symmetry at one point."""
+        slope = levi_civita(self.frame).covariant_derivative(xi.lowered(0))
+        n = range(self.frame.dimension)
+        return [*(xi.element(a) for a in n), *(slope.element(*pair) for pair in self._turns)]
 
     @property
     def ansatz(self) -> str:
         """The components that were searched for vectors."""
-        functions = {str(q): _functions(self.frame, q) for q in self.frame.coordinates}
-        text = "; ".join(f"{q}: {', '.join(map(str, every))}" for q, every in functions.items())
+        lists = factors(self.frame, self._waves, 1)
+        text = "; ".join(f"{q}: {', '.join(map(str, every))}" for q, every in lists.items())
         return (
-            "rational combinations of products of up to two of these and a parameter, or of three "
-            f"of different coordinates: {text}"
+            "components along coordinates or legs, sums of products with one factor or two of "
+            f"each coordinate and with parameters: {text}"
         )
-
-    def _solved(self, functions: Sequence[sp.Expr]) -> list[Tensor]:
-        """All xi with components in the span of some functions."""
-        frame, n, field = self.frame, self.frame.dimension, self.frame.field
-        elements = frame.read([("ansatz", one) for one in functions])
-        # The last function of each relation, such as sin**2 + cos**2 = 1, is a sum of the others.
-        relations = vanishing_sums([elements], len(elements))
-        spare = {max(k for k, c in enumerate(one) if c) for one in relations}
-        elements = [x for k, x in enumerate(elements) if k not in spare]
-        g = frame.metric.components.get
-        unknowns = list(product(range(n), elements))
-        equations = []
-        for m in range(n):
-            for k in range(m, n):
-                row = []
-                for a, one in unknowns:
-                    along = frame.coordinates
-                    row.append(
-                        field.sum(
-                            [
-                                (1, one, g((m, k)).diff(along[a])),
-                                (1, g((a, k)), one.diff(along[m])),
-                                (1, g((m, a)), one.diff(along[k])),
-                            ]
-                        )
-                    )
-                equations.append(row)
-        killing = [
-            self._vector(unknowns, weights) for weights in vanishing_sums(equations, len(unknowns))
-        ]
-        if self.connection.kind == "levi-civita" or not killing:
-            return killing
-        # Sums of Killing vectors that keep the connection as well.
-        extra = _difference(self.connection, levi_civita(frame))
-        changes = [lie(one, extra) for one in killing]
-        rows = [[x.components.get(index) for x in changes] for index in _representatives(extra)]
-        sums = vanishing_sums(rows, len(killing))
-        return [
-            Tensor(
-                frame,
-                "u",
-                {
-                    (b,): field.sum(
-                        [(c, one.element(b)) for c, one in zip(weights, killing, strict=True)]
-                    )
-                    for b in range(n)
-                },
-                (),
-                "\\xi",
-                "symmetry",
-            )
-            for weights in sums
-        ]
-
-    def _vector(self, unknowns: Sequence[tuple[int, Element]], found: Sequence[object]) -> Tensor:
-        """The vector of a solution."""
-        terms: dict[int, list] = {a: [] for a in range(self.frame.dimension)}
-        for (a, function), c in zip(unknowns, found, strict=True):
-            if c:
-                terms[a].append((c, function))
-        values = {(a,): self.frame.field.sum(own) for a, own in terms.items() if own}
-        return Tensor(self.frame, "u", values, (), "\\xi", "symmetry")
 
     def __repr__(self) -> str:
         return str(self)
 
+    _repr_html_ = drawn_by("notebook_tables", "symmetries_html")
+
     def __str__(self) -> str:
         n = self.frame.dimension
         lines = [f"{self.dimension} symmetries of {self.kept}, orbits of dimension {self.orbits}"]
-        lines.append(f"found {len(self.vectors)} of {self.dimension}:")
-        shown = [[one[a] for a in range(n)] for one in self.vectors]
-        lines += [f"  {value}" for value in shown]
-        if len(self.vectors) < self.dimension:
+        lines.append(f"algebra: {self.algebra.name}")
+        closed = self.closed_form
+        if len(closed) == self.dimension:
+            lines.append("vectors:" if closed else "no vectors")
+        else:
+            lines.append(f"{len(closed)} of {self.dimension} vectors have a closed form here:")
+        lines += [f"  {[one[a] for a in range(n)]}" for one in closed]
+        if len(closed) < self.dimension:
+            lines += [f"  {one!r}" for one in self.vectors[len(closed) :]]
             lines.append(f"searched: {self.ansatz}")
         return "\n".join(lines)
 
@@ -369,54 +404,3 @@ def _representatives(tensor: Tensor) -> Iterator[tuple[int, ...]]:
 def _length(row: Row) -> float:
     """How long a condition is: short ones are taken first."""
     return sum(x.length for x in row)
-
-
-def _functions(frame: Frame, q: sp.Symbol) -> list[sp.Expr]:
-    """Functions of one coordinate that occur in symmetries of such a metric."""
-    metric = frame.metric.components.independent.values()
-    # Only the metric counts: the field may know functions that were read later.
-    made_of = [g for value in metric for g in frame.field.generators_of(value)]
-    shown = dict.fromkeys(g.shown for g in made_of if q in g.depends)
-    waves = [function for function in (sp.sin(q), sp.cos(q)) if function in shown]
-    steep = [function for function in (sp.sinh(q), sp.cosh(q)) if function in shown]
-    is_cyclic = all(x.free_of(q) for x in metric)
-    functions: list[sp.Expr] = []
-    if waves:
-        functions += [sp.sin(q), sp.cos(q), 1 / sp.sin(q), 1 / sp.cos(q)]
-        functions += [sp.cos(q) / sp.sin(q), sp.sin(q) / sp.cos(q)]
-    elif steep:
-        functions += [sp.sinh(q), sp.cosh(q), 1 / sp.sinh(q), sp.cosh(q) / sp.sinh(q)]
-    else:
-        functions.append(q)
-    if is_cyclic:
-        # Where the metric is free of q, symmetries that do not commute with d/dq depend on it so.
-        functions += [sp.cos(q), sp.sin(q)]
-        if not any(g.kind in ("cos", "sin") for g in made_of):
-            functions += [sp.exp(q), sp.exp(-q)]
-    for function in shown:
-        if isinstance(function, sp.exp):
-            functions += [function, 1 / function]
-    # The slope of the logarithm of a component, such as 1/r or cot(theta).
-    for value in metric:
-        slope = value.diff(q)
-        if slope is not frame.field.zero and not slope.is_zero:
-            ratio = (slope / value).sympy
-            constant, rest = ratio.as_independent(*frame.coordinates)
-            if not rest.free_symbols - {q} and len(str(rest)) < 20 and constant.is_Rational:
-                functions.append(rest)
-    return list(dict.fromkeys(functions))
-
-
-def _monomials(frame: Frame, degree: int) -> list[sp.Expr]:
-    """Products of up to a given number of functions of coordinates."""
-    every = [(q, f) for q in frame.coordinates for f in _functions(frame, q)]
-    products: list[sp.Expr] = [sp.S.One]
-    if degree >= 1:
-        products += [f for _, f in every]
-    if degree >= 2:
-        products += [f * h for (_, f), (_, h) in combinations_with_replacement(every, 2)]
-    if degree >= 3:
-        products += [
-            f * g * h for (p, f), (q, g), (s, h) in combinations(every, 3) if len({p, q, s}) == 3
-        ]
-    return list(dict.fromkeys(products))

@@ -15,8 +15,17 @@ from geomtorsion.pictures.style import STYLE
 if TYPE_CHECKING:
     import sympy
 
-    from geomtorsion.geometry import Connection, Curvature, Frame, Tensor, Torsion
+    from geomtorsion.geometry import (
+        Connection,
+        Curvature,
+        Frame,
+        HolonomyAlgebra,
+        LieAlgebra,
+        Tensor,
+        Torsion,
+    )
     from geomtorsion.geometry.notation import ComponentTable
+    from geomtorsion.gravity import Symmetries
     from geomtorsion.spaces import Space
 
 
@@ -254,3 +263,63 @@ def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
     above = f"<thead>{line(head, 'th')}</thead>" if head else ""
     return f"<table>{above}<tbody>{''.join(line(row, 'td') for row in rows)}</tbody></table>"
+
+
+def algebra_html(algebra: LieAlgebra) -> str:
+    """Name, brackets and series of a Lie algebra.
+
+    Examples
+    --------
+    >>> from geomtorsion.geometry import LieAlgebra
+    >>> algebra_html(LieAlgebra({(0, 1, 2): 1})).count("<tr>")
+    1
+    """
+    rows: dict[tuple[int, int], list[str]] = {}
+    for (i, j, k), value in algebra.brackets().items():
+        written = latex_text(value)
+        if value.is_Add:
+            written = rf"\left({written}\right)"
+        size = {"1": "", "-1": "-"}.get(written, rf"{written}\,")
+        rows.setdefault((i, j), []).append(f"{size}X_{{{k}}}")
+    table = _table(
+        (),
+        [
+            (
+                _math(rf"\left[X_{{{i}}}, X_{{{j}}}\right]"),
+                _math("= " + " + ".join(terms).replace("+ -", "- ")),
+            )
+            for (i, j), terms in rows.items()
+        ],
+    )
+    lines = "".join(f"<p>{html_text(line)}</p>" for line in algebra.lines()[-2:])
+    return f"<div><b>{html_text(algebra.heading)}</b>{table}{lines}</div>"
+
+
+def holonomy_html(holonomy: HolonomyAlgebra) -> str:
+    """Name, dimensions, parallel tensors and generators of a holonomy algebra.
+
+    Examples
+    --------
+    >>> from geomtorsion.geometry import levi_civita
+    >>> from geomtorsion.spaces import load
+    >>> "parallel vectors: 0" in holonomy_html(levi_civita(load("s2").frame).holonomy_algebra)
+    True
+    """
+    lines = "".join(f"<li>{html_text(line)}</li>" for line in holonomy.lines())
+    generators = "".join(tensor_html(one) for one in holonomy.generators)
+    folded = f"<details><summary>generators</summary>{generators}</details>" if generators else ""
+    return f"<div><b>{html_text(repr(holonomy))}</b><ul>{lines}</ul>{folded}</div>"
+
+
+def symmetries_html(symmetries: Symmetries) -> str:
+    """Dimension, algebra and vectors of the symmetries of a geometry.
+
+    Examples
+    --------
+    >>> from geomtorsion.gravity import symmetries
+    >>> "so(3)" in symmetries_html(symmetries("s2"))
+    True
+    """
+    heading, *lines = str(symmetries).splitlines()
+    rest = "".join(f"<li>{html_text(line.strip())}</li>" for line in lines)
+    return f"<div><b>{html_text(heading)}</b><ul>{rest}</ul></div>"

@@ -1,10 +1,12 @@
 """Symmetry: dimensions for known spaces, exact vectors, good and bad tetrads."""
 
+import numpy as np
 import pytest
 import sympy as sp
 from hypothesis import HealthCheck, given, settings
 
 import geomtorsion as gt
+from geomtorsion import gravity
 from geomtorsion.errors import GeomtorsionError
 from tests.laws.frames import frames
 
@@ -28,10 +30,27 @@ CARTESIAN = diagonal([t, x, y, z], 1, a, a, a)
 FLAT = diagonal([t, x, y, z], 1, 1, 1, 1)
 BALL = diagonal([t, r, theta, phi], 1, 1, r, r * S)
 
+u, v, H = sp.symbols("u v H", positive=True)
+ELLIPTIC = gt.Frame([u, v], sp.eye(2) * sp.sqrt(sp.sinh(u) ** 2 + sp.sin(v) ** 2))
+PARABOLIC = gt.Frame([u, v], sp.eye(2) * sp.sqrt(u**2 + v**2))
+SPACE = gt.Frame([r, u, theta, phi], sp.diag(1, r, r * sp.sin(u), r * sp.sin(u) * S))
+
 # Frame, invariant quantity, dimension, dimension of the orbits, number of vectors found.
 KNOWN = {
     "Minkowski": (FLAT, "metric", 10, 4, 10),
-    "Minkowski, spherical": (BALL, "metric", 10, 4, 8),
+    "Minkowski, spherical": (BALL, "metric", 10, 4, 10),
+    "de Sitter, static": (shipped("de_sitter"), "metric", 10, 4, 10),
+    "de Sitter, flat slices": (
+        diagonal([t, x, y, z], 1, *[sp.exp(H * t)] * 3),
+        "metric",
+        10,
+        4,
+        10,
+    ),
+    "four dimensions, spherical": (SPACE, "metric", 10, 4, 10),
+    "plane, elliptic": (ELLIPTIC, "metric", 3, 2, 3),
+    "plane, parabolic": (PARABOLIC, "metric", 3, 2, 3),
+    "seven-sphere": (shipped("s7"), "metric", 28, 7, 28),
     "FLRW": (CARTESIAN, "metric", 6, 3, 6),
     "FLRW, spherical": (SPHERICAL, "metric", 6, 3, 6),
     "FLRW, good tetrad": (CARTESIAN, "teleparallel", 6, 3, 6),
@@ -110,19 +129,65 @@ def test_dimension_does_not_depend_on_the_legs() -> None:
 )
 @given(frames(largest=3))
 def test_no_more_vectors_than_dimensions(frame: gt.Frame) -> None:
-    """At most as many vectors are found as the ranks allow; legs keep no more than the metric."""
+    """All symmetries have vectors; legs keep no more than the metric."""
     metric, legs = gt.symmetries(frame), gt.symmetries(frame, keep="teleparallel")
-    assert len(metric.vectors) <= metric.dimension
-    assert len(legs.vectors) <= legs.dimension <= metric.dimension
+    assert len(metric.closed_form) <= len(metric.vectors) == metric.dimension
+    assert len(legs.vectors) == legs.dimension <= metric.dimension
     assert 0 <= metric.orbits <= frame.dimension
 
 
+# x + i y = (u + i v)^5: too high a power for the products that are searched.
+FIFTH_POWER = gt.Frame([u, v], sp.eye(2) * 5 * (u**2 + v**2) ** 2)
+
+
 def test_report() -> None:
-    """The report states both dimensions, and the searched combinations if vectors are missing."""
-    text = str(gt.symmetries(BALL))
-    assert text.startswith("10 symmetries of the metric, orbits of dimension 4\nfound 8 of 10:")
-    assert "searched: rational combinations" in text
-    assert "searched" not in repr(gt.symmetries(CARTESIAN))
+    """The report has dimensions, algebra and vectors, and what was searched if some are missing."""
+    text = repr(gt.symmetries(BALL))
+    assert text.startswith("10 symmetries of the metric, orbits of dimension 4\nalgebra: iso(3, 1)")
+    assert "\nvectors:\n  [1, 0, 0, 0]\n" in text
+    assert "searched" not in text
+    text = str(gt.symmetries(FIFTH_POWER))
+    assert "1 of 3 vectors have a closed form here:\n  [-v, u]\n" in text
+    assert "searched: components along coordinates or legs" in text
+    assert "e(2)" in gt.symmetries(FIFTH_POWER)._repr_html_()
+
+
+def test_integrated_vectors() -> None:
+    """Vectors without a closed form agree with the motions of the plane to their error."""
+    found = gt.symmetries(FIFTH_POWER)
+    assert len(found.closed_form) == 1
+    assert found.algebra.name == "e(2)"
+    points = [complex(1, 0.2), complex(0.8, 0.5), complex(1.1, 0.7), complex(2, 1)]
+    for one in found.vectors[1:]:
+        assert isinstance(one, gravity.IntegratedSymmetry)
+        rows, right, largest = [], [], 0.0
+        for w in points:
+            vector, error = one.with_error({"u": w.real, "v": w.imag})
+            assert np.array_equal(vector, one.at({u: w.real, v: w.imag}))
+            z, slope = w**5, 5 * w**4
+            image = slope * complex(*vector)
+            rows += [[1, 0, -z.imag], [0, 1, z.real]]
+            right += [image.real, image.imag]
+            largest = max(largest, error * abs(slope))
+        motion, *_ = np.linalg.lstsq(np.array(rows), np.array(right), rcond=None)
+        assert np.abs(motion).max() > 1e-4
+        assert np.abs(np.array(rows) @ motion - right).max() <= 2 * largest
+
+
+def test_an_integrated_vector_with_parameters() -> None:
+    """Parameters take their values from the point; a missing one is named."""
+    k = sp.Symbol("k", positive=True)
+    frame = gt.Frame([u, v], sp.eye(2) * 5 * k * (u**2 + v**2) ** 2)
+    one = gt.symmetries(frame).vectors[1]
+    assert isinstance(one, gravity.IntegratedSymmetry)
+    plain = gt.symmetries(FIFTH_POWER).vectors[1]
+    assert isinstance(plain, gravity.IntegratedSymmetry)
+    place = {"u": 1, "v": 0.5}
+    assert np.allclose(one.at(place | {"k": 1}), plain.at(place), rtol=1e-8)
+    with pytest.raises(GeomtorsionError, match="k"):
+        one.at(place)
+    with pytest.raises(GeomtorsionError, match="v"):
+        one.at({"u": 1, "k": 1})
 
 
 def test_killing_equations() -> None:

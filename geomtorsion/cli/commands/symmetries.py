@@ -1,0 +1,82 @@
+"""symmetries: vector fields that keep a geometry, their algebra, and the holonomy algebra."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated
+
+import typer
+
+from geomtorsion import gravity
+from geomtorsion.cli.options import Form, SpaceOrFile
+from geomtorsion.cli.sources import open_space
+from geomtorsion.cli.terminal import working
+from geomtorsion.cli.theories import Over, connection_of
+from geomtorsion.geometry import HolonomyAlgebra
+from geomtorsion.gravity import Symmetries
+
+
+def symmetries(
+    source: SpaceOrFile,
+    connection: Annotated[
+        Over,
+        typer.Option(
+            "--connection",
+            "-c",
+            help="The connection that is kept with the metric; own: of the space, or Cartan if it "
+            "has none.",
+        ),
+    ] = Over.levi_civita,
+    form: Annotated[
+        Form, typer.Option("--format", help="text to read, json for programs.")
+    ] = Form.text,
+) -> None:
+    """Show the symmetries of a space, their Lie algebra, and the holonomy of a connection.
+
+    The number of symmetries and the algebra are exact. X_0, X_1, ... is a basis at one point; in
+    JSON the structure constants have the keys i,j,k of [X_i, X_j] = C X_k. The holonomy algebra
+    contains the rotations by which loops turn vectors.
+
+    \b
+    Examples:
+      geomtorsion symmetries schwarzschild
+      geomtorsion symmetries frw -c cartan
+      geomtorsion symmetries pp_wave --format json
+    """
+    with working(source):
+        space = open_space(source)
+        chosen = connection_of(space, connection)
+        found = gravity.symmetries(space.frame, chosen)
+        holonomy = chosen.holonomy_algebra
+        # Computed here, so that limits and the progress line apply.
+        document = {"space": space.name, **_data(found, holonomy)}
+        text = _text(space.name, found, holonomy)
+    typer.echo(json.dumps(document, indent=2) if form is Form.json else text)
+
+
+def _text(name: str, found: Symmetries, holonomy: HolonomyAlgebra) -> str:
+    """Both algebras, to read."""
+    algebra = [str(found.algebra), ""] if found.dimension else []
+    return "\n".join([f"{name}: {found}", "", *algebra, str(holonomy)])
+
+
+def _data(found: Symmetries, holonomy: HolonomyAlgebra) -> dict[str, object]:
+    """Both algebras, for programs."""
+    algebra, n = found.algebra, found.frame.dimension
+    return {
+        "preserved": found.kept,
+        "dimension": found.dimension,
+        "orbits": found.orbits,
+        "algebra": algebra.name,
+        "structure_constants": {
+            ",".join(map(str, index)): str(value) for index, value in algebra.brackets().items()
+        },
+        "killing_form": algebra.signature,
+        "derived_series": algebra.derived_series,
+        "vectors": [[str(one[a]) for a in range(n)] for one in found.closed_form],
+        "holonomy": {
+            "name": holonomy.name,
+            "dimensions": holonomy.dimensions,
+            "parallel_vectors": holonomy.parallel("u"),
+        },
+    }
