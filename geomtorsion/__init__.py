@@ -160,6 +160,7 @@ if TYPE_CHECKING:
     )
     from geomtorsion.scenes import (
         Body,
+        EffectBudget,
         Scene,
         SceneCost,
         SceneResult,
@@ -217,7 +218,8 @@ _LATER = {
     "spaces.kerr_orbits": ("Frequencies", "KerrOrbit", "kerr_orbit"),
     "accuracy": ("CostRow", "CostTable", "accuracy_cost"),
     "scenes": (
-        "Body", "Scene", "SceneCost", "StateSelection", "SceneResult", "State", "effects",
+        "Body", "EffectBudget", "Scene", "SceneCost", "StateSelection", "SceneResult", "State",
+        "effects",
     ),
 }  # fmt: skip
 # Packages that users reach by a public name, imported on first use.
@@ -256,6 +258,7 @@ __all__ = [
     "Diffusion",
     "DislocationNetwork",
     "EdgeList",
+    "EffectBudget",
     "EnclosedDefect",
     "Engine",
     "Ensemble",

@@ -624,5 +624,5 @@ RESULTS = frozenset(
     "EquationsOfMotion ExactBurgersVector IdentityCheck LogMap NodeRule SavedSolution SceneCost "
     "SceneResult Solution StateSelection Variation Atlas Chart CurveProblem DislocationNetwork "
     "Engine LatticeBurgers LatticePhases Certainty Proof Linearization KerrOrbit "
-    "Frequencies Surface Symmetries Diffusion Integrability ParallelVolume".split()
+    "EffectBudget Frequencies Surface Symmetries Diffusion Integrability ParallelVolume".split()
 )

@@ -52,6 +52,7 @@ def values() -> dict[str, Callable[[], Any]]:
         "Crystal": lambda: gt.crystals.Crystal(atoms, np.diag([18.0] * 3)),
         "Diffusion": lambda: gt.diffusion(gt.cartan(so3)),
         "DislocationNetwork": lambda: gt.DislocationNetwork.of_arrays(arrays),
+        "EffectBudget": lambda: scene.called_for(1e-2),
         "EquationsOfMotion": lambda: gt.equations_of_motion(so3, energy),
         "Form": lambda: gt.levi_civita(so3).curvature_form(),
         "FreeTop": lambda: gt.free_top((1, 2, 3), (0.1, 1, 0)),
