@@ -169,6 +169,7 @@ if TYPE_CHECKING:
     )
     from geomtorsion.scenes import (
         Body,
+        EffectBudget,
         Scene,
         SceneCost,
         SceneResult,
@@ -228,7 +229,8 @@ _LATER = {
     "accuracy": ("CostRow", "CostTable", "accuracy_cost"),
     "fits": ("Fit", "fit"),
     "scenes": (
-        "Body", "Scene", "SceneCost", "StateSelection", "SceneResult", "State", "effects",
+        "Body", "EffectBudget", "Scene", "SceneCost", "StateSelection", "SceneResult", "State",
+        "effects",
     ),
 }  # fmt: skip
 # Packages that users reach by a public name, imported on first use.
@@ -268,6 +270,7 @@ __all__ = [
     "DislocationNetwork",
     "EdgeList",
     "ElasticConstants",
+    "EffectBudget",
     "EnclosedDefect",
     "Engine",
     "Ensemble",

@@ -653,5 +653,5 @@ RESULTS = frozenset(
     "SceneCost SceneResult Solution StateSelection Variation Atlas Chart CurveProblem "
     "DislocationNetwork Engine LatticeBurgers LatticePhases Certainty Proof Linearization "
     "KerrOrbit Frequencies Surface Symmetries Diffusion Integrability ParallelVolume Stresses "
-    "HolonomyAlgebra".split()
+    "HolonomyAlgebra EffectBudget".split()
 )

@@ -56,6 +56,7 @@ def values() -> dict[str, Callable[[], Any]]:
         "ElasticConstants": lambda: steel,
         "NyeField": lambda: gt.NyeField(np.zeros((3, 3, 4, 4, 4)), box, "um"),
         "Stresses": lambda: gt.stresses(gt.DislocationNetwork.of_arrays(arrays), steel, shape=8),
+        "EffectBudget": lambda: scene.called_for(1e-2),
         "EquationsOfMotion": lambda: gt.equations_of_motion(so3, energy),
         "Fit": lambda: gt.fit(
             gt.ODE.of({"x": "k"}, [0], parameters={"k": 1}), [1, 2], {"x": [2.1, 3.9]}, 0.1, ["k"]

@@ -227,6 +227,9 @@ class ODE:
             constructor.check_declared(self.rates.declared, values)
         problem = replace(self, start=new_start, parameters=numbers, events=timed)
         problem.check_lengths()
+        # Outputs and invariants are the same expressions: their code is made once.
+        if "term_graphs" in vars(self):
+            vars(problem)["term_graphs"] = self.term_graphs
         return problem
 
     @property

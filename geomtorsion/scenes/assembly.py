@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
@@ -43,6 +44,41 @@ def accelerations(assembly: Assembly) -> list[sp.Expr]:
     omega_k . (I a + omega x L + h' - M) + v_k . (m v' + m omega x v - R^T F) = 0 for each speed,
     omega_k, v_k the partial velocities (body axes), L = I omega + h        [KaneLevinson1985]
     """
+    matrix, right = _projected(_Outline(_symbols(assembly), assembly))
+    return _solved(assembly, matrix, right)
+
+
+@dataclass(frozen=True)
+class _Outline:
+    """The symbols of an assembly, which decide its equations; numbers have no part in them."""
+
+    symbols: tuple[object, ...]
+    assembly: Assembly = field(compare=False)
+
+
+def _symbols(assembly: Assembly) -> tuple[object, ...]:
+    """Everything of which accelerations are made, as a key."""
+    context, held = assembly.context, assembly.constraint
+    parts = [
+        (part.naive, *(v and tuple(map(expression_of, v)) for v in vectors))
+        for part in assembly.parts.values()
+        for vectors in [(part.moment, part.force, part.momentum)]
+    ]
+    tied = None
+    if held is not None:
+        vectors = held.omega, held.velocity, held.arm or ()
+        tied = held.speeds, *(tuple(map(expression_of, vector)) for vector in vectors)
+    return (
+        context.mass, frozenset(context.switched), frozenset(assembly.values),
+        assembly.inertia.as_immutable(), tuple(parts), tied, tuple(assembly.rates.items()),
+        tuple(assembly.substitutions.items()),
+    )  # fmt: skip
+
+
+@lru_cache
+def _projected(outline: _Outline) -> tuple[sp.ImmutableMatrix, tuple[sp.Expr, ...]]:
+    """Matrix and right side of the equations for the accelerations."""
+    assembly = outline.assembly
     context, parts = assembly.context, assembly.parts.values()
     inertia, omega = assembly.inertia, assembly.omega
     internal = assembly.constrained(vector_sum(parts, "momentum"))
@@ -53,7 +89,7 @@ def accelerations(assembly: Assembly) -> list[sp.Expr]:
     turning -= gyroscopic + internal.applyfunc(assembly.derivative)
     # A free body: translation and rotation are separate, and the speeds are Omega.
     if assembly.constraint is None:
-        return _solved(assembly, inertia, list(turning))
+        return inertia.as_immutable(), tuple(turning)
     v, mass = assembly.velocity_body, context.mass
     pulling = assembly.constrained(ATTITUDE.T * vector_sum(parts, "force"))
     # With constant speeds: how the partial velocities themselves change.
@@ -68,7 +104,7 @@ def accelerations(assembly: Assembly) -> list[sp.Expr]:
     matrix = sp.Matrix(
         [[sp.expand(w.dot(inertia * o) + mass * m.dot(n)) for o, n in pairs] for w, m in pairs]
     )
-    return _solved(assembly, matrix, [w.dot(turning) + m.dot(pulling) for w, m in pairs])
+    return matrix.as_immutable(), tuple(w.dot(turning) + m.dot(pulling) for w, m in pairs)
 
 
 def vector_sum(parts: Iterable[Contribution], name: str) -> sp.Matrix:
@@ -81,7 +117,9 @@ def vector_sum(parts: Iterable[Contribution], name: str) -> sp.Matrix:
     return total
 
 
-def _solved(assembly: Assembly, matrix: sp.Matrix, right: Sequence[sp.Expr]) -> list[sp.Expr]:
+def _solved(
+    assembly: Assembly, matrix: sp.ImmutableMatrix, right: Sequence[sp.Expr]
+) -> list[sp.Expr]:
     """matrix^-1 right: one term for each product of states, where that is short."""
     size = len(right)
     parameters = frozenset(sp.Symbol(name) for name in assembly.values)
@@ -96,12 +134,19 @@ def _solved(assembly: Assembly, matrix: sp.Matrix, right: Sequence[sp.Expr]) -> 
         inverse, rows = _named(assembly, matrix), [_terms(value, parameters) for value in right]
         return [_total(_merged(_products(inverse[k, :], rows))) for k in range(size)]
     # Nothing is multiplied out that engines can take as it is.
-    adjugate, determinant = matrix.adjugate(), matrix.det(method="berkowitz")
+    adjugate, determinant = _cofactors(matrix)
     return [
         sp.Add(*(adjugate[k, j] * right[j] for j in range(size))) / determinant for k in range(size)
     ]
 
 
+@lru_cache
+def _cofactors(matrix: sp.ImmutableMatrix) -> tuple[sp.ImmutableMatrix, sp.Expr]:
+    """Adjugate and determinant, computed once for all scenes with equal equations."""
+    return matrix.adjugate().as_immutable(), matrix.det(method="berkowitz")
+
+
+@lru_cache
 def _terms(value: sp.Expr, parameters: frozenset[sp.Symbol]) -> Sum:
     """The terms of a sum: gathered, but for long ones, which stay as they are."""
     long = [term for term in sp.Add.make_args(value) if term.count_ops() > SHORT]
@@ -116,7 +161,7 @@ def _products(factors: Iterable[sp.Expr], rows: Sequence[Sum]) -> Iterable[tuple
             yield rest, number * factor
 
 
-def _named(assembly: Assembly, matrix: sp.Matrix) -> sp.Matrix:
+def _named(assembly: Assembly, matrix: sp.ImmutableMatrix) -> sp.Matrix:
     """The inverse of a constant matrix as parameters J11, J12, ...: exact, and short to write."""
     numbers = {sp.Symbol(name): value for name, value in assembly.values.items()}
     inverse = matrix.xreplace(numbers).inv()
@@ -156,7 +201,6 @@ def _total(table: Sum) -> sp.Expr:
 
 
 WORK = sp.Symbol("work")
-NOTHING = sp.zeros(3, 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -256,12 +300,18 @@ class Assembly:
 
     def turning(self, symbol: sp.Symbol) -> sp.Expr:
         """Rate of an element of R, or of the vertical: R' = R [Omega]x."""
+        return self._turning[symbol]
+
+    @cached_property
+    def _turning(self) -> Mapping[sp.Basic, sp.Expr]:
+        """Rates of all elements of R."""
+        omega, rates = tuple(self.omega), {}
         for i in range(3):
+            row = tuple(ATTITUDE[i, :])
             for j in range(3):
-                if ATTITUDE[i, j] == symbol:
-                    a, b = (j + 1) % 3, (j + 2) % 3
-                    return ATTITUDE[i, a] * self.omega[b] - ATTITUDE[i, b] * self.omega[a]
-        raise KeyError(symbol)
+                a, b = (j + 1) % 3, (j + 2) % 3
+                rates[row[j]] = row[a] * omega[b] - row[b] * omega[a]
+        return rates
 
     def rate_of(self, symbol: sp.Basic) -> sp.Expr:
         """Rate of any state; 0 for parameters."""
@@ -269,7 +319,7 @@ class Assembly:
             return sp.S.One
         if symbol in self.rates:
             return self.rates[symbol]
-        return self.turning(symbol) if symbol in tuple(ATTITUDE) else sp.S.Zero
+        return self._turning.get(symbol, sp.S.Zero)
 
     def derivative(self, expression: sp.Expr) -> sp.Expr:
         """Time derivative of an expression along the motion."""
@@ -282,8 +332,9 @@ def power_of(part: Contribution) -> sp.Expr:
         return expression_of(part.power)
     if part.energy is not None:
         return sp.diff(expression_of(part.energy), TIME)
-    moment, force = sp.Matrix(part.moment or NOTHING), sp.Matrix(part.force or NOTHING)
-    return moment.dot(sp.Matrix(OMEGA)) + force.dot(sp.Matrix(VELOCITY))
+    none = (sp.S.Zero,) * 3
+    pairs = zip((*(part.moment or none), *(part.force or none)), (*OMEGA, *VELOCITY), strict=True)
+    return sp.Add(*(expression_of(value) * speed for value, speed in pairs))
 
 
 def assemble(body: Body, effects: Mapping[str, Effect]) -> Assembly:
@@ -386,7 +437,8 @@ def _inertia(context: Context, parts: Iterable[Contribution]) -> sp.Matrix:
     return total
 
 
-def by_quaternion() -> dict[sp.Symbol, sp.Expr]:
+@cache
+def by_quaternion() -> Mapping[sp.Symbol, sp.Expr]:
     """Elements of R (and with them the vertical) as polynomials of the unit quaternion."""
     rows = rotation_rows(QUATERNION)
     return {ATTITUDE[i, j]: rows[i][j] for i in range(3) for j in range(3)}

@@ -21,6 +21,7 @@ from geomtorsion.ode.numbers import check_memory, checked_accuracy, checked_time
 from geomtorsion.outgoing import html_text
 from geomtorsion.scenes.assembly import Assembly, assemble
 from geomtorsion.scenes.body import Body, Number
+from geomtorsion.scenes.called_for import EffectBudget, called_for
 from geomtorsion.scenes.effects import EFFECTS, Drift, Effect, Spin
 from geomtorsion.scenes.metrics import Measure
 from geomtorsion.scenes.observables import OBSERVABLES, observable
@@ -37,6 +38,8 @@ if TYPE_CHECKING:
     from geomtorsion.ode import ODE, Engine
 
 
+# The word for only those effects that the accuracy calls for.
+CALLED_FOR = "called for"
 # Alternatives of which only one may be given: a new one replaces the old one.
 ONE_OF = (("euler", "quaternion", "matrix"), ("moments", "inertia"))
 _STEP = re.compile(r"([^\W\d]\w*)((?:\[\d+\])*)")
@@ -307,6 +310,50 @@ class Scene:
         """States and run time with the effects added one by one; prints as a table."""
         return scene_cost(self, engine, repeats)
 
+    def called_for(
+        self,
+        accuracy: float | None = None,
+        engine: Engine | None = None,
+        progress: Callable[[float], object] | bool | None = None,
+    ) -> EffectBudget:
+        """The smallest set of effects for an accuracy: omission and integration stay within it.
+
+        Each effect is omitted once; the change of the watched quantities at the times of the scene
+        is its influence. Effects are then omitted, the smallest influence first. The sum of their
+        influences has to stay within the accuracy, and so does the change by all of them together,
+        which has a run of its own. The integration gets the rest of the accuracy.
+
+        Parameters
+        ----------
+        accuracy
+            of the watched quantities, relative to their largest size; by default the accuracy of
+            the scene.
+        engine, progress
+            as in `geomtorsion.solve`.
+
+        Returns
+        -------
+        EffectBudget; its `scene` has only the effects that are called for.
+
+        Raises
+        ------
+        AccuracyError
+            the accuracy is not to be had.
+        StartError, StuckError
+            as for `run`, of the scene with all effects.
+
+        Examples
+        --------
+        >>> from geomtorsion.scenes import effects, load
+        >>> drag = effects.LinearDrag(1e-6)
+        >>> scene = load("missile")
+        >>> scene = scene.with_values(watch=["position"])
+        >>> from dataclasses import replace
+        >>> replace(scene, effects=[*scene.effects, drag]).called_for(1e-3).omitted
+        ('linear_drag',)
+        """
+        return called_for(self, accuracy, engine, progress)
+
     def sweep(
         self,
         varied: Mapping[str, Iterable[Number | Sequence[Number]]],
@@ -336,7 +383,9 @@ class Scene:
         Parameters
         ----------
         changes
-            path -> value: "body.moments[2]", "gravity.g", "start.omega[0]", "t", "accuracy".
+            path -> value: "body.moments[2]", "gravity.g", "start.omega[0]", "t", "accuracy";
+            effects="called for" retains only the effects that the accuracy calls for, see
+            `called_for`.
 
         Raises
         ------
@@ -347,7 +396,17 @@ class Scene:
             raise SceneError(
                 f"{changes!r}: expected a mapping, such as {{'body.moments[2]': 3.1}}."
             )
-        return with_values(self, {**(changes or {}), **fields})
+        changes = {**(changes or {}), **fields}
+        chosen = changes.pop("effects", None)
+        changed = with_values(self, changes)
+        if chosen is None:
+            return changed
+        if chosen != CALLED_FOR:
+            raise UnknownNameError(
+                f"effects: expected {CALLED_FOR!r}, got {checks.shown(chosen)}. For other effects "
+                "use dataclasses.replace(scene, effects=[...])."
+            )
+        return called_for(changed).scene
 
     def _repr_html_(self) -> str:
         return f"<div><b>{html_text(str(self))}</b>{self.selection._repr_html_()}</div>"

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import lru_cache
 from random import Random
 from typing import TYPE_CHECKING
 
@@ -12,7 +14,7 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion.checks import expression as expression_of
-from geomtorsion.codegen import graph
+from geomtorsion.codegen import Graph, graph
 from geomtorsion.errors import GeomtorsionError, SceneError, StartError
 from geomtorsion.ode import ODE, At, When
 from geomtorsion.precision import EXACT_BITS, PRINTED, working_precision
@@ -55,7 +57,7 @@ def pruned_rates(selection: StateSelection) -> dict[str, sp.Expr]:
     return rates
 
 
-def attitude_states(selection: StateSelection) -> dict[sp.Symbol, sp.Expr]:
+def attitude_states(selection: StateSelection) -> Mapping[sp.Symbol, sp.Expr]:
     """Elements of R by the quaternion, where the whole attitude is followed."""
     return by_quaternion() if selection.uses_quaternion else {}
 
@@ -86,16 +88,78 @@ def ode_of(selection: StateSelection, start: State, correct: Assembly, name: str
         events += [At(time, changes) for time, changes in part.switches]  # type: ignore[arg-type]
     if stops:
         events.append(When(assembly.constrained(stops[0]).xreplace(chosen)))
-    return ODE.of(
-        pruned_rates(selection),
-        start_of(selection, start),
-        parameters=parameters_of(selection, start),
-        invariants=invariants(selection, correct, chosen),
-        outputs=outputs,
-        events=events,
-        normalized=unit,
-        name=name,
+    numbers, parameters = start_of(selection, start), parameters_of(selection, start)
+    form = _Form(
+        _entries(pruned_rates(selection)),
+        _entries(invariants(selection, correct, chosen)),
+        _entries(outputs),
+        tuple(map(expression_of, stops)),
+        tuple(unit),
+        tuple(parameters),
+        name,
+        (numbers, parameters, events),
     )
+    return _ode_of_form(form).with_start(
+        numbers, parameters, [event for event in events if isinstance(event, At)]
+    )
+
+
+# Name -> expression or expressions.
+Entries = tuple[tuple[str, tuple[sp.Expr, ...]], ...]
+
+
+def _entries(table: Mapping[str, sp.Expr | Sequence[sp.Expr]]) -> Entries:
+    """A table of expressions as a key; a sequence differs from its only element."""
+    return tuple(
+        (name, (*value, sp.Tuple()) if isinstance(value, list) else (value,))
+        for name, value in table.items()
+    )
+
+
+def _table(entries: Entries) -> dict[str, sp.Expr | list[sp.Expr]]:
+    """The table of a key."""
+    return {
+        name: list(value[:-1]) if value[-1] == sp.Tuple() else value[0] for name, value in entries
+    }
+
+
+@dataclass(frozen=True)
+class _Form:
+    """Equations of a scene without their numbers; equal ones share everything that is compiled.
+
+    numbers: start, parameters and events of the scene that came first, in which the equations are
+        checked; no part of equality.
+    """
+
+    rates: Entries
+    invariants: Entries
+    outputs: Entries
+    stops: tuple[sp.Expr, ...]
+    normalized: tuple[tuple[str, ...], ...]
+    parameters: tuple[str, ...]
+    name: str
+    numbers: tuple[Mapping[str, Number], Mapping[str, Number], Sequence[At | When]] = field(
+        compare=False
+    )
+
+
+@lru_cache
+def _ode_of_form(form: _Form) -> ODE:
+    """The equations with the numbers of the scene that came first."""
+    start, parameters, events = form.numbers
+    ode = ODE.of(
+        _table(form.rates),
+        start,
+        parameters=parameters,
+        invariants=_table(form.invariants),
+        outputs=_table(form.outputs),
+        events=events,
+        normalized=form.normalized,
+        name=form.name,
+    )
+    # Made before it is shared.
+    _ = ode.term_graphs
+    return ode
 
 
 def parameters_of(selection: StateSelection, start: State) -> dict[str, Number]:
@@ -264,39 +328,77 @@ def is_constant(assembly: Assembly, quantity: sp.Expr) -> bool:
     >>> is_constant(free, free.kinetic_energy), is_constant(free, free.context.Omega[0])
     (True, False)
     """
-    terms = [sp.diff(quantity, s) * assembly.rate_of(s) for s in quantity.free_symbols]
-    terms = [term for term in terms if term != 0]
-    if not terms:
+    symbols = sorted(quantity.free_symbols, key=str)
+    rates = tuple((symbol, assembly.rate_of(symbol)) for symbol in symbols)
+    _, made_of = _change(quantity, rates)
+    if made_of is None:
         return True
-    names = sorted({symbol.name for term in terms for symbol in term.free_symbols})
-    made_of = graph(names, terms, factor=False)
+    moving = {symbol.name for symbol in assembly.context.switched}
+    values = {name: x for name, x in assembly.values.items() if name not in moving}
+    # Digits show nothing new about a rate that vanishes for all values of the parameters.
+    exactly = not _vanishes(quantity, rates)
     chance = Random(20)
+    # One place could be a zero of the rate by accident, three are none.
+    return all(_is_zero(quantity, rates, values, chance, exactly=exactly) for _ in range(3))
+
+
+# A state and its rate.
+Rate = tuple[sp.Basic, sp.Expr]
+
+
+@lru_cache
+def _vanishes(quantity: sp.Expr, rates: tuple[Rate, ...]) -> bool:
+    """Whether the rate of a quantity vanishes for random values of the parameters."""
+    chance = Random(21)
+    return all(_is_zero(quantity, rates, {}, chance, exactly=True) for _ in range(3))
+
+
+def _is_zero(
+    quantity: sp.Expr,
+    rates: tuple[Rate, ...],
+    values: Mapping[str, Number],
+    chance: Random,
+    *,
+    exactly: bool,
+) -> bool:
+    """Whether the rate of a quantity vanishes at a random place, in doubles or to 60 digits."""
+    names, made_of = _change(quantity, rates)
+    assert made_of is not None
+    place = {**values, **_rotation(chance)}
+    here = [place.get(name, _number(chance)) for name in names]
     try:
-        # One place could be a zero of the rate by accident, three are none.
-        for _ in range(3):
-            place = _place(assembly, chance)
-            here = [place.get(name, _number(chance)) for name in names]
-            if not all(map(math.isfinite, made_of.numpy()(*[float(x) for x in here]).tolist())):
-                return False  # More digits of exp(exp(exp(...))) would take for ever.
-            values = made_of.exactly(here)
-            with working_precision(EXACT_BITS):
-                total = abs(sum(values[1:], values[0]))
-                if total > NOTHING * max(abs(value) for value in values):
-                    return False
+        rough = made_of.numpy()(*[float(x) for x in here]).tolist()
+        # More digits of exp(exp(exp(...))) would take for ever.
+        if not all(map(math.isfinite, rough)):
+            return False
+        # Where doubles see a rate, it need not be worked out exactly.
+        if abs(math.fsum(rough)) > PRINTED * max(map(abs, rough)):
+            return False
+        if not exactly:
+            return True
+        terms = made_of.exactly(here)
+        with working_precision(EXACT_BITS):
+            return bool(abs(sum(terms[1:], terms[0])) <= NOTHING * max(map(abs, terms)))
     # A root or a logarithm that has no real value at that place proves nothing.
     except (ArithmeticError, ValueError, TypeError, GeomtorsionError):
         return False
-    return True
 
 
-def _place(assembly: Assembly, chance: Random) -> dict[str, sp.Expr]:
-    """Parameters as they are (but for those that switches change), and a rotation for R."""
-    moving = {symbol.name for symbol in assembly.context.switched}
-    place: dict[str, sp.Expr] = {k: v for k, v in assembly.values.items() if k not in moving}
-    q: Sequence[int] = [chance.randint(1, 9) for _ in QUATERNION]
-    numbers = dict(zip(QUATERNION, q, strict=True))
-    size = sum(x * x for x in q)
-    return place | {s.name: value.xreplace(numbers) / size for s, value in by_quaternion().items()}
+@lru_cache
+def _change(quantity: sp.Expr, rates: tuple[Rate, ...]) -> tuple[list[str], Graph | None]:
+    """Terms of the rate of a quantity, with the names in them; None where there are no terms."""
+    terms = [sp.diff(quantity, symbol) * rate for symbol, rate in rates]
+    terms = [term for term in terms if term != 0]
+    names = sorted({symbol.name for term in terms for symbol in term.free_symbols})
+    return names, graph(names, terms, factor=False) if terms else None
+
+
+def _rotation(chance: Random) -> dict[str, Number]:
+    """Elements of a random rotation R, exact."""
+    q = [chance.randint(1, 9) for _ in QUATERNION]
+    size, rows = sum(x * x for x in q), attitude.rotation_rows(q)
+    elements = (Fraction(element, size) for row in rows for element in row)
+    return dict(zip((symbol.name for symbol in ATTITUDE), elements, strict=True))
 
 
 def _number(chance: Random) -> Fraction:

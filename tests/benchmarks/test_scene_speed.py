@@ -131,3 +131,20 @@ def test_time_to_the_first_number(capsys):
         _ = planned()
     with capsys.disabled():
         print(f"\nheavy top, from words to equations: {100 * (time.perf_counter() - began):.1f} ms")
+
+
+@pytest.mark.parametrize("name", ["missile", "lagrange_loop", "rolling_disc", "thrown_body"])
+def test_a_changed_number_costs_little(name, capsys):
+    """A run after a changed value, beside the same run again, and beside its solver."""
+    scene = gt.scenes.load(name)
+    mass = float(scene.body.mass)
+    changes = iter(range(1, ROUNDS + 2))
+    seconds = {
+        "solve": best(lambda: gt.solve(scene.ode, scene.times, scene.accuracy)),
+        "run again": best(scene.run),
+        "changed": best(
+            lambda: scene.with_values({"body.mass": mass * (1 + 1e-6 * next(changes))}).run()
+        ),
+    }
+    with capsys.disabled():
+        print(f"\n{name}: " + ", ".join(f"{key} {1e3 * x:.2f} ms" for key, x in seconds.items()))

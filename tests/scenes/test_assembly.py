@@ -1,5 +1,7 @@
 """Assembly: constraints of the tests' own agree with equations by hand; wrong parts are refused."""
 
+import subprocess
+import sys
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -15,6 +17,7 @@ from sympy.physics.mechanics import (
     inertia,
 )
 
+import geomtorsion as gt
 from geomtorsion.errors import SceneError
 from geomtorsion.scenes import Body, Scene, State, effects
 from geomtorsion.scenes.assembly import assemble, gathered
@@ -271,3 +274,45 @@ def test_short_sums_are_gathered_and_long_ones_left():
         effect = E.BodyMoment((f"(x + 1)*({series})", 0, 0))
         rate = assemble(Body(moments=(1, 2, 3)), {"body_moment": effect}).rates[OMEGA[0]]
         assert (sp.Symbol("x") + 1 in rate.atoms(sp.Add)) == factored
+
+
+def outcome(scene):
+    """Invariants, equations and states of a scene, as text that shows every bit."""
+    solution = gt.solve(scene.ode, 1.0, 1e-8)
+    states = solution.states.astype(float).tobytes().hex()
+    return str((sorted(scene.ode.invariants), dict(scene.ode.rates.expressions), states))
+
+
+VARIANTS = {
+    "helix": [{}, {"torsion.strength": 0.5}, {"body.mass": 3}, {"torsion.strength": 0}],
+    "lagrange_loop": [{}, {"gravity.g": 1.62}, {"pivot.arm[0]": 0.01}],
+    "rolling_disc": [{}, {"gravity.g": 3}],
+}
+
+
+@pytest.mark.parametrize("name", VARIANTS)
+def test_a_changed_number_compiles_nothing(name):
+    """Scenes of one form share their compiled equations, and no result depends on the order."""
+    scenes = [gt.scenes.load(name).with_values(change) for change in VARIANTS[name]]
+    forward = [outcome(scene) for scene in scenes]
+    again = [gt.scenes.load(name).with_values(change) for change in VARIANTS[name]]
+    assert [outcome(scene) for scene in reversed(again)] == forward[::-1]
+    assert again[0].ode.rates is scenes[0].ode.rates
+    assert again[1].ode.rates is scenes[0].ode.rates
+    # A new process has seen none of the other variants.
+    code = (
+        "import geomtorsion as gt; from tests.scenes.test_assembly import outcome; "
+        f"print(outcome(gt.scenes.load({name!r}).with_values({VARIANTS[name][-1]!r})))"
+    )
+    alone = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert alone.stdout.strip() == forward[-1]
+
+
+def test_invariants_depend_on_numbers():
+    """Torsion of strength 1 keeps each angular velocity; strength 1/2 does not."""
+    body, start = Body(moments=(1, 2, 3)), State(omega=(1, 2, 3))
+    half, whole = (
+        Scene(body, [effects.Torsion(size)], start, watch=["omega"]) for size in (0.5, 1)
+    )
+    assert "axial_angular_momentum" in whole.ode.invariants
+    assert "axial_angular_momentum" not in half.ode.invariants

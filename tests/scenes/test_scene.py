@@ -75,7 +75,7 @@ def test_replacing():
         ("start.omega[7]", "no \\[7\\] among 3 values"),
         ("start.position[0]", "None has no components; set it as a whole first"),
         ("start.omega.x", "'start.omega.x' does not exist"),
-        ("effects", "does not exist"),
+        ("effects", "expected 'called for', got 1"),
         ("a b", "expected a path with dots"),
         ("mass", "does not exist. There are body"),
     ],

@@ -46,8 +46,8 @@ TOPICS: dict[str, str] = {
     "LatticeImage LatticePhases LatticeBurgers images defect_densities defect_conservation",
     "Atoms and dislocation lines": "crystals DislocationNetwork LineArrays Box Reaction",
     "Stresses": "stresses Stresses ElasticConstants NyeField",
-    "Rigid bodies": "Body Scene State effects scenes SceneResult StateSelection SceneCost FreeTop "
-    "free_top",
+    "Rigid bodies": "Body Scene State effects scenes SceneResult StateSelection SceneCost "
+    "EffectBudget FreeTop free_top",
     "Actions": "equations_of_motion EquationsOfMotion variation Variation conserved_quantities "
     "linearized Linearization",
     "Spaces, figures, exercises": "spaces pictures exercises conventions",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Annotated
 
@@ -27,12 +28,12 @@ from geomtorsion.cli.scene_sources import open_scene, start_angles
 from geomtorsion.cli.terminal import WIDTH, right_aligned, some_rows, working
 from geomtorsion.cli.values import engine_of
 from geomtorsion.errors import CheckpointError, GeomtorsionError, StuckError
-from geomtorsion.files import check_resumption
+from geomtorsion.files import check_resumption, write_text
 from geomtorsion.ode import Engine
 from geomtorsion.pictures.style import can_draw
 from geomtorsion.progress import bar
 from geomtorsion.proofs import prove
-from geomtorsion.scenes import Scene, SceneResult
+from geomtorsion.scenes import EffectBudget, Scene, SceneResult
 from geomtorsion.scenes.checkpoint import partial_result
 from geomtorsion.scenes.result import write_csv
 from geomtorsion.scenes.saving import write_run, write_scene_film
@@ -71,6 +72,10 @@ def run(
     ] = None,
     form: Pictures = PictureFormat.png,
     proved: Proved = False,
+    only_needed: Annotated[
+        bool,
+        typer.Option("--only-needed", help="Omit the effects that the accuracy does not call for."),
+    ] = False,
 ) -> None:
     """Run a scene: a body, the effects on it, and the watched quantities.
 
@@ -79,15 +84,23 @@ def run(
     the computed part. The command ends with 1 if the motion stops before its last time; the
     computed part is still shown and written.
 
+    With --only-needed the influence of each effect is measured and shown first. The error by the
+    omitted effects and the error of the integration stay within the accuracy together. With -o both
+    are written to DIR/effects.json, and drawn.
+
     \b
     Examples:
       geomtorsion run dzhanibekov -o flip
       geomtorsion run lagrange_loop --watch nutation --accuracy 1e-12 --set gravity.g=1.62
       geomtorsion run my-top.toml -o my-top --animate my-top/top.gif
       geomtorsion run dzhanibekov --t 10 --proved
+      geomtorsion run missile --accuracy 1e-2 --only-needed
     """
     scene = open_scene(source, watch, accuracy, t, settings)
     solver = engine_of(engine)
+    budget = _budget(scene, solver) if only_needed else None
+    if budget is not None:
+        scene = budget.scene
     checkpoint = _checkpoint(output, resume=resume or only_kept, overwrite=overwrite)
     if only_kept and checkpoint is not None:
         typer.echo(_partial(scene, checkpoint, solver))
@@ -98,12 +111,15 @@ def run(
         with working(scene.title or scene.name) as progress:
             if output is not None:
                 written = write_run(result, output, form.value, progress)
+                written += [] if budget is None else _write_budget(budget, output, form.value)
             if animate is not None:
                 progress("drawing the animation")
                 written.append(write_scene_film(result, animate))
         if checkpoint is not None:
             checkpoint.unlink(missing_ok=True)
             checkpoint.with_name(PARTIAL).unlink(missing_ok=True)
+    if budget is not None:
+        typer.echo(f"{budget}\n")
     typer.echo("\n".join(_summary(result)))
     if proved:
         with working(f"{scene.title or scene.name}: proof"):
@@ -114,6 +130,22 @@ def run(
         typer.echo(f"No pictures: {NO_PICTURES}")
     if not result.complete:
         raise typer.Exit(ExitCode.failed)
+
+
+def _budget(scene: Scene, engine: Engine | None) -> EffectBudget:
+    """The effects that the accuracy of a scene calls for."""
+    with bar(f"{scene.title or scene.name}: effects") as progress:
+        return scene.called_for(engine=engine, progress=progress)
+
+
+def _write_budget(budget: EffectBudget, folder: Path, form: str) -> list[Path]:
+    """Write effects.json and, with matplotlib, its figure."""
+    paths = [folder / "effects.json"]
+    write_text(paths[0], json.dumps(budget.to_json(), indent=2, ensure_ascii=False) + "\n")
+    if can_draw():
+        paths.append(folder / f"effects.{form}")
+        budget.plot(paths[1])
+    return paths
 
 
 def _checkpoint(output: Path | None, *, resume: bool, overwrite: bool) -> Path | None:

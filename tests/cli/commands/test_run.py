@@ -324,3 +324,25 @@ def test_proved_prints_certain_digits():
     assert "proved at t = 1, 15 digits" in text
     assert "Omega2 = 0.9999" in text
     assert "holds: proved" in text
+
+
+def test_only_needed_omits_effects(tmp_path, no_pictures):
+    """The influence of each effect is shown and written; the scene that is run has the others."""
+    scene = load("thrown_body").with_values({"t": 1, "angular_damping.coefficient": 1e-8})
+    folder = tmp_path / "thrown"
+    changes = ("--t", "1", "--accuracy", "0.05", "--set", "angular_damping.coefficient=1e-8")
+    text = run("run", "thrown_body", *changes, "--only-needed", "-o", str(folder)).stdout
+    budget = scene.called_for(0.05)
+    assert f"calls for {len(budget.effects)} of 3 effects" in text
+    for key in budget.omitted:
+        assert f"omitted  {key}" in text
+    data = json.loads((folder / "effects.json").read_text())
+    assert data["omitted"] == list(budget.omitted) == ["angular_damping"]
+    assert f"wrote {folder / 'effects.json'}" in text
+    assert read_file(folder / "scene.toml") == budget.scene
+    assert data["error"] <= 0.05
+    everything = scene.with_values(accuracy=1e-4).run()
+    loaded = SceneResult.load(folder / "result.npz")
+    for name in everything:
+        size = np.abs(everything[name]).max()
+        assert np.abs(loaded[name] - everything[name]).max() <= 0.05 * size
