@@ -38,7 +38,7 @@ BELOW_THE_WALL = (
     ("caching", "errors", "outgoing"),
     ("exclusive",),
     ("checks", "copies", "precision", "progress", "workers"),
-    ("allowance", "conventions", "displays", "files", "hints"),
+    ("allowance", "budget", "conventions", "displays", "files", "hints"),
     ("npz",),
     ("hdf5",),
     ("exact",),
