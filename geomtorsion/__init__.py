@@ -23,11 +23,6 @@ if TYPE_CHECKING:
     __version__: str
     # For editors and type checkers, which do not load names one by one.
     from geomtorsion import conventions, gravity, pictures, scenes, spaces
-    from geomtorsion.accuracy import (
-        CostRow,
-        CostTable,
-        accuracy_cost,
-    )
     from geomtorsion.action import (
         EquationsOfMotion,
         Linearization,
@@ -150,6 +145,7 @@ if TYPE_CHECKING:
 
     # mypy takes the name in the package for the module that bears it.
     from geomtorsion.ode.solve import solve
+    from geomtorsion.prices import PriceList, PriceRow, price
     from geomtorsion.proofs import (
         Proof,
         prove,
@@ -215,7 +211,7 @@ _LATER = {
     "materials.images": ("LatticeBurgers", "LatticeImage", "LatticePhases"),
     "proofs": ("Proof", "prove"),
     "spaces.kerr_orbits": ("Frequencies", "KerrOrbit", "kerr_orbit"),
-    "accuracy": ("CostRow", "CostTable", "accuracy_cost"),
+    "prices": ("PriceList", "PriceRow", "price"),
     "scenes": (
         "Body", "Scene", "SceneCost", "StateSelection", "SceneResult", "State", "effects",
     ),
@@ -246,8 +242,6 @@ __all__ = [
     "Cochain",
     "Complex",
     "Connection",
-    "CostRow",
-    "CostTable",
     "Curvature",
     "CurveProblem",
     "Defect",
@@ -281,6 +275,8 @@ __all__ = [
     "OrientationMap",
     "ParallelVolume",
     "Phase",
+    "PriceList",
+    "PriceRow",
     "Proof",
     "Reaction",
     "RungeKutta",
@@ -302,7 +298,6 @@ __all__ = [
     "TransitionMap",
     "Variation",
     "When",
-    "accuracy_cost",
     "autoparallel",
     "blend",
     "burgers_map",
@@ -357,6 +352,7 @@ __all__ = [
     "parallel_transport",
     "parse_expression",
     "pictures",
+    "price",
     "prove",
     "read",
     "scenes",

@@ -18,7 +18,6 @@ from geomtorsion.outgoing import duration_text
 Result = TypeVar("Result")
 # Runs shorter than this many seconds of processor time are repeated until they take as long.
 LONG_ENOUGH = 0.02
-MOST = 1000
 # Digits of the runs from which the time of other digits is predicted, as far as they are needed.
 TRIALS = (2.0, 7.0, 12.0)
 # Accuracies are chosen from steps of so many to a digit, so that noise of the clock seldom matters.
@@ -50,17 +49,18 @@ def timed(run: Callable[[], Result], *, first: bool = False) -> Timed[Result]:
     """
     result, seconds = _clocked(run)
     every = [] if first else [seconds]
-    # A coarse clock may show no time at all.
-    while not every or (sum(every) < LONG_ENOUGH and len(every) < MOST):
+    while not every or sum(every) < LONG_ENOUGH:
         every.append(_clocked(run)[1])
-    least = max(min(every), time.get_clock_info("thread_time").resolution)
+    least = min(every)
     return Timed(result, least, max(0.0, statistics.median(every) / least - 1))
 
 
 def _clocked(run: Callable[[], Result]) -> tuple[Result, float]:
     began = time.thread_time()
     result = run()
-    return result, time.thread_time() - began
+    # A coarse clock may show no time at all.
+    tick = time.get_clock_info("thread_time").resolution
+    return result, max(time.thread_time() - began, tick)
 
 
 @dataclass(frozen=True)
