@@ -49,8 +49,10 @@ def timed(run: Callable[[], Result], *, first: bool = False) -> Timed[Result]:
     """
     result, seconds = _clocked(run)
     every = [] if first else [seconds]
-    while not every or sum(every) < LONG_ENOUGH:
+    total = sum(every)
+    while not every or total < LONG_ENOUGH:
         every.append(_clocked(run)[1])
+        total += every[-1]
     least = min(every)
     return Timed(result, least, max(0.0, statistics.median(every) / least - 1))
 

@@ -64,9 +64,9 @@ def test_no_trial_is_finer_than_the_time_allows(monkeypatch):
 
     def run(accuracy):
         tried.append(accuracy)
-        spend(1e-9 / accuracy)
+        spend(1e-6 / accuracy)
 
-    affordable(run, 1e-3, "less")
+    affordable(run, 1.0, "less")
     assert 1e-7 in tried
     assert 1e-12 not in tried
 
