@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def draw_price(price: PriceList) -> Figure:
-    """The price of digits, and beside it that of certainty and of effects where they are measured.
+    """The prices of digits, of certainty and of effects, as far as they are measured.
 
     Digits: time against true error, lower and further right is better; for measured data, error
     against spacing with the noise floor. Certainty: times of the plain run, of the run with its

@@ -31,7 +31,7 @@ from geomtorsion.prices.motions import proved_claim
 from geomtorsion.prices.offer import Bounds, Claim, Offer, Request, Way
 from geomtorsion.proofs import Proof, prove
 
-# Digits of the proof against which errors are measured: twice those of a double.
+# Digits of the proof against which errors are measured: twice as many as a double has.
 TRUTH_DIGITS = 2 * np.finfo(float).precision
 # How long a closed form is looked for, in seconds: a price list should not take longer.
 FORMULA_SECONDS = 2.0

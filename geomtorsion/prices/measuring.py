@@ -22,7 +22,7 @@ from geomtorsion.prices.price_list import PriceList, PriceRow
 from geomtorsion.progress import reports
 from geomtorsion.proofs import Proof
 
-# What has a price, first match first: each kind makes its offer for a request.
+# Things with a price, first match first: each kind makes its offer for a request.
 KINDS: tuple[tuple[Any, Callable[[Any, Request], Offer]], ...] = (
     ((CurveProblem, ODE), motions.motion_offer),
     (Solution, motions.solution_offer),

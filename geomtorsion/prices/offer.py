@@ -55,7 +55,7 @@ class Offer:
     name: of the thing. truth: what the true errors are measured against, in words.
     judge: (value, requested accuracy) -> bounds of the true error; None where nothing is known.
     effects: run that measures what each effect costs, (name, seconds) in order.
-    unit: what is requested: "accuracy", or "spacing" of a grid.
+    unit: of requests: "accuracy", or "spacing" of a grid.
     floor: relative error from noise, which no finer request lowers; None: there is no noise.
     """
 

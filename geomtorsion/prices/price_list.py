@@ -100,7 +100,7 @@ class PriceList:
     name: of the result. truth: what the true errors are measured against.
     rows: one for each way and accuracy, finer ones later.
     effects: (name, seconds) of a scene with its effects added one by one.
-    unit: what is requested: "accuracy", or "spacing" of a grid.
+    unit: of requests: "accuracy", or "spacing" of a grid.
     floor: relative error from noise, beyond which finer requests buy nothing; None: no noise.
     """
 
@@ -184,7 +184,7 @@ class PriceList:
         return model.at(-math.log10(size))
 
     def accuracy(self, seconds: float, way: str | None = None) -> float:
-        """The smallest error between those of the rows that a processor time buys.
+        """The smallest error, in the range of the rows, that a processor time buys.
 
         Raises
         ------
