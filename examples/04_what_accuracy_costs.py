@@ -1,44 +1,47 @@
-"""What accuracy costs: one rotation solved by each engine, with true errors and times.
+"""What accuracy costs: a free top by each engine, with enclosed errors, and digits for seconds.
 
     python examples/04_what_accuracy_costs.py
-    python examples/04_what_accuracy_costs.py --time 100 --picture cost.png
+    python examples/04_what_accuracy_costs.py --time 100 --picture price.png
 
-A body rotates at a constant rate. Its attitude is an exponential, known to any number of digits, so
-each error in the table is a true error, and the estimate in its row can be judged.
+Ball arithmetic encloses the true motion, so that each claimed error in the table can be judged.
+Three rows predict the time of any other accuracy, and the accuracy that a time buys.
 """
 
 import argparse
 
 import geomtorsion as gt
-from geomtorsion.accuracy import accuracy_cost
-from geomtorsion.curves import autoparallel
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Measure, print the table, and check each row against the requested accuracy."""
+    """Measure, print the table, and check each claim against the enclosed error."""
     parser = argparse.ArgumentParser(description="What accuracy costs in time.")
-    parser.add_argument("--time", type=float, default=50.0)
+    parser.add_argument("--time", type=float, default=20.0)
     parser.add_argument("--accuracies", type=float, nargs="+", default=[1e-3, 1e-6, 1e-9, 1e-12])
-    parser.add_argument("--picture", help="file for the work-precision picture (needs matplotlib)")
+    parser.add_argument("--picture", help="file for the figure (needs matplotlib)")
     options = parser.parse_args(arguments)
 
     so3 = gt.spaces.load("so3").frame
-    turning = autoparallel(gt.cartan(so3), [0.3, 1.0, 0.2], [0.1, 0.5, -0.2])
-    table = accuracy_cost(turning, options.time, accuracies=options.accuracies)
-    print(table)
+    top = gt.geodesic(so3, frame_velocity=[1, 2, 3], metric=[1, 2, 3])
+    prices = gt.price(top, options.time, options.accuracies, proofs=[10])
+    print(prices)
     if options.picture:
-        table.plot().savefig(options.picture, dpi=150)
+        prices.plot().savefig(options.picture, dpi=150)
 
-    # Known: R(t) = R(0) exp(t [Omega]x). The table measures errors against this.
-    assert table.truth == "the closed form"
-    for row in table.rows:
-        assert row.holds, f"{row.engine} promised {row.asked} and reached {row.achieved}"
-        assert row.estimated is not None
-        assert row.achieved is not None
-        # Below 1e-15 only rounding of single numbers remains.
-        assert 0.1 * row.achieved <= row.estimated
-        assert row.estimated <= max(100 * row.achieved, 1e-15)
-    print("\neach error is below the requested accuracy; each estimate is within a factor of 100")
+    # Each true error is enclosed by a proof.
+    assert "enclosed" in prices.truth
+    for row in prices.rows:
+        if row.certainty == "estimate":
+            assert row.holds, f"{row.way} claimed {row.claimed}, and its error is {row.true}"
+            assert row.reached
+
+    middle = (options.accuracies[0] * options.accuracies[-1]) ** 0.5
+    seconds = prices.seconds(middle)
+    print(f"\naccuracy {middle:.1e} is predicted to take {1e3 * seconds:.3g} ms")
+    solution = gt.solve(top, options.time, seconds=10 * seconds)
+    print(f"ten times as long buys {solution.accuracy:.1e}, with an error of {solution.error:.1e}")
+    again = gt.solve(top, options.time, solution.accuracy)
+    assert (solution["u1"] == again["u1"]).all()
+    print("\neach claimed error is at least the true error; the same accuracy gives the same bits")
 
 
 if __name__ == "__main__":

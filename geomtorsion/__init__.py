@@ -23,11 +23,6 @@ if TYPE_CHECKING:
     __version__: str
     # For editors and type checkers, which do not load names one by one.
     from geomtorsion import conventions, gravity, pictures, scenes, spaces
-    from geomtorsion.accuracy import (
-        CostRow,
-        CostTable,
-        accuracy_cost,
-    )
     from geomtorsion.action import (
         EquationsOfMotion,
         Linearization,
@@ -159,6 +154,7 @@ if TYPE_CHECKING:
 
     # mypy takes the name in the package for the module that bears it.
     from geomtorsion.ode.solve import solve
+    from geomtorsion.prices import PriceList, PriceRow, price
     from geomtorsion.proofs import (
         Proof,
         prove,
@@ -226,8 +222,8 @@ _LATER = {
     "materials.images": ("LatticeBurgers", "LatticeImage", "LatticePhases"),
     "proofs": ("Proof", "prove"),
     "spaces.kerr_orbits": ("Frequencies", "KerrOrbit", "kerr_orbit"),
-    "accuracy": ("CostRow", "CostTable", "accuracy_cost"),
     "fits": ("Fit", "fit"),
+    "prices": ("PriceList", "PriceRow", "price"),
     "scenes": (
         "Body", "EffectBudget", "Scene", "SceneCost", "StateSelection", "SceneResult", "State",
         "effects",
@@ -259,8 +255,6 @@ __all__ = [
     "Cochain",
     "Complex",
     "Connection",
-    "CostRow",
-    "CostTable",
     "Curvature",
     "CurveProblem",
     "Defect",
@@ -300,6 +294,8 @@ __all__ = [
     "OrientationMap",
     "ParallelVolume",
     "Phase",
+    "PriceList",
+    "PriceRow",
     "Proof",
     "Reaction",
     "RungeKutta",
@@ -322,7 +318,6 @@ __all__ = [
     "TransitionMap",
     "Variation",
     "When",
-    "accuracy_cost",
     "autoparallel",
     "blend",
     "burgers_map",
@@ -378,6 +373,7 @@ __all__ = [
     "parallel_transport",
     "parse_expression",
     "pictures",
+    "price",
     "prove",
     "read",
     "scenes",

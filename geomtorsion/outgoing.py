@@ -60,6 +60,20 @@ def size_text(value: float, digits: int = 1) -> str:
     return f"{value:.{digits}e}" if value else "0"
 
 
+def duration_text(seconds: float) -> str:
+    """A duration with three digits, in the unit that a reader expects.
+
+    Examples
+    --------
+    >>> duration_text(75.0), duration_text(0.00125), duration_text(4e-7)
+    ('75 s', '1.25 ms', '0.4 us')
+    """
+    for unit, size in (("s", 1.0), ("ms", 1e-3)):
+        if seconds >= size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds * 1e6:.3g} us"
+
+
 def number_text(value: complex, error: float, most: int = 15) -> str:
     """A number with the digits that its error allows; 0 where it is not larger than its error.
 

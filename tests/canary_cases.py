@@ -239,7 +239,10 @@ def public_functions() -> list[Case]:
             "FreeTop", moments=(1.0, 2.0, 3.0), omega0=(1.0, 2.0, 3.0),
             quaternion0=(1.0, 0.0, 0.0, 0.0),
         ),
-        _public("accuracy_cost", problem=CURVE, t=0.25, engines=[QUICK], accuracies=[1e-3]),
+        _public(
+            "price", thing=CURVE, at=0.25, accuracies=[1e-3], engines=[QUICK], parameters={},
+            proofs=[10], memory=False,
+        ),
         _public("burgers_vector", frame=PLANE, loop=CIRCLE, accuracy=1e-6, parameters={}),
         _public("exact_burgers_vector", frame=PLANE, loop=CIRCLE, seconds=5.0),
         _public(
@@ -648,10 +651,10 @@ def other_cases() -> list[Case]:
 # Results: the package makes them itself from checked input. They enter from outside only through
 # files, and the readers of files are tested.
 RESULTS = frozenset(
-    "BurgersMap BurgersVector CostRow CostTable Development EnclosedDefect Ensemble "
+    "BurgersMap BurgersVector Development EnclosedDefect Ensemble "
     "EquationsOfMotion ExactBurgersVector Fit IdentityCheck LogMap NodeRule SavedSolution "
     "SceneCost SceneResult Solution StateSelection Variation Atlas Chart CurveProblem "
     "DislocationNetwork Engine LatticeBurgers LatticePhases Certainty Proof Linearization "
     "KerrOrbit Frequencies Surface Symmetries Diffusion Integrability ParallelVolume Stresses "
-    "HolonomyAlgebra EffectBudget".split()
+    "HolonomyAlgebra EffectBudget PriceList PriceRow".split()
 )

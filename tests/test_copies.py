@@ -131,9 +131,9 @@ def test_a_pickle_is_small():
 VALUES = values()
 # Protocols, errors, and small plain results that are parts of copied results.
 PARTS = {
-    "AffineMap", "Chart", "CostRow", "CostTable", "Defect", "EdgeList", "EnclosedDefect", "Engine",
-    "GeomtorsionError", "LatticeBurgers", "Network", "NodeRule", "Phase", "Reaction", "SceneCost",
-    "TransitionMap",
+    "AffineMap", "Chart", "Defect", "EdgeList", "EnclosedDefect", "Engine", "GeomtorsionError",
+    "LatticeBurgers", "Network", "NodeRule", "Phase", "PriceList", "PriceRow", "Reaction",
+    "SceneCost", "TransitionMap",
 }  # fmt: skip
 
 

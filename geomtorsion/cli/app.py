@@ -22,8 +22,8 @@ class Commands(LazyGroup):
         "plan": "Show the steps that a quantity or a scene needs, and those it omits.",
         "report": "Write a page with the geometry, motions and a loop of a space.",
         "curve": "Follow the straightest and the shortest path from one start.",
-        "accuracy": "Measure the cost of accuracy, and recommend an engine.",
         "fit": "Fit parameters and the start of a motion to recorded data.",
+        "price": "Measure what digits and certainty cost, of a motion, a loop or a scene.",
         "burgers": "Compute the Burgers vectors of loops: the gaps by which they fail to close.",
         "map": "Map the Burgers vector per area of a measured field, and compare it with noise.",
         "crystal": "Find the dislocation lines of a crystal, with their Burgers vectors.",
@@ -37,7 +37,7 @@ class Commands(LazyGroup):
     }
     groups: ClassVar = {
         "Geometry": ("spaces", "geometry", "check", "plan", "gravity", "report", "paper"),
-        "Motions": ("curve", "fit", "run", "scenes", "accuracy"),
+        "Motions": ("curve", "fit", "run", "scenes", "price"),
         "Defects and data": ("burgers", "map", "crystal", "network", "stress"),
         "Teaching": ("lab", "exercises"),
     }

@@ -111,6 +111,14 @@ SpaceOrScene = Annotated[
     ),
 ]
 
+Priced = Annotated[
+    str,
+    argument(
+        "SPACE|SCENE|FILE",
+        "A shipped space or scene, a file of either, or measured data (.npz, .csv, .ctf, ...).",
+        lambda: (*_spaces(), *_scenes()),
+    ),
+]
 SpaceOrMeasured = Annotated[
     str,
     argument(

@@ -32,6 +32,7 @@ from geomtorsion.loops.maps import BurgersMap, burgers_map, burgers_vectors
 from geomtorsion.loops.network import Network
 from geomtorsion.loops.node_rule import NodeRule
 from geomtorsion.loops.paths import DevelopedPath, develop_path, develop_period, developed_path
+from geomtorsion.loops.protocols import HasBurgers
 from geomtorsion.loops.result import BurgersVector, Check
 from geomtorsion.loops.spanning_forest import spanning_forest
 
@@ -53,6 +54,7 @@ __all__ = [
     "EnclosedDefect",
     "EnsembleMean",
     "ExactBurgersVector",
+    "HasBurgers",
     "Hodograph",
     "InvariantMeasure",
     "Loop",

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from functools import partial
 from typing import Literal, overload
 
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.budget import affordable
 from geomtorsion.errors import ArgumentError
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.hints import argument_hints
@@ -33,6 +35,9 @@ from geomtorsion.loops.validation import check_accuracy
 from geomtorsion.loops.values import with_numbers
 from geomtorsion.outgoing import size_text
 
+# Accuracy of a Burgers vector for which none is requested.
+ACCURACY = 1e-12
+
 
 @overload
 def burgers_vector(
@@ -42,6 +47,7 @@ def burgers_vector(
     *,
     parameters: Parameters | None = ...,
     exact: Literal[False] = ...,
+    seconds: float | None = ...,
 ) -> BurgersVector: ...
 
 
@@ -53,6 +59,7 @@ def burgers_vector(
     *,
     parameters: Parameters | None = ...,
     exact: Literal[False] = ...,
+    seconds: float | None = ...,
 ) -> Result_co: ...
 
 
@@ -71,10 +78,11 @@ def burgers_vector(
 def burgers_vector(
     frame: FrameLike | HasBurgers[object],
     loop: Loop,
-    accuracy: float = 1e-12,
+    accuracy: float = ACCURACY,
     *,
     parameters: Parameters | None = None,
     exact: bool = False,
+    seconds: float | None = None,
 ) -> object:
     """Burgers vector of a loop: the gap in the frame of a loop that closes in the coordinates.
 
@@ -103,6 +111,15 @@ def burgers_vector(
     exact
         Give a closed form instead of numbers, in which parameters without a value stay symbols;
         see `exact_burgers_vector`. It has no accuracy.
+    seconds
+        Processor time instead of an accuracy, as in `solve`: `accuracy` of the result names the
+        accuracy that this time buys.
+
+    A looser accuracy saves points only where the form oscillates along the loop. Every call takes
+    two nested sets of points along the loop and two inside, because their difference is the error
+    estimate; on most loops these have 15 digits already, and their number does not depend on the
+    accuracy. For one loop most of the time goes into calls, not points: `burgers_map` and
+    `burgers_vectors` share them among many loops.
 
     Returns
     -------
@@ -112,6 +129,10 @@ def burgers_vector(
     ------
     LoopError
         The loop has another dimension than the frame, or the accuracy is out of range.
+    AccuracyError
+        Even an accuracy of 1e-2 takes longer than `seconds`.
+    ArgumentError
+        A frame known by numbers gets parameters; or seconds come with an accuracy or with exact.
     MissingValueError
         A parameter has no value.
     CoordinateError
@@ -132,14 +153,22 @@ def burgers_vector(
     (array([0.00000000e+00, 0.00000000e+00, 6.28318531e-18]), 'flux', True)
     """
     if isinstance(frame, HasBurgers):
-        if exact or parameters:
+        if exact or parameters or seconds is not None:
             raise ArgumentError(
-                "frame: a frame known by numbers has neither closed forms nor parameters."
-                " Leave out exact and parameters, or give a Frame."
+                "frame: a frame known by numbers has neither closed forms nor parameters, and its "
+                "spacing determines the error. Omit exact, parameters and seconds, or give a Frame."
             )
         return frame.burgers(checks.instance(loop, Loop, "loop"))
     frame = as_frame(frame)
     check_loop(loop, frame.dimension)
+    if seconds is not None:
+        if exact or accuracy != ACCURACY:
+            raise ArgumentError(
+                "seconds: expected neither an accuracy nor exact=True, because seconds choose the "
+                f"accuracy; got accuracy={checks.shown(accuracy)}, exact={exact}. Give one of them."
+            )
+        run = partial(burgers_vector, frame, loop, parameters=parameters)
+        accuracy = affordable(run, seconds, "a shorter loop")
     if exact:
         return exact_burgers_vector(frame, loop, parameters=parameters)
     check_accuracy(accuracy)

@@ -163,6 +163,27 @@ class Ensemble:
         """Member -> trajectory, for those that were followed singly, through other charts."""
         return self.rows.trajectories
 
+    def at_accuracy(self, accuracy: float, engine: Engine | None = None) -> Ensemble:
+        """The same motions at another accuracy or by another engine, all of them verified.
+
+        Raises
+        ------
+        AccuracyError
+            As `solve_many`.
+
+        Examples
+        --------
+        >>> from geomtorsion.ode import ODE, solve_many
+        >>> many = solve_many(ODE.of({"x": "-x"}, [1]), [[1.0], [2.0]], 1.0, 1e-4)
+        >>> bool(many.at_accuracy(1e-12).error < 1e-12)
+        True
+        """
+        checked_engine(engine)
+        when = self.times, checked_times(self.times)[1]
+        every = np.arange(len(self))
+        accuracy = checked_accuracy(accuracy)
+        return _ensemble(self.problem, self.members, when, accuracy, engine, every, False)
+
     def __str__(self) -> str:
         done = int(self.finished.sum())
         rate = done / self.run_seconds if self.run_seconds else 0.0
@@ -251,10 +272,26 @@ def solve_many(
         raise TimeError("t: expected the last time or a list of times, got none.")
     times, grid = one_time_only(t, *checked_times(t))
     members = problem.members(starts, velocities, frame_velocities)
-    solver, reason = _engine(engine, problem.member(members, 0))
     number = len(members)
     sampled = number if check is None else checks.count(check, "check", StartError, 1)
     some = np.unique(np.linspace(0, number - 1, min(sampled, number)).astype(int))
+    return _ensemble(problem, members, (times, grid), accuracy, engine, some, progress, pool)
+
+
+def _ensemble(
+    problem: Any,
+    members: Members,
+    when: tuple[np.ndarray, np.ndarray],
+    accuracy: float,
+    engine: Engine | None,
+    some: np.ndarray,
+    progress: bool | None,
+    pool: Executor | None = None,
+) -> Ensemble:
+    """Members from their starts to their ends; when: times to report, and the grid from 0."""
+    solver, reason = _engine(engine, problem.member(members, 0))
+    times, grid = when
+    number = len(members)
     job = _Job(problem, members, grid, solver, accuracy, pool)
     patience = 0.0 if progress else PATIENCE
     with bar(f"{number} members", number, wanted=progress, patience=patience) as show:

@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TypeAlias
 
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.errors import AccuracyError, StartError, TimeError
+from geomtorsion.budget import affordable
+from geomtorsion.errors import AccuracyError, ArgumentError, StartError, TimeError
 from geomtorsion.hints import argument_hints
 from geomtorsion.ode.checkpoint import Checkpoint, fingerprint
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
@@ -39,6 +41,8 @@ from geomtorsion.precision import GOLDEN
 from geomtorsion.progress import reports
 
 Progress: TypeAlias = Callable[[float], object]
+# Accuracy of a solution for which none is requested.
+ACCURACY = 1e-10
 
 
 @argument_hints(
@@ -52,11 +56,12 @@ Progress: TypeAlias = Callable[[float], object]
 def solve(
     problem: Problem,
     t: object,
-    accuracy: float = 1e-10,
+    accuracy: float = ACCURACY,
     engine: Engine | None = None,
     checkpoint: str | Path | None = None,
     progress: Progress | bool | None = None,
     *,
+    seconds: float | None = None,
     overwrite: bool = False,
     derivatives: Sequence[str] = (),
 ) -> Solution:
@@ -82,6 +87,11 @@ def solve(
         times, accuracy and engine continues from there, to the same result.
     progress
         called with the finished fraction, from 0 to 1; True shows a bar.
+    seconds
+        processor time instead of an accuracy: at most three shorter trials, at coarser accuracies,
+        predict the smallest error that this time buys, from 1e-2 to 1e-12. The result names the
+        accuracy that was chosen: `solve(problem, t, solution.accuracy)` gives equal bits, and takes
+        about so many seconds.
     overwrite
         whether to replace the checkpoint of another run.
     derivatives
@@ -93,7 +103,9 @@ def solve(
     Raises
     ------
     AccuracyError
-        accuracy <= 0, or not to be had with this engine.
+        accuracy <= 0, or not to be had with this engine; or even 1e-2 takes longer than `seconds`.
+    ArgumentError
+        seconds together with an accuracy or a checkpoint.
     TimeError
         times are empty, repeated, unsorted, not finite or on both sides of 0.
     ChartEdgeError, StuckError
@@ -123,6 +135,14 @@ def solve(
         )
     if checks.entries(derivatives, "derivatives", StartError):
         problem = problem.with_derivatives(derivatives)
+    if seconds is not None:
+        if accuracy != ACCURACY or checkpoint is not None:
+            raise ArgumentError(
+                "seconds: expected no accuracy and no checkpoint, because seconds choose the "
+                f"accuracy; got accuracy={checks.shown(accuracy)}, "
+                f"checkpoint={checks.shown(checkpoint)}. Give one of them."
+            )
+        accuracy = affordable(partial(solve, problem, t, engine=engine), seconds, "a shorter time")
     accuracy = checked_accuracy(accuracy)
     times, grid = checked_times(t)
     problem.check_start()

@@ -1,4 +1,4 @@
-"""pictures: loops, curves and costs as matplotlib figures, for a user's own code.
+"""pictures: loops, curves and prices as matplotlib figures, for a user's own code.
 
 Each function takes a result and returns a figure; `save` writes it. Reports and the pictures
 of scenes are written by the command line and by the results of scenes.
@@ -16,7 +16,6 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from geomtorsion.pictures.costs import draw_loop_costs, work_precision_picture
     from geomtorsion.pictures.curve_files import curve_pictures
     from geomtorsion.pictures.development import draw_development
     from geomtorsion.pictures.fits import draw_fit
@@ -25,6 +24,7 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.measured import draw_circuits, draw_survey
     from geomtorsion.pictures.network import draw_dislocations, draw_lines, draw_network
     from geomtorsion.pictures.notebook_pictures import draw_plan
+    from geomtorsion.pictures.prices import draw_price
     from geomtorsion.pictures.report import write_report
     from geomtorsion.pictures.solutions import draw_solution
     from geomtorsion.pictures.stress import draw_stress
@@ -43,16 +43,15 @@ _HOMES = {
     "draw_gap": "gaps",
     "draw_lines": "network",
     "draw_loop": "loops",
-    "draw_loop_costs": "costs",
     "draw_map": "loops",
     "draw_network": "network",
     "draw_plan": "notebook_pictures",
+    "draw_price": "prices",
     "draw_solution": "solutions",
     "draw_stress": "stress",
     "draw_survey": "measured",
     "draw_tensor": "tensors",
     "save": "style",
-    "work_precision_picture": "costs",
     "write_report": "report",
 }
 
@@ -67,16 +66,15 @@ __all__ = [
     "draw_gap",
     "draw_lines",
     "draw_loop",
-    "draw_loop_costs",
     "draw_map",
     "draw_network",
     "draw_plan",
+    "draw_price",
     "draw_solution",
     "draw_stress",
     "draw_survey",
     "draw_tensor",
     "save",
-    "work_precision_picture",
     "write_report",
 ]
 

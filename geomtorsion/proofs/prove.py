@@ -87,6 +87,13 @@ class Proof:
         """Largest possible distance of the true value from `values`, in the same shape."""
         return self._floats(_radius)
 
+    @cached_property
+    def relative_radius(self) -> float:
+        """Largest radius of a ball over the largest value, at the time where this is largest."""
+        rows = self.balls if isinstance(self.balls[0], tuple) else (self.balls,)
+        with ball_precision(self.bits):
+            return max(upper_float(_relative(row)) for row in rows)
+
     def _floats(self, read: Callable[[arb], float]) -> Any:
         with ball_precision(self.bits):
             if not isinstance(self.balls[0], tuple):
@@ -132,6 +139,14 @@ class Proof:
 
     __repr__ = __str__
     _repr_html_ = drawn_by("notebook_pictures", "proof_html")
+
+
+def _relative(row: Sequence[arb]) -> arb:
+    """Largest radius over largest value; the radius itself where all values may be zero."""
+    radius, size = arb(0), arb(0)
+    for ball in row:
+        radius, size = radius.max(ball.rad()), size.max(ball.abs_lower())
+    return radius / size if size > 0 else radius
 
 
 class _Plain(NamedTuple):

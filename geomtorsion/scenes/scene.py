@@ -19,6 +19,7 @@ from geomtorsion.hints import attribute_hints
 from geomtorsion.ode import solve
 from geomtorsion.ode.numbers import check_memory, checked_accuracy, checked_times
 from geomtorsion.outgoing import html_text
+from geomtorsion.prices import Offer, Request
 from geomtorsion.scenes.assembly import Assembly, assemble
 from geomtorsion.scenes.body import Body, Number
 from geomtorsion.scenes.called_for import EffectBudget, called_for
@@ -27,7 +28,7 @@ from geomtorsion.scenes.metrics import Measure
 from geomtorsion.scenes.observables import OBSERVABLES, observable
 from geomtorsion.scenes.result import SceneResult
 from geomtorsion.scenes.selection import StateSelection
-from geomtorsion.scenes.solve import solve_scene
+from geomtorsion.scenes.solve import scene_offer, solve_scene
 from geomtorsion.scenes.state import State
 from geomtorsion.scenes.sweep import SceneSweep, sweep
 from geomtorsion.scenes.to_ode import ode_of, parameters_of, pruned_rates, start_of
@@ -353,6 +354,14 @@ class Scene:
         ('linear_drag',)
         """
         return called_for(self, accuracy, engine, progress)
+
+    def offer(self, request: Request) -> Offer:
+        """The ways to the motion at an accuracy, and what each effect costs, for `gt.price`."""
+
+        def effects() -> list[tuple[str, float]]:
+            return [(row.effect, row.run_seconds) for row in self.cost().rows if not row.note]
+
+        return replace(scene_offer(self, request), effects=effects)
 
     def sweep(
         self,

@@ -1,23 +1,25 @@
-"""Solve: a scene solved, in closed form where there is one, and what its accuracy costs."""
+"""Solve: a scene solved, in closed form where there is one, and the ways that have a price."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geomtorsion.accuracy.cost import ACCURACIES, CostTable, accuracy_cost, truth_of
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import AccuracyError, StuckError, TimeError
 from geomtorsion.ode import Checkpoint, Cost, Engine, solve
 from geomtorsion.ode.checkpoint import fingerprint
 from geomtorsion.ode.numbers import checked_times
 from geomtorsion.ode.solution import DOUBLE
+from geomtorsion.prices import Claim, Offer, Request, Way, motion_offer, tabulated, truth_of
+from geomtorsion.prices.offer import at
 from geomtorsion.progress import reports
 from geomtorsion.rigid import FreeTop, attitude, free_top
 from geomtorsion.scenes.context import OMEGA, POSITION, QUATERNION, VELOCITY, VERTICAL
@@ -245,36 +247,29 @@ def _in_closed_form(scene: Scene, form: ClosedForm) -> SceneResult | None:
     )
 
 
-def scene_accuracy(
-    scene: Scene,
-    engines: Sequence[Engine] | None = None,
-    accuracies: Sequence[float] = ACCURACIES,
-    progress: Callable[[float], object] = lambda _: None,
-    *,
-    proved: bool = False,
-) -> CostTable:
-    """Measure what each accuracy costs with each engine, on the equations of a scene.
-
-    Errors refer to the states at the times of the scene, each group of states against its
-    largest size: against the closed form where the scene has one, else against quadruple
-    precision, else (without heyoka) against the most accurate Runge-Kutta solution.
-
-    Raises
-    ------
-    AccuracyError
-        an accuracy is not a positive number, or none is given.
-
-    Examples
-    --------
-    >>> from geomtorsion.ode import RungeKutta
-    >>> from geomtorsion.scenes import load
-    >>> table = scene_accuracy(load("lagrange_cusp"), [RungeKutta()], [1e-6])
-    >>> table.rows[0].holds
-    True
-    """
+def scene_offer(scene: Scene, request: Request) -> Offer:
+    """The ways to the motion of a scene: its closed form where it has one, engines, a proof."""
+    request = at(request, scene.times)
     form = closed_form(scene)
-    exact = None if form is None else form.states
-    table = accuracy_cost(
-        scene.ode, scene.times, engines, accuracies, exact=exact, progress=progress, proved=proved
-    )
-    return replace(table, problem=str(scene))
+    name = scene.title or scene.name or "scene"
+    if form is None:
+        return motion_offer(scene.ode, request, name=name)
+    ready = partial(_by_formula, scene, form)
+    way = Way("closed form", "estimate", ready, request.accuracies)
+    return motion_offer(scene.ode, request, name=name, more=(way,))
+
+
+def _by_formula(scene: Scene, form: ClosedForm, accuracy: float) -> Callable[[], Claim]:
+    """The closed form with its check against the integrator."""
+    asked = replace(form, scene=replace(scene, accuracy=accuracy))
+    grid = checked_times(scene.times)[1]
+
+    def run() -> Claim:
+        motion = checked_states(asked, grid)
+        if motion is None:
+            raise AccuracyError(
+                f"expected accuracy {accuracy:.3g}; the closed form fails its check."
+            )
+        return Claim(tabulated(scene.ode, grid, "", motion.states), motion.error)
+
+    return run

@@ -11,10 +11,10 @@ import numpy as np
 import sympy as sp
 from scipy.spatial.transform import Rotation
 
-from geomtorsion.accuracy.cost import truth_of
 from geomtorsion.curves import CurveProblem, autoparallel, geodesic
 from geomtorsion.geometry import Frame, cartan, levi_civita
 from geomtorsion.ode import ODE
+from geomtorsion.prices import truth_of
 from geomtorsion.spaces import load
 
 MOMENTS = (1.1, 2.2, 3.3)

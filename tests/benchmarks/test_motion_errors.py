@@ -9,11 +9,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from geomtorsion.accuracy.cost import truth_of
 from geomtorsion.curves import autoparallel, geodesic
 from geomtorsion.errors import ChartEdgeError
 from geomtorsion.geometry import blend, cartan, levi_civita
 from geomtorsion.ode import RungeKutta, Taylor, solve
+from geomtorsion.prices import truth_of
 from geomtorsion.spaces import load
 
 pytest.importorskip("heyoka")

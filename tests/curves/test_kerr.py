@@ -7,12 +7,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from geomtorsion.accuracy.cost import truth_of
 from geomtorsion.curves import geodesic
 from geomtorsion.errors import ChartEdgeError
 from geomtorsion.ode import RungeKutta, SavedSolution, Taylor, solve, solve_many
 from geomtorsion.ode.engines.taylor import tolerance_of
 from geomtorsion.ode.trajectory import integrate
+from geomtorsion.prices import truth_of
 from geomtorsion.spaces import load
 from tests.chosen import one_in
 from tests.ode.engines import every_engine, needs_heyoka

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from geomtorsion import scenes
-from geomtorsion.accuracy.cost import truth_of
 from geomtorsion.curves import autoparallel, geodesic, parallel_transport
 from geomtorsion.errors import AccuracyError
 from geomtorsion.geometry import cartan
 from geomtorsion.ode import ODE, RungeKutta, Taylor, solve, solve_many
+from geomtorsion.prices import truth_of
 from geomtorsion.spaces import load
 from tests.ode.engines import every_engine, needs_heyoka
 

@@ -7,10 +7,10 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geomtorsion.accuracy.loops import reference
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import Loop, burgers_vector
 from geomtorsion.spaces import load
+from tests.loops.reference import reference
 
 # Promise of the library, accuracy for shipped spaces, and factor by which its own estimate may be
 # too small.

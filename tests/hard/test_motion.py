@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from geomtorsion.accuracy.cost import truth_of
 from geomtorsion.curves import autoparallel, geodesic
 from geomtorsion.errors import AccuracyError
 from geomtorsion.geometry import Frame, cartan, from_coefficients
 from geomtorsion.ode import RungeKutta, Stiff, solve
 from geomtorsion.ode.engines.taylor import is_available
+from geomtorsion.prices import truth_of
 from geomtorsion.spaces import load
 from tests.chosen import one_in
 from tests.ode.engines import ENGINES, every_engine, needs_heyoka

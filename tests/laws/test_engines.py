@@ -15,7 +15,6 @@ import scipy
 import sympy as sp
 
 from geomtorsion import scenes, spaces
-from geomtorsion.accuracy import accuracy_cost
 from geomtorsion.curves import geodesic
 from geomtorsion.errors import CheckpointError, GeomtorsionError, StartError
 from geomtorsion.ode import (
@@ -31,6 +30,7 @@ from geomtorsion.ode import (
 )
 from geomtorsion.ode.engines import Run
 from geomtorsion.ode.engines.taylor import is_available
+from geomtorsion.prices import price
 from geomtorsion.scenes.checkpoint import partial_result
 
 
@@ -267,11 +267,11 @@ def test_ensembles_refuse_long_numbers() -> None:
 
 def test_costs_of_an_engine() -> None:
     """The table of costs has a row for the user's engine, with an error that holds."""
-    (row,) = accuracy_cost(swing(), 3.0, engines=[Mine()], accuracies=[1e-6]).rows
-    assert row.engine == "Mine"
-    assert row.achieved is not None
-    assert row.estimated is not None
-    assert row.achieved <= row.estimated <= 1e-6
+    row = price(swing(), 3.0, [1e-6], engines=[Mine()], proofs=[]).rows[0]
+    assert row.way == "Mine"
+    assert row.claimed is not None
+    assert row.holds
+    assert row.claimed <= 1e-6
 
 
 def test_a_sweep_by_an_engine() -> None:

@@ -7,7 +7,6 @@ import pytest
 import sympy as sp
 from scipy.special import iv
 
-from geomtorsion.accuracy.loops import reference
 from geomtorsion.errors import SingularPointError
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import Loop, Network, burgers_vector, integrals
@@ -15,6 +14,7 @@ from geomtorsion.loops.chains import ClosedCurve
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.integrals import Places, by_levels
 from geomtorsion.spaces import load
+from tests.loops.reference import reference
 from tests.loops.test_network import grid_graph
 
 X, Y = sp.symbols("x y")

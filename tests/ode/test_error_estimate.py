@@ -17,12 +17,12 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geomtorsion.accuracy.cost import truth_of
 from geomtorsion.curves import autoparallel, geodesic
 from geomtorsion.errors import AccuracyError, ChartEdgeError, StuckError
 from geomtorsion.geometry import Frame, blend, cartan, levi_civita
 from geomtorsion.ode import ODE, At, RungeKutta, Stiff, Taylor, When, solve
 from geomtorsion.ode.engines.taylor import order_of, tolerance_of
+from geomtorsion.prices import truth_of
 from geomtorsion.spaces import load
 from tests.chosen import one_in
 from tests.ode.engines import every_engine, needs_heyoka

@@ -8,7 +8,6 @@ import mpmath
 import numpy as np
 import pytest
 
-from geomtorsion.accuracy.cost import truth_of
 from geomtorsion.curves import autoparallel, distance_apart, geodesic
 from geomtorsion.errors import (
     AccuracyError,
@@ -23,6 +22,7 @@ from geomtorsion.geometry import cartan, levi_civita
 from geomtorsion.geometry.connections import blend
 from geomtorsion.ode import ODE, At, RungeKutta, Stiff, Taylor, solve, solve_many
 from geomtorsion.ode.engines.taylor import is_available
+from geomtorsion.prices import truth_of
 from geomtorsion.spaces import load
 from tests.chosen import one_in
 from tests.ode.engines import every_engine, needs_heyoka

@@ -1,4 +1,4 @@
-"""Figures of loops: the open image of a loop, maps, and costs."""
+"""Figures of loops: the open image of a loop, and maps."""
 
 from typing import Any
 
@@ -6,12 +6,10 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from geomtorsion.accuracy.loops import LoopCost, LoopCosts
 from geomtorsion.errors import LoopError
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import Loop, burgers_map, burgers_vector, burgers_vectors
 from geomtorsion.loops.hodograph import hodograph
-from geomtorsion.pictures.costs import draw_loop_costs
 from geomtorsion.pictures.loops import draw_closure, draw_map
 from geomtorsion.spaces import load
 
@@ -113,18 +111,3 @@ def test_only_grids_are_maps() -> None:
     found = burgers_vectors(load("so3").frame, [[0, 1, 0]], 0.1)
     with pytest.raises(LoopError, match="expected a survey over a grid"):
         draw_map(found)
-
-
-def test_costs_have_one_line_for_each_rule() -> None:
-    """Each rule has a line against points and against time; a zero error is drawn above zero."""
-    rows = (
-        LoopCost("Gauss", 4, 1e-3, 1e-4),
-        LoopCost("Gauss", 8, 0.0, 2e-4),
-        LoopCost("flux", 24, 1e-15, 1e-4),
-        LoopCost("scipy.quad", 63, 1e-9, 1e-3, asked=1e-6, claimed=1e-8),
-    )
-    figure = draw_loop_costs(LoopCosts("a loop", rows, ()))
-    left, right = figure.axes
-    assert [line.get_label() for line in left.lines] == ["Gauss", "flux", "scipy.quad"]
-    assert len(right.lines) == 3
-    assert np.min(left.lines[0].get_ydata()) > 0

@@ -90,10 +90,9 @@ def lines() -> Any:
 
 
 def costs() -> Any:
-    """What accuracy costs for a motion on SO(3)."""
-    so3 = gt.spaces.load("so3").frame
-    problem = gt.geodesic(so3, [0.3, 1.0, 0.2], [0.9, 0.4, 0.7])
-    return gt.accuracy_cost(problem, t=10.0).plot()
+    """What digits and certainty cost for a motion on SO(3)."""
+    problem = gt.geodesic("so3", [0.3, 1.0, 0.2], [0.9, 0.4, 0.7])
+    return gt.price(problem, 10.0).plot()
 
 
 def cosmology() -> Any:

@@ -35,7 +35,7 @@ TOPICS: dict[str, str] = {
     "Charts": "Chart TransitionMap Atlas",
     "Solving equations": "solve solve_many ODE At When Solution SavedSolution Ensemble",
     "Engines": "Engine Taylor RungeKutta Stiff",
-    "Certainty and cost": "prove Proof accuracy_cost CostTable CostRow",
+    "Certainty and cost": "prove Proof price PriceList PriceRow",
     "Burgers vectors of loops": "Loop burgers_vector burgers_vectors burgers_map BurgersVector "
     "BurgersMap exact_burgers_vector ExactBurgersVector",
     "Defects": "Defect dispiration parallel_screws parallel_edges parallel_dislocations "

@@ -171,7 +171,7 @@ def burgers(
             "--proved: expected numbers, got --exact, a closed form. Omit one of the two."
         )
     all_loops += _described(frame, shapes, interval)
-    all_loops += (_named_kind(frame, text, interval) for text in any_kind)
+    all_loops += (named_loop(frame, text, interval) for text in any_kind)
     if not all_loops:
         raise typer.BadParameter(
             "expected a loop, got none. Use --circle, --polygon, ... or --loops FILE."
@@ -268,7 +268,7 @@ def _described(frame: Frame, given: Mapping[str, Texts], interval: str | None) -
             yield loop_from_data(frame, loop_data(kind, text, interval), f"--{kind} {cut(text)}")
 
 
-def _named_kind(frame: Frame, text: str, interval: str | None) -> Loop:
+def named_loop(frame: Frame, text: str, interval: str | None) -> Loop:
     """The loop that `--loop "KIND TEXT"` means."""
     kind, _, rest = text.strip().partition(" ")
     if kind not in KINDS or not rest.strip():

@@ -115,20 +115,23 @@ GUIDES: Mapping[str, Guide] = {
     "What accuracy costs": Guide(
         "Each mark is one computation of the loop, the curves or the top of the other tabs: "
         "further right is more accurate, and further down is faster.",
-        "Measure the loop and find the fastest rule with an error below 1e-12, then make the loop "
-        "smaller on its own tab and measure again.",
-        "The trapezoid rule gets twice as many points on a circle. How many more digits are right?",
-        "About twice as many digits, because the integrand is periodic, until the error is 1e-16, "
-        "the rounding error of a double.",
+        "Measure the loop, then make it smaller on its own tab and measure again. Which method "
+        "keeps its digits?",
+        "How much longer do twelve digits of a path take than three? How much longer does a run "
+        "take with an error estimate than without one?",
+        "By Taylor series, twelve digits take about five times as long as three. A run of twelve "
+        "digits takes about ten times as long with its error estimate as without: certainty costs "
+        "more than digits.",
         {
-            "error": "the largest deviation divided by the largest component, against a closed "
-            "form or a computation with many more digits.",
-            "trapezoid, Gauss": "rules that integrate along the loop; each mark has a different "
-            "number of points.",
-            "flux": "the integral of the torsion over the disk bounded by the loop.",
-            "burgers_vector": "the function of this library: it computes the loop and the flux and "
-            "estimates the error.",
-            "Taylor, RungeKutta": "the two methods of this library that solve equations of motion.",
+            "error": "the largest deviation divided by the largest component, against a proof, a "
+            "closed form or a computation with many more digits.",
+            "line": "the integral along the loop, without a check.",
+            "line and flux": "the integral along the loop and the integral of the torsion over the "
+            "disk that it bounds; they check each other and give the error estimate.",
+            "formula": "the closed form, evaluated.",
+            "proof": "ball arithmetic: bounds that contain the true value.",
+            "Taylor, RungeKutta": "the two methods of this library that solve equations of motion; "
+            "plain: without an error estimate.",
         },
     ),
     "Any tetrad": Guide(
@@ -267,7 +270,7 @@ STILL: Mapping[str, StillPage] = {
             GUIDES[COSTS],
             seen="Each mark is one computation of a loop (first figure) or of a shortest path "
             "(second figure): further right is more accurate, and further down is faster.",
-            tried="Find the fastest rule with an error below 1e-12, first for the loop and then "
+            tried="Find the fastest method with an error below 1e-12, first for the loop and then "
             "for the path.",
         ),
     ),

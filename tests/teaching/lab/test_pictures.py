@@ -222,7 +222,8 @@ def test_costs_of_the_top():
     """The case of the top is measured on its own equations."""
     case = {"moments": [1, 2, 3], "omega": [0.1, 2, 0.1], "tilt": 0.3, "t": 3.0}
     found = costs("top", case | {"watch": ["omega"]})
-    assert found["truth"] == "the closed form"
+    assert found["truth"] in {"quadruple precision", "the finest Runge-Kutta solution"}
+    assert any(row[0] == "closed form" for row in found["rows"])
     assert all(error <= asked for _, asked, error, _ in found["rows"])
 
 

@@ -1,0 +1,271 @@
+"""Loops: the price of Burgers vectors and developments of a formula, and of measured circuits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from flint import arb
+
+from geomtorsion import checks
+from geomtorsion.errors import GeomtorsionError
+from geomtorsion.geometry import Connection
+from geomtorsion.geometry.connections import FrameLike, as_frame
+from geomtorsion.loops import (
+    BurgersVector,
+    Development,
+    Loop,
+    burgers_vector,
+    develop,
+    exact_burgers_vector,
+    forms,
+)
+from geomtorsion.loops.integrals import line_route
+from geomtorsion.materials import Burgers
+from geomtorsion.materials.fields import SampledFrame
+from geomtorsion.prices import offer as offers
+from geomtorsion.prices.motions import proved_claim
+from geomtorsion.prices.offer import Bounds, Claim, Offer, Request, Way
+from geomtorsion.proofs import Proof, prove
+
+# Digits of the proof against which errors are measured: twice as many as a double has.
+TRUTH_DIGITS = 2 * np.finfo(float).precision
+# How long a closed form is looked for, in seconds: a price list should not take longer.
+FORMULA_SECONDS = 2.0
+# A grid is compared with every second, fourth and eighth of its nodes.
+STRIDES = (8, 4, 2, 1)
+
+
+def loop_of(request: Request) -> Loop:
+    """The loop of a request.
+
+    Raises
+    ------
+    ArgumentError
+        It names none.
+    """
+    return checks.instance(request.at, Loop, "at")
+
+
+def burgers_offer(frame: FrameLike, request: Request) -> Offer:
+    """The price of the Burgers vector of a loop in a frame: numbers, a closed form and a proof."""
+    frame, loop = as_frame(frame), loop_of(request)
+    run = partial(burgers_vector, frame, loop, parameters=request.parameters)
+    finest = run(min(request.accuracies))
+    truth = _Balls.of(finest, bool(request.proofs))
+    ways = [
+        Way("line and flux", "estimate", _each(partial(_vector, run, truth)), request.accuracies),
+        Way("line", "plain", partial(_line, finest), request.accuracies),
+        Way("formula", "plain", partial(_formula, finest), (0.0,)),
+    ]
+    ways += _proof(finest, request)
+    return Offer(f"{loop} in {frame.name or 'a frame'}", ways, truth.name, truth.judged)
+
+
+def development_offer(connection: Connection, request: Request) -> Offer:
+    """The price of the development of a loop: translation and rotation."""
+    loop = loop_of(request)
+    run = partial(develop, connection, loop, parameters=request.parameters)
+    finest = run(min(request.accuracies))
+    truth = _Balls.of(finest, bool(request.proofs))
+    ways = [
+        Way("line and cone", "estimate", _each(partial(_turn, run, truth)), request.accuracies),
+        *_proof(finest, request),
+    ]
+    name = connection.frame.name or "a frame"
+    return Offer(f"development of {loop} in {name}", ways, truth.name, truth.judged)
+
+
+def _each(run: Callable[[float], Claim]) -> Callable[[float], offers.Run]:
+    return lambda accuracy: partial(run, accuracy)
+
+
+def _proof(finest: Any, request: Request) -> list[Way]:
+    """The proof of a result, as a way."""
+    if not request.proofs:
+        return []
+    return [Way("proof", "proof", _each(partial(proved_claim, finest)), request.proved)]
+
+
+class _Balls:
+    """The truth about a loop: balls of its components, and their size."""
+
+    def __init__(self, name: str, balls: Sequence[arb], scales: np.ndarray) -> None:
+        self.name, self.balls, self.scales = name, balls, scales
+
+    @classmethod
+    def of(cls, finest: BurgersVector | Development, proved: bool) -> _Balls:
+        """From a proof where it is wanted and possible, else from the finest result."""
+        values = numbers_of(finest)
+        scales = _scales(finest)
+        if proved:
+            try:
+                balls = prove(finest, TRUTH_DIGITS).balls
+            except GeomtorsionError:
+                pass
+            else:
+                return cls("a proof, so that they are enclosed", balls, scales)
+        errors = _errors(finest)
+        balls = [arb(x, error) for x, error in zip(values.tolist(), errors.tolist(), strict=True)]
+        return cls("the finest result with its error", balls, scales)
+
+    def claimed(self, result: BurgersVector | Development) -> float:
+        """The error that a result claims, relative to the size of the truth."""
+        return float((_errors(result) / self.scales).max())
+
+    def judged(self, value: np.ndarray | Proof, accuracy: float) -> Bounds:
+        """Bounds of the largest error of some components, relative."""
+        if isinstance(value, Proof):
+            return Bounds(0.0, value.relative_radius)
+        low = high = 0.0
+        for x, ball, scale in zip(value.tolist(), self.balls, self.scales.tolist(), strict=True):
+            gap = abs(ball - arb(x)) / arb(scale)
+            low, high = max(low, float(gap.lower())), max(high, float(gap.upper()))
+        return Bounds(max(low, 0.0), high)
+
+
+def numbers_of(result: BurgersVector | Development) -> np.ndarray:
+    """Components of a result in the order of the balls of its proof."""
+    if isinstance(result, BurgersVector):
+        return result.vector
+    return np.concatenate([result.burgers, result.rotation.ravel()])
+
+
+def _errors(result: BurgersVector | Development) -> np.ndarray:
+    """The claimed error of each component."""
+    n = len(numbers_of(result))
+    if isinstance(result, BurgersVector):
+        return np.full(n, result.error)
+    count = len(result.burgers)
+    return np.concatenate([np.full(count, result.error), np.full(n - count, result.turn_error)])
+
+
+def _scales(result: BurgersVector | Development) -> np.ndarray:
+    """Sizes for relative errors: of the largest component of b, and 1 for rotations.
+
+    The size of the loop where b vanishes.
+    """
+    b = result.vector if isinstance(result, BurgersVector) else result.burgers
+    scales = np.ones(len(numbers_of(result)))
+    scales[: len(b)] = float(np.abs(b).max()) or result.loop.size
+    return scales
+
+
+def _vector(run: Callable[[float], BurgersVector], truth: _Balls, accuracy: float) -> Claim:
+    b = run(accuracy)
+    return Claim(b.vector, truth.claimed(b))
+
+
+def _turn(run: Callable[[float], Development], truth: _Balls, accuracy: float) -> Claim:
+    turn = run(accuracy)
+    return Claim(numbers_of(turn), truth.claimed(turn))
+
+
+def _line(b: BurgersVector, accuracy: float) -> offers.Run:
+    """Only the sum along the loop, without the flux that checks it."""
+    compiled = forms(b.frame, b.parameters)
+
+    def run() -> Claim:
+        total = np.zeros(b.frame.dimension)
+        for part in b.loop.parts:
+            values = line_route(compiled, part, accuracy).values[:, 0]
+            total = total + part.times * part.size * values
+        return Claim(total, None)
+
+    return run
+
+
+def _formula(b: BurgersVector, accuracy: float) -> offers.Run:
+    """The closed form, derived once and evaluated for the clock."""
+    formula = exact_burgers_vector(b.frame, b.loop, FORMULA_SECONDS, parameters=b.parameters)
+    return lambda: Claim(formula.at(), None)
+
+
+def result_offer(result: BurgersVector | Development, request: Request) -> Offer:
+    """The price of a Burgers vector or a development that was computed before."""
+    parameters = {**result.parameters, **(request.parameters or {})}
+    wanted = replace(offers.at(request, result.loop), parameters=parameters)
+    if isinstance(result, BurgersVector):
+        return burgers_offer(result.frame, wanted)
+    return development_offer(result.connection, wanted)
+
+
+def proof_offer(proof: Proof, request: Request) -> Offer:
+    """The price of a proof of the same result by digits."""
+    if request.at is not None:
+        offers.at(request, None)
+    ways = [Way("proof", "proof", _each(partial(proved_claim, proof.result)), request.proved)]
+    name = f"proof of a {type(proof.result).__name__}"
+
+    def judged(value: Proof, accuracy: float) -> Bounds:
+        return Bounds(0.0, value.relative_radius)
+
+    return Offer(name, ways, "the proof itself", judged)
+
+
+def measured_offer(source: Any, request: Request) -> Offer:
+    """The price of a circuit through measured matter: error against spacing, and its noise floor.
+
+    A grid is compared with every second, fourth and eighth of its nodes; other sources are
+    measured once.
+    """
+    loop = loop_of(request)
+    whole = source.burgers(loop)
+    scale = _size(whole) or loop.size
+    name = f"{loop} in {type(source).__name__}"
+    floor = whole.noise / scale
+    if not isinstance(source, SampledFrame) or source.displacement is not None:
+        way = Way("circuit", "estimate", lambda a: partial(_circuit, source, loop, scale), (0.0,))
+        return Offer(name, [way], "not known", lambda value, accuracy: None, None, "-", floor)
+    step = float(max(abs(axis[1] - axis[0]) for axis in source.axes))
+    grids = {stride * step: stride for stride in STRIDES}
+
+    def ready(spacing: float) -> offers.Run:
+        return partial(_circuit, _coarser(source, grids[spacing]), loop, scale)
+
+    def judged(value: np.ndarray, spacing: float) -> Bounds:
+        gap = float(np.abs(value - whole.vector).max()) / scale
+        # All nodes against themselves show no error.
+        own = whole.error / scale
+        return Bounds(max(0.0, gap - own), gap + own)
+
+    way = Way("circuit", "estimate", ready, tuple(grids))
+    truth = "all nodes, within their own error"
+    return Offer(name, [way], truth, judged, None, "spacing", floor)
+
+
+def _size(b: Burgers) -> float:
+    return float(np.abs(b.vector).max())
+
+
+def _circuit(source: Any, loop: Loop, scale: float) -> Claim:
+    b = source.burgers(loop)
+    return Claim(b.vector, b.error / scale)
+
+
+def _coarser(grid: SampledFrame, stride: int) -> SampledFrame:
+    """Every so many nodes of a grid."""
+    if stride == 1:
+        return grid
+    nodes = (slice(None, None, stride),) * grid.dimension
+    periodic = [
+        wraps and len(axis) % stride == 0
+        for wraps, axis in zip(grid.periodic, grid.axes, strict=True)
+    ]
+    sigma = grid.sigma
+    if sigma is not None and sigma.shape[2:] == grid.mask.shape:
+        sigma = sigma[(slice(None), slice(None), *nodes)]
+    return SampledFrame(
+        [axis[::stride] for axis in grid.axes],
+        grid.coframe[(slice(None), slice(None), *nodes)],
+        grid.order,
+        grid.names,
+        mask=grid.mask[nodes],
+        sigma=sigma,
+        periodic=periodic,
+        unit=grid.unit,
+        vector_unit=grid.vector_unit,
+    )
