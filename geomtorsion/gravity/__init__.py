@@ -3,7 +3,7 @@
 from geomtorsion.gravity.equations import FieldEquations, equations
 from geomtorsion.gravity.fluids import fluid, torsion_from_spin, weyssenhoff
 from geomtorsion.gravity.inertial import inertial
-from geomtorsion.gravity.invariants import Invariant, invariants
+from geomtorsion.gravity.invariants import Invariant, invariant, invariants
 from geomtorsion.gravity.lagrangian import Lagrangian, names
 from geomtorsion.gravity.matter import maxwell, scalar_field
 from geomtorsion.gravity.newman_penrose import NewmanPenrose, newman_penrose
@@ -20,6 +20,7 @@ from geomtorsion.gravity.theories import (
     stegr,
     tegr,
 )
+from geomtorsion.gravity.theory_files import read_theory
 from geomtorsion.gravity.translations import Translation, translations
 
 __all__ = [
@@ -37,6 +38,7 @@ __all__ = [
     "general_relativity",
     "holst",
     "inertial",
+    "invariant",
     "invariants",
     "killing_equations",
     "maxwell",
@@ -44,6 +46,7 @@ __all__ = [
     "new_gr",
     "newman_penrose",
     "poincare",
+    "read_theory",
     "scalar_field",
     "statistical",
     "stegr",

@@ -17,16 +17,18 @@ from geomtorsion.exact import Element, Truncated, TruncatedField
 from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Connection, Frame, IdentityCheck, Tensor, antisymmetric, at_home
 from geomtorsion.geometry.connections import ConnectionLike, as_connection
-from geomtorsion.gravity.fields import HALF, FrameFields, Index, Terms
+from geomtorsion.gravity.catalogue import Catalogue
+from geomtorsion.gravity.content import Content
+from geomtorsion.gravity.fields import HALF, Index, Terms
 from geomtorsion.gravity.fluids import Fluid
 from geomtorsion.gravity.geometries import check_geometry
 from geomtorsion.gravity.identities import rotations, translations
-from geomtorsion.gravity.invariants import INVARIANTS, Scalars
+from geomtorsion.gravity.invariants import Invariant
 from geomtorsion.gravity.lagrangian import Lagrangian, Reading, known_as, read
 from geomtorsion.gravity.matter import MatterField, numbered
 from geomtorsion.gravity.momenta import Momenta
 from geomtorsion.gravity.naming import with_names
-from geomtorsion.gravity.vocabulary import Vocabulary, declared_constants, meanings
+from geomtorsion.gravity.vocabulary import Vocabulary, declared_constants
 
 
 @exclusive
@@ -66,34 +68,33 @@ class FieldEquations:
     # -- the Lagrangian ------------------------------------------------------------------------
 
     @cached_property
-    def _scalars(self) -> tuple[Scalars, ...]:
-        return tuple(
-            Scalars(FrameFields(one, self._stays_metric(number)))
-            for number, one in enumerate(self.connections)
-        )
+    def _catalogue(self) -> Catalogue:
+        return Catalogue(self.connections, self.lagrangian.invariants, self._fields)
+
+    @cached_property
+    def _content(self) -> Content:
+        metric = tuple(self._stays_metric(number) for number in range(len(self.connections)))
+        return Content(self._catalogue, metric)
 
     def _stays_metric(self, number: int) -> bool:
         """Whether a connection is metric, and is varied among metric connections only."""
-        connection, n = self.connections[number], self.frame.dimension
+        connection = self.connections[number]
         if connection.kind == "levi-civita":
             return True
         if self.lagrangian.geometry == "metric-affine":
             return False
         if connection.kind != "general":
             return True
-        own = (self._meanings.get(name) for name in self._named.symbols.values())
-        entries = [INVARIANTS[one[1]] for one in own if one is not None and one[0] == number]
-        if any(entry.has_nonmetricity(n) for entry in entries):
+        products = (
+            x for name in self._named.symbols.values() for x in self._catalogue.products(name)
+        )
+        if any(f.name == "Q" and f.suffix == str(number) for x in products for f in x.factors):
             return False
         return connection.metric_compatible is True
 
-    @cached_property
-    def _meanings(self) -> dict[str, tuple[int, str]]:
-        return meanings(self.connections)
-
-    @cached_property
-    def _matter_names(self) -> dict[str, tuple[MatterField, str]]:
-        return {name: (one, name) for one in self._fields for name in one.names}
+    def tensor(self, name: str) -> Tensor:
+        """A tensor of matter by its name, all indices down: phi_a, A_a, F_ab."""
+        return self._content.matter[name]
 
     def check_names(self) -> None:
         """Raise an error for unknown names in the Lagrangian."""
@@ -105,15 +106,18 @@ class FieldEquations:
         vocabulary = Vocabulary(
             frame,
             self.connections,
-            (*self._meanings, *self._matter_names),
+            self._catalogue.names,
             {one: field.symbol for field in fields for one in field.parts(frame)},
             {one: x.symbol for x in fields if (one := x.function(frame)) is not None},
             declared_constants(self.lagrangian.constants),
+            self._catalogue.invariants,
         )
         reading = read(self.lagrangian, vocabulary)
         occurring = set(reading.symbols.values())
+        products = [product for name in occurring for product in self._catalogue.products(name)]
+        occurring |= {x.name for one in products for x in one.factors if not x.suffix}
         for field in fields:
-            if occurring.isdisjoint(field.names):
+            if occurring.isdisjoint((*field.names, *field.ranks)):
                 raise GravityError(
                     f"matter: expected a Lagrangian with {' or '.join(field.names)}, got "
                     f"{checks.cut(str(self.lagrangian.expression))}. Add a term of the "
@@ -131,16 +135,8 @@ class FieldEquations:
         """The Lagrangian with the values of all its names."""
         reading = self._named
         for symbol, name in reading.symbols.items():
-            reading.values[symbol] = self._value(name)
+            reading.values[symbol] = self._content.value(name)
         return reading
-
-    def _value(self, name: str) -> Element:
-        """The value of a name in the Lagrangian."""
-        if name in self._matter_names:
-            field, own = self._matter_names[name]
-            return field.value(self.frame, own)
-        number, invariant = self._meanings[name]
-        return self._scalars[number].value(invariant)
 
     @cached_property
     def scalars(self) -> dict[str, sp.Expr]:
@@ -193,9 +189,8 @@ class FieldEquations:
         GravityError
             There is no such invariant here.
         """
-        names = [*self._meanings, *self._matter_names]
-        checks.known_name(name, names, "invariant", GravityError)
-        return self.frame.scalar(lambda: self._value(name), name, "invariant")
+        checks.known_name(name, self._catalogue.names, "invariant", GravityError)
+        return self.frame.scalar(lambda: self._content.value(name), name, "invariant")
 
     @cached_property
     def L(self) -> Tensor:
@@ -217,13 +212,16 @@ class FieldEquations:
     @cached_property
     def momenta(self) -> tuple[Momenta, ...]:
         """P = dL/dT, Z = dL/dR, N = dL/dQ of each connection."""
-        weights: list[dict[str, Element]] = [{} for _ in self.connections]
-        for name, slope in self._slopes.items():
-            if name in self._meanings:
-                number, invariant = self._meanings[name]
-                own = weights[number]
-                own[invariant] = own[invariant] + slope if invariant in own else slope
-        return tuple(map(Momenta, self._scalars, weights))
+        numbers = range(len(self.connections))
+        return tuple(self._content.momenta(number, self._slopes) for number in numbers)
+
+    @cached_property
+    def _momenta_of_matter(self) -> dict[str, Tensor]:
+        return self._content.momenta_of_matter(self._slopes)
+
+    def momentum(self, name: str) -> Tensor:
+        """dL/d(tensor) of a tensor of matter, all indices up: of phi_a, A_a, F_ab."""
+        return self._momenta_of_matter[name]
 
     @property
     def P(self) -> Tensor:
@@ -354,7 +352,7 @@ class FieldEquations:
     @cached_property
     def tensors(self) -> dict[str, Tensor]:
         """E and E_[ij]; C where a connection is varied on its own, M where it is not metric."""
-        metric = [one.fields.is_metric for one in self._scalars]
+        metric = [one.is_metric for one in self._content.geometry]
         tensors = {"E": self.E, "E_[ij]": self.antisymmetric}
         kinds = {one.kind for one in self.connections}
         if kinds - {"cartan", "levi-civita"} or not all(metric):
@@ -408,6 +406,7 @@ def equations(
     matter: MatterField | Fluid | Iterable[MatterField | Fluid] = (),
     *,
     constants: str | sp.Symbol | Iterable[str | sp.Symbol] = (),
+    invariants: Invariant | Iterable[Invariant] = (),
 ) -> FieldEquations:
     """Field equations of a Lagrangian on given connections, exactly.
 
@@ -431,6 +430,8 @@ def equations(
         scalar field is X_2 and phi_2, a second Maxwell field F2_2.
     constants
         Names of other constants, "alpha beta". Lambda needs no declaration.
+    invariants
+        Invariants of your own, beside the named ones, made by `gravity.invariant`.
 
     Raises
     ------
@@ -466,7 +467,11 @@ def equations(
         )
     theory = known_as(lagrangian)
     declared = (*declared_constants(theory.constants), *declared_constants(constants))
-    theory = replace(theory, constants=declared)
+    message = (
+        "{subject}: expected gravity.invariant(name, formula), or a list of them, got {value}."
+    )
+    own = (*theory.invariants, *_listed(invariants, Invariant, "invariants", message))
+    theory = replace(theory, constants=declared, invariants=own)
     check_geometry(theory, several)
     message = (
         "{subject}: expected gravity.scalar_field, gravity.maxwell, gravity.fluid or "

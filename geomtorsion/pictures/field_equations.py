@@ -78,4 +78,8 @@ def field_equations_data(equations: FieldEquations) -> dict[str, Any]:
             name: {",".join(map(str, i)): plain_text(x) for i, x in tensor.nonzero().items()}
             for name, tensor in equations.tensors.items()
         },
+        "matter_equations": {
+            name: {",".join(map(str, i)): plain_text(x) for i, x in tensor.nonzero().items()}
+            for name, tensor in equations.matter_equations.items()
+        },
     }

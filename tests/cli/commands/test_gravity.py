@@ -1,6 +1,7 @@
 """gravity: field equations for a Lagrangian in one line."""
 
 import json
+from pathlib import Path
 
 import sympy as sp
 
@@ -62,6 +63,38 @@ def test_constants_are_declared_and_printed() -> None:
     made = run("gravity", "frw_flat", "-L", "T**n", "--constants", "n", "--format", "json")
     assert json.loads(made.stdout)["constants"] == ["n"]
     assert "--constants n" in run("gravity", "frw_flat", "-L", "T**n", code=2).stderr
+
+
+def test_invariants_and_matter_of_the_command() -> None:
+    """A formula with indices, a scalar field and a vector field, with the equations of matter."""
+    text = run(
+        *("gravity", "frw_flat", "-c", "levi-civita", "-L", "R - X/2 + c*Y"),
+        *("--invariant", "Y = G^ab chi_a chi_b", "--scalar", "chi = u(t)"),
+    ).stdout
+    assert "\nY = 3*a'(t)^2*u'(t)^2/a(t)^2\n" in text
+    assert "\nequation of chi: -(" in text
+    assert "translations: holds" in text
+    proca = (
+        *("gravity", "frw_flat", "-L", "T - F2/4 - m**2*Y/2", "--invariant", "Y = A_a A^a"),
+        *("--maxwell", "A(t), 0, 0, 0"),
+    )
+    assert "\nequation of A^1: m^2*A(t) = 0\n" in run(*proca).stdout
+    data = json.loads(run(*proca, "--format", "json").stdout)
+    assert data["matter_equations"] == {"A": {"0": "m^2*A(t)"}}
+    error = run("gravity", "frw_flat", "-L", "Y", "--invariant", "R_ab R^ab", code=2).stderr
+    assert 'Write --invariant "Y = R_abcd R^abdc".' in error
+
+
+def test_a_theory_file_of_the_command(tmp_path: Path) -> None:
+    """-L takes a file; a theory of the metric has the Levi-Civita connection."""
+    file = tmp_path / "square.toml"
+    file.write_text(
+        'lagrangian = "R + c*Y"\ngeometry = "riemannian"\n[invariants]\nY = "R_ab R^ab"\n'
+    )
+    text = run("gravity", "schwarzschild", "-L", str(file)).stdout
+    assert "Levi-Civita connection" in text
+    assert "\nE = 0\n" in text
+    assert "no_file.toml" in run("gravity", "s2", "-L", "no_file.toml", code=2).stderr
 
 
 def test_refusals_of_the_command() -> None:
