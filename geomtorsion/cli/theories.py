@@ -10,7 +10,7 @@ import typer
 
 from geomtorsion import gravity
 from geomtorsion.cli.values import assigned, separated
-from geomtorsion.geometry import Connection, cartan, levi_civita
+from geomtorsion.geometry import Connection, cartan, from_torsion, levi_civita
 from geomtorsion.gravity import FieldEquations, Lagrangian, maxwell, scalar_field
 from geomtorsion.gravity.vocabulary import THEORIES
 from geomtorsion.spaces import Space
@@ -22,6 +22,8 @@ class Over(StrEnum):
     own = "own"
     cartan = "cartan"
     levi_civita = "levi-civita"
+    invariant = "invariant"
+    invariant_torsion = "invariant-torsion"
 
 
 LagrangianOption = Annotated[
@@ -79,8 +81,10 @@ ConnectionOption = Annotated[
     typer.Option(
         "--connection",
         "-c",
-        help="own: of the space, or Cartan if it has none. May be repeated; with several, names of "
-        "the Levi-Civita connection end in bar.",
+        help="own: of the space, or Cartan if it has none. invariant: the most general connection "
+        "that all Killing vectors keep, with unknown functions u1, u2 ...; invariant-torsion: the "
+        "most general metric one. May be repeated; with several, names of the Levi-Civita "
+        "connection end in bar.",
         show_default=False,
     ),
 ]
@@ -121,6 +125,10 @@ def _connection(space: Space, over: Over) -> Connection:
     """A connection of a space."""
     if over is Over.levi_civita:
         return levi_civita(space.frame)
+    if over is Over.invariant:
+        return gravity.invariant_connection(space.frame)
+    if over is Over.invariant_torsion:
+        return from_torsion(space.frame, gravity.invariant_torsion(space.frame))
     if over is Over.own and space.connection is not None:
         return space.connection
     return cartan(space.frame)

@@ -3,6 +3,11 @@
 from geomtorsion.gravity.equations import FieldEquations, equations
 from geomtorsion.gravity.fluids import fluid, torsion_from_spin, weyssenhoff
 from geomtorsion.gravity.inertial import inertial
+from geomtorsion.gravity.invariance import (
+    invariant_coframe,
+    invariant_connection,
+    invariant_torsion,
+)
 from geomtorsion.gravity.invariants import Invariant, invariant, invariants
 from geomtorsion.gravity.lagrangian import Lagrangian, names
 from geomtorsion.gravity.matter import maxwell, scalar_field
@@ -39,6 +44,9 @@ __all__ = [
     "holst",
     "inertial",
     "invariant",
+    "invariant_coframe",
+    "invariant_connection",
+    "invariant_torsion",
     "invariants",
     "killing_equations",
     "maxwell",

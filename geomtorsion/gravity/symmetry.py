@@ -269,7 +269,7 @@ class Symmetries:
     @property
     def ansatz(self) -> str:
         """The components that were searched for vectors."""
-        functions = {str(q): _functions(self.frame, q) for q in self.frame.coordinates}
+        functions = {str(q): coordinate_functions(self.frame, q) for q in self.frame.coordinates}
         text = "; ".join(f"{q}: {', '.join(map(str, every))}" for q, every in functions.items())
         return (
             "rational combinations of products of up to two of these and a parameter, or of three "
@@ -371,7 +371,7 @@ def _length(row: Row) -> float:
     return sum(x.length for x in row)
 
 
-def _functions(frame: Frame, q: sp.Symbol) -> list[sp.Expr]:
+def coordinate_functions(frame: Frame, q: sp.Symbol) -> list[sp.Expr]:
     """Functions of one coordinate that occur in symmetries of such a metric."""
     metric = frame.metric.components.independent.values()
     # Only the metric counts: the field may know functions that were read later.
@@ -404,12 +404,17 @@ def _functions(frame: Frame, q: sp.Symbol) -> list[sp.Expr]:
             constant, rest = ratio.as_independent(*frame.coordinates)
             if not rest.free_symbols - {q} and len(str(rest)) < 20 and constant.is_Rational:
                 functions.append(rest)
+    # A space of constant curvature has sqrt(1 - k r**2) and its ratio to r in its symmetries.
+    legs = frame.coframe.components.nonzero.values()
+    roots = [g for x in legs for g in frame.field.generators_of(x) if g.kind == "root"]
+    own = [g.shown for g in roots if g.depends.intersection(frame.coordinates) == {q}]
+    functions += [root * f for root in dict.fromkeys(own) for f in (1, *functions)]
     return list(dict.fromkeys(functions))
 
 
 def _monomials(frame: Frame, degree: int) -> list[sp.Expr]:
     """Products of up to a given number of functions of coordinates."""
-    every = [(q, f) for q in frame.coordinates for f in _functions(frame, q)]
+    every = [(q, f) for q in frame.coordinates for f in coordinate_functions(frame, q)]
     products: list[sp.Expr] = [sp.S.One]
     if degree >= 1:
         products += [f for _, f in every]

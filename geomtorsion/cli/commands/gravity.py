@@ -56,6 +56,7 @@ def gravity(
       geomtorsion gravity frw_flat -L "T**n" --constants n
       geomtorsion gravity frw -c cartan -c levi-civita -L "f(T, Rbar)"
       geomtorsion gravity frw_flat -c levi-civita -L "R + c*Y" --invariant "Y = R_abcd R^abdc"
+      geomtorsion gravity frw_flat -c invariant-torsion -L "R + c*T1"
       geomtorsion gravity frw_flat -L "T - F2/4 - m**2*Y/2" --invariant "Y = A_a A^a" \
           --maxwell "A(t), 0, 0, 0"
     """

@@ -85,6 +85,19 @@ def test_invariants_and_matter_of_the_command() -> None:
     assert 'Write --invariant "Y = R_abcd R^abdc".' in error
 
 
+def test_invariant_connections_of_the_command(tmp_path: Path) -> None:
+    """The most general torsion of a universe has two functions; a frame may have no symmetry."""
+    text = run("gravity", "frw_flat", "-c", "invariant-torsion", "-L", "R").stdout
+    assert "u1(t)" in text
+    assert "u2(t)" in text
+    assert "translations: holds" in text
+    assert "u5(t)" in run("gravity", "frw_flat", "-c", "invariant", "-L", "R").stdout
+    file = tmp_path / "none.toml"
+    file.write_text('coordinates = ["x", "y"]\ncoframe = [[1, "x*y"], [0, "1 + x**3 + y"]]\n')
+    error = run("gravity", str(file), "-c", "invariant", "-L", "R", code=2).stderr
+    assert "the frame has no symmetry that is found" in error
+
+
 def test_a_theory_file_of_the_command(tmp_path: Path) -> None:
     """-L takes a file; a theory of the metric has the Levi-Civita connection."""
     file = tmp_path / "square.toml"
