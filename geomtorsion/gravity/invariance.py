@@ -431,7 +431,7 @@ class Action:
         frame, beginning = self.frame, checks.text(name, "name", GravityError)
         basis = [_scaled(one, slots) for one in self._basis(len(slots), symmetry)]
         names = [f"{beginning}{k}" for k in range(1, len(basis) + 1)]
-        # Only functions of the frame count: the field contains those of earlier calls also.
+        # Only functions of the frame count: the field also contains functions of earlier calls.
         own = unknown_functions(frame.coframe.components.nonzero.values())
         taken = {x.name for x in (*frame.coordinates, *frame.parameters)}
         taken |= {one.func.__name__ for one in own}

@@ -96,13 +96,17 @@ def _show(space: Space, equations: FieldEquations, zero: dict[str, bool | None])
         if zero[name]:
             typer.echo(f"{name} = 0")
             continue
+        # Equal components, such as E_2^2 = E_3^3, are printed once.
+        labels: dict[str, list[str]] = {}
         for index in tensor.components.independent:
             marks = text_marks(tensor, index, greek=greek)
             label = text_label(name[0], marks, tensor.slots)
             if name != name[0]:
                 label = label.replace("{", "{[").replace("}", "]}")
-            written = expression_text(equations.written(tensor.element(*index)), greek=greek)
-            typer.echo(f"{label} = {written}")
+            written = equations.readable(name, *index)
+            labels.setdefault(expression_text(written, greek=greek), []).append(label)
+        for written, equal in labels.items():
+            typer.echo(f"{' = '.join(equal)} = {written}")
     for name, tensor in equations.matter_equations.items():
         typer.echo()
         for index in () if zero[name] else tensor.components.independent:
