@@ -9,12 +9,11 @@ from typing import Annotated
 import typer
 
 from geomtorsion import gravity
-from geomtorsion.geometry import Connection, cartan, levi_civita
-from geomtorsion.gravity import FieldEquations
+from geomtorsion.cli.values import assigned, separated
+from geomtorsion.geometry import Connection, cartan, from_torsion, levi_civita
+from geomtorsion.gravity import FieldEquations, Lagrangian, maxwell, scalar_field
 from geomtorsion.gravity.vocabulary import THEORIES
 from geomtorsion.spaces import Space
-
-RIEMANNIAN = ("general_relativity", "gauss_bonnet")
 
 
 class Over(StrEnum):
@@ -23,6 +22,8 @@ class Over(StrEnum):
     own = "own"
     cartan = "cartan"
     levi_civita = "levi-civita"
+    invariant = "invariant"
+    invariant_torsion = "invariant-torsion"
 
 
 LagrangianOption = Annotated[
@@ -32,8 +33,8 @@ LagrangianOption = Annotated[
         "--lagrangian",
         metavar="TEXT",
         show_default=False,
-        help="Formula in T, T1, T2, T3, R, Q, P1 ... and constants that multiply them, or the name "
-        f"of a theory: {', '.join(THEORIES)}.",
+        help="Formula in T, T1, T2, T3, R, Q, P1 ... and constants that multiply them, the name of "
+        f"a theory ({', '.join(THEORIES)}), or a theory file (.toml).",
     ),
 ]
 ConstantsOption = Annotated[
@@ -45,32 +46,89 @@ ConstantsOption = Annotated[
         help='Other constants in the formula, such as "n v" for T**n + v. Lambda needs none.',
     ),
 ]
+InvariantOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--invariant",
+        metavar="NAME=FORMULA",
+        show_default=False,
+        help='An invariant with indices for the formula, such as "Y = R_abcd R^abdc". May be '
+        "repeated.",
+    ),
+]
+ScalarOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--scalar",
+        metavar="NAME=VALUE",
+        show_default=False,
+        help='A scalar field, such as "phi = u(t)", for X, phi and phi_a in the formula. May be '
+        "repeated.",
+    ),
+]
+MaxwellOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--maxwell",
+        metavar="A,A,...",
+        show_default=False,
+        help='Potential of a Maxwell field, such as "q/r, 0, 0, 0", for F2, F_ab and A_a in the '
+        "formula. May be repeated.",
+    ),
+]
 ConnectionOption = Annotated[
     list[Over] | None,
     typer.Option(
         "--connection",
         "-c",
-        help="own: of the space, or Cartan if it has none. May be repeated; with several, names of "
-        "the Levi-Civita connection end in bar.",
+        help="own: of the space, or Cartan if it has none. invariant: the most general connection "
+        "that all Killing vectors keep, with unknown functions u1, u2 ...; invariant-torsion: the "
+        "most general metric one. May be repeated; with several, names of the Levi-Civita "
+        "connection end in bar.",
         show_default=False,
     ),
 ]
 
 
 def field_equations(
-    space: Space, lagrangian: str, connections: Sequence[Over] | None, constants: str = ""
+    space: Space,
+    lagrangian: str,
+    connections: Sequence[Over] | None,
+    constants: str = "",
+    invariants: Sequence[str] | None = None,
+    scalars: Sequence[str] | None = None,
+    potentials: Sequence[str] | None = None,
 ) -> FieldEquations:
-    """The field equations of a Lagrangian or of a named theory on a space."""
+    """The field equations of a Lagrangian, of a named theory or of a theory file on a space."""
     theory = getattr(gravity, lagrangian) if lagrangian in THEORIES else lagrangian
-    chosen = connections or [Over.levi_civita if lagrangian in RIEMANNIAN else Over.own]
+    if lagrangian.endswith(".toml"):
+        theory = gravity.read_theory(lagrangian)
+    riemannian = isinstance(theory, Lagrangian) and theory.geometry == "riemannian"
+    chosen = connections or [Over.levi_civita if riemannian else Over.own]
     own = [connection_of(space, one) for one in chosen]
-    return gravity.equations(own, theory, constants=constants)
+    named = [assigned(one, "--invariant", "Y = R_abcd R^abdc") for one in invariants or ()]
+    fields = [assigned(one, "--scalar", "phi = u(t)") for one in scalars or ()]
+    matter = [
+        *(scalar_field(value, None if name == "phi" else name) for name, value in fields),
+        *(maxwell(separated(one)) for one in potentials or ()),
+    ]
+    return gravity.equations(
+        own,
+        theory,
+        matter,
+        constants=constants,
+        invariants=[gravity.invariant(name, formula) for name, formula in named],
+    )
 
 
 def connection_of(space: Space, over: Over) -> Connection:
     """A connection of a space."""
     if over is Over.levi_civita:
         return levi_civita(space.frame)
+    if over is Over.invariant:
+        return gravity.invariant_connection(space.frame)
+    if over is Over.invariant_torsion:
+        return from_torsion(space.frame, gravity.invariant_torsion(space.frame))
     if over is Over.own and space.connection is not None:
         return space.connection
     return cartan(space.frame)

@@ -26,6 +26,41 @@ def parts(text: str) -> tuple[str, ...]:
     return tuple(part.strip() for part in text.split(",") if part.strip())
 
 
+def separated(text: str) -> list[str]:
+    """Expressions separated by commas outside of brackets.
+
+    Examples
+    --------
+    >>> separated("A(t, r), 0")
+    ['A(t, r)', '0']
+    """
+    pieces, depth = [""], 0
+    for sign in text:
+        depth += (sign == "(") - (sign == ")")
+        if sign == "," and not depth:
+            pieces.append("")
+        else:
+            pieces[-1] += sign
+    return [piece.strip() for piece in pieces]
+
+
+def assigned(text: str, option: str, example: str) -> tuple[str, str]:
+    """A name and the text after the first sign of equality.
+
+    Examples
+    --------
+    >>> assigned("Y = R_ab R^ab", "--invariant", "Y = R_ab R^ab")
+    ('Y', 'R_ab R^ab')
+    """
+    name, sign, value = text.partition("=")
+    if not sign:
+        raise UnknownNameError(
+            f"{option}: expected a name, = and a formula, got {shown(text)}. Write "
+            f'{option} "{example}".'
+        )
+    return name.strip(), value.strip()
+
+
 def some_names(text: str, option: str) -> list[str]:
     """Names separated by commas; at least one, since an empty list would mean all.
 

@@ -3,7 +3,12 @@
 from geomtorsion.gravity.equations import FieldEquations, equations
 from geomtorsion.gravity.fluids import fluid, torsion_from_spin, weyssenhoff
 from geomtorsion.gravity.inertial import inertial
-from geomtorsion.gravity.invariants import Invariant, invariants
+from geomtorsion.gravity.invariance import (
+    invariant_coframe,
+    invariant_connection,
+    invariant_torsion,
+)
+from geomtorsion.gravity.invariants import Invariant, invariant, invariants
 from geomtorsion.gravity.lagrangian import Lagrangian, names
 from geomtorsion.gravity.matter import maxwell, scalar_field
 from geomtorsion.gravity.newman_penrose import NewmanPenrose, newman_penrose
@@ -21,6 +26,7 @@ from geomtorsion.gravity.theories import (
     stegr,
     tegr,
 )
+from geomtorsion.gravity.theory_files import read_theory
 from geomtorsion.gravity.translations import Translation, translations
 
 __all__ = [
@@ -39,6 +45,10 @@ __all__ = [
     "general_relativity",
     "holst",
     "inertial",
+    "invariant",
+    "invariant_coframe",
+    "invariant_connection",
+    "invariant_torsion",
     "invariants",
     "killing_equations",
     "maxwell",
@@ -46,6 +56,7 @@ __all__ = [
     "new_gr",
     "newman_penrose",
     "poincare",
+    "read_theory",
     "scalar_field",
     "statistical",
     "stegr",

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from types import UnionType
 
 import sympy as sp
-from sympy.core.function import AppliedUndef
 
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
@@ -15,18 +14,22 @@ from geomtorsion.displays import drawn_by
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, Truncated, TruncatedField
 from geomtorsion.exclusive import exclusive
-from geomtorsion.geometry import Connection, Frame, IdentityCheck, Tensor, antisymmetric, at_home
+from geomtorsion.geometry import Connection, Frame, IdentityCheck, Tensor, at_home
 from geomtorsion.geometry.connections import ConnectionLike, as_connection
-from geomtorsion.gravity.fields import HALF, FrameFields, Index, Terms
+from geomtorsion.gravity.catalogue import Catalogue
+from geomtorsion.gravity.content import Content
+from geomtorsion.gravity.fields import HALF, Index, Terms, antisymmetric_part
 from geomtorsion.gravity.fluids import Fluid
 from geomtorsion.gravity.geometries import check_geometry
 from geomtorsion.gravity.identities import rotations, translations
-from geomtorsion.gravity.invariants import INVARIANTS, Scalars
+from geomtorsion.gravity.invariants import Invariant
 from geomtorsion.gravity.lagrangian import Lagrangian, Reading, known_as, read
 from geomtorsion.gravity.matter import MatterField, numbered
 from geomtorsion.gravity.momenta import Momenta
-from geomtorsion.gravity.naming import with_names
-from geomtorsion.gravity.vocabulary import Vocabulary, declared_constants, meanings
+from geomtorsion.gravity.naming import Call, calls_of, jet_names
+from geomtorsion.gravity.unknown_terms import terms_of
+from geomtorsion.gravity.variation import Variation
+from geomtorsion.gravity.vocabulary import Vocabulary, declared_constants
 
 
 @exclusive
@@ -66,34 +69,29 @@ class FieldEquations:
     # -- the Lagrangian ------------------------------------------------------------------------
 
     @cached_property
-    def _scalars(self) -> tuple[Scalars, ...]:
-        return tuple(
-            Scalars(FrameFields(one, self._stays_metric(number)))
-            for number, one in enumerate(self.connections)
-        )
+    def _catalogue(self) -> Catalogue:
+        return Catalogue(self.connections, self.lagrangian.invariants, self._fields)
+
+    @cached_property
+    def _content(self) -> Content:
+        metric = tuple(self._stays_metric(number) for number in range(len(self.connections)))
+        return Content(self._catalogue, metric)
 
     def _stays_metric(self, number: int) -> bool:
         """Whether a connection is metric, and is varied among metric connections only."""
-        connection, n = self.connections[number], self.frame.dimension
+        connection = self.connections[number]
         if connection.kind == "levi-civita":
             return True
         if self.lagrangian.geometry == "metric-affine":
             return False
         if connection.kind != "general":
             return True
-        own = (self._meanings.get(name) for name in self._named.symbols.values())
-        entries = [INVARIANTS[one[1]] for one in own if one is not None and one[0] == number]
-        if any(entry.has_nonmetricity(n) for entry in entries):
+        products = (
+            x for name in self._named.symbols.values() for x in self._catalogue.products(name)
+        )
+        if any(f.name == "Q" and f.suffix == str(number) for x in products for f in x.factors):
             return False
         return connection.metric_compatible is True
-
-    @cached_property
-    def _meanings(self) -> dict[str, tuple[int, str]]:
-        return meanings(self.connections)
-
-    @cached_property
-    def _matter_names(self) -> dict[str, tuple[MatterField, str]]:
-        return {name: (one, name) for one in self._fields for name in one.names}
 
     def check_names(self) -> None:
         """Raise an error for unknown names in the Lagrangian."""
@@ -105,15 +103,18 @@ class FieldEquations:
         vocabulary = Vocabulary(
             frame,
             self.connections,
-            (*self._meanings, *self._matter_names),
+            self._catalogue.names,
             {one: field.symbol for field in fields for one in field.parts(frame)},
             {one: x.symbol for x in fields if (one := x.function(frame)) is not None},
             declared_constants(self.lagrangian.constants),
+            self._catalogue.invariants,
         )
         reading = read(self.lagrangian, vocabulary)
         occurring = set(reading.symbols.values())
+        products = [product for name in occurring for product in self._catalogue.products(name)]
+        occurring |= {x.name for one in products for x in one.factors if not x.suffix}
         for field in fields:
-            if occurring.isdisjoint(field.names):
+            if occurring.isdisjoint((*field.names, *field.ranks)):
                 raise GravityError(
                     f"matter: expected a Lagrangian with {' or '.join(field.names)}, got "
                     f"{checks.cut(str(self.lagrangian.expression))}. Add a term of the "
@@ -131,16 +132,8 @@ class FieldEquations:
         """The Lagrangian with the values of all its names."""
         reading = self._named
         for symbol, name in reading.symbols.items():
-            reading.values[symbol] = self._value(name)
+            reading.values[symbol] = self._content.value(name)
         return reading
-
-    def _value(self, name: str) -> Element:
-        """The value of a name in the Lagrangian."""
-        if name in self._matter_names:
-            field, own = self._matter_names[name]
-            return field.value(self.frame, own)
-        number, invariant = self._meanings[name]
-        return self._scalars[number].value(invariant)
 
     @cached_property
     def scalars(self) -> dict[str, sp.Expr]:
@@ -166,24 +159,63 @@ class FieldEquations:
         >>> equations.written(equations.E.element(0, 0))
         (a(t)**2*f(T) - 12*Derivative(a(t), t)**2*Derivative(f(T), T))/a(t)**2
         """
-        functions = {one.func for one in self.expression.atoms(AppliedUndef)}
         field = self.frame.field
         if isinstance(field, TruncatedField) and not isinstance(element, Truncated):
             element = field.raised(element)
-        return with_names(self.frame.written(element), self._places, functions)
+        names = jet_names(field.generators, self._calls)
+        return self.frame.written(element).xreplace(names)
 
     @cached_property
-    def _places(self) -> Mapping[str, sp.Expr]:
-        """Arguments of unknown functions by name: T, or T_0 for a series at order zero."""
-        reading, field = self._reading, self.frame.field
-        if not isinstance(field, TruncatedField):
-            return self.scalars
-        series = {f"{name}_0": reading.values[x] for x, name in reading.symbols.items()}
-        return {
-            name: self.frame.written(field.raised(value.parts[0]))
-            for name, value in series.items()
-            if isinstance(value, Truncated)
-        }
+    def _calls(self) -> list[Call]:
+        """Calls of unknown functions, for a series at order zero with arguments such as T_0."""
+        return calls_of(self._reading, self.frame.field)
+
+    @cached_property
+    def terms(self) -> dict[sp.Expr, Tensor]:
+        """E as a sum of unknown functions times tensors: f(T), f'(T), f''(T) times T', ...
+
+        The key 1 belongs to the rest, and is the only one where the Lagrangian has no unknown
+        function. In an expanded frame, E is not divided.
+
+        Examples
+        --------
+        >>> import geomtorsion as gt
+        >>> cosmos = gt.spaces.load("frw_flat").frame
+        >>> terms = gt.gravity.equations(gt.cartan(cosmos), "f(T)").terms
+        >>> for unknown, tensor in terms.items():
+        ...     print(unknown, tensor[1, 1])
+        f(T) 1
+        Derivative(f(T), T) -4*(a(t)*Derivative(a(t), (t, 2)) + 2*Derivative(a(t), t)**2)/a(t)**2
+        Derivative(T(t), t)*Derivative(f(T), (T, 2)) -4*Derivative(a(t), t)/a(t)
+        """
+        if isinstance(self.frame.field, TruncatedField) or not self._calls:
+            return {sp.S.One: self.E}
+        terms = terms_of(self._reading, self._content)
+        rest = terms.get(sp.S.One, Tensor(self.frame, "DU", {}))
+        sources = (one.coframe_source(self.connections[0]) for one in self._fluids)
+        return {**terms, sp.S.One: sum(sources, rest)} if self._fluids else terms
+
+    def readable(self, name: str, *index: int) -> sp.Expr:
+        """A component of one of the `tensors`, E and E_[ij] as sums of unknown functions.
+
+        Examples
+        --------
+        >>> import geomtorsion as gt
+        >>> cosmos = gt.spaces.load("frw_flat").frame
+        >>> gt.gravity.equations(gt.cartan(cosmos), "f(T)").readable("E", 0, 0)
+        f(T) - 12*Derivative(a(t), t)**2*Derivative(f(T), T)/a(t)**2
+        """
+        checks.choice(name, tuple(self.tensors), "name", GravityError)
+        terms = self._divided.get(name, {})
+        if terms.keys() <= {sp.S.One}:
+            return self.written(self.tensors[name].element(*index))
+        written = self.frame.written
+        return sp.Add(*(x * written(one.element(*index)) for x, one in terms.items()))
+
+    @cached_property
+    def _divided(self) -> dict[str, dict[sp.Expr, Tensor]]:
+        turning = {x: antisymmetric_part(one) for x, one in self.terms.items()}
+        return {"E": self.terms, "E_[ij]": turning}
 
     def scalar(self, name: str) -> Tensor:
         """An invariant by its name in the Lagrangian, whether it occurs there or not.
@@ -193,9 +225,8 @@ class FieldEquations:
         GravityError
             There is no such invariant here.
         """
-        names = [*self._meanings, *self._matter_names]
-        checks.known_name(name, names, "invariant", GravityError)
-        return self.frame.scalar(lambda: self._value(name), name, "invariant")
+        checks.known_name(name, self._catalogue.names, "invariant", GravityError)
+        return self.frame.scalar(lambda: self._content.value(name), name, "invariant")
 
     @cached_property
     def L(self) -> Tensor:
@@ -215,15 +246,13 @@ class FieldEquations:
         return slopes
 
     @cached_property
+    def _variation(self) -> Variation:
+        return Variation(self._content, self._slopes)
+
+    @property
     def momenta(self) -> tuple[Momenta, ...]:
         """P = dL/dT, Z = dL/dR, N = dL/dQ of each connection."""
-        weights: list[dict[str, Element]] = [{} for _ in self.connections]
-        for name, slope in self._slopes.items():
-            if name in self._meanings:
-                number, invariant = self._meanings[name]
-                own = weights[number]
-                own[invariant] = own[invariant] + slope if invariant in own else slope
-        return tuple(map(Momenta, self._scalars, weights))
+        return self._variation.momenta
 
     @property
     def P(self) -> Tensor:
@@ -245,35 +274,16 @@ class FieldEquations:
     @cached_property
     def E(self) -> Tensor:
         """E_i^n = (1/e) d(eL)/d e^i_n, slots DU: the equation of the coframe."""
-        frame, field = self.frame, self.frame.field
-        divergences = [
-            one.fields.divergence(one.P, paired=True).components.get for one in self.momenta
-        ]
-        moved = [
-            one.moved.lowered().components.get for one in self.momenta if one.fields.is_riemannian
-        ]
+        own = self._variation.coframe.components.get
         sources = [one.coframe_source(self.connections[0]) for one in self._fluids]
 
         def rule(index: Index) -> Element:
             i, n = index
             terms: Terms = [(1, self.L.element())] if i == n else []
-            for one, divergence in zip(self.momenta, divergences, strict=True):
-                terms += one.coframe_terms(i, n)
-                terms.append((-2, divergence((n, i))))
-            terms += [term for one in self._fields for term in one.coframe_terms(self, i, n)]
             terms += [(1, source.components.get(index)) for source in sources]
-            return field.sum(terms)
+            return self.frame.field.sum([*terms, (1, own(index))])
 
-        def lower(index: Index) -> Element:
-            i, n = index
-            terms: Terms = [(1, own((i, n)))]
-            return field.sum(terms + [(1, get((n, i))) for get in moved])
-
-        bare = Tensor(frame, "DU", rule, (), "E", "coframe equation")
-        if not moved:
-            return bare
-        own = bare.lowered().components.get
-        return Tensor(frame, "DD", lower, (), "E", "coframe equation").raised(1)
+        return Tensor(self.frame, "DU", rule, (), "E", "coframe equation")
 
     @cached_property
     def _fields(self) -> list[MatterField]:
@@ -343,18 +353,12 @@ class FieldEquations:
         Where it does not vanish the spin connection does not belong to the coframe. Where it
         vanishes the spin connection may still be wrong.
         """
-        lower = self.E.lowered(1).components.get
-
-        def rule(index: Index) -> Element:
-            i, j = index
-            return self.frame.field.sum([(HALF, lower((i, j))), (-HALF, lower((j, i)))])
-
-        return Tensor(self.frame, "DD", rule, antisymmetric(2), "E", "antisymmetric part of E")
+        return antisymmetric_part(self.E)
 
     @cached_property
     def tensors(self) -> dict[str, Tensor]:
         """E and E_[ij]; C where a connection is varied on its own, M where it is not metric."""
-        metric = [one.fields.is_metric for one in self._scalars]
+        metric = [one.is_metric for one in self._content.geometry]
         tensors = {"E": self.E, "E_[ij]": self.antisymmetric}
         kinds = {one.kind for one in self.connections}
         if kinds - {"cartan", "levi-civita"} or not all(metric):
@@ -366,11 +370,7 @@ class FieldEquations:
     @cached_property
     def matter_equations(self) -> dict[str, Tensor]:
         """(1/e) d(eL)/d(field) of each matter field, by its name."""
-        return {one.symbol: one.equation(self) for one in self._fields}
-
-    def slope(self, name: str) -> Element:
-        """dL/dI of a name in the Lagrangian, zero where it does not occur."""
-        return self._slopes.get(name, self.frame.field.zero)
+        return {one.symbol: one.equation(self._variation) for one in self._fields}
 
     # -- identities ----------------------------------------------------------------------------
 
@@ -397,7 +397,7 @@ class FieldEquations:
         ]
 
         def matter(i: int) -> Terms:
-            return [term for one in self._fields for term in one.noether_terms(self, i)]
+            return [term for one in self._fields for term in one.noether_terms(self._variation, i)]
 
         return [translations(self.E, self.M, parts, matter), rotations(self.M)]
 
@@ -408,6 +408,7 @@ def equations(
     matter: MatterField | Fluid | Iterable[MatterField | Fluid] = (),
     *,
     constants: str | sp.Symbol | Iterable[str | sp.Symbol] = (),
+    invariants: Invariant | Iterable[Invariant] = (),
 ) -> FieldEquations:
     """Field equations of a Lagrangian on given connections, exactly.
 
@@ -431,6 +432,8 @@ def equations(
         scalar field is X_2 and phi_2, a second Maxwell field F2_2.
     constants
         Names of other constants, "alpha beta". Lambda needs no declaration.
+    invariants
+        Invariants of your own, beside the named ones, made by `gravity.invariant`.
 
     Raises
     ------
@@ -466,7 +469,11 @@ def equations(
         )
     theory = known_as(lagrangian)
     declared = (*declared_constants(theory.constants), *declared_constants(constants))
-    theory = replace(theory, constants=declared)
+    message = (
+        "{subject}: expected gravity.invariant(name, formula), or a list of them, got {value}."
+    )
+    own = (*theory.invariants, *_listed(invariants, Invariant, "invariants", message))
+    theory = replace(theory, constants=declared, invariants=own)
     check_geometry(theory, several)
     message = (
         "{subject}: expected gravity.scalar_field, gravity.maxwell, gravity.fluid or "

@@ -23,6 +23,17 @@ def along(frame: Frame, leg: int, value: Element) -> Terms:
     return [(1, x, value.diff(frame.coordinates[mu])) for mu, x in entries]
 
 
+def antisymmetric_part(E: Tensor) -> Tensor:
+    """E_[ij], slots DD, of E_i^n."""
+    lower = E.lowered().components.get
+
+    def rule(index: Index) -> Element:
+        i, j = index
+        return E.frame.field.sum([(HALF, lower((i, j))), (-HALF, lower((j, i)))])
+
+    return Tensor(E.frame, "DD", rule, antisymmetric(2), "E", "antisymmetric part of E")
+
+
 @exclusive
 @dataclass(frozen=True, eq=False)
 class FrameFields:

@@ -14,7 +14,7 @@ from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, parse_expression
 from geomtorsion.exact import names as words
 from geomtorsion.geometry import Frame, Tensor, at_home
-from geomtorsion.gravity.invariants import INVARIANTS
+from geomtorsion.gravity.invariants import INVARIANTS, Invariant
 from geomtorsion.gravity.vocabulary import MATTER, Vocabulary
 
 
@@ -64,6 +64,7 @@ class Lagrangian:
         "metric-affine", whose connection is varied freely also where it is metric.
     name: of the theory, for messages.
     constants: names of constants that do not only multiply invariants, "n v" or a tuple.
+    invariants: invariants besides those with a name, of `gravity.invariant`.
 
     Examples
     --------
@@ -75,6 +76,7 @@ class Lagrangian:
     geometry: str = "any"
     name: str = "Lagrangian"
     constants: str | tuple[str, ...] = ()
+    invariants: tuple[Invariant, ...] = ()
 
     def __repr__(self) -> str:
         return f"{self.name}: L = {self.expression}"

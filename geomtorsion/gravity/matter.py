@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import ClassVar, Protocol
 
 import sympy as sp
@@ -16,8 +17,9 @@ from geomtorsion.exact import Element, unknown_functions
 from geomtorsion.geometry import Connection, Frame, Tensor, antisymmetric
 from geomtorsion.gravity.fields import FrameFields, Index, Terms, along
 from geomtorsion.gravity.fluids import Fluid
+from geomtorsion.gravity.invariants import new_name
 from geomtorsion.gravity.lagrangian import scalar_of
-from geomtorsion.gravity.vocabulary import new_name
+from geomtorsion.gravity.products import TENSORS, Factor, Product
 
 
 class Varied(Protocol):
@@ -35,6 +37,14 @@ class Varied(Protocol):
 
     def slope(self, name: str) -> Element:
         """dL/dI of a name in the Lagrangian."""
+        ...
+
+    def tensor(self, name: str) -> Tensor:
+        """A tensor of matter, all indices down in the frame."""
+        ...
+
+    def momentum(self, name: str) -> Tensor:
+        """dL/d(tensor) of a tensor of matter, all indices up in the frame."""
         ...
 
 
@@ -80,13 +90,27 @@ class MatterField(ABC):
     def check(self, frame: Frame) -> None:
         """Refuse a field that does not fit the frame."""
 
+    @property
     @abstractmethod
-    def value(self, frame: Frame, name: str) -> Element:
-        """The value of one of its names."""
+    def ranks(self) -> Mapping[str, int]:
+        """Its tensors, and the number of indices of each."""
+
+    @abstractmethod
+    def tensors(self, frame: Frame) -> dict[str, Tensor]:
+        """Its tensors by their names, all indices down in the frame."""
+
+    @property
+    @abstractmethod
+    def products(self) -> Mapping[str, tuple[Product, ...]]:
+        """Its names that are products of its tensors."""
+
+    def scalars(self, frame: Frame) -> dict[str, Element]:
+        """Names of the field itself, with their values."""
+        return {}
 
     @abstractmethod
     def coframe_terms(self, equations: Varied, i: int, n: int) -> Terms:
-        """Terms of E_i^n from its invariants, except L itself."""
+        """Terms of E_i^n from its tensors, except L itself."""
 
     @abstractmethod
     def equation(self, equations: Varied) -> Tensor:
@@ -137,29 +161,35 @@ class ScalarField(MatterField):
     def _element(self, frame: Frame) -> Element:
         return scalar_of(frame, self.phi, "phi")
 
-    def _slope(self, frame: Frame) -> Tensor:
+    @property
+    def ranks(self) -> Mapping[str, int]:
+        """The gradient phi_a."""
+        return {self.symbol: 1}
+
+    def tensors(self, frame: Frame) -> dict[str, Tensor]:
         """d_i phi along the legs, slots D."""
         phi = self._element(frame)
-        return Tensor(frame, "D", lambda i: frame.field.sum(along(frame, i[0], phi)))
+        gradient = Tensor(frame, "D", lambda i: frame.field.sum(along(frame, i[0], phi)))
+        return {self.symbol: gradient}
 
-    def value(self, frame: Frame, name: str) -> Element:
-        """The value of X or of phi."""
-        if name == self.symbol:
-            return self._element(frame)
-        slope = self._slope(frame)
-        return (slope @ slope.raised()).element()
+    @property
+    def products(self) -> Mapping[str, tuple[Product, ...]]:
+        """X = phi_a phi^a."""
+        return {self.names[0]: _square(self.symbol, 1)}
+
+    def scalars(self, frame: Frame) -> dict[str, Element]:
+        """phi."""
+        return {self.symbol: self._element(frame)}
 
     def coframe_terms(self, equations: Varied, i: int, n: int) -> Terms:
-        """- 2 dL/dX d_i phi d^n phi."""
-        slope = self._slope(equations.frame)
-        lower, upper = slope.components.get, slope.raised().components.get
-        return [(-2, equations.slope(self.names[0]), lower((i,)), upper((n,)))]
+        """- dL/dphi_n phi_i."""
+        lower = equations.tensor(self.symbol).components.get
+        return [(-1, equations.momentum(self.symbol).components.get((n,)), lower((i,)))]
 
     def equation(self, equations: Varied) -> Tensor:
-        """dL/dphi - (1/e) d_m(2 e dL/dX d^m phi), rank 0."""
+        """dL/dphi - (1/e) d_m(e dL/dphi_m), rank 0."""
         frame = equations.frame
-        weight, upper = equations.slope(self.names[0]), self._slope(frame).raised().components.get
-        flow = Tensor(frame, "U", lambda i: frame.field.sum([(2, weight, upper(i))]))
+        flow = equations.momentum(self.symbol)
         fields = FrameFields(equations.connections[0])
 
         def rule() -> Element:
@@ -170,7 +200,7 @@ class ScalarField(MatterField):
 
     def noether_terms(self, equations: Varied, i: int) -> Terms:
         """- (d(eL)/dphi)/e d_i phi."""
-        slope = self._slope(equations.frame).components.get((i,))
+        slope = equations.tensor(self.symbol).components.get((i,))
         return [(-1, self.equation(equations).element(), slope)]
 
 
@@ -221,33 +251,59 @@ class Maxwell(MatterField):
 
         return Tensor(frame, "dd", rule, antisymmetric(2), "F").in_frame()
 
-    def value(self, frame: Frame, name: str) -> Element:
-        """The value of F2."""
-        strength = self.strength(frame)
-        upper = strength.raised().components.nonzero
-        get = strength.components.get
-        return frame.field.sum([(1, x, get(index)) for index, x in upper.items()])
+    @property
+    def ranks(self) -> Mapping[str, int]:
+        """A_a and F_ab."""
+        return {self.symbol: 1, self.numbered_name("F"): 2}
+
+    def tensors(self, frame: Frame) -> dict[str, Tensor]:
+        """A_i, slots D, and F_ij, slots DD."""
+        elements = self.elements(frame)
+        potential = Tensor(frame, "d", lambda index: elements[index[0]]).in_frame()
+        return {self.symbol: potential, self.numbered_name("F"): self.strength(frame)}
+
+    @property
+    def products(self) -> Mapping[str, tuple[Product, ...]]:
+        """F2 = F_ab F^ab."""
+        return {self.names[0]: _square(self.numbered_name("F"), 2)}
 
     def coframe_terms(self, equations: Varied, i: int, n: int) -> Terms:
-        """- 4 dL/dF2 F_ib F^nb."""
-        strength, weight = self.strength(equations.frame), equations.slope(self.names[0])
-        lower, upper = strength.components.get, strength.raised().components.get
-        legs = range(equations.frame.dimension)
-        return [(-4, weight, lower((i, b)), upper((n, b))) for b in legs]
+        """- 2 dL/dF_nb F_ib - dL/dA_n A_i."""
+        strength, legs = self.numbered_name("F"), range(equations.frame.dimension)
+        lower = equations.tensor(strength).components.get
+        upper = equations.momentum(strength).components.get
+        terms: Terms = [(-2, upper((n, b)), lower((i, b))) for b in legs]
+        potential = equations.tensor(self.symbol).components.get((i,))
+        return [*terms, (-1, equations.momentum(self.symbol).components.get((n,)), potential)]
 
     def equation(self, equations: Varied) -> Tensor:
-        """- (4/e) d_m(e dL/dF2 F^mn), slots U."""
-        frame, weight = equations.frame, equations.slope(self.names[0])
-        upper = self.strength(frame).raised().components.get
-        flow = Tensor(frame, "UU", lambda i: frame.field.sum([(-4, weight, upper(i))]))
+        """dL/dA_n - (2/e) d_m(e dL/dF_mn), slots U."""
+        field = equations.frame.field
         fields = FrameFields(equations.connections[0])
-        return fields.divergence(flow, paired=True)
+        upper = equations.momentum(self.numbered_name("F"))
+        flow = fields.divergence(upper, paired=True).components.get
+        own = equations.momentum(self.symbol).components.get
+        return Tensor(equations.frame, "U", lambda i: field.sum([(1, own(i)), (-2, flow(i))]))
 
     def noether_terms(self, equations: Varied, i: int) -> Terms:
-        """- F_in (d(eL)/dA_n)/e."""
-        lower = self.strength(equations.frame).components.get
-        current = self.equation(equations).components.get
-        return [(-1, lower((i, n)), current((n,))) for n in range(equations.frame.dimension)]
+        """- F_in J^n + A_i d_n(e J^n)/e with J = (d(eL)/dA)/e.
+
+        The second term vanishes where the Lagrangian does not contain A itself.
+        """
+        lower = equations.tensor(self.numbered_name("F")).components.get
+        current = self.equation(equations)
+        get, legs = current.components.get, range(equations.frame.dimension)
+        terms: Terms = [(-1, lower((i, n)), get((n,))) for n in legs]
+        if equations.momentum(self.symbol).is_zero:
+            return terms
+        flow = FrameFields(equations.connections[0]).divergence(current).element()
+        return [*terms, (1, equations.tensor(self.symbol).components.get((i,)), flow)]
+
+
+def _square(name: str, rank: int) -> tuple[Product, ...]:
+    """A tensor contracted with itself."""
+    factor = Factor(name, tuple(range(1, rank + 1)))
+    return (Product(Fraction(1), (factor, factor)),)
 
 
 def numbered(matter: Iterable[MatterField | Fluid]) -> tuple[MatterField | Fluid, ...]:
@@ -294,6 +350,11 @@ def scalar_field(phi: sp.Expr | str, name: str | None = None) -> ScalarField:
     """
     if name is not None:
         name = new_name(name, "name")
+        if name in TENSORS:
+            raise GravityError(
+                f"name: expected a new name, got {name}, which is a tensor in formulas with "
+                "indices. Give another name."
+            )
     return ScalarField(phi, name)
 
 

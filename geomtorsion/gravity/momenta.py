@@ -8,14 +8,8 @@ from itertools import product
 from geomtorsion.caching import cached_property
 from geomtorsion.exact import Element
 from geomtorsion.exclusive import exclusive
-from geomtorsion.geometry import Tensor, antisymmetric, symmetric
-from geomtorsion.gravity.fields import (
-    HALF,
-    FrameFields,
-    Index,
-    Terms,
-)
-from geomtorsion.gravity.invariants import INVARIANTS, LINEAR, MAPS, MIXED, Scalars
+from geomtorsion.geometry import Tensor, antisymmetric
+from geomtorsion.gravity.fields import HALF, FrameFields, Index, Terms
 
 
 @exclusive
@@ -23,55 +17,29 @@ from geomtorsion.gravity.invariants import INVARIANTS, LINEAR, MAPS, MIXED, Scal
 class Momenta:
     """Derivatives of the Lagrangian by the fields of one connection, all components counted.
 
-    scalars: the invariants of the connection.
-    weights: name of an invariant -> dL/dI.
+    fields: the fields of the connection.
+    torsion, curvature, nonmetricity: the derivatives, all indices down.
     """
 
-    scalars: Scalars
-    weights: dict[str, Element]
-
-    @property
-    def fields(self) -> FrameFields:
-        """The fields of the connection."""
-        return self.scalars.fields
-
-    def _sum(self, kind: str, slots: str, symmetry: tuple) -> Tensor:
-        """The sum of 2 dL/dI M_I X over the invariants of one field, indices down."""
-        frame = self.fields.frame
-        parts = []
-        for name, weight in self.weights.items():
-            invariant = INVARIANTS[name]
-            for part, factor in invariant.of(frame.dimension).items():
-                if part in MIXED:
-                    if kind != "curvature":
-                        image = self.scalars.mixed(part, kind).components.get
-                        parts.append((factor, weight, image))
-                    continue
-                linear = part in LINEAR
-                if ("curvature" if linear else MAPS[part][0]) == kind:
-                    image = self.scalars.image(part, invariant.antisymmetric).components.get
-                    parts.append((factor if linear else 2 * factor, weight, image))
-
-        def rule(index: Index) -> Element:
-            return frame.field.sum([(factor, weight, get(index)) for factor, weight, get in parts])
-
-        return Tensor(frame, slots, rule if parts else {}, symmetry)
+    fields: FrameFields
+    torsion: Tensor
+    curvature: Tensor
+    nonmetricity: Tensor
 
     @cached_property
     def P(self) -> Tensor:
         """dL/dT_ab^c, slots UUD."""
-        return self._sum("torsion", "DDD", antisymmetric(3)).raised(0).raised(1)
+        return self.torsion.raised(0).raised(1)
 
     @cached_property
     def Z(self) -> Tensor:
         """dL/dR_abi^j, slots UUUD."""
-        lower = self._sum("curvature", "DDDD", self.fields.curvature_symmetry)
-        return lower.raised(0).raised(1).raised(2)
+        return self.curvature.raised(0).raised(1).raised(2)
 
     @cached_property
     def N(self) -> Tensor:
         """dL/dQ_aij, slots UUU."""
-        return self._sum("nonmetricity", "DDD", symmetric(3, 1, 2)).raised()
+        return self.nonmetricity.raised()
 
     @cached_property
     def C(self) -> Tensor:

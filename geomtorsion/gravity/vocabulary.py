@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import product
 
@@ -15,7 +15,7 @@ from geomtorsion.caching import cached_property
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import names as words
 from geomtorsion.geometry import Connection, Frame
-from geomtorsion.gravity.invariants import INVARIANTS
+from geomtorsion.gravity.invariants import INVARIANTS, SUFFIXED, WORDS, Invariant, new_name
 
 # Theories that need no numbers; each is a Lagrangian in the package.
 THEORIES = ("tegr", "stegr", "einstein_cartan", "general_relativity", "gauss_bonnet")
@@ -41,10 +41,7 @@ SYNONYMS = {
 OPERATORS = frozenset(
     "box d del div curl grad nabla lap laplace laplacian dalembert dalembertian partial".split()
 )
-# Words of programs that are not quantities, in small letters.
-WORDS = frozenset("nan inf infinity oo zoo none null true false self".split())
 _FAMILY = re.compile(r"[TRQPU][1-9]\d*(bar|_[2-9])?")
-_SUFFIX = re.compile(r"(.+?)(bar|_[2-9]\d*)")
 _INDICES = re.compile(r"(Riem(ann)?|Ric(ci)?|Weyl|[TRQSKC])_[a-z]{2,4}")
 
 
@@ -58,6 +55,7 @@ class Vocabulary:
     parts: unknown functions of which matter fields are made -> name of the field.
     functions: those that are a matter field themselves -> name of the field.
     declared: names of constants.
+    invariants: all invariants, whether they exist in this dimension or not.
     """
 
     frame: Frame
@@ -66,6 +64,7 @@ class Vocabulary:
     parts: Mapping[AppliedUndef, str] = field(default_factory=dict)
     functions: Mapping[AppliedUndef, str] = field(default_factory=dict)
     declared: tuple[str, ...] = ()
+    invariants: Mapping[str, Invariant] = field(default_factory=lambda: INVARIANTS)
 
     @cached_property
     def symbols(self) -> dict[str, sp.Symbol]:
@@ -134,15 +133,15 @@ class Vocabulary:
 
     def _check_invariant(self, name: str) -> None:
         """Refuse an invariant or a matter field that does not exist here."""
-        suffixed = _SUFFIX.fullmatch(name)
+        suffixed = SUFFIXED.fullmatch(name)
         base = suffixed[1] if suffixed else name
-        if base in INVARIANTS and INVARIANTS[base].only not in (0, self.frame.dimension):
-            dimension = INVARIANTS[base].only
+        if base in self.invariants and self.invariants[base].only not in (0, self.frame.dimension):
+            dimension = self.invariants[base].only
             raise GravityError(
                 f"lagrangian: {name} exists in {dimension} dimensions only. Use a frame of "
                 f"dimension {dimension}, or other invariants."
             )
-        if base in INVARIANTS:
+        if base in self.invariants:
             raise GravityError(
                 f"lagrangian: expected invariants of the given connections, got {name}. Give the "
                 "other connection also: equations([gt.cartan(frame), gt.levi_civita(frame)], ...)."
@@ -162,7 +161,10 @@ class Vocabulary:
     def _hint(self, name: str) -> str:
         """A question or a remark about a name that means nothing."""
         if _INDICES.fullmatch(name):
-            return "Contractions have names, such as R1 for R_abcd R^abcd. "
+            return (
+                "Contractions have names, such as R1 for R_abcd R^abcd. Give others as "
+                'invariants=gravity.invariant("Y", "R_abcd R^abdc"). '
+            )
         if name == BOUNDARY:
             return (
                 "The boundary term B is Rbar + T: give equations([gt.cartan(frame), "
@@ -294,35 +296,3 @@ def declared_constants(constants: str | sp.Symbol | Iterable[str | sp.Symbol]) -
     else:
         entries = checks.entries(constants, "constants", GravityError, message=message)
     return tuple(dict.fromkeys(new_name(entry, "constants") for entry in entries))
-
-
-def new_name(entry: object, subject: str) -> str:
-    """A name of one word that has no meaning in a Lagrangian yet."""
-    name = str(entry) if isinstance(entry, sp.Symbol) else entry
-    if not isinstance(name, str) or not name.isidentifier():
-        raise GravityError(f"{subject}: expected a name such as alpha, got {checks.shown(entry)}.")
-    suffixed = _SUFFIX.fullmatch(name)
-    base = suffixed[1] if suffixed else name
-    taken = base in INVARIANTS or base in ("X", "F2") or name in words.FUNCTIONS
-    if taken or name in words.CONSTANTS or name.lower() in WORDS:
-        raise GravityError(
-            f"{subject}: expected a new name, got {name}, which has a meaning in Lagrangians. Give "
-            "another name."
-        )
-    return name
-
-
-def meanings(connections: Sequence[Connection]) -> dict[str, tuple[int, str]]:
-    """Name in a Lagrangian -> (number of the connection, name of the invariant)."""
-    table: dict[str, tuple[int, str]] = {}
-    count = 1
-    for number, connection in enumerate(connections):
-        if connection.kind == "levi-civita":
-            suffixes = ["bar"] if len(connections) > 1 else ["", "bar"]
-        else:
-            suffixes = [""] if count == 1 else [f"_{count}"]
-            count += 1
-        for entry in INVARIANTS.values():
-            if entry.only in (0, connection.frame.dimension):
-                table |= {entry.name + suffix: (number, entry.name) for suffix in suffixes}
-    return table

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
+import sympy
+
+from geomtorsion.exact import Element
 from geomtorsion.gravity import FieldEquations
 from geomtorsion.outgoing import html_text
 from geomtorsion.pictures.formula import mathml
-from geomtorsion.pictures.latex import latex_name, latex_text
+from geomtorsion.pictures.latex import latex_label, latex_marks, latex_name, latex_text
 from geomtorsion.pictures.quantities import Entry, Quantity
 from geomtorsion.pictures.sections import section
 from geomtorsion.pictures.text import plain_text
@@ -52,8 +56,14 @@ def field_equations_html(equations: FieldEquations) -> str:
         mathml(f"{latex_name(name)} = {latex_text(value)}", display=True)
         for name, value in equations.scalars.items()
     ]
+    for name, tensor in equations.matter_equations.items():
+        for index, element in tensor.components.independent.items():
+            label = latex_label(name, latex_marks(tensor, index), tensor.slots)
+            written = latex_text(equations.written(element))
+            values.append(mathml(f"{label}: \\quad {written} = 0", display=True))
     quantities = [
-        Quantity(ENTRIES[name], x, equations.written) for name, x in equations.tensors.items()
+        Quantity(ENTRIES[name], x, _printed(equations, name))
+        for name, x in equations.tensors.items()
     ]
     return (
         f'<section class="card"><p>Left sides of the field equations of '
@@ -62,6 +72,13 @@ def field_equations_html(equations: FieldEquations) -> str:
         f'<div class="scroll">{"".join(values)}</div></section>'
         f"{''.join(map(section, quantities))}"
     )
+
+
+def _printed(equations: FieldEquations, name: str) -> Callable[[Element], sympy.Expr]:
+    """How components of an equation are written: as sums of unknown functions."""
+    components = equations.tensors[name].components.independent
+    places = {id(element): index for index, element in components.items()}
+    return lambda element: equations.readable(name, *places[id(element)])
 
 
 def field_equations_data(equations: FieldEquations) -> dict[str, Any]:
@@ -77,5 +94,9 @@ def field_equations_data(equations: FieldEquations) -> dict[str, Any]:
         "equations": {
             name: {",".join(map(str, i)): plain_text(x) for i, x in tensor.nonzero().items()}
             for name, tensor in equations.tensors.items()
+        },
+        "matter_equations": {
+            name: {",".join(map(str, i)): plain_text(x) for i, x in tensor.nonzero().items()}
+            for name, tensor in equations.matter_equations.items()
         },
     }

@@ -184,6 +184,21 @@ def fall() -> Any:
     return figure
 
 
+def massive() -> Any:
+    """The potential of a charge, if the vector field has no mass, and if it has one."""
+    figure = new_figure(5.6, 4.2)
+    axes = figure.add_subplot()
+    radius = np.linspace(0.1, 5.0, 200)
+    for series, mass in zip(SERIES, (0.0, 0.5, 1.0), strict=False):
+        axes.plot(radius, np.exp(-mass * radius) / radius, **series.line, label=f"m = {mass:g}")
+    axes.set_xlabel("radius")
+    axes.set_ylabel("potential of a unit charge")
+    axes.set_ylim(0, 3)
+    quiet(axes)
+    legend(figure, axes)
+    return figure
+
+
 DRAWINGS: dict[str, Callable[[], Any]] = {
     "01_any_tetrad": plan,
     "02_paper_so3": closure,
@@ -204,6 +219,7 @@ DRAWINGS: dict[str, Callable[[], Any]] = {
     "27_parameters_from_data": lambda: example("27_parameters_from_data")["mass_and_spin"](
         1
     ).plot(),
+    "27_theories_of_your_own": massive,
 }
 
 if __name__ == "__main__":

@@ -14,7 +14,10 @@ from geomtorsion.cli.terminal import shows_greek, working
 from geomtorsion.cli.theories import (
     ConnectionOption,
     ConstantsOption,
+    InvariantOption,
     LagrangianOption,
+    MaxwellOption,
+    ScalarOption,
     field_equations,
 )
 from geomtorsion.gravity import FieldEquations
@@ -29,6 +32,9 @@ def gravity(
     lagrangian: LagrangianOption = None,
     connection: ConnectionOption = None,
     constants: ConstantsOption = "",
+    invariant: InvariantOption = None,
+    scalar: ScalarOption = None,
+    maxwell: MaxwellOption = None,
     form: Annotated[
         Form, typer.Option("--format", help="text to read, json for programs.")
     ] = Form.text,
@@ -38,6 +44,7 @@ def gravity(
     The default Lagrangian is tegr. E is the equation of the coframe; E_[ij], its antisymmetric
     part, is the equation of the spin connection of a teleparallel theory. A space with its own
     connection also has C, the equation of the connection, and M, the equation of the metric.
+    A matter field has an equation of its own.
     Indices count legs of the frame from 1; in JSON they count from 0. The command ends with 1 if a
     Noether identity fails.
 
@@ -48,14 +55,21 @@ def gravity(
       geomtorsion gravity schwarzschild -c levi-civita -L "R + alpha*GB"
       geomtorsion gravity frw_flat -L "T**n" --constants n
       geomtorsion gravity frw -c cartan -c levi-civita -L "f(T, Rbar)"
+      geomtorsion gravity frw_flat -c levi-civita -L "R + c*Y" --invariant "Y = R_abcd R^abdc"
+      geomtorsion gravity frw_flat -c invariant-torsion -L "R + c*T1"
+      geomtorsion gravity frw_flat -L "T - F2/4 - m**2*Y/2" --invariant "Y = A_a A^a" \
+          --maxwell "A(t), 0, 0, 0"
     """
     with working(source):
         space = open_space(source)
         chosen = "tegr" if lagrangian is None else lagrangian
-        equations = field_equations(space, chosen, connection, constants)
+        equations = field_equations(
+            space, chosen, connection, constants, invariant, scalar, maxwell
+        )
         identities = equations.identities()
         # Components are computed here, so that limits and the progress line apply.
         zero = {name: tensor.is_zero for name, tensor in equations.tensors.items()}
+        zero |= {name: one.is_zero for name, one in equations.matter_equations.items()}
     if form is Form.json:
         document = {"space": space.name, **field_equations_data(equations)}
         document["identities"] = {check.name: check.holds for check in identities}
@@ -82,11 +96,24 @@ def _show(space: Space, equations: FieldEquations, zero: dict[str, bool | None])
         if zero[name]:
             typer.echo(f"{name} = 0")
             continue
+        # Equal components, such as E_2^2 = E_3^3, are printed once.
+        labels: dict[str, list[str]] = {}
         for index in tensor.components.independent:
             marks = text_marks(tensor, index, greek=greek)
             label = text_label(name[0], marks, tensor.slots)
             if name != name[0]:
                 label = label.replace("{", "{[").replace("}", "]}")
+            written = equations.readable(name, *index)
+            labels.setdefault(expression_text(written, greek=greek), []).append(label)
+        for written, equal in labels.items():
+            typer.echo(f"{' = '.join(equal)} = {written}")
+    for name, tensor in equations.matter_equations.items():
+        typer.echo()
+        for index in () if zero[name] else tensor.components.independent:
+            marks = text_marks(tensor, index, greek=greek)
+            label = text_label(name, marks, tensor.slots)
             written = expression_text(equations.written(tensor.element(*index)), greek=greek)
-            typer.echo(f"{label} = {written}")
+            typer.echo(f"equation of {label}: {written} = 0")
+        if zero[name]:
+            typer.echo(f"equation of {name}: holds")
     typer.echo()

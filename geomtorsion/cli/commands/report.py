@@ -14,7 +14,10 @@ from geomtorsion.cli.terminal import working
 from geomtorsion.cli.theories import (
     ConnectionOption,
     ConstantsOption,
+    InvariantOption,
     LagrangianOption,
+    MaxwellOption,
+    ScalarOption,
     field_equations,
 )
 from geomtorsion.errors import GravityError
@@ -34,6 +37,9 @@ def report(
     lagrangian: LagrangianOption = None,
     connection: ConnectionOption = None,
     constants: ConstantsOption = "",
+    invariant: InvariantOption = None,
+    scalar: ScalarOption = None,
+    maxwell: MaxwellOption = None,
 ) -> None:
     """Write a page with the geometry, motions and a loop of a space.
 
@@ -52,12 +58,18 @@ def report(
         space = open_space(source)
         # The name in a file may be any text; the name of a directory may not.
         default = re.sub(r"[^\w-]+", "-", space.name) + "-report"
-        for option, value in (("--connection", connection), ("--constants", constants)):
+        options = (
+            ("--connection", connection), ("--constants", constants), ("--invariant", invariant),
+            ("--scalar", scalar), ("--maxwell", maxwell),
+        )  # fmt: skip
+        for option, value in options:
             if value and lagrangian is None:
                 raise GravityError(f"{option}: expected -L with it, got none. Add a Lagrangian.")
         equations = None
         if lagrangian is not None:
-            equations = field_equations(space, lagrangian, connection, constants)
+            equations = field_equations(
+                space, lagrangian, connection, constants, invariant, scalar, maxwell
+            )
         written = write_report(
             space, output or default, progress, pictures=pictures, basis=basis.value,
             equations=equations,

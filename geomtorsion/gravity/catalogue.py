@@ -1,0 +1,139 @@
+"""Catalogue: the names that a Lagrangian may use, as products of the tensors of a theory."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from geomtorsion.caching import cached_property
+from geomtorsion.errors import GravityError
+from geomtorsion.geometry import Connection, Frame
+from geomtorsion.gravity.invariants import INVARIANTS, Invariant
+from geomtorsion.gravity.matter import MatterField
+from geomtorsion.gravity.products import EPSILON, METRIC, OF_CONNECTION, OF_MATTER, Factor, Product
+
+# Curvature as far as it turns vectors: R_ab[ij].
+TURNING = "turning R"
+
+
+@dataclass(frozen=True, eq=False)
+class Catalogue:
+    """Invariants of connections and of matter fields, by their names in a Lagrangian.
+
+    connections: the connections over one frame.
+    own: invariants besides those that the package names.
+    matter: matter fields, with their numbers.
+    """
+
+    connections: tuple[Connection, ...]
+    own: tuple[Invariant, ...] = ()
+    matter: Sequence[MatterField] = ()
+
+    def __post_init__(self) -> None:
+        """Refuse two meanings of one name."""
+        names = [one.name for one in self.own]
+        taken = {*self.of_matter, *self.tensors_of_matter}
+        for k, name in enumerate(names):
+            if name in names[:k] or name in taken:
+                other = "a matter field" if name in taken else "another invariant"
+                raise GravityError(
+                    f"invariants: expected different names, got {name} for an invariant and for "
+                    f"{other}. Give another name."
+                )
+
+    @property
+    def frame(self) -> Frame:
+        """The frame of all connections."""
+        return self.connections[0].frame
+
+    @cached_property
+    def invariants(self) -> dict[str, Invariant]:
+        """All invariants by their own names, whether they exist in this dimension or not."""
+        return {**INVARIANTS, **{one.name: one for one in self.own}}
+
+    @cached_property
+    def numbers(self) -> dict[str, int]:
+        """Ending of a name -> number of the connection: "", "_2", "bar"."""
+        numbers: dict[str, int] = {}
+        count = 1
+        for number, connection in enumerate(self.connections):
+            if connection.kind == "levi-civita":
+                endings = ["bar"] if len(self.connections) > 1 else ["", "bar"]
+            else:
+                endings = [""] if count == 1 else [f"_{count}"]
+                count += 1
+            numbers |= dict.fromkeys(endings, number)
+        return numbers
+
+    @cached_property
+    def meanings(self) -> dict[str, tuple[str, Invariant]]:
+        """Name in a Lagrangian -> (ending, invariant)."""
+        table: dict[str, tuple[str, Invariant]] = {}
+        for one in self.invariants.values():
+            if one.only not in (0, self.frame.dimension):
+                continue
+            factors = [x for product in one.products(self.frame.dimension) for x in product.factors]
+            # An invariant of matter only, or of stated connections, is one invariant.
+            is_relative = one.name in INVARIANTS or any(
+                x.name in OF_CONNECTION and not x.suffix for x in factors
+            )
+            for ending in self.numbers if is_relative else [""]:
+                table[one.name + ending] = ending, one
+        return table
+
+    @cached_property
+    def of_matter(self) -> dict[str, MatterField]:
+        """Name in a Lagrangian -> its matter field."""
+        return {name: field for field in self.matter for name in field.names}
+
+    @cached_property
+    def tensors_of_matter(self) -> dict[str, MatterField]:
+        """Name of a tensor -> its matter field."""
+        return {name: field for field in self.matter for name in field.ranks}
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All names."""
+        return (*self.meanings, *self.of_matter)
+
+    def products(self, name: str) -> tuple[Product, ...]:
+        """An invariant as products of tensors, whose suffix is the number of the connection.
+
+        Raises
+        ------
+        GravityError
+            A tensor belongs to a connection or to a matter field that is not given.
+        """
+        if name in self.of_matter:
+            return self.of_matter[name].products.get(name, ())
+        ending, invariant = self.meanings[name]
+        return tuple(
+            replace(one, factors=tuple(self._placed(x, ending, invariant) for x in one.factors))
+            for one in invariant.products(self.frame.dimension)
+        )
+
+    def _placed(self, factor: Factor, ending: str, invariant: Invariant) -> Factor:
+        """A factor with the number of its connection, or with the name of its matter field."""
+        if factor.name in (METRIC, EPSILON):
+            return factor
+        written = factor.name + factor.suffix
+        if factor.name in OF_CONNECTION:
+            if (factor.suffix or ending) not in self.numbers:
+                raise GravityError(
+                    f"invariant {invariant.name}: expected tensors of the given connections, got "
+                    f"{written}. Give the other connection also: equations([gt.cartan(frame), "
+                    "gt.levi_civita(frame)], ...)."
+                )
+            name = TURNING if factor.name == "R" and invariant.antisymmetric else factor.name
+            return Factor(name, factor.indices, str(self.numbers[factor.suffix or ending]))
+        if written not in self.tensors_of_matter:
+            remedy = "gravity.maxwell(A)"
+            if factor.name not in OF_MATTER:
+                remedy = f"gravity.scalar_field(..., name='{written}')"
+                if written == "phi":
+                    remedy = "gravity.scalar_field(phi)"
+            raise GravityError(
+                f"invariant {invariant.name}: {written} belongs to a matter field, and none is "
+                f"given. Give matter={remedy}, or another formula."
+            )
+        return Factor(written, factor.indices)
