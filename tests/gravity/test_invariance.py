@@ -24,7 +24,6 @@ A, B = (sp.Function(name)(t, r) for name in "AB")
 BALL = gt.Frame([t, r, theta, phi], sp.diag(A, B, r, r * sp.sin(theta)), "-+++")
 ROWS = [[A, B, 0, 0], [0, 1, 0, 0], [0, 0, r, 0], [0, 0, 0, r * sp.sin(theta)]]
 SHEARED = gt.Frame([t, r, theta, phi], ROWS, "-+++")
-POLAR = gt.Frame([t, r, theta, phi], sp.diag(1, 1, r, r * sp.sin(theta)), "-+++")
 # A plane in other coordinates, in which two of its three symmetries have no closed form.
 FIFTH_POWER = gt.Frame([y, z], sp.eye(2) * 5 * (y**2 + z**2) ** 2)
 # Two translations and a screw: no point stays fixed, and no leg either.
