@@ -40,7 +40,7 @@ def test_without_a_layer_the_strongest_is_drawn():
 
 
 def test_a_plane_map_and_its_corrections():
-    """A map in the plane says that nothing depends on z, and which corrections were made."""
+    """The caption of a plane map names the missing direction and the corrections."""
     alpha = np.zeros((3, 3, 8, 8, 1))
     alpha[2, 2, 3, 3] = 0.1
     field = gt.NyeField(alpha, gt.Box.of_bounds([0, 0, 0], [8, 8, 1], (False, False, True)), "um")

@@ -78,8 +78,8 @@ def stress(
 
     The source is a dislocation network in a periodic box, or a measured field: a coframe on a
     grid, or an .npz file with a Nye tensor. stress.json holds the Peach-Koehler force on each line
-    of a network; stress.vtk opens in ParaView. Lengths are in the units of the file, stresses in
-    those of the elastic constants.
+    of a network; stress.vtk opens in ParaView. Lengths are in the unit of the file, stresses in
+    the unit of the elastic constants.
 
     \b
     Examples:

@@ -190,7 +190,7 @@ def box_of(frame: SampledFrame) -> Box:
 def checked_frame(frame: SampledFrame) -> tuple[np.ndarray, np.ndarray]:
     """The coframe as e[i, mu] on a grid of three axes, and the inverse of its mean.
 
-    Rows and columns that a plane map does not have are those of the perfect crystal.
+    The perfect crystal supplies rows and columns that a plane map does not have.
 
     Raises
     ------
