@@ -12,7 +12,7 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.conventions import burgers as in_convention
-from geomtorsion.displays import Plot, figure_by
+from geomtorsion.displays import Plot, drawn_by, figure_by
 from geomtorsion.errors import ArgumentError, GridError, NetworkError
 from geomtorsion.files import ending, written
 from geomtorsion.materials.elasticity.cell import Cell
@@ -305,6 +305,7 @@ class Stresses:
             else:
                 self.to_xarray().to_netcdf(target, engine="h5netcdf")
 
+    _repr_html_ = drawn_by("stress", "stress_html")
     plot: ClassVar[Plot] = figure_by("stress", "draw_stress")
 
 
