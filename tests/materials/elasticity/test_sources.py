@@ -314,12 +314,18 @@ def test_files_for_paraview_and_xarray(tmp_path: Path):
     """VTK and NetCDF files hold the same stress, position by position."""
     meshio = pytest.importorskip("meshio")
     xarray = pytest.importorskip("xarray")
-    FOUND.save(tmp_path / "stress.vtk")
+    uneven = stresses(LOOP, STEEL, shape=(16, 8, 12), core=0.5)
+    uneven.save(tmp_path / "stress.vtk")
     mesh = meshio.read(tmp_path / "stress.vtk")
-    node = int(np.flatnonzero(np.abs(mesh.points - [1.0, 0.5, 2.25]).max(axis=1) < 1e-9)[0])
-    wanted = FOUND.at([[1.0, 0.5, 2.25]])[..., 0]
+    node = int(np.flatnonzero(np.abs(mesh.points - [1.0, 0.5, 3.0]).max(axis=1) < 1e-9)[0])
+    wanted = uneven.at([[1.0, 0.5, 3.0]])[..., 0]
     np.testing.assert_allclose(mesh.point_data["stress"][node].reshape(3, 3), wanted, atol=1e-12)
-    np.testing.assert_allclose(mesh.point_data["mises"].max(), FOUND.mises.max(), rtol=1e-12)
+    assert mesh.point_data["mises"].max() == uneven.mises.max()
+    # Neighbours in the grid are neighbours in space.
+    (cells,) = mesh.cells
+    corners = mesh.points[cells.data]
+    np.testing.assert_allclose(np.ptp(corners, axis=1), [uneven.cell.steps] * len(corners))
+    wanted = FOUND.at([[1.0, 0.5, 2.25]])[..., 0]
     FOUND.save(tmp_path / "stress.nc")
     with xarray.open_dataset(tmp_path / "stress.nc", engine="h5netcdf") as data:
         value = data["stress"].sel(x=1.0, y=0.5, z=2.25)
