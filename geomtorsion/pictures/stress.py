@@ -12,7 +12,7 @@ from geomtorsion.errors import GridError
 from geomtorsion.materials.elasticity import Stresses
 from geomtorsion.materials.lines import DislocationNetwork
 from geomtorsion.pictures.loops import START
-from geomtorsion.pictures.style import STYLE, captioned, new_figure
+from geomtorsion.pictures.style import STYLE, captioned, new_figure, pictured
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -89,6 +89,11 @@ def draw_stress(
     axes.set_title(f"{title}{stress}", fontsize=11)
     captioned(figure, _caption(result, NAMES[normal], points[normal]))
     return figure
+
+
+def stress_html(result: Stresses) -> str:
+    """Text and figure of a stress, for notebooks."""
+    return pictured(str(result), lambda: draw_stress(result))
 
 
 def _plane(plane: object) -> tuple[int, int, int]:

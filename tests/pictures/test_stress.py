@@ -17,7 +17,7 @@ def test_a_layer_of_the_loop():
     """The layer of the loop shows its four sides and the values of this layer."""
     (axes, _) = FOUND.plot(component="xx", layer=4).axes
     assert len(axes.lines) == 5  # four sides, and the dots, none here
-    assert len(axes.lines[-1].get_xdata()) == 0
+    assert np.size(axes.lines[-1].get_xdata()) == 0
     np.testing.assert_array_equal(
         np.asarray(axes.collections[0].get_array()).reshape(16, 12), FOUND.stress[0, 0, :, :, 4]
     )
@@ -36,11 +36,11 @@ def test_lines_that_cross_are_dots():
 def test_without_a_layer_the_strongest_is_drawn():
     """The default layer holds the largest value of the component."""
     mesh = FOUND.plot(component="zz", plane=(1, 2)).axes[0].collections[0]
-    assert np.abs(mesh.get_array()).max() == np.abs(FOUND.stress[2, 2]).max()
+    assert np.abs(np.asarray(mesh.get_array())).max() == np.abs(FOUND.stress[2, 2]).max()
 
 
 def test_a_plane_map_and_its_corrections():
-    """A map in the plane says that nothing depends on z, and which corrections were made."""
+    """The caption of a plane map names the missing direction and the corrections."""
     alpha = np.zeros((3, 3, 8, 8, 1))
     alpha[2, 2, 3, 3] = 0.1
     field = gt.NyeField(alpha, gt.Box.of_bounds([0, 0, 0], [8, 8, 1], (False, False, True)), "um")
@@ -49,6 +49,13 @@ def test_a_plane_map_and_its_corrections():
     assert "Nothing depends on z" in text
     assert "spread over the cell" in text.replace("\n", " ")
     assert figure.axes[0].get_xlabel() == "$x$ / um"
+
+
+def test_a_notebook_shows_the_figure():
+    """Text and figure."""
+    page = FOUND._repr_html_()
+    assert "Stresses(16 x 12 x 8 nodes" in page
+    assert "<svg" in page
 
 
 @pytest.mark.parametrize(

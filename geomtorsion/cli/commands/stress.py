@@ -74,12 +74,12 @@ def stress(
         directory("Directory for stress.json, stress.vtk and stress.png, created if missing."),
     ] = None,
 ) -> None:
-    """Compute the stress of least elastic energy that belongs to a torsion.
+    """Compute the stress that belongs to dislocation lines or to a measured torsion.
 
-    The source is a dislocation network in a periodic box, or a measured field: a coframe on a
-    grid, or an .npz file with a Nye tensor. stress.json holds the Peach-Koehler force on each line
-    of a network; stress.vtk opens in ParaView. Lengths are in the units of the file, stresses in
-    those of the elastic constants.
+    It is the stress of least elastic energy. The source is a dislocation network in a periodic box,
+    or a measured field: a coframe on a grid, or an .npz file with a Nye tensor. stress.json holds
+    the Peach-Koehler force on each line of a network; stress.vtk opens in ParaView. Lengths are in
+    the unit of the file, stresses in the unit of the elastic constants.
 
     \b
     Examples:

@@ -17,7 +17,7 @@ class Cell:
     """A periodic cell and a grid: f(x) = sum of f_m exp(i k_m x), x from the corner of the cell.
 
     The highest wave of an axis with an even number of nodes has no derivative on the grid and is
-    left out, so that derivatives of fields are exact.
+    omitted, so that derivatives of fields are exact.
 
     box: the cell. shape: nodes along each edge, one where nothing depends on this direction.
     """

@@ -13,7 +13,7 @@ from geomtorsion.errors import LONGEST_SHOWN, ElasticityError
 from geomtorsion.files import finite_number
 from geomtorsion.precision import PRINTED
 
-# Voigt's order: 1..6 stand for xx, yy, zz, yz, xz, xy.
+# Voigt's order: 1..6 mean xx, yy, zz, yz, xz, xy.
 PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 _NUMBER = np.zeros((3, 3), dtype=int)
 for _k, (_i, _j) in enumerate(PAIRS):
@@ -24,8 +24,8 @@ for _k, (_i, _j) in enumerate(PAIRS):
 class ElasticConstants:
     """Elastic constants C_IJ of a crystal: stress_I = C_IJ strain_J.
 
-    Voigt's order xx, yy, zz, yz, xz, xy; strain_J has twice the shear strains. The axes are those
-    of the sample, in which torsion and lines are described; `rotated` brings them there.
+    Voigt's order xx, yy, zz, yz, xz, xy; strain_J has twice the shear strains. The axes are the
+    axes of the sample, which also describe torsion and lines; `rotated` turns a crystal.
 
     voigt: C_IJ, shape (6, 6), symmetric and positive definite.
     unit: of the constants, and so of the stresses; any text.

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.errors import LONGEST_SHOWN, GridError
+from geomtorsion.errors import LONGEST_SHOWN, FileFormatError, GridError, NetworkError
 from geomtorsion.files import ending, written
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.lines import Box
@@ -153,9 +153,13 @@ class NyeField:
             The file is missing, truncated or malformed.
         """
         arrays = read_npz(path, FORMS)
-        box = Box(arrays["vectors"], arrays.get("origin", np.zeros(3)),
-                  arrays.get("periodic", np.ones(3, bool)))  # fmt: skip
-        return cls(arrays["nye"], box, text_of(arrays["unit"]) if "unit" in arrays else "")
+        origin = arrays.get("origin", np.zeros(3))
+        flags = arrays.get("periodic", np.ones(3, bool))
+        unit = text_of(arrays["unit"]) if "unit" in arrays else ""
+        try:
+            return cls(arrays["nye"], Box(arrays["vectors"], origin, flags), unit)
+        except (GridError, NetworkError) as error:
+            raise FileFormatError(f"{path}: {error}") from None
 
     def save(self, path: str | Path) -> None:
         """Write an .npz file that `read` reads; corrections are not kept."""
@@ -190,7 +194,7 @@ def box_of(frame: SampledFrame) -> Box:
 def checked_frame(frame: SampledFrame) -> tuple[np.ndarray, np.ndarray]:
     """The coframe as e[i, mu] on a grid of three axes, and the inverse of its mean.
 
-    Rows and columns that a plane map does not have are those of the perfect crystal.
+    The perfect crystal supplies rows and columns that a plane map does not have.
 
     Raises
     ------

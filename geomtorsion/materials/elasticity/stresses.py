@@ -12,7 +12,7 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.conventions import burgers as in_convention
-from geomtorsion.displays import Plot, figure_by
+from geomtorsion.displays import Plot, drawn_by, figure_by
 from geomtorsion.errors import ArgumentError, GridError, NetworkError
 from geomtorsion.files import ending, written
 from geomtorsion.materials.elasticity.cell import Cell
@@ -35,7 +35,7 @@ class Stresses:
     l of the gauge theory. mean_stress: the mean over the cell, shape (3, 3). convention: sign of
     the Burgers vectors of the source. corrections: sentences about changes to the source.
 
-    Stress, strain and distortion are those of the crystal: a positive sigma_xx pulls along x.
+    Stress, strain and distortion describe the real crystal: a positive sigma_xx pulls along x.
     Distortions beta_ij = d_j u_i would belong to a displacement u from the perfect place of an atom
     to its real one, if there were no torsion.
 
@@ -212,7 +212,7 @@ class Stresses:
         """
         if not isinstance(self.source, DislocationNetwork):
             raise NetworkError(
-                "forces: expected the stresses of a DislocationNetwork, got those of "
+                "forces: expected a DislocationNetwork as source of the stresses, got "
                 f"{type(self.source).__name__}. Forces act on lines; use .at(points) for stresses."
             )
         lines = self.source.arrays
@@ -258,7 +258,7 @@ class Stresses:
 
     @property
     def unit(self) -> str:
-        """Unit of stresses: that of the elastic constants."""
+        """Unit of stresses, the unit of the elastic constants."""
         return self.constants.unit
 
     @property
@@ -305,6 +305,7 @@ class Stresses:
             else:
                 self.to_xarray().to_netcdf(target, engine="h5netcdf")
 
+    _repr_html_ = drawn_by("stress", "stress_html")
     plot: ClassVar[Plot] = figure_by("stress", "draw_stress")
 
 
@@ -337,7 +338,7 @@ def stresses(
         Elastic constants in the axes of the sample.
     shape
         Networks: number of nodes along each edge, or along the longest edge. One node along an
-        edge stands for lines that all run along it. Fields have the nodes of their data.
+        edge is enough if all lines run along it. Fields have the nodes of their data.
     core
         Width of a Gaussian over which the torsion is spread, in units of length; of a line, at
         least one step of the grid. The default is two steps for lines, and 0 for fields.

@@ -156,7 +156,7 @@ def test_padding_approaches_free_surroundings():
     alpha[2, 2, :, :, 0] = b * (spread[0] - spread[1])
     open_box = Box.of_bounds([-8, -12, 0], [16, 12, 1], (False, False, True))
     measured = NyeField(alpha, open_box)
-    # Two screws with their Gaussian cores, alone in space.
+    # Two screws with their Gaussian cores, without images.
     r2 = [(x - a) ** 2 + y**2 + 1e-9 for a in (0, 8)]
     one, two = ((1 - np.exp(-r / 8)) / r for r in r2)
     wanted = -80 * b / (2 * np.pi) * (x * one - (x - 8) * two)
@@ -195,7 +195,7 @@ def test_a_turned_crystal_keeps_its_stress():
 
 
 def test_lines_that_end_in_a_field_are_reported():
-    """A Nye field with divergence loses this part, and the result says which share it was."""
+    """A Nye field with divergence loses this part, and the result states its share."""
     alpha = np.zeros((3, 3, 8, 8, 8))
     alpha[0, 0, 2, 4, 4], alpha[0, 0, 6, 4, 4] = 1, -1
     found = stresses(NyeField(alpha, BOX), STEEL)
@@ -297,7 +297,7 @@ NO_BOX = DislocationNetwork.of_arrays(LineArrays(SQUARE, SIDES, [[1.0, 0, 0]] * 
     ],
 )  # fmt: skip
 def test_refusals(call, error, words):
-    """What has no stress is refused, and the message says what to do."""
+    """Sources and options without a stress are refused, with a remedy."""
     with pytest.raises(error, match=words):
         call()
 
@@ -314,12 +314,18 @@ def test_files_for_paraview_and_xarray(tmp_path: Path):
     """VTK and NetCDF files hold the same stress, position by position."""
     meshio = pytest.importorskip("meshio")
     xarray = pytest.importorskip("xarray")
-    FOUND.save(tmp_path / "stress.vtk")
+    uneven = stresses(LOOP, STEEL, shape=(16, 8, 12), core=0.5)
+    uneven.save(tmp_path / "stress.vtk")
     mesh = meshio.read(tmp_path / "stress.vtk")
-    node = int(np.flatnonzero(np.abs(mesh.points - [1.0, 0.5, 2.25]).max(axis=1) < 1e-9)[0])
-    wanted = FOUND.at([[1.0, 0.5, 2.25]])[..., 0]
+    node = int(np.flatnonzero(np.abs(mesh.points - [1.0, 0.5, 3.0]).max(axis=1) < 1e-9)[0])
+    wanted = uneven.at([[1.0, 0.5, 3.0]])[..., 0]
     np.testing.assert_allclose(mesh.point_data["stress"][node].reshape(3, 3), wanted, atol=1e-12)
-    np.testing.assert_allclose(mesh.point_data["mises"].max(), FOUND.mises.max(), rtol=1e-12)
+    assert mesh.point_data["mises"].max() == uneven.mises.max()
+    # Neighbours in the grid are neighbours in space.
+    (cells,) = mesh.cells
+    corners = mesh.points[cells.data]
+    np.testing.assert_allclose(np.ptp(corners, axis=1), [uneven.cell.steps] * len(corners))
+    wanted = FOUND.at([[1.0, 0.5, 2.25]])[..., 0]
     FOUND.save(tmp_path / "stress.nc")
     with xarray.open_dataset(tmp_path / "stress.nc", engine="h5netcdf") as data:
         value = data["stress"].sel(x=1.0, y=0.5, z=2.25)
@@ -339,5 +345,5 @@ def test_a_simulated_network():
     assert found.forces.shape == net.arrays.steps.shape
     along = np.abs((found.forces * net.arrays.steps).sum(axis=1))
     assert along.max() < 1e-12 * np.abs(found.forces).max() * net.arrays.lengths.max()
-    # Without the balancing b the mean of the torsion would be that of the network.
+    # Without the balancing b the mean of the torsion would equal the network's.
     np.testing.assert_allclose(found.nye.mean(axis=(2, 3, 4)), 0, atol=1e-12 * abs(found.nye).max())

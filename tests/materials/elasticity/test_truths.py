@@ -106,6 +106,15 @@ def test_half_plane_is_compressed():
     np.testing.assert_array_equal(reversed_sign.forces, found.forces)
 
 
+def test_an_inserted_plane_is_compressed():
+    """b . area is the inserted volume: the crystal presses on an inserted disc, pulls at a gap."""
+    for b, sign in ((0.1, -1), (-0.1, 1)):
+        net = polygon(0.25, (0, 0, b))
+        assert np.sign(net.lines[0].burgers[2] * net.arrays.steps[0, 1]) == np.sign(b)
+        middle = stresses(net, COPPER, shape=16).at([[0.5, 0.5, 0.5]])[..., 0]
+        assert sign * middle[2, 2] > 5 * abs(middle[0, 1])
+
+
 def polygon(radius: float, b, sides: int = 12) -> DislocationNetwork:
     """A regular polygon with the length of a circle, normal to z, in a unit cell."""
     angle = 2 * np.pi * np.arange(sides) / sides
