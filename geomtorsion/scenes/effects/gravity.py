@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from geomtorsion.scenes.body import Number
+from geomtorsion.scenes.body import Body, Number
 from geomtorsion.scenes.context import Context
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
+from geomtorsion.scenes.effects.surroundings import Surroundings, Typical
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,11 @@ class Gravity(Effect):
     title: ClassVar[str] = "uniform gravity, downwards"
 
     g: Number = field(default=9.81, metadata=unit("m/s^2"))
+
+    @classmethod
+    def typical(cls, body: Body, surroundings: Surroundings) -> Typical:
+        """The weight at the surface."""
+        return Typical(cls(surroundings.gravity), "F = m g", "near the surface of the planet")
 
     def adds(self, context: Context) -> Contribution:
         """A force at the centre of mass, with its potential."""
