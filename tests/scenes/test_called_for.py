@@ -184,8 +184,8 @@ def test_a_needed_effect_gives_its_reason():
     assert still.called_for(0.5).effects == ("gravity", "thrust")
 
 
-def test_a_chaotic_scene_says_so():
-    """A heavy asymmetric top: the choice holds for its times only, and the report says why."""
+def test_a_chaotic_scene_is_reported():
+    """A heavy asymmetric top: the choice holds for its times only; the report gives the reason."""
     top = gt.Scene(
         gt.Body(mass=1, moments=(1, 2, 2.7)),
         [E.Gravity(9.81), E.Pivot([0.1, 0.2, 0.5]), E.AngularDamping(1e-9)],

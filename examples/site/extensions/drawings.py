@@ -113,6 +113,12 @@ def stroke() -> Any:
     return gt.pictures.draw_development(script["swimmer"](), loop, parameters={"r": 2.0})
 
 
+def influences() -> Any:
+    """The effects on a missile, with the accuracy that decides which of them matter."""
+    script = example("27_which_effects_matter")
+    return script["missile"]().called_for(1e-2).plot()
+
+
 def ellipses() -> Any:
     """Orbits around a center of force, one through a collision, solved as oscillations."""
     script = example("26_kepler_as_an_oscillator")
@@ -202,6 +208,7 @@ DRAWINGS: dict[str, Callable[[], Any]] = {
     "24_constraints_are_torsion": lambda: paths("chaplygin_sleigh", t=6.0),
     "25_a_gait_is_a_loop": stroke,
     "26_kepler_as_an_oscillator": ellipses,
+    "27_which_effects_matter": influences,
 }
 
 if __name__ == "__main__":
