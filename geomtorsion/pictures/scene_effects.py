@@ -58,14 +58,14 @@ def influence_picture(
             place, end - low, left=low, height=0.55, color=color, hatch=None if included else "///",
             edgecolor="white",
         )  # fmt: skip
-        text = f" {number(float(f'{size:.1e}'))} of {quantity}"
+        text = f"{number(float(f'{size:.1e}'))} of {quantity}"
         if math.isinf(size):
-            text = " needed"
+            text = "needed"
         elif size <= NOTHING:
-            text = " none"
-        axes.text(
-            end, place, text, va="center", fontsize=9, color=INK, zorder=4,
-            bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0},
+            text = "none"
+        axes.annotate(
+            text, (end, place), (5, 0), textcoords="offset points", va="center", fontsize=9,
+            color=INK, bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0},
         )  # fmt: skip
         axes.text(
             -0.015, place, f"{name}{'' if included else outside}", va="center", ha="right",
