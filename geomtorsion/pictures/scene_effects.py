@@ -18,7 +18,13 @@ Bar = tuple[str, float, str, bool]
 
 
 def influence_picture(
-    bars: Sequence[Bar], accuracy: float, title: str = "", notes: Sequence[str] = ()
+    bars: Sequence[Bar],
+    accuracy: float,
+    title: str = "",
+    notes: Sequence[str] = (),
+    *,
+    label: str = "largest change without the effect, relative",
+    outside: str = " (omitted)",
 ) -> Figure:
     """A bar for each effect on a logarithmic scale, with the accuracy as a line.
 
@@ -26,6 +32,8 @@ def influence_picture(
     ----------
     bars
         effect, influence (relative; infinite: the motion needs it), quantity, whether included.
+    label, outside
+        below the axis, and after the names of effects that are not included.
 
     Raises
     ------
@@ -50,17 +58,17 @@ def influence_picture(
             place, end - low, left=low, height=0.55, color=color, hatch=None if included else "///",
             edgecolor="white",
         )  # fmt: skip
-        text = f" {number(float(f'{size:.1e}'))} of {quantity}"
+        text = f"{number(float(f'{size:.1e}'))} of {quantity}"
         if math.isinf(size):
-            text = " needed"
+            text = "needed"
         elif size <= NOTHING:
-            text = " none"
-        axes.text(
-            end, place, text, va="center", fontsize=9, color=INK, zorder=4,
-            bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0},
+            text = "none"
+        axes.annotate(
+            text, (end, place), (5, 0), textcoords="offset points", va="center", fontsize=9,
+            color=INK, bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0},
         )  # fmt: skip
         axes.text(
-            -0.015, place, f"{name}{'' if included else ' (omitted)'}", va="center", ha="right",
+            -0.015, place, f"{name}{'' if included else outside}", va="center", ha="right",
             fontsize=10, color=INK if included else OUT, transform=axes.get_yaxis_transform(),
         )  # fmt: skip
     axes.axvline(accuracy, color=SERIES[1].color, linestyle=SERIES[1].dashes)
@@ -73,7 +81,7 @@ def influence_picture(
     axes.set_xlim(low, high * (high / low) ** 0.35)
     axes.set_ylim(-0.6, len(bars) - 0.4)
     axes.set_yticks([])
-    axes.set_xlabel("largest change without the effect, relative")
+    axes.set_xlabel(label)
     quiet(axes)
     axes.grid(visible=False, axis="y")
     if title:

@@ -4,6 +4,7 @@ from geomtorsion.scenes import effects
 from geomtorsion.scenes.body import Body
 from geomtorsion.scenes.called_for import EffectBudget, EffectInfluence
 from geomtorsion.scenes.files import read_file
+from geomtorsion.scenes.magnitudes import Magnitude, Magnitudes
 from geomtorsion.scenes.result import SceneResult
 from geomtorsion.scenes.saving import to_toml, write_file
 from geomtorsion.scenes.scene import Scene, SceneCost
@@ -17,6 +18,8 @@ __all__ = [
     "Body",
     "EffectBudget",
     "EffectInfluence",
+    "Magnitude",
+    "Magnitudes",
     "Scene",
     "SceneCost",
     "SceneResult",

@@ -23,7 +23,8 @@ from geomtorsion.prices import Offer, Request
 from geomtorsion.scenes.assembly import Assembly, assemble
 from geomtorsion.scenes.body import Body, Number
 from geomtorsion.scenes.called_for import EffectBudget, called_for
-from geomtorsion.scenes.effects import EFFECTS, Drift, Effect, Spin
+from geomtorsion.scenes.effects import EFFECTS, Drift, Effect, Spin, Surroundings
+from geomtorsion.scenes.magnitudes import Magnitudes, at_surface, magnitudes
 from geomtorsion.scenes.metrics import Measure
 from geomtorsion.scenes.observables import OBSERVABLES, observable
 from geomtorsion.scenes.result import SceneResult
@@ -145,6 +146,8 @@ class Scene:
 
     body: the body.
     effects: forces, torques and constraints; the free rotation (spin) is always included.
+        "called for" means gravity and air at the surface of the Earth, as far as the accuracy
+        calls for them: see `magnitudes` for their numbers and `called_for` for the choice.
     start: its initial state.
     watch: names of the quantities to report, see `geomtorsion.scenes.observables`.
     t: last time (s), or all times at which to report, from 0 on.
@@ -190,6 +193,11 @@ class Scene:
             raise SceneError(
                 f"body = {self.body!r}: expected a Body, such as Body(moments=(1, 2, 3))."
             )
+        if isinstance(self.effects, str) and self.effects == CALLED_FOR:
+            around = replace(self, effects=at_surface(self.body))
+            chosen = called_for(around, self.accuracy).scene
+            object.__setattr__(self, "effects", chosen.effects)
+            object.__setattr__(self, "accuracy", chosen.accuracy)
         object.__setattr__(self, "effects", _effect_list(self.effects))
         object.__setattr__(self, "watch", _names(self.watch))
         if not isinstance(self.start, State):
@@ -363,6 +371,29 @@ class Scene:
 
         return replace(scene_offer(self, request), effects=effects)
 
+    def magnitudes(self, surroundings: Surroundings | None = None) -> Magnitudes:
+        """How much the shipped effects that the scene does not have would change it.
+
+        Each effect whose numbers follow from the body and its surroundings (gravity, drag, the
+        tide of an orbit) is added once; the change of the watched quantities is its influence.
+        The scene remains as it is.
+
+        surroundings: air and gravity, by default at sea level on the Earth.
+
+        Raises
+        ------
+        AccuracyError, StartError, StuckError
+            as for `run`.
+
+        Examples
+        --------
+        >>> stone = Scene(Body.ellipsoid(mass=0.2, semiaxes=(0.03, 0.03, 0.02)),
+        ...               start=State(velocity=(20, 0, 5)), watch=["position"], t=1)
+        >>> [effect.key for effect in stone.magnitudes().lacking(1e-3)]
+        ['gravity', 'quadratic_drag']
+        """
+        return magnitudes(self, surroundings)
+
     def sweep(
         self,
         varied: Mapping[str, Iterable[Number | Sequence[Number]]],
@@ -446,7 +477,7 @@ def _names(watch: Any) -> tuple[str, ...]:
 
 def _effect_list(effects: Any) -> tuple[Effect, ...]:
     """Effects, each at most once unless it may be there several times, none against another."""
-    if isinstance(effects, Effect):
+    if isinstance(effects, Effect | str):
         effects = (effects,)
     listed = tuple(effects) if isinstance(effects, Iterable) else (effects,)
     for effect in listed:
@@ -454,7 +485,10 @@ def _effect_list(effects: Any) -> tuple[Effect, ...]:
             name = getattr(effect, "__name__", repr(effect))
             hint = f" Write {name}(...)." if isinstance(effect, type) else ""
             names = ", ".join(kind.__name__ for kind in EFFECTS)
-            raise SceneError(f"effects: expected an effect, got {name}.{hint} There are {names}.")
+            raise SceneError(
+                f"effects: expected an effect, got {name}.{hint} There are {names}, or "
+                f"{CALLED_FOR!r}."
+            )
     keys = [effect.key for effect in listed]
     for effect in listed:
         if keys.count(effect.key) > 1 and not effect.several:

@@ -112,6 +112,12 @@ def stroke() -> Any:
     return gt.pictures.draw_development(script["swimmer"](), loop, parameters={"r": 2.0})
 
 
+def influences() -> Any:
+    """The effects on a missile, with the accuracy that decides which of them matter."""
+    script = example("27_which_effects_matter")
+    return script["missile"]().called_for(1e-2).plot()
+
+
 def ellipses() -> Any:
     """Orbits around a center of force, one through a collision, solved as oscillations."""
     script = example("26_kepler_as_an_oscillator")
@@ -220,6 +226,7 @@ DRAWINGS: dict[str, Callable[[], Any]] = {
         1
     ).plot(),
     "27_theories_of_your_own": massive,
+    "27_which_effects_matter": influences,
 }
 
 if __name__ == "__main__":

@@ -27,6 +27,10 @@ def plan(
     dot: Annotated[
         bool, typer.Option("--dot", help="Print the graph in Graphviz's format.")
     ] = False,
+    lacking: Annotated[
+        bool,
+        typer.Option("--lacking", help="Show how much effects that a scene lacks would change it."),
+    ] = False,
     output: Annotated[
         Path | None,
         option("-o", "--output", metavar="FILE.svg", text="Draw the plan of a scene as a picture."),
@@ -39,9 +43,15 @@ def plan(
       geomtorsion plan kerr ricci
       geomtorsion plan kerr ricci --dot | dot -Tsvg > plan.svg
       geomtorsion plan lagrange_cusp --watch nutation -o plan.svg
+      geomtorsion plan missile --lacking
     """
     if quantity is None and is_scene(source):
         scene = open_scene(source, watch)
+        if lacking:
+            with working(scene.title or scene.name):
+                text = str(scene.magnitudes())
+            typer.echo(text)
+            return
         shown = scene.selection
         lines = [str(shown), *start_angles(scene)]
         typer.echo(_dot(shown) if dot else "\n".join(lines))
@@ -56,7 +66,8 @@ def plan(
             f"plan {source}: expected a quantity of the space, got none. Name one, as in "
             f"`geomtorsion plan {source} ricci`."
         )
-    for name, value in (("--watch", watch), ("--output", output)):
+    scenes_only = {"--watch": watch, "--output": output, "--lacking": lacking or None}
+    for name, value in scenes_only.items():
         if value is not None:
             raise UnknownNameError(
                 f"{name}: expected a scene, got the space {source}. Omit the option."

@@ -14,6 +14,7 @@ from geomtorsion.scenes.effects.rolling import Rolling
 from geomtorsion.scenes.effects.rotor import Rotor
 from geomtorsion.scenes.effects.spin import Spin
 from geomtorsion.scenes.effects.spring import Spring
+from geomtorsion.scenes.effects.surroundings import Surroundings, Typical
 from geomtorsion.scenes.effects.thrust import BodyMoment, Thrust
 from geomtorsion.scenes.effects.torsion import Naive, Torsion
 
@@ -60,7 +61,9 @@ __all__ = [
     "Rotor",
     "Spin",
     "Spring",
+    "Surroundings",
     "Thrust",
     "Torsion",
+    "Typical",
     "unit",
 ]

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar
 
 from geomtorsion.checks import plain
 from geomtorsion.errors import SceneError
-from geomtorsion.scenes.body import Number, exact
+from geomtorsion.scenes.body import Body, Number, exact
 from geomtorsion.scenes.context import Context
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
+from geomtorsion.scenes.effects.surroundings import Surroundings, Typical, mean_radius
 
 
 @dataclass(frozen=True)
@@ -41,6 +43,16 @@ class AngularDamping(Effect):
     title: ClassVar[str] = "damping of the rotation"
 
     coefficient: Number | Sequence[Number] = field(metadata=unit("N m s"))
+
+    @classmethod
+    def typical(cls, body: Body, surroundings: Surroundings) -> Typical:
+        """The torque of a viscous fluid on a sphere             [LandauLifshitz6] section 20."""
+        radius = mean_radius(body)
+        return Typical(
+            cls(8 * math.pi * surroundings.viscosity * radius**3),
+            "c = 8 pi viscosity r^3, r the mean radius",
+            "slow rotation in air; fast rotation is damped more",
+        )
 
     def __post_init__(self) -> None:
         """One number or three, none of them negative."""

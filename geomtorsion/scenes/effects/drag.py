@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar
 
 import sympy as sp
 
-from geomtorsion.scenes.body import Number
+from geomtorsion.scenes.body import Body, Number
 from geomtorsion.scenes.context import Context
 from geomtorsion.scenes.effects.fields import check_numbers, check_vectors
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
+from geomtorsion.scenes.effects.surroundings import Surroundings, Typical, mean_radius, semiaxes
 
 
 @dataclass(frozen=True)
@@ -48,6 +50,16 @@ class LinearDrag(Effect):
     coefficient: Number = field(metadata=unit("N s/m"))
     arm: Sequence[Number] = field(default=(0, 0, 0), metadata=unit("m"))
     wind: Sequence[Number] = field(default=(0, 0, 0), metadata=unit("m/s"))
+
+    @classmethod
+    def typical(cls, body: Body, surroundings: Surroundings) -> Typical:
+        """The drag of a viscous fluid on a slow sphere          [LandauLifshitz6] section 20."""
+        radius = mean_radius(body)
+        return Typical(
+            cls(6 * math.pi * surroundings.viscosity * radius),
+            "c = 6 pi viscosity r, r the mean radius",
+            "slow motion in still air: density v r / viscosity below 1",
+        )
 
     def __post_init__(self) -> None:
         """Check numbers and vectors."""
@@ -101,6 +113,17 @@ class QuadraticDrag(Effect):
     arm: Sequence[Number] = field(default=(0, 0, 0), metadata=unit("m"))
     wind: Sequence[Number] = field(default=(0, 0, 0), metadata=unit("m/s"))
     smoothing: Number = field(default=1e-6, metadata=unit("m/s"))
+
+    @classmethod
+    def typical(cls, body: Body, surroundings: Surroundings) -> Typical:
+        """The drag of air on the largest cross-section of the body."""
+        a, b, _ = semiaxes(body)
+        area = math.pi * a * b
+        return Typical(
+            cls(surroundings.density * area * surroundings.drag_coefficient / 2),
+            "c = density area drag_coefficient / 2, area of the largest section",
+            "fast motion in still air: density v r / viscosity from 1e3 to 1e5",
+        )
 
     def __post_init__(self) -> None:
         """Check numbers and vectors."""

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from geomtorsion.scenes.body import Number
+from geomtorsion.scenes.body import Body, Number
 from geomtorsion.scenes.context import Context
 from geomtorsion.scenes.effects.fields import check_numbers
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
+from geomtorsion.scenes.effects.surroundings import Surroundings, Typical
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,11 @@ class Gravity(Effect):
     def __post_init__(self) -> None:
         """Check the number."""
         check_numbers(self, "g")
+
+    @classmethod
+    def typical(cls, body: Body, surroundings: Surroundings) -> Typical:
+        """The weight at the surface."""
+        return Typical(cls(surroundings.gravity), "F = m g", "near the surface of the planet")
 
     def adds(self, context: Context) -> Contribution:
         """A force at the centre of mass, with its potential."""

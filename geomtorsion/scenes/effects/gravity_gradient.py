@@ -7,10 +7,11 @@ from typing import ClassVar
 
 import sympy as sp
 
-from geomtorsion.scenes.body import Number
+from geomtorsion.scenes.body import Body, Number
 from geomtorsion.scenes.context import Context
 from geomtorsion.scenes.effects.fields import check_numbers
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
+from geomtorsion.scenes.effects.surroundings import Surroundings, Typical
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,16 @@ class GravityGradient(Effect):
 
     rate: Number = field(metadata=unit("rad/s"))
     phase: Number = field(default=0, metadata=unit("rad"))
+
+    @classmethod
+    def typical(cls, body: Body, surroundings: Surroundings) -> Typical:
+        """The tide on a low orbit, where it is largest."""
+        return Typical(
+            cls(surroundings.orbital_rate),
+            "M = 3 n^2 c x I c, n = sqrt(g / radius)",
+            "on a low circular orbit",
+            at_surface=False,
+        )
 
     def __post_init__(self) -> None:
         """Check the numbers."""

@@ -10,6 +10,7 @@ import sympy as sp
 
 from geomtorsion.scenes.body import Body, Number
 from geomtorsion.scenes.context import GROUPS, Context
+from geomtorsion.scenes.effects.surroundings import Surroundings, Typical
 
 Triple = tuple[sp.Expr, sp.Expr, sp.Expr] | tuple[sp.Expr, ...]
 # Time, and the new values of parameters or states.
@@ -125,6 +126,11 @@ class Effect:
         """
         context = Context(body or Body(mass=1.0, moments=(2, 3, 4)))
         return groups_in(context, self.adds(context))
+
+    @classmethod
+    def typical(cls, body: Body, surroundings: Surroundings) -> Typical | None:
+        """The effect with numbers that follow from body and surroundings; None if none follow."""
+        return None
 
     @classmethod
     def units(cls) -> dict[str, str]:

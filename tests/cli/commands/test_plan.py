@@ -32,6 +32,14 @@ def test_plans_of_scenes(tmp_path):
     assert "Did you mean the scene helix?" in run("accuracy", "helx", code=2).stderr
 
 
+def test_lacking_effects_of_a_scene():
+    """The effects that a scene lacks are shown with their influence; spaces have none."""
+    text = run("plan", "missile", "--lacking").stdout
+    assert "quadratic_drag      7.3e-01  velocity  coefficient = 0.157 kg/m" in text
+    assert "Nothing is added" in text
+    assert "--lacking: expected a scene" in run("plan", "so3", "ricci", "--lacking", code=2).stderr
+
+
 def test_angles_at_the_start_are_said_in_both_units(tmp_path):
     """A plain number in a scene file is radians; plan and run print radians and degrees."""
     file = tmp_path / "top.toml"
