@@ -55,7 +55,7 @@ if TYPE_CHECKING:
         spinning,
     )
     from geomtorsion.exact import Certainty, parse_expression
-    from geomtorsion.fits import Fit, fit
+    from geomtorsion.fits import Fit, fit, fit_loops
     from geomtorsion.geometry import (
         Connection,
         Curvature,
@@ -102,6 +102,7 @@ if TYPE_CHECKING:
         Loop,
         Network,
         NodeRule,
+        burgers_derivatives,
         burgers_map,
         burgers_vector,
         burgers_vectors,
@@ -203,8 +204,8 @@ _LATER = {
     "loops": (
         "AffineMap", "BurgersMap", "BurgersVector", "Cochain", "Complex", "Defect", "Development",
         "Diffusion", "EdgeList", "EnclosedDefect", "ExactBurgersVector", "Loop", "Network",
-        "NodeRule", "burgers_map", "burgers_vector", "burgers_vectors", "develop", "develop_path",
-        "develop_period", "diffusion",
+        "NodeRule", "burgers_derivatives", "burgers_map", "burgers_vector", "burgers_vectors",
+        "develop", "develop_path", "develop_period", "diffusion",
         "dispiration", "enclosed_defects", "exact_burgers_vector", "find_defects",
         "parallel_dislocations", "parallel_edges", "parallel_screws",
     ),
@@ -217,7 +218,7 @@ _LATER = {
     "proofs": ("Proof", "prove"),
     "spaces.kerr_orbits": ("Frequencies", "KerrOrbit", "kerr_orbit"),
     "accuracy": ("CostRow", "CostTable", "accuracy_cost"),
-    "fits": ("Fit", "fit"),
+    "fits": ("Fit", "fit", "fit_loops"),
     "scenes": (
         "Body", "Scene", "SceneCost", "StateSelection", "SceneResult", "State", "effects",
     ),
@@ -308,6 +309,7 @@ __all__ = [
     "accuracy_cost",
     "autoparallel",
     "blend",
+    "burgers_derivatives",
     "burgers_map",
     "burgers_vector",
     "burgers_vectors",
@@ -335,6 +337,7 @@ __all__ = [
     "exponential_map",
     "find_defects",
     "fit",
+    "fit_loops",
     "free_top",
     "from_coefficients",
     "from_contortion",
