@@ -31,7 +31,7 @@ def noisy(
 
 
 def mass_and_spin(seed: int) -> gt.Fit:
-    """Mass and spin of a black hole, from radius and angle of one orbit whose start is not known exactly."""
+    """Mass and spin of a black hole, from radius and angle of one orbit."""
     times, sigma = np.linspace(5, 300, 60), {"r": 1e-3, "phi": 1e-4}
     data = noisy(ORBIT, times, sigma, seed)
     guess = ORBIT.with_values({"M": 1.0005, "a": 0.55, "r": 10.002})

@@ -55,7 +55,7 @@ if TYPE_CHECKING:
         spinning,
     )
     from geomtorsion.exact import Certainty, parse_expression
-    from geomtorsion.fits import Fit, fit, fit_loops
+    from geomtorsion.fits import Fit, fit, fit_frame, fit_loops
     from geomtorsion.geometry import (
         Connection,
         Curvature,
@@ -218,7 +218,7 @@ _LATER = {
     "proofs": ("Proof", "prove"),
     "spaces.kerr_orbits": ("Frequencies", "KerrOrbit", "kerr_orbit"),
     "accuracy": ("CostRow", "CostTable", "accuracy_cost"),
-    "fits": ("Fit", "fit", "fit_loops"),
+    "fits": ("Fit", "fit", "fit_frame", "fit_loops"),
     "scenes": (
         "Body", "Scene", "SceneCost", "StateSelection", "SceneResult", "State", "effects",
     ),
@@ -337,6 +337,7 @@ __all__ = [
     "exponential_map",
     "find_defects",
     "fit",
+    "fit_frame",
     "fit_loops",
     "free_top",
     "from_coefficients",

@@ -237,6 +237,10 @@ def public_functions() -> list[Case]:
             parameters={"b": 0.5},
         ),
         _public(
+            "fit_frame", frame=CORE, points=[[0, 1]], coframe=[[[1, 0], [0.4, 1]]], sigma=0.1,
+            free=["b"], parameters={"b": 0.5},
+        ),
+        _public(
             "fit_loops", frame=CORE, loops=[CIRCLE], vectors=[[0, 1]], sigma=0.1, free=["b"],
             parameters={"b": 0.5}, accuracy=1e-6,
         ),

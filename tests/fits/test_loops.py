@@ -36,7 +36,7 @@ def test_circuits_around_a_point_do_not_show_its_position():
     assert fit.errors["b"] == pytest.approx(0.01 / np.sqrt(3), rel=1e-6)
     assert np.isinf(fit.errors["x0"])
     assert "do not determine x0" in fit.warnings[0]
-    assert "number of the loop" in [axes.get_xlabel() for axes in fit.plot().axes]
+    assert "number of the loop or point" in [axes.get_xlabel() for axes in fit.plot().axes]
 
 
 ONE = [gt.Loop.circle([0, 0, 0], 1)]
