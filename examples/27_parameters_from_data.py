@@ -31,7 +31,7 @@ def noisy(
 
 
 def mass_and_spin(seed: int) -> gt.Fit:
-    """Of a black hole, from radius and angle of one orbit whose start is not known exactly."""
+    """Mass and spin of a black hole, from radius and angle of one orbit."""
     times, sigma = np.linspace(5, 300, 60), {"r": 1e-3, "phi": 1e-4}
     data = noisy(ORBIT, times, sigma, seed)
     guess = ORBIT.with_values({"M": 1.0005, "a": 0.55, "r": 10.002})
@@ -53,7 +53,7 @@ def free_top() -> gt.ODE:
 
 
 def moments(seed: int) -> tuple[gt.Fit, gt.Fit]:
-    """Of a top, from its recorded attitude: all three moments, then two of them."""
+    """Moments of a top, from its recorded attitude: all three moments, then two of them."""
     times, sigma = np.linspace(0.2, 12, 60), dict.fromkeys(ATTITUDE, 1e-3)
     data = noisy(free_top(), times, sigma, seed)
     guess = free_top().with_values({"I2": 2.1, "I3": 2.9, "w1": 0.12})

@@ -50,7 +50,7 @@ if TYPE_CHECKING:
         spinning,
     )
     from geomtorsion.exact import Certainty, parse_expression
-    from geomtorsion.fits import Fit, fit
+    from geomtorsion.fits import Fit, fit, fit_frame, fit_loops
     from geomtorsion.geometry import (
         Connection,
         Curvature,
@@ -99,6 +99,7 @@ if TYPE_CHECKING:
         Loop,
         Network,
         NodeRule,
+        burgers_derivatives,
         burgers_map,
         burgers_vector,
         burgers_vectors,
@@ -208,8 +209,8 @@ _LATER = {
     "loops": (
         "AffineMap", "BurgersMap", "BurgersVector", "Cochain", "Complex", "Defect", "Development",
         "Diffusion", "EdgeList", "EnclosedDefect", "ExactBurgersVector", "Loop", "Network",
-        "NodeRule", "burgers_map", "burgers_vector", "burgers_vectors", "develop", "develop_path",
-        "develop_period", "diffusion",
+        "NodeRule", "burgers_derivatives", "burgers_map", "burgers_vector", "burgers_vectors",
+        "develop", "develop_path", "develop_period", "diffusion",
         "dispiration", "enclosed_defects", "exact_burgers_vector", "find_defects",
         "parallel_dislocations", "parallel_edges", "parallel_screws",
     ),
@@ -222,7 +223,7 @@ _LATER = {
     "materials.images": ("LatticeBurgers", "LatticeImage", "LatticePhases"),
     "proofs": ("Proof", "prove"),
     "spaces.kerr_orbits": ("Frequencies", "KerrOrbit", "kerr_orbit"),
-    "fits": ("Fit", "fit"),
+    "fits": ("Fit", "fit", "fit_frame", "fit_loops"),
     "prices": ("PriceList", "PriceRow", "price"),
     "scenes": (
         "Body", "EffectBudget", "Scene", "SceneCost", "StateSelection", "SceneResult", "State",
@@ -320,6 +321,7 @@ __all__ = [
     "When",
     "autoparallel",
     "blend",
+    "burgers_derivatives",
     "burgers_map",
     "burgers_vector",
     "burgers_vectors",
@@ -347,6 +349,8 @@ __all__ = [
     "exponential_map",
     "find_defects",
     "fit",
+    "fit_frame",
+    "fit_loops",
     "free_top",
     "from_coefficients",
     "from_contortion",

@@ -18,6 +18,7 @@ from tests.canary import Case
 
 X, Y = sp.symbols("x y")
 PLANE = gt.Frame([X, Y], [[1, 0], [0, 1 + X**2]], name="bent")
+CORE = gt.Frame("x y", [["1", "0"], ["b*y", "1"]], parameters="b")
 CRYSTAL = gt.parallel_screws([(0, 0)], [1])
 CARTAN, RIEMANN = gt.cartan(PLANE), gt.levi_civita(PLANE)
 PLANE_METRIC = gt.numpy_function([PLANE.metric.element(1, 1)], [X, Y])
@@ -245,6 +246,18 @@ def public_functions() -> list[Case]:
         ),
         _public("burgers_vector", frame=PLANE, loop=CIRCLE, accuracy=1e-6, parameters={}),
         _public("exact_burgers_vector", frame=PLANE, loop=CIRCLE, seconds=5.0),
+        _public(
+            "burgers_derivatives", frame=CORE, loop=CIRCLE, by=["b"], accuracy=1e-6,
+            parameters={"b": 0.5},
+        ),
+        _public(
+            "fit_frame", frame=CORE, points=[[0, 1]], coframe=[[[1, 0], [0.4, 1]]], sigma=0.1,
+            free=["b"], parameters={"b": 0.5},
+        ),
+        _public(
+            "fit_loops", frame=CORE, loops=[CIRCLE], vectors=[[0, 1]], sigma=0.1, free=["b"],
+            parameters={"b": 0.5}, accuracy=1e-6,
+        ),
         _public(
             "burgers_vectors", frame=PLANE, centres=[[0, 0], [1, 0]], radius=0.5, plane=(0, 1),
             accuracy=1e-6, parameters={}, executor=None,

@@ -1,4 +1,4 @@
-"""Executors: equal bits for any number of workers, and what is kept when one of them fails."""
+"""Executors: equal bits for any number of workers, and results that survive a failure."""
 
 import multiprocessing
 from collections.abc import Callable, Iterator

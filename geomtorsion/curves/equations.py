@@ -348,6 +348,19 @@ class Equations:
         """Number of coordinates that are states."""
         return 0 if self.chart is None else len(self.chart.coordinates)
 
+    @cached_property
+    def expressions(self) -> Mapping[str, sp.Expr]:
+        """Rates of coordinates, velocities and carried quantities, over real symbols by name."""
+        real = {name: sp.Symbol(name, real=True) for name in (*self.states, *self.parameters)}
+        values = {real[name]: sp.Rational(x) for name, x in self.constants.items() if name in real}
+        table: dict[str, sp.Expr] = {}
+        for name, rate in zip(self.states, self.rates, strict=True):
+            total = sp.Add(*(sp.Mul(c.sympy, *(real[x] for x in names)) for c, names in rate))
+            own = {s: real[s.name] for s in total.free_symbols if isinstance(s, sp.Symbol)}
+            table[name] = total.xreplace(own).xreplace(values)
+        # Constant velocities are parameters of the equations.
+        return table | {name: sp.S.Zero for name in self.velocities if name not in table}
+
     def numbers(
         self, parameters: Mapping[str, Number], velocities: Sequence[Number]
     ) -> list[Number | Fraction]:

@@ -44,6 +44,7 @@ from geomtorsion.geometry.domain_edges import Edge
 from geomtorsion.geometry.evaluation import sign_of
 from geomtorsion.geometry.relations import broken_relations
 from geomtorsion.hints import attribute_hints
+from geomtorsion.ode.derivatives import term_slopes
 from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment, Term
@@ -669,6 +670,18 @@ class CurveProblem:
             return function(*(moment[name] if name in names else table[name] for name in used))[0]
 
         return Term(values, frozenset(used))
+
+    def slopes(self, term: object, by: str, moment: Moment) -> tuple[np.ndarray, np.ndarray]:
+        """Derivatives of a term by a parameter at fixed times, and by the curve parameter."""
+        rates = self.equations(self.charts[0]).expressions
+        every = tuple(dict.fromkeys((*rates, *self.parameters, "t")))
+        read = expression(term, "event_times", symbol_table(every), smooth=False)
+        terms = term_slopes(read, rates, by, "t", tuple(self.parameters))
+        function = graph(every, list(terms), factor=False).numpy()
+        numbers = {name: float(value) for name, value in self.parameters.items()}
+        table = {"t": moment.time} | numbers | {name: moment[name] for name in rates}
+        across, along = function(*(table[name] for name in every))
+        return across, along
 
     def breaks(self) -> tuple[float, ...]:
         """No times: nothing jumps."""

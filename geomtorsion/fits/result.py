@@ -53,7 +53,7 @@ class Fit:
     data: what was fitted.
     undetermined: joint changes of parameters that change no prediction.
     curved: a joint change by one sigma that changes chi^2 by less than half of one or by more than
-        two: errors along it are no sigmas. None if there is no such change.
+        two: errors along it are not sigmas. None if there is no such change.
     solves: how often the model was computed.
     source: the model at the best values, such as a `Solution` with derivatives.
     """
@@ -96,7 +96,7 @@ class Fit:
 
     @property
     def chance(self) -> float:
-        """Probability that noise alone makes chi^2 as large, if sigma is right."""
+        """Probability that only noise makes chi^2 as large, if sigma is right."""
         return float(scipy.special.chdtrc(self.degrees, self.chi2)) if self.degrees else math.nan
 
     @property

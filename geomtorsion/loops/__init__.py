@@ -34,6 +34,7 @@ from geomtorsion.loops.node_rule import NodeRule
 from geomtorsion.loops.paths import DevelopedPath, develop_path, develop_period, developed_path
 from geomtorsion.loops.protocols import HasBurgers
 from geomtorsion.loops.result import BurgersVector, Check
+from geomtorsion.loops.slopes import burgers_derivatives
 from geomtorsion.loops.spanning_forest import spanning_forest
 
 __all__ = [
@@ -67,6 +68,7 @@ __all__ = [
     "StochasticEnsemble",
     "VectorSum",
     "arcs",
+    "burgers_derivatives",
     "burgers_map",
     "burgers_vector",
     "burgers_vectors",

@@ -10,6 +10,7 @@ from geomtorsion.ode import (
     writing,
 )
 from geomtorsion.ode.checkpoint import Checkpoint
+from geomtorsion.ode.derivatives import EventDerivative
 from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
 from geomtorsion.ode.ensemble import Ensemble, solve_many
 from geomtorsion.ode.files import SavedSolution
@@ -28,6 +29,7 @@ __all__ = [
     "Cost",
     "Engine",
     "Ensemble",
+    "EventDerivative",
     "Moment",
     "Run",
     "RungeKutta",

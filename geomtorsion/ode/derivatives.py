@@ -6,9 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import sympy as sp
 
 from geomtorsion import checks
+from geomtorsion.copies import content_hash, equal_content
 from geomtorsion.errors import ExpressionError, StartError, UnknownNameError
 from geomtorsion.ode.numbers import Real
 from geomtorsion.ode.rates import Rates
@@ -71,6 +73,60 @@ def derivative(term: sp.Expr, rows: Mapping[sp.Symbol, sp.Expr], where: str) -> 
             "jumps, or omit the derivatives."
         )
     return total
+
+
+@dataclass(frozen=True, eq=False)
+class EventDerivative:
+    """How the times of events depend on a parameter, or on a number at the start.
+
+    times: of the events, shape (m,). values: dt/dp of each, shape (m,). error: estimate of the
+    largest error of the values. It is an array of the values for NumPy.
+    """
+
+    times: np.ndarray
+    values: np.ndarray
+    error: float
+
+    def __eq__(self, other: object) -> bool:
+        return equal_content(self, other)
+
+    def __hash__(self) -> int:
+        return content_hash(self)
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
+        return np.array(self.values, dtype=dtype)
+
+
+def term_slopes(
+    term: sp.Expr, rates: Mapping[str, sp.Expr], by: str, clock: str, parameters: Sequence[str]
+) -> tuple[sp.Expr, sp.Expr]:
+    """Derivatives of a term by a parameter at a fixed time, and by the time.
+
+    rates: state -> rate, of a motion with derivatives. parameters: those that occur in the term.
+
+    Raises
+    ------
+    UnknownNameError
+        The motion was solved without the derivatives.
+    """
+    symbols = {name: sp.Symbol(name, real=True) for name in (*rates, clock, by)}
+    used = {symbol.name for symbol in term.free_symbols}
+    across: dict[sp.Symbol, sp.Expr] = {symbols[by]: sp.S.One} if by in parameters else {}
+    switch = f"acts_{by}"
+    if across and switch in parameters:
+        across[symbols[by]] = sp.Symbol(switch, real=True)
+    for name in sorted(used & set(rates)):
+        if derivative_name(name, by) not in rates:
+            raise UnknownNameError(
+                f"by: expected a motion with derivatives by {checks.shown(by)}, got one without a "
+                f"derivative of {name}. Solve it with derivatives=[{by!r}]."
+            )
+        across[symbols[name]] = symbols[derivative_name(name, by)]
+    along = {symbols[name]: rates[name] for name in rates if name in used}
+    if clock not in rates:
+        # A coordinate of that name is meant otherwise.
+        along[symbols[clock]] = sp.S.One
+    return derivative(term, across, "the term"), derivative(term, along, "the term")
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,7 +21,7 @@ from geomtorsion.displays import drawn_by, latex_of
 from geomtorsion.errors import ExpressionError, StartError, StuckError
 from geomtorsion.hints import attribute_hints
 from geomtorsion.ode import constructor
-from geomtorsion.ode.derivatives import Motion
+from geomtorsion.ode.derivatives import Motion, term_slopes
 from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment, Term
@@ -614,6 +614,15 @@ class ODE:
             return function(*self.arguments(moment.time, moment["states"]))[0]
 
         return Term(values)
+
+    def slopes(self, term: object, by: str, moment: Moment) -> tuple[np.ndarray, np.ndarray]:
+        """Derivatives of a term by a parameter at fixed times, and by the time, at a moment."""
+        read = constructor.term(self.outputs, self.rates.names, term)
+        rates, names = self.rates.expressions, self.rates.names
+        terms = term_slopes(read, rates, by, self.rates.time, self.rates.parameters)
+        function = graph(names, list(terms), factor=False).numpy()
+        across, along = function(*self.arguments(moment.time, moment["states"]))
+        return across, along
 
     def breaks(self) -> tuple[float, ...]:
         """Times at which something may jump."""

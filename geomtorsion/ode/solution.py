@@ -17,6 +17,7 @@ from geomtorsion.copies import only_fields
 from geomtorsion.displays import Plot, drawn_by, figure_by, key_completions
 from geomtorsion.errors import ArgumentError, ExpressionError, TimeError
 from geomtorsion.hints import attribute_hints
+from geomtorsion.ode.derivatives import EventDerivative
 from geomtorsion.ode.error_estimate import CHANCE, SAFETY, UNALIKE, difference, rounding
 from geomtorsion.ode.moment import Moment, Term
 from geomtorsion.ode.numbers import PARTS, times_between
@@ -126,6 +127,10 @@ class Problem(Protocol):
 
     def term(self, term: object) -> Term:
         """A function of moments for a name or an expression."""
+        ...
+
+    def slopes(self, term: object, by: str, moment: Moment) -> tuple[np.ndarray, np.ndarray]:
+        """Derivatives of a term by a parameter at fixed times, and by the time."""
         ...
 
     def breaks(self) -> tuple[float, ...]:
@@ -424,6 +429,54 @@ class Solution:
                 values[0] = 0.0
             zeros.append(crossings(function, times, values, direction))
         return np.concatenate(zeros)
+
+    def event_derivatives(self, term: object, by: str, direction: int = 0) -> EventDerivative:
+        """How the times at which a term crosses zero depend on a parameter or the start.
+
+        The motion was solved with `derivatives=[by]`.
+
+        Equation
+        --------
+        dt/dp = -(dg/dp at a fixed time) / (dg/dt), for the term g
+
+        Parameters
+        ----------
+        term, direction
+            see `event_times`. Names of derivatives cannot occur in the term.
+        by
+            the parameter, or the number at the start.
+
+        Raises
+        ------
+        UnknownNameError
+            the motion was solved without these derivatives.
+        ExpressionError
+            the term cannot be read, or has no derivative.
+
+        Examples
+        --------
+        >>> from geomtorsion.ode import ODE, solve
+        >>> fall = ODE.of({"z": "v", "v": "-g"}, {"z": 20, "v": 0}, parameters={"g": 10})
+        >>> landing = solve(fall, 3.0, derivatives=["g"]).event_derivatives("z", "g")
+        >>> landing.times.round(9).tolist(), landing.values.round(9).tolist()
+        ([2.0], [-0.1])
+        """
+        times = self.event_times(term, direction)
+        values = self._event_slopes(term, by, times)
+        error = float("inf")
+        if self.reference is not None and self.reference.count == self.trajectory.count:
+            others = self._finer.event_times(term, direction)
+            if len(others) == len(times):
+                gap = np.abs(values - self._finer._event_slopes(term, by, others))
+                size = np.abs(values).max(initial=0.0)
+                error = max(self.safety * float(gap.max(initial=0.0)), self.error * float(size))
+        return EventDerivative(times, values, error)
+
+    def _event_slopes(self, term: object, by: str, times: np.ndarray) -> np.ndarray:
+        """dt/dp at the times of events."""
+        across, along = self.problem.slopes(term, by, self.at(times))
+        with np.errstate(all="ignore"):
+            return np.broadcast_to(-np.asarray(across) / along, times.shape).astype(float)
 
     # -- how good it is --------------------------------------------------------------------------
 

@@ -93,4 +93,4 @@ def _abscissa(fit: Fit) -> str:
     """What the data are arranged by."""
     if isinstance(fit.source, Solution):
         return mathematics(fit.source.problem.time_name)
-    return "number of the loop"
+    return "number of the loop or point"

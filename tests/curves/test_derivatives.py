@@ -83,6 +83,18 @@ def test_another_start_renews_the_derivatives():
     assert gt.solve(problem, 1.0)["du2_dR"][0] == 0.5
 
 
+def test_times_at_which_a_radius_is_passed():
+    """Against differences; t in a term is the coordinate."""
+    solution = gt.solve(KERR, 300.0, derivatives=["a"])
+    near = [gt.solve(KERR.with_values({"a": 0.6 + h}), 300.0, 1e-12) for h in (1e-4, -1e-4)]
+    for term in ("r - 7", "t - 100 - a", "u2"):
+        up, down = (x.event_times(term) for x in near)
+        slopes = solution.event_derivatives(term, "a")
+        assert len(slopes.values) > 0
+        assert slopes.values == pytest.approx((up - down) / 2e-4, rel=1e-6)
+        assert slopes.error < 1e-8
+
+
 REFUSALS = [
     (lambda: KERR.with_derivatives(["u1"]), UnknownNameError, "There are M, a, t, r"),
     (lambda: KERR.with_derivatives(["Q"]), UnknownNameError, "expected names of parameters"),

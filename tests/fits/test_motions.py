@@ -107,7 +107,7 @@ def test_a_parameter_without_effect():
 
 
 def test_weak_data_are_noticed():
-    """A sigma that reaches over the wells of chi^2: errors are no sigmas."""
+    """A sigma that reaches over the wells of chi^2: errors are not sigmas."""
     fit = gt.fit(SWING, TIMES[:4], {"x": noisy(1, 2.0)[:4]}, 2.0, ["k"])
     assert fit.curved is not None
     assert "errors are not sigmas" in fit.warnings[0]

@@ -75,7 +75,42 @@ def test_derivatives_cost_no_second_compilation():
     assert again["dv_dv"][0] == 1
 
 
+@every_engine
+def test_times_of_events(engine):
+    """Zeros of cos(w t), and of a term with the parameter and the time in it."""
+    problem = gt.ODE.of({"x": "v", "v": "-k*x"}, [1, 0], parameters={"k": 4.0})
+    solution = gt.solve(problem, 5.0, 1e-10, engine, derivatives=["k", "x"])
+    zeros = solution.event_derivatives("x", "k")
+    assert zeros.times == pytest.approx(np.pi / 4 * np.array([1, 3, 5]), abs=1e-9)
+    expected = -zeros.times / 8
+    assert np.abs(zeros.values - expected).max() <= zeros.error < 1e-8
+    assert np.asarray(solution.event_derivatives("x", "x")) == pytest.approx([0] * 3, abs=1e-9)
+    assert solution.event_derivatives("x", "k", 1).times == pytest.approx(zeros.times[1:2])
+    late = solution.event_derivatives("t - k", "k")
+    assert late.values == pytest.approx([1])
+
+
+def test_events_after_a_parameter_was_replaced():
+    """The new value does not change with the old one."""
+    burn = gt.ODE.of(
+        {"z": "v", "v": "a"}, [0, 0], parameters={"a": 2}, events=[gt.At(1.0, {"a": 0})]
+    )
+    solution = gt.solve(burn, 4.0, derivatives=["a"])
+    # z = a/2 + a (t - 1) crosses 3 at t = 1/2 + 3/a; the a in a term is the replaced one.
+    assert solution.event_derivatives("z - 3", "a").values == pytest.approx([-3 / 4])
+    assert solution.event_derivatives("z - 3 + a", "a").values == pytest.approx([-3 / 4])
+
+
 REFUSALS = [
+    (lambda: gt.solve(SWING, 3.0).event_derivatives("x", "k"), UnknownNameError, "Solve it with"),
+    (
+        lambda: gt.solve(SWING, 3.0, derivatives=["k"]).event_derivatives("sign(x) - x", "k"),
+        ExpressionError, "smooth",
+    ),
+    (
+        lambda: gt.solve(SWING, 3.0, derivatives=["k"]).event_derivatives("dx_dk + 0.1", "k"),
+        UnknownNameError, "derivative of dx_dk",
+    ),
     (lambda: SWING.with_derivatives(["K"]), UnknownNameError, "There are k, x, v"),
     (lambda: SWING.with_derivatives(["k", "k"]), StartError, "Name each of them once"),
     (lambda: SWING.with_derivatives([]), StartError, "expected different names"),

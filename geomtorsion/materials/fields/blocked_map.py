@@ -22,6 +22,7 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import CheckpointError, FileFormatError, GridError, LimitError
+from geomtorsion.executors import Executor, checked_executor
 from geomtorsion.files import read_json_text, read_text, written
 from geomtorsion.materials.fields.cells import circuits, torsion
 from geomtorsion.materials.fields.circuits import Field
@@ -300,6 +301,7 @@ def blocked_map(
     sigma: float | np.ndarray = 0.0,
     stride: int | Sequence[int] = 1,
     overwrite: bool = False,
+    executor: Executor | None = None,
 ) -> BlockMap:
     """Burgers vectors of circuits at all positions of a field larger than memory, block by block.
 
@@ -330,6 +332,9 @@ def blocked_map(
         adjacent circuits.
     overwrite
         Replace an existing map, instead of computing its missing blocks.
+    executor
+        Computes the blocks: a pool of `concurrent.futures`, or a `dask.distributed.Client`. None:
+        as configured in dask.
 
     Raises
     ------
@@ -353,6 +358,7 @@ def blocked_map(
     (BlockMap(36 x 26 places, 6 of 6 blocks done), np.float64(16.0))
     """
     check_order(order)
+    checked_executor(executor)
     place = checks.file_name(path)
     array = LargeArray.of(source)
     grid = array.shape[2:]
@@ -398,7 +404,7 @@ def blocked_map(
     left = [number for number in block_map.numbers if not block_map.is_done(number)]
     for number in left:
         block_map.file(number).unlink(missing_ok=True)
-    _run(block_map, left)
+    _run(block_map, left, executor)
     return block_map
 
 
@@ -468,7 +474,7 @@ def _writing(path: Path) -> Iterator[None]:
         ) from None
 
 
-def _run(made: BlockMap, left: Sequence[tuple[int, ...]]) -> None:
+def _run(made: BlockMap, left: Sequence[tuple[int, ...]], executor: Executor | None = None) -> None:
     """Compute blocks as dask tasks."""
     dask = module("dask", Path(made.path))
     task = dask.delayed(BlockMap.compute, pure=False)
@@ -482,7 +488,8 @@ def _run(made: BlockMap, left: Sequence[tuple[int, ...]]) -> None:
 
         try:
             with module("dask.callbacks", Path(made.path)).Callback(posttask=seen):
-                dask.compute(*[task(delayed_map, number) for number in left])
+                options = {} if executor is None else {"scheduler": executor}
+                dask.compute(*[task(delayed_map, number) for number in left], **options)
         except BrokenProcessPool:
             raise LimitError(
                 "a worker process ended before its work was done, probably because memory ran out. "

@@ -6,6 +6,7 @@
 import json
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import dask
@@ -13,7 +14,13 @@ import dask.array as da
 import numpy as np
 import pytest
 
-from geomtorsion.errors import CheckpointError, FileFormatError, GridError, LimitError
+from geomtorsion.errors import (
+    ArgumentError,
+    CheckpointError,
+    FileFormatError,
+    GridError,
+    LimitError,
+)
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.fields.blocked_map import blocked_map
 from tests.chosen import one_in
@@ -192,12 +199,23 @@ def test_any_scheduler_gives_the_same_bits(tmp_path, scheduler, kind):
     assert np.array_equal(one, two, equal_nan=True)
 
 
+def test_an_executor_computes_the_blocks(tmp_path):
+    """A pool of threads gives the same bits; what takes no work is refused."""
+    one = blocked_map(HOLED, tmp_path / "one", STEPS, 100, 4).read()
+    with ThreadPoolExecutor(2) as pool:
+        two = blocked_map(HOLED, tmp_path / "two", STEPS, 12, 4, executor=pool).read()
+    assert np.array_equal(one, two, equal_nan=True)
+    with pytest.raises(ArgumentError, match="expected an object with submit"):
+        blocked_map(HOLED, tmp_path / "three", STEPS, 12, 4, executor=2)
+
+
 def test_a_dask_cluster(tmp_path):
     """One task per block on two workers gives the same bits."""
     distributed = pytest.importorskip("dask.distributed")
     one = blocked_map(HOLED, tmp_path / "one", STEPS, 100, 4).read()
     options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
-    with distributed.Client(processes=False, **options):
+    with distributed.Client(processes=False, **options) as client:
+        blocked_map(HOLED, tmp_path / "sent", STEPS, 12, 4, executor=client)
         two = blocked_map(HOLED, tmp_path / "two", STEPS, 15, 4).read()
     assert np.array_equal(one, two, equal_nan=True)
 
