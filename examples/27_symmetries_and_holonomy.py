@@ -58,7 +58,9 @@ def loop(space: str) -> float:
     rows = np.array([one.at(base | numbers).T.ravel() for one in generators])
     weights, *_ = np.linalg.lstsq(rows.T, turn.ravel(), rcond=None)
     gap = float(np.abs(rows.T @ weights - turn.ravel()).max())
-    print(f"{space}: a loop turns vectors by {np.abs(turn).max():.4f}; outside the algebra {gap:.0e}")
+    print(
+        f"{space}: a loop turns vectors by {np.abs(turn).max():.4f}; outside the algebra {gap:.0e}"
+    )
     return gap
 
 

@@ -1,4 +1,4 @@
-"""Names of Lie algebras: Bianchi types, real simple algebras, and what is built of them."""
+"""Names of Lie algebras: Bianchi types, real simple algebras, their sums and extensions."""
 
 from __future__ import annotations
 
@@ -173,7 +173,7 @@ def _ideals(algebra: Brackets) -> tuple[int, int]:
 
 
 def _central_factor(algebra: Brackets) -> Reduced:
-    """Central elements that are no brackets, as far as they are independent modulo brackets."""
+    """Central elements that are independent modulo brackets."""
     derived = algebra.derived[0]
     outside = reduced(algebra.field, [derived.rest(z) for z in algebra.center], algebra.dimension)
     # As many central elements as there are independent rests.

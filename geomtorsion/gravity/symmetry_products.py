@@ -85,7 +85,7 @@ def waves(frame: Frame, point: AtPoint) -> Lists:
     """How symmetries depend on each coordinate of which the metric is free.
 
     Where d/dq is a symmetry, the others are sums of q**k exp(lambda q) with the eigenvalues lambda
-    of its adjoint matrix. Coordinates with eigenvalues that are no square roots are omitted.
+    of its adjoint matrix. Coordinates whose eigenvalues need higher roots are omitted.
     """
     metric = frame.metric.components
     n, field, q = frame.dimension, frame.field, frame.coordinates

@@ -141,7 +141,7 @@ FIFTH_POWER = gt.Frame([u, v], sp.eye(2) * 5 * (u**2 + v**2) ** 2)
 
 
 def test_report() -> None:
-    """The report has dimensions, algebra and vectors, and what was searched if some are missing."""
+    """The report has dimensions, algebra and vectors, and the functions that were searched."""
     text = repr(gt.symmetries(BALL))
     assert text.startswith("10 symmetries of the metric, orbits of dimension 4\nalgebra: iso(3, 1)")
     assert "\nvectors:\n  [1, 0, 0, 0]\n" in text
