@@ -31,7 +31,7 @@ def symmetries(
         Form, typer.Option("--format", help="text to read, json for programs.")
     ] = Form.text,
 ) -> None:
-    """Show the symmetries of a space, their Lie algebra, and the holonomy of a connection.
+    """Show the symmetries of a space, their Lie algebra, and the holonomy.
 
     The number of symmetries and the algebra are exact. X_0, X_1, ... is a basis at one point; in
     JSON the structure constants have the keys i,j,k of [X_i, X_j] = C X_k. The holonomy algebra
