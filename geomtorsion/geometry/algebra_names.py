@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from functools import cache
 from itertools import combinations, product
 
-from geomtorsion.exact import Element, Reduced, reduced, signature, vanishes
+from geomtorsion.exact import Element, Reduced, Specialization, reduced, signature, vanishes
 from geomtorsion.geometry.brackets import Brackets
 
 # The names of three-dimensional algebras that have one beside their Bianchi type.
@@ -150,6 +150,7 @@ def _ideals(algebra: Brackets) -> tuple[int, int]:
     product of two is positive for real numbers, and has one positive and one negative square for
     complex ones.
     """
+    algebra = _sampled(algebra)
     n, field = algebra.dimension, algebra.field
     equations = []
     # Two generic elements generate a semisimple algebra; their weights are arbitrary whole numbers.
@@ -167,6 +168,13 @@ def _ideals(algebra: Brackets) -> tuple[int, int]:
     traces = [[field.sum([(1, one[k], two[m]) for k, m in places]) for two in maps] for one in maps]
     ideals, complex_ones, _ = signature(field, traces)
     return ideals, complex_ones
+
+
+def _sampled(algebra: Brackets) -> Brackets:
+    """The algebra with numbers for its symbols, near those at which signs are read off."""
+    place = Specialization(algebra.field, algebra.field.symbols, 16)
+    table = {pair: place.all(row) for pair, row in algebra.table.items()}
+    return Brackets.of(place.field, algebra.dimension, table)
 
 
 # -- with a radical --------------------------------------------------------------------------------

@@ -98,7 +98,9 @@ def waves(frame: Frame, point: AtPoint) -> Lists:
             (metric.get((c, a)).diff(q[b]) - metric.get((b, a)).diff(q[c])) / 2
             for b, c in combinations(range(n), 2)
         ]
-        own = _waves(point, point.components([*shift, *turns]), q[a])
+        values = [*shift, *turns]
+        values += [field.zero] * (point.functions.width - len(values))
+        own = _waves(point, point.components(values), q[a])
         if own is not None:
             lists[q[a]] = own
     return lists
