@@ -16,7 +16,7 @@ class Commands(LazyGroup):
     summaries: ClassVar = {
         "spaces": "List the shipped spaces.",
         "geometry": "Show metric, connections, torsion and curvature.",
-        "symmetries": "Show symmetries, their algebra, and the holonomy of a connection.",
+        "symmetries": "Show the symmetries of a space, their Lie algebra, and the holonomy.",
         "gravity": "Show the field equations of a Lagrangian on a space.",
         "check": "Check the identities of a space exactly.",
         "plan": "Show the steps that a quantity or a scene needs, and those it omits.",

@@ -45,7 +45,7 @@ class Reduced:
 
     @property
     def free(self) -> tuple[int, ...]:
-        """The columns that are no pivots."""
+        """The columns that are not pivots."""
         return tuple(k for k in range(self.width) if k not in self.pivots)
 
     def kernel(self) -> list[Row]:

@@ -26,8 +26,8 @@ class Specialization:
     """A map from elements of one field to elements over its parameters, sums to sums.
 
     Every generator that depends on a given symbol gets a rational number near its value at the
-    generic point, or a root of one. The only relations between generators are those of the field,
-    so that every identity between elements holds at each such place. Generators whose
+    generic point, or a root of such a number. The field contains all relations between
+    generators, so that every identity between elements holds at each such place. Generators whose
     independence is not proved get their values at a rational point of the given symbols.
 
     field: the field of the elements.

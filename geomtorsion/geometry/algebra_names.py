@@ -1,4 +1,4 @@
-"""Names of Lie algebras: Bianchi types, real simple algebras, and what is built of them."""
+"""Names of Lie algebras: Bianchi types, real simple algebras, their sums and extensions."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from functools import cache
 from itertools import combinations, product
 
-from geomtorsion.exact import Element, Reduced, reduced, signature, vanishes
+from geomtorsion.exact import Element, Reduced, Specialization, reduced, signature, vanishes
 from geomtorsion.geometry.brackets import Brackets
 
 # The names of three-dimensional algebras that have one beside their Bianchi type.
@@ -150,6 +150,7 @@ def _ideals(algebra: Brackets) -> tuple[int, int]:
     product of two is positive for real numbers, and has one positive and one negative square for
     complex ones.
     """
+    algebra = _sampled(algebra)
     n, field = algebra.dimension, algebra.field
     equations = []
     # Two generic elements generate a semisimple algebra; their weights are arbitrary whole numbers.
@@ -169,11 +170,18 @@ def _ideals(algebra: Brackets) -> tuple[int, int]:
     return ideals, complex_ones
 
 
+def _sampled(algebra: Brackets) -> Brackets:
+    """The algebra with numbers for its symbols, near those at which signs are read off."""
+    place = Specialization(algebra.field, algebra.field.symbols, 16)
+    table = {pair: place.all(row) for pair, row in algebra.table.items()}
+    return Brackets.of(place.field, algebra.dimension, table)
+
+
 # -- with a radical --------------------------------------------------------------------------------
 
 
 def _central_factor(algebra: Brackets) -> Reduced:
-    """Central elements that are no brackets, as far as they are independent modulo brackets."""
+    """Central elements that are independent modulo brackets."""
     derived = algebra.derived[0]
     outside = reduced(algebra.field, [derived.rest(z) for z in algebra.center], algebra.dimension)
     # As many central elements as there are independent rests.

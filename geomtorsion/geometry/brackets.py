@@ -102,7 +102,7 @@ class Brackets:
 
     @cached_property
     def radical(self) -> Reduced:
-        """The largest solvable ideal: what is orthogonal to [g, g] by the Killing form."""
+        """The largest solvable ideal, orthogonal to [g, g] by the Killing form."""
         zero = self.field.zero
         rows = [
             [
@@ -116,7 +116,7 @@ class Brackets:
         return self.span(self.span(rows).kernel())
 
     def quotient(self, ideal: Reduced) -> Brackets:
-        """The algebra modulo an ideal, with the basis elements that are no pivots of it."""
+        """The algebra modulo an ideal, with the basis elements that are not pivots of it."""
         places = ideal.free
         table = {
             (a, b): [ideal.rest(self.constant(i, j))[k] for k in places]

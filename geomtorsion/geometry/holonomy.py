@@ -93,7 +93,7 @@ class HolonomyAlgebra:
 
     @property
     def name(self) -> str:
-        """The name: so(p, q) for all rotations of the metric, else that of the algebra."""
+        """The name of the algebra; all rotations of the metric are so(p, q)."""
         n = self.frame.dimension
         if self.is_metric and n > 1 and self.dimension == n * (n - 1) // 2:
             place, _ = self._place
@@ -176,7 +176,7 @@ def holonomy(
     while True:
         shown = tensor if frame.complex else tensor.in_frame()
         echelon.extend(_matrices(shown, n))
-        # All brackets of what is new, until none is.
+        # Brackets, until they add nothing.
         while echelon.extend([_bracket(a, b, n) for a, b in combinations(echelon.rows, 2)]):
             pass
         if dimensions and dimensions[-1] == echelon.rank:

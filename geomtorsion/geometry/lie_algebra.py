@@ -149,7 +149,7 @@ class LieAlgebra:
             read.append(self.exact.field.read_all([(name, x) for x in entries]))
         return tuple(x.sympy for x in self.exact.bracket(*read))
 
-    # -- what is asked ---------------------------------------------------------------------------
+    # -- questions -------------------------------------------------------------------------------
 
     @cached_property
     def killing_form(self) -> sp.ImmutableMatrix:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations, product
 
 import sympy as sp
 
@@ -26,12 +25,13 @@ from geomtorsion.geometry import (
 )
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.gravity.symmetry_algebra import AtPoint, points
+from geomtorsion.gravity.symmetry_conditions import Conditions, difference, representatives
 from geomtorsion.gravity.symmetry_integration import IntegratedSymmetry
 from geomtorsion.gravity.symmetry_products import factors, products, waves
 from geomtorsion.gravity.symmetry_search import killing_vectors
 
 Row = list[Element]
-KEEPS = ("metric", "teleparallel")
+KEEPS = ("metric", "teleparallel", "homothetic", "conformal")
 
 
 @exclusive
@@ -48,7 +48,8 @@ def symmetries(frame: FrameLike, keep: str | Connection = "metric") -> Symmetrie
     ----------
     keep
         "metric": Killing vectors of the metric. "teleparallel": the metric and the connection with
-        parallel legs, which separates good tetrads of a symmetric space from bad ones. A
+        parallel legs, which separates good tetrads of a symmetric space from bad ones.
+        "homothetic": L_xi g = 2 phi g with constant phi. "conformal": phi may be a function. A
         connection over the frame: the metric and this connection.
 
     Returns
@@ -60,7 +61,7 @@ def symmetries(frame: FrameLike, keep: str | Connection = "metric") -> Symmetrie
     ArgumentError
         `keep` has another value.
     ShapeError
-        The connection belongs to another frame.
+        The connection belongs to another frame, or "conformal" in fewer than three dimensions.
 
     Examples
     --------
@@ -78,6 +79,8 @@ def symmetries(frame: FrameLike, keep: str | Connection = "metric") -> Symmetrie
       [-cos(phi), sin(phi)/r]
     >>> symmetries(plane, keep="teleparallel").dimension
     1
+    >>> symmetries(plane, keep="homothetic").vectors[-1][0]
+    r
     """
     frame = as_frame(frame)
     if isinstance(keep, Connection):
@@ -89,7 +92,15 @@ def symmetries(frame: FrameLike, keep: str | Connection = "metric") -> Symmetrie
             )
         return Symmetries(frame, kept)
     name = checks.choice(keep, KEEPS, "keep", ArgumentError)
-    return Symmetries(frame, cartan(frame) if name == "teleparallel" else levi_civita(frame))
+    if name == "teleparallel":
+        return Symmetries(frame, cartan(frame))
+    if name == "conformal" and frame.dimension < 3:
+        raise ShapeError(
+            f"keep: expected a space of three dimensions or more for conformal vectors, got "
+            f'{frame.dimension}. In two dimensions there are infinitely many: use "homothetic".'
+        )
+    scaling = {"homothetic": 1, "conformal": 2}.get(name, 0)
+    return Symmetries(frame, levi_civita(frame), scaling)
 
 
 def killing_equations(frame: FrameLike) -> tuple[sp.Eq, ...]:
@@ -124,47 +135,45 @@ class Symmetries:
 
     frame: the frame of the metric.
     connection: the connection that is preserved with it.
+    scaling: 0; 1 if the metric may change by a constant factor, 2 if by a function.
     """
 
     frame: Frame
     connection: Connection
+    scaling: int = 0
 
     @cached_property
     def kept(self) -> str:
         """The geometry that is preserved, in words."""
         if self.connection.kind == "levi-civita":
-            return "the metric"
+            return ("the metric", "the metric up to a factor", "the metric up to a function")[
+                self.scaling
+            ]
         return f"the metric and the {self.connection.name}"
 
     @cached_property
-    def _ranks(self) -> tuple[list[int], Echelon]:
-        """Rank of the conditions at each order, the last two equal, and the conditions."""
-        n = self.frame.dimension
-        echelon = Echelon(self.frame.field, n + n * (n - 1) // 2)
-        new = echelon.extend(sorted(self._conditions(), key=_length))
-        ranks = [echelon.rank]
-        # A condition that depends on others has derivatives that depend on theirs.
-        while True:
-            derived = [self._derivative(row, a) for row in new for a in range(n)]
-            new = echelon.extend(sorted(derived, key=_length))
-            ranks.append(echelon.rank)
-            if not new:
-                return ranks, echelon
+    def conditions(self) -> Conditions:
+        """The linear conditions on the values of symmetries at a point."""
+        return Conditions(self.frame, self.connection, self.scaling)
+
+    @property
+    def _echelon(self) -> Echelon:
+        return self.conditions.echelons[1]
 
     @property
     def ranks(self) -> tuple[int, ...]:
         """Rank of the conditions with derivatives up to order 0, 1, ...: the last two are equal."""
-        return tuple(self._ranks[0])
+        return tuple(self.conditions.echelons[0])
 
     @property
     def dimension(self) -> int:
         """The number of independent symmetries near a generic point."""
-        return self._ranks[1].width - self.ranks[-1]
+        return self._echelon.width - self.ranks[-1]
 
     @property
     def isotropy(self) -> int:
         """The number of fields that leave a generic point fixed."""
-        n, echelon = self.frame.dimension, self._ranks[1]
+        n, echelon = self.frame.dimension, self._echelon
         turns = range(n, echelon.width)
         return len(turns) - echelon.rank_of_columns(turns)
 
@@ -197,8 +206,8 @@ class Symmetries:
         closed = self.closed_form
         if len(closed) < self.dimension:
             return self._point.algebra
-        fields = [self._values(xi) for xi in closed]
-        for point in points(self.frame, self._ranks[1]):
+        fields = [self.conditions.values(xi) for xi in closed]
+        for point in points(self.conditions):
             basis = point.basis(fields)
             if basis is not None:
                 return LieAlgebra.of(point.algebra.exact.in_basis(basis))
@@ -207,81 +216,7 @@ class Symmetries:
     @cached_property
     def _point(self) -> AtPoint:
         """The conditions at one point."""
-        return next(points(self.frame, self._ranks[1]))
-
-    # -- conditions on (xi^c, F_bc = D_b xi_c) at a point ------------------------------------------
-
-    @cached_property
-    def _turns(self) -> list[tuple[int, int]]:
-        """Index pairs of F_bc, b < c, in the order of the unknowns."""
-        return list(combinations(range(self.frame.dimension), 2))
-
-    def _conditions(self) -> Iterator[Row]:
-        """L_xi of the curvature and of the difference from the connection of the metric."""
-        bar = levi_civita(self.frame)
-        if self.frame.dimension > 1:
-            yield from self._kept_tensor(bar.curvature.lower)
-        if self.connection.kind != "levi-civita":
-            yield from self._kept_tensor(_difference(self.connection, bar))
-
-    def _kept_tensor(self, tensor: Tensor) -> Iterator[Row]:
-        """(L_xi t)_a^b = xi^c D_c t_a^b + t_m^b D_a xi^m - t_a^m D_m xi^b."""
-        frame, n = self.frame, self.frame.dimension
-        get = tensor.components.get
-        slope = levi_civita(frame).covariant_derivative(tensor).components.get
-        inverse = frame.inverse_metric.components.rows
-        for index in _representatives(tensor):
-            # Coefficients of F_bc for all b, c.
-            turning: dict[tuple[int, int], list] = {}
-            for k, slot in enumerate(tensor.slots):
-                head, own, tail = index[:k], index[k], index[k + 1 :]
-                if slot == "d":
-                    # t_{..m..} F_own^m
-                    for c in range(n):
-                        terms = [(1, x, get((*head, m, *tail))) for m, x in inverse[c]]
-                        turning.setdefault((own, c), []).extend(terms)
-                else:
-                    # - t^{..m..} F_m^own
-                    for c, x in inverse[own]:
-                        for m in range(n):
-                            turning.setdefault((m, c), []).append((-1, x, get((*head, m, *tail))))
-            yield [
-                *(slope((c, *index)) for c in range(n)),
-                *self._antisymmetrised(turning),
-            ]
-
-    def _antisymmetrised(self, turning: dict[tuple[int, int], list]) -> Iterator[Element]:
-        """Coefficients of F_bc for b < c, from those for all b, c."""
-        for b, c in self._turns:
-            negative = [(-sign, *factors) for sign, *factors in turning.get((c, b), ())]
-            yield self.frame.field.sum([*turning.get((b, c), ()), *negative])
-
-    def _derivative(self, row: Row, a: int) -> Row:
-        """The condition that follows by d_a, with d_a xi and d_a F inserted.
-
-        d_a xi^b = F_a^b - Gamma_ac^b xi^c
-        d_a F_bc = R_bcad xi^d + Gamma_ab^e F_ec + Gamma_ac^e F_be
-        """
-        frame, n, field = self.frame, self.frame.dimension, self.frame.field
-        bar = levi_civita(frame)
-        gamma = bar.coefficients.components.get
-        riemann = bar.curvature.lower.components.get
-        inverse = frame.inverse_metric.components.get
-        shifts: list[list] = [[(1, x.diff(frame.coordinates[a]))] for x in row[:n]]
-        turning: dict[tuple[int, int], list] = {
-            pair: [(1, x.diff(frame.coordinates[a]))]
-            for pair, x in zip(self._turns, row[n:], strict=True)
-        }
-        for b, x in enumerate(row[:n]):
-            for c in range(n):
-                turning.setdefault((a, c), []).append((1, x, inverse((c, b))))
-                shifts[c].append((-1, x, gamma((a, c, b))))
-        for (b, c), x in zip(self._turns, row[n:], strict=True):
-            for d in range(n):
-                shifts[d].append((1, x, riemann((b, c, a, d))))
-                turning.setdefault((d, c), []).append((1, x, gamma((a, b, d))))
-                turning.setdefault((b, d), []).append((1, x, gamma((a, c, d))))
-        return [*(field.sum(terms) for terms in shifts), *self._antisymmetrised(turning)]
+        return next(points(self.conditions))
 
     # -- vectors ---------------------------------------------------------------------------------
 
@@ -297,8 +232,8 @@ class Symmetries:
             return closed
         conditions = self._point.conditions
         rest = [
-            IntegratedSymmetry(self.frame, self._ranks[1], conditions, conditions.free[k])
-            for k in self._point.missing([self._values(xi) for xi in closed])
+            IntegratedSymmetry(self.conditions, conditions, conditions.free[k])
+            for k in self._point.missing([self.conditions.values(xi) for xi in closed])
         ]
         return (*closed, *rest)
 
@@ -315,7 +250,7 @@ class Symmetries:
                 if len(vectors) >= self.dimension:
                     break
                 vectors = self._independent(
-                    [*vectors, *killing_vectors(self.frame, functions, slot)]
+                    [*vectors, *killing_vectors(self.frame, functions, slot, self.scaling)]
                 )
         return tuple(vectors)
 
@@ -327,14 +262,15 @@ class Symmetries:
     @cached_property
     def _waves(self) -> dict[sp.Symbol, list[sp.Expr]]:
         """Functions of the coordinates of which the metric is free."""
-        return waves(self.frame, self._metric._point)
+        metric = self if self.connection.kind == "levi-civita" else self._metric
+        return waves(self.frame, metric._point)
 
     def _preserving(self, killing: Sequence[Tensor]) -> list[Tensor]:
         """Sums of Killing vectors that keep the connection as well."""
         frame, field = self.frame, self.frame.field
-        extra = _difference(self.connection, levi_civita(frame))
+        extra = difference(self.connection, levi_civita(frame))
         changes = [lie(one, extra) for one in killing]
-        rows = [[x.components.get(index) for x in changes] for index in _representatives(extra)]
+        rows = [[x.components.get(index) for x in changes] for index in representatives(extra)]
         vectors = []
         for weights in vanishing_sums(rows, len(killing)):
             pairs = list(zip(weights, killing, strict=True))
@@ -347,14 +283,8 @@ class Symmetries:
 
     def _independent(self, vectors: Sequence[Tensor]) -> list[Tensor]:
         """Elements that are not sums of others with constant coefficients."""
-        echelon = Echelon(self.frame.field, self.frame.dimension + len(self._turns))
-        return [xi for xi in vectors if echelon.add(self._values(xi))]
-
-    def _values(self, xi: Tensor) -> Row:
-        """xi^a and D_b xi_c, b < c, which determine a symmetry at one point."""
-        slope = levi_civita(self.frame).covariant_derivative(xi.lowered(0))
-        n = range(self.frame.dimension)
-        return [*(xi.element(a) for a in n), *(slope.element(*pair) for pair in self._turns)]
+        echelon = Echelon(self.frame.field, self.conditions.width)
+        return [xi for xi in vectors if echelon.add(self.conditions.values(xi))]
 
     @property
     def ansatz(self) -> str:
@@ -385,22 +315,3 @@ class Symmetries:
             lines += [f"  {one!r}" for one in self.vectors[len(closed) :]]
             lines.append(f"searched: {self.ansatz}")
         return "\n".join(lines)
-
-
-def _difference(connection: Connection, bar: Connection) -> Tensor:
-    """Gamma - Gamma_bar, a tensor with slots ddu."""
-    rule = (connection.coefficients - bar.coefficients).components
-    return Tensor(connection.frame, "ddu", rule)
-
-
-def _representatives(tensor: Tensor) -> Iterator[tuple[int, ...]]:
-    """One index of each set of components that determine each other."""
-    n = tensor.frame.dimension
-    for index in product(range(n), repeat=len(tensor.slots)):
-        if tensor.components.representative(index) == (1, index):
-            yield index
-
-
-def _length(row: Row) -> float:
-    """How long a condition is: short ones are taken first."""
-    return sum(x.length for x in row)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 
 from geomtorsion.errors import UndecidedError
-from geomtorsion.exact import Echelon, Element, Reduced, Specialization, reduced
-from geomtorsion.geometry import Brackets, Frame, LieAlgebra, levi_civita
+from geomtorsion.exact import Element, Reduced, Specialization, reduced
+from geomtorsion.geometry import Brackets, LieAlgebra, Tensor, levi_civita
+from geomtorsion.gravity.symmetry_conditions import Conditions
 
 # Largest denominators of the values at the point; the first where all is regular is taken.
 LARGEST = (4, 16, 64, 256)
@@ -19,39 +20,39 @@ Row = list[Element]
 
 @dataclass(frozen=True, eq=False)
 class AtPoint:
-    """The conditions on (xi^a, F_bc = D_b xi_c), b < c, at one point near the generic point.
+    """The conditions on the values of symmetries at one point near the generic point.
 
-    frame: the frame of the metric.
+    functions: the conditions as functions of the point.
     place: the point.
     conditions: their values there.
     """
 
-    frame: Frame
+    functions: Conditions
     place: Specialization
     conditions: Reduced
 
     @cached_property
     def algebra(self) -> LieAlgebra:
         """The algebra with the basis that is 1 in one free unknown and 0 in the others."""
-        return _algebra(self.frame, self.place, self.conditions)
+        return _algebra(self.functions, self.place, self.conditions)
 
     def components(self, values: Sequence[Element]) -> list[Element]:
-        """Components in this basis of a symmetry with values (xi^a, F_bc)."""
+        """Components in this basis of a symmetry with these values."""
         return [self.place(values[k]) for k in self.conditions.free]
 
     def basis(self, fields: Sequence[Sequence[Element]]) -> list[list[Element]] | None:
-        """Components of fields with values (xi^a, F_bc); None where they depend on each other."""
+        """Components of fields with these values; None where they depend on each other."""
         rows = [self.components(values) for values in fields]
         rank = reduced(self.place.field, rows, self.algebra.dimension).rank
         return rows if rank == len(rows) else None
 
     def missing(self, fields: Sequence[Sequence[Element]]) -> tuple[int, ...]:
-        """Numbers of the basis elements that complete fields with values (xi^a, F_bc)."""
+        """Numbers of the basis elements that complete fields with these values."""
         rows = [self.components(values) for values in fields]
         return reduced(self.place.field, rows, self.algebra.dimension).free
 
 
-def points(frame: Frame, conditions: Echelon) -> Iterator[AtPoint]:
+def points(conditions: Conditions) -> Iterator[AtPoint]:
     """Points where all is regular and the rank of the conditions is the generic one.
 
     Raises
@@ -59,13 +60,14 @@ def points(frame: Frame, conditions: Echelon) -> Iterator[AtPoint]:
     UndecidedError
         All points have been used.
     """
+    frame, (_, echelon) = conditions.frame, conditions.echelons
     for largest in LARGEST:
         place = Specialization(frame.field, frame.coordinates, largest)
         try:
-            rows = [place.all(row) for row in conditions.rows]
-            values = reduced(place.field, rows, conditions.width)
-            if values.rank == conditions.rank:
-                yield AtPoint(frame, place, values)
+            rows = [place.all(row) for row in echelon.rows]
+            values = reduced(place.field, rows, echelon.width)
+            if values.rank == echelon.rank:
+                yield AtPoint(conditions, place, values)
         except ZeroDivisionError:
             continue
     raise UndecidedError(
@@ -74,65 +76,98 @@ def points(frame: Frame, conditions: Echelon) -> Iterator[AtPoint]:
     )
 
 
-def _algebra(frame: Frame, place: Specialization, conditions: Reduced) -> LieAlgebra:
+@dataclass(frozen=True, eq=False)
+class Values:
+    """The values of one symmetry at a point.
+
+    xi: xi^a. F: F_bc for all b, c. raised: F_b^m. phi: D_a xi^a / n. k: D_a phi.
+    """
+
+    xi: Row
+    F: list[Row]
+    raised: list[Row]
+    phi: Element
+    k: Row
+
+
+def _algebra(
+    conditions: Conditions, place: Specialization, reduced_conditions: Reduced
+) -> LieAlgebra:
     """Brackets of the symmetries with the values that the conditions leave free.
 
-    zeta^a = xi^m F'_m^a - xi'^m F_m^a
-    D_b zeta_c = F_b^m F'_mc - F'_b^m F_mc + (xi^m xi'^d - xi'^m xi^d) R_mcbd
+    zeta^a = xi^m D_m xi'^a - xi'^m D_m xi^a,  D_a xi_b = F_ab + phi g_ab
+    F''_bc = F_b^m F'_mc - F'_b^m F_mc + (xi^m xi'^d - xi'^m xi^d) R_mcbd
+             + xi_c k'_b - xi_b k'_c - xi'_c k_b + xi'_b k_c
+    phi'' = xi^m k'_m - xi'^m k_m
+    k''_a = D_a xi^m k'_m - xi^m (L_xi' P)_am - D_a xi'^m k_m + xi'^m (L_xi P)_am
     """
-    n, field = frame.dimension, place.field
-    basis, free = conditions.kernel(), conditions.free
-    inverse = _values(place, frame.inverse_metric.components.nonzero)
-    riemann = {}
-    if n > 1:
-        curvature = levi_civita(frame).curvature.lower.components
-        riemann = _values(place, curvature.nonzero)
-    turns = list(combinations(range(n), 2))
-    forms = [_turns(field, vector[n:], turns, n) for vector in basis]
-    raised = [
-        [
+    frame, field = conditions.frame, place.field
+    n, turns, free = frame.dimension, conditions.turns, reduced_conditions.free
+    end = n + len(turns)
+    bar = levi_civita(frame)
+    inverse = _values(place, frame.inverse_metric)
+    g = _values(place, frame.metric)
+    riemann = _values(place, bar.curvature.lower) if n > 1 else {}
+    schouten, slope = {}, {}
+    if conditions.scaling == 2:
+        schouten = _values(place, bar.curvature.schouten)
+        slope = _values(place, bar.covariant_derivative(bar.curvature.schouten))
+
+    def split(vector: Row) -> Values:
+        F = [[field.zero] * n for _ in range(n)]
+        for (b, c), x in zip(turns, vector[n:end], strict=True):
+            F[b][c], F[c][b] = x, -x
+        raised = [
             [
                 field.sum([(1, F[b][c], inverse[c, m]) for c in range(n) if (c, m) in inverse])
                 for m in range(n)
             ]
             for b in range(n)
         ]
-        for F in forms
-    ]
+        phi = vector[end] if conditions.scaling else field.zero
+        k = vector[end + 1 :] if conditions.scaling == 2 else [field.zero] * n
+        return Values(vector[:n], F, raised, phi, k)
+
+    def half(v: Values, w: Values, unknown: int) -> list[tuple]:
+        """The terms of one component of the bracket; minus those with v and w exchanged."""
+        if unknown < n:
+            terms = [(1, v.xi[m], w.raised[m][unknown]) for m in range(n)]
+            return [*terms, (1, v.xi[unknown], w.phi)]
+        if unknown < end:
+            b, c = turns[unknown - n]
+            terms = [(1, v.raised[b][m], w.F[m][c]) for m in range(n)]
+            terms += [
+                (1, v.xi[m], w.xi[d], x) for (m, i, j, d), x in riemann.items() if (i, j) == (c, b)
+            ]
+            for m in range(n):
+                if (c, m) in g:
+                    terms.append((1, g[c, m], v.xi[m], w.k[b]))
+                if (b, m) in g:
+                    terms.append((-1, g[b, m], v.xi[m], w.k[c]))
+            return terms
+        if unknown == end:
+            return [(1, v.xi[m], w.k[m]) for m in range(n)]
+        a = unknown - end - 1
+        terms = [(1, v.raised[a][m], w.k[m]) for m in range(n)] + [(1, v.phi, w.k[a])]
+        terms += [(-1, v.xi[m], w.xi[c], x) for (c, i, m), x in slope.items() if i == a]
+        for (i, j), x in schouten.items():
+            # xi^m (P_lm D_a xi'^l + P_al D_m xi'^l)
+            terms.append((-1, v.xi[j], x, w.raised[a][i]))
+            if i == a:
+                terms += [(-1, v.xi[m], x, w.raised[m][j]) for m in range(n)]
+                terms.append((-2, v.xi[j], x, w.phi))
+        return terms
+
+    basis = [split(vector) for vector in reduced_conditions.kernel()]
     table = {}
-    for i, j in combinations(range(len(basis)), 2):
-        x, y, F, G, U, V = basis[i], basis[j], forms[i], forms[j], raised[i], raised[j]
-        wanted = {}
-        for place_of_unknown in free:
-            if place_of_unknown < n:
-                a = place_of_unknown
-                terms = [t for m in range(n) for t in ((1, x[m], V[m][a]), (-1, y[m], U[m][a]))]
-            else:
-                b, c = turns[place_of_unknown - n]
-                terms = [
-                    t for m in range(n) for t in ((1, U[b][m], G[m][c]), (-1, V[b][m], F[m][c]))
-                ]
-                for m in range(n):
-                    for d in range(n):
-                        curved = riemann.get((m, c, b, d))
-                        if curved is not None:
-                            terms += [(1, x[m], y[d], curved), (-1, y[m], x[d], curved)]
-            wanted[place_of_unknown] = field.sum(terms)
-        table[i, j] = [wanted[k] for k in free]
+    for (i, v), (j, w) in combinations(enumerate(basis), 2):
+        table[i, j] = [
+            field.sum([*half(v, w, u), *((-sign, *rest) for sign, *rest in half(w, v, u))])
+            for u in free
+        ]
     return LieAlgebra.of(Brackets.of(field, len(basis), table))
 
 
-def _values(
-    place: Specialization, components: Mapping[tuple[int, ...], Element]
-) -> dict[tuple[int, ...], Element]:
-    return {index: place(x) for index, x in components.items()}
-
-
-def _turns(
-    field, entries: Sequence[Element], turns: Sequence[tuple[int, int]], n: int
-) -> list[Row]:
-    """F_bc from its entries with b < c."""
-    rows = [[field.zero] * n for _ in range(n)]
-    for (b, c), x in zip(turns, entries, strict=True):
-        rows[b][c], rows[c][b] = x, -x
-    return rows
+def _values(place: Specialization, tensor: Tensor) -> dict[tuple[int, ...], Element]:
+    """The components of a tensor at a point, those that do not vanish."""
+    return {index: place(x) for index, x in tensor.components.nonzero.items()}

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import combinations
 
 import mpmath
 import numpy as np
 import sympy as sp
 
 from geomtorsion.caching import cached_property
-from geomtorsion.exact import Echelon, Reduced
-from geomtorsion.geometry import Frame, levi_civita
+from geomtorsion.exact import Reduced
+from geomtorsion.geometry import Frame
+from geomtorsion.gravity.symmetry_conditions import Conditions
 from geomtorsion.ode import ODE, solve
 
 # Digits of the values at the base, far below the errors of floats.
@@ -23,9 +23,8 @@ DIGITS = 40
 class IntegratedSymmetry:
     """A symmetry without a closed form: numbers at points, by integration from a base point.
 
-    frame: the frame of the metric.
-    conditions: the linear conditions on (xi^a, F_bc = D_b xi_c), b < c.
-    echelon: their form near the generic point, which names the unknowns that are free.
+    conditions: the linear conditions on the values of symmetries at a point.
+    reduced: their form near the generic point, which names the unknowns that are free.
     unknown: the free unknown that is 1 at the base; the other free ones are 0.
 
     Equation
@@ -33,6 +32,7 @@ class IntegratedSymmetry:
     Along the straight line q(s) of the coordinates from the base, with v = dq/ds:
     dxi^a/ds = v^b (F_b^a - Gamma_bc^a xi^c)
     dF_bc/ds = v^a (R_bcad xi^d + Gamma_ab^e F_ec + Gamma_ac^e F_be)
+    and further terms for homotheties and conformal vectors (see `Conditions`).
 
     Examples
     --------
@@ -47,10 +47,14 @@ class IntegratedSymmetry:
     ((2,), True)
     """
 
-    frame: Frame
-    conditions: Echelon
-    echelon: Reduced
+    conditions: Conditions
+    reduced: Reduced
     unknown: int
+
+    @property
+    def frame(self) -> Frame:
+        """The frame of the metric."""
+        return self.conditions.frame
 
     @property
     def base(self) -> dict[sp.Symbol, sp.Rational]:
@@ -86,59 +90,37 @@ class IntegratedSymmetry:
         equations = ODE.of(dict(zip(states, rates, strict=True)), numbers, parameters=given)
         solution = solve(equations, 1.0, accuracy)
         names = states[n : 2 * n]
-        # The errors of a solution are relative to the largest size of these states.
-        size = max(float(np.abs(solution[name]).max()) for name in names)
+        # The errors of a solution are relative to the largest size of all values.
+        size = max(float(np.abs(solution[name]).max()) for name in states[n:])
         error = size * max(solution.error_of(name) for name in names)
         return np.array([solution[name][-1] for name in names]), error
 
     @cached_property
     def _rates(self) -> tuple[list[str], list[sp.Expr]]:
-        """States (coordinates, xi, F) and their rates along a line."""
-        frame, n = self.frame, self.frame.dimension
-        bar = levi_civita(frame)
-        turns = list(combinations(range(n), 2))
-        v = sp.symbols(f"velocity_:{n}", real=True)
-        xi = sp.symbols(f"xi_:{n}", real=True)
-        F = sp.zeros(n, n)
-        for b, c in turns:
-            F[b, c] = sp.Symbol(f"F_{b}_{c}", real=True)
-            F[c, b] = -F[b, c]
-        inverse = frame.inverse_metric.nonzero()
-        gamma = bar.coefficients.nonzero()
-        rates = [*v]
-        for a in range(n):
-            rate = sum(
-                (v[b] * F[b, c] * g for (c, m), g in inverse.items() for b in range(n) if m == a),
-                sp.S.Zero,
-            )
-            rate -= sum((v[b] * x * xi[c] for (b, c, m), x in gamma.items() if m == a), sp.S.Zero)
-            rates.append(rate)
-        riemann = bar.curvature.lower.nonzero() if n > 1 else {}
-        for b, c in turns:
-            rate = sum(
-                (v[a] * R * xi[d] for (i, j, a, d), R in riemann.items() if (i, j) == (b, c)),
-                sp.S.Zero,
-            )
-            for (a, i, e), x in gamma.items():
-                if i == b:
-                    rate += v[a] * x * F[e, c]
-                if i == c:
-                    rate += v[a] * x * F[b, e]
-            rates.append(rate)
-        names = [q.name for q in frame.coordinates] + [one.name for one in xi]
-        return [*names, *(f"F_{b}_{c}" for b, c in turns)], rates
+        """States (coordinates and the values of the symmetry) and their rates along a line."""
+        frame, width = self.frame, self.conditions.width
+        v = sp.symbols(f"velocity_:{frame.dimension}", real=True)
+        values = sp.symbols(f"value_:{width}", real=True)
+        rates: list[sp.Expr] = [sp.S.Zero] * width
+        for a, speed in enumerate(v):
+            for k, row in enumerate(self.conditions.rates(a)):
+                for x, value in zip(row, values, strict=True):
+                    if x is not frame.field.zero and not x.is_zero:
+                        rates[k] += speed * x.sympy * value
+        names = [*(q.name for q in frame.coordinates), *(one.name for one in values)]
+        return names, [*v, *rates]
 
     def _start(self, parameters: Mapping[str, float]) -> list[float]:
         """xi and F at the base: one free unknown is 1, the others follow from the conditions."""
         point = {q.name: value for q, value in self.base.items()} | dict(parameters)
-        values = [0.0] * self.echelon.width
+        values = [0.0] * self.reduced.width
         values[self.unknown] = 1.0
-        pivots = self.echelon.pivots
+        pivots = self.reduced.pivots
         if pivots:
             with mpmath.workdps(DIGITS):
                 rows = [
                     [self.frame.scalar(x).at(point, digits=DIGITS)[()] for x in row]
-                    for row in self.conditions.rows
+                    for row in self.conditions.echelons[1].rows
                 ]
                 matrix = mpmath.matrix([[row[k] for k in pivots] for row in rows])
                 right = mpmath.matrix([-row[self.unknown] for row in rows])

@@ -85,7 +85,7 @@ def waves(frame: Frame, point: AtPoint) -> Lists:
     """How symmetries depend on each coordinate of which the metric is free.
 
     Where d/dq is a symmetry, the others are sums of q**k exp(lambda q) with the eigenvalues lambda
-    of its adjoint matrix. Coordinates with eigenvalues that are no square roots are omitted.
+    of its adjoint matrix. Coordinates whose eigenvalues need higher roots are omitted.
     """
     metric = frame.metric.components
     n, field, q = frame.dimension, frame.field, frame.coordinates
@@ -98,7 +98,9 @@ def waves(frame: Frame, point: AtPoint) -> Lists:
             (metric.get((c, a)).diff(q[b]) - metric.get((b, a)).diff(q[c])) / 2
             for b, c in combinations(range(n), 2)
         ]
-        own = _waves(point, point.components([*shift, *turns]), q[a])
+        values = [*shift, *turns]
+        values += [field.zero] * (point.functions.width - len(values))
+        own = _waves(point, point.components(values), q[a])
         if own is not None:
             lists[q[a]] = own
     return lists

@@ -58,10 +58,15 @@ def _components(frame: Frame, slot: str) -> Components:
     return Components(lambda a, i: legs((a, i)), unit, turning)
 
 
-def killing_vectors(frame: Frame, functions: Sequence[sp.Expr], slot: str) -> list[Tensor]:
+def killing_vectors(
+    frame: Frame, functions: Sequence[sp.Expr], slot: str, scaling: int
+) -> list[Tensor]:
     """All xi^a whose components are sums of functions with rational coefficients.
 
+    The factor phi of L_xi g = 2 phi g is such a sum too.
+
     slot: u for components xi^a, d for xi_a, D for components along legs.
+    scaling: 0 for phi = 0, 1 for constant phi, 2 for any.
     """
     if not functions:
         return []
@@ -77,6 +82,9 @@ def killing_vectors(frame: Frame, functions: Sequence[sp.Expr], slot: str) -> li
         ]
     lowering = [[own.lowering(k, j) for j in range(n)] for k in range(n)]
     unknowns = list(product(range(n), range(len(elements))))
+    # Factors phi of the metric, after the components of the vector.
+    factors = ((), [x for x in elements if all(x.free_of(one) for one in q)], elements)[scaling]
+    metric = (frame.eta if slot == "D" else frame.metric).components.get
     equations = []
     for i, j in combinations_with_replacement(range(n), 2):
         coupling = [own.coupling(i, j, k) for k in range(n)]
@@ -84,10 +92,11 @@ def killing_vectors(frame: Frame, functions: Sequence[sp.Expr], slot: str) -> li
         for k, m in unknowns:
             terms = [(1, along[m][i], lowering[k][j]), (1, along[m][j], lowering[k][i])]
             row.append(field.sum([*terms, (1, elements[m], coupling[k])]))
+        row += [field.sum([(-2, x, metric((i, j)))]) for x in factors]
         equations.append(row)
     return [
-        _vector(frame, slot, zip(unknowns, weights, strict=True), elements)
-        for weights in vanishing_sums(equations, len(unknowns))
+        _vector(frame, slot, zip(unknowns, weights[: len(unknowns)], strict=True), elements)
+        for weights in vanishing_sums(equations, len(unknowns) + len(factors))
     ]
 
 

@@ -210,7 +210,7 @@ def test_killing_form_of_rotations() -> None:
 
 
 def test_brackets() -> None:
-    """Brackets of vectors are those of the constants; the array is antisymmetric."""
+    """Brackets of vectors follow from the constants; the array is antisymmetric."""
     algebra = gt.LieAlgebra({(0, 1, 2): k, (1, 2, 0): 1, (2, 0, 1): 1})
     assert algebra.bracket([1, 0, 0], [0, 1, 2]) == (0, -2, k)
     assert algebra.structure_constants[1, 0, 2] == -k

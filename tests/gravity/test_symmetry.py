@@ -136,12 +136,86 @@ def test_no_more_vectors_than_dimensions(frame: gt.Frame) -> None:
     assert 0 <= metric.orbits <= frame.dimension
 
 
+KASNER = diagonal([t, x, y, z], 1, *[t**p for p in sp.sympify("[6/7, 3/7, -2/7]")])
+PLANE_WAVE = shipped("pp_wave").subs({"H": "x**2 - y**2"})
+
+# Frame, dimension of homotheties and of conformal vectors, number of conformal ones in closed form,
+# name of the conformal algebra.
+SCALED = {
+    "Minkowski": (FLAT, 11, 15, 15, "so(4, 2)"),
+    "Minkowski, spherical": (BALL, 11, 15, 15, "so(4, 2)"),
+    "de Sitter": (shipped("de_sitter"), 10, 15, 15, "so(4, 2)"),
+    "S3": (shipped("s3"), 6, 10, 10, "so(4, 1)"),
+    "Schwarzschild": (shipped("schwarzschild"), 4, 4, 4, "so(3) + R"),
+    "Kasner": (KASNER, 4, 4, 4, "solvable algebra of dimension 4, derived series 4, 3, 0"),
+    "plane wave": (
+        PLANE_WAVE, 7, 7, 7, "solvable algebra of dimension 7, derived series 7, 5, 1, 0",
+    ),
+    "FLRW": (CARTESIAN, 6, 15, 6, "so(4, 2)"),
+    "Heisenberg": (shipped("heisenberg"), 4, 4, 4, "oscillator algebra"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SCALED)
+def test_homotheties_and_conformal_vectors(name: str) -> None:
+    """Dimensions of known spaces; each vector changes the metric by a factor, which is checked."""
+    frame, homotheties, conformal, count, algebra = SCALED[name]
+    assert gt.symmetries(frame, "homothetic").dimension == homotheties
+    found = gt.symmetries(frame, "conformal")
+    assert (found.dimension, len(found.closed_form)) == (conformal, count)
+    assert found.algebra.name == algebra
+    n, bar = frame.dimension, gt.levi_civita(frame)
+    for xi in found.closed_form:
+        factor = bar.divergence(xi)[()] * sp.Rational(2, n)
+        assert (gt.lie(xi, frame) - frame.metric * factor).is_zero
+
+
+@pytest.mark.parametrize("name", ["Minkowski", "S3", "Kasner"])
+def test_brackets_of_conformal_vectors(name: str) -> None:
+    """[xi_i, xi_j] = C_ij^k xi_k holds exactly for conformal vectors as well."""
+    frame = SCALED[name][0]
+    found = gt.symmetries(frame, "conformal")
+    constants = found.algebra.structure_constants
+    vectors = found.closed_form
+    for i in range(0, len(vectors), 2):
+        for j in range(i + 1, len(vectors)):
+            total = gt.lie_bracket(frame, vectors[i], vectors[j])
+            for k, xi in enumerate(vectors):
+                if constants[i, j, k]:
+                    total = total - xi * constants[i, j, k]
+            assert total.is_zero
+
+
+def test_an_integrated_conformal_vector() -> None:
+    """A conformal vector of the group manifold S3 satisfies its equation, by differences."""
+    frame = shipped("so3")
+    found = gt.symmetries(frame, "conformal")
+    assert (found.dimension, len(found.closed_form)) == (10, 6)
+    one = found.vectors[-1]
+    assert isinstance(one, gravity.IntegratedSymmetry)
+    names = [q.name for q in frame.coordinates]
+    start = np.array([0.4, 1.1, 0.3])
+    h = 1e-3
+
+    def at(q: np.ndarray) -> np.ndarray:
+        return one.at(dict(zip(names, q.tolist(), strict=True)), accuracy=1e-12)
+
+    slope = np.array([(at(start + h * e) - at(start - h * e)) / (2 * h) for e in np.eye(3)])
+    place = dict(zip(names, start.tolist(), strict=True))
+    g, gamma = frame.metric.at(place), gt.levi_civita(frame).coefficients.at(place)
+    lower = (slope + np.einsum("abc,b->ac", gamma, at(start))) @ g
+    symmetric = lower + lower.T
+    phi = np.trace(np.linalg.solve(g, symmetric)) / 3
+    assert abs(phi) > 1e-2
+    assert np.abs(symmetric - phi * g).max() < 1e-4 * np.abs(lower).max()
+
+
 # x + i y = (u + i v)^5: too high a power for the products that are searched.
 FIFTH_POWER = gt.Frame([u, v], sp.eye(2) * 5 * (u**2 + v**2) ** 2)
 
 
 def test_report() -> None:
-    """The report has dimensions, algebra and vectors, and what was searched if some are missing."""
+    """The report has dimensions, algebra and vectors, and the functions that were searched."""
     text = repr(gt.symmetries(BALL))
     assert text.startswith("10 symmetries of the metric, orbits of dimension 4\nalgebra: iso(3, 1)")
     assert "\nvectors:\n  [1, 0, 0, 0]\n" in text
@@ -205,6 +279,7 @@ def test_killing_equations() -> None:
 REFUSALS = [
     (lambda: gt.symmetries(CARTESIAN, "metrics"), "metric"),
     (lambda: gt.symmetries(CARTESIAN, gt.cartan(SPHERICAL)), "over the frame"),
+    (lambda: gt.symmetries(shipped("s2"), "conformal"), "infinitely many"),
     (lambda: gt.symmetries(3), "frame"),  # pyright: ignore[reportArgumentType]
 ]
 

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import sympy as sp
 
 import geomtorsion as gt
 from geomtorsion.pictures.scene_attitude import axes_picture
@@ -205,6 +206,23 @@ def massive() -> Any:
     return figure
 
 
+def motions() -> Any:
+    """The flows of the three symmetries of the hyperbolic half plane."""
+    half = gt.Frame("x y", [["1/y", "0"], ["0", "1/y"]], domain="y > 0")
+    x, y = np.meshgrid(np.linspace(-2, 2, 41), np.linspace(0.1, 3.1, 31))
+    figure = new_figure(8.4, 3.0)
+    panels = figure.subplots(1, 3, sharey=True)
+    for axes, xi, ink in zip(panels, gt.symmetries(half).vectors, SERIES, strict=False):
+        values = xi.at({"x": x, "y": y})
+        axes.streamplot(x, y, values[..., 0], values[..., 1], color=ink.line["color"], density=0.7)
+        axes.set_title(rf"$\xi = ({sp.latex(xi[0])},\ {sp.latex(xi[1])})$")
+        axes.set_xlabel("$x$")
+        axes.set_aspect("equal")
+        quiet(axes)
+    panels[0].set_ylabel("$y$")
+    return figure
+
+
 DRAWINGS: dict[str, Callable[[], Any]] = {
     "01_any_tetrad": plan,
     "02_paper_so3": closure,
@@ -227,6 +245,7 @@ DRAWINGS: dict[str, Callable[[], Any]] = {
     ).plot(),
     "27_theories_of_your_own": massive,
     "27_which_effects_matter": influences,
+    "27_symmetries_and_holonomy": motions,
 }
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from enum import StrEnum
 from typing import Annotated
 
 import typer
@@ -12,8 +13,17 @@ from geomtorsion.cli.options import Form, SpaceOrFile
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working
 from geomtorsion.cli.theories import Over, connection_of
+from geomtorsion.errors import ArgumentError
 from geomtorsion.geometry import HolonomyAlgebra
 from geomtorsion.gravity import Symmetries
+
+
+class Keep(StrEnum):
+    """How far a symmetry keeps the metric."""
+
+    metric = "metric"
+    homothetic = "homothetic"
+    conformal = "conformal"
 
 
 def symmetries(
@@ -27,11 +37,18 @@ def symmetries(
             "has none.",
         ),
     ] = Over.levi_civita,
+    keep: Annotated[
+        Keep,
+        typer.Option(
+            help="homothetic: the metric up to a constant factor; conformal: up to a function; "
+            "both for the Levi-Civita connection only.",
+        ),
+    ] = Keep.metric,
     form: Annotated[
         Form, typer.Option("--format", help="text to read, json for programs.")
     ] = Form.text,
 ) -> None:
-    """Show the symmetries of a space, their Lie algebra, and the holonomy of a connection.
+    """Show the symmetries of a space, their Lie algebra, and the holonomy.
 
     The number of symmetries and the algebra are exact. X_0, X_1, ... is a basis at one point; in
     JSON the structure constants have the keys i,j,k of [X_i, X_j] = C X_k. The holonomy algebra
@@ -41,12 +58,18 @@ def symmetries(
     Examples:
       geomtorsion symmetries schwarzschild
       geomtorsion symmetries frw -c cartan
+      geomtorsion symmetries s3 --keep conformal
       geomtorsion symmetries pp_wave --format json
     """
     with working(source):
         space = open_space(source)
         chosen = connection_of(space, connection)
-        found = gravity.symmetries(space.frame, chosen)
+        if keep is not Keep.metric and connection is not Over.levi_civita:
+            raise ArgumentError(
+                f"--keep {keep.value}: expected the Levi-Civita connection, got {connection.value}. "
+                "Omit -c, or --keep."
+            )
+        found = gravity.symmetries(space.frame, chosen if keep is Keep.metric else keep.value)
         holonomy = chosen.holonomy_algebra
         # Computed here, so that limits and the progress line apply.
         document = {"space": space.name, **_data(found, holonomy)}

@@ -21,6 +21,15 @@ def test_parallel_legs() -> None:
     assert "holonomy of the Cartan connection: trivial, dimension 0" in text
 
 
+def test_conformal_vectors() -> None:
+    """--keep conformal counts the conformal vectors; with another connection it is refused."""
+    text = run("symmetries", "s3", "--keep", "conformal").stdout
+    assert "10 symmetries of the metric up to a function" in text
+    assert "algebra: so(4, 1)" in text
+    made = run("symmetries", "s3", "--keep", "conformal", "-c", "cartan", code=2)
+    assert "expected the Levi-Civita connection" in made.output
+
+
 def test_json() -> None:
     """All numbers are in the JSON."""
     data = json.loads(run("symmetries", "s2", "--format", "json").stdout)
