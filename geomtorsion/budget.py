@@ -18,10 +18,12 @@ from geomtorsion.outgoing import duration_text
 Result = TypeVar("Result")
 # Runs shorter than this many seconds of processor time are repeated until they take as long.
 LONG_ENOUGH = 0.02
-# Digits of the runs from which the time of other digits is predicted, as far as they are needed.
+# Digits of the first trials.
 TRIALS = (2.0, 7.0, 12.0)
 # Accuracies are chosen from steps of so many to a digit, so that noise of the clock seldom matters.
 STEPS = 10
+# A trial that takes this part of the requested time is not improved.
+NEARLY = 0.8
 
 
 @dataclass(frozen=True)
@@ -108,10 +110,12 @@ class TimeModel:
 
 
 def affordable(run: Callable[[float], object], seconds: object, shorter: str) -> float:
-    """The finest accuracy from 1e-2 to 1e-12 for which a run takes no longer than some seconds.
+    """The finest accuracy from 1e-2 to 1e-12 at which a run took no longer than some seconds.
 
-    run: at an accuracy. At most three accuracies are tried: none after the first that takes longer.
-    shorter: what else costs less, for the message.
+    Trials at 2, 7 and 12 digits, as far as they fit, enclose the number of digits; secants of the
+    logarithm of the time narrow it down, until a trial takes most of the time.
+
+    run: at an accuracy. shorter: what else costs less, for the message.
 
     Raises
     ------
@@ -124,23 +128,34 @@ def affordable(run: Callable[[float], object], seconds: object, shorter: str) ->
     1e-12
     """
     most = checks.positive(seconds, "seconds", AccuracyError)
-    digits: list[float] = []
-    spent: list[float] = []
-    for trial in TRIALS:
-        try:
-            spent.append(timed(lambda d=trial: run(10.0**-d), first=True).seconds)
-        except AccuracyError:
-            # Digits that cannot be had have no price.
-            if not spent:
-                raise
-            break
-        digits.append(trial)
-        if spent[-1] > most:
-            break
-    chosen = TimeModel.of(digits, spent).digits_for(most)
-    if chosen is None:
+    low, quick = TRIALS[0], timed(lambda: run(10.0 ** -TRIALS[0]), first=True).seconds
+    if quick > most:
         raise AccuracyError(
-            f"seconds: expected at least {duration_text(spent[0])}, the time for an accuracy of "
-            f"{10.0 ** -digits[0]:.0e}, got {duration_text(most)}. Give more time, or {shorter}."
+            f"seconds: expected at least {duration_text(quick)}, the time for an accuracy of "
+            f"{10.0**-low:.0e}, got {duration_text(most)}. Give more time, or {shorter}."
         )
-    return 10.0**-chosen
+    high, slow = low, quick
+    for trial in TRIALS[1:]:
+        high, slow = trial, _seconds(run, trial)
+        if slow > most:
+            break
+        low, quick = high, slow
+    while slow > most and quick < NEARLY * most and high - low > 1.5 / STEPS:
+        part = 0.5 if math.isinf(slow) else math.log(most / quick) / math.log(slow / quick)
+        steps = math.floor((low + part * (high - low)) * STEPS)
+        # Inside the bracket, so that it shrinks.
+        trial = min(max(steps, math.floor(low * STEPS) + 1), math.ceil(high * STEPS) - 1) / STEPS
+        needed = _seconds(run, trial)
+        if needed > most:
+            high, slow = trial, needed
+        else:
+            low, quick = trial, needed
+    return 10.0**-low
+
+
+def _seconds(run: Callable[[float], object], digits: float) -> float:
+    """Time of a run to some digits; infinite where they cannot be had."""
+    try:
+        return timed(lambda: run(10.0**-digits), first=True).seconds
+    except AccuracyError:
+        return math.inf

@@ -88,10 +88,9 @@ def solve(
     progress
         called with the finished fraction, from 0 to 1; True shows a bar.
     seconds
-        processor time instead of an accuracy: at most three shorter trials, at coarser accuracies,
-        predict the smallest error that this time buys, from 1e-2 to 1e-12. The result names the
-        accuracy that was chosen: `solve(problem, t, solution.accuracy)` gives equal bits, and takes
-        about so many seconds.
+        processor time instead of an accuracy: trials, from coarse to fine, determine the smallest
+        error from 1e-2 to 1e-12 that this time buys. The result names the accuracy that was chosen:
+        `solve(problem, t, solution.accuracy)` gives equal bits, and takes no longer than `seconds`.
     overwrite
         whether to replace the checkpoint of another run.
     derivatives

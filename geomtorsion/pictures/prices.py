@@ -45,7 +45,9 @@ def draw_price(price: PriceList) -> Figure:
     certain = _certainties(price)
     bars = [("Certainty", certain)] if len(certain) > 1 else []
     if price.effects:
-        bars.append(("Effects", list(price.effects)))
+        names = [f"{'+ ' * (k > 0)}{name}" for k, (name, _) in enumerate(price.effects)]
+        times = [seconds for _, seconds in price.effects]
+        bars.append(("Effects, one by one", list(zip(names, times, strict=True))))
     figure = new_figure(5.6 + 4.6 * len(bars), 4.2)
     panels = figure.subplots(1, 1 + len(bars), squeeze=False)[0]
     if price.unit == "spacing":
@@ -95,7 +97,9 @@ def _draw_digits(axes: Axes, price: PriceList) -> None:
     axes.invert_xaxis()
     _label(axes, "Digits", "true error, relative", "time in ms")
     if rows:
-        axes.legend(fontsize=8, frameon=False, handlelength=3.2)
+        # Room for the names above the lines.
+        axes.margins(y=0.35)
+        axes.legend(loc="upper left", fontsize=8, frameon=False, handlelength=3.2)
 
 
 def _error(row: PriceRow) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 from flint import arb
 
 from geomtorsion import checks
-from geomtorsion.errors import GeomtorsionError
+from geomtorsion.errors import ArgumentError, GeomtorsionError
 from geomtorsion.geometry import Connection
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.loops import (
@@ -24,7 +24,6 @@ from geomtorsion.loops import (
     forms,
 )
 from geomtorsion.loops.integrals import line_route
-from geomtorsion.materials import Burgers
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.prices import offer as offers
 from geomtorsion.prices.motions import proved_claim
@@ -210,35 +209,72 @@ def measured_offer(source: Any, request: Request) -> Offer:
     """The price of a circuit through measured matter: error against spacing, and its noise floor.
 
     A grid is compared with every second, fourth and eighth of its nodes; other sources are
-    measured once.
+    measured once. A whole number of cells instead of a loop means the survey of all circuits of
+    this size on a grid.
     """
+    if isinstance(source, SampledFrame) and checks.whole(request.at) is not None:
+        return _survey_offer(source, request)
     loop = loop_of(request)
     whole = source.burgers(loop)
-    scale = _size(whole) or loop.size
+    scale = float(np.abs(whole.vector).max()) or loop.size
     name = f"{loop} in {type(source).__name__}"
     floor = whole.noise / scale
+    run = partial(_circuit, loop=loop, scale=scale)
     if not isinstance(source, SampledFrame) or source.displacement is not None:
-        way = Way("circuit", "estimate", lambda a: partial(_circuit, source, loop, scale), (0.0,))
+        way = Way("circuit", "estimate", lambda a: partial(run, source), (0.0,))
         return Offer(name, [way], "not known", lambda value, accuracy: None, None, "-", floor)
-    step = float(max(abs(axis[1] - axis[0]) for axis in source.axes))
-    grids = {stride * step: stride for stride in STRIDES}
+    grids = _spacings(source)
+    way = Way("circuit", "estimate", _on_grids(source, run), tuple(grids))
+    judged = partial(_against, whole.vector, whole.error / scale, scale)
+    return Offer(name, [way], "all nodes, within their own error", judged, None, "spacing", floor)
+
+
+def _survey_offer(grid: SampledFrame, request: Request) -> Offer:
+    """The price of a survey: circuits of equal length on coarser grids, where these have any."""
+    size = checks.count(request.at, "at", ArgumentError, 1)
+    whole = grid.burgers_map(size)
+    scale = float(np.nanmax(np.abs(whole.vectors))) or 1.0
+    floor = float(np.nanmedian(whole.noise)) / scale
+    grids = [step for step, stride in _spacings(grid).items() if size % stride == 0]
+
+    def run(coarse: SampledFrame, cells: int) -> Claim:
+        survey = coarse.burgers_map(cells)
+        return Claim(survey.vectors, float(np.nanmax(survey.errors)) / scale)
 
     def ready(spacing: float) -> offers.Run:
-        return partial(_circuit, _coarser(source, grids[spacing]), loop, scale)
+        stride = _spacings(grid)[spacing]
+        return partial(run, _coarser(grid, stride), size // stride)
 
     def judged(value: np.ndarray, spacing: float) -> Bounds:
-        gap = float(np.abs(value - whole.vector).max()) / scale
-        # All nodes against themselves show no error.
-        own = whole.error / scale
-        return Bounds(max(0.0, gap - own), gap + own)
+        stride = _spacings(grid)[spacing]
+        same = whole.vectors[(slice(None), *(slice(None, None, stride),) * grid.dimension)]
+        same = same[tuple(slice(None, n) for n in value.shape)]
+        own = float(np.nanmax(whole.errors)) / scale
+        return _against(same, own, scale, value, spacing)
 
-    way = Way("circuit", "estimate", ready, tuple(grids))
-    truth = "all nodes, within their own error"
-    return Offer(name, [way], truth, judged, None, "spacing", floor)
+    name = f"{whole.known.size} circuits of {size} x {size} cells"
+    way = Way("survey", "estimate", ready, grids)
+    return Offer(name, [way], "all nodes, within their own error", judged, None, "spacing", floor)
 
 
-def _size(b: Burgers) -> float:
-    return float(np.abs(b.vector).max())
+def _spacings(grid: SampledFrame) -> dict[float, int]:
+    """Spacing of coarser grids -> every how many nodes they have, the coarsest first."""
+    step = float(max(abs(axis[1] - axis[0]) for axis in grid.axes))
+    return {stride * step: stride for stride in STRIDES}
+
+
+def _on_grids(
+    grid: SampledFrame, run: Callable[[SampledFrame], Claim]
+) -> Callable[[float], offers.Run]:
+    return lambda spacing: partial(run, _coarser(grid, _spacings(grid)[spacing]))
+
+
+def _against(
+    true: np.ndarray, own: float, scale: float, value: np.ndarray, spacing: float
+) -> Bounds:
+    """Bounds of an error, from a result on all nodes with its own error."""
+    gap = float(np.nanmax(np.abs(value - true))) / scale
+    return Bounds(max(0.0, gap - own), gap + own)
 
 
 def _circuit(source: Any, loop: Loop, scale: float) -> Claim:

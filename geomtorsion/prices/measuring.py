@@ -64,8 +64,9 @@ def price(
         `SampledFrame` or anything else that closes loops), a scene; or a result: a solution, an
         ensemble, a Burgers vector, a development, a proof.
     at
-        times for a problem (10 by default), a loop for a frame, connection or measured data, a
-        point for a tensor; nothing for a result or a scene, which know theirs.
+        times for a problem (10 by default); a loop for a frame, connection or measured data; a
+        number of cells for the survey of a grid; a point for a tensor; nothing for a result or a
+        scene, which know theirs.
     accuracies
         relative errors to request.
     engines

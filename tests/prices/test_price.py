@@ -235,6 +235,22 @@ def test_coarser_grids_have_their_own_errors():
     assert 0 < first.true.low <= abs(coarse - exact) / exact <= first.true.high
 
 
+def test_a_survey_of_a_grid():
+    """All circuits of one size, on grids on which the size is a whole number of cells."""
+    table = gt.price(gt.SampledFrame(AXES, FIELD, sigma=1e-5), 4)
+    assert [row.requested for row in table.rows] == [0.25, 0.125, 0.0625]
+    assert table.name == "841 circuits of 4 x 4 cells"
+    assert all(row.holds is not False for row in table.rows)
+    coarse, _, finest = table.rows
+    assert coarse.true is not None
+    assert finest.true is not None
+    assert coarse.true.high > finest.true.high
+    assert finest.true.low == 0
+    # Twice the noise is twice the floor.
+    noisy = gt.price(gt.SampledFrame(AXES, FIELD, sigma=2e-5), 4)
+    assert noisy.floor == pytest.approx(2 * (table.floor or 0.0))
+
+
 def test_other_measured_data():
     """Other sources are measured once, with their claim."""
     lines = gt.LineArrays([[1.0, 1, 0], [1, 1, 4]], [[0, 1]], [[0, 0, 1.0]])
@@ -299,6 +315,7 @@ def test_figure_and_notebook(monkeypatch):
         "proof, 1e-10",
     ]
     widths: list[Any] = list(effects.patches)
+    assert [text.get_text() for text in effects.get_yticklabels()] == ["spin", "+ gravity"]
     assert [bar.get_width() for bar in widths] == [100.0, 200.0]
     assert table._repr_html_().count("<tr>") == 6
     (spacing,) = replace(table, effects=(), unit="spacing", floor=1e-3).plot().axes
