@@ -9,12 +9,12 @@ from geomtorsion.scenes.effects.gravity_gradient import GravityGradient
 from geomtorsion.scenes.effects.knife_edge import KnifeEdge
 from geomtorsion.scenes.effects.magnet import Magnet
 from geomtorsion.scenes.effects.pivot import Pivot
-from geomtorsion.scenes.effects.protocol import Constraint, Contribution, Effect, unit
+from geomtorsion.scenes.effects.protocol import Constraint, Contribution, Effect, Typical, unit
 from geomtorsion.scenes.effects.rolling import Rolling
 from geomtorsion.scenes.effects.rotor import Rotor
 from geomtorsion.scenes.effects.spin import Spin
 from geomtorsion.scenes.effects.spring import Spring
-from geomtorsion.scenes.effects.surroundings import Surroundings, Typical
+from geomtorsion.scenes.effects.surroundings import Surroundings
 from geomtorsion.scenes.effects.thrust import BodyMoment, Thrust
 from geomtorsion.scenes.effects.torsion import Naive, Torsion
 

@@ -11,8 +11,8 @@ from geomtorsion.checks import plain
 from geomtorsion.errors import SceneError
 from geomtorsion.scenes.body import Body, Number, exact
 from geomtorsion.scenes.context import Context
-from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
-from geomtorsion.scenes.effects.surroundings import Surroundings, Typical, mean_radius
+from geomtorsion.scenes.effects.protocol import Contribution, Effect, Typical, unit
+from geomtorsion.scenes.effects.surroundings import Surroundings, mean_radius
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,8 @@ import sympy as sp
 from geomtorsion.scenes.body import Body, Number
 from geomtorsion.scenes.context import Context
 from geomtorsion.scenes.effects.fields import check_numbers, check_vectors
-from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
-from geomtorsion.scenes.effects.surroundings import Surroundings, Typical, mean_radius, semiaxes
+from geomtorsion.scenes.effects.protocol import Contribution, Effect, Typical, unit
+from geomtorsion.scenes.effects.surroundings import Surroundings, mean_radius, semiaxes
 
 
 @dataclass(frozen=True)

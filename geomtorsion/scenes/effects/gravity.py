@@ -8,8 +8,8 @@ from typing import ClassVar
 from geomtorsion.scenes.body import Body, Number
 from geomtorsion.scenes.context import Context
 from geomtorsion.scenes.effects.fields import check_numbers
-from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
-from geomtorsion.scenes.effects.surroundings import Surroundings, Typical
+from geomtorsion.scenes.effects.protocol import Contribution, Effect, Typical, unit
+from geomtorsion.scenes.effects.surroundings import Surroundings
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import sympy as sp
 
 from geomtorsion.scenes.body import Body, Number
 from geomtorsion.scenes.context import GROUPS, Context
-from geomtorsion.scenes.effects.surroundings import Surroundings, Typical
+from geomtorsion.scenes.effects.surroundings import Surroundings
 
 Triple = tuple[sp.Expr, sp.Expr, sp.Expr] | tuple[sp.Expr, ...]
 # Time, and the new values of parameters or states.
@@ -136,6 +136,20 @@ class Effect:
     def units(cls) -> dict[str, str]:
         """Field -> unit (SI); "" for pure numbers; other fields are omitted."""
         return {item.name: item.metadata["unit"] for item in fields(cls) if "unit" in item.metadata}
+
+
+@dataclass(frozen=True)
+class Typical:
+    """An effect with numbers that follow from the body and its surroundings.
+
+    effect: with its numbers; formula: how they follow; assumption: when it holds.
+    at_surface: whether it acts at the surface of the planet, and not only on an orbit.
+    """
+
+    effect: Effect
+    formula: str
+    assumption: str
+    at_surface: bool = True
 
 
 def unit(text: str) -> dict[str, str]:

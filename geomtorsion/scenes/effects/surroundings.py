@@ -1,4 +1,4 @@
-"""Surroundings: air and gravity around a body, and the effects that follow from them."""
+"""Surroundings: air and gravity around a body, and the size of the body in them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from geomtorsion.errors import SceneError
 
 if TYPE_CHECKING:
     from geomtorsion.scenes.body import Body
-    from geomtorsion.scenes.effects.protocol import Effect
 
 
 @dataclass(frozen=True)
@@ -57,20 +56,6 @@ class Surroundings:
     def orbital_rate(self) -> float:
         """Angular velocity of a circular orbit at the surface, rad/s: sqrt(gravity / radius)."""
         return math.sqrt(self.gravity / self.radius)
-
-
-@dataclass(frozen=True)
-class Typical:
-    """An effect with numbers that follow from the body and its surroundings.
-
-    effect: with its numbers; formula: how they follow; assumption: when it holds.
-    at_surface: whether it acts at the surface of the planet, and not only on an orbit.
-    """
-
-    effect: Effect
-    formula: str
-    assumption: str
-    at_surface: bool = True
 
 
 def semiaxes(body: Body) -> tuple[float, float, float]:
