@@ -171,7 +171,7 @@ CHECKED = frozenset(
     "Taylor Tensor Torsion TransitionMap When blend burgers_vector cartan "
     "conserved_quantities contract dispiration equations_of_motion exact_burgers_vector "
     "kerr_orbit linearized exponential_map free_top from_coefficients from_contortion "
-    "from_spin_connection "
+    "from_nonmetricity from_spin_connection "
     "geodesic_deviation holonomy identities levi_civita log_map numpy_function "
     "parallel_transport parse_expression spaces variation Circuit OrientationMap Phase".split()
 )
