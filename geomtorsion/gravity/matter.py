@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from types import UnionType
 from typing import ClassVar, Protocol
 
 import sympy as sp
@@ -16,7 +17,6 @@ from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, unknown_functions
 from geomtorsion.geometry import Connection, Frame, Tensor, antisymmetric
 from geomtorsion.gravity.fields import FrameFields, Index, Terms, along
-from geomtorsion.gravity.fluids import Fluid
 from geomtorsion.gravity.invariants import new_name
 from geomtorsion.gravity.lagrangian import scalar_of
 from geomtorsion.gravity.products import TENSORS, Factor, Product
@@ -306,11 +306,11 @@ def _square(name: str, rank: int) -> tuple[Product, ...]:
     return (Product(Fraction(1), (factor, factor)),)
 
 
-def numbered(matter: Iterable[MatterField | Fluid]) -> tuple[MatterField | Fluid, ...]:
+def numbered(matter: Iterable[object]) -> tuple[object, ...]:
     """Matter with numbers for fields of one kind, by which their names differ."""
     counts: dict[str, int] = {}
     owners: dict[str, str] = {}
-    result: list[MatterField | Fluid] = []
+    result: list[object] = []
     for one in matter:
         if isinstance(one, ScalarField | Maxwell):
             counts[one.kind] = counts.get(one.kind, 0) + 1
@@ -369,3 +369,14 @@ def maxwell(potential: Sequence[sp.Expr | str]) -> Maxwell:
     ('F2',)
     """
     return Maxwell(potential)
+
+
+def one_or_several(values: object, kind: type | UnionType, subject: str, message: str) -> list:
+    """One value of a kind, or a list of some."""
+    if isinstance(values, kind):
+        return [values]
+    listed = list(checks.entries(values, subject, GravityError, message=message))
+    for value in listed:
+        if not isinstance(value, kind):
+            raise GravityError(message.format(subject=subject, value=checks.shown(value)))
+    return listed
