@@ -19,12 +19,12 @@ from geomtorsion.gravity.catalogue import Catalogue
 from geomtorsion.gravity.content import Content
 from geomtorsion.gravity.fields import HALF, Index, Terms, antisymmetric_part, turning
 from geomtorsion.gravity.fluids import Fluid
-from geomtorsion.gravity.geometries import check_geometry
+from geomtorsion.gravity.geometries import check_geometry, listed
 from geomtorsion.gravity.hypermomentum import Hypermomentum
 from geomtorsion.gravity.identities import rotations, translations
 from geomtorsion.gravity.invariants import Invariant
 from geomtorsion.gravity.lagrangian import Lagrangian, Reading, known_as, read
-from geomtorsion.gravity.matter import MatterField, numbered, one_or_several
+from geomtorsion.gravity.matter import MatterField, numbered
 from geomtorsion.gravity.momenta import Momenta
 from geomtorsion.gravity.naming import Call, calls_of, jet_names
 from geomtorsion.gravity.unknown_terms import terms_of
@@ -454,8 +454,8 @@ def equations(
     True
     """
     message = "{subject}: expected one connection or a list of connections, got {value}."
-    listed = one_or_several(connections, ConnectionLike, "connections", message)
-    several = [as_connection(one, "connections", GravityError) for one in listed]
+    own = listed(connections, ConnectionLike, "connections", message)
+    several = [as_connection(one, "connections", GravityError) for one in own]
     if not several:
         raise GravityError(
             "equations: expected a connection, got an empty list. Give gt.cartan(frame) or another."
@@ -476,14 +476,14 @@ def equations(
     message = (
         "{subject}: expected gravity.invariant(name, formula), or a list of them, got {value}."
     )
-    own = (*theory.invariants, *one_or_several(invariants, Invariant, "invariants", message))
-    theory = replace(theory, constants=declared, invariants=own)
+    added = listed(invariants, Invariant, "invariants", message)
+    theory = replace(theory, constants=declared, invariants=(*theory.invariants, *added))
     check_geometry(theory, several)
     message = (
         "{subject}: expected gravity.scalar_field, maxwell, fluid, weyssenhoff or hypermomentum, "
         "or a list of these, got {value}."
     )
-    sources = one_or_several(matter, MatterField | Source, "matter", message)
+    sources = listed(matter, MatterField | Source, "matter", message)
     for source in sources:
         source.check(several[0].frame)
     result = FieldEquations(tuple(several), theory, tuple(sources))

@@ -8,6 +8,7 @@ from itertools import product
 
 from geomtorsion import checks
 from geomtorsion.errors import GravityError
+from geomtorsion.exact import Element
 from geomtorsion.geometry import Connection, Frame, Tensor, at_home
 from geomtorsion.gravity.lagrangian import scalar_of
 
@@ -29,6 +30,11 @@ class Hypermomentum:
         """Read the components."""
         self._density(frame)
         self._energy_momentum(frame)
+
+    def elements(self, frame: Frame) -> list[Element]:
+        """The expressions of which the source is made."""
+        tensors = self._density(frame), self._energy_momentum(frame)
+        return [x for one in tensors for x in one.components.nonzero.values()]
 
     def _density(self, frame: Frame) -> Tensor:
         return _components(frame, self.density, "UUD", "density")

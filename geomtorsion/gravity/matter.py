@@ -6,7 +6,6 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from types import UnionType
 from typing import ClassVar, Protocol
 
 import sympy as sp
@@ -369,14 +368,3 @@ def maxwell(potential: Sequence[sp.Expr | str]) -> Maxwell:
     ('F2',)
     """
     return Maxwell(potential)
-
-
-def one_or_several(values: object, kind: type | UnionType, subject: str, message: str) -> list:
-    """One value of a kind, or a list of some."""
-    if isinstance(values, kind):
-        return [values]
-    listed = list(checks.entries(values, subject, GravityError, message=message))
-    for value in listed:
-        if not isinstance(value, kind):
-            raise GravityError(message.format(subject=subject, value=checks.shown(value)))
-    return listed

@@ -65,7 +65,7 @@ def test_spin_coefficients_of_kerr() -> None:
 
 
 def test_spin_coefficients_do_not_depend_on_the_signature() -> None:
-    """Both signatures have the same coefficients; rho and mu are those of round spheres."""
+    """Both signatures have the same coefficients; rho and mu measure the growth of spheres."""
     one, other = (newman_penrose(static(1 - 2 * M / r, x)) for x in (MINUS, PLUS))
     assert one.spin_coefficients == other.spin_coefficients
     slope = sp.sqrt(1 - 2 * M / r) / (sp.sqrt(2) * r)
