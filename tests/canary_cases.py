@@ -177,6 +177,9 @@ def public_functions() -> list[Case]:
         _of("contract", _contracted, letters="ab,b->a"),
         _public("from_coefficients", frame=PLANE, coefficients=[[[0, X], [0, 0]]] * 2),
         _public("from_contortion", frame=PLANE, contortion=[[[0, 0], [0, 0]]] * 2),
+        _public(
+            "from_nonmetricity", frame=PLANE, nonmetricity=[[[0, 0], [0, X]]] * 2, torsion=None
+        ),
         _public("from_torsion", frame=PLANE, torsion=[[[0, 0], [0, 0]]] * 2),
         _public("from_spin_connection", frame=PLANE, omega=[[[0, X], [-X, 0]]] * 2),
         _public("numpy_function", elements=[PLANE.metric.element(1, 1)], symbols=[X, Y]),

@@ -173,7 +173,7 @@ CHECKED = frozenset(
     "kerr_orbit linearized exponential_map free_top from_coefficients from_contortion "
     "from_spin_connection geodesic_deviation holonomy identities levi_civita log_map "
     "numpy_function parallel_transport parse_expression spaces variation Circuit OrientationMap "
-    "Phase".split()
+    "Phase from_nonmetricity".split()
 )
 REFUSED_BY_PYTHON = ("unsupported operand", "unhashable type", "can't multiply sequence")
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from fractions import Fraction
 from importlib import import_module
+from itertools import product
 from typing import Protocol, TypeAlias, runtime_checkable
 
 from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, GeomtorsionError, ShapeError, TensorIndexError
 from geomtorsion.exact import Element
 from geomtorsion.geometry import riemannian
-from geomtorsion.geometry.components import Index
+from geomtorsion.geometry.components import Index, symmetric
 from geomtorsion.geometry.connection import Connection
 from geomtorsion.geometry.derived import derived
 from geomtorsion.geometry.frame import Frame
@@ -354,6 +355,59 @@ def from_torsion(frame: FrameLike, torsion: object) -> Connection:
     return Connection(frame, coefficients, "connection from torsion", "metric")
 
 
+def from_nonmetricity(frame: FrameLike, nonmetricity: object, torsion: object = None) -> Connection:
+    """The one connection that has a given nonmetricity Q_abc = D_a g_bc and a given torsion.
+
+    Equation
+    --------
+    Gamma_ab^c = Gamma_bar_ab^c + K_ab^c + L_ab^c,  L_abc = (Q_cab - Q_abc - Q_bac) / 2
+
+    Parameters
+    ----------
+    nonmetricity
+        Q_abc, symmetric in b and c, shape (n, n, n) in coordinates, or a tensor with slots ddd (or
+        DDD, dud, ...).
+    torsion
+        S_ab^c as in `from_torsion`; without it the connection has no torsion.
+
+    Raises
+    ------
+    TensorIndexError
+        Q_abc is not symmetric in b and c, or S_ab^c not antisymmetric in a and b.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from geomtorsion.geometry import Frame
+    >>> x, y = sp.symbols("x y")
+    >>> plane = Frame([x, y], [[1, 0], [0, 1]])
+    >>> stretched = from_nonmetricity(plane, [[[x, 0], [0, 0]], [[0, 0], [0, 0]]])
+    >>> stretched.nonmetricity.nonzero(), stretched.is_torsion_free
+    ({(0, 0, 0): x}, True)
+    """
+    frame = as_frame(frame)
+    Q = _with_slots(frame, nonmetricity, "nonmetricity", "ddd").components.get
+    for a, b, c in product(range(frame.dimension), repeat=3):
+        if b < c and not _cancels(Q((a, b, c)), -Q((a, c, b))):
+            raise TensorIndexError(
+                "nonmetricity: Q_abc must be symmetric in its last two indices, but components "
+                f"[{a}, {b}, {c}] and [{a}, {c}, {b}] differ. Use from_coefficients for "
+                "coefficients."
+            )
+
+    def rule(index: Index) -> Element:
+        a, b, c = index
+        terms = [(HALF, Q((c, a, b))), (-HALF, Q((a, b, c))), (-HALF, Q((b, a, c)))]
+        return frame.field.sum(terms)
+
+    metric = levi_civita(frame) if torsion is None else from_torsion(frame, torsion)
+    extra = Tensor(frame, "ddd", rule, symmetric(3)).raised(2)
+    coefficients = _coefficients(
+        frame, (metric.coefficients + extra).components, "\\Gamma", "connection"
+    )
+    return Connection(frame, coefficients, "connection from nonmetricity", "general")
+
+
 def blend(first: ConnectionLike, second: ConnectionLike, share: Scalar = HALF) -> Connection:
     """(1 - share) first + share second: the Cartan-Schouten family between two connections.
 
@@ -397,14 +451,14 @@ def _cancels(one: Element, two: Element) -> bool:
     return (one + two).is_zero is True
 
 
-def _with_slots(frame: Frame, values: object, what: str) -> Tensor:
-    """Torsion or contortion in the form ddu, from a tensor in any form or from an array."""
+def _with_slots(frame: Frame, values: object, what: str, slots: str = "ddu") -> Tensor:
+    """Torsion or another field in one form, from a tensor in any form or from an array."""
     if not isinstance(values, Tensor):
-        return tensor_from_array(frame, "ddu", values, what)
+        return tensor_from_array(frame, slots, values, what)
     tensor = values.in_coordinates()
-    for k, slot in enumerate("ddu"[: len(tensor.slots)]):
+    for k, slot in enumerate(slots[: len(tensor.slots)]):
         tensor = tensor.raised(k) if slot == "u" else tensor.lowered(k)
-    return _given(frame, tensor, "ddu", what)
+    return _given(frame, tensor, slots, what)
 
 
 def _given(frame: Frame, tensor: Tensor, slots: str, what: str) -> Tensor:

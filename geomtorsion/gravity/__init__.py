@@ -2,6 +2,7 @@
 
 from geomtorsion.gravity.equations import FieldEquations, equations
 from geomtorsion.gravity.fluids import fluid, torsion_from_spin, weyssenhoff
+from geomtorsion.gravity.hypermomentum import hypermomentum
 from geomtorsion.gravity.inertial import inertial
 from geomtorsion.gravity.invariance import (
     invariant_coframe,
@@ -44,6 +45,7 @@ __all__ = [
     "gauss_bonnet",
     "general_relativity",
     "holst",
+    "hypermomentum",
     "inertial",
     "invariant",
     "invariant_coframe",

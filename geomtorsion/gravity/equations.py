@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from types import UnionType
 
 import sympy as sp
 
@@ -18,9 +17,10 @@ from geomtorsion.geometry import Connection, Frame, IdentityCheck, Tensor, at_ho
 from geomtorsion.geometry.connections import ConnectionLike, as_connection
 from geomtorsion.gravity.catalogue import Catalogue
 from geomtorsion.gravity.content import Content
-from geomtorsion.gravity.fields import HALF, Index, Terms, antisymmetric_part
+from geomtorsion.gravity.fields import HALF, Index, Terms, antisymmetric_part, turning
 from geomtorsion.gravity.fluids import Fluid
-from geomtorsion.gravity.geometries import check_geometry
+from geomtorsion.gravity.geometries import check_geometry, listed
+from geomtorsion.gravity.hypermomentum import Hypermomentum
 from geomtorsion.gravity.identities import rotations, translations
 from geomtorsion.gravity.invariants import Invariant
 from geomtorsion.gravity.lagrangian import Lagrangian, Reading, known_as, read
@@ -30,6 +30,8 @@ from geomtorsion.gravity.naming import Call, calls_of, jet_names
 from geomtorsion.gravity.unknown_terms import terms_of
 from geomtorsion.gravity.variation import Variation
 from geomtorsion.gravity.vocabulary import Vocabulary, declared_constants
+
+Source = Fluid | Hypermomentum
 
 
 @exclusive
@@ -52,7 +54,7 @@ class FieldEquations:
 
     connections: tuple[Connection, ...]
     lagrangian: Lagrangian
-    matter: tuple[MatterField | Fluid, ...] = ()
+    matter: tuple[MatterField | Source, ...] = ()
 
     _repr_html_ = drawn_by("field_equations", "field_equations_html")
 
@@ -291,8 +293,8 @@ class FieldEquations:
         return [one for one in numbered(self.matter) if isinstance(one, MatterField)]
 
     @property
-    def _fluids(self) -> list[Fluid]:
-        return [one for one in self.matter if isinstance(one, Fluid)]
+    def _fluids(self) -> list[Source]:
+        return [one for one in self.matter if not isinstance(one, MatterField)]
 
     @cached_property
     def _varied(self) -> tuple[int, ...]:
@@ -308,6 +310,8 @@ class FieldEquations:
             if number == 0:
                 for fluid in self._fluids:
                     total = total + fluid.connection_source(self.connections[0])
+                if self._content.metric[0] and self._fluids:
+                    total = turning(total)
             tensors.append(
                 Tensor(
                     self.frame, "UUD", total.components, total.symmetry, "C", "connection equation"
@@ -405,7 +409,7 @@ class FieldEquations:
 def equations(
     connections: ConnectionLike | Iterable[ConnectionLike],
     lagrangian: Lagrangian | str | sp.Expr,
-    matter: MatterField | Fluid | Iterable[MatterField | Fluid] = (),
+    matter: MatterField | Source | Iterable[MatterField | Source] = (),
     *,
     constants: str | sp.Symbol | Iterable[str | sp.Symbol] = (),
     invariants: Invariant | Iterable[Invariant] = (),
@@ -450,8 +454,8 @@ def equations(
     True
     """
     message = "{subject}: expected one connection or a list of connections, got {value}."
-    listed = _listed(connections, ConnectionLike, "connections", message)
-    several = [as_connection(one, "connections", GravityError) for one in listed]
+    own = listed(connections, ConnectionLike, "connections", message)
+    several = [as_connection(one, "connections", GravityError) for one in own]
     if not several:
         raise GravityError(
             "equations: expected a connection, got an empty list. Give gt.cartan(frame) or another."
@@ -472,28 +476,17 @@ def equations(
     message = (
         "{subject}: expected gravity.invariant(name, formula), or a list of them, got {value}."
     )
-    own = (*theory.invariants, *_listed(invariants, Invariant, "invariants", message))
-    theory = replace(theory, constants=declared, invariants=own)
+    added = listed(invariants, Invariant, "invariants", message)
+    theory = replace(theory, constants=declared, invariants=(*theory.invariants, *added))
     check_geometry(theory, several)
     message = (
-        "{subject}: expected gravity.scalar_field, gravity.maxwell, gravity.fluid or "
-        "gravity.weyssenhoff, or a list of these, got {value}."
+        "{subject}: expected gravity.scalar_field, maxwell, fluid, weyssenhoff or hypermomentum, "
+        "or a list of these, got {value}."
     )
-    sources = _listed(matter, MatterField | Fluid, "matter", message)
+    sources = listed(matter, MatterField | Source, "matter", message)
     for source in sources:
         source.check(several[0].frame)
     result = FieldEquations(tuple(several), theory, tuple(sources))
     # Reads the Lagrangian, so that a wrong name is refused here.
     result.check_names()
     return result
-
-
-def _listed(values: object, kind: type | UnionType, subject: str, message: str) -> list:
-    """One value of a kind, or a list of some."""
-    if isinstance(values, kind):
-        return [values]
-    listed = list(checks.entries(values, subject, GravityError, message=message))
-    for value in listed:
-        if not isinstance(value, kind):
-            raise GravityError(message.format(subject=subject, value=checks.shown(value)))
-    return listed

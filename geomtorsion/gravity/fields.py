@@ -34,6 +34,17 @@ def antisymmetric_part(E: Tensor) -> Tensor:
     return Tensor(E.frame, "DD", rule, antisymmetric(2), "E", "antisymmetric part of E")
 
 
+def turning(C: Tensor) -> Tensor:
+    """The part of C^{ni}_j that is antisymmetric in ij, slots UUD."""
+    lower = C.lowered().components.get
+
+    def rule(index: Index) -> Element:
+        n, i, j = index
+        return C.frame.field.sum([(HALF, lower((n, i, j))), (-HALF, lower((n, j, i)))])
+
+    return Tensor(C.frame, "DDD", rule, antisymmetric(3, 1, 2)).raised(0).raised(1)
+
+
 @exclusive
 @dataclass(frozen=True, eq=False)
 class FrameFields:

@@ -16,7 +16,6 @@ from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, unknown_functions
 from geomtorsion.geometry import Connection, Frame, Tensor, antisymmetric
 from geomtorsion.gravity.fields import FrameFields, Index, Terms, along
-from geomtorsion.gravity.fluids import Fluid
 from geomtorsion.gravity.invariants import new_name
 from geomtorsion.gravity.lagrangian import scalar_of
 from geomtorsion.gravity.products import TENSORS, Factor, Product
@@ -306,11 +305,11 @@ def _square(name: str, rank: int) -> tuple[Product, ...]:
     return (Product(Fraction(1), (factor, factor)),)
 
 
-def numbered(matter: Iterable[MatterField | Fluid]) -> tuple[MatterField | Fluid, ...]:
+def numbered(matter: Iterable[object]) -> tuple[object, ...]:
     """Matter with numbers for fields of one kind, by which their names differ."""
     counts: dict[str, int] = {}
     owners: dict[str, str] = {}
-    result: list[MatterField | Fluid] = []
+    result: list[object] = []
     for one in matter:
         if isinstance(one, ScalarField | Maxwell):
             counts[one.kind] = counts.get(one.kind, 0) + 1

@@ -16,6 +16,7 @@ from geomtorsion.exact import Element
 from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Frame, levi_civita
 from geomtorsion.geometry.connections import FrameLike, as_frame
+from geomtorsion.gravity.fields import FrameFields
 
 
 def newman_penrose(frame: FrameLike) -> NewmanPenrose:
@@ -69,7 +70,7 @@ WEYL = ((L, M, L, M), (L, N, L, M), (L, M, BAR, N), (L, N, BAR, N), (N, BAR, N, 
 @exclusive
 @dataclass(frozen=True, eq=False, repr=False)
 class NewmanPenrose:
-    """Curvature scalars of a null tetrad.
+    """Curvature scalars and spin coefficients of a null tetrad.
 
     frame: the tetrad l, n, m, m_bar.
     """
@@ -104,6 +105,41 @@ class NewmanPenrose:
     def curvature_scalar(self) -> sp.Expr:
         """Lambda = R / 24 for (-+++), -R / 24 for (+---)."""
         return (levi_civita(self.frame).curvature.scalar.element() * -self._sign / 24).sympy
+
+    @cached_property
+    def spin_coefficients(self) -> dict[str, sp.Expr]:
+        """The twelve spin coefficients by name: kappa, rho, sigma, tau, nu, mu, ..., beta.
+
+        Equation
+        --------
+        kappa = m^a l^b D_b l_a, rho = m^a mbar^b D_b l_a, sigma = m^a m^b D_b l_a,
+        tau = m^a n^b D_b l_a, nu, mu, lambda, pi = -mbar^a (n, m, mbar, l)^b D_b n_a,
+        epsilon, gamma, alpha, beta = (n^a D_b l_a - mbar^a D_b m_a)/2 along l, n, mbar, m
+        for (+---); for (-+++) with the opposite sign                      [NewmanPenrose1962]
+
+        Examples
+        --------
+        >>> from geomtorsion.gravity import newman_penrose
+        >>> from geomtorsion.spaces import load
+        >>> newman_penrose(load("kerr_kinnersley").frame).spin_coefficients["kappa"]
+        0
+        """
+        omega = FrameFields(levi_civita(self.frame)).omega.lowered(2)
+
+        def turn(along: int, leg: int, other: int) -> Element:
+            """The component along another leg of the derivative of a leg."""
+            return omega.element(along, leg, other) * self._sign
+
+        along = {"kappa": L, "rho": BAR, "sigma": M, "tau": N}
+        values = {name: turn(leg, L, M) for name, leg in along.items()}
+        along = {"nu": N, "mu": M, "lambda": BAR, "pi": L}
+        values |= {name: -turn(leg, N, BAR) for name, leg in along.items()}
+        along = {"epsilon": L, "gamma": N, "alpha": BAR, "beta": M}
+        half = Fraction(1, 2)
+        values |= {
+            name: (turn(leg, L, N) - turn(leg, M, BAR)) * half for name, leg in along.items()
+        }
+        return {name: value.sympy for name, value in values.items()}
 
     @cached_property
     def petrov_type(self) -> str:

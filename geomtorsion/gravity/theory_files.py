@@ -9,17 +9,17 @@ from geomtorsion import checks
 from geomtorsion.errors import FileFormatError
 from geomtorsion.files import TomlFile, read_toml
 from geomtorsion.gravity.geometries import GEOMETRIES
-from geomtorsion.gravity.invariants import invariant
+from geomtorsion.gravity.invariants import Invariant, invariant
 from geomtorsion.gravity.lagrangian import Lagrangian
 
-KEYS = ("name", "lagrangian", "geometry", "constants", "invariants")
+KEYS = ("lagrangian", "name", "geometry", "constants", "invariants")
 
 
 def read_theory(path: str | PathLike[str]) -> Lagrangian:
-    """Read a theory of gravity from a TOML file.
+    """Read the table [theory] of a TOML file.
 
-    Keys
-    ----
+    Keys of [theory]
+    ----------------
     lagrangian
         Text such as ``"R + c*Y"``.
     name
@@ -27,7 +27,7 @@ def read_theory(path: str | PathLike[str]) -> Lagrangian:
     geometry
         Kind of connection, as in `Lagrangian`.
     constants
-        List of names of constants that do not only multiply invariants.
+        Names of constants that do not only multiply invariants: ``"n v"``.
     invariants
         Table name -> formula with indices, as of `invariant`: ``Y = "R_abcd R^abdc"``.
 
@@ -45,47 +45,52 @@ def read_theory(path: str | PathLike[str]) -> Lagrangian:
     >>> with TemporaryDirectory() as folder:
     ...     file = Path(folder, "square.toml")
     ...     _ = file.write_text('''
+    ... [theory]
     ... lagrangian = "R + c*Y"
-    ... [invariants]
-    ... Y = "R_abcd R^abdc"
+    ... invariants = {Y = "R_abcd R^abdc"}
     ... ''')
     ...     read_theory(file)
     square: L = R + c*Y
     """
     path = checks.file_name(path)
     file = read_toml(path)
-    for key in file.data:
+    table = _table(file, file.data, "theory", 'lagrangian = "R + c*R1"')
+    for key in table:
         if key not in KEYS:
-            raise file.unknown((key,), KEYS, f"unknown key {checks.shown(key)}")
-    if "lagrangian" not in file.data:
+            file.unknown(("theory", key), KEYS, f"theory: unknown key {checks.shown(key)}")
+    if "lagrangian" not in table:
         raise FileFormatError(
-            f'{file.name}: expected the key lagrangian, got none. Write lagrangian = "R + c*R1".'
+            f'{file.name}: theory: expected a lagrangian, got none. Write lagrangian = "R".'
         )
-    table = file.data.get("invariants", {})
-    if not isinstance(table, Mapping):
-        raise FileFormatError(
-            f"{file.name}: invariants: expected a table, got {checks.shown(table)}. Write "
-            '[invariants], and below it Y = "R_abcd R^abdc".'
-        )
-    constants = file.data.get("constants", [])
-    if not isinstance(constants, list) or not all(isinstance(x, str) for x in constants):
-        raise FileFormatError(
-            f"{file.name}: constants: expected a list of names, got {checks.shown(constants)}. "
-            'Write constants = ["n"].'
-        )
-    geometry = _text(file, "geometry") or "any"
+    geometry = _text(file, table, "geometry") or "any"
     return Lagrangian(
-        _text(file, "lagrangian"),
+        _text(file, table, "lagrangian"),
         checks.choice(geometry, tuple(GEOMETRIES), f"{file.name}: geometry", FileFormatError),
-        _text(file, "name") or path.stem,
-        tuple(constants),
-        tuple(invariant(name, formula) for name, formula in table.items()),
+        _text(file, table, "name") or path.stem,
+        _text(file, table, "constants"),
+        invariants_of(file, table),
     )
 
 
-def _text(file: TomlFile, key: str) -> str:
+def invariants_of(file: TomlFile, table: Mapping[str, object]) -> tuple[Invariant, ...]:
+    """The invariants of a table [theory]."""
+    formulas = _table(file, {"invariants": {}, **table}, "invariants", 'Y = "R_abcd R^abdc"')
+    return tuple(invariant(name, formula) for name, formula in formulas.items())
+
+
+def _table(file: TomlFile, data: Mapping[str, object], key: str, example: str) -> dict:
+    """The table of a key."""
+    value = data.get(key)
+    if not isinstance(value, dict):
+        came = checks.shown(value) if key in data else "none"
+        raise FileFormatError(
+            f"{file.name}: expected a table [{key}], got {came}. Write [{key}], and below it "
+            f"{example}."
+        )
+    return value
+
+
+def _text(file: TomlFile, table: Mapping[str, object], key: str) -> str:
     """The text of a key, empty if there is none."""
     message = "{subject}: expected text in quotes, got {value}."
-    return checks.text(
-        file.data.get(key, ""), f"{file.name}: {key}", FileFormatError, message=message
-    )
+    return checks.text(table.get(key, ""), f"{file.name}: {key}", FileFormatError, message=message)

@@ -10,6 +10,7 @@ from geomtorsion.geometry import (
     cartan,
     from_coefficients,
     from_contortion,
+    from_nonmetricity,
     from_spin_connection,
     identities,
     levi_civita,
@@ -70,6 +71,21 @@ def test_contortion_must_be_one(frame: Frame) -> None:
     wrong[0][1][1] = x
     with pytest.raises(TensorIndexError, match=r"\[0, 1, 1\]"):
         from_contortion(frame, wrong)
+
+
+def test_nonmetricity_must_be_one(frame: Frame) -> None:
+    """Q_abc = Q_acb is checked, and Q with indices up or in the frame is converted."""
+    wrong = zeros()
+    wrong[0][0][1] = x
+    with pytest.raises(TensorIndexError, match=r"\[0, 0, 1\] and \[0, 1, 0\] differ"):
+        from_nonmetricity(frame, wrong)
+    right = zeros()
+    right[0][1][1] = x
+    connection = from_nonmetricity(frame, right)
+    assert connection.is_torsion_free
+    assert connection.nonmetricity.nonzero() == {(0, 1, 1): x}
+    moved = connection.nonmetricity.raised(1).in_frame()
+    assert from_nonmetricity(frame, moved).coefficients == connection.coefficients
 
 
 def test_contortion_in_any_form(frame: Frame) -> None:

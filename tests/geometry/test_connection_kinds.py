@@ -30,6 +30,10 @@ KINDS: dict[str, tuple[Callable[[], gt.Connection], str]] = {
     "from_spin_connection, bent": (lambda: gt.from_spin_connection(FRAME, BENT), "general"),
     "from_contortion": (lambda: gt.from_contortion(FRAME, CONTORTION), "metric"),
     "from_torsion": (lambda: gt.from_torsion(FRAME, CARTAN.torsion.S * S), "metric"),
+    "from_nonmetricity": (
+        lambda: gt.from_nonmetricity(FRAME, GENERAL.nonmetricity, CARTAN.torsion),
+        "general",
+    ),
     "blend": (lambda: gt.blend(BAR, CARTAN, S), "metric"),
     "blend, first general": (lambda: gt.blend(GENERAL, CARTAN, S), "general"),
     "blend, second general": (lambda: gt.blend(BAR, GENERAL), "general"),

@@ -4,6 +4,7 @@
 # pyright: reportArgumentType=false
 
 import re
+from collections.abc import Iterable
 
 import pytest
 import sympy as sp
@@ -52,7 +53,7 @@ KNOWN = {
 }
 
 
-def functions(values: object) -> set:
+def functions(values: Iterable[sp.Expr]) -> set:
     """The unknown functions or constants whose names begin with u."""
     atoms = {one for value in values for one in value.atoms(AppliedUndef, sp.Symbol)}
     return {one for one in atoms if re.fullmatch(r"u\d+(\(.*\))?", str(one))}

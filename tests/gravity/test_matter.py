@@ -131,6 +131,29 @@ def test_matter_fields_keep_the_identities() -> None:
         assert not any(one.is_zero for one in found.matter_equations.values())
 
 
+def test_hypermomentum_of_spin_is_weyssenhoffs_fluid() -> None:
+    """With s^i_j u^n/2 and -rho u_i u^n, a general source is dust with spin."""
+    frame = gt.Frame([T, X, Y, Z], sp.diag(1, 1 + T**2, 1, 1), LORENTZ)
+    spin = [[0] * 4, [0, 0, X, 0], [0, -X, 0, 0], [0] * 4]
+    dust = g.weyssenhoff(RHO, 0, [1, 0, 0, 0], spin)
+    zero = [[0] * 4] * 4
+    half = [[value / 2 for value in row] for row in sp.Matrix(spin).tolist()]
+    energy = [[-RHO, 0, 0, 0], [0] * 4, [0] * 4, [0] * 4]
+    source = g.hypermomentum([half, zero, zero, zero], energy)
+    one, other = (g.equations(gt.cartan(frame), "R + T1", x) for x in (dust, source))
+    assert (one.E - other.E).is_zero
+    assert (one.C - other.C).is_zero
+    assert not one.C.is_zero
+    # A shear turns nothing, so that it acts on general connections only.
+    pressed = [[[0] * 4, [0, 0, X, 0], [0, X, 0, 0], [0] * 4], zero, zero, zero]
+    bare = g.equations(gt.cartan(frame), "R + T1")
+    pressed_source = g.hypermomentum(pressed)
+    assert (g.equations(gt.cartan(frame), "R + T1", pressed_source).C - bare.C).is_zero
+    free = g.Lagrangian("R + T1", "metric-affine")
+    moved = g.equations(gt.cartan(frame), free, pressed_source).C
+    assert (moved - g.equations(gt.cartan(frame), free).C)[0, 1, 2] == X
+
+
 FLAT = gt.Frame([T, X, Y, Z], sp.eye(4), LORENTZ)
 U, W = sp.Function("u")(T), sp.Function("w")(T)
 
@@ -232,6 +255,17 @@ def test_the_name_of_a_scalar_field() -> None:
 
 PAIR = [g.scalar_field("u(t)"), g.scalar_field("w(t)")]
 MATTER_REFUSED = {
+    "shape of a density": ("0", g.hypermomentum([[1, 2]]), "density: expected 4 entries, got 1"),
+    "rank of a density": (
+        "0",
+        g.hypermomentum(FLAT.metric),
+        "density: expected a tensor with 3 indices",
+    ),
+    "shape of an energy": (
+        "0",
+        g.hypermomentum([[[0] * 4] * 4] * 4, [[0] * 4, [0] * 3, [0] * 4, [0] * 4]),
+        "energy_momentum[1]: expected 4 entries, got 3",
+    ),
     "second field": ("-X/2", PAIR, "expected a Lagrangian with X_2 or phi_2"),
     "second maxwell": (
         "-F2",

@@ -41,6 +41,38 @@ def test_kerr() -> None:
     assert str(kerr).startswith("Petrov type D\n  Psi_2 = ")
 
 
+def test_spin_coefficients_of_kerr() -> None:
+    """Kinnersley's tetrad as in Teukolsky (1973): rho = -1/(r - i a cos(theta)) and the others."""
+    frame = gt.spaces.load("kerr_kinnersley").frame
+    found = newman_penrose(frame).spin_coefficients
+    radius, angle = frame.coordinates[1:3]
+    mass, spin = frame.parameters
+    rho = -1 / (radius - sp.I * spin * sp.cos(angle))
+    star = -1 / (radius + sp.I * spin * sp.cos(angle))
+    delta = radius**2 - 2 * mass * radius + spin**2
+    slant = sp.I * spin * sp.sin(angle) / sp.sqrt(2)
+    beta = -star * sp.cos(angle) / sp.sin(angle) / (2 * sp.sqrt(2))
+    mu = rho**2 * star * delta / 2
+    known = {
+        "rho": rho, "beta": beta, "pi": slant * rho**2, "tau": -slant * rho * star, "mu": mu,
+        "gamma": mu + rho * star * (radius - mass) / 2,
+        "alpha": slant * rho**2 + rho * sp.cos(angle) / sp.sin(angle) / (2 * sp.sqrt(2)),
+        "kappa": 0, "sigma": 0, "lambda": 0, "nu": 0, "epsilon": 0,
+    }  # fmt: skip
+    assert found.keys() == known.keys()
+    for name, value in known.items():
+        assert frame.scalar(found[name]) == value, name
+
+
+def test_spin_coefficients_do_not_depend_on_the_signature() -> None:
+    """Both signatures have the same coefficients; rho and mu measure the growth of spheres."""
+    one, other = (newman_penrose(static(1 - 2 * M / r, x)) for x in (MINUS, PLUS))
+    assert one.spin_coefficients == other.spin_coefficients
+    slope = sp.sqrt(1 - 2 * M / r) / (sp.sqrt(2) * r)
+    assert one.frame.scalar(one.spin_coefficients["rho"]) == -slope
+    assert one.frame.scalar(one.spin_coefficients["mu"]) == -slope
+
+
 @pytest.mark.parametrize("signature", [MINUS, PLUS])
 def test_reissner_nordstrom_and_de_sitter(signature: list) -> None:
     """Psi_2 = (Q^2 - M r)/r^4, Phi_11 = Q^2/(2 r^4), Lambda = R/24 in either signature."""

@@ -233,9 +233,12 @@ def theory_file(folder: Path, text: str) -> Path:
 
 def test_a_theory_from_a_file(tmp_path: Path) -> None:
     """A file gives the Lagrangian, its constants, invariants and kind of connection."""
-    text = 'lagrangian = "R + c*Y**n"\nconstants = ["n"]\n[invariants]\nY = "R_abcd R^abdc"\n'
+    text = (
+        '[theory]\nlagrangian = "R + c*Y**n"\nconstants = "n"\n[theory.invariants]\n'
+        'Y = "R_abcd R^abdc"\n'
+    )
     theory = g.read_theory(theory_file(tmp_path, text))
-    assert (theory.name, theory.constants, theory.geometry) == ("theory", ("n",), "any")
+    assert (theory.name, theory.constants, theory.geometry) == ("theory", "n", "any")
     assert theory.invariants == (g.invariant("Y", "R_abcd R^abdc"),)
     sphere = gt.levi_civita(gt.spaces.load("so3").frame)
     assert g.equations(sphere, theory).constants == ("c", "n")
@@ -298,13 +301,15 @@ REFUSED = {
     "unused": (lambda: g.equations(BAR, "R + R_abcd"), "gravity.invariant("),
 }
 FILES = {
-    'lagrangian = "R"\nlagrange = "R"': "unknown key 'lagrange'",
-    'name = "R"': "expected the key lagrangian",
-    "lagrangian = 3": "lagrangian: expected text in quotes, got 3",
-    'lagrangian = "Y"\ninvariants = ["R"]': "invariants: expected a table",
-    'lagrangian = "Y"\n[invariants]\nY = 3': "formula: expected text, got 3",
-    'lagrangian = "R"\nconstants = "n"': "constants: expected a list of names",
-    'lagrangian = "R"\ngeometry = "spherical"': "geometry",
+    'lagrangian = "R"': "expected a table [theory], got none",
+    "theory = 3": "expected a table [theory], got 3",
+    '[theory]\nlagrangian = "R"\nlagrange = "R"': "line 3: theory: unknown key 'lagrange'",
+    '[theory]\nname = "R"': "theory: expected a lagrangian",
+    "[theory]\nlagrangian = 3": "lagrangian: expected text in quotes, got 3",
+    '[theory]\nlagrangian = "Y"\ninvariants = ["R"]': "expected a table [invariants]",
+    '[theory]\nlagrangian = "Y"\n[theory.invariants]\nY = 3': "formula: expected text, got 3",
+    '[theory]\nlagrangian = "R"\nconstants = ["n"]': "constants: expected text in quotes",
+    '[theory]\nlagrangian = "R"\ngeometry = "flat"': "geometry",
     "lagrangian = ": "theory.toml",
 }
 

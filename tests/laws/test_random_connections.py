@@ -13,6 +13,7 @@ from geomtorsion.geometry import (
     cartan,
     contract,
     from_contortion,
+    from_nonmetricity,
     from_spin_connection,
     identities,
     levi_civita,
@@ -122,6 +123,14 @@ def test_contortion_gives_the_connection_back(connection: Connection) -> None:
     again = from_contortion(connection.frame, connection.contortion_from_torsion)
     assert again.coefficients == connection.coefficients
     assert connection.contortion == connection.contortion_from_torsion
+
+
+@few
+@given(connections())
+def test_nonmetricity_and_torsion_give_the_connection_back(connection: Connection) -> None:
+    """Gamma -> Q and S -> Gamma is the identity for every connection."""
+    again = from_nonmetricity(connection.frame, connection.nonmetricity, connection.torsion)
+    assert again.coefficients == connection.coefficients
 
 
 @few

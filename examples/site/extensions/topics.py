@@ -24,8 +24,8 @@ TOPICS: dict[str, str] = {
     "Frames and tensors": "Frame read Tensor contract numpy_function parse_expression Certainty "
     "DependencyGraph limits",
     "Connections, torsion, curvature": "cartan levi_civita Connection Torsion Curvature "
-    "from_torsion from_contortion from_spin_connection from_coefficients blend identities "
-    "IdentityCheck",
+    "from_torsion from_contortion from_nonmetricity from_spin_connection from_coefficients blend "
+    "identities IdentityCheck",
     "Forms, symmetries, surfaces": "Form lie lie_bracket symmetries Symmetries killing_equations "
     "LieAlgebra HolonomyAlgebra surface Surface",
     "Gravity": "gravity",

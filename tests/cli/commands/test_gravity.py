@@ -104,7 +104,8 @@ def test_a_theory_file_of_the_command(tmp_path: Path) -> None:
     """-L takes a file; a theory of the metric has the Levi-Civita connection."""
     file = tmp_path / "square.toml"
     file.write_text(
-        'lagrangian = "R + c*Y"\ngeometry = "riemannian"\n[invariants]\nY = "R_ab R^ab"\n'
+        '[theory]\nlagrangian = "R + c*Y"\ngeometry = "riemannian"\n'
+        'invariants = {Y = "R_ab R^ab"}\n'
     )
     text = run("gravity", "schwarzschild", "-L", str(file)).stdout
     assert "Levi-Civita connection" in text
