@@ -9,6 +9,8 @@ parameter.
 """
 
 import argparse
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -61,7 +63,7 @@ def moments(seed: int) -> tuple[gt.Fit, gt.Fit]:
     return every, gt.fit(guess, times, data, 1e-3, ["I2", "I3", *TURN])
 
 
-def check(fit: gt.Fit, truth: dict[str, float]) -> None:
+def check(fit: gt.Fit, truth: Mapping[str, Any]) -> None:
     """Each value is within five of its errors of the truth."""
     for name, value in fit.values.items():
         assert abs(value - truth[name]) < 5 * fit.errors[name], name

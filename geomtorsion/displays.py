@@ -22,6 +22,7 @@ class Plot(Protocol):
 
     def __call__(self, **options: Any) -> Figure:
         """Draw with options of the function of pictures."""
+        ...
 
 
 def drawn_by(module: str, function: str) -> Callable[[Any], str]:

@@ -45,7 +45,7 @@ def draw_fit(fit: Fit) -> Figure:
     columns = min(3, len(panels))
     bands = -(-len(panels) // columns)
     figure = new_figure(4.6 * columns, 1.0 + 3.4 * bands)
-    figures = np.atleast_1d(figure.subfigures(bands, columns)).ravel()
+    figures = figure.subfigures(bands, columns, squeeze=False).ravel()
     for place, (name, index) in zip(figures, panels, strict=False):
         above, below = place.subplots(2, 1, sharex=True, height_ratios=(2, 1))
         at, sigma = fit.data.at, fit.data.sigma[name][index]

@@ -1,5 +1,8 @@
 """Fits of dislocations to circuits: b, position and width of a core, from noisy vectors."""
 
+# A test passes bad input.
+# pyright: reportArgumentType=false
+
 import numpy as np
 import pytest
 

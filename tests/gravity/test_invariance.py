@@ -5,6 +5,7 @@
 
 import re
 from collections.abc import Iterable
+from typing import Any
 
 import pytest
 import sympy as sp
@@ -53,7 +54,7 @@ KNOWN = {
 }
 
 
-def functions(values: Iterable[sp.Expr]) -> set:
+def functions(values: Iterable[Any]) -> set:
     """The unknown functions or constants whose names begin with u."""
     atoms = {one for value in values for one in value.atoms(AppliedUndef, sp.Symbol)}
     return {one for one in atoms if re.fullmatch(r"u\d+(\(.*\))?", str(one))}

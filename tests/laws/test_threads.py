@@ -176,7 +176,7 @@ def copied(shared: Shared) -> str:
 
 def symmetries(shared: Shared) -> str:
     """The Killing vectors."""
-    return str([vector.nonzero() for vector in gt.symmetries(shared.frame).vectors])
+    return str([vector.nonzero() for vector in gt.symmetries(shared.frame).closed_form])
 
 
 def field_equations(shared: Shared) -> str:

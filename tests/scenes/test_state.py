@@ -1,7 +1,7 @@
 """State: one attitude given in three ways, and invalid starts."""
 
 # The tests pass bad input and arrays for lists, and use results that could be None.
-# pyright: reportArgumentType=false
+# pyright: reportArgumentType=false, reportOptionalSubscript=false
 
 from typing import Any
 
