@@ -152,8 +152,9 @@ class EffectBudget:
             return f"The choice holds for this start, up to {end}."
         if self.growth.chaotic:
             return (
-                f"The motion is chaotic or close to it: {self.growth}. The influence of an omitted "
-                f"effect, however small, has no limit there; the choice holds only up to {end}."
+                f"The motion is chaotic or passes close to an unstable one: {self.growth}. In a "
+                "chaotic motion the influence of an omitted effect, however small, has no limit; "
+                f"the choice holds only up to {end}."
             )
         return f"The choice holds for this start, up to {end}: {self.growth}."
 
