@@ -152,8 +152,9 @@ class EffectBudget:
             return f"The choice holds for this start, up to {end}."
         if self.growth.chaotic:
             return (
-                f"The motion is chaotic or close to it: {self.growth}. The influence of an omitted "
-                f"effect, however small, has no limit there; the choice holds only up to {end}."
+                f"The motion is chaotic or passes close to an unstable one: {self.growth}. In a "
+                "chaotic motion the influence of an omitted effect, however small, has no limit; "
+                f"the choice holds only up to {end}."
             )
         return f"The choice holds for this start, up to {end}: {self.growth}."
 
@@ -304,6 +305,8 @@ class _Comparison:
         if not keys & {*whole.selection.effects}:
             still = dict.fromkeys(whole.watch, np.zeros(len(self.result.times)))
             return _Omission(still, note="exactly: no watched quantity depends on it")
+        if _renames(whole, keys):
+            return _Omission(None, note="without it watched effects of its kind get other names")
         try:
             part = without(whole, keys)
             run = part.run(self.engine)
@@ -320,6 +323,17 @@ class _Comparison:
 def _seconds(scene: Scene, result: SceneResult, engine: Engine | None) -> float:
     """Time of the integration of a scene, without compiling: the shorter of two runs."""
     return min(result.cost.run_seconds, scene.run(engine).cost.run_seconds)
+
+
+def _renames(scene: Scene, keys: frozenset[str]) -> bool:
+    """Whether watched quantities of an effect are named otherwise without earlier ones: rotor2."""
+    kinds: set[str] = set()
+    for key, effect in scene.keyed.items():
+        if key in keys:
+            kinds.add(effect.key)
+        elif effect.key in kinds and {*scene.assembly.parts[key].outputs} & {*scene.watch}:
+            return True
+    return False
 
 
 def without(scene: Scene, keys: Iterable[str]) -> Scene:

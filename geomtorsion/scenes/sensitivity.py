@@ -45,7 +45,7 @@ class Sensitivity:
 
     @property
     def chaotic(self) -> bool:
-        """Whether the change grows as in a chaotic motion: faster and further than in others."""
+        """Whether the change grows faster and further than in a regular motion."""
         return self.factor > TRANSIENT and self.power > REGULAR
 
     def __str__(self) -> str:
@@ -110,22 +110,28 @@ def sensitivity(
     reached = np.abs(runs[0].times[:count])
     if not reached.any():
         return None
-    largest = np.max([_grown(first[name], second[name]) for name in first], axis=0)
-    grown = np.maximum.accumulate(largest) / part
+    changes = [_sizes(second[name] - first[name]) for name in first]
+    sizes = [np.maximum.accumulate(_sizes(first[name])) for name in first]
+    # Relative to the size so far, since an accelerated motion grows itself.
+    ratios = [_ratio(change, size) for change, size in zip(changes, sizes, strict=True)]
+    grown = np.maximum.accumulate(np.max(ratios, axis=0))
+    factors = [_ratio(change.max(), size[-1]) for change, size in zip(changes, sizes, strict=True)]
     # The first samples show how the change begins, and not how it grows.
     late = (reached > reached[-1] / count) & (grown > 0)
     if np.count_nonzero(late) < 2:
         return None
     power = float(np.polyfit(np.log(reached[late]), np.log(grown[late]), 1)[0])
-    return Sensitivity(float(grown[-1]), power)
+    return Sensitivity(float(max(factors)) / part, power)
 
 
-def _grown(one: np.ndarray, two: np.ndarray) -> np.ndarray:
-    """Difference at each time relative to the size so far: an accelerated motion grows itself."""
-    change = np.abs(two - one).reshape(len(one), -1).max(axis=1)
-    size = np.maximum.accumulate(np.abs(one).reshape(len(one), -1).max(axis=1))
-    # Where a quantity is still zero it has no relative change.
-    return np.divide(change, size, out=np.zeros_like(change), where=size > 0)
+def _sizes(values: np.ndarray) -> np.ndarray:
+    """The largest component at each time, shape (m,)."""
+    return np.abs(values).reshape(len(values), -1).max(axis=1)
+
+
+def _ratio(change: np.ndarray, size: np.ndarray) -> np.ndarray:
+    """A relative change; 0 where a quantity is zero, which has none."""
+    return np.divide(change, size, out=np.zeros(np.shape(change)), where=size > 0)
 
 
 def _moved(ode: ODE, part: float) -> ODE:

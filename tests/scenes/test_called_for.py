@@ -191,6 +191,10 @@ def test_a_needed_effect_gives_its_reason():
     assert math.isinf(row.influence)
     assert row.included
     assert "rotor_speed" in row.note
+    # Without the first wheel the second one would be called rotor, and be compared with the first.
+    two = replace(spun, effects=[wheel, E.Rotor((1, 0, 0), 1e-9, 1e-9)], watch=["rotor2_speed"])
+    assert "other names" in two.called_for(0.5)["rotor"].note
+    assert replace(two, watch=["rotor_speed"]).called_for(0.5).omitted == ("rotor2",)
     # At rest: a relative change of zero has no size.
     still = gt.Scene(
         BALL,
