@@ -12,6 +12,7 @@ from geomtorsion import (
     ElasticConstants,
     LineArrays,
     NyeField,
+    OrientationMap,
     SampledFrame,
     stresses,
 )
@@ -332,6 +333,16 @@ def test_files_for_paraview_and_xarray(tmp_path: Path):
         np.testing.assert_allclose(value.sel(i="x", j="z"), wanted[0, 2], atol=1e-12)
         assert data.attrs["energy"] == FOUND.energy
         assert data.attrs["unit"] == "GPa"
+
+
+def test_a_wafer_has_no_stress_beyond_its_error():
+    """The orientation map of a silicon wafer gives a stress that its noise explains."""
+    wafer = OrientationMap.read(real("ebsd/si_wafer.ctf"))
+    silicon = ElasticConstants.cubic(165.7, 63.9, 79.6, unit="GPa")
+    field = NyeField.of_frame(wafer.frame(0)).padded(48)
+    found = stresses(field, silicon, balance=True)
+    assert 0.1 < found.largest < 3 * found.error
+    assert found.energy_unit == "GPa um^3"
 
 
 def test_a_simulated_network():
