@@ -133,6 +133,24 @@ def test_a_shifted_origin_shifts_everything():
     )
 
 
+def test_decreasing_axes_describe_the_same_crystal():
+    """A frame whose first axis decreases has the same stress at the same points."""
+    frame = FOUND.frame
+    axes = [frame.axes[0][::-1], *frame.axes[1:]]
+    found = stresses(SampledFrame(axes, frame.coframe[:, :, ::-1], periodic=True), STEEL)
+    np.testing.assert_allclose(found.stress[:, :, ::-1], FOUND.stress, atol=1e-12 * FOUND.largest)
+    assert found.frame.axes[0][0] == axes[0][0]
+
+
+def test_a_box_without_lines_has_only_its_load():
+    """Without lines the stress is the load, without error."""
+    empty = LineArrays(np.zeros((0, 3)), np.zeros((0, 2), int), np.zeros((0, 3)), BOX)
+    net = DislocationNetwork.of_arrays(empty)
+    found = stresses(net, STEEL, shape=8, mean_stress=np.eye(3))
+    np.testing.assert_allclose(found.stress[:, :, 1, 2, 3], np.eye(3), atol=1e-15)
+    assert (found.error, found.forces.shape) == (0.0, (0, 3))
+
+
 def test_a_net_b_is_balanced_and_reported():
     """Lines of one sign are refused; with balance=True they have the stress of a Wigner cell."""
     net = along_z([[0.0, 0.0, 0.2]])
