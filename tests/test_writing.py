@@ -37,7 +37,9 @@ def things() -> dict[str, Any]:
         "solution": gt.solve(gt.ODE.of({"x": "-x"}, [1]), 1.0),
         "grid": gt.SampledFrame([np.arange(6.0)] * 2, np.ones((1, 2, 6, 6))),
         "network": gt.DislocationNetwork.of_arrays(rings(2, 1)),
-        "Nye field": gt.NyeField(np.zeros((3, 3, 4, 4, 4)), gt.Box(np.eye(3)), "um"),
+        "Nye field": gt.NyeField(
+            np.zeros((3, 3, 4, 4, 4)), gt.Box.of_bounds([0] * 3, [4] * 3), "um"
+        ),
         "scene": scene,
         "result": scene.run(),
     }

@@ -18,6 +18,7 @@ TUTORIALS = (
     "which_path",
     "loops_that_do_not_close",
     "from_data",
+    "stress",
     "top_and_effects",
     "own_torsion",
     "gravity",

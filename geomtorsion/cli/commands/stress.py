@@ -13,7 +13,7 @@ from geomtorsion.checks import choice, shown
 from geomtorsion.cli.options import Form, argument, directory, option
 from geomtorsion.cli.results import say_on_error
 from geomtorsion.cli.terminal import wrapped
-from geomtorsion.errors import FileFormatError, GridError
+from geomtorsion.errors import FileFormatError, GeomtorsionError, GridError, NetworkError
 from geomtorsion.files import ending, finite_number, write_text
 from geomtorsion.materials.elasticity import ElasticConstants, NyeField, Stresses, stresses
 from geomtorsion.materials.fields import SampledFrame
@@ -22,6 +22,19 @@ from geomtorsion.materials.readers import is_source, open_source
 from geomtorsion.pictures.stress import COMPONENTS, draw_stress
 from geomtorsion.pictures.style import can_draw, save
 from geomtorsion.progress import bar
+
+# Options in messages of the library -> as typed.
+TYPED = {
+    "NyeField.of_frame(frame).padded(nodes).balanced()": "--padding N --balance",
+    "balance=True or source.balanced(),": "--balance,",
+    "balance=True": "--balance",
+    "source.padded(nodes)": "--padding N",
+    "with shape": "with --nodes",
+    "shape:": "--nodes:",
+    "shape[": "--nodes[",
+    "core:": "--core:",
+    "gauge:": "--gauge:",
+}
 
 
 def stress(
@@ -93,10 +106,13 @@ def stress(
         sign = convention or ("Hirth-Lothe" if ending(file) == ".data" else "SF/RH")
         if show is not None:
             show(1, f"{file.name}: stress")
-        result = stresses(
-            source, constants, shape=_nodes(nodes), core=core, gauge=gauge, balance=balance,
-            convention=sign,
-        )  # fmt: skip
+        try:
+            result = stresses(
+                source, constants, shape=_nodes(nodes), core=core, gauge=gauge, balance=balance,
+                convention=sign,
+            )  # fmt: skip
+        except (GridError, NetworkError) as error:
+            raise _typed(error) from None
         document = {"file": file.name, **_summary(result)}
         if show is not None:
             show(2, f"{file.name}: error, from another grid")
@@ -104,6 +120,14 @@ def stress(
     typer.echo(json.dumps(document, indent=2)) if form is Form.json else _explain(document)
     if output is not None:
         _save(result, document, component, output)
+
+
+def _typed(error: GeomtorsionError) -> GeomtorsionError:
+    """The same error with options as typed on the command line."""
+    message = str(error)
+    for python, typed in TYPED.items():
+        message = message.replace(python, typed)
+    return type(error)(message)
 
 
 def _opened(file: Path, padding: int | None) -> DislocationNetwork | SampledFrame | NyeField:
@@ -116,7 +140,8 @@ def _opened(file: Path, padding: int | None) -> DislocationNetwork | SampledFram
     if not isinstance(field, SampledFrame | NyeField):
         raise FileFormatError(
             f"{file.name}: expected a network, a coframe on a grid or a Nye field, got "
-            f"{type(field).__name__}. Give its Nye tensor as an .npz file: NyeField(...).save."
+            f"{type(field).__name__}. Save the Nye tensor of a grain: "
+            "NyeField.of_frame(map.frame(0)).save('nye.npz')."
         )
     if padding is None:
         return field

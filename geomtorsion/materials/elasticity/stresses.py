@@ -142,7 +142,7 @@ class Stresses:
             )
         unit = np.eye(3)[..., None, None, None]
         coframe = np.tensordot(self._torsion.mean, unit - self.distortion, 1)
-        order = max(n for n in (2, 4, 6, 8) if n + 1 <= min(cell.shape[:dimension]) and n != 2)
+        order = max(n for n in (4, 6, 8) if n < min(cell.shape[:dimension]))
         return SampledFrame(
             cell.axes[:dimension],
             coframe[..., 0] if dimension == 2 else coframe,
@@ -225,8 +225,8 @@ class Stresses:
         return np.cross(pull, lines.steps / lengths[:, None])
 
     @cached_property
-    def _rest(self) -> tuple[np.ndarray, Cell, np.ndarray]:
-        """Modes that a finer grid adds, or of the finer half of measured data."""
+    def _rest(self) -> tuple[float, float]:
+        """Largest stress and energy of the waves that a finer grid adds, or of the finer half."""
         if self._torsion.is_refinable:
             lowest = tuple((n - 1) // 2 for n in self.cell.shape)
             # Three halves of the nodes, and the first wave of directions with one node.
@@ -235,9 +235,11 @@ class Stresses:
             lowest = tuple(n // 4 for n in self.cell.shape)
             cell = self.cell
         waves = cell.waves(lowest)
-        return self._relaxed(self._torsion.modes(cell, waves), cell, waves), cell, waves
+        modes = self._relaxed(self._torsion.modes(cell, waves), cell, waves)
+        stress = self.constants.stress(cell.field(modes, waves))
+        return float(np.abs(stress).max(initial=0.0)), self._energy(modes, cell, waves)
 
-    @cached_property
+    @property
     def error(self) -> float:
         """The largest error of a stress component at any node, from another grid.
 
@@ -245,14 +247,12 @@ class Stresses:
         have no finer grid: the stress of waves shorter than four steps, so that their noise
         counts. Neither contains the error of the elastic model or of the core.
         """
-        modes, cell, waves = self._rest
-        return float(np.abs(self.constants.stress(cell.field(modes, waves))).max(initial=0.0))
+        return self._rest[0]
 
-    @cached_property
+    @property
     def energy_error(self) -> float:
         """The energy of the waves that make up `error`."""
-        modes, cell, waves = self._rest
-        return self._energy(modes, cell, waves)
+        return self._rest[1]
 
     # -- units and files --------------------------------------------------------------------------
 
@@ -324,7 +324,8 @@ def stresses(
 
     Equation
     --------
-    eps^{kab} d_a beta_ib = alpha^{ik}, d_j (C_ijlm beta_lm) = 0 in a periodic cell; for a wave k
+    eps^{kab} d_a beta_ib = alpha^{ik}, d_j (C_ijlm beta_lm) = 0 in a periodic cell, with the alpha
+    of b = closed integral of du; for a wave k
     beta = i k x alpha / k^2 + i u k with (C k k) u = i k C (i k x alpha / k^2)
     [Kroener, Kontinuumstheorie der Versetzungen und Eigenspannungen, 1958]. In the gauge theory of
     dislocations alpha is divided by 1 + l^2 k^2 [Lazar, J. Phys. A 36 (2003) 1415].
@@ -338,7 +339,8 @@ def stresses(
         Elastic constants in the axes of the sample.
     shape
         Networks: number of nodes along each edge, or along the longest edge. One node along an
-        edge is enough if all lines run along it. Fields have the nodes of their data.
+        edge is enough if all lines run along it. Fields have the nodes of their data. The shortest
+        wave on an even number of nodes has no derivative there and is omitted.
     core
         Width of a Gaussian over which the torsion is spread, in units of length; of a line, at
         least one step of the grid. The default is two steps for lines, and 0 for fields.

@@ -11,6 +11,7 @@ from geomtorsion.materials.elasticity import ElasticConstants, NyeField, stresse
 from geomtorsion.materials.lines import Box, DislocationNetwork
 from tests.cli import running
 from tests.materials.lines.synthetic_networks import rings
+from tests.real import real
 
 COPPER = "cubic 168.4 121.4 75.4 GPa"
 
@@ -61,8 +62,8 @@ def test_fields(tmp_path: Path) -> None:
     box = Box.of_bounds([0, 0, 0], [8, 8, 1], (False, False, True))
     NyeField(alpha, box, "um").save(tmp_path / "nye.npz")
     file, steel = str(tmp_path / "nye.npz"), ("--elastic", "isotropic 80 0.3 GPa")
-    assert "padded" in run(file, *steel, code=2).stderr
-    assert "balance" in run(file, *steel, "--padding", "8", code=2).stderr
+    assert "with perfect crystal: --padding N" in run(file, *steel, code=2).stderr
+    assert "Give --balance," in run(file, *steel, "--padding", "8", code=2).stderr
     text = run(file, *steel, "--padding", "8", "--balance").stdout
     assert "16 x 16 x 1 nodes" in text
     assert "is spread over the cell" in text
@@ -82,7 +83,17 @@ def test_wrong_input_ends_with_two(chains: Path) -> None:
     assert "--nodes: expected one whole number" in run(
         file, *copper, "--nodes", "1_0", code=2
     ).stderr  # fmt: skip
+    assert "more nodes with --nodes" in run(
+        file, *copper, "--nodes", "8", "--core", "0.1", code=2
+    ).stderr  # fmt: skip
     assert "a network" in run(file, *copper, "--padding", "3", code=2).stderr
     assert "component" in run(
         file, *copper, "--nodes", "8", "--component", "rr", "-o", "out", code=2
     ).stderr  # fmt: skip
+
+
+def test_an_orientation_map_is_refused_with_a_remedy() -> None:
+    """An orientation map has several grains: the message shows how to choose one."""
+    file = str(real("ebsd/si_wafer.ctf"))
+    said = run(file, "--elastic", "isotropic 80 0.3", code=2).stderr
+    assert "NyeField.of_frame(map.frame(0))" in " ".join(said.split())

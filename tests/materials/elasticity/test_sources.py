@@ -12,6 +12,7 @@ from geomtorsion import (
     ElasticConstants,
     LineArrays,
     NyeField,
+    OrientationMap,
     SampledFrame,
     stresses,
 )
@@ -130,6 +131,24 @@ def test_a_shifted_origin_shifts_everything():
     np.testing.assert_allclose(
         found.at(found.cell.points()[:, 3, 4, 5][None])[..., 0], found.stress[..., 3, 4, 5]
     )
+
+
+def test_decreasing_axes_describe_the_same_crystal():
+    """A frame whose first axis decreases has the same stress at the same points."""
+    frame = FOUND.frame
+    axes = [frame.axes[0][::-1], *frame.axes[1:]]
+    found = stresses(SampledFrame(axes, frame.coframe[:, :, ::-1], periodic=True), STEEL)
+    np.testing.assert_allclose(found.stress[:, :, ::-1], FOUND.stress, atol=1e-12 * FOUND.largest)
+    assert found.frame.axes[0][0] == axes[0][0]
+
+
+def test_a_box_without_lines_has_only_its_load():
+    """Without lines the stress is the load, without error."""
+    empty = LineArrays(np.zeros((0, 3)), np.zeros((0, 2), int), np.zeros((0, 3)), BOX)
+    net = DislocationNetwork.of_arrays(empty)
+    found = stresses(net, STEEL, shape=8, mean_stress=np.eye(3))
+    np.testing.assert_allclose(found.stress[:, :, 1, 2, 3], np.eye(3), atol=1e-15)
+    assert (found.error, found.forces.shape) == (0.0, (0, 3))
 
 
 def test_a_net_b_is_balanced_and_reported():
@@ -332,6 +351,16 @@ def test_files_for_paraview_and_xarray(tmp_path: Path):
         np.testing.assert_allclose(value.sel(i="x", j="z"), wanted[0, 2], atol=1e-12)
         assert data.attrs["energy"] == FOUND.energy
         assert data.attrs["unit"] == "GPa"
+
+
+def test_a_wafer_has_no_stress_beyond_its_error():
+    """The orientation map of a silicon wafer gives a stress that its noise explains."""
+    wafer = OrientationMap.read(real("ebsd/si_wafer.ctf"))
+    silicon = ElasticConstants.cubic(165.7, 63.9, 79.6, unit="GPa")
+    field = NyeField.of_frame(wafer.frame(0)).padded(48)
+    found = stresses(field, silicon, balance=True)
+    assert 0.1 < found.largest < 3 * found.error
+    assert found.energy_unit == "GPa um^3"
 
 
 def test_a_simulated_network():
