@@ -18,9 +18,8 @@ from geomtorsion.geometry.connections import ConnectionLike, as_connection
 from geomtorsion.gravity.catalogue import Catalogue
 from geomtorsion.gravity.content import Content
 from geomtorsion.gravity.fields import HALF, Index, Terms, antisymmetric_part, turning
-from geomtorsion.gravity.fluids import Fluid
 from geomtorsion.gravity.geometries import check_geometry, listed
-from geomtorsion.gravity.hypermomentum import Hypermomentum
+from geomtorsion.gravity.hypermomentum import Source
 from geomtorsion.gravity.identities import rotations, translations
 from geomtorsion.gravity.invariants import Invariant
 from geomtorsion.gravity.lagrangian import Lagrangian, Reading, known_as
@@ -30,8 +29,6 @@ from geomtorsion.gravity.naming import Call, calls_of, jet_names
 from geomtorsion.gravity.unknown_terms import terms_of
 from geomtorsion.gravity.variation import Variation
 from geomtorsion.gravity.vocabulary import declared_constants
-
-Source = Fluid | Hypermomentum
 
 
 @exclusive
