@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
+from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import GravityError
 from geomtorsion.geometry import Connection, Frame
 from geomtorsion.gravity.invariants import INVARIANTS, Invariant
+from geomtorsion.gravity.lagrangian import Lagrangian, Reading, read
 from geomtorsion.gravity.matter import MatterField
 from geomtorsion.gravity.products import EPSILON, METRIC, OF_CONNECTION, OF_MATTER, Factor, Product
+from geomtorsion.gravity.vocabulary import Vocabulary, declared_constants
 
 # Curvature as far as it turns vectors: R_ab[ij].
 TURNING = "turning R"
@@ -95,6 +98,42 @@ class Catalogue:
     def names(self) -> tuple[str, ...]:
         """All names."""
         return (*self.meanings, *self.of_matter)
+
+    def read(self, lagrangian: Lagrangian) -> Reading:
+        """A Lagrangian in these names.
+
+        Raises
+        ------
+        GravityError
+            A name has no meaning, or a matter field does not occur.
+        """
+        frame, fields = self.frame, self.matter
+        vocabulary = Vocabulary(
+            frame,
+            self.connections,
+            self.names,
+            {one: field.symbol for field in fields for one in field.parts(frame)},
+            {one: x.symbol for x in fields if (one := x.function(frame)) is not None},
+            declared_constants(lagrangian.constants),
+            self.invariants,
+        )
+        reading = read(lagrangian, vocabulary)
+        occurring = set(reading.symbols.values())
+        products = [product for name in occurring for product in self.products(name)]
+        occurring |= {x.name for one in products for x in one.factors if not x.suffix}
+        for field in fields:
+            if occurring.isdisjoint((*field.names, *field.ranks)):
+                raise GravityError(
+                    f"matter: expected a Lagrangian with {' or '.join(field.names)}, got "
+                    f"{checks.cut(str(lagrangian.expression))}. Add a term of the "
+                    f"{field.kind} {field.symbol} to the Lagrangian, or omit the field."
+                )
+        return reading
+
+    def has_nonmetricity(self, names: Iterable[str], number: int) -> bool:
+        """Whether invariants contain the nonmetricity of a connection."""
+        factors = (x for name in names for one in self.products(name) for x in one.factors)
+        return any(x.name == "Q" and x.suffix == str(number) for x in factors)
 
     def products(self, name: str) -> tuple[Product, ...]:
         """An invariant as products of tensors, whose suffix is the number of the connection.

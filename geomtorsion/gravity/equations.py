@@ -18,20 +18,17 @@ from geomtorsion.geometry.connections import ConnectionLike, as_connection
 from geomtorsion.gravity.catalogue import Catalogue
 from geomtorsion.gravity.content import Content
 from geomtorsion.gravity.fields import HALF, Index, Terms, antisymmetric_part, turning
-from geomtorsion.gravity.fluids import Fluid
 from geomtorsion.gravity.geometries import check_geometry, listed
-from geomtorsion.gravity.hypermomentum import Hypermomentum
+from geomtorsion.gravity.hypermomentum import Source
 from geomtorsion.gravity.identities import rotations, translations
 from geomtorsion.gravity.invariants import Invariant
-from geomtorsion.gravity.lagrangian import Lagrangian, Reading, known_as, read
+from geomtorsion.gravity.lagrangian import Lagrangian, Reading, known_as
 from geomtorsion.gravity.matter import MatterField, numbered
 from geomtorsion.gravity.momenta import Momenta
 from geomtorsion.gravity.naming import Call, calls_of, jet_names
 from geomtorsion.gravity.unknown_terms import terms_of
 from geomtorsion.gravity.variation import Variation
-from geomtorsion.gravity.vocabulary import Vocabulary, declared_constants
-
-Source = Fluid | Hypermomentum
+from geomtorsion.gravity.vocabulary import declared_constants
 
 
 @exclusive
@@ -88,10 +85,7 @@ class FieldEquations:
             return False
         if connection.kind != "general":
             return True
-        products = (
-            x for name in self._named.symbols.values() for x in self._catalogue.products(name)
-        )
-        if any(f.name == "Q" and f.suffix == str(number) for x in products for f in x.factors):
+        if self._catalogue.has_nonmetricity(self._named.symbols.values(), number):
             return False
         return connection.metric_compatible is True
 
@@ -101,28 +95,7 @@ class FieldEquations:
 
     @cached_property
     def _named(self) -> Reading:
-        frame, fields = self.frame, self._fields
-        vocabulary = Vocabulary(
-            frame,
-            self.connections,
-            self._catalogue.names,
-            {one: field.symbol for field in fields for one in field.parts(frame)},
-            {one: x.symbol for x in fields if (one := x.function(frame)) is not None},
-            declared_constants(self.lagrangian.constants),
-            self._catalogue.invariants,
-        )
-        reading = read(self.lagrangian, vocabulary)
-        occurring = set(reading.symbols.values())
-        products = [product for name in occurring for product in self._catalogue.products(name)]
-        occurring |= {x.name for one in products for x in one.factors if not x.suffix}
-        for field in fields:
-            if occurring.isdisjoint((*field.names, *field.ranks)):
-                raise GravityError(
-                    f"matter: expected a Lagrangian with {' or '.join(field.names)}, got "
-                    f"{checks.cut(str(self.lagrangian.expression))}. Add a term of the "
-                    f"{field.kind} {field.symbol} to the Lagrangian, or omit the field."
-                )
-        return reading
+        return self._catalogue.read(self.lagrangian)
 
     @property
     def constants(self) -> tuple[str, ...]:

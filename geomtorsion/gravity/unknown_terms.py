@@ -47,7 +47,9 @@ class Chain:
             value = value.diff(self.coordinates[k])
         if value.is_zero:
             return sp.S.Zero
-        return self._symbols.setdefault((symbol, places), sp.Dummy())
+        # Its name decides its place in sums, so that equal calls give equal orders.
+        own = sp.Dummy(f"{symbol.name} by {places}")
+        return self._symbols.setdefault((symbol, places), own)
 
     def named(self, expression: sp.Expr) -> sp.Expr:
         """An expression with derivatives such as Derivative(T(t), t)."""

@@ -180,10 +180,12 @@ def symmetries(shared: Shared) -> str:
 
 
 def field_equations(shared: Shared) -> str:
-    """Einstein's equations, and the equations of teleparallel gravity."""
+    """Einstein's equations, and equations of teleparallel gravity, also with an own invariant."""
     einstein = gravity.equations(gt.levi_civita(shared.frame), gravity.general_relativity)
     parallel = gravity.equations(gt.cartan(shared.frame), gravity.tegr)
-    return f"{einstein.E!r} {parallel.E!r}"
+    own = gravity.invariant("Own", "T_abc T^bca")
+    bent = gravity.equations(gt.cartan(shared.frame), "f(Own)", invariants=own)
+    return f"{einstein.E!r} {parallel.E!r} {bent.terms!r}"
 
 
 def limits(shared: Shared) -> str:
