@@ -79,8 +79,8 @@ def symmetries(frame: FrameLike, keep: str | Connection = "metric") -> Symmetrie
       [-cos(phi), sin(phi)/r]
     >>> symmetries(plane, keep="teleparallel").dimension
     1
-    >>> symmetries(plane, keep="homothetic").vectors[-1][0]
-    r
+    >>> symmetries(plane, keep="homothetic").dimension
+    4
     """
     frame = as_frame(frame)
     if isinstance(keep, Connection):
