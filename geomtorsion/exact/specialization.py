@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -55,6 +55,12 @@ class Specialization:
         self.field = Field(parameters, complex=field.is_complex, sample=sample)
         self._values: dict[str, Element] = {}
         self._images: dict[int, tuple[Element, Element]] = {}
+
+    @classmethod
+    def nearer(cls, field: Field, symbols: Iterable[sympy.Symbol]) -> Iterator[Specialization]:
+        """Four places, each nearer to the generic point than the one before."""
+        own = tuple(symbols)
+        return (cls(field, own, 4**k) for k in range(1, 5))
 
     def __call__(self, element: Element) -> Element:
         """The value of an element at the place.
