@@ -128,8 +128,8 @@ class IntegratedSymmetry:
         if not growth * float(np.finfo(float).eps) < 1:
             given = ", ".join(f"{name} = {value}" for name, value in parameters.items())
             raise SingularPointError(
-                f"{self!r}: expected regular conditions at this base, got singular ones for {given}. "
-                "Put special values into the frame first: frame.subs(...)."
+                f"{self!r}: expected regular conditions at the base, got singular ones for "
+                f"{given}. Put special values into the frame first: frame.subs(...)."
             )
         values[pivots] = np.linalg.solve(matrix, -rows[:, self.unknown])
         return values.tolist(), growth
