@@ -4,6 +4,7 @@ from geomtorsion.gravity.equations import FieldEquations, equations
 from geomtorsion.gravity.fluids import fluid, torsion_from_spin, weyssenhoff
 from geomtorsion.gravity.inertial import inertial
 from geomtorsion.gravity.invariants import Invariant, invariants
+from geomtorsion.gravity.killing_yano import killing_yano
 from geomtorsion.gravity.lagrangian import Lagrangian, names
 from geomtorsion.gravity.matter import maxwell, scalar_field
 from geomtorsion.gravity.newman_penrose import NewmanPenrose, newman_penrose
@@ -41,6 +42,7 @@ __all__ = [
     "inertial",
     "invariants",
     "killing_equations",
+    "killing_yano",
     "maxwell",
     "names",
     "new_gr",
