@@ -260,7 +260,7 @@ def test_an_integrated_vector_with_parameters() -> None:
     assert np.allclose(one.at(place | {"k": 1}), plain.at(place), rtol=1e-8)
     with pytest.raises(GeomtorsionError, match="k"):
         one.at(place)
-    # For k = 0 the plane is flat, and has symmetries beyond those of other k.
+    # For k = 0 the plane is flat, and has more symmetries.
     x_of_w = sp.expand(sp.re(sp.expand((u + sp.I * v) ** 5)))
     fold = sp.sqrt(1 + sp.Symbol("k", real=True) * x_of_w**2)
     folded = gt.Frame([u, v], sp.eye(2) * 5 * (u**2 + v**2) ** 2 * fold)
