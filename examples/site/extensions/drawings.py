@@ -192,7 +192,7 @@ def motions() -> Any:
     x, y = np.meshgrid(np.linspace(-2, 2, 41), np.linspace(0.1, 3.1, 31))
     figure = new_figure(8.4, 3.0)
     panels = figure.subplots(1, 3, sharey=True)
-    for axes, xi, ink in zip(panels, gt.symmetries(half).vectors, SERIES, strict=False):
+    for axes, xi, ink in zip(panels, gt.symmetries(half).closed_form, SERIES, strict=False):
         values = xi.at({"x": x, "y": y})
         axes.streamplot(x, y, values[..., 0], values[..., 1], color=ink.line["color"], density=0.7)
         axes.set_title(rf"$\xi = ({sp.latex(xi[0])},\ {sp.latex(xi[1])})$")
