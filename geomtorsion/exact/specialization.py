@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import zlib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -18,6 +19,8 @@ from geomtorsion.exact.polynomials import as_fmpq
 if TYPE_CHECKING:
     from flint import fmpq_mpoly
 
+    from geomtorsion.exact.element import Value
+
 # Kinds of generators for which a place may have any value that satisfies their own relation.
 _FREE = frozenset("symbol cos sin cosh sinh exp log primitive jet opaque".split())
 
@@ -32,7 +35,8 @@ class Specialization:
 
     field: the field of the elements.
     symbols: the symbols that get values.
-    largest: largest denominator of the values; a larger one is nearer to the generic point.
+    largest: largest denominator of the values; a larger one is nearer to the point.
+    point: numbers of all symbols; None: the generic point of the field.
 
     Examples
     --------
@@ -46,7 +50,14 @@ class Specialization:
     (1, M)
     """
 
-    def __init__(self, field: Field, symbols: Iterable[sympy.Symbol], largest: int) -> None:
+    def __init__(
+        self,
+        field: Field,
+        symbols: Iterable[sympy.Symbol],
+        largest: int,
+        point: Mapping[sympy.Symbol, Value] | None = None,
+    ) -> None:
+        self._point = None if point is None else dict(point)
         self.symbols = frozenset(symbols)
         self._source = field
         self._largest = largest
@@ -55,6 +66,17 @@ class Specialization:
         self.field = Field(parameters, complex=field.is_complex, sample=sample)
         self._values: dict[str, Element] = {}
         self._images: dict[int, tuple[Element, Element]] = {}
+
+    @classmethod
+    def nearer(
+        cls,
+        field: Field,
+        symbols: Iterable[sympy.Symbol],
+        point: Mapping[sympy.Symbol, Value] | None = None,
+    ) -> Iterator[Specialization]:
+        """Four places, each nearer to the point than the one before."""
+        own = tuple(symbols)
+        return (cls(field, own, 4**k, point) for k in range(1, 5))
 
     def __call__(self, element: Element) -> Element:
         """The value of an element at the place.
@@ -159,8 +181,10 @@ class Specialization:
             largest *= 2
 
     def _float(self, element: Element) -> float:
-        """The value at the generic point; where there is none, one of its own."""
+        """The value at the point; where there is none, a number from the name of the element."""
         try:
-            return float(mpmath.re(self._source.sample.value(element)))
+            if self._point is None:
+                return float(mpmath.re(self._source.sample.value(element)))
+            return complex(element.evaluate(self._point)).real
         except (GeomtorsionError, ArithmeticError, ValueError):
-            return 1.0 + 1 / (2.0 + len(self._values))
+            return 1 + zlib.crc32(str(element.sympy).encode()) / 2**32

@@ -17,9 +17,6 @@ from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.lie_algebra import LieAlgebra
 from geomtorsion.geometry.tensor import Tensor
 
-# Largest denominators of the values at the point; the first where all is regular is taken.
-LARGEST = (4, 16, 64, 256)
-
 Row = list[Element]
 
 
@@ -66,8 +63,7 @@ class HolonomyAlgebra:
         """A point at which the generators stay independent, and their span there."""
         frame = self.frame
         width = frame.dimension**2
-        for largest in LARGEST:
-            place = Specialization(frame.field, frame.coordinates, largest)
+        for place in Specialization.nearer(frame.field, frame.coordinates, frame.sample_point):
             try:
                 rows = [place.all(_entries(one)) for one in self.generators]
                 span = reduced(place.field, rows, width)

@@ -10,6 +10,7 @@ from geomtorsion.gravity.invariance import (
     invariant_torsion,
 )
 from geomtorsion.gravity.invariants import Invariant, invariant, invariants
+from geomtorsion.gravity.killing_yano import killing_yano
 from geomtorsion.gravity.lagrangian import Lagrangian, names
 from geomtorsion.gravity.matter import maxwell, scalar_field
 from geomtorsion.gravity.newman_penrose import NewmanPenrose, newman_penrose
@@ -53,6 +54,7 @@ __all__ = [
     "invariant_torsion",
     "invariants",
     "killing_equations",
+    "killing_yano",
     "maxwell",
     "names",
     "new_gr",

@@ -79,8 +79,8 @@ def symmetries(frame: FrameLike, keep: str | Connection = "metric") -> Symmetrie
       [-cos(phi), sin(phi)/r]
     >>> symmetries(plane, keep="teleparallel").dimension
     1
-    >>> symmetries(plane, keep="homothetic").vectors[-1][0]
-    r
+    >>> symmetries(plane, keep="homothetic").dimension
+    4
     """
     frame = as_frame(frame)
     if isinstance(keep, Connection):
@@ -245,7 +245,7 @@ class Symmetries:
         vectors: list[Tensor] = []
         slots = "ud" if self.frame.complex else "uDd"
         for degree, constants in ((1, False), (1, True), (2, False), (2, True)):
-            functions = products(self.frame, self._waves, degree, constants)
+            functions = products(self.frame, self.waves, degree, constants)
             for slot in slots:
                 if len(vectors) >= self.dimension:
                     break
@@ -260,7 +260,7 @@ class Symmetries:
         return Symmetries(self.frame, levi_civita(self.frame))
 
     @cached_property
-    def _waves(self) -> dict[sp.Symbol, list[sp.Expr]]:
+    def waves(self) -> dict[sp.Symbol, list[sp.Expr]]:
         """Functions of the coordinates of which the metric is free."""
         metric = self if self.connection.kind == "levi-civita" else self._metric
         return waves(self.frame, metric._point)
@@ -289,7 +289,7 @@ class Symmetries:
     @property
     def ansatz(self) -> str:
         """The components that were searched for vectors."""
-        lists = factors(self.frame, self._waves, 1)
+        lists = factors(self.frame, self.waves, 1)
         text = "; ".join(f"{q}: {', '.join(map(str, every))}" for q, every in lists.items())
         return (
             "components along coordinates or legs, sums of products with one factor or two of "

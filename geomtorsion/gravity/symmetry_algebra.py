@@ -12,9 +12,6 @@ from geomtorsion.exact import Element, Reduced, Specialization, reduced
 from geomtorsion.geometry import Brackets, LieAlgebra, Tensor, levi_civita
 from geomtorsion.gravity.symmetry_conditions import Conditions
 
-# Largest denominators of the values at the point; the first where all is regular is taken.
-LARGEST = (4, 16, 64, 256)
-
 Row = list[Element]
 
 
@@ -61,8 +58,7 @@ def points(conditions: Conditions) -> Iterator[AtPoint]:
         All points have been used.
     """
     frame, (_, echelon) = conditions.frame, conditions.echelons
-    for largest in LARGEST:
-        place = Specialization(frame.field, frame.coordinates, largest)
+    for place in Specialization.nearer(frame.field, frame.coordinates, frame.sample_point):
         try:
             rows = [place.all(row) for row in echelon.rows]
             values = reduced(place.field, rows, echelon.width)

@@ -5,18 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import mpmath
 import numpy as np
 import sympy as sp
 
 from geomtorsion.caching import cached_property
+from geomtorsion.errors import SingularPointError
 from geomtorsion.exact import Reduced
 from geomtorsion.geometry import Frame
 from geomtorsion.gravity.symmetry_conditions import Conditions
 from geomtorsion.ode import ODE, solve
-
-# Digits of the values at the base, far below the errors of floats.
-DIGITS = 40
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -83,16 +80,18 @@ class IntegratedSymmetry:
         parameters = {p.name: float(frame.scalar(p).at(point)[()]) for p in frame.parameters}
         start = np.array([float(x) for x in self.base.values()])
         states, rates = self._rates
-        numbers = [*start.tolist(), *self._start(parameters)]
+        values, growth = self._start(parameters)
+        numbers = [*start.tolist(), *values]
         given = parameters | {f"velocity_{a}": end[a] - start[a] for a in range(n)}
+        rounding = growth * float(np.finfo(float).eps)
         if np.array_equal(start, end):
-            return np.array(numbers[n : 2 * n]), 0.0
+            return np.array(numbers[n : 2 * n]), rounding
         equations = ODE.of(dict(zip(states, rates, strict=True)), numbers, parameters=given)
         solution = solve(equations, 1.0, accuracy)
         names = states[n : 2 * n]
         # The errors of a solution are relative to the largest size of all values.
         size = max(float(np.abs(solution[name]).max()) for name in states[n:])
-        error = size * max(solution.error_of(name) for name in names)
+        error = size * (rounding + max(solution.error_of(name) for name in names))
         return np.array([solution[name][-1] for name in names]), error
 
     @cached_property
@@ -110,24 +109,30 @@ class IntegratedSymmetry:
         names = [*(q.name for q in frame.coordinates), *(one.name for one in values)]
         return names, [*v, *rates]
 
-    def _start(self, parameters: Mapping[str, float]) -> list[float]:
-        """xi and F at the base: one free unknown is 1, the others follow from the conditions."""
+    def _start(self, parameters: Mapping[str, float]) -> tuple[list[float], float]:
+        """Values at the base, one free unknown 1, and how far roundings of the conditions grow."""
         point = {q.name: value for q, value in self.base.items()} | dict(parameters)
-        values = [0.0] * self.reduced.width
+        values = np.zeros(self.reduced.width)
         values[self.unknown] = 1.0
-        pivots = self.reduced.pivots
-        if pivots:
-            with mpmath.workdps(DIGITS):
-                rows = [
-                    [self.frame.scalar(x).at(point, digits=DIGITS)[()] for x in row]
-                    for row in self.conditions.echelons[1].rows
-                ]
-                matrix = mpmath.matrix([[row[k] for k in pivots] for row in rows])
-                right = mpmath.matrix([-row[self.unknown] for row in rows])
-                solution = mpmath.lu_solve(matrix, right)
-            for k, x in zip(pivots, solution, strict=True):
-                values[k] = float(x)
-        return values
+        pivots = list(self.reduced.pivots)
+        if not pivots:
+            return values.tolist(), 1.0
+        rows = np.array(
+            [
+                [float(self.frame.scalar(x).at(point)[()]) for x in row]
+                for row in self.conditions.echelons[1].rows
+            ]
+        )
+        matrix = rows[:, pivots]
+        growth = float(np.linalg.cond(matrix))
+        if not growth * float(np.finfo(float).eps) < 1:
+            given = ", ".join(f"{name} = {value}" for name, value in parameters.items())
+            raise SingularPointError(
+                f"{self!r}: expected regular conditions at the base, got singular ones for "
+                f"{given}. Put special values into the frame first: frame.subs(...)."
+            )
+        values[pivots] = np.linalg.solve(matrix, -rows[:, self.unknown])
+        return values.tolist(), growth
 
     def __repr__(self) -> str:
         place = ", ".join(f"{q} = {value}" for q, value in self.base.items())

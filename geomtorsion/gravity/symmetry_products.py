@@ -7,12 +7,12 @@ from math import prod
 
 import sympy as sp
 
-from geomtorsion.exact import Element, Specialization, reduced
+from geomtorsion.exact import Element, Specialization, limits, reduced
 from geomtorsion.geometry import Frame
 from geomtorsion.gravity.symmetry_algebra import AtPoint
 
 # More unknowns than these take minutes; then the vectors are integrated.
-MOST_UNKNOWNS = 2000
+MOST_UNKNOWNS = limits.MOST_AT_ONCE // 2
 
 PARTNERS = {sp.cos: sp.sin, sp.sin: sp.cos, sp.cosh: sp.sinh, sp.sinh: sp.cosh}
 

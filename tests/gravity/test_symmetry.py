@@ -260,6 +260,15 @@ def test_an_integrated_vector_with_parameters() -> None:
     assert np.allclose(one.at(place | {"k": 1}), plain.at(place), rtol=1e-8)
     with pytest.raises(GeomtorsionError, match="k"):
         one.at(place)
+    # For k = 0 the plane is flat, and has more symmetries.
+    x_of_w = sp.expand(sp.re(sp.expand((u + sp.I * v) ** 5)))
+    fold = sp.sqrt(1 + sp.Symbol("k", real=True) * x_of_w**2)
+    folded = gt.Frame([u, v], sp.eye(2) * 5 * (u**2 + v**2) ** 2 * fold)
+    shift = gt.symmetries(folded).vectors[0]
+    assert isinstance(shift, gravity.IntegratedSymmetry)
+    assert np.isfinite(shift.at(place | {"k": 1})).all()
+    with pytest.raises(GeomtorsionError, match="frame.subs"):
+        shift.at(place | {"k": 0})
     with pytest.raises(GeomtorsionError, match="v"):
         one.at({"u": 1, "k": 1})
 

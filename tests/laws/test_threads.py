@@ -176,7 +176,8 @@ def copied(shared: Shared) -> str:
 
 def symmetries(shared: Shared) -> str:
     """The Killing vectors."""
-    return str([vector.nonzero() for vector in gt.symmetries(shared.frame).closed_form])
+    found = gt.symmetries(shared.frame)
+    return str(([vector.nonzero() for vector in found.closed_form], found.algebra.brackets()))
 
 
 def field_equations(shared: Shared) -> str:

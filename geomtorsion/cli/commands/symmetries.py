@@ -67,8 +67,7 @@ def symmetries(
         if keep is not Keep.metric and connection is not Over.levi_civita:
             raise ArgumentError(
                 f"--keep {keep.value}: expected the Levi-Civita connection, got "
-                f"{connection.value}. "
-                "Omit -c, or --keep."
+                f"{connection.value}. Omit -c, or --keep."
             )
         found = gravity.symmetries(space.frame, chosen if keep is Keep.metric else keep.value)
         holonomy = chosen.holonomy_algebra
