@@ -47,7 +47,6 @@ BARRED_MODULES = frozenset({"pickle", "marshal", "shelve", "dill", "cloudpickle"
 ALLOWED: dict[tuple[str, str], str] = {
     ("codegen/printers.py", "exec"): "the one place where code of our own is compiled",
     ("codegen/printers.py", "compile"): "the one place where code of our own is compiled",
-    ("accuracy/loops.py", "lambdify"): "of expressions made from exact elements",
     ("exact/reading.py", "nsimplify"): "of a Float of sympy, never of text",
 }
 

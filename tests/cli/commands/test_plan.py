@@ -29,7 +29,7 @@ def test_plans_of_scenes(tmp_path):
     assert "expected a quantity of the space, got none" in run("plan", "so3", code=2).stderr
     assert "'nowhere'" in run("plan", "nowhere", code=2).stderr
     assert "Did you mean the scene helix?" in run("plan", "helx", code=2).stderr
-    assert "Did you mean the scene helix?" in run("accuracy", "helx", code=2).stderr
+    assert "Did you mean the scene helix?" in run("price", "helx", code=2).stderr
 
 
 def test_lacking_effects_of_a_scene():
