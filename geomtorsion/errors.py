@@ -269,7 +269,7 @@ class ImageError(GeomtorsionError, ValueError):
 
 
 class ElasticityError(GeomtorsionError, ValueError):
-    """Elastic constants are not those of a stable crystal, or not as many as its symmetry has."""
+    """No stable crystal has these elastic constants, or their number does not fit its symmetry."""
 
     page = "tutorials/stress"
 

@@ -1,4 +1,4 @@
-"""Seconds instead of an accuracy: the digits that a time buys, and what is refused."""
+"""Seconds instead of an accuracy: the digits that a time buys, and refusals."""
 
 import math
 import time

@@ -131,7 +131,7 @@ def term_slopes(
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Equations with a start; the fields are those of `ODE`.
+    """Equations with a start; it has the fields of `ODE`.
 
     variables: names of what may vary.
     """

@@ -566,7 +566,7 @@ class _Job:
 
 @dataclass(frozen=True, eq=False)
 class _Single:
-    """One member by itself; without an answer, the reason. Seconds are those of all its runs."""
+    """One member by itself; without an answer, the reason. Seconds count all its runs."""
 
     answer: Trajectory | None
     error: float

@@ -659,7 +659,7 @@ class ODE:
         return table
 
     def stuck_error(self, trajectory: Trajectory) -> StuckError:
-        """The error that says where a motion got stuck, why, and what to do."""
+        """The error for a motion that got stuck: the place, the reason, a remedy."""
         segment = trajectory.segments[-1]
         last = np.array([float(x) for x in segment.last])[: self.size]
         reached = float(trajectory.reached)
