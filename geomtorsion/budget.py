@@ -99,7 +99,7 @@ class TimeModel:
         return max(total, min(self.seconds))
 
     def digits_for(self, seconds: float) -> float | None:
-        """The most digits that a time buys, within the range of the runs; None: not even the fewest.
+        """The most digits that a time buys, within the range of the runs; None: too little time.
 
         In steps of a tenth of a digit.
         """

@@ -24,7 +24,7 @@ class Executor(Protocol):
 
 
 def checked_executor(executor: object) -> Executor | None:
-    """An executor as it is, or the executor of a dask client; None stays None.
+    """The executor, or the executor of a dask client; None stays None.
 
     Raises
     ------
@@ -38,7 +38,7 @@ def checked_executor(executor: object) -> Executor | None:
     """
     if executor is None:
         return None
-    # A dask client has its own kind of futures; its executor gives futures of Python.
+    # A dask client has its own futures; its executor gives futures of concurrent.futures.
     own = getattr(executor, "get_executor", None)
     pool: Any = own() if callable(own) else executor
     if isinstance(pool, type) or not callable(getattr(pool, "submit", None)):

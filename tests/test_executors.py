@@ -114,7 +114,7 @@ def test_dask_gives_the_same_bits(alone):
     """A client of dask, on threads of this process."""
     distributed = pytest.importorskip("dask.distributed")
     with distributed.Client(
-        processes=False, n_workers=1, threads_per_worker=2, dashboard_address=None
+        processes=False, n_workers=1, threads_per_worker=2, dashboard_address=":0"
     ) as client:
         assert same(alone, gt.solve_many(SWING, STARTS, [0.25, 1.0], 1e-8, executor=client))
 

@@ -18,7 +18,7 @@ from geomtorsion.precision import EXACT_BITS
 
 @dataclass(frozen=True, eq=False)
 class Beginning:
-    """Numbers at the start of a curve; it has the fields of `CurveProblem`.
+    """Numbers at the start of a curve; the fields are named as in `CurveProblem`.
 
     coordinates: names of the coordinates, none where only velocities are followed.
     """

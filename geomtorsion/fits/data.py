@@ -71,7 +71,7 @@ class Data:
         return ((prediction - self.values[name]) / self.sigma[name])[here]
 
     def slopes(self, name: str, columns: Sequence[np.ndarray]) -> np.ndarray:
-        """Derivatives of what `compared` gives, from those of the predictions, shape (N, k)."""
+        """Derivatives of the numbers of `compared`, from the predictions', shape (N, k)."""
         here, sigma = self.present[name], self.sigma[name]
         return np.stack([(column / sigma)[here] for column in columns], axis=1)
 

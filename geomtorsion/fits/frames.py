@@ -28,7 +28,7 @@ def fit_frame(
 ) -> Fit:
     """Fit parameters of a frame to its coframe, measured at points: 1 + distortion of a crystal.
 
-    See `fit` for what is minimised, and for the errors.
+    `fit` explains the sum that is minimised, and the errors.
 
     Parameters
     ----------

@@ -26,7 +26,7 @@ class Prediction:
     residuals: (prediction - data) / sigma, shape (N,).
     slopes: their derivatives, shape (N, k).
     error: relative numerical error of the slopes.
-    source: what was computed, such as a solution.
+    source: the computed object, such as a solution.
     """
 
     residuals: np.ndarray
@@ -49,7 +49,7 @@ class _Trials:
         self.last: tuple[bytes, Prediction] | None = None
 
     def at(self, values: np.ndarray) -> Prediction:
-        """The prediction at some values, made once where it is asked for twice."""
+        """The prediction at some values, made once even if it is needed twice."""
         key = values.tobytes()
         if self.last is None or self.last[0] != key:
             self.count += 1
@@ -120,8 +120,8 @@ def least_squares(model: Model, first: Mapping[str, float], data: Data) -> Fit:
 class _Spectrum:
     """Singular values of the slopes, each column in units of its size.
 
-    clear: which of them are no numerical noise. Along the others nothing is determined, and the
-    search must not move.
+    clear: which of them are larger than numerical noise. Along the others nothing is determined,
+    and the search must not move.
     """
 
     def __init__(self, best: Prediction) -> None:
@@ -138,7 +138,7 @@ class _Spectrum:
     def slopes(self) -> np.ndarray:
         """The slopes, and below them those that hold the search back; shape (N + k, k).
 
-        A search that may move along what is not determined goes there without end.
+        A search that may move along an undetermined direction goes there without end.
         """
         clear = np.where(self.clear, self.singular, 0.0)
         held = np.where(self.clear, 0.0, self.singular[0])
@@ -168,7 +168,7 @@ def _covariance(names: Sequence[str], best: Prediction) -> tuple[np.ndarray, tup
 def _curved(
     trials: _Trials, names: Sequence[str], values: np.ndarray, best: Prediction
 ) -> Direction | None:
-    """The least certain direction, if a step of one sigma along it is not as linear slopes say."""
+    """The least certain direction, if a step of one sigma along it is not as slopes predict."""
     spectrum = _Spectrum(best)
     last = int(spectrum.clear.sum()) - 1
     if last < 0:

@@ -29,7 +29,7 @@ def fit_loops(
 ) -> Fit:
     """Fit parameters of a frame to measured Burgers vectors of circuits.
 
-    See `fit` for what is minimised, and for the errors.
+    `fit` explains the sum that is minimised, and the errors.
 
     Parameters
     ----------

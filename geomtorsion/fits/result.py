@@ -50,7 +50,7 @@ class Fit:
     chi2: sum of the squares of the residuals.
     degrees: of freedom, the number of data minus the number of determined parameters.
     residuals: quantity -> (data - model) / sigma, not a number where data are missing.
-    data: what was fitted.
+    data: the fitted data.
     undetermined: joint changes of parameters that change no prediction.
     curved: a joint change by one sigma that changes chi^2 by less than half of one or by more than
         two: errors along it are not sigmas. None if there is no such change.

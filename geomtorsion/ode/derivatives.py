@@ -131,9 +131,9 @@ def term_slopes(
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Equations with a start; it has the fields of `ODE`.
+    """Equations with a start; the fields are named as in `ODE`.
 
-    variables: names of what may vary.
+    variables: names of parameters and starts that may vary.
     """
 
     rates: Rates

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator, KeysView, Mapping, Sequence
+from collections.abc import Iterator, KeysView, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -14,18 +14,11 @@ from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.copies import only_fields
 from geomtorsion.displays import Plot, drawn_by, figure_by, key_completions
-from geomtorsion.errors import (
-    AccuracyError,
-    GeomtorsionError,
-    StartError,
-    TimeError,
-    WorkerError,
-)
+from geomtorsion.errors import AccuracyError, StartError, TimeError, WorkerError
 from geomtorsion.executors import Executor, checked_executor, each_done
 from geomtorsion.hints import argument_hints, attribute_hints
 from geomtorsion.ode.batch import Failure, batch_method
-from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
-from geomtorsion.ode.engines.taylor import is_available
+from geomtorsion.ode.engines import Engine
 from geomtorsion.ode.error_estimate import (
     AIM,
     NOISE,
@@ -44,8 +37,8 @@ from geomtorsion.ode.numbers import (
     checked_times,
     one_time_only,
 )
-from geomtorsion.ode.solution import Problem
-from geomtorsion.ode.solve import alone
+from geomtorsion.ode.singles import followed, listed, unfinished_text
+from geomtorsion.ode.solve import batch_engine
 from geomtorsion.ode.system import Show, checked_engine
 from geomtorsion.ode.trajectory import Trajectory
 from geomtorsion.precision import GOLDEN
@@ -187,7 +180,7 @@ class Ensemble:
     def __str__(self) -> str:
         done = int(self.finished.sum())
         rate = done / self.run_seconds if self.run_seconds else 0.0
-        lost = "; " + _listed(self.unfinished, "not finished:") if self.unfinished else ""
+        lost = "; " + listed(self.unfinished, "not finished:") if self.unfinished else ""
         return (
             f"{done} of {len(self)} motions by {self.engine} ({self.reason}), "
             f"error below {self.error:.2g} in the {self.checked} of them that were verified; "
@@ -289,7 +282,7 @@ def _ensemble(
     pool: Executor | None = None,
 ) -> Ensemble:
     """Members from their starts to their ends; when: times to report, and the grid from 0."""
-    solver, reason = _engine(engine, problem.member(members, 0))
+    solver, reason = batch_engine(engine, problem.member(members, 0))
     times, grid = when
     number = len(members)
     job = _Job(problem, members, grid, solver, accuracy, pool)
@@ -312,31 +305,10 @@ def _ensemble(
         job.rows,
     )
     if job.failure is not None:
-        raise WorkerError(
-            f"expected results from all workers, got none for {len(job.failure.members)} members: "
-            f"{job.failure.reason}. {_listed(job.failure.members)} The finished members are in the "
-            "error's `partial`. Start new workers, and solve the others.",
-            partial=ensemble,
-        )
+        raise WorkerError(unfinished_text(job.failure), partial=ensemble)
     if lacking:
         raise AccuracyError(lacking, ensemble)
     return ensemble
-
-
-def _engine(engine: Engine | None, problem: Problem) -> tuple[Engine, str]:
-    """The requested engine, or the fastest available."""
-    if engine is not None:
-        if engine.precision != 53:
-            raise AccuracyError(
-                f"solve_many: expected an engine in double precision, got {engine.name} with "
-                f"{engine.precision} bits. Solve the motions one by one."
-            )
-        return engine, "as requested"
-    if not problem.first_stage(53, 0.0).system.has_series:
-        return RungeKutta(), "a function has no Taylor series: motions stacked into one system"
-    if is_available():
-        return Taylor(), "heyoka is installed: several motions in one instruction"
-    return RungeKutta(), "heyoka is not installed: motions stacked into one system"
 
 
 class _Job:
@@ -406,7 +378,7 @@ class _Job:
         got = f"gets to {best:.2g}" if np.isfinite(best) else "gives no two runs to compare"
         return (
             f"expected accuracy {self.accuracy:.3g}; {self.engine.name} {got} in double "
-            f"precision. {_listed(sorted(self.lacking))} Ask for less, or solve one by one with "
+            f"precision. {listed(sorted(self.lacking))} Ask for less, or solve one by one with "
             "Taylor(precision=113)."
         )
 
@@ -512,7 +484,7 @@ class _Job:
         work = ((one, self.engine, self.accuracy, self.grid * one.time_unit) for one in singles)
         reasons = {}
         try:
-            for done, (place, single) in enumerate(each_done(self.executor, _alone, work), 1):
+            for done, (place, single) in enumerate(each_done(self.executor, followed, work), 1):
                 if show is not None:
                     show(done)
                 k = int(index[place])
@@ -562,35 +534,3 @@ class _Job:
                 size, gap = (np.abs(x).max(axis=(1, 2)) for x in (one, one - two))
                 worst = np.fmax(worst, np.where(gap > 0, gap / size, gap))
         return np.where(both, SAFETY * worst, np.nan)
-
-
-@dataclass(frozen=True, eq=False)
-class _Single:
-    """One member by itself; without an answer, the reason. Seconds count all its runs."""
-
-    answer: Trajectory | None
-    error: float
-    reason: str
-    compile_seconds: float
-    check_seconds: float
-
-
-def _alone(problem: Problem, engine: Engine, accuracy: float, grid: np.ndarray) -> _Single:
-    """One motion with its error, in this process."""
-    began = time.perf_counter()
-    try:
-        checked = alone(problem, engine, accuracy, grid)
-    except GeomtorsionError as error:
-        return _Single(None, math.inf, str(error), 0.0, 0.0)
-    answer = checked.answer
-    compiling = sum([run.compile_seconds for run in checked.runs])
-    checking = time.perf_counter() - began - compiling - answer.run_seconds
-    reason = f"{answer.reason or answer.outcome}."
-    return _Single(answer, checked.error, reason, compiling, checking)
-
-
-def _listed(index: Sequence[int] | np.ndarray, what: str = "That is so for") -> str:
-    """Which members these are, in a few words."""
-    first = ", ".join(str(int(k)) for k in index[:5])
-    more = f" and {len(index) - 5} more" if len(index) > 5 else ""
-    return f"{what} member{'s' if len(index) > 1 else ''} {first}{more}."

@@ -371,6 +371,22 @@ def engines(
     yield Taylor(300), "quadruple precision does not give this accuracy"
 
 
+def batch_engine(engine: Engine | None, problem: Problem) -> tuple[Engine, str]:
+    """The requested engine, or the fastest available."""
+    if engine is not None:
+        if engine.precision != 53:
+            raise AccuracyError(
+                f"solve_many: expected an engine in double precision, got {engine.name} with "
+                f"{engine.precision} bits. Solve the motions one by one."
+            )
+        return engine, "as asked"
+    if not problem.first_stage(53, 0.0).system.has_series:
+        return RungeKutta(), "a function has no Taylor series: motions stacked into one system"
+    if is_available():
+        return Taylor(), "heyoka is installed: several motions in one instruction"
+    return RungeKutta(), "heyoka is not installed: motions stacked into one system"
+
+
 def is_coarse(accuracy: float) -> bool:
     """Whether RungeKutta is worth a try: its steps round to about as much."""
     return accuracy > 1e-13

@@ -32,6 +32,7 @@ from geomtorsion.materials.fields.grid import (
     check_order,
     other_order,
     periodic_axes,
+    several,
     two_axes,
 )
 from geomtorsion.materials.fields.large_arrays import (
@@ -305,9 +306,8 @@ def blocked_map(
 ) -> BlockMap:
     """Burgers vectors of circuits at all positions of a field larger than memory, block by block.
 
-    Blocks are dask tasks. They run on threads of this machine, or as configured in dask:
-    `dask.config.set(scheduler="processes")`, or a `dask.distributed.Client`. A task takes about ten
-    times the memory of its block and halo.
+    Blocks are dask tasks, run by `executor` or as configured in dask. A task takes about ten times
+    the memory of its block and halo.
 
     Parameters
     ----------
@@ -328,13 +328,11 @@ def blocked_map(
         Standard deviation of the noise of each value: one number, or one for each component, shape
         (rows, columns along the grid). The errors do not include rounding.
     stride
-        Nodes from place to place, one number or one for each axis. A stride equal to the size gives
-        adjacent circuits.
+        Nodes from place to place, for each axis: the size gives adjacent circuits.
     overwrite
-        Replace an existing map, instead of computing its missing blocks.
+        Replace an existing map.
     executor
-        Computes the blocks: a pool of `concurrent.futures`, or a `dask.distributed.Client`. None:
-        as configured in dask.
+        Computes the blocks, see `burgers_vectors`; None: as configured in dask.
 
     Raises
     ------
@@ -370,7 +368,7 @@ def blocked_map(
     names = tuple("xyzuvw"[:d])
     wraps = periodic_axes(periodic, names)
     pair = two_axes(plane, d)
-    sides = _several(size, 2, "size", 0)
+    sides = several(size, 2, "size", 0)
     if 0 in sides and sides != (0, 0):
         raise GridError(
             "size: size 0 means a map of torsion; give 0 for both axes or for neither, not "
@@ -378,7 +376,7 @@ def blocked_map(
         )
     for k, side in zip(pair, sides, strict=True):
         checks.count(side, "size", GridError, 0, grid[k] - 1)
-    blocks = _several(block, d, "block", 1)
+    blocks = several(block, d, "block", 1)
     check_length(names, grid, order)
     components = (array.shape[0], d)
     blocks_needed = prod(-(-n // b) for n, b in zip(grid, blocks, strict=True))
@@ -398,7 +396,7 @@ def blocked_map(
     block_map = BlockMap(
         array, str(place), tuple(map(float, spacing)), blocks, (sides[0], sides[1]),
         pair, order, wraps, np.broadcast_to(noise, components), reference,
-        _several(stride, d, "stride", 1),
+        several(stride, d, "stride", 1),
     )  # fmt: skip
     _open(block_map, overwrite)
     left = [number for number in block_map.numbers if not block_map.is_done(number)]
@@ -474,7 +472,7 @@ def _writing(path: Path) -> Iterator[None]:
         ) from None
 
 
-def _run(made: BlockMap, left: Sequence[tuple[int, ...]], executor: Executor | None = None) -> None:
+def _run(made: BlockMap, left: Sequence[tuple[int, ...]], executor: Executor | None) -> None:
     """Compute blocks as dask tasks."""
     dask = module("dask", Path(made.path))
     task = dask.delayed(BlockMap.compute, pure=False)
@@ -488,20 +486,10 @@ def _run(made: BlockMap, left: Sequence[tuple[int, ...]], executor: Executor | N
 
         try:
             with module("dask.callbacks", Path(made.path)).Callback(posttask=seen):
-                options = {} if executor is None else {"scheduler": executor}
-                dask.compute(*[task(delayed_map, number) for number in left], **options)
+                dask.compute(*[task(delayed_map, number) for number in left], scheduler=executor)
         except BrokenProcessPool:
             raise LimitError(
                 "a worker process ended before its work was done, probably because memory ran out. "
                 "Use fewer workers or smaller blocks; the same call resumes the run. A script that "
                 'uses processes needs `if __name__ == "__main__":` around its calls.'
             ) from None
-
-
-def _several(given: Any, count: int, name: str, least: int) -> tuple[int, ...]:
-    """Whole numbers, one for each axis, from one for each or one for all."""
-    entries = checks.rows(given)
-    rows = list(entries) if isinstance(entries, list | tuple) else [given] * count
-    if len(rows) != count:
-        raise GridError(f"{name}: expected one number or {count}, got {checks.shown(given)}.")
-    return tuple(checks.count(n, name, GridError, least) for n in rows)

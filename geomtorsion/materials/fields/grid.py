@@ -267,3 +267,12 @@ def check_values(values: np.ndarray, grid: Grid) -> None:
             "coframe: expected values at some nodes, got none: every node is masked or has a NaN. "
             "Is the mask inverted? True marks an unknown node."
         )
+
+
+def several(given: object, count: int, name: str, least: int) -> tuple[int, ...]:
+    """Whole numbers, one for each axis, from one for each or one for all."""
+    entries = checks.rows(given)
+    rows = list(entries) if isinstance(entries, list | tuple) else [given] * count
+    if len(rows) != count:
+        raise GridError(f"{name}: expected one number or {count}, got {checks.shown(given)}.")
+    return tuple(checks.count(n, name, GridError, least) for n in rows)
