@@ -158,6 +158,12 @@ if TYPE_CHECKING:
         FreeTop,
         free_top,
     )
+    from geomtorsion.same import (
+        CoordinateMap,
+        Equivalence,
+        MappedPoint,
+        same_geometry,
+    )
     from geomtorsion.scenes import (
         Body,
         Scene,
@@ -214,6 +220,7 @@ _LATER = {
     "materials.maps": ("Circuit", "OrientationMap", "Phase"),
     "materials.images": ("LatticeBurgers", "LatticeImage", "LatticePhases"),
     "proofs": ("Proof", "prove"),
+    "same": ("CoordinateMap", "Equivalence", "MappedPoint", "same_geometry"),
     "spaces.kerr_orbits": ("Frequencies", "KerrOrbit", "kerr_orbit"),
     "accuracy": ("CostRow", "CostTable", "accuracy_cost"),
     "scenes": (
@@ -246,6 +253,7 @@ __all__ = [
     "Cochain",
     "Complex",
     "Connection",
+    "CoordinateMap",
     "CostRow",
     "CostTable",
     "Curvature",
@@ -260,6 +268,7 @@ __all__ = [
     "Engine",
     "Ensemble",
     "EquationsOfMotion",
+    "Equivalence",
     "ExactBurgersVector",
     "Form",
     "Frame",
@@ -276,6 +285,7 @@ __all__ = [
     "Linearization",
     "LogMap",
     "Loop",
+    "MappedPoint",
     "Network",
     "NodeRule",
     "OrientationMap",
@@ -359,6 +369,7 @@ __all__ = [
     "pictures",
     "prove",
     "read",
+    "same_geometry",
     "scenes",
     "solve",
     "solve_many",

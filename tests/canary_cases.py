@@ -158,6 +158,7 @@ def public_functions() -> list[Case]:
         ),
         _public("symmetries", frame=PLANE, keep="metric"),
         _public("killing_equations", frame=PLANE),
+        _public("same_geometry", one=PLANE, two=PLANE, keep="metric", orientation=False),
         _public(
             "spinning", connection=RIEMANN, start=[0, 0], velocity=[1, 1],
             spin=[[0, 0], [0, 0]], coupling="orbital", parameters={},
@@ -624,5 +625,6 @@ RESULTS = frozenset(
     "EquationsOfMotion ExactBurgersVector IdentityCheck LogMap NodeRule SavedSolution SceneCost "
     "SceneResult Solution StateSelection Variation Atlas Chart CurveProblem DislocationNetwork "
     "Engine LatticeBurgers LatticePhases Certainty Proof Linearization KerrOrbit "
-    "Frequencies Surface Symmetries Diffusion Integrability ParallelVolume".split()
+    "Frequencies Surface Symmetries Diffusion Integrability ParallelVolume CoordinateMap "
+    "Equivalence MappedPoint".split()
 )

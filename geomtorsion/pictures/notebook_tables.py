@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from geomtorsion.geometry import Connection, Curvature, Frame, Tensor, Torsion
     from geomtorsion.geometry.notation import ComponentTable
+    from geomtorsion.same import Equivalence
     from geomtorsion.spaces import Space
 
 
@@ -254,3 +255,20 @@ def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
     above = f"<thead>{line(head, 'th')}</thead>" if head else ""
     return f"<table>{above}<tbody>{''.join(line(row, 'td') for row in rows)}</tbody></table>"
+
+
+def equivalence_html(result: Equivalence) -> str:
+    """The verdict on two geometries, with its reason and certainty.
+
+    Examples
+    --------
+    >>> from geomtorsion.same import same_geometry
+    >>> "same" in equivalence_html(same_geometry("s2", "s2"))
+    True
+    """
+    (_, verdict), *rest = result.rows().items()
+    cells = "".join(
+        f"<tr><td{_LEFT}>{html_text(name)}</td><td{_LEFT}>{html_text(text)}</td></tr>"
+        for name, text in rest
+    )
+    return f"<div><b>{html_text(verdict)}</b><table>{cells}</table></div>"
