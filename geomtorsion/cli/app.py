@@ -18,6 +18,8 @@ class Commands(LazyGroup):
         "geometry": "Show metric, connections, torsion and curvature.",
         "gravity": "Show the field equations of a Lagrangian on a space.",
         "check": "Check the identities of a space exactly.",
+        "same": "Decide whether two spaces are one geometry in different coordinates.",
+        "identify": "Find the shipped space that a tetrad is, in other coordinates.",
         "plan": "Show the steps that a quantity or a scene needs, and those it omits.",
         "report": "Write a page with the geometry, motions and a loop of a space.",
         "curve": "Follow the straightest and the shortest path from one start.",
@@ -33,7 +35,17 @@ class Commands(LazyGroup):
         "exercises": "List, show, check and grade exercises.",
     }
     groups: ClassVar = {
-        "Geometry": ("spaces", "geometry", "check", "plan", "gravity", "report", "paper"),
+        "Geometry": (
+            "spaces",
+            "geometry",
+            "check",
+            "same",
+            "identify",
+            "plan",
+            "gravity",
+            "report",
+            "paper",
+        ),  # fmt: skip
         "Motions": ("curve", "run", "scenes", "accuracy"),
         "Defects and data": ("burgers", "map", "crystal", "network"),
         "Teaching": ("lab", "exercises"),

@@ -38,7 +38,7 @@ class MappedPoint:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class CoordinateMap:
-    """The map of the coordinates of one geometry to those of another, near the matched points.
+    """Map from the coordinates of one geometry to coordinates of another, near matched points.
 
     one, two: the invariants of both geometries.
     match: points that correspond to each other, and the turn of the legs between them.

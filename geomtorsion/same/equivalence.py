@@ -70,7 +70,7 @@ def same_geometry(
     Returns
     -------
     Equivalence: "same" with the largest difference, "different" with its proof, or "undecided".
-    It is local: it holds near generic points, and says nothing about the shape in the large.
+    It is local: it holds near generic points, and not for the shape in the large.
     Parameters of one name are one constant, to which a random rational value is given.
 
     Raises
@@ -110,13 +110,8 @@ def _compared(
     """The verdict on two geometries."""
     (one, first), (two, second) = sides
     for frame in (one, two):
-        functions = unknown_functions(x for m in frame.given.values() for x in m.values())
-        if functions:
-            raise ArgumentError(
-                f"expected frames without unknown functions, got {next(iter(functions))}. "
-                "Give it a value with frame.subs({a(t): ...})."
-            )
-    values = _parameter_values(one, two)
+        refuse_functions(frame)
+    values = parameter_values(one, two)
     if values:
         own = [{k: v for k, v in values.items() if k in map(str, f.parameters)} for f in (one, two)]
         one, two = (f.subs(v) if v else f for f, v in zip((one, two), own, strict=True))
@@ -128,7 +123,17 @@ def _compared(
     return Equivalence(*invariants, orientation, values)
 
 
-def _parameter_values(one: Frame, two: Frame) -> dict[str, sp.Rational]:
+def refuse_functions(frame: Frame) -> None:
+    """Refuse a frame with unknown functions such as a(t)."""
+    functions = unknown_functions(x for matrix in frame.given.values() for x in matrix.values())
+    if functions:
+        raise ArgumentError(
+            f"expected a frame without unknown functions, got {functions[0]}. Give it a value, as "
+            f"in frame.subs({{{functions[0]}: ...}})."
+        )
+
+
+def parameter_values(one: Frame, two: Frame) -> dict[str, sp.Rational]:
     """Random rational values of all parameters, by name, that both domains allow."""
     names = {str(x): x for x in (*two.parameters, *one.parameters)}
     if not names:
@@ -210,7 +215,7 @@ class Equivalence:
 
     @cached_property
     def map(self) -> CoordinateMap:
-        """The map of the coordinates of the first geometry to those of the second.
+        """The map from coordinates of the first geometry to coordinates of the second.
 
         Raises
         ------
@@ -275,7 +280,7 @@ class Equivalence:
         return _Outcome("undecided", self._unmatched(match), UNKNOWN, match)
 
     def _is_excluded(self) -> bool:
-        """Whether no point has the scalars of a generic one, or those of a part of the geometry."""
+        """Whether no point has the scalars of a generic one, here or for a weaker `keep`."""
         keeps = [self.one.keep]
         while keeps[-1] in WEAKER:
             keeps.append(WEAKER[keeps[-1]])
@@ -346,7 +351,7 @@ class Equivalence:
         }[self.one.keep]
 
     def rows(self) -> dict[str, str]:
-        """What is printed, by name."""
+        """The printed lines, by name."""
         rows = {"verdict": f"{self.verdict}: {self.reason}", "compared": self.compared}
         if self.verdict == "same" and self.difference is not None:
             rows["certainty"] = (

@@ -155,7 +155,7 @@ class Invariants:
 
     @property
     def coordinates(self) -> int:
-        """The number of coordinates on which the geometry depends: n minus that of its orbits."""
+        """The number of coordinates on which the geometry depends: n minus the orbits' dimension."""
         return self.frame.dimension - self.symmetries + self.isotropy
 
     @property

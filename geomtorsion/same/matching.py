@@ -24,8 +24,6 @@ WORKING = DIGITS + 15
 FINENESS = 9973
 # Singular values that are zero up to the errors of floats, in units of the largest.
 ALIKE = 1e-6
-# Newton's method starts with differences that are far smaller.
-NEAR = 1e-2
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +31,7 @@ class Match:
     """Two points at which all invariants that were compared agree, or do not.
 
     start, goal: coordinates of the first and of the second geometry.
-    turn: turn[a, b], the legs of the first in terms of those of the second; None: fixed legs.
+    turn: turn[a, b], legs of the first in terms of legs of the second; None: fixed legs.
     difference: the largest difference of two invariants, relative to the largest of its order.
     """
 
@@ -231,7 +229,7 @@ class Search:
                 along = other if turning is None else other.turned(turning)
                 rest = (along.flat - goal.flat) / scale
                 size = max((abs(x) for x in rest), default=mpmath.mpf(0))
-                if size < mpmath.mpf(10) ** (5 - WORKING) or size > NEAR:
+                if size < mpmath.mpf(10) ** (5 - WORKING):
                     break
                 step = -inverse @ np.array([complex(x / size) for x in rest])
                 step = [mpmath.mpf(float(x.real)) * size for x in step]
@@ -382,3 +380,28 @@ def _difference(one: Values, two: Values) -> float:
                 [worst, *(float(abs(x - y) / size) for x, y in zip(a.flat, b.flat, strict=True))]
             )
     return worst
+
+
+def parameters_near(one: Invariants, two: Invariants, starts: int) -> Iterator[Array]:
+    """Values of the parameters of the second geometry at which a generic point recurs."""
+    highest = max(one.highest, 1)
+    exact = next(
+        (v for p in generic_points(one.frame) if (v := Evaluation(one, highest).at(p, 20))), None
+    )
+    if exact is None:
+        return
+    goal, evaluation = _floats(exact), Evaluation(two, highest)
+    symbols = (*two.frame.coordinates, *two.frame.parameters)
+    aim = goal.scalars if two.turns else goal.flat
+    scale = np.maximum(np.abs(aim), 1e-3 * np.max(np.abs(aim), initial=1e-300))
+
+    def miss(x: Array) -> Array | None:
+        values = evaluation.near(x)
+        if values is None or values.signs != goal.signs:
+            return None
+        return ((values.scalars if two.turns else values.flat) - aim) / scale
+
+    for point in islice(generic_points(two.frame), starts):
+        x = least_squares(miss, np.array([float(point[q]) for q in symbols]))
+        if x is not None:
+            yield x[len(two.frame.coordinates) :]

@@ -146,13 +146,13 @@ class Evaluation:
             flat = [int(np.ravel_multi_index(i, shape)) if i else 0 for i, *_ in signs]
             sources, weights = [rows[j] for *_, j in signs], [s for _, s, _ in signs]
             places.append((shape, flat, sources, np.array(weights, dtype=float)))
-        function = codegen.numpy_function(
-            elements, list(self.invariants.frame.coordinates), check=False
-        )
+        frame = self.invariants.frame
+        symbols = [*frame.coordinates, *frame.parameters]
+        function = codegen.numpy_function(elements, symbols, check=False)
         return function, places
 
     def near(self, point: Array) -> Values | None:
-        """Values at a point as floats; None where one of them is not finite."""
+        """Values as floats at coordinates and parameters; None where one is not finite."""
         function, places = self._compiled
         with np.errstate(all="ignore"):
             table = function(*point)

@@ -54,7 +54,7 @@ def test_shipped_tetrads_are_compared(pair):
 
 
 def test_ranks_agree_with_the_count_of_symmetries():
-    """The number of symmetries is that of gt.symmetries, which solves Killing's equations."""
+    """gt.symmetries, by Killing's equations, counts as many symmetries."""
     for name in ("s2", "flat_polar", "heisenberg", "sol", "bianchi_iv", "de_sitter", "goedel"):
         frame = space(name)
         for keep in ("metric", "teleparallel"):
