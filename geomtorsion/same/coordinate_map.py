@@ -97,6 +97,10 @@ class CoordinateMap:
         }
         return MappedPoint(coordinates, float(np.max(solution.error)))
 
+    def __repr__(self) -> str:
+        names = (", ".join(map(str, x.frame.coordinates)) for x in (self.one, self.two))
+        return "map from {} to {}".format(*names)
+
     @cached_property
     def _equations(self) -> tuple[dict[str, sp.Expr], dict[str, sp.Float]]:
         """Rates and start of the coordinates and of the turn along the line p + s d."""

@@ -179,6 +179,12 @@ def symmetries(shared: Shared) -> str:
     return str([vector.nonzero() for vector in gt.symmetries(shared.frame).vectors])
 
 
+def equivalence(shared: Shared) -> str:
+    """Independent invariants of the metric, and the verdict on a frame and itself."""
+    result = gt.same_geometry(shared.frame, shared.frame, "legs")
+    return f"{result.growth} {result}"
+
+
 def field_equations(shared: Shared) -> str:
     """Einstein's equations, and the equations of teleparallel gravity."""
     einstein = gravity.equations(gt.levi_civita(shared.frame), gravity.general_relativity)
@@ -213,6 +219,7 @@ MORE: dict[str, Question] = {
     "replaced": replaced,
     "copied": copied,
     "symmetries": symmetries,
+    "equivalence": equivalence,
     "field equations": field_equations,
 }
 MOTIONS: dict[str, Question] = {"geodesic": geodesic, "autoparallel": autoparallel, "proof": proof}
