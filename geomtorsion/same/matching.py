@@ -118,7 +118,7 @@ class Search:
             for base in self._bases(here, goal) if planes else [np.eye(n)]:
                 check_limits()
                 angles = np.zeros(len(planes))
-                if planes and self.two.coordinates and np.any(goal.scalars):
+                if planes and self.two.coordinates and goal.has_scalars:
                     angles = least_squares(turn_miss, angles, 1e-12)
                     if angles is None:
                         continue
@@ -158,7 +158,7 @@ class Search:
             if self.two.coordinates == 0:
                 yield start
                 return
-            place = self._with_scalars(goal, start)
+            place = self._with_scalars(goal, start) if goal.has_scalars else start
             if place is not None:
                 yield place
 

@@ -18,6 +18,8 @@ from geomtorsion.precision import working_digits
 from geomtorsion.same.invariants import Invariants
 
 Array = np.ndarray
+# Sums of products of floats up to one that vanish are smaller than this.
+ROUNDING = float(np.sqrt(np.finfo(float).eps))
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +73,16 @@ class Values:
                 elif trace.ndim == 2:
                     matrices.append((trace + trace.T) / 2)
         return matrices
+
+    @property
+    def has_scalars(self) -> bool:
+        """Whether scalars are more than rounding errors; for plane waves all of them vanish."""
+        size = float(np.max(np.abs(self.flat), initial=0))
+        if not size:
+            return False
+        orders = tuple(tuple(t / size for t in order) for order in self.orders)
+        scalars = Values(self.signs, orders, self.legs).scalars
+        return bool(np.max(np.abs(scalars), initial=0) > ROUNDING)
 
     @cached_property
     def scalars(self) -> Array:
