@@ -45,7 +45,7 @@ class Commands(LazyGroup):
             "gravity",
             "report",
             "paper",
-        ),  # fmt: skip
+        ),
         "Motions": ("curve", "run", "scenes", "accuracy"),
         "Defects and data": ("burgers", "map", "crystal", "network"),
         "Teaching": ("lab", "exercises"),

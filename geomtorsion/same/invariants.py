@@ -155,7 +155,7 @@ class Invariants:
 
     @property
     def coordinates(self) -> int:
-        """The number of coordinates on which the geometry depends: n minus the orbits' dimension."""
+        """The number of coordinates on which it depends: n minus the dimension of an orbit."""
         return self.frame.dimension - self.symmetries + self.isotropy
 
     @property
