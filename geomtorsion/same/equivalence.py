@@ -70,7 +70,8 @@ def same_geometry(
     Returns
     -------
     Equivalence: "same" with the largest difference, "different" with its proof, or "undecided".
-    It is local: it holds near generic points, and not for the shape in the large.
+    It is local: it holds near generic points, and not for the shape in the large. Formulas count
+    wherever they are regular, also beyond the stated domains.
     Parameters of one name are one constant, to which a random rational value is given.
 
     Raises
@@ -253,9 +254,9 @@ class Equivalence:
         if one.growth != two.growth:
             return _Outcome("different", self._ranks(), sure)
         first, second = scalars(one), scalars(two)
-        reason = contradiction(one, two, first, second)
-        if reason is not None:
-            return _Outcome("different", reason, PROVED)
+        proof = contradiction(one, two, first, second)
+        if proof is not None:
+            return _Outcome("different", *proof)
         # The search evaluates the second geometry often.
         swapped = _length(one) < _length(two)
         search = Search(*((two, one) if swapped else (one, two)), self.orientation, TRIES)
@@ -353,7 +354,7 @@ class Equivalence:
     def rows(self) -> dict[str, str]:
         """The printed lines, by name."""
         rows = {"verdict": f"{self.verdict}: {self.reason}", "compared": self.compared}
-        if self.verdict == "same" and self.difference is not None:
+        if self.verdict == "same" and self.difference is not None and not self.certainty.proved:
             rows["certainty"] = (
                 f"largest difference {self.difference:.0e} at a pair of generic points"
                 if self.difference

@@ -7,7 +7,8 @@ from itertools import combinations_with_replacement, islice
 
 import mpmath
 
-from geomtorsion.exact import Element
+from geomtorsion.exact import Certainty, Element
+from geomtorsion.exact.element import least_certain
 from geomtorsion.geometry import Tensor, contract, levi_civita
 from geomtorsion.same.invariants import Invariants, representatives
 from geomtorsion.same.matching import DIGITS, WORKING, generic_points
@@ -70,25 +71,29 @@ def is_constant(invariants: Invariants, value: Element) -> bool:
 
 def contradiction(
     one: Invariants, two: Invariants, first: Mapping[str, Element], second: Mapping[str, Element]
-) -> str | None:
-    """The invariant that vanishes, or is constant, for one geometry only, or has two constants."""
+) -> tuple[str, Certainty] | None:
+    """An invariant that vanishes, or is constant, for one geometry only, or has two constants."""
     for name, a in first.items():
         b = second[name]
-        zeros = a.is_zero, b.is_zero
+        zeros, sure = (a.is_zero, b.is_zero), [a.certainty, b.certainty]
         if None in zeros:
             continue
         if zeros[0] != zeros[1]:
-            return f"{name} vanishes for the {_which(zeros[0])} geometry only"
+            return f"{name} vanishes for the {_which(zeros[0])} geometry only", least_certain(sure)
         if zeros == (True, True):
             continue
         constants = is_constant(one, a), is_constant(two, b)
+        slopes = [(inv, x) for inv, x in ((one, a), (two, b)) if is_constant(inv, x)]
+        sure += [x.diff(q).certainty for inv, x in slopes for q in inv.frame.coordinates]
         if constants[0] != constants[1]:
-            return f"{name} is constant for the {_which(constants[0])} geometry only"
+            reason = f"{name} is constant for the {_which(constants[0])} geometry only"
+            return reason, least_certain(sure)
         if constants == (True, True):
             values = _number(one, a), _number(two, b)
             if abs(values[0] - values[1]) > mpmath.mpf(10) ** -DIGITS * abs(values[0]):
                 shown = (_text(x, number) for x, number in zip((a, b), values, strict=True))
-                return f"{name} is {' for the first and '.join(shown)} for the second geometry"
+                reason = f"{name} is {' for the first and '.join(shown)} for the second geometry"
+                return reason, least_certain(sure)
     return None
 
 

@@ -21,6 +21,7 @@ TUTORIALS = (
     "top_and_effects",
     "own_torsion",
     "gravity",
+    "same_geometry",
     "accuracy",
 )
 TASKS = (
