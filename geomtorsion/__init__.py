@@ -165,6 +165,12 @@ if TYPE_CHECKING:
         FreeTop,
         free_top,
     )
+    from geomtorsion.same import (
+        CoordinateMap,
+        Equivalence,
+        MappedPoint,
+        same_geometry,
+    )
     from geomtorsion.scenes import (
         Body,
         EffectBudget,
@@ -223,6 +229,7 @@ _LATER = {
     "materials.maps": ("Circuit", "OrientationMap", "Phase"),
     "materials.images": ("LatticeBurgers", "LatticeImage", "LatticePhases"),
     "proofs": ("Proof", "prove"),
+    "same": ("CoordinateMap", "Equivalence", "MappedPoint", "same_geometry"),
     "spaces.kerr_orbits": ("Frequencies", "KerrOrbit", "kerr_orbit"),
     "fits": ("Fit", "fit", "fit_frame", "fit_loops"),
     "prices": ("PriceList", "PriceRow", "price"),
@@ -257,6 +264,7 @@ __all__ = [
     "Cochain",
     "Complex",
     "Connection",
+    "CoordinateMap",
     "Curvature",
     "CurveProblem",
     "Defect",
@@ -271,6 +279,7 @@ __all__ = [
     "Engine",
     "Ensemble",
     "EquationsOfMotion",
+    "Equivalence",
     "ExactBurgersVector",
     "Fit",
     "Form",
@@ -290,6 +299,7 @@ __all__ = [
     "Linearization",
     "LogMap",
     "Loop",
+    "MappedPoint",
     "Network",
     "NodeRule",
     "NyeField",
@@ -382,6 +392,7 @@ __all__ = [
     "price",
     "prove",
     "read",
+    "same_geometry",
     "scenes",
     "solve",
     "solve_many",

@@ -171,6 +171,7 @@ def public_functions() -> list[Case]:
         _public("symmetries", frame=PLANE, keep="metric"),
         _public("killing_equations", frame=PLANE),
         _public("LieAlgebra", constants={(0, 1, 2): 1}),
+        _public("same_geometry", one=PLANE, two=PLANE, keep="metric", orientation=False),
         _public(
             "spinning", connection=RIEMANN, start=[0, 0], velocity=[1, 1],
             spin=[[0, 0], [0, 0]], coupling="orbital", parameters={},
@@ -673,5 +674,6 @@ RESULTS = frozenset(
     "SceneCost SceneResult Solution StateSelection Variation Atlas Chart CurveProblem "
     "DislocationNetwork Engine LatticeBurgers LatticePhases Certainty Proof Linearization "
     "KerrOrbit Frequencies Surface Symmetries Diffusion Integrability ParallelVolume Stresses "
-    "HolonomyAlgebra EffectBudget PriceList PriceRow".split()
+    "HolonomyAlgebra EffectBudget PriceList PriceRow "
+    "CoordinateMap Equivalence MappedPoint".split()
 )

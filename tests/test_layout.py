@@ -45,7 +45,7 @@ BELOW_THE_WALL = (
     ("codegen", "units"),
     ("geometry", "ode"),
     ("action", "curves", "loops", "rigid"),
-    ("proofs",),
+    ("proofs", "same"),
     ("spaces",),
 )
 # Applications: from packages below the wall they import only names in __all__.

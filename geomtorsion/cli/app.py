@@ -19,6 +19,8 @@ class Commands(LazyGroup):
         "symmetries": "Show the symmetries of a space, their Lie algebra, and the holonomy.",
         "gravity": "Show the field equations of a Lagrangian on a space.",
         "check": "Check the identities of a space exactly.",
+        "same": "Decide whether two spaces are one geometry in different coordinates.",
+        "identify": "Find the shipped space that a tetrad is, in other coordinates.",
         "plan": "Show the steps that a quantity or a scene needs, and those it omits.",
         "report": "Write a page with the geometry, motions and a loop of a space.",
         "curve": "Follow the straightest and the shortest path from one start.",
@@ -36,11 +38,22 @@ class Commands(LazyGroup):
         "exercises": "List, show, check and grade exercises.",
     }
     groups: ClassVar = {
-        "Geometry": ("spaces", "geometry", "check", "plan", "gravity", "report", "paper"),
+        "Geometry": (
+            "spaces",
+            "geometry",
+            "symmetries",
+            "check",
+            "same",
+            "identify",
+            "plan",
+            "gravity",
+            "report",
+            "paper",
+        ),
         "Motions": ("curve", "fit", "run", "scenes", "price"),
         "Defects and data": ("burgers", "map", "crystal", "network", "stress"),
         "Teaching": ("lab", "exercises"),
-    }
+    }  # fmt: skip
     limited = frozenset(summaries) - {"spaces", "network", "scenes", "lab", "exercises"}
 
 

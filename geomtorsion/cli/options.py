@@ -78,6 +78,22 @@ class Basis(StrEnum):
     frame = "frame"
 
 
+class Keep(StrEnum):
+    """The geometry that is compared."""
+
+    metric = "metric"
+    teleparallel = "teleparallel"
+    legs = "legs"
+
+
+KeepOption = Annotated[
+    Keep,
+    typer.Option(
+        "--keep",
+        help="metric: legs are free. teleparallel: they may differ by one constant turn. legs: "
+        "each leg onto the leg of the same number.",
+    ),
+]
 BasisOption = Annotated[
     Basis,
     typer.Option("--basis", help="natural: each quantity in the basis in which it is defined."),

@@ -379,7 +379,7 @@ def batch_engine(engine: Engine | None, problem: Problem) -> tuple[Engine, str]:
                 f"solve_many: expected an engine in double precision, got {engine.name} with "
                 f"{engine.precision} bits. Solve the motions one by one."
             )
-        return engine, "as asked"
+        return engine, "as requested"
     if not problem.first_stage(53, 0.0).system.has_series:
         return RungeKutta(), "a function has no Taylor series: motions stacked into one system"
     if is_available():

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     )
     from geomtorsion.geometry.notation import ComponentTable
     from geomtorsion.gravity import Symmetries
+    from geomtorsion.same import Equivalence
     from geomtorsion.spaces import Space
 
 
@@ -323,3 +324,20 @@ def symmetries_html(symmetries: Symmetries) -> str:
     heading, *lines = str(symmetries).splitlines()
     rest = "".join(f"<li>{html_text(line.strip())}</li>" for line in lines)
     return f"<div><b>{html_text(heading)}</b><ul>{rest}</ul></div>"
+
+
+def equivalence_html(result: Equivalence) -> str:
+    """The verdict on two geometries, with its reason and certainty.
+
+    Examples
+    --------
+    >>> from geomtorsion.same import same_geometry
+    >>> "same" in equivalence_html(same_geometry("s2", "s2"))
+    True
+    """
+    (_, verdict), *rest = result.rows().items()
+    cells = "".join(
+        f"<tr><td{_LEFT}>{html_text(name)}</td><td{_LEFT}>{html_text(text)}</td></tr>"
+        for name, text in rest
+    )
+    return f"<div><b>{html_text(verdict)}</b><table>{cells}</table></div>"

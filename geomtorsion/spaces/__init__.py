@@ -10,19 +10,27 @@ from geomtorsion.spaces.space import KnownAnswer, Space
 
 if TYPE_CHECKING:
     from geomtorsion.spaces import first_motion
+    from geomtorsion.spaces.identification import Identification, Identified, identify
     from geomtorsion.spaces.pair import Pair, pair_problems, refuse_unknown_functions, solve_pair
 
-# Names of spaces.pair, imported on first use: loading a space needs no motions.
-_LATER = ("Pair", "pair_problems", "refuse_unknown_functions", "solve_pair")
+# Names imported on first use: loading a space needs no motions and no comparison.
+_LATER = {
+    "Pair": "pair", "pair_problems": "pair", "refuse_unknown_functions": "pair",
+    "solve_pair": "pair", "Identification": "identification", "Identified": "identification",
+    "identify": "identification",
+}  # fmt: skip
 
 __all__ = [
     "CONNECTION_QUANTITIES",
     "SPACES",
+    "Identification",
+    "Identified",
     "KnownAnswer",
     "Pair",
     "Space",
     "disagreements",
     "first_motion",
+    "identify",
     "load",
     "names",
     "pair_problems",
@@ -40,7 +48,7 @@ def __getattr__(name: str) -> object:
         return import_module("geomtorsion.spaces.first_motion")
     if name not in _LATER:
         raise AttributeError(f"module 'geomtorsion.spaces' has no attribute {name!r}")
-    return getattr(import_module("geomtorsion.spaces.pair"), name)
+    return getattr(import_module(f"geomtorsion.spaces.{_LATER[name]}"), name)
 
 
 def __dir__() -> list[str]:

@@ -180,6 +180,12 @@ def symmetries(shared: Shared) -> str:
     return str(([vector.nonzero() for vector in found.closed_form], found.algebra.brackets()))
 
 
+def equivalence(shared: Shared) -> str:
+    """Independent invariants of the metric, and the verdict on a frame and itself."""
+    result = gt.same_geometry(shared.frame, shared.frame, "legs")
+    return f"{result.growth} {result}"
+
+
 def field_equations(shared: Shared) -> str:
     """Einstein's equations, and equations of teleparallel gravity, also with an own invariant."""
     einstein = gravity.equations(gt.levi_civita(shared.frame), gravity.general_relativity)
@@ -216,6 +222,7 @@ MORE: dict[str, Question] = {
     "replaced": replaced,
     "copied": copied,
     "symmetries": symmetries,
+    "equivalence": equivalence,
     "field equations": field_equations,
 }
 MOTIONS: dict[str, Question] = {"geodesic": geodesic, "autoparallel": autoparallel, "proof": proof}

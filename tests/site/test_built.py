@@ -22,6 +22,7 @@ TUTORIALS = (
     "top_and_effects",
     "own_torsion",
     "gravity",
+    "same_geometry",
     "accuracy",
 )
 TASKS = (

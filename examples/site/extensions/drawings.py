@@ -206,6 +206,31 @@ def massive() -> Any:
     return figure
 
 
+def isotropic() -> Any:
+    """The map between two charts of a black hole: numbers on its closed form."""
+    one, two = (
+        gt.spaces.load(name).frame.subs({"M": 1})
+        for name in ("schwarzschild", "schwarzschild_isotropic")
+    )
+    result = gt.same_geometry(one, two)
+    assert result.match is not None
+    start = {str(q): float(value) for q, value in result.match.start.items()}
+    radii = np.array([2.3, 3.0, 4.0, 6.0, 8.0, 10.0])
+    images = [result.map({**start, "r": float(r)}) for r in radii]
+    figure = new_figure(5.6, 4.2)
+    axes = figure.add_subplot()
+    every = np.linspace(2.0, 10.0, 200)
+    exact = (every - 1 + np.sqrt(every**2 - 2 * every)) / 2
+    axes.plot(every, exact, **SERIES[0].line, label="closed form")
+    rho = [np.linalg.norm([image[q] for q in "xyz"]) for image in images]
+    axes.plot(radii, rho, "o", color="#222222", label="map of the coordinates")
+    axes.set_xlabel("Schwarzschild's radius / $M$")
+    axes.set_ylabel("isotropic radius / $M$")
+    quiet(axes)
+    legend(figure, axes)
+    return figure
+
+
 def motions() -> Any:
     """The flows of the three symmetries of the hyperbolic half plane."""
     half = gt.Frame("x y", [["1/y", "0"], ["0", "1/y"]], domain="y > 0")
@@ -237,6 +262,7 @@ DRAWINGS: dict[str, Callable[[], Any]] = {
     "21_kerr_de_sitter_with_torsion": orbit,
     "22_which_path_does_a_body_take": fall,
     "23_orbits_of_kerr": bound,
+    "27_is_it_a_new_solution": isotropic,
     "24_constraints_are_torsion": lambda: paths("chaplygin_sleigh", t=6.0),
     "25_a_gait_is_a_loop": stroke,
     "26_kepler_as_an_oscillator": ellipses,

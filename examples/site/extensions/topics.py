@@ -27,7 +27,8 @@ TOPICS: dict[str, str] = {
     "from_torsion from_contortion from_nonmetricity from_spin_connection from_coefficients blend "
     "identities IdentityCheck",
     "Forms, symmetries, surfaces": "Form lie lie_bracket symmetries Symmetries killing_equations "
-    "LieAlgebra HolonomyAlgebra surface Surface",
+    "LieAlgebra HolonomyAlgebra surface Surface same_geometry Equivalence CoordinateMap "
+    "MappedPoint",
     "Gravity": "gravity",
     "Autoparallels and geodesics": "autoparallel geodesic CurveProblem distance_apart "
     "exponential_map log_map LogMap parallel_transport holonomy geodesic_deviation spinning "

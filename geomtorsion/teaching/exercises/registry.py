@@ -40,6 +40,7 @@ EXERCISES: tuple[tuple[str, str, str, str], ...] = (
     ("3.2", "curvature.christoffel", "A Christoffel symbol", "warm-up"),
     ("3.3", "curvature.surface", "The curvature of a surface", "exercise"),
     ("3.4", "curvature.group_ricci", "The curvature of a group", "exercise"),
+    ("3.5", "curvature.disguise", "A sphere in disguise?", "exercise"),
     ("4.1", "straightest.spiral", "Where the straightest line leads", "warm-up"),
     ("4.2", "straightest.force", "The torsion force", "exercise"),
     ("4.3", "straightest.equations", "Equations of the autoparallels", "exercise"),

@@ -55,6 +55,8 @@ def test_curvature_of_the_rotations():
     half = sp.Rational(1, 2)
     assert equal(solution("3.4", "ricci"), {(k, k): half for k in range(3)})
     assert solution("3.4", "scalar") == {(): sp.Rational(3, 2)}
+    assert solution("3.5", "scalar") == {(): sp.Rational(2, 9)}
+    assert solution("3.5", "surface") == {(): "sphere"}
     assert solution("3.1", "cartan") == {(): "zero"}
     assert solution("3.1", "riemann") == {(): "not zero"}
 

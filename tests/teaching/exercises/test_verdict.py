@@ -34,6 +34,8 @@ MISTAKES = {
     ("3.3", "scalar"): "cartan factor sign",
     ("3.4", "ricci"): "basis cartan factor sign",
     ("3.4", "scalar"): "cartan factor sign",
+    ("3.5", "scalar"): "cartan factor sign",
+    ("3.5", "surface"): "cartan sign",
     ("4.1", "radius"): "factor levi-civita sign",
     ("4.1", "angle"): "basis degrees factor levi-civita sign",
     ("4.2", "force"): "basis factor inverse levi-civita sign",

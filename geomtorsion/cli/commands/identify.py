@@ -1,0 +1,39 @@
+"""identify: the shipped space that a tetrad is, in other coordinates."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from geomtorsion.cli.exits import ExitCode
+from geomtorsion.cli.options import Keep, KeepOption, SpaceOrFile
+from geomtorsion.cli.sources import open_space
+from geomtorsion.cli.terminal import working
+from geomtorsion.spaces import identify as identified
+
+
+def identify(
+    source: SpaceOrFile,
+    keep: KeepOption = Keep.metric,
+    every: Annotated[
+        bool, typer.Option("--every", help="All spaces that are the same, not only the first.")
+    ] = False,
+) -> None:
+    """Find the shipped space that a tetrad is, in other coordinates.
+
+    The tetrad is compared with all shipped spaces of its dimension and signature, and the values
+    of their parameters are found. The command ends with 1 if it is none of them.
+
+    \b
+    Examples:
+      geomtorsion identify my-tetrad.toml
+      geomtorsion identify so3_quaternion --keep legs --every
+    """
+    with working(source):
+        result = identified(open_space(source), keep.value, every=every)
+    typer.echo(str(result))
+    for match in result.matches:
+        typer.echo(f"  source: {match.source}")
+    if not result:
+        raise typer.Exit(ExitCode.failed)

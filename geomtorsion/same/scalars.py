@@ -1,0 +1,113 @@
+"""Scalars: exact invariants that need no frame, by which two geometries are proved different."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import combinations_with_replacement, islice
+
+import mpmath
+
+from geomtorsion.exact import Certainty, Element
+from geomtorsion.exact.element import least_certain
+from geomtorsion.geometry import Tensor, contract, levi_civita
+from geomtorsion.same.invariants import Invariants, representatives
+from geomtorsion.same.matching import DIGITS, WORKING, generic_points
+
+# Squares of a tensor with three indices.
+CUBIC = ("abc,abc->", "abc,acb->", "abc,bac->", "abc,bca->", "abc,cba->")
+
+
+def scalars(invariants: Invariants) -> dict[str, Element]:
+    """Scalar invariants by name: components along fixed legs, otherwise contractions."""
+    if not invariants.turns:
+        return _components(invariants)
+    tensors: dict[str, Tensor] = {}
+    for tensor in invariants.start:
+        symbol, rank = tensor.symbol.strip("\\"), len(tensor.slots)
+        upper = tensor.raised()
+        if rank == 4:
+            curvature = invariants.transport.curvature
+            ricci = curvature.ricci
+            tensors["the curvature scalar"] = curvature.scalar
+            tensors["Ric_ab Ric^ab"] = contract("ab,ab->", ricci, ricci.raised())
+            tensors["R_abcd R^abcd"] = contract("abcd,abcd->", tensor, upper)
+            continue
+        for rule in CUBIC:
+            first, second = rule.removesuffix("->").split(",")
+            tensors[f"{symbol}_{first} {symbol}^{second}"] = contract(rule, tensor, upper)
+    values = {name: tensor.element() for name, tensor in tensors.items()}
+    varying = [name for name, value in values.items() if not is_constant(invariants, value)][:3]
+    bar = levi_civita(invariants.frame)
+    slopes = {name: bar.covariant_derivative(tensors[name]) for name in varying}
+    for one, two in combinations_with_replacement(varying, 2):
+        name = f"the product of the gradients of {one} and {two}"
+        values[name] = contract("a,a->", slopes[one], slopes[two].raised()).element()
+    for name in varying:
+        values[f"the Laplacian of {name}"] = bar.laplacian(tensors[name]).element()
+    if not varying:
+        for tensor, slope in zip(invariants.start, invariants.order(1), strict=True):
+            letters = "abcde"[: len(slope.slots)]
+            square = contract(f"{letters},{letters}->", slope, slope.raised())
+            values[f"the square of the derivative of {tensor.symbol}"] = square.element()
+    return values
+
+
+def _components(invariants: Invariants) -> dict[str, Element]:
+    """All components that are compared, along the legs, counted from 1."""
+    values = {}
+    for k in range(invariants.highest + 1):
+        for tensor in invariants.order(k):
+            for index in representatives(tensor):
+                places = "".join(str(i + 1) for i in index[k:])
+                along = "".join(f"E_{i + 1} " for i in index[:k])
+                values[f"{along}T_{places[:2]}^{places[2:]}"] = tensor.element(*index)
+    return values
+
+
+def is_constant(invariants: Invariants, value: Element) -> bool:
+    """Whether an invariant is the same at all points."""
+    return all(value.diff(q).is_zero is True for q in invariants.frame.coordinates)
+
+
+def contradiction(
+    one: Invariants, two: Invariants, first: Mapping[str, Element], second: Mapping[str, Element]
+) -> tuple[str, Certainty] | None:
+    """An invariant that vanishes, or is constant, for one geometry only, or has two constants."""
+    for name, a in first.items():
+        b = second[name]
+        zeros, sure = (a.is_zero, b.is_zero), [a.certainty, b.certainty]
+        if None in zeros:
+            continue
+        if zeros[0] != zeros[1]:
+            return f"{name} vanishes for the {_which(zeros[0])} geometry only", least_certain(sure)
+        if zeros == (True, True):
+            continue
+        constants = is_constant(one, a), is_constant(two, b)
+        slopes = [(inv, x) for inv, x in ((one, a), (two, b)) if is_constant(inv, x)]
+        sure += [x.diff(q).certainty for inv, x in slopes for q in inv.frame.coordinates]
+        if constants[0] != constants[1]:
+            reason = f"{name} is constant for the {_which(constants[0])} geometry only"
+            return reason, least_certain(sure)
+        if constants == (True, True):
+            values = _number(one, a), _number(two, b)
+            if abs(values[0] - values[1]) > mpmath.mpf(10) ** -DIGITS * abs(values[0]):
+                shown = (_text(x, number) for x, number in zip((a, b), values, strict=True))
+                reason = f"{name} is {' for the first and '.join(shown)} for the second geometry"
+                return reason, least_certain(sure)
+    return None
+
+
+def _text(value: Element, number: mpmath.mpf) -> str:
+    """A constant, exact if that is short."""
+    exact = str(value)
+    return exact if len(exact) < 20 else mpmath.nstr(number, 6)
+
+
+def _which(is_first: bool | None) -> str:
+    return "first" if is_first else "second"
+
+
+def _number(invariants: Invariants, value: Element) -> mpmath.mpf:
+    """The value of an invariant that is constant."""
+    point = next(islice(generic_points(invariants.frame), 1), {})
+    return value.evaluate(point, mpmath.libmp.dps_to_prec(WORKING))

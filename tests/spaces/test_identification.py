@@ -1,0 +1,52 @@
+"""Identification: a frame in disguise is named, with the values of its parameters."""
+
+import pytest
+import sympy as sp
+
+import geomtorsion as gt
+from geomtorsion.errors import ArgumentError
+
+U, V, W, Z = sp.symbols("u v w z", real=True)
+L = sp.Symbol("l", positive=True)
+
+
+def test_a_sphere_in_disguise_has_its_radius():
+    """Stereographic coordinates hide a sphere; its radius is a parameter of the frame."""
+    shape = 2 * L / (1 + U**2 + V**2)
+    found = gt.spaces.identify(gt.Frame([U, V], [[shape, 0], [0, shape]]))
+    (match,) = found.matches
+    assert (match.name, dict(match.parameters)) == ("s2", {"R": L})
+    assert match.equivalence.verdict == "same"
+    assert gt.spaces.identify(gt.Frame([U, V], [[3, 0], [0, 3 * sp.cos(U)]])).matches[
+        0
+    ].parameters == {"R": 3}
+
+
+def test_kerr_in_disguise_has_its_mass_and_spin():
+    """Both parameters of a rotating black hole follow from the metric."""
+    kerr = gt.spaces.load("kerr").frame.subs({"M": L, "a": L / 2})
+    t, r, theta, phi = kerr.coordinates
+    old = {t: U, r: V + 1, theta: W, phi: Z + U}
+    disguise = kerr.in_coordinates([U, V, W, Z], old, domain=(V > 5 * L,))
+    (match,) = gt.spaces.identify(disguise).matches
+    assert (match.name, dict(match.parameters)) == ("kerr", {"M": L, "a": L / 2})
+    assert match.equivalence.difference < 1e-50
+
+
+def test_all_descriptions_of_the_rotations_are_listed():
+    """Leg by leg, body-fixed frames are the same and the space-fixed frame is not."""
+    found = gt.spaces.identify("so3", "legs", every=True)
+    names = {match.name for match in found.matches}
+    assert {"so3", "so3_zxz", "so3_quaternion", "so3_rodrigues", "bianchi_ix"} <= names
+    assert "so3_right" not in names
+
+
+def test_a_new_space_is_none_of_them():
+    """A surface of no constant curvature is not shipped, and is not mistaken for one."""
+    found = gt.spaces.identify(gt.Frame([U, V], [[1, 0], [0, 1 + U**2]]))
+    assert not found
+    assert str(found) == "none of the shipped spaces"
+    with pytest.raises(ArgumentError, match="unknown functions"):
+        gt.spaces.identify("frw")
+    with pytest.raises(ArgumentError, match="keep"):
+        gt.spaces.identify("s2", "legz")
