@@ -7,6 +7,8 @@ from geomtorsion.gravity.invariants import Invariant, invariants
 from geomtorsion.gravity.lagrangian import Lagrangian, names
 from geomtorsion.gravity.matter import maxwell, scalar_field
 from geomtorsion.gravity.newman_penrose import NewmanPenrose, newman_penrose
+from geomtorsion.gravity.reduction import Reduction
+from geomtorsion.gravity.solving import solve
 from geomtorsion.gravity.statistical import statistical
 from geomtorsion.gravity.symmetry import Symmetries, killing_equations, symmetries
 from geomtorsion.gravity.theories import (
@@ -27,6 +29,7 @@ __all__ = [
     "Invariant",
     "Lagrangian",
     "NewmanPenrose",
+    "Reduction",
     "Symmetries",
     "Translation",
     "einstein_cartan",
@@ -45,6 +48,7 @@ __all__ = [
     "newman_penrose",
     "poincare",
     "scalar_field",
+    "solve",
     "statistical",
     "stegr",
     "symmetries",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from types import UnionType
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
@@ -19,13 +18,15 @@ from geomtorsion.geometry import Connection, Frame, IdentityCheck, Tensor, antis
 from geomtorsion.geometry.connections import ConnectionLike, as_connection
 from geomtorsion.gravity.fields import HALF, FrameFields, Index, Terms
 from geomtorsion.gravity.fluids import Fluid
-from geomtorsion.gravity.geometries import check_geometry
+from geomtorsion.gravity.geometries import check_geometry, listed
 from geomtorsion.gravity.identities import rotations, translations
 from geomtorsion.gravity.invariants import INVARIANTS, Scalars
 from geomtorsion.gravity.lagrangian import Lagrangian, Reading, known_as, read
 from geomtorsion.gravity.matter import MatterField, numbered
 from geomtorsion.gravity.momenta import Momenta
 from geomtorsion.gravity.naming import with_names
+from geomtorsion.gravity.reduction import Reduction, reduced
+from geomtorsion.gravity.residuals import Sources
 from geomtorsion.gravity.vocabulary import Vocabulary, declared_constants, meanings
 
 
@@ -372,6 +373,21 @@ class FieldEquations:
         """dL/dI of a name in the Lagrangian, zero where it does not occur."""
         return self._slopes.get(name, self.frame.field.zero)
 
+    def reduce(self, variable: object, conditions: object = ()) -> Reduction:
+        """First-order equations for unknown functions of one variable, with constraints.
+
+        variable: the coordinate on which all unknown functions depend, such as "t" or "r".
+        conditions: further equations: an equation of state "p = rho/3", a gauge "N = 1".
+
+        Raises
+        ------
+        GravityError
+            The equations leave a function free, contradict each other, or depend on more.
+        """
+        parts = self.E, self.M, self.connection_equations, self.matter_equations
+        sources = Sources(self.connections, self.matter, self.momenta[0].fields, *parts)
+        return reduced(sources, variable, conditions)
+
     # -- identities ----------------------------------------------------------------------------
 
     def identities(self) -> list[IdentityCheck]:
@@ -447,8 +463,8 @@ def equations(
     True
     """
     message = "{subject}: expected one connection or a list of connections, got {value}."
-    listed = _listed(connections, ConnectionLike, "connections", message)
-    several = [as_connection(one, "connections", GravityError) for one in listed]
+    own = listed(connections, ConnectionLike, "connections", message)
+    several = [as_connection(one, "connections", GravityError) for one in own]
     if not several:
         raise GravityError(
             "equations: expected a connection, got an empty list. Give gt.cartan(frame) or another."
@@ -472,21 +488,10 @@ def equations(
         "{subject}: expected gravity.scalar_field, gravity.maxwell, gravity.fluid or "
         "gravity.weyssenhoff, or a list of these, got {value}."
     )
-    sources = _listed(matter, MatterField | Fluid, "matter", message)
+    sources = listed(matter, MatterField | Fluid, "matter", message)
     for source in sources:
         source.check(several[0].frame)
     result = FieldEquations(tuple(several), theory, tuple(sources))
     # Reads the Lagrangian, so that a wrong name is refused here.
     result.check_names()
     return result
-
-
-def _listed(values: object, kind: type | UnionType, subject: str, message: str) -> list:
-    """One value of a kind, or a list of some."""
-    if isinstance(values, kind):
-        return [values]
-    listed = list(checks.entries(values, subject, GravityError, message=message))
-    for value in listed:
-        if not isinstance(value, kind):
-            raise GravityError(message.format(subject=subject, value=checks.shown(value)))
-    return listed

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from types import UnionType
 
 from geomtorsion import checks
 from geomtorsion.errors import GravityError
@@ -54,3 +55,14 @@ def _fault(geometry: str, connections: Sequence[Connection]) -> str:
     if geometry == "symmetric teleparallel":
         return "has torsion"
     return "is not metric"
+
+
+def listed(values: object, kind: type | UnionType, subject: str, message: str) -> list:
+    """One value of a kind, or a list of some."""
+    if isinstance(values, kind):
+        return [values]
+    entries = list(checks.entries(values, subject, GravityError, message=message))
+    for value in entries:
+        if not isinstance(value, kind):
+            raise GravityError(message.format(subject=subject, value=checks.shown(value)))
+    return entries
