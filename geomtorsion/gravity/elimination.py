@@ -37,10 +37,11 @@ class Rule:
 
 @dataclass(frozen=True, eq=False)
 class Eliminated:
-    """Rules for unknown functions, and the constraints that are left."""
+    """Rules for unknown functions, the constraints that are left, symbols that vanish nowhere."""
 
     rules: Mapping[AppliedUndef, Rule]
     constraints: tuple[Element, ...]
+    nonzero: frozenset[sp.Symbol]
 
 
 class Elimination:
@@ -79,7 +80,8 @@ class Elimination:
                 pool = self._solved(self._solved(pool, careful=False), careful=True)
             new = self._prolonged(pool, done)
             if not new:
-                return Eliminated(dict(self.rules), tuple(self._independent(pool)))
+                constraints = tuple(self._independent(pool))
+                return Eliminated(dict(self.rules), constraints, self.nonzero)
             pool = self._simplified([*pool, *new])
 
     @property

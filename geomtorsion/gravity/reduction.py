@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
@@ -11,7 +12,8 @@ from sympy.core.function import AppliedUndef
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import GravityError, LimitError
-from geomtorsion.exact import Element, unknown_functions
+from geomtorsion.exact import Element, parse_expression, unknown_functions
+from geomtorsion.gravity.centre import Centre
 from geomtorsion.gravity.elimination import Eliminated, Elimination, Residual
 from geomtorsion.gravity.jets import Jets
 from geomtorsion.gravity.residuals import Sources, conditions_of
@@ -112,6 +114,9 @@ class Reduction:
     ) -> dict[str, sp.Expr]:
         """A number for each state: those of a start, and those that follow from the constraints.
 
+        Where the equations have a pole at the origin, as at the centre of a star, the conditions of
+        a regular solution count as constraints.
+
         Parameters
         ----------
         start
@@ -128,12 +133,62 @@ class Reduction:
         StartError
             Numbers are missing, a constraint does not hold or has several solutions.
         """
-        values = numbers_of(start, self.states, "start")
         known = numbers_of(parameters or {}, self.parameters, "parameters")
-        guesses = numbers_of(near or {}, self.states, "near")
         (place,) = numbers_of({"origin": origin}, ("origin",), "origin").values()
+        values = numbers_of(start, self.states, "start")
+        guesses = numbers_of(near or {}, self.states, "near")
+        centre = self._centre(place)
         known[self.variable] = place
-        return completed(self.rates, self.constraints, values, known, guesses)
+        if centre is None:
+            return completed(self.rates, self.constraints, values, known, guesses)
+        rates = {name: rate.sympy for name, rate in centre.rates.items()}
+        conditions = [*centre.conditions, *self.constraints]
+        return completed(rates, self._without_factors(conditions), values, known, guesses)
+
+    def begin(
+        self,
+        start: Mapping[str, object],
+        parameters: Mapping[str, object] | None = None,
+        *,
+        near: Mapping[str, object] | None = None,
+        origin: object = 0,
+    ) -> tuple[sp.Expr, dict[str, sp.Expr]]:
+        """The value of the variable where numbers start, and all states there.
+
+        It is the origin, unless the equations have a pole there: then a power series leads a small
+        way from it. Arguments are those of `complete`.
+
+        Raises
+        ------
+        GravityError
+            The equations have a higher pole at the origin, or a solution is not unique there.
+        """
+        full = self.complete(start, parameters, near=near, origin=origin)
+        (place,) = numbers_of({"origin": origin}, ("origin",), "origin").values()
+        centre = self._centre(place)
+        if centre is None:
+            return place, full
+        return centre.beside(full, numbers_of(parameters or {}, self.parameters, "parameters"))
+
+    def _centre(self, place: sp.Expr) -> Centre | None:
+        """The point, if the rates have a pole there for all states."""
+        here = {self.jets.variable: place}
+        poles = [sp.fraction(rate)[1].xreplace(here) == 0 for rate in self.rates.values()]
+        return Centre(self.jets, self.rates, place) if any(poles) else None
+
+    def _without_factors(self, conditions: Iterable[sp.Expr]) -> list[sp.Expr]:
+        """Numerators without factors that vanish nowhere, each once."""
+        result: dict[sp.Expr, None] = {}
+        for condition in conditions:
+            above = sp.fraction(self.jets.field.read(condition).sympy)[0]
+            factors = [
+                one
+                for one in sp.Mul.make_args(above)
+                if not one.is_number and one not in self.eliminated.nonzero
+            ]
+            if above != 0:
+                result[sp.Mul(*factors)] = None
+        return list(result)
 
     def ode(
         self,
@@ -148,34 +203,34 @@ class Reduction:
         """The equations with a start, as `gt.solve` and `gt.prove` take them.
 
         The constraints are invariants: a solution reports their drift. An `ODE` starts at time
-        zero: with an origin its time s is the way from there, and the variable is an output.
+        zero: if the variable begins elsewhere, the time s counts from there, and the variable is
+        an output.
 
         Parameters
         ----------
         start, parameters, near, origin
             as for `complete`.
         outputs
-            name -> further expression over states and parameters.
+            name -> further expression over states, outputs, parameters and the variable.
         events
             `When(expression)` ends the solution where the expression falls through zero, such as
             the pressure at the surface of a star.
 
         Raises
         ------
-        StartError
-            as for `complete`.
+        StartError, GravityError
+            as for `complete` and `begin`.
         """
-        full = self.complete(start, parameters, near=near, origin=origin)
-        (place,) = numbers_of({"origin": origin}, ("origin",), "origin").values()
-        every: dict[str, object] = {**self.outputs, **(outputs or {})}
-        rates, invariants, time = dict(self.rates), dict(self.invariants), self.variable
+        place, full = self.begin(start, parameters, near=near, origin=origin)
+        rates, invariants, time = self.rates, self.invariants, self.variable
+        every = {**self.outputs, **self._read_outputs(outputs or {})}
         if place:
-            # Real like all symbols of an ODE.
             taken = {*rates, *self.parameters, *every}
             time = next(x for x in ("s", "way", "way_s") if x not in taken)
+            # Real like all symbols of an ODE.
             here = sp.Symbol(time, real=True) + place
             rates, invariants = self._moved(rates, here), self._moved(invariants, here)
-            every = {**self._moved(self.outputs, here), **(outputs or {}), self.variable: here}
+            every = {**self._moved(every, here), self.variable: here}
         return ODE.of(
             rates,
             full,
@@ -185,6 +240,18 @@ class Reduction:
             time=time,
             events=events,
         )
+
+    def _read_outputs(self, outputs: Mapping[str, object]) -> dict[str, sp.Expr]:
+        """Expressions over states and the variable, with outputs replaced by their values."""
+        symbols = {x.name: x for x in (self.jets.variable, *self.jets.symbols)}
+        symbols |= {name: sp.Symbol(name, real=True) for name in self.parameters}
+        table = {sp.Symbol(name, real=True): value for name, value in self.outputs.items()}
+        result = {}
+        for name, value in checks.by_name(outputs, "outputs", GravityError).items():
+            where = f"output {name}"
+            read = partial(parse_expression, symbols=symbols, where=where, decimals=True)
+            result[name] = checks.expression(value, where, GravityError, read=read).xreplace(table)
+        return result
 
     def _moved(self, table: Mapping[str, sp.Expr], here: sp.Expr) -> dict[str, sp.Expr]:
         """Expressions with another value of the variable."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
@@ -140,7 +141,10 @@ def conditions_of(conditions: object) -> list[tuple[object, object]]:
     """
     single = isinstance(conditions, str | sp.Basic)
     pairs: list[tuple[object, object]] = []
-    for one in [conditions] if single else checks.entries(conditions, "conditions", GravityError):
+    every: list[Any] = (
+        [conditions] if single else checks.entries(conditions, "conditions", GravityError)
+    )
+    for one in every:
         sides: list[object] = [one, 0]
         if isinstance(one, str):
             sides = list(one.split("="))

@@ -79,7 +79,7 @@ def solve(
         checks.known_name(variable, [reduction.variable], "variable", GravityError)
     else:
         reduction = equations.reduce(variable, conditions)
-    ode = reduction.ode(start, parameters, near=near, origin=origin, outputs=outputs, events=events)
-    first = checks.real(origin) or 0.0
-    times = np.asarray(last, dtype=float) - first if first else last
+    place, full = reduction.begin(start, parameters, near=near, origin=origin)
+    ode = reduction.ode(full, parameters, origin=place, outputs=outputs, events=events)
+    times = last if place == 0 else np.asarray(last, dtype=float) - float(place)
     return solve_ode(ode, times, accuracy, engine)
