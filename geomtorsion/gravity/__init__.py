@@ -6,6 +6,7 @@ from geomtorsion.gravity.inertial import inertial
 from geomtorsion.gravity.invariants import Invariant, invariants
 from geomtorsion.gravity.lagrangian import Lagrangian, names
 from geomtorsion.gravity.matter import maxwell, scalar_field
+from geomtorsion.gravity.model import Model, read_model
 from geomtorsion.gravity.newman_penrose import NewmanPenrose, newman_penrose
 from geomtorsion.gravity.reduction import Reduction
 from geomtorsion.gravity.solving import solve
@@ -28,6 +29,7 @@ __all__ = [
     "FieldEquations",
     "Invariant",
     "Lagrangian",
+    "Model",
     "NewmanPenrose",
     "Reduction",
     "Symmetries",
@@ -47,6 +49,7 @@ __all__ = [
     "new_gr",
     "newman_penrose",
     "poincare",
+    "read_model",
     "scalar_field",
     "solve",
     "statistical",
