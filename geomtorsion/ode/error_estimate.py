@@ -116,7 +116,7 @@ def verified(
         runs += [answer, reference]
         gap = max(difference(problem, answer, reference, accuracy), least)
         error = SAFETY * gap
-        if error <= accuracy and roundings_matter(engine, answer.steps, tolerance):
+        if error <= accuracy and roundings_matter(engine, answer.steps, tolerance, NOISE):
             error = CHANCE * gap
             if error > AIM * accuracy:
                 second = run(engine, finer, answer, 2)
@@ -141,13 +141,16 @@ def verified(
     return best._replace(runs=tuple(runs), growth=growth)
 
 
-def roundings_matter(engine: Engine, steps: int, tolerance: float) -> bool:
+def roundings_matter(engine: Engine, steps: int, tolerance: float, growth: float) -> bool:
     """Whether roundings may be a noticeable part of the error of a run.
 
     The motion carries the rounding of a step to the end as it carries what the step omits, which is
-    about the tolerance. A step may omit less where it counts.
+    about the tolerance.
+
+    growth: by which a rounding may grow more than what steps omit. A step may omit less where it
+        counts, for example on a separatrix.
     """
-    return rounding(engine, steps) > tolerance / NOISE**2
+    return rounding(engine, steps) > tolerance / growth
 
 
 def change_by_rounding(engine: Engine, steps: float) -> float:

@@ -17,6 +17,7 @@ from geomtorsion.ode.checkpoint import Checkpoint, fingerprint
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.error_estimate import (
+    NOISE,
     SAFETY,
     Verified,
     change_by_rounding,
@@ -226,10 +227,15 @@ class _Runs:
     ) -> Trajectory:
         # A run to compare starts a rounding away; cut where the answer is cut, it would pass over
         # the same.
-        moved, roundings, longest = 0.0, None, math.inf
+        moved, roundings, longest, grid = 0.0, None, math.inf, self.grid
         if answer is not None:
             moved, longest = SAFETY * 2.0 ** (1 - engine.precision), self.limit
-        if answer is not None and roundings_matter(engine, answer.steps, answer.tolerance):
+            if answer.outcome == "stuck":
+                # A changed run may pass where the answer ends, and need any number of steps there.
+                grid = grid[: max(answer.count, 2)]
+        if answer is not None and roundings_matter(
+            engine, answer.steps, answer.tolerance, NOISE**2
+        ):
             # Less than a last place would be rounded away.
             part = max(change_by_rounding(engine, answer.steps / PLACES), rounding(engine, 1))
             steps = max(answer.steps, int(PARTS / GOLDEN))
@@ -237,7 +243,7 @@ class _Runs:
         try:
             return integrate(
                 self.problem.first_stage(engine.precision, moved),
-                self.grid,
+                grid,
                 tolerance,
                 engine,
                 cuts=() if answer and self.kept is None else self.cuts,

@@ -7,8 +7,10 @@ For the name of a shipped scene, its motion in space is drawn.
 
 from __future__ import annotations
 
+import runpy
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -99,6 +101,38 @@ def cosmology() -> Any:
     return gt.pictures.draw_plan(gt.spaces.load("frw").frame.plan("torsion"))
 
 
+def example(name: str) -> dict[str, Any]:
+    """What the script of an example defines."""
+    return runpy.run_path(str(Path(__file__).parents[2] / f"{name}.py"))
+
+
+def stroke() -> Any:
+    """The shapes of a swimmer on a stroke, and the way that it moves."""
+    script = example("25_a_gait_is_a_loop")
+    loop = gt.Loop.polygon(0.8 * script["SQUARE"][:-1])
+    return gt.pictures.draw_development(script["swimmer"](), loop, parameters={"r": 2.0})
+
+
+def ellipses() -> Any:
+    """Orbits around a center of force, one through a collision, solved as oscillations."""
+    script = example("26_kepler_as_an_oscillator")
+    figure = new_figure(5.6, 3.8)
+    axes = figure.add_subplot()
+    for series, e in zip(SERIES, (0.0, 0.5, 0.9, 1.0), strict=False):
+        start = [1 - e, 0, 0] if e < 1 else [-2.0, 0, 0]
+        speed = np.sqrt((1 + e) / (1 - e)) if e < 1 else 0.0
+        problem = script["oscillator"](start, [0, speed, 0])
+        path = script["places"](gt.solve(problem, FINELY * 2 * np.pi))
+        axes.plot(path[:, 0], path[:, 1], **series.line, label=f"$e$ = {e:g}")
+    axes.plot(0, 0, "o", color="#222222")
+    axes.set_xlabel("$x$")
+    axes.set_ylabel("$y$")
+    axes.set_aspect("equal")
+    quiet(axes)
+    legend(figure, axes)
+    return figure
+
+
 def orbit() -> Any:
     """An orbit around a rotating black hole."""
     values = {"M": 1.0, "a": 0.5}
@@ -166,6 +200,8 @@ DRAWINGS: dict[str, Callable[[], Any]] = {
     "22_which_path_does_a_body_take": fall,
     "23_orbits_of_kerr": bound,
     "24_constraints_are_torsion": lambda: paths("chaplygin_sleigh", t=6.0),
+    "25_a_gait_is_a_loop": stroke,
+    "26_kepler_as_an_oscillator": ellipses,
 }
 
 if __name__ == "__main__":
