@@ -154,7 +154,7 @@ class Elimination:
     # -- rules -----------------------------------------------------------------------------------
 
     def _solved(self, pool: list[Residual], *, careful: bool) -> list[Residual]:
-        """What is left of residuals after all that are linear in a leading derivative.
+        """The residuals that remain after each linear one has given a leading derivative.
 
         careful: only rules with a value where all derivatives vanish.
         """

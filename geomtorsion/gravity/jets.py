@@ -117,7 +117,7 @@ class Jets:
         return total
 
     def replaced(self, element: Element, values: Mapping[sp.Symbol, Element]) -> Element:
-        """An element with values in the place of symbols."""
+        """An element with values for symbols."""
         table = {symbol: value.sympy for symbol, value in values.items()}
         written = element.sympy.xreplace(table)
         if written.has(sp.zoo, sp.nan):

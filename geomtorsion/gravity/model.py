@@ -85,7 +85,7 @@ def read_model(path: str | PathLike[str]) -> Model:
     lagrangian
         Text, as for `gravity.equations`. constants: names of other constants in it.
     connection
-        "cartan" or "levi-civita"; without it that of the file, or Cartan's.
+        "cartan" or "levi-civita"; by default the connection of the file, or Cartan's.
     fluid
         {density = "rho(t)", pressure = "rho(t)/3"}: a perfect fluid at rest.
     scalar, potential

@@ -112,7 +112,7 @@ class Reduction:
         near: Mapping[str, object] | None = None,
         origin: object = 0,
     ) -> dict[str, sp.Expr]:
-        """A number for each state: those of a start, and those that follow from the constraints.
+        """A number for each state: from the start, or from the constraints.
 
         Where the equations have a pole at the origin, as at the centre of a star, the conditions of
         a regular solution count as constraints.
@@ -156,7 +156,7 @@ class Reduction:
         """The value of the variable where numbers start, and all states there.
 
         It is the origin, unless the equations have a pole there: then a power series leads a small
-        way from it. Arguments are those of `complete`.
+        way from it. Arguments as for `complete`.
 
         Raises
         ------
@@ -382,7 +382,7 @@ def _check_determined(
 
 
 def _freedom(sources: Sources, jets: Jets, function: AppliedUndef) -> str:
-    """What a function without an equation stands for, and what to do."""
+    """The meaning of a function without an equation, and what to do."""
     name = function.func.__name__
     if function in sources.fluid:
         return "the fluid has no equation of state. Give one as a condition"

@@ -320,7 +320,7 @@ REFUSALS: dict[str, tuple[Callable[[], object], type[GeomtorsionError], str]] = 
 
 @pytest.mark.parametrize("name", REFUSALS)
 def test_refusals(name: str) -> None:
-    """Each case raises an error of its kind that says what to do."""
+    """Each case raises an error of its kind with these words."""
     call, error, words = REFUSALS[name]
     with pytest.raises(error) as refusal:
         call()
