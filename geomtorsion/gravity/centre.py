@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 import sympy as sp
 from flint import arb, arb_mat, arb_series
 
+from geomtorsion import checks
 from geomtorsion.codegen import balls, graph
 from geomtorsion.errors import GravityError
 from geomtorsion.gravity.jets import Jets
@@ -38,8 +39,8 @@ class Centre:
             if self._here(sp.fraction(rate.sympy)[1]) == 0:
                 raise GravityError(
                     f"start: expected {jets.variable} {name}' without a pole at {jets.variable} = "
-                    f"{place}, got {name}' = {rates[name]}. Start beside this point, with "
-                    f"origin={float(place) + 0.1:.3g}."
+                    f"{place}, got {name}' = {checks.cut(str(rates[name]))}. Start beside this "
+                    f"point, with origin={float(place) + 0.1:.3g}."
                 )
 
     def _here(self, expression: sp.Expr) -> sp.Expr:

@@ -140,7 +140,7 @@ def _root(
 
 
 def _roots(equation: sp.Expr, symbol: sp.Symbol, near: sp.Expr | None) -> list[sp.Expr]:
-    """The real roots of an equation, in order; one of them for an equation that is not a polynomial."""
+    """The real roots of a polynomial, in order; one root of any other equation."""
     if not equation.is_polynomial(symbol):
         if near is None:
             raise StartError(
