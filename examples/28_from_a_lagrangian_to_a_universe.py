@@ -12,6 +12,7 @@ a field that is regular at the horizon is constant.
 
 import argparse
 import math
+from collections.abc import Mapping
 
 import sympy as sp
 
@@ -28,9 +29,9 @@ def solved(
     name: str,
     equations: gravity.FieldEquations,
     last: float,
-    start: dict[str, object],
-    parameters: dict[str, object],
-    near: dict[str, object],
+    start: Mapping[str, object],
+    parameters: Mapping[str, object],
+    near: Mapping[str, object],
 ) -> float:
     """The scale factor at the end; the drift of the constraint stays below the error."""
     solution = gravity.solve(equations, "t", last, start, parameters, near=near)

@@ -12,6 +12,7 @@ density 1.28e-3 has the published mass 1.400 and radius 9.586 (Font et al. 2002)
 
 import argparse
 import math
+from collections.abc import Mapping
 
 import sympy as sp
 
@@ -31,7 +32,7 @@ def star(density: str) -> gravity.Reduction:
 
 
 def mass_and_radius(
-    reduced: gravity.Reduction, pressure: float, parameters: dict[str, object]
+    reduced: gravity.Reduction, pressure: float, parameters: Mapping[str, object]
 ) -> tuple[float, float]:
     """Mass and radius for a pressure at the centre."""
     solution = gravity.solve(

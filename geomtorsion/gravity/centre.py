@@ -7,7 +7,6 @@ from (k - J) y_k = (coefficient k of g at the polynomial before), with J = dg/dy
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Mapping, Sequence
 
 import sympy as sp
@@ -19,8 +18,9 @@ from geomtorsion.errors import GravityError
 from geomtorsion.gravity.jets import Jets
 from geomtorsion.precision import CONSTANT_BITS, EXACT_BITS, ball_precision, series_length
 
-# The series is used up to a share 2^-4 of its radius of convergence: each order adds so many bits.
-SHARE_BITS = 4
+# The series is used up to this share of its radius of convergence: with steps of this size a Taylor
+# method costs least for its digits (Jorba, Zou 2005).
+SHARE = math.exp(-2)
 
 
 class Centre:
@@ -70,11 +70,13 @@ class Centre:
             values = balls.BallCode(graph(names, slopes)).real(first)
             size = len(rows)
             jacobian = arb_mat(size, size, values)
-            for order in range(1, CONSTANT_BITS // SHARE_BITS + 1):
+            for order in range(1, math.ceil(-CONSTANT_BITS / math.log2(SHARE)) + 1):
                 with series_length(order + 1):
                     series = [arb_series(row, prec=order + 1) for row in rows]
                     here = arb_series([place, 1], prec=order + 1)
-                    right = [_coefficient(x, order) for x in along.real([*series, *numbers, here])]
+                    right = [
+                        balls.coefficient(x, order) for x in along.real([*series, *numbers, here])
+                    ]
                 for row, value in zip(rows, self._solved(jacobian, right, order), strict=True):
                     row.append(value)
             way = _way(rows)
@@ -95,20 +97,21 @@ class Centre:
         return [column[k, 0] for k in range(size)]
 
 
-def _coefficient(series: object, order: int) -> arb:
-    return balls.coefficient(series, order)
-
-
 def _way(rows: Sequence[Sequence[arb]]) -> sp.Rational:
     """A power of two below a share of the radius of convergence, by the size of coefficients."""
-    growth = 0.0
+    slopes: list[float] = []
     for row in rows:
-        size = max(abs(float(row[0])), max(abs(float(x)) for x in row) * sys.float_info.epsilon)
-        for order, value in enumerate(row[len(row) // 2 :], len(row) // 2):
-            if float(value):
-                growth = max(growth, (abs(float(value)) / size) ** (1 / order))
-    exponent = math.ceil(math.log2(growth)) if growth else 0
-    return sp.Rational(2) ** (-exponent - SHARE_BITS)
+        sizes = [(k, _log(value.mid())) for k, value in enumerate(row) if value.mid() != 0]
+        # From the first coefficient that does not vanish to each of the upper half.
+        slopes += [
+            (size - sizes[0][1]) / (k - sizes[0][0]) for k, size in sizes[1:] if 2 * k >= len(row)
+        ]
+    return sp.Rational(2) ** math.floor(math.log2(SHARE) - max(slopes, default=0.0))
+
+
+def _log(value: arb) -> float:
+    """The binary logarithm of the size of a number, of any exponent."""
+    return float(abs(value).log()) / math.log(2)
 
 
 def _value(row: Sequence[arb], way: sp.Rational) -> sp.Expr:

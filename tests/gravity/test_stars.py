@@ -62,6 +62,17 @@ def test_constant_density_is_schwarzschilds_interior(
     assert float(solution["A"][-1]) == pytest.approx(2 * root / (3 * root - 1), rel=CLOSE)
 
 
+@pytest.mark.parametrize("density", ["1e-12", "1e12"])
+def test_stars_of_any_size(density: str) -> None:
+    """The radius of a star of constant density scales with 1/sqrt(rho)."""
+    pressure = sp.Rational(density) / 10
+    start, numbers = {"p": pressure, "A": 1}, {"rho0": density}
+    scale = float(density) ** -0.5
+    solution = g.solve(star("rho0"), "r", 10 * scale, start, numbers, near={"B": 1}, events=SURFACE)
+    radius = math.sqrt(3 * (1 - (1.1 / 1.3) ** 2) / (8 * math.pi))
+    assert float(solution["r"][-1]) / scale == pytest.approx(radius, rel=1e-8)
+
+
 def test_the_equations_of_tolman_oppenheimer_and_volkoff() -> None:
     """The pressure follows p' = - (rho + p) A'/A, from the Noether identity of the fluid."""
     reduced = star("rho0")

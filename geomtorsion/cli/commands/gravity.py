@@ -34,9 +34,9 @@ from geomtorsion.pictures.text import expression_text
 from geomtorsion.proofs import prove
 from geomtorsion.spaces import Space
 
-# Characters of a number in a table, and its digits: without a gap, a sign, a point, an exponent.
-WIDTH = 14
-DIGITS = WIDTH - len("  -.e-99")
+# Characters of a number in a table, and its digits.
+WIDTH = len("  -1.234567e-8")
+DIGITS = len("1234567")
 
 
 def gravity(
