@@ -12,7 +12,10 @@ from geomtorsion.gravity.invariance import (
 from geomtorsion.gravity.invariants import Invariant, invariant, invariants
 from geomtorsion.gravity.lagrangian import Lagrangian, names
 from geomtorsion.gravity.matter import maxwell, scalar_field
+from geomtorsion.gravity.model import Model, read_model
 from geomtorsion.gravity.newman_penrose import NewmanPenrose, newman_penrose
+from geomtorsion.gravity.reduction import Reduction
+from geomtorsion.gravity.solving import solve
 from geomtorsion.gravity.statistical import statistical
 from geomtorsion.gravity.symmetry import Symmetries, killing_equations, symmetries
 from geomtorsion.gravity.theories import (
@@ -33,7 +36,9 @@ __all__ = [
     "FieldEquations",
     "Invariant",
     "Lagrangian",
+    "Model",
     "NewmanPenrose",
+    "Reduction",
     "Symmetries",
     "Translation",
     "einstein_cartan",
@@ -56,8 +61,10 @@ __all__ = [
     "new_gr",
     "newman_penrose",
     "poincare",
+    "read_model",
     "read_theory",
     "scalar_field",
+    "solve",
     "statistical",
     "stegr",
     "symmetries",

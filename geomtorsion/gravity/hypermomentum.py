@@ -10,6 +10,7 @@ from geomtorsion import checks
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element
 from geomtorsion.geometry import Connection, Frame, Tensor, at_home
+from geomtorsion.gravity.fluids import Fluid
 from geomtorsion.gravity.lagrangian import scalar_of
 
 Components = Tensor | Sequence
@@ -51,6 +52,9 @@ class Hypermomentum:
     def coframe_source(self, connection: Connection) -> Tensor:
         """E_i^n of the source, slots DU."""
         return self._energy_momentum(connection.frame)
+
+
+Source = Fluid | Hypermomentum
 
 
 def hypermomentum(density: Components, energy_momentum: Components | None = None) -> Hypermomentum:

@@ -20,6 +20,7 @@ TUTORIALS = (
     "from_data",
     "top_and_effects",
     "own_torsion",
+    "universe",
     "gravity",
     "accuracy",
 )
