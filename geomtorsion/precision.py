@@ -70,3 +70,22 @@ def ball_precision(bits: int) -> Iterator[None]:
     """
     with LOCK, flint.ctx.workprec(bits):
         yield
+
+
+@contextmanager
+def series_length(length: int) -> Iterator[None]:
+    """Block in which series of python-flint have a given number of coefficients.
+
+    Examples
+    --------
+    >>> with series_length(3):
+    ...     print(1 / flint.arb_series([1, -1]))
+    1.00000000000000 + 1.00000000000000*x + 1.00000000000000*x^2 + O(x^3)
+    """
+    with LOCK:
+        before = flint.ctx.cap
+        flint.ctx.cap = length
+        try:
+            yield
+        finally:
+            flint.ctx.cap = before

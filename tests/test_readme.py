@@ -119,6 +119,10 @@ def test_commands_run(command, tmp_path, monkeypatch):
         if name in command:
             make(pytest.importorskip(library))
     written(tmp_path, copper_screw())
+    if "cosmology.toml" in command:
+        page = ROOT / "examples" / "site" / "tutorials" / "universe.md"
+        [text] = blocks("toml", page.read_text("utf-8"))
+        Path("cosmology.toml").write_text(text, "utf-8")
     if "chains.data" in command:
         DislocationNetwork.of_arrays(rings(20, seed=6)).save("chains.data")
     if "track.csv" in command:

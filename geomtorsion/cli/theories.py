@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from enum import StrEnum
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from geomtorsion import gravity
 from geomtorsion.cli.values import assigned, separated
+from geomtorsion.files import read_toml
 from geomtorsion.geometry import Connection, cartan, from_torsion, levi_civita
-from geomtorsion.gravity import FieldEquations, Lagrangian, maxwell, scalar_field
+from geomtorsion.gravity import FieldEquations, Lagrangian, Model, maxwell, scalar_field
 from geomtorsion.gravity.vocabulary import THEORIES
-from geomtorsion.spaces import Space
+from geomtorsion.spaces import Space, names
 
 
 class Over(StrEnum):
@@ -88,6 +90,14 @@ ConnectionOption = Annotated[
         show_default=False,
     ),
 ]
+
+
+def model_of(source: str) -> Model | None:
+    """The theory in a file, if there is one."""
+    path = Path(source)
+    if source in names() or not path.exists():
+        return None
+    return gravity.read_model(path) if "theory" in read_toml(path).data else None
 
 
 def field_equations(

@@ -13,7 +13,10 @@ from geomtorsion.gravity.invariants import Invariant, invariant, invariants
 from geomtorsion.gravity.killing_yano import killing_yano
 from geomtorsion.gravity.lagrangian import Lagrangian, names
 from geomtorsion.gravity.matter import maxwell, scalar_field
+from geomtorsion.gravity.model import Model, read_model
 from geomtorsion.gravity.newman_penrose import NewmanPenrose, newman_penrose
+from geomtorsion.gravity.reduction import Reduction
+from geomtorsion.gravity.solving import solve
 from geomtorsion.gravity.statistical import statistical
 from geomtorsion.gravity.symmetry import Symmetries, killing_equations, symmetries
 from geomtorsion.gravity.symmetry_integration import IntegratedSymmetry
@@ -36,7 +39,9 @@ __all__ = [
     "IntegratedSymmetry",
     "Invariant",
     "Lagrangian",
+    "Model",
     "NewmanPenrose",
+    "Reduction",
     "Symmetries",
     "Translation",
     "einstein_cartan",
@@ -60,8 +65,10 @@ __all__ = [
     "new_gr",
     "newman_penrose",
     "poincare",
+    "read_model",
     "read_theory",
     "scalar_field",
+    "solve",
     "statistical",
     "stegr",
     "symmetries",

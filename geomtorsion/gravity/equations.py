@@ -26,6 +26,8 @@ from geomtorsion.gravity.lagrangian import Lagrangian, Reading, known_as
 from geomtorsion.gravity.matter import MatterField, numbered
 from geomtorsion.gravity.momenta import Momenta
 from geomtorsion.gravity.naming import Call, calls_of, jet_names
+from geomtorsion.gravity.reduction import Reduction, reduced
+from geomtorsion.gravity.residuals import Sources
 from geomtorsion.gravity.unknown_terms import terms_of
 from geomtorsion.gravity.variation import Variation
 from geomtorsion.gravity.vocabulary import declared_constants
@@ -348,6 +350,21 @@ class FieldEquations:
     def matter_equations(self) -> dict[str, Tensor]:
         """(1/e) d(eL)/d(field) of each matter field, by its name."""
         return {one.symbol: one.equation(self._variation) for one in self._fields}
+
+    def reduce(self, variable: object, conditions: object = ()) -> Reduction:
+        """First-order equations for unknown functions of one variable, with constraints.
+
+        variable: the coordinate on which all unknown functions depend, such as "t" or "r".
+        conditions: further equations: an equation of state "p = rho/3", a gauge "N = 1".
+
+        Raises
+        ------
+        GravityError
+            The equations leave a function free, contradict each other, or depend on more.
+        """
+        parts = self.E, self.M, self.connection_equations, self.matter_equations
+        sources = Sources(self.connections, self.matter, self.momenta[0].fields, *parts)
+        return reduced(sources, variable, conditions)
 
     # -- identities ----------------------------------------------------------------------------
 

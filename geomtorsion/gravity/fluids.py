@@ -53,6 +53,12 @@ class Fluid:
                     "without components along the velocity."
                 )
 
+    def elements(self, frame: Frame) -> list[Element]:
+        """The expressions of which the fluid is made: density, pressure, velocity, spin."""
+        scalars = [scalar_of(frame, x, "fluid") for x in (self.density, self.pressure)]
+        tensors = self._velocity(frame), self._spin(frame)
+        return scalars + [x for one in tensors for x in one.components.nonzero.values()]
+
     def _velocity(self, frame: Frame) -> Tensor:
         """u^i, slots U."""
         return _vector(frame, self.velocity, "velocity")

@@ -9,16 +9,23 @@ from geomtorsion.exact import Certainty, Element
 from geomtorsion.geometry import IdentityCheck, Tensor
 from geomtorsion.gravity.fields import FrameFields, Index, Terms
 
+# Indices, and the difference of both sides of an identity at an index.
+Differences = tuple[Sequence[Index], Callable[[Index], Element]]
+
 
 def rotations(M: Tensor) -> IdentityCheck:
     """E_[ji] + D_n C^n_[ij] = 0: rotations of the legs leave the Lagrangian invariant."""
+    return _checked("rotations", "E_[ji] + D_n C^n_[ij] = 0", *rotation_terms(M))
+
+
+def rotation_terms(M: Tensor) -> Differences:
+    """Twice E_[ji] + D_n C^n_[ij]."""
     n, get = range(M.frame.dimension), M.components.get
 
     def value(index: Index) -> Element:
         return M.frame.field.sum([(1, get(index)), (-1, get(index[::-1]))])
 
-    pairs = [(i, j) for i in n for j in n if i < j]
-    return _checked("rotations", "E_[ji] + D_n C^n_[ij] = 0", pairs, value)
+    return [(i, j) for i in n for j in n if i < j], value
 
 
 def translations(
@@ -27,7 +34,18 @@ def translations(
     connections: Sequence[tuple[FrameFields, Tensor, Tensor]],
     matter: Callable[[int], Terms],
 ) -> IdentityCheck:
-    """D_n(e E_i^n)/e = T_in^j E_j^n + R_ink^j C^{nk}_j + Q_ijk M^jk + (matter).
+    """D_n(e E_i^n)/e = T_in^j E_j^n + R_ink^j C^{nk}_j + Q_ijk M^jk + (matter)."""
+    equation = "D_n(e E_i^n)/e = T_in^j E_j^n + R_ink^j C^{nk}_j + Q_ijk M^jk"
+    return _checked("translations", equation, *translation_terms(E, M, connections, matter))
+
+
+def translation_terms(
+    E: Tensor,
+    M: Tensor,
+    connections: Sequence[tuple[FrameFields, Tensor, Tensor]],
+    matter: Callable[[int], Terms],
+) -> Differences:
+    """Left minus right side of the identity of translations.
 
     connections: of each the fields, C and (1/e) D_n(e C^{ni}_j).
     matter: terms of matter fields for an index i.
@@ -55,8 +73,7 @@ def translations(
                     terms.append((-1, omega((i, k, j)), d((k, j))))
         return frame.field.sum(terms)
 
-    equation = "D_n(e E_i^n)/e = T_in^j E_j^n + R_ink^j C^{nk}_j + Q_ijk M^jk"
-    return _checked("translations", equation, [(i,) for i in n], value)
+    return [(i,) for i in n], value
 
 
 def _checked(

@@ -78,7 +78,13 @@ def _printed(equations: FieldEquations, name: str) -> Callable[[Element], sympy.
     """How components of an equation are written: as sums of unknown functions."""
     components = equations.tensors[name].components.independent
     places = {id(element): index for index, element in components.items()}
-    return lambda element: equations.readable(name, *places[id(element)])
+
+    def printed(element: Element) -> sympy.Expr:
+        # Components that follow by symmetry are elements of their own.
+        index = places.get(id(element))
+        return equations.written(element) if index is None else equations.readable(name, *index)
+
+    return printed
 
 
 def field_equations_data(equations: FieldEquations) -> dict[str, Any]:

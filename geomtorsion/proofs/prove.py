@@ -20,10 +20,9 @@ from geomtorsion.errors import ArgumentError, ProofError, UnknownNameError
 from geomtorsion.exclusive import exclusive
 from geomtorsion.loops import BurgersVector, Development
 from geomtorsion.ode import Solution
-from geomtorsion.precision import EXACT_BITS, ball_precision
+from geomtorsion.precision import EXACT_BITS, ball_precision, series_length
 from geomtorsion.proofs.developments import proved_development
 from geomtorsion.proofs.loops import proved_integrals
-from geomtorsion.proofs.series import series_length
 from geomtorsion.proofs.solutions import SolutionTask
 from geomtorsion.proofs.wanted import Wanted, upper_float
 

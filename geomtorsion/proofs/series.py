@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -13,25 +12,15 @@ from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph
 from geomtorsion.codegen.ball_functions import Ball
 from geomtorsion.codegen.balls import BallCode, BallFunction, coefficient
+from geomtorsion.precision import series_length
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
     from geomtorsion.ode.system import System
 
 # Coefficients of each state, order after order.
 Rows = list[list[arb]]
-
-
-@contextmanager
-def series_length(length: int) -> Iterator[None]:
-    """Block in which series have a given number of coefficients."""
-    before = ctx.cap
-    ctx.cap = length
-    try:
-        yield
-    finally:
-        ctx.cap = before
 
 
 @dataclass(frozen=True)

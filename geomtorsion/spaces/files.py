@@ -37,6 +37,7 @@ CONNECTION_KEYS = ("spin_connection", "contortion", "connection", "constraints")
 CHART_KEYS = ("edge", "margin", "charts")
 KEYS = (
     *TEXT_KEYS, *SYMBOL_KEYS, "signature", "complex", *SHAPE_KEYS, *CONNECTION_KEYS, *CHART_KEYS,
+    "theory",
 )  # fmt: skip
 
 
@@ -86,6 +87,8 @@ def read_file(path: str | PathLike[str]) -> Space:
         from_home (its coordinates as functions of the home ones), to_home (the inverse map); angles
         (names of coordinates that count modulo 2 pi), keeps_frame (true if its coframe is the
         same frame), edge and margin of its own. The maps are checked when the file is read.
+    theory
+        A table for `gravity.read_model`, which is not part of the space.
 
     Raises
     ------

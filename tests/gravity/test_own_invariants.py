@@ -244,6 +244,24 @@ def test_a_theory_from_a_file(tmp_path: Path) -> None:
     assert g.equations(sphere, theory).constants == ("c", "n")
 
 
+def test_invariants_of_a_model(tmp_path: Path) -> None:
+    """The table [theory] of a tetrad file may contain invariants, and ask for all torsion."""
+    text = """
+    coordinates = ["t", "x", "y", "z"]
+    coframe = [[1, 0, 0, 0], [0, "a(t)", 0, 0], [0, 0, "a(t)", 0], [0, 0, 0, "a(t)"]]
+    signature = [-1, 1, 1, 1]
+    functions = {a = ["t"]}
+    [theory]
+    lagrangian = "R/2 + c*Y"
+    connection = "invariant-torsion"
+    invariants = {Y = "v_a v^a"}
+    """
+    equations = g.read_model(theory_file(tmp_path, text)).equations
+    other = g.equations(equations.connections, "R/2 + c*T3")
+    assert (equations.E - other.E).is_zero
+    assert "u2(t)" in str(equations.C.nonzero())
+
+
 BAR = gt.levi_civita(sample_frame(3, 1))
 REFUSED = {
     "three indices": (lambda: g.invariant("Y", "R_abc R^abc"), "expected R with 0 or 2 or 4"),

@@ -21,6 +21,7 @@ TUTORIALS = (
     "stress",
     "top_and_effects",
     "own_torsion",
+    "universe",
     "gravity",
     "same_geometry",
     "accuracy",

@@ -231,6 +231,29 @@ def isotropic() -> Any:
     return figure
 
 
+def universes() -> Any:
+    """The size of universes: dust, dust with a cosmological constant, a quadratic f(T)."""
+    script = example("28_from_a_lagrangian_to_a_universe")
+    riemannian, parallel = gt.levi_civita(script["COSMOS"]), gt.cartan(script["COSMOS"])
+    theories = {
+        "dust": (riemannian, "R/2", {}),
+        r"dust and $\Lambda$": (riemannian, "R/2 - Lambda", {"Lambda": 2}),
+        "$T + T^2/20$": (parallel, "-(T + T**2/20)/2", {}),
+    }
+    figure = new_figure(5.6, 4.2)
+    axes = figure.add_subplot()
+    start, near = {"a": 1, "rho": 3}, {"a_1": 1}
+    for series, (label, (connection, text, values)) in zip(SERIES, theories.items(), strict=False):
+        theory = gt.gravity.equations(connection, text, script["DUST"])
+        motion = gt.gravity.solve(theory, "t", FINELY * 1.5, start, values, near=near)
+        axes.plot(motion.times, motion["a"], **series.line, label=label)
+    axes.set_xlabel("$t$")
+    axes.set_ylabel("$a$", rotation=0)
+    quiet(axes)
+    legend(figure, axes)
+    return figure
+
+
 def motions() -> Any:
     """The flows of the three symmetries of the hyperbolic half plane."""
     half = gt.Frame("x y", [["1/y", "0"], ["0", "1/y"]], domain="y > 0")
@@ -245,6 +268,21 @@ def motions() -> Any:
         axes.set_aspect("equal")
         quiet(axes)
     panels[0].set_ylabel("$y$")
+    return figure
+
+
+def stars() -> Any:
+    """Masses and radii of polytropes: a dot for the published star."""
+    script = example("29_mass_and_radius_of_stars")
+    pairs = np.array(script["curve"](list(np.geomspace(3e-4, 2e-2, 25))))
+    figure = new_figure(5.6, 4.2)
+    axes = figure.add_subplot()
+    axes.plot(pairs[:, 1], pairs[:, 0], **SERIES[0].line)
+    axes.plot(9.586, 1.400, "o", color=SERIES[1].color)
+    axes.set_xlabel("radius")
+    axes.set_ylabel("mass")
+    quiet(axes)
+    captioned(figure, ["Units with G = c = 1 and K = 100; dot: published (Font et al. 2002)."])
     return figure
 
 
@@ -272,6 +310,8 @@ DRAWINGS: dict[str, Callable[[], Any]] = {
     "27_theories_of_your_own": massive,
     "27_which_effects_matter": influences,
     "27_symmetries_and_holonomy": motions,
+    "28_from_a_lagrangian_to_a_universe": universes,
+    "29_mass_and_radius_of_stars": stars,
 }
 
 if __name__ == "__main__":

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import typer
 
+from geomtorsion.checks import shown
 from geomtorsion.cli.exits import ExitCode
-from geomtorsion.cli.options import Form, SpaceOrFile
+from geomtorsion.cli.options import Form, Proved, SpaceOrFile, directory, option, say_written
 from geomtorsion.cli.sources import open_space
-from geomtorsion.cli.terminal import shows_greek, working
+from geomtorsion.cli.terminal import right_aligned, shows_greek, some_rows, working
 from geomtorsion.cli.theories import (
     ConnectionOption,
     ConstantsOption,
@@ -19,12 +22,24 @@ from geomtorsion.cli.theories import (
     MaxwellOption,
     ScalarOption,
     field_equations,
+    model_of,
 )
+from geomtorsion.cli.values import number
+from geomtorsion.errors import ArgumentError, FileFormatError
 from geomtorsion.gravity import FieldEquations
+from geomtorsion.gravity.fluids import Fluid
+from geomtorsion.ode import Solution
+from geomtorsion.outgoing import number_text
 from geomtorsion.pictures.field_equations import field_equations_data
 from geomtorsion.pictures.latex import text_label, text_marks
+from geomtorsion.pictures.style import can_draw
 from geomtorsion.pictures.text import expression_text
+from geomtorsion.proofs import prove
 from geomtorsion.spaces import Space
+
+# Characters of a number in a table, and its digits.
+WIDTH = len("  -1.234567e-8")
+DIGITS = len("1234567")
 
 
 def gravity(
@@ -38,6 +53,21 @@ def gravity(
     form: Annotated[
         Form, typer.Option("--format", help="text to read, json for programs.")
     ] = Form.text,
+    solved: Annotated[
+        str | None,
+        option(
+            "--solve",
+            metavar="NAME=LAST",
+            text="Solve the theory of a file up to a last value of a coordinate, such as t=10.",
+        ),
+    ] = None,
+    accuracy: Annotated[
+        float, typer.Option(metavar="X", help="Largest error of a solution, relative to its size.")
+    ] = 1e-10,
+    proved: Proved = False,
+    output: Annotated[
+        Path | None, directory("Write solution.npz and a picture of a solution to this directory.")
+    ] = None,
 ) -> None:
     """Show the field equations of a Lagrangian on a space.
 
@@ -47,6 +77,10 @@ def gravity(
     A matter field has an equation of its own.
     Indices count legs of the frame from 1; in JSON they count from 0. The command ends with 1 if a
     Noether identity fails.
+
+    A tetrad file with a table [theory] has its own Lagrangian, matter and start. With --solve, its
+    equations are reduced to first-order equations and solved: the command shows these, the
+    solution with its error, and the drift of the constraints.
 
     \b
     Examples:
@@ -59,14 +93,24 @@ def gravity(
       geomtorsion gravity frw_flat -c invariant-torsion -L "R + c*T1"
       geomtorsion gravity frw_flat -L "T - F2/4 - m**2*Y/2" --invariant "Y = A_a A^a" \
           --maxwell "A(t), 0, 0, 0"
+      geomtorsion gravity my-cosmology.toml --solve t=10 -o universe
     """
+    if solved is not None:
+        _solve(source, solved, accuracy, proved, output, form)
+        return
     with working(source):
-        space = open_space(source)
-        chosen = "tegr" if lagrangian is None else lagrangian
-        equations = field_equations(
-            space, chosen, connection, constants, invariant, scalar, maxwell
-        )
-        identities = equations.identities()
+        model = model_of(source) if lagrangian is None else None
+        if model is None:
+            space = open_space(source)
+            chosen = "tegr" if lagrangian is None else lagrangian
+            equations = field_equations(
+                space, chosen, connection, constants, invariant, scalar, maxwell
+            )
+        else:
+            space, equations = model.space, model.equations
+        # Equations of a fluid do not follow from a Lagrangian.
+        has_fluid = any(isinstance(one, Fluid) for one in equations.matter)
+        identities = [] if has_fluid else equations.identities()
         # Components are computed here, so that limits and the progress line apply.
         zero = {name: tensor.is_zero for name, tensor in equations.tensors.items()}
         zero |= {name: one.is_zero for name, one in equations.matter_equations.items()}
@@ -80,6 +124,85 @@ def gravity(
             typer.echo(str(check))
     if any(check.holds is False for check in identities):
         raise typer.Exit(ExitCode.failed)
+
+
+def _solve(
+    source: str,
+    request: str,
+    accuracy: float,
+    proved: bool,
+    output: Path | None,
+    form: Form,
+) -> None:
+    """Solve the theory of a file, and show or write the solution."""
+    variable, sign, last = request.partition("=")
+    if not sign:
+        raise ArgumentError(
+            f"--solve: expected a coordinate and its last value, got {shown(request)}. Write "
+            "--solve t=10."
+        )
+    end = number(last, "--solve")
+    with working(source) as step:
+        model = model_of(source)
+        if model is None:
+            raise FileFormatError(
+                f"--solve: expected a tetrad file with a table [theory], got {shown(source)}. "
+                "Write one with a lagrangian and a start."
+            )
+        reduction = model.reduce(variable.strip())
+        step("solution")
+        solution = model.solve(reduction.variable, end, accuracy)
+        proof = prove(solution) if proved else None
+    names = [reduction.variable, *reduction.states, *reduction.outputs, *model.outputs]
+    table = {name: _column(solution, name) for name in names}
+    if form is Form.json:
+        document = {
+            "space": model.space.name,
+            "lagrangian": str(model.equations.lagrangian.expression),
+            "rates": {name: str(rate) for name, rate in reduction.rates.items()},
+            "constraints": [str(one) for one in reduction.constraints],
+            "solution": {name: column.tolist() for name, column in table.items()},
+            "outcome": solution.outcome,
+            "error": solution.error,
+            "drift": dict(solution.drift),
+            "proved": None if proof is None else proof.holds,
+        }
+        typer.echo(json.dumps(document, indent=2))
+    else:
+        typer.secho(f"{model.space.name}: L = {model.equations.lagrangian.expression}", bold=True)
+        typer.echo(f"{reduction}\n")
+        typer.echo(right_aligned(names, WIDTH))
+        for row in some_rows(len(solution.times)):
+            cells = [number_text(float(table[name][row]), _error(solution, name)) for name in names]
+            typer.echo(right_aligned([cell[: WIDTH - 2] for cell in cells], WIDTH))
+        typer.echo(f"\n{solution}")
+        if proof is not None:
+            typer.echo(str(proof))
+    if output is not None:
+        say_written(_written(solution, output))
+
+
+def _column(solution: Solution, name: str) -> np.ndarray:
+    """Values of a state or an output, or of the variable where it is the time."""
+    return solution.times if name == solution.problem.time_name else solution[name]
+
+
+def _error(solution: Solution, name: str) -> float:
+    """The absolute error with which a column is printed, of at least the printed digits."""
+    values = np.abs(_column(solution, name))
+    relative = 0.0 if name == solution.problem.time_name else solution.error_of(name)
+    return float(values.max()) * max(relative, 10.0**-DIGITS)
+
+
+def _written(solution: Solution, folder: Path) -> list[Path]:
+    """The files of a solution."""
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = [folder / "solution.npz"]
+    solution.save(paths[0])
+    if can_draw():
+        paths.append(folder / "solution.png")
+        solution.plot().savefig(paths[1])
+    return paths
 
 
 def _show(space: Space, equations: FieldEquations, zero: dict[str, bool | None]) -> None:

@@ -1,0 +1,410 @@
+"""Reduction: field equations of functions of one variable, as first-order equations to solve."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+
+from geomtorsion import checks
+from geomtorsion.caching import cached_property
+from geomtorsion.errors import GravityError, LimitError
+from geomtorsion.exact import Element, parse_expression, unknown_functions
+from geomtorsion.gravity.centre import Centre
+from geomtorsion.gravity.elimination import Eliminated, Elimination, Residual
+from geomtorsion.gravity.jets import Jets
+from geomtorsion.gravity.residuals import Sources, conditions_of
+from geomtorsion.gravity.starts import completed, numbers_of
+from geomtorsion.ode import ODE, At, When
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Reduction:
+    """First-order equations and constraints that follow from field equations.
+
+    A state a_1 is the derivative of a, a_2 the derivative of a_1. Functions that an equation
+    without derivatives determines, such as torsion, are outputs. Made by `FieldEquations.reduce`.
+
+    jets: the unknown functions and their derivatives as symbols.
+    eliminated: the rules for highest derivatives, and the constraints.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> import geomtorsion as gt
+    >>> t, x, y, z = sp.symbols("t x y z")
+    >>> a = sp.Function("a")(t)
+    >>> cosmos = gt.Frame([t, x, y, z], sp.diag(1, a, a, a), (-1, 1, 1, 1))
+    >>> dust = gt.gravity.fluid("rho(t)", 0, [1, 0, 0, 0])
+    >>> reduced = gt.gravity.equations(gt.levi_civita(cosmos), "R/2", dust).reduce("t")
+    >>> print(reduced)
+    rho' = -3*a_1*rho/a
+    a' = a_1
+    a_1' = -a_1**2/(2*a)
+    0 = a**2*rho - 3*a_1**2
+    >>> ode = reduced.ode({"a": 1, "rho": 3}, near={"a_1": 1})
+    >>> solution = gt.solve(ode, 10)
+    >>> round(float(solution["a"][-1]), 9), round(16 ** (2 / 3), 9)
+    (6.349604208, 6.349604208)
+    """
+
+    jets: Jets
+    eliminated: Eliminated
+
+    @property
+    def variable(self) -> str:
+        """The name of the variable."""
+        return self.jets.variable.name
+
+    @cached_property
+    def rates(self) -> Mapping[str, sp.Expr]:
+        """State -> its derivative, over states, parameters and the variable."""
+        rates: dict[str, sp.Expr] = {}
+        for function, rule in self.eliminated.rules.items():
+            for order in range(rule.order):
+                name = self.jets.symbol(function, order).name
+                last = order + 1 == rule.order
+                rates[name] = rule.value.short if last else self.jets.symbol(function, order + 1)
+        return rates
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states."""
+        return tuple(self.rates)
+
+    @cached_property
+    def outputs(self) -> Mapping[str, sp.Expr]:
+        """Functions that are determined without derivatives, over the states."""
+        rules = self.eliminated.rules.items()
+        return {
+            self.jets.symbol(function, 0).name: rule.value.short
+            for function, rule in rules
+            if rule.order == 0
+        }
+
+    @cached_property
+    def constraints(self) -> tuple[sp.Expr, ...]:
+        """Expressions that vanish along a solution, once they do so at its start."""
+        return tuple(one.short for one in self.eliminated.constraints)
+
+    @property
+    def invariants(self) -> Mapping[str, sp.Expr]:
+        """The constraints by names, constraint or constraint_1, ..., as an `ODE` takes them."""
+        if len(self.constraints) == 1:
+            return {"constraint": self.constraints[0]}
+        return {f"constraint_{k}": one for k, one in enumerate(self.constraints, 1)}
+
+    @cached_property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the parameters."""
+        expressions = [*self.rates.values(), *self.constraints, *self.outputs.values()]
+        symbols = {x for one in expressions for x in one.free_symbols}
+        return tuple(sorted({x.name for x in symbols} - {*self.states, self.variable}))
+
+    def complete(
+        self,
+        start: Mapping[str, object],
+        parameters: Mapping[str, object] | None = None,
+        *,
+        near: Mapping[str, object] | None = None,
+        origin: object = 0,
+    ) -> dict[str, sp.Expr]:
+        """A number for each state: from the start, or from the constraints.
+
+        Where the equations have a pole at the origin, as at the centre of a star, the conditions of
+        a regular solution count as constraints.
+
+        Parameters
+        ----------
+        start
+            state -> number, for as many states as the constraints leave free.
+        parameters
+            name -> number.
+        near
+            state -> rough number, where a constraint has several solutions.
+        origin
+            the value of the variable at the start.
+
+        Raises
+        ------
+        StartError
+            Numbers are missing, a constraint does not hold or has several solutions.
+        """
+        known = numbers_of(parameters or {}, self.parameters, "parameters")
+        (place,) = numbers_of({"origin": origin}, ("origin",), "origin").values()
+        values = numbers_of(start, self.states, "start")
+        guesses = numbers_of(near or {}, self.states, "near")
+        centre = self._centre(place)
+        known[self.variable] = place
+        if centre is None:
+            return completed(self.rates, self.constraints, values, known, guesses)
+        rates = {name: rate.sympy for name, rate in centre.rates.items()}
+        conditions = [*centre.conditions, *self.constraints]
+        return completed(rates, self._without_factors(conditions), values, known, guesses)
+
+    def begin(
+        self,
+        start: Mapping[str, object],
+        parameters: Mapping[str, object] | None = None,
+        *,
+        near: Mapping[str, object] | None = None,
+        origin: object = 0,
+    ) -> tuple[sp.Expr, dict[str, sp.Expr]]:
+        """The value of the variable where numbers start, and all states there.
+
+        It is the origin, unless the equations have a pole there: then a power series leads a small
+        way from it. Arguments as for `complete`.
+
+        Raises
+        ------
+        GravityError
+            The equations have a higher pole at the origin, or a solution is not unique there.
+        """
+        full = self.complete(start, parameters, near=near, origin=origin)
+        (place,) = numbers_of({"origin": origin}, ("origin",), "origin").values()
+        centre = self._centre(place)
+        if centre is None:
+            return place, full
+        return centre.beside(full, numbers_of(parameters or {}, self.parameters, "parameters"))
+
+    def _centre(self, place: sp.Expr) -> Centre | None:
+        """The point, if the rates have a pole there for all states."""
+        here = {self.jets.variable: place}
+        poles = [sp.fraction(rate)[1].xreplace(here) == 0 for rate in self.rates.values()]
+        return Centre(self.jets, self.rates, place) if any(poles) else None
+
+    def _without_factors(self, conditions: Iterable[sp.Expr]) -> list[sp.Expr]:
+        """Numerators without factors that vanish nowhere, each once."""
+        result: dict[sp.Expr, None] = {}
+        for condition in conditions:
+            above = sp.fraction(self.jets.field.read(condition).sympy)[0]
+            factors = [
+                one
+                for one in sp.Mul.make_args(above)
+                if not one.is_number and one not in self.eliminated.nonzero
+            ]
+            if above != 0:
+                result[sp.Mul(*factors)] = None
+        return list(result)
+
+    def ode(
+        self,
+        start: Mapping[str, object],
+        parameters: Mapping[str, object] | None = None,
+        *,
+        near: Mapping[str, object] | None = None,
+        origin: object = 0,
+        outputs: Mapping[str, object] | None = None,
+        events: Iterable[At | When] = (),
+    ) -> ODE:
+        """The equations with a start, as `gt.solve` and `gt.prove` take them.
+
+        The constraints are invariants: a solution reports their drift. An `ODE` starts at time
+        zero: if the variable begins elsewhere, the time s counts from there, and the variable is
+        an output.
+
+        Parameters
+        ----------
+        start, parameters, near, origin
+            as for `complete`.
+        outputs
+            name -> further expression over states, outputs, parameters and the variable.
+        events
+            `When(expression)` ends the solution where the expression falls through zero, such as
+            the pressure at the surface of a star.
+
+        Raises
+        ------
+        StartError, GravityError
+            as for `complete` and `begin`.
+        """
+        place, full = self.begin(start, parameters, near=near, origin=origin)
+        rates, invariants, time = self.rates, self.invariants, self.variable
+        every = {**self.outputs, **self._read_outputs(outputs or {})}
+        if place:
+            taken = {*rates, *self.parameters, *every}
+            time = next(x for x in ("s", "way", "way_s") if x not in taken)
+            # Real like all symbols of an ODE.
+            here = sp.Symbol(time, real=True) + place
+            rates, invariants = self._moved(rates, here), self._moved(invariants, here)
+            every = {**self._moved(every, here), self.variable: here}
+        return ODE.of(
+            rates,
+            full,
+            parameters={name: (parameters or {})[name] for name in self.parameters},
+            invariants=invariants,
+            outputs=every,
+            time=time,
+            events=events,
+        )
+
+    def _read_outputs(self, outputs: Mapping[str, object]) -> dict[str, sp.Expr]:
+        """Expressions over states and the variable, with outputs replaced by their values."""
+        symbols = {x.name: x for x in (self.jets.variable, *self.jets.symbols)}
+        symbols |= {name: sp.Symbol(name, real=True) for name in self.parameters}
+        table = {sp.Symbol(name, real=True): value for name, value in self.outputs.items()}
+        result = {}
+        for name, value in checks.by_name(outputs, "outputs", GravityError).items():
+            where = f"output {name}"
+            read = partial(parse_expression, symbols=symbols, where=where, decimals=True)
+            result[name] = checks.expression(value, where, GravityError, read=read).xreplace(table)
+        return result
+
+    def _moved(self, table: Mapping[str, sp.Expr], here: sp.Expr) -> dict[str, sp.Expr]:
+        """Expressions with another value of the variable."""
+        return {name: one.xreplace({self.jets.variable: here}) for name, one in table.items()}
+
+    @property
+    def text(self) -> str:
+        """The equations, line by line."""
+        lines = [f"{name}' = {rate}" for name, rate in self.rates.items()]
+        lines += [f"{name} = {value}" for name, value in self.outputs.items()]
+        return "\n".join([*lines, *(f"0 = {one}" for one in self.constraints)])
+
+    def __str__(self) -> str:
+        return self.text
+
+    def __repr__(self) -> str:
+        number = len(self.constraints)
+        words = "1 constraint" if number == 1 else f"{number} constraints"
+        return f"reduction to {', '.join(self.states)} as functions of {self.variable}, {words}"
+
+
+def reduced(sources: Sources, variable: object, conditions: object) -> Reduction:
+    """First-order equations and constraints of field equations; see `FieldEquations.reduce`."""
+    frame = sources.frame
+    coordinates = {one.name: one for one in frame.coordinates}
+    name = checks.known_name(variable, coordinates, "variable", GravityError)
+    symbol = coordinates[name]
+    order = (sources.connection, sources.fluid, sources.field, sources.coframe)
+    residuals = list(sources.residuals(conditions_of(conditions)))
+    elements = [element for element, _ in residuals]
+    functions = unknown_functions(elements)
+    _check_functions(functions, symbol)
+    rank = {function: k for k, part in enumerate(order) for function in part}
+    functions.sort(key=lambda one: (rank.get(one, -1), str(one)))
+    if not functions:
+        raise GravityError(
+            f"reduce: expected an unknown function of {symbol}, got equations without one. Give "
+            f"the ansatz a function such as a({symbol})."
+        )
+    others = frame.field.symbols
+    jets = Jets(symbol, functions, [one for one in others if one != symbol], _highest(elements))
+    pool = [
+        Residual(part, own)
+        for element, own in residuals
+        for part in _parts(jets, element, frame.coordinates)
+    ]
+    elimination = Elimination(jets, functions, sources.nonzero, sources.connection)
+    try:
+        eliminated = elimination.run(pool)
+    except LimitError as limit:
+        raise LimitError(
+            f"reduce: the elimination of derivatives is too large ({checks.cut(str(limit))}). Give "
+            "numbers for constants, use fewer unknown functions, or write the theory with a scalar "
+            "field."
+        ) from None
+    _check_determined(sources, jets, functions, eliminated)
+    return Reduction(jets, eliminated)
+
+
+def _check_functions(functions: Sequence[AppliedUndef], variable: sp.Symbol) -> None:
+    """Refuse functions of anything else than the variable."""
+    for one in functions:
+        if one.args != (variable,):
+            raise GravityError(
+                f"reduce: expected functions of {variable}, got {one}. Choose this function, or "
+                "make it depend on this variable only."
+            )
+
+
+def _highest(elements: Iterable[Element]) -> int:
+    """The largest order that elimination needs: Jacobi's bound on the order of a system."""
+    orders: dict[sp.Basic, int] = {}
+    for element in elements:
+        for one in element.sympy.atoms(sp.Derivative):
+            function, order = one.expr, sum(int(n) for _, n in one.variable_count)
+            orders[function] = max(order, orders.get(function, 0))
+    return sum(orders.values()) + max(orders.values(), default=0) + 1
+
+
+def _parts(jets: Jets, element: Element, coordinates: Sequence[sp.Symbol]) -> list[Element]:
+    """Elements without other coordinates that vanish where one does for all of their values."""
+    parts = [jets.read(sp.fraction(element.sympy)[0])]
+    for coordinate in coordinates:
+        if coordinate != jets.variable:
+            parts = [x for part in parts for x in _coefficients(jets, part, coordinate)]
+    return parts
+
+
+def _coefficients(jets: Jets, element: Element, coordinate: sp.Symbol) -> list[Element]:
+    """Derivatives by a coordinate at one place, which vanish all if the element does."""
+    if coordinate not in element.symbols:
+        return [element]
+    waves = [sp.sin(coordinate), sp.cos(coordinate)]
+    numerator = sp.fraction(element.sympy)[0]
+    place, parts = sp.S.Zero, list[Element]()
+    if numerator.has(*waves):
+        place = sp.pi / 2
+        if not numerator.is_polynomial(*waves):
+            raise GravityError(
+                f"reduce: expected equations in which {coordinate} drops out or occurs as a power, "
+                f"sine or cosine, got {checks.cut(str(numerator))}. Choose other coordinates."
+            )
+    count = 2 * sp.Poly(numerator, *waves).total_degree() + 1
+    while not element.is_zero and (len(parts) < count or place == 0):
+        parts.append(jets.replaced(element, {coordinate: jets.field.read(place)}))
+        element = element.diff(coordinate)
+    return parts
+
+
+def _check_determined(
+    sources: Sources, jets: Jets, functions: Sequence[AppliedUndef], eliminated: Eliminated
+) -> None:
+    """Refuse equations that leave a function free, or nothing to solve."""
+    free = [one for one in functions if one not in eliminated.rules]
+    if free:
+        one = free[0]
+        name = one.func.__name__
+        raise GravityError(
+            f"reduce: expected an equation for each unknown function, got none for {one}: "
+            f"{_freedom(sources, jets, one)}, such as conditions=['{name} = 1']."
+        )
+    if not any(rule.order for rule in eliminated.rules.values()):
+        values = ", ".join(f"{f} = {rule.value}" for f, rule in eliminated.rules.items())
+        raise GravityError(
+            f"reduce: expected a differential equation, got functions without freedom: {values}. "
+            "There is nothing to solve."
+        )
+
+
+def _freedom(sources: Sources, jets: Jets, function: AppliedUndef) -> str:
+    """The meaning of a function without an equation, and what to do."""
+    name = function.func.__name__
+    if function in sources.fluid:
+        return "the fluid has no equation of state. Give one as a condition"
+    if function in sources.connection:
+        return f"the theory does not determine {name} of the connection. Choose it by a condition"
+    if function in sources.field:
+        return f"the field {name} does not enter the equations. Choose it by a condition"
+    frame = sources.frame
+    column = frame.coordinates.index(jets.variable)
+    places = {
+        (leg, mu)
+        for (leg, mu), entry in frame.coframe.components.nonzero.items()
+        if function in unknown_functions([entry])
+    }
+    if all(mu == column for _, mu in places):
+        eta = frame.eta.components.get
+        alike = [
+            eta((i, i)) == eta((leg, leg)) for i in range(frame.dimension) for leg, _ in places
+        ]
+        word = "lapse" if sum(alike) == 1 else "radial gauge"
+        return (
+            f"the {word} is free, because any other {jets.variable} serves as well: choose {name}. "
+            "Give a condition"
+        )
+    return f"the coordinates are not fixed: choose {name}. Give a condition"

@@ -1,0 +1,176 @@
+"""Residuals: everything that vanishes on a solution of field equations, with what it determines."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+from sympy.core.relational import Equality
+
+from geomtorsion import checks
+from geomtorsion.errors import GravityError
+from geomtorsion.exact import Element, unknown_functions
+from geomtorsion.geometry import Connection, Frame, Tensor
+from geomtorsion.gravity.fields import HALF, FrameFields, Index
+from geomtorsion.gravity.fluids import Fluid
+from geomtorsion.gravity.hypermomentum import Source
+from geomtorsion.gravity.identities import rotation_terms, translation_terms
+from geomtorsion.gravity.lagrangian import scalar_of
+from geomtorsion.gravity.matter import MatterField
+
+
+@dataclass(frozen=True, eq=False)
+class Sources:
+    """Field equations with the unknown functions of each of their parts.
+
+    connections, matter: of the field equations.
+    fields: torsion and curvature of the first connection.
+    coframe_equation, metric_equation, connection_equations, matter_equations: E, M, C and others.
+    """
+
+    connections: tuple[Connection, ...]
+    matter: tuple[MatterField | Source, ...]
+    fields: FrameFields
+    coframe_equation: Tensor
+    metric_equation: Tensor
+    connection_equations: tuple[Tensor, ...]
+    matter_equations: Mapping[str, Tensor]
+
+    @property
+    def frame(self) -> Frame:
+        """The frame of the equations."""
+        return self.fields.frame
+
+    @property
+    def coframe(self) -> frozenset[AppliedUndef]:
+        """The unknown functions of the coframe."""
+        return _functions(self.frame.coframe.components.nonzero.values())
+
+    @property
+    def nonzero(self) -> frozenset[AppliedUndef]:
+        """The functions of the coframe that vanish nowhere: factors of its determinant."""
+        factors = sp.Mul.make_args(self.frame.determinant.element().sympy)
+        bases = {one.base if one.is_Pow else one for one in factors}
+        return frozenset(one for one in bases if isinstance(one, AppliedUndef))
+
+    @property
+    def fluids(self) -> list[Fluid]:
+        """The fluids among the matter."""
+        return [one for one in self.matter if isinstance(one, Fluid)]
+
+    @property
+    def fluid(self) -> frozenset[AppliedUndef]:
+        """The unknown functions of fluids."""
+        parts: set[AppliedUndef] = set()
+        for one in self.fluids:
+            parts |= _functions(one.elements(self.frame))
+        return frozenset(parts - self.coframe)
+
+    @property
+    def field(self) -> frozenset[AppliedUndef]:
+        """The unknown functions of matter fields."""
+        fields = [one for one in self.matter if isinstance(one, MatterField)]
+        return frozenset().union(*(one.parts(self.frame) for one in fields))
+
+    @property
+    def connection(self) -> frozenset[AppliedUndef]:
+        """The unknown functions of the connections that occur nowhere else."""
+        entries = [
+            x for one in self.connections for x in one.coefficients.components.nonzero.values()
+        ]
+        return _functions(entries) - self.coframe - self.fluid - self.field
+
+    def residuals(
+        self, conditions: Iterable[tuple[object, object]]
+    ) -> Iterator[tuple[Element, frozenset[AppliedUndef]]]:
+        """Elements that vanish, each with the functions that it is meant to determine.
+
+        conditions: pairs of sides, such as ("p", "rho/3").
+        """
+        for left, right in conditions:
+            one, two = (scalar_of(self.frame, x, "condition") for x in (left, right))
+            yield one - two, _functions([one])
+        for number, connection in enumerate(self.connections):
+            if _is_varied(connection):
+                equation = self.connection_equations[number]
+                yield from _nonzero(equation, self.connection)
+        equation = (
+            self.metric_equation if self._is_symmetric_teleparallel else self.coframe_equation
+        )
+        yield from _nonzero(equation, self.coframe)
+        for tensor in self.matter_equations.values():
+            yield from _nonzero(tensor, self.field)
+        if self.fluids:
+            yield from ((one, self.fluid) for one in self._conservation())
+
+    @property
+    def _is_symmetric_teleparallel(self) -> bool:
+        """Whether the metric is varied while the connection stays flat and is not metric."""
+        flat = [one for one in self.connections if one.kind == "general"]
+        return any(one.is_flat and not one.metric_compatible for one in flat)
+
+    def _conservation(self) -> Iterator[Element]:
+        """Laws of motion of the fluids: their part of the identities of both symmetries."""
+        frame, connection = self.frame, self.connections[0]
+        coframe, spin = Tensor(frame, "DU", {}), Tensor(frame, "UUD", {})
+        for one in self.fluids:
+            coframe = coframe + one.coframe_source(connection)
+            spin = spin + one.connection_source(connection)
+        fields = self.fields
+        turned = fields.divergence(spin)
+        lower, moved = coframe.lowered(1).components.get, turned.lowered().components.get
+
+        def rule(index: Index) -> Element:
+            return frame.field.sum([(HALF, lower(index[::-1])), (HALF, moved(index))])
+
+        metric = Tensor(frame, "DD", rule)
+        translation = translation_terms(coframe, metric, [(fields, spin, turned)], lambda _: [])
+        for indices, value in (translation, rotation_terms(metric)):
+            yield from map(value, indices)
+
+
+def conditions_of(conditions: object) -> list[tuple[object, object]]:
+    """Pairs of sides from texts with one sign of equality, from sympy equations, or expressions.
+
+    Examples
+    --------
+    >>> conditions_of("p = rho/3")
+    [('p ', ' rho/3')]
+    """
+    single = isinstance(conditions, str | sp.Basic)
+    pairs: list[tuple[object, object]] = []
+    every: list[Any] = (
+        [conditions] if single else checks.entries(conditions, "conditions", GravityError)
+    )
+    for one in every:
+        sides: list[object] = [one, 0]
+        if isinstance(one, str):
+            sides = list(one.split("="))
+        elif isinstance(one, Equality):
+            sides = [one.lhs, one.rhs]
+        if len(sides) != 2:
+            raise GravityError(
+                f"conditions: expected text with one sign of equality, got {checks.shown(one)}. "
+                "Write a condition such as 'p = rho/3'."
+            )
+        pairs.append((sides[0], sides[1]))
+    return pairs
+
+
+def _is_varied(connection: Connection) -> bool:
+    """Whether a connection has an equation of its own."""
+    return connection.kind not in ("cartan", "levi-civita") and not connection.is_flat
+
+
+def _nonzero(
+    tensor: Tensor, functions: frozenset[AppliedUndef]
+) -> Iterator[tuple[Element, frozenset[AppliedUndef]]]:
+    """The components that do not vanish identically."""
+    return ((element, functions) for element in tensor.components.nonzero.values())
+
+
+def _functions(elements: Iterable[Element]) -> frozenset[AppliedUndef]:
+    return frozenset(unknown_functions(elements))

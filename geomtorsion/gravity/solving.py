@@ -1,0 +1,85 @@
+"""Solving: from field equations to numbers with errors."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.errors import GravityError
+from geomtorsion.gravity.equations import FieldEquations
+from geomtorsion.gravity.reduction import Reduction
+from geomtorsion.ode import At, Engine, Solution, When
+from geomtorsion.ode import solve as solve_ode
+
+
+def solve(
+    equations: FieldEquations | Reduction,
+    variable: object,
+    last: object,
+    start: Mapping[str, object],
+    parameters: Mapping[str, object] | None = None,
+    *,
+    conditions: object = (),
+    near: Mapping[str, object] | None = None,
+    origin: object = 0,
+    outputs: Mapping[str, object] | None = None,
+    events: Iterable[At | When] = (),
+    accuracy: float = 1e-10,
+    engine: Engine | None = None,
+) -> Solution:
+    """Solve field equations for unknown functions of one variable.
+
+    Parameters
+    ----------
+    equations
+        field equations, or what `FieldEquations.reduce` made of them.
+    variable
+        the coordinate on which the functions depend.
+    last
+        its last value, or increasing values from the origin on.
+    start
+        state -> number; those that are omitted follow from the constraints.
+    parameters
+        name -> number.
+    conditions
+        further equations: "p = rho/3", "N = 1".
+    near
+        state -> rough number, where a constraint has several solutions.
+    origin
+        value of the variable at the start.
+    outputs, events, accuracy, engine
+        as for `gt.ODE.of` and `gt.solve`.
+
+    Returns
+    -------
+    Solution: states, outputs and their errors; `drift` of the constraints. With an origin its times
+    count from there, and the variable is an output.
+
+    Raises
+    ------
+    GravityError, StartError
+        the equations do not determine the functions, or the start does not fit them.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> import geomtorsion as gt
+    >>> t, x, y, z = sp.symbols("t x y z")
+    >>> a = sp.Function("a")(t)
+    >>> cosmos = gt.Frame([t, x, y, z], sp.diag(1, a, a, a), (-1, 1, 1, 1))
+    >>> vacuum = gt.gravity.equations(gt.levi_civita(cosmos), "R - 2*Lambda")
+    >>> solution = gt.gravity.solve(vacuum, "t", 1, {"a": 1}, {"Lambda": 3}, near={"a_1": 1})
+    >>> round(float(solution["a"][-1]), 9)
+    2.718281828
+    """
+    if isinstance(equations, Reduction):
+        reduction = equations
+        checks.known_name(variable, [reduction.variable], "variable", GravityError)
+    else:
+        reduction = equations.reduce(variable, conditions)
+    place, full = reduction.begin(start, parameters, near=near, origin=origin)
+    ode = reduction.ode(full, parameters, origin=place, outputs=outputs, events=events)
+    times = last if place == 0 else np.asarray(last, dtype=float) - float(place)
+    return solve_ode(ode, times, accuracy, engine)

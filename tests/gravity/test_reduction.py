@@ -1,0 +1,329 @@
+"""From field equations to numbers, compared with closed forms and with independent integrations."""
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import pytest
+import sympy as sp
+from scipy.integrate import quad, solve_ivp
+
+import geomtorsion as gt
+from geomtorsion import gravity as g
+from geomtorsion.errors import GeomtorsionError, GravityError, StartError
+from geomtorsion.gravity.fluids import Fluid
+
+T, R, X, Y, Z, THETA, PHI = sp.symbols("t r x y z theta phi")
+LORENTZ = (-1, 1, 1, 1)
+AT_REST = [1, 0, 0, 0]
+a, N = (sp.Function(name)(T) for name in "aN")
+A, B, C = (sp.Function(name)(R) for name in "ABC")
+COSMOS = gt.Frame([T, X, Y, Z], sp.diag(1, a, a, a), LORENTZ)
+LAPSE = gt.Frame([T, X, Y, Z], sp.diag(N, a, a, a), LORENTZ)
+STATIC = gt.Frame([T, R, THETA, PHI], sp.diag(A, B, R, R * sp.sin(THETA)), LORENTZ)
+COINCIDENT = gt.from_coefficients(COSMOS, [[[0] * 4] * 4] * 4)
+DUST = g.fluid("rho(t)", 0, AT_REST)
+# Results are held to ten times the accuracy that is requested by default.
+CLOSE = 1e-9
+# A constraint of degree eight changes by some hundred roundings.
+ROUNDING = 1e-12
+
+
+def universe(
+    connection: gt.Connection,
+    lagrangian: g.Lagrangian | str,
+    matter: Sequence | Fluid = (),
+    conditions: Sequence[str] = (),
+) -> g.Reduction:
+    """A theory on flat FLRW, reduced."""
+    return g.equations(connection, lagrangian, matter).reduce("t", conditions)
+
+
+def check(solution: gt.Solution, name: str, exact: float) -> None:
+    """The last value of a state is the exact one, and constraints drift no more than it errs."""
+    assert solution.error <= solution.accuracy
+    assert float(solution[name][-1]) == pytest.approx(exact, rel=CLOSE)
+    for drift in solution.drift.values():
+        assert drift <= max(solution.error, ROUNDING)
+
+
+@pytest.mark.parametrize(
+    ("connection", "lagrangian"),
+    [
+        (gt.levi_civita(COSMOS), "R/2 - Lambda"),
+        (gt.cartan(COSMOS), "-T/2 - Lambda"),
+        (COINCIDENT, "-Q/2 - Lambda"),
+    ],
+)
+def test_a_universe_of_dust_and_a_cosmological_constant(
+    connection: gt.Connection, lagrangian: str
+) -> None:
+    """a = (m/l)^(1/3) sinh^(2/3)(3 sqrt(l) t/2) with shares m, l, in three geometries."""
+    matter, dark = 0.3, 0.7
+    age = 2 / 3 / math.sqrt(dark) * math.asinh(math.sqrt(dark / matter))
+    equations = g.equations(connection, lagrangian, DUST)
+    start, parameters = {"a": 1, "rho": "9/10"}, {"Lambda": "21/10"}
+    solution = g.solve(equations, "t", 2, start, parameters, near={"a_1": 1})
+    exact = (matter / dark) ** (1 / 3) * math.sinh(1.5 * math.sqrt(dark) * (2 + age)) ** (2 / 3)
+    check(solution, "a", exact)
+
+
+@pytest.mark.parametrize(
+    ("connection", "lagrangian"),
+    [(gt.cartan(COSMOS), "-(T + c*T**2)/2"), (COINCIDENT, "-(Q + c*Q**2)/2")],
+)
+def test_dust_in_quadratic_teleparallel_theories(
+    connection: gt.Connection, lagrangian: str
+) -> None:
+    """rho = 3 H^2 + 54 c H^4 for T = 6 H^2 and for Q = 6 H^2: t is an integral over a."""
+    c = 0.01
+
+    def rate(size: float) -> float:
+        density = 3.54 / size**3
+        return math.sqrt((-3 + math.sqrt(9 + 4 * 54 * c * density)) / (2 * 54 * c))
+
+    reduced = universe(connection, lagrangian, DUST)
+    ode = reduced.ode({"a": 1, "rho": "3.54"}, {"c": "1/100"}, near={"a_1": 1})
+    solution = gt.solve(ode, 3.0)
+    size = float(solution["a"][-1])
+    age, _ = quad(lambda x: 1 / (x * rate(x)), 1, size, epsabs=1e-12, epsrel=1e-12)
+    assert age == pytest.approx(3.0, rel=CLOSE)
+    assert max(solution.drift.values()) <= max(solution.error, ROUNDING)
+
+
+def test_starobinsky_inflation_of_fourth_order() -> None:
+    """R + R^2/(6 M^2) against 3 H^2 F = (R F - f)/2 - 3 H F', integrated by scipy in H and R."""
+    mass = 0.5
+
+    def rates(_: float, y: np.ndarray) -> list[float]:
+        _, rate, scalar = y
+        f, slope, second = scalar + scalar**2 / (6 * mass**2), 1 + scalar / (3 * mass**2), 1 / 3
+        change = ((scalar * slope - f) / 2 - 3 * rate**2 * slope) * mass**2
+        return [y[0] * rate, scalar / 6 - 2 * rate**2, change / (3 * second * rate)]
+
+    reduced = universe(gt.levi_civita(COSMOS), "(R + R**2/(6*M**2))/2")
+    assert reduced.states == ("a", "a_1", "a_2", "a_3")
+    start = {"a": 1, "a_1": 1, "a_2": "0.98"}
+    ode = reduced.ode(start, {"M": "1/2"})
+    solution = gt.solve(ode, 3.0)
+    first = [1.0, 1.0, 6 * (0.98 + 1)]
+    options = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-12}
+    check(solution, "a", solve_ivp(rates, (0, 3), first, **options).y[0, -1])
+
+
+def test_power_law_inflation_of_a_scalar_field() -> None:
+    """V = p (3 p - 1) exp(-phi sqrt(2/p)) has a = t^p, phi = sqrt(2 p) log t."""
+    matter = g.scalar_field("phi(t)")
+    power = 3
+    equations = g.equations(
+        gt.levi_civita(COSMOS), "R/2 - X/2 - V0*exp(-k*phi)", matter, constants="k V0"
+    )
+    start = {"a": 1, "phi": 0, "phi_1": sp.sqrt(6)}
+    parameters = {"V0": 24, "k": sp.sqrt(sp.Rational(2, 3))}
+    near = {"a_1": 3}
+    solution = g.solve(equations, "t", 4, start, parameters, near=near, origin=1)
+    check(solution, "a", 4**power)
+    assert float(solution["phi"][-1]) == pytest.approx(math.sqrt(6) * math.log(4), rel=CLOSE)
+    assert float(solution["t"][-1]) == 4
+
+
+def test_dust_with_spin_bounces() -> None:
+    """a^3 = kappa s0^2/(4 rho0) + 3 kappa rho0 t^2/4: torsion is unknown, and is eliminated."""
+    tau = COSMOS.scalar(sp.Function("tau")(T))
+    torsion = gt.Tensor(COSMOS, "DDU", {(1, 2, 0): tau.element(), (2, 1, 0): -tau.element()})
+    spin = [[0] * 4, [0, 0, "sigma(t)", 0], [0, "-sigma(t)", 0, 0], [0] * 4]
+    dust = g.weyssenhoff("rho(t)", 0, AT_REST, spin)
+    reduced = universe(gt.from_torsion(COSMOS, torsion), g.einstein_cartan, dust)
+    assert str(reduced.outputs["tau"]) == "kappa*sigma/2"
+    third = sp.Rational(1, 4) ** sp.Rational(1, 3)
+    start = {"a": third, "a_1": 0, "rho": 4, "sigma": 4}
+    solution = gt.solve(reduced.ode(start, {"kappa": 1}), 2.0)
+    check(solution, "a", (1 / 4 + 3) ** (1 / 3))
+    assert float(solution["tau"][0]) == 2
+
+
+def test_torsion_vanishes_without_spin() -> None:
+    """The two torsion functions of a universe are zero in Einstein-Cartan theory with dust."""
+    u, v = (COSMOS.scalar(sp.Function(name)(T)).element() for name in "uv")
+    parts = {}
+    for i, j, k in ((1, 2, 3), (2, 3, 1), (3, 1, 2)):
+        parts |= {(0, i, i): u, (i, 0, i): -u, (i, j, k): v, (j, i, k): -v}
+    connection = gt.from_torsion(COSMOS, gt.Tensor(COSMOS, "DDU", parts))
+    assert universe(connection, "R/2", DUST).outputs == {"u": 0, "v": 0}
+
+
+def test_a_proof_of_a_universe() -> None:
+    """The end of a universe of dust is proved to twelve digits: a = (1 + 3 t/2)^(2/3)."""
+    reduced = universe(gt.cartan(COSMOS), "-T/(2*kappa)", DUST)
+    ode = reduced.ode({"a": 1, "rho": 3}, {"kappa": 1}, near={"a_1": 1})
+    solution = gt.solve(ode, 10.0, 1e-13)
+    check(solution, "a", 16 ** (2 / 3))
+    assert gt.prove(solution, 12).holds
+
+
+def test_radiation_by_an_equation_of_state() -> None:
+    """p = rho/3 has a = sqrt(1 + 2 t); the pressure is an output."""
+    gas = g.fluid("rho(t)", "p(t)", AT_REST)
+    reduced = universe(gt.levi_civita(LAPSE), "R/2", gas, conditions=["p = rho/3", "N = 1"])
+    solution = gt.solve(reduced.ode({"a": 1, "rho": 3}, near={"a_1": 1}), 4.0)
+    check(solution, "a", 3)
+    assert solution["p"][-1] == pytest.approx(float(solution["rho"][-1]) / 3)
+
+
+@pytest.mark.parametrize(
+    ("connection", "lagrangian"),
+    [(gt.levi_civita(STATIC), "R - 2*Lambda"), (gt.cartan(STATIC), "T + 2*Lambda")],
+)
+def test_schwarzschild_and_de_sitter_follow_from_the_ansatz(
+    connection: gt.Connection, lagrangian: str
+) -> None:
+    """A^2 = 1/B^2 = 1 - 2 M/r - Lambda r^2/3, from r = 3 to r = 5."""
+    square = lambda r: 1 - 2 / sp.S(r) - sp.Rational(3, 100) * r**2 / 3  # noqa: E731
+    start = {"A": sp.sqrt(square(3)), "B": 1 / sp.sqrt(square(3))}
+    reduced = g.equations(connection, lagrangian).reduce("r")
+    solution = gt.solve(reduced.ode(start, {"Lambda": "3/100"}, origin=3), 2.0)
+    check(solution, "A", math.sqrt(square(5)))
+    check(solution, "B", 1 / math.sqrt(square(5)))
+
+
+def test_a_charge_has_its_field() -> None:
+    """Reissner and Nordstrom: u' = q/r^2, A^2 = 1 - 2 M/r + q^2/(2 r^2) for R/2 - F^2/4."""
+    fields = g.equations(gt.levi_civita(STATIC), "R/2 - F2/4", g.maxwell(["u(r)", 0, 0, 0]))
+    square = lambda r: 1 - 2 / sp.S(r) + sp.Rational(1, 2) / sp.S(r) ** 2  # noqa: E731
+    start = {"A": sp.sqrt(square(3)), "B": 1 / sp.sqrt(square(3)), "u": 0, "u_1": "1/9"}
+    solution = g.solve(fields, "r", 6, start, origin=3)
+    check(solution, "A", math.sqrt(square(6)))
+    check(solution, "u", 1 / 3 - 1 / 6)
+
+
+def test_a_constraint_completes_the_start() -> None:
+    """The expansion rate follows from size and density; so does the density from the rate."""
+    reduced = universe(gt.levi_civita(COSMOS), "R/2", DUST)
+    assert reduced.complete({"a": 1, "rho": 3}, near={"a_1": 1})["a_1"] == 1
+    assert reduced.complete({"a": 1, "rho": 3}, near={"a_1": -2})["a_1"] == -1
+    assert reduced.complete({"a": 2, "a_1": 1})["rho"] == sp.Rational(3, 4)
+    assert reduced.complete({"a": 1, "rho": 1}, near={"a_1": 1})["a_1"] == 1 / sp.sqrt(3)
+
+
+def test_different_coordinates_on_which_nothing_depends_drop_out() -> None:
+    """Friedmann's equations of a curved space in spherical coordinates do not contain r."""
+    k = sp.Symbol("k")
+    size = a / sp.sqrt(1 - k * R**2)
+    frame = gt.Frame([T, R, THETA, PHI], sp.diag(1, size, a * R, a * R * sp.sin(THETA)), LORENTZ)
+    reduced = universe(gt.levi_civita(frame), "R/2", DUST)
+    assert reduced.parameters == ("k",)
+    # A closed universe: a = sin^2 and t = eta - sin cos of eta/2, up to its largest size 1.
+    ode = reduced.ode({"a": "1/2", "rho": 24}, {"k": 1}, near={"a_1": 1})
+    assert ode.start[ode.states.index("a_1")] == 1
+
+
+def test_a_reduction_is_written_as_equations() -> None:
+    """Text, names and the short form."""
+    reduced = universe(gt.levi_civita(COSMOS), "R/2", DUST)
+    assert reduced.states == ("rho", "a", "a_1")
+    assert "0 = a**2*rho - 3*a_1**2" in str(reduced)
+    assert repr(reduced) == "reduction to rho, a, a_1 as functions of t, 1 constraint"
+
+
+EINSTEIN = g.equations(gt.levi_civita(COSMOS), "R/2", DUST)
+FLUID = g.fluid("rho(t)", "p(t)", AT_REST)
+RADIAL = gt.Frame([T, R, THETA, PHI], sp.diag(A, B, C, C * sp.sin(THETA)), LORENTZ)
+WAVE = gt.Frame([T, X, Y, Z], sp.diag(1, sp.Function("b")(T, X), 1, 1), LORENTZ)
+BALL = gt.Frame([T, R, THETA, PHI], sp.diag(1, a, a * R, a * R * sp.sin(THETA)), LORENTZ)
+REDUCTION = EINSTEIN.reduce("t")
+
+REFUSALS: dict[str, tuple[Callable[[], object], type[GeomtorsionError], str]] = {
+    "free lapse": (
+        lambda: g.equations(gt.levi_civita(LAPSE), "R/2", DUST).reduce("t"),
+        GravityError,
+        "the lapse is free",
+    ),
+    "free radius": (
+        lambda: g.equations(gt.levi_civita(RADIAL), "R").reduce("r"),
+        GravityError,
+        "radial gauge is free",
+    ),
+    "no equation of state": (
+        lambda: g.equations(gt.levi_civita(COSMOS), "R/2", FLUID).reduce("t"),
+        GravityError,
+        "no equation of state",
+    ),
+    "a static universe of constant density": (
+        lambda: g.equations(gt.levi_civita(COSMOS), "R/2", g.fluid(1, 0, AT_REST)).reduce("t"),
+        GravityError,
+        "expected equations that have a solution",
+    ),
+    "a wrong tetrad": (
+        lambda: g.equations(gt.cartan(BALL), "T + T**2", DUST).reduce("t"),
+        GravityError,
+        "Check the matter, the conditions and the ansatz",
+    ),
+    "two variables": (
+        lambda: g.equations(gt.levi_civita(WAVE), "R").reduce("t"),
+        GravityError,
+        "expected functions of t",
+    ),
+    "no function": (
+        lambda: g.equations(gt.cartan("schwarzschild"), "T").reduce("r"),
+        GravityError,
+        "expected an unknown function of r",
+    ),
+    "unknown f": (
+        lambda: g.equations(gt.cartan(COSMOS), "f(T)").reduce("t"),
+        GravityError,
+        "Choose this function",
+    ),
+    "wrong variable": (lambda: EINSTEIN.reduce("tau"), GravityError, "Known are t"),
+    "condition without equality": (
+        lambda: EINSTEIN.reduce("t", ["rho"]),
+        GravityError,
+        "one sign of equality",
+    ),
+    "contradictory condition": (
+        lambda: EINSTEIN.reduce("t", ["rho = 1"]),
+        GravityError,
+        "expected equations that have a solution",
+    ),
+    "nothing to solve": (
+        lambda: EINSTEIN.reduce("t", ["rho = 0", "a = 1"]),
+        GravityError,
+        "nothing to solve",
+    ),
+    "two roots": (
+        lambda: REDUCTION.complete({"a": 1, "rho": 3}),
+        StartError,
+        "a_1 = -1 or 1",
+    ),
+    "no root": (
+        lambda: REDUCTION.complete({"a": 1, "rho": -3}),
+        StartError,
+        "there is none",
+    ),
+    "too few": (lambda: REDUCTION.complete({"a": 1}), StartError, "got none for rho, a_1"),
+    "violated": (
+        lambda: REDUCTION.complete({"a": 1, "rho": 3, "a_1": 2}),
+        StartError,
+        "Omit one of the values",
+    ),
+    "singular": (
+        lambda: REDUCTION.complete({"a": 0, "rho": 3, "a_1": 0}),
+        StartError,
+        "leading coefficient",
+    ),
+    "unknown state": (lambda: REDUCTION.complete({"b": 1}), StartError, "b"),
+    "not a number": (lambda: REDUCTION.complete({"a": "one"}), GeomtorsionError, "one"),
+    "missing parameter": (
+        lambda: g.equations(gt.cartan(COSMOS), "T/kappa", DUST).reduce("t").ode({"a": 1}),
+        StartError,
+        "kappa",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", REFUSALS)
+def test_refusals(name: str) -> None:
+    """Each case raises an error of its kind with these words."""
+    call, error, words = REFUSALS[name]
+    with pytest.raises(error) as refusal:
+        call()
+    assert words in str(refusal.value)
