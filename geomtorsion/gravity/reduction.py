@@ -11,6 +11,7 @@ from sympy.core.function import AppliedUndef
 
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
+from geomtorsion.displays import latex_of
 from geomtorsion.errors import GravityError, LimitError
 from geomtorsion.exact import Element, parse_expression, unknown_functions
 from geomtorsion.gravity.centre import Centre
@@ -263,6 +264,24 @@ class Reduction:
         lines = [f"{name}' = {rate}" for name, rate in self.rates.items()]
         lines += [f"{name} = {value}" for name, value in self.outputs.items()]
         return "\n".join([*lines, *(f"0 = {one}" for one in self.constraints)])
+
+    @property
+    def latex(self) -> str:
+        """The equations in LaTeX, for a notebook."""
+        dot = f"\\frac{{d}}{{d {latex_of(self.jets.variable)}}} "
+        lines = [
+            f"{dot}{latex_of(sp.Symbol(name))} &= {latex_of(rate)}"
+            for name, rate in self.rates.items()
+        ]
+        lines += [
+            f"{latex_of(sp.Symbol(name))} &= {latex_of(value)}"
+            for name, value in self.outputs.items()
+        ]
+        lines += [f"0 &= {latex_of(one)}" for one in self.constraints]
+        return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"
+
+    def _repr_latex_(self) -> str:
+        return f"$${self.latex}$$"
 
     def __str__(self) -> str:
         return self.text

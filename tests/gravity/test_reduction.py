@@ -223,6 +223,8 @@ def test_a_reduction_is_written_as_equations() -> None:
     assert reduced.states == ("rho", "a", "a_1")
     assert "0 = a**2*rho - 3*a_1**2" in str(reduced)
     assert repr(reduced) == "reduction to rho, a, a_1 as functions of t, 1 constraint"
+    assert r"\frac{d}{d t} a &= a_{1} \\" in reduced.latex
+    assert r"0 &= a^{2} \rho - 3 a_{1}^{2}" in reduced._repr_latex_()
 
 
 EINSTEIN = g.equations(gt.levi_civita(COSMOS), "R/2", DUST)
