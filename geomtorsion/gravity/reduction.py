@@ -105,6 +105,11 @@ class Reduction:
         symbols = {x for one in expressions for x in one.free_symbols}
         return tuple(sorted({x.name for x in symbols} - {*self.states, self.variable}))
 
+    @property
+    def _constants(self) -> list[str]:
+        """Names of all constants of the theory, also of those that drop out of the equations."""
+        return [one.name for one in self.jets.field.symbols if one not in self.jets.symbols]
+
     def complete(
         self,
         start: Mapping[str, object],
@@ -134,7 +139,7 @@ class Reduction:
         StartError
             Numbers are missing, a constraint does not hold or has several solutions.
         """
-        known = numbers_of(parameters or {}, self.parameters, "parameters")
+        known = numbers_of(parameters or {}, self._constants, "parameters")
         (place,) = numbers_of({"origin": origin}, ("origin",), "origin").values()
         values = numbers_of(start, self.states, "start")
         guesses = numbers_of(near or {}, self.states, "near")
@@ -169,7 +174,7 @@ class Reduction:
         centre = self._centre(place)
         if centre is None:
             return place, full
-        return centre.beside(full, numbers_of(parameters or {}, self.parameters, "parameters"))
+        return centre.beside(full, numbers_of(parameters or {}, self._constants, "parameters"))
 
     def _centre(self, place: sp.Expr) -> Centre | None:
         """The point, if the rates have a pole there for all states."""
