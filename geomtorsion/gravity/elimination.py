@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from geomtorsion.errors import GravityError
-from geomtorsion.exact import Element
+from geomtorsion.errors import GravityError, LimitError
+from geomtorsion.exact import Element, limits
 from geomtorsion.gravity.jets import Jets, Place
 
 
@@ -128,6 +128,8 @@ class Elimination:
 
     def _signed(self, element: Element) -> Element:
         """An element or its negative, whichever is written with fewer signs."""
+        if element.length > limits.MOST_AT_ONCE:
+            raise LimitError(f"a residual has {element.length:,} terms")
         negative = -element
         return min(element, negative, key=lambda one: (str(one).count("-"), str(one)[0] == "-"))
 

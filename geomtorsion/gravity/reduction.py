@@ -11,6 +11,7 @@ from sympy.core.function import AppliedUndef
 
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
+from geomtorsion.displays import latex_of
 from geomtorsion.errors import GravityError, LimitError
 from geomtorsion.exact import Element, parse_expression, unknown_functions
 from geomtorsion.gravity.centre import Centre
@@ -104,6 +105,11 @@ class Reduction:
         symbols = {x for one in expressions for x in one.free_symbols}
         return tuple(sorted({x.name for x in symbols} - {*self.states, self.variable}))
 
+    @property
+    def _constants(self) -> list[str]:
+        """Names of all constants of the theory, also of those that drop out of the equations."""
+        return [one.name for one in self.jets.field.symbols if one not in self.jets.symbols]
+
     def complete(
         self,
         start: Mapping[str, object],
@@ -133,7 +139,7 @@ class Reduction:
         StartError
             Numbers are missing, a constraint does not hold or has several solutions.
         """
-        known = numbers_of(parameters or {}, self.parameters, "parameters")
+        known = numbers_of(parameters or {}, self._constants, "parameters")
         (place,) = numbers_of({"origin": origin}, ("origin",), "origin").values()
         values = numbers_of(start, self.states, "start")
         guesses = numbers_of(near or {}, self.states, "near")
@@ -168,7 +174,7 @@ class Reduction:
         centre = self._centre(place)
         if centre is None:
             return place, full
-        return centre.beside(full, numbers_of(parameters or {}, self.parameters, "parameters"))
+        return centre.beside(full, numbers_of(parameters or {}, self._constants, "parameters"))
 
     def _centre(self, place: sp.Expr) -> Centre | None:
         """The point, if the rates have a pole there for all states."""
@@ -263,6 +269,24 @@ class Reduction:
         lines = [f"{name}' = {rate}" for name, rate in self.rates.items()]
         lines += [f"{name} = {value}" for name, value in self.outputs.items()]
         return "\n".join([*lines, *(f"0 = {one}" for one in self.constraints)])
+
+    @property
+    def latex(self) -> str:
+        """The equations in LaTeX, for a notebook."""
+        dot = f"\\frac{{d}}{{d {latex_of(self.jets.variable)}}} "
+        lines = [
+            f"{dot}{latex_of(sp.Symbol(name))} &= {latex_of(rate)}"
+            for name, rate in self.rates.items()
+        ]
+        lines += [
+            f"{latex_of(sp.Symbol(name))} &= {latex_of(value)}"
+            for name, value in self.outputs.items()
+        ]
+        lines += [f"0 &= {latex_of(one)}" for one in self.constraints]
+        return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"
+
+    def _repr_latex_(self) -> str:
+        return f"$${self.latex}$$"
 
     def __str__(self) -> str:
         return self.text

@@ -103,8 +103,8 @@ class Sources:
         yield from _nonzero(equation, self.coframe)
         for tensor in self.matter_equations.values():
             yield from _nonzero(tensor, self.field)
-        if self.fluids:
-            yield from ((one, self.fluid) for one in self._conservation())
+        for one in self.fluids:
+            yield from ((element, self.fluid) for element in self._conservation(one))
 
     @property
     def _is_symmetric_teleparallel(self) -> bool:
@@ -112,13 +112,13 @@ class Sources:
         flat = [one for one in self.connections if one.kind == "general"]
         return any(one.is_flat and not one.metric_compatible for one in flat)
 
-    def _conservation(self) -> Iterator[Element]:
-        """Laws of motion of the fluids: their part of the identities of both symmetries."""
+    def _conservation(self, fluid: Fluid) -> Iterator[Element]:
+        """Laws of motion of a fluid: its part of the identities of both symmetries.
+
+        They hold for each fluid by itself, because fluids act on each other by gravity only.
+        """
         frame, connection = self.frame, self.connections[0]
-        coframe, spin = Tensor(frame, "DU", {}), Tensor(frame, "UUD", {})
-        for one in self.fluids:
-            coframe = coframe + one.coframe_source(connection)
-            spin = spin + one.connection_source(connection)
+        coframe, spin = fluid.coframe_source(connection), fluid.connection_source(connection)
         fields = self.fields
         turned = fields.divergence(spin)
         lower, moved = coframe.lowered(1).components.get, turned.lowered().components.get

@@ -217,12 +217,35 @@ def test_different_coordinates_on_which_nothing_depends_drop_out() -> None:
     assert ode.start[ode.states.index("a_1")] == 1
 
 
+def test_two_fluids_are_conserved_separately() -> None:
+    """Dust and radiation: rho a^3 and s a^4 are constant."""
+    radiation = g.fluid("s(t)", "s(t)/3", AT_REST)
+    reduced = universe(gt.levi_civita(COSMOS), "R/2", [DUST, radiation])
+    ode = reduced.ode(
+        {"a": 1, "rho": 1, "s": 2},
+        near={"a_1": 1},
+        outputs={"dust": "rho*a**3", "light": "s*a**4"},
+    )
+    solution = gt.solve(ode, 2.0)
+    assert solution["dust"][-1] == pytest.approx(1, rel=CLOSE)
+    assert solution["light"][-1] == pytest.approx(2, rel=CLOSE)
+
+
+def test_a_constant_that_drops_out_may_have_a_value() -> None:
+    """sqrt(T) changes no universe, because its part of L is a total derivative."""
+    reduced = universe(gt.cartan(COSMOS), "-T/2 + c*sqrt(T)", DUST)
+    assert reduced.parameters == ()
+    assert reduced.complete({"a": 1, "rho": 3}, {"c": 1}, near={"a_1": 1})["a_1"] == 1
+
+
 def test_a_reduction_is_written_as_equations() -> None:
     """Text, names and the short form."""
     reduced = universe(gt.levi_civita(COSMOS), "R/2", DUST)
     assert reduced.states == ("rho", "a", "a_1")
     assert "0 = a**2*rho - 3*a_1**2" in str(reduced)
     assert repr(reduced) == "reduction to rho, a, a_1 as functions of t, 1 constraint"
+    assert r"\frac{d}{d t} a &= a_{1} \\" in reduced.latex
+    assert r"0 &= a^{2} \rho - 3 a_{1}^{2}" in reduced._repr_latex_()
 
 
 EINSTEIN = g.equations(gt.levi_civita(COSMOS), "R/2", DUST)
