@@ -115,7 +115,7 @@ def stroke() -> Any:
 
 def influences() -> Any:
     """The effects on a missile, with the accuracy that decides which of them matter."""
-    script = example("27_which_effects_matter")
+    script = example("32_which_effects_matter")
     return script["missile"]().called_for(1e-2).plot()
 
 
@@ -300,16 +300,16 @@ DRAWINGS: dict[str, Callable[[], Any]] = {
     "21_kerr_de_sitter_with_torsion": orbit,
     "22_which_path_does_a_body_take": fall,
     "23_orbits_of_kerr": bound,
-    "27_is_it_a_new_solution": isotropic,
+    "31_is_it_a_new_solution": isotropic,
     "24_constraints_are_torsion": lambda: paths("chaplygin_sleigh", t=6.0),
     "25_a_gait_is_a_loop": stroke,
     "26_kepler_as_an_oscillator": ellipses,
-    "27_parameters_from_data": lambda: example("27_parameters_from_data")["mass_and_spin"](
+    "33_parameters_from_data": lambda: example("33_parameters_from_data")["mass_and_spin"](
         1
     ).plot(),
     "27_theories_of_your_own": massive,
-    "27_which_effects_matter": influences,
-    "27_symmetries_and_holonomy": motions,
+    "32_which_effects_matter": influences,
+    "30_symmetries_and_holonomy": motions,
     "28_from_a_lagrangian_to_a_universe": universes,
     "29_mass_and_radius_of_stars": stars,
 }

@@ -1,7 +1,7 @@
 """Stress of dislocations: a wall of edges, a loop in copper, and a network of a simulation.
 
-    python examples/27_stress_of_dislocations.py
-    python examples/27_stress_of_dislocations.py --picture loop.png --file chains.data --cost
+    python examples/34_stress_of_dislocations.py
+    python examples/34_stress_of_dislocations.py --picture loop.png --file chains.data --cost
 
 Dislocations are torsion: pieces of crystal that do not fit together. The crystal takes the
 distortion of least elastic energy that has this torsion. The stress of a wall of edge dislocations

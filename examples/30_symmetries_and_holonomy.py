@@ -1,7 +1,7 @@
 """Symmetries and holonomy: which groups belong to a space, and which to a connection.
 
-    python examples/27_symmetries_and_holonomy.py
-    python examples/27_symmetries_and_holonomy.py --space goedel
+    python examples/30_symmetries_and_holonomy.py
+    python examples/30_symmetries_and_holonomy.py --space goedel
 
 The symmetries of a metric form a Lie algebra; a loop turns vectors by an element of the holonomy
 algebra. Both follow exactly from one point. With torsion a metric keeps its symmetries, but a

@@ -1,7 +1,7 @@
 """Which effects matter: an accuracy decides which forces on a missile are simulated.
 
-    python examples/27_which_effects_matter.py
-    python examples/27_which_effects_matter.py --accuracies 1e-1 1e-4 --picture effects.png
+    python examples/32_which_effects_matter.py
+    python examples/32_which_effects_matter.py --accuracies 1e-1 1e-4 --picture effects.png
 
 Each effect is omitted once, and the change of the watched quantities is its influence. Effects are
 then omitted, the smallest first, as long as the omission and the integration together stay within

@@ -1,7 +1,7 @@
 """Is it a new solution? Two tetrads, one geometry; and the name of a metric in disguise.
 
-    python examples/27_is_it_a_new_solution.py
-    python examples/27_is_it_a_new_solution.py --radius 5
+    python examples/31_is_it_a_new_solution.py
+    python examples/31_is_it_a_new_solution.py --radius 5
 
 Torsion and curvature along the legs, and their derivatives, are all the invariants of a geometry
 (Cartan 1946, Karlhede 1980). Where they agree, two sets of formulas are one geometry.

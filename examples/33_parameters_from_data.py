@@ -1,7 +1,7 @@
 """Parameters from data: mass and spin of Kerr from an orbit, moments of a top from its attitude.
 
-    python examples/27_parameters_from_data.py
-    python examples/27_parameters_from_data.py --seed 7
+    python examples/33_parameters_from_data.py
+    python examples/33_parameters_from_data.py --seed 7
 
 The data are made here: a solved motion with noise of a known size. Exact derivatives of the motion
 (variational equations) give the fit, its errors, and a warning where data do not determine a
