@@ -1,4 +1,4 @@
-"""price: claims judged against an enclosed truth, times predicted, and what is refused."""
+"""price: claims judged against an enclosed truth, times predicted, and refusals."""
 
 import csv
 import io
