@@ -40,7 +40,7 @@ class Timed(Generic[Result]):
 
 
 def timed(run: Callable[[], Result], *, first: bool = False) -> Timed[Result]:
-    """Run, and repeat a short run.
+    """Run, and repeat quick runs.
 
     first: whether the first run may compile or load something; then it does not count.
 
@@ -99,7 +99,7 @@ class TimeModel:
         return max(total, min(self.seconds))
 
     def digits_for(self, seconds: float) -> float | None:
-        """The most digits that a time buys, within the range of the runs; None: too little time.
+        """The most digits, in the range of the runs, that a time buys; None: not even the fewest.
 
         In steps of a tenth of a digit.
         """

@@ -97,7 +97,7 @@ def price(
     \b
     Examples:
       geomtorsion price so3 --moments 1,2,3 --t 100
-      geomtorsion price so3 --loop 'circle 0.3,1,0.2:0.01' --budget 0.01
+      geomtorsion price so3 --loop 'circle 0.3,1,0.2:0.01' --budget 0.1
       geomtorsion price lagrange_cusp --t 1 --proofs none
       geomtorsion price field.npz --loop 'circle 0,0:0.5' -o prices
     """

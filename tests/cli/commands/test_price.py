@@ -72,7 +72,7 @@ def test_without_matplotlib(tmp_path, no_pictures):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "says"),
+    ("arguments", "words"),
     [
         (("so3", "--accuracies", "0"), "positive number"),
         (("so3", "--accuracies", "much"), "expected a number"),
@@ -85,8 +85,8 @@ def test_without_matplotlib(tmp_path, no_pictures):
         (("lagrange_cusp", "--curve", "autoparallel"), "expected a motion, got a scene"),
     ],
 )
-def test_bad_input_is_refused(arguments, says):
+def test_bad_input_is_refused(arguments, words):
     """A wrong argument ends the command with code 2 and one message."""
     result = run("price", *arguments, code=2)
-    assert says in result.stderr
+    assert words in result.stderr
     assert "Traceback" not in result.output
