@@ -50,9 +50,10 @@ def symmetries(
 ) -> None:
     """Show the symmetries of a space, their Lie algebra, and the holonomy.
 
-    The number of symmetries and the algebra are exact. X_0, X_1, ... is a basis at one point; in
-    JSON the structure constants have the keys i,j,k of [X_i, X_j] = C X_k. The holonomy algebra
-    contains the rotations by which loops turn vectors.
+    The number of symmetries and the algebra are exact. X_0, X_1, ... are the vectors in their
+    order, or a basis at one point if some vectors have no closed form. In JSON the structure
+    constants have the keys i,j,k of [X_i, X_j] = C X_k. The holonomy algebra contains the
+    rotations by which loops turn vectors.
 
     \b
     Examples:
