@@ -36,6 +36,7 @@ def isotropic_radius(radius: float) -> float:
         for name in ("schwarzschild", "schwarzschild_isotropic")
     )
     result = gt.same_geometry(one, two)
+    assert result.match is not None
     start = {str(q): float(value) for q, value in result.match.start.items()}
     image = result.map({**start, "r": radius})
     rho = sum(image[q] ** 2 for q in "xyz") ** 0.5

@@ -136,7 +136,8 @@ class _Slice:
             self._places[k] = len(names)
             names.append(f"x{len(names)}")
         self._count = len(names)
-        self._ctx: Any = fmpz_mod_mpoly_ctx.get(names, self.prime, Ordering.lex)
+        made: Any = fmpz_mod_mpoly_ctx.get  # its stubs are older than FLINT's binding
+        self._ctx: Any = made(names, self.prime, Ordering.lex)
         self._gens: Any = self._ctx.gens()
         self._one = self._ctx.from_dict({(0,) * self._count: 1})
         self._zero = self._one - self._one

@@ -1,5 +1,8 @@
 """Equivalence: one geometry is recognised in other coordinates, and another one is refused."""
 
+# Some results may be None in general, and some tests pass bad input.
+# pyright: reportOptionalOperand=false, reportOptionalMemberAccess=false, reportArgumentType=false
+
 import math
 import random
 from fractions import Fraction
