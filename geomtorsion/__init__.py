@@ -32,7 +32,6 @@ if TYPE_CHECKING:
         linearized,
         variation,
     )
-    from geomtorsion.allowance import limits
     from geomtorsion.curves import (
         Atlas,
         Chart,
@@ -183,11 +182,12 @@ if TYPE_CHECKING:
     )
     from geomtorsion.spaces import read_file as read
     from geomtorsion.spaces.kerr_orbits import Frequencies, KerrOrbit, kerr_orbit
+    from geomtorsion.support.allowance import limits
     from geomtorsion.teaching import exercises
 
 # Imported on first use: the import of sympy takes longer than the start of a program should.
 _LATER = {
-    "allowance": ("limits",),
+    "support.allowance": ("limits",),
     "exact": ("Certainty", "parse_expression"),
     "geometry": (
         "Connection", "Curvature", "DependencyGraph", "Form", "Frame", "HolonomyAlgebra",

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, UnknownNameError
+from geomtorsion.support import checks
 
 if TYPE_CHECKING:
     import numpy as np

@@ -17,7 +17,6 @@ import numpy as np
 import pytest
 
 from geomtorsion.errors import FileFormatError, LimitError
-from geomtorsion.files import read_toml, read_toml_text
 from geomtorsion.materials.crystals.atom_files import atom_frames
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.fields.large_arrays import opened
@@ -25,6 +24,7 @@ from geomtorsion.materials.images import LatticeImage
 from geomtorsion.materials.lines import DislocationNetwork
 from geomtorsion.materials.maps import OrientationMap
 from geomtorsion.ode import ODE, RungeKutta, SavedSolution, solve
+from geomtorsion.support.files import read_toml, read_toml_text
 from geomtorsion.teaching.exercises import grading
 from geomtorsion.teaching.exercises.examiner import Examiner
 

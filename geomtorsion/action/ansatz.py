@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
-from geomtorsion.checks import expression
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.geometry.derived import derived
 from geomtorsion.geometry.groups import exponential
+from geomtorsion.support.checks import expression
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame

@@ -21,9 +21,9 @@ from geomtorsion.action.linearized import linearized
 from geomtorsion.action.principles import Principle, principle_named
 from geomtorsion.action.steady import Linearization
 from geomtorsion.action.tangent_bundle import TangentBundle, bundle_over
-from geomtorsion.caching import cached_property
-from geomtorsion.displays import drawn_by
 from geomtorsion.errors import LagrangianError, LimitError
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.displays import drawn_by
 
 if TYPE_CHECKING:
     from geomtorsion.exact import Element

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
-from geomtorsion import checks
-from geomtorsion.allowance import check_limits
 from geomtorsion.errors import LagrangianError
+from geomtorsion.support import checks
+from geomtorsion.support.allowance import check_limits
 
 if TYPE_CHECKING:
     from geomtorsion.exact import Element, Field

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.action.tangent_bundle import bundle_over, symbols_of
 from geomtorsion.errors import ExpressionError, ShapeError
 from geomtorsion.exact import parse_expression
 from geomtorsion.geometry import Frame
 from geomtorsion.ode import ODE, When
+from geomtorsion.support import checks
 
 LIST = "{subject}: expected a list, got {value}. Give dPhi^i for each leg, as text or expressions."
 

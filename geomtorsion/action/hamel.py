@@ -8,9 +8,7 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.action.tangent_bundle import TangentBundle
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import ConstraintError, KineticMatrixError, LimitError, UndecidedError
 from geomtorsion.geometry import Frame, Tensor, cartan
 from geomtorsion.geometry.components import (
@@ -22,6 +20,8 @@ from geomtorsion.geometry.components import (
     inverse,
 )
 from geomtorsion.geometry.validation import Opened
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
 
 if TYPE_CHECKING:
     from geomtorsion.action.principles import Principle

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.action import validation
 from geomtorsion.action.hamel import coefficients_of
 from geomtorsion.action.principles import principle_named
@@ -21,6 +20,7 @@ from geomtorsion.errors import KineticMatrixError, MissingValueError, StartError
 from geomtorsion.exact import Field
 from geomtorsion.geometry.validation import named_symbols
 from geomtorsion.ode.terms import expression, symbol_table
+from geomtorsion.support import checks
 
 if TYPE_CHECKING:
     from geomtorsion.exact import Element

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from geomtorsion.checks import cut, near_names, shown
 from geomtorsion.errors import UnknownNameError
+from geomtorsion.support.checks import cut, near_names, shown
 
 
 @dataclass(frozen=True)

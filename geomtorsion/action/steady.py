@@ -11,16 +11,16 @@ import mpmath
 import numpy as np
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.action.expansion import Expansion, Jet
 from geomtorsion.action.writing import rate_text
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import ConstraintError, MissingValueError, StartError, UnknownNameError
 from geomtorsion.exact import Field
-from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry.components import determinant, inverse
 from geomtorsion.ode.terms import expression
-from geomtorsion.precision import EXACT_BITS, PRINTED, working_precision
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.exclusive import exclusive
+from geomtorsion.support.precision import EXACT_BITS, PRINTED, working_precision
 
 if TYPE_CHECKING:
     from geomtorsion.action.tangent_bundle import TangentBundle

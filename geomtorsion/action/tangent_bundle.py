@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import LagrangianError
 from geomtorsion.exact import Element
 from geomtorsion.geometry import Frame
+from geomtorsion.support.caching import cached_property
 
 if TYPE_CHECKING:
     from geomtorsion.exact import Field

@@ -9,15 +9,15 @@ from typing import Any
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from geomtorsion import checks
 from geomtorsion.action.tangent_bundle import MotionSymbols, symbols_of
-from geomtorsion.checks import near_names
 from geomtorsion.errors import ConstraintError, LagrangianError, ShapeError
 from geomtorsion.exact import parse_expression
 from geomtorsion.exact.reading import counted_as
 from geomtorsion.geometry import Connection, Frame, at_home
 from geomtorsion.geometry.connections import ConnectionLike, FrameLike, as_connection, as_frame
 from geomtorsion.geometry.validation import free_symbols, named_symbols
+from geomtorsion.support import checks
+from geomtorsion.support.checks import near_names
 
 Named = list[tuple[str, object]]
 

@@ -13,9 +13,9 @@ from geomtorsion.action.gaps import Gap
 from geomtorsion.action.hamel import coefficients_of, torsion_over
 from geomtorsion.action.principles import principle_named
 from geomtorsion.action.tangent_bundle import bundle_over, free_pattern, symbols_of
-from geomtorsion.caching import cached_property
-from geomtorsion.displays import drawn_by, latex_of
 from geomtorsion.geometry import Tensor
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.displays import drawn_by, latex_of
 
 if TYPE_CHECKING:
     from geomtorsion.exact import Element

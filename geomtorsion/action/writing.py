@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
-from geomtorsion.displays import latex_of
+from geomtorsion.support.displays import latex_of
 
 if TYPE_CHECKING:
     from geomtorsion.exact import Element

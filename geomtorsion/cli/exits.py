@@ -12,11 +12,11 @@ from typing import cast
 
 import typer
 
-from geomtorsion.allowance import interrupted_work
-from geomtorsion.checks import cut
 from geomtorsion.cli.interrupts import INTERRUPTED, stop_at_once
 from geomtorsion.errors import AllowanceError, GeomtorsionError
-from geomtorsion.workers import MEMORY, TIME, Bounds, limit_data, machine_memory
+from geomtorsion.support.allowance import interrupted_work
+from geomtorsion.support.checks import cut
+from geomtorsion.support.workers import MEMORY, TIME, Bounds, limit_data, machine_memory
 
 # Base of the errors for wrong options; typer brings its own click, and exports only this class.
 UsageError = cast("type[typer.BadParameter]", typer.BadParameter.__bases__[0])

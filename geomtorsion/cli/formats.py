@@ -14,12 +14,12 @@ from sympy.printing.numpy import NumPyPrinter, SciPyPrinter
 
 from geomtorsion.errors import ExpressionError
 from geomtorsion.geometry.notation import open_mark
-from geomtorsion.outgoing import latex_comment, mathematica_comment, one_line, python_text
 from geomtorsion.pictures.latex import text_label, text_marks
 from geomtorsion.pictures.quantities import Quantity
 from geomtorsion.pictures.sections import aligned
 from geomtorsion.pictures.text import expression_text, plain_text
 from geomtorsion.spaces import Space
+from geomtorsion.support.outgoing import latex_comment, mathematica_comment, one_line, python_text
 
 # Letters with bars come first; otherwise their bars would remain.
 _ASCII = {

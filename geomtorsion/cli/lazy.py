@@ -17,13 +17,13 @@ import typer
 from typer.core import TyperGroup
 from typer.main import get_command
 
-from geomtorsion import checks
-from geomtorsion.checks import near_names
 from geomtorsion.cli.exits import ExitCode, at_limits, clean_exits, exceeded
 from geomtorsion.cli.interrupts import stop_at_once
 from geomtorsion.errors import AllowanceError, ArgumentError
-from geomtorsion.outgoing import plain_streams
-from geomtorsion.workers import Bounds, work_within
+from geomtorsion.support import checks
+from geomtorsion.support.checks import near_names
+from geomtorsion.support.outgoing import plain_streams
+from geomtorsion.support.workers import Bounds, work_within
 
 # typer has a copy of click of its own, older ones use click: contexts and commands are Any here.
 # Plain help, and no traceback with the values of all variables.

@@ -12,13 +12,13 @@ from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.options import NO_PICTURES
 from geomtorsion.cli.terminal import working, wrapped
 from geomtorsion.errors import GeomtorsionError
-from geomtorsion.files import write_text
 from geomtorsion.loops import Loop
 from geomtorsion.materials import Burgers, Source, Survey
 from geomtorsion.materials.burgers import Json
 from geomtorsion.pictures.measured import draw_circuits, draw_survey
 from geomtorsion.pictures.style import can_draw, save
-from geomtorsion.progress import bar
+from geomtorsion.support.files import write_text
+from geomtorsion.support.progress import bar
 
 
 def burgers_of(

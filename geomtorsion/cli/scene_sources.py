@@ -10,14 +10,14 @@ from pathlib import Path
 from typing import Any
 
 from geomtorsion import scenes
-from geomtorsion.checks import cut, near_names, shown
 from geomtorsion.cli.sources import open_space, shipped_or_file
 from geomtorsion.cli.values import number, parts
 from geomtorsion.errors import GeomtorsionError, StartError, UnknownNameError
-from geomtorsion.files import read_toml
+from geomtorsion.exact.units import quantity
 from geomtorsion.scenes import Scene
 from geomtorsion.spaces import Space
-from geomtorsion.units import quantity
+from geomtorsion.support.checks import cut, near_names, shown
+from geomtorsion.support.files import read_toml
 
 
 def is_scene(source: str) -> bool:

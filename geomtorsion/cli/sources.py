@@ -11,7 +11,6 @@ from typing import TypeVar
 import numpy as np
 
 from geomtorsion import spaces
-from geomtorsion.checks import shown
 from geomtorsion.errors import (
     GeomtorsionError,
     GridError,
@@ -19,11 +18,12 @@ from geomtorsion.errors import (
     OrientationError,
     UnknownNameError,
 )
-from geomtorsion.files import UNSIGNED, plain_float
 from geomtorsion.geometry import Frame
 from geomtorsion.materials import Source
 from geomtorsion.materials.readers import open_source
 from geomtorsion.spaces import Space, read_file
+from geomtorsion.support.checks import shown
+from geomtorsion.support.files import UNSIGNED, plain_float
 
 T = TypeVar("T")
 # Options that begin messages of the library, without the dashes of the command line.

@@ -9,8 +9,8 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from geomtorsion.outgoing import moving
-from geomtorsion.progress import somebody_watches
+from geomtorsion.support.outgoing import moving
+from geomtorsion.support.progress import somebody_watches
 
 WIDTH = 88
 

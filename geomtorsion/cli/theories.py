@@ -11,11 +11,11 @@ import typer
 
 from geomtorsion import gravity
 from geomtorsion.cli.values import assigned, separated
-from geomtorsion.files import read_toml
 from geomtorsion.geometry import Connection, cartan, from_torsion, levi_civita
 from geomtorsion.gravity import FieldEquations, Lagrangian, Model, maxwell, scalar_field
 from geomtorsion.gravity.vocabulary import THEORIES
 from geomtorsion.spaces import Space, names
+from geomtorsion.support.files import read_toml
 
 
 class Over(StrEnum):

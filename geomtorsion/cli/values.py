@@ -6,13 +6,13 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Any, SupportsFloat
 
-from geomtorsion.checks import cut, shown
 from geomtorsion.curves import CurveProblem
 from geomtorsion.errors import ExpressionError, StartError, UnknownNameError
 from geomtorsion.exact import parse_expression
-from geomtorsion.files import plain_float
 from geomtorsion.ode import Engine
 from geomtorsion.ode.engines.named import SHIPPED
+from geomtorsion.support.checks import cut, shown
+from geomtorsion.support.files import plain_float
 
 
 def parts(text: str) -> tuple[str, ...]:

@@ -10,15 +10,15 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
-from geomtorsion.caching import cached_property
-from geomtorsion.checks import array, cut, entries, flag, instance, shown
 from geomtorsion.codegen.balls import BallCode, float_values
 from geomtorsion.codegen.expression_graph import Graph, branch_check, graph
 from geomtorsion.codegen.printers import FUNCTIONS, compiled, python_body, python_source
 from geomtorsion.codegen.steps import Forward, Signed, Step
 from geomtorsion.errors import ArgumentError, ExpressionError, MissingValueError, SingularPointError
 from geomtorsion.exact.element import Element
-from geomtorsion.precision import CALCULATED
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.checks import array, cut, entries, flag, instance, shown
+from geomtorsion.support.precision import CALCULATED
 
 
 def numpy_function(

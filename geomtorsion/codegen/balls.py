@@ -13,7 +13,6 @@ from typing import Any, Literal
 import sympy as sp
 from flint import acb, arb, arb_series, ctx, fmpq, fmpz
 
-from geomtorsion.caching import cached_property
 from geomtorsion.codegen.ball_functions import COMPLEX, NAN, REAL, UNIT, Ball
 from geomtorsion.codegen.evaluation import rational
 from geomtorsion.codegen.expression_graph import Graph, graph
@@ -21,7 +20,8 @@ from geomtorsion.codegen.printers import function_of
 from geomtorsion.codegen.steps import Signed, Step
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact.evaluate import LARGEST_BITS
-from geomtorsion.precision import ball_precision
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.precision import ball_precision
 
 Kind = Literal["real", "complex"]
 # (arguments, numbers of the graph) -> outputs; complex functions take the flag `analytic` as well.

@@ -12,7 +12,7 @@ import mpmath
 from geomtorsion.codegen.printers import FUNCTIONS
 from geomtorsion.codegen.steps import Signed, Step
 from geomtorsion.exact.special_values import VALUES, number
-from geomtorsion.precision import working_precision
+from geomtorsion.support.precision import working_precision
 
 Exact = Fraction | mpmath.mpf
 # Types of numpy and heyoka that keep more digits than floats.

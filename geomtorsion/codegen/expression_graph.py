@@ -17,7 +17,6 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
-from geomtorsion.caching import cached_property
 from geomtorsion.codegen.evaluation import exact_values
 from geomtorsion.codegen.printers import (
     FUNCTIONS,
@@ -40,13 +39,14 @@ from geomtorsion.codegen.steps import (
     term_sizes,
 )
 from geomtorsion.codegen.sums import factor as pull_out
-from geomtorsion.copies import only_fields
 from geomtorsion.errors import BranchError
 from geomtorsion.exact.element import Element
 from geomtorsion.exact.generators import Branch
 from geomtorsion.exact.tower import Tower
-from geomtorsion.exclusive import exclusive
-from geomtorsion.precision import EXACT_BITS
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.copies import only_fields
+from geomtorsion.support.exclusive import exclusive
+from geomtorsion.support.precision import EXACT_BITS
 
 
 @exclusive

@@ -21,8 +21,8 @@ from geomtorsion.codegen.special import of_arrays, of_floats
 from geomtorsion.codegen.steps import Signed, Step, is_one, uses
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact.special_values import VALUES
-from geomtorsion.exclusive import exclusive
-from geomtorsion.precision import EXACT_BITS
+from geomtorsion.support.exclusive import exclusive
+from geomtorsion.support.precision import EXACT_BITS
 
 
 @dataclass(frozen=True)

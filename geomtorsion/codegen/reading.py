@@ -16,7 +16,6 @@ import sympy
 import sympy as sp
 from flint import fmpq
 
-from geomtorsion.checks import cut, expression
 from geomtorsion.codegen.printers import FUNCTIONS
 from geomtorsion.codegen.steps import Builder, Signed
 from geomtorsion.codegen.sums import ONE, Sums, Term, content, shared, without
@@ -27,6 +26,7 @@ from geomtorsion.exact.form import Monomial, Sum, form
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.lengths import short_of
 from geomtorsion.exact.polynomials import as_fmpq
+from geomtorsion.support.checks import cut, expression
 
 # A monomial without hyperbolic functions of some argument; powers of exp of that argument.
 Merged = tuple[Monomial, tuple[tuple[Generator, int], ...]]

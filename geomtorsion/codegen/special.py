@@ -13,7 +13,7 @@ from flint import acb, arb
 
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact.special_values import VALUES
-from geomtorsion.precision import ball_precision
+from geomtorsion.support.precision import ball_precision
 
 # Functions of scipy.special that are right to a few double roundings for all arguments.
 _OF_SCIPY = {

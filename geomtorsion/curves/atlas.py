@@ -12,10 +12,7 @@ import mpmath
 import numpy as np
 import sympy as sp
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph, graph, numpy_function
-from geomtorsion.copies import comparable, content_hash, equal_content, only_fields
 from geomtorsion.curves.edges import edges_of
 from geomtorsion.errors import (
     ArgumentError,
@@ -27,7 +24,10 @@ from geomtorsion.exact import Element, Field
 from geomtorsion.exact.tower import Tower
 from geomtorsion.geometry.domain_edges import Edge
 from geomtorsion.ode.numbers import Real, mpf
-from geomtorsion.precision import working_precision
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.copies import comparable, content_hash, equal_content, only_fields
+from geomtorsion.support.precision import working_precision
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame

@@ -12,13 +12,13 @@ from itertools import islice
 
 import mpmath
 
-from geomtorsion.checks import shown
 from geomtorsion.curves.atlas import Atlas, Chart, TransitionMap
 from geomtorsion.errors import CoordinateError, GeomtorsionError, ShapeError
 from geomtorsion.geometry import Frame
 from geomtorsion.geometry.validation import candidate_points
 from geomtorsion.ode.numbers import Real, mpf
-from geomtorsion.precision import EXACT_BITS, working_precision
+from geomtorsion.support.checks import shown
+from geomtorsion.support.precision import EXACT_BITS, working_precision
 
 # Half of the bits may be lost: analytic functions that agree in the other half are equal.
 EQUAL = mpmath.mpf(2) ** (-EXACT_BITS // 2)

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.codegen import rational
 from geomtorsion.curves.atlas import Atlas, atlas_of
 from geomtorsion.curves.atlas_check import check_atlas
@@ -41,9 +40,10 @@ from geomtorsion.geometry.connections import (
     frame_of,
 )
 from geomtorsion.geometry.derived import derived
-from geomtorsion.hints import argument_hints
 from geomtorsion.ode.numbers import Numbers, Real, checked_numbers, floats
-from geomtorsion.precision import CALCULATED
+from geomtorsion.support import checks
+from geomtorsion.support.hints import argument_hints
+from geomtorsion.support.precision import CALCULATED
 
 
 @argument_hints(q0="start", v0="velocity", x0="start")

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from geomtorsion import checks
 from geomtorsion.curves.atlas import ElementMatrix
 from geomtorsion.curves.equations import velocity_names
 from geomtorsion.curves.transported import Derivatives
@@ -13,7 +12,8 @@ from geomtorsion.errors import ExpressionError, StartError
 from geomtorsion.geometry import Frame
 from geomtorsion.ode.derivatives import checked_by
 from geomtorsion.ode.numbers import Real
-from geomtorsion.precision import EXACT_BITS
+from geomtorsion.support import checks
+from geomtorsion.support.precision import EXACT_BITS
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.curves.readout import at_times
 from geomtorsion.errors import TimeError, UnknownNameError
 from geomtorsion.geometry.domain_edges import is_angle
+from geomtorsion.support import checks
 
 if TYPE_CHECKING:
     from geomtorsion.curves.problem import CurveProblem

@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import sympy as sp
 
-from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph, Products, graph
-from geomtorsion.copies import only_fields
 from geomtorsion.curves.atlas import Chart
 from geomtorsion.errors import ChartEdgeError, StartError
 from geomtorsion.exact.form import of_same_sign
 from geomtorsion.geometry.components import inverse
 from geomtorsion.ode.rates import SMALL
 from geomtorsion.ode.system import System
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.copies import only_fields
 
 if TYPE_CHECKING:
     from geomtorsion.exact import Element

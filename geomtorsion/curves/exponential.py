@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.curves.constructors import autoparallel, parallel_transport
 from geomtorsion.curves.problem import CurveProblem, checked_parameters
 from geomtorsion.errors import ChartEdgeError, ShapeError, StartError, StuckError, TimeError
@@ -17,6 +16,7 @@ from geomtorsion.geometry.connections import ConnectionLike, as_connection
 from geomtorsion.ode.numbers import Numbers
 from geomtorsion.ode.problem import ODE
 from geomtorsion.ode.solve import solve
+from geomtorsion.support import checks
 
 if TYPE_CHECKING:
     from geomtorsion.ode.engines import Engine

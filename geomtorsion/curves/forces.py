@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
-from geomtorsion import checks
 from geomtorsion.codegen import Products
 from geomtorsion.curves.equations import Law, Rates
 from geomtorsion.errors import ChartEdgeError, ShapeError
 from geomtorsion.exact import Element, parse_expression
 from geomtorsion.geometry import Connection, Frame
+from geomtorsion.support import checks
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ import numpy as np
 from geomtorsion.codegen import graph
 from geomtorsion.curves.equations import derivative
 from geomtorsion.ode.numbers import Real, mpf
-from geomtorsion.precision import CONSTANT_BITS, working_precision
+from geomtorsion.support.precision import CONSTANT_BITS, working_precision
 
 if TYPE_CHECKING:
     from geomtorsion.curves.problem import CurveProblem

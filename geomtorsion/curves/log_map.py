@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from geomtorsion.caching import cached_property
 from geomtorsion.curves.constructors import autoparallel
 from geomtorsion.curves.problem import CurveProblem, checked_start
 from geomtorsion.curves.search import STALE, Followed, Hit, Search, reach_of
@@ -21,6 +20,7 @@ from geomtorsion.ode.numbers import Numbers, checked_accuracy, checked_numbers
 from geomtorsion.ode.solution import Solution
 from geomtorsion.ode.solve import engines, solve
 from geomtorsion.ode.system import STEPS_AT_ONCE, WorkLimitError, checked_engine
+from geomtorsion.support.caching import cached_property
 
 # The relative accuracy to which a motion is aimed again where the requested one found no answer.
 SHARPEST = 4 * ROUNDING

@@ -11,11 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.codegen import graph
 from geomtorsion.codegen.expression_graph import branch_check
-from geomtorsion.copies import content_hash, equal_content, only_fields
 from geomtorsion.curves import readout
 from geomtorsion.curves.atlas import Atlas, MovingPoint, atlas_of
 from geomtorsion.curves.derivatives import Beginning
@@ -30,7 +27,6 @@ from geomtorsion.curves.stops import (
     with_stops,
 )
 from geomtorsion.curves.transported import Carried, Derivatives, carrying
-from geomtorsion.displays import drawn_by, latex_of
 from geomtorsion.errors import (
     AccuracyError,
     BranchError,
@@ -43,7 +39,6 @@ from geomtorsion.errors import (
 from geomtorsion.geometry.domain_edges import Edge
 from geomtorsion.geometry.evaluation import sign_of
 from geomtorsion.geometry.relations import broken_relations
-from geomtorsion.hints import attribute_hints
 from geomtorsion.ode.derivatives import term_slopes
 from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.members import Members, Rows
@@ -60,7 +55,12 @@ from geomtorsion.ode.numbers import (
 from geomtorsion.ode.roots import nearest_to_zero
 from geomtorsion.ode.terms import expression, symbol_table
 from geomtorsion.ode.trajectory import Event, Segment, Stage, State, Trajectory
-from geomtorsion.precision import CALCULATED, EPS
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.copies import content_hash, equal_content, only_fields
+from geomtorsion.support.displays import drawn_by, latex_of
+from geomtorsion.support.hints import attribute_hints
+from geomtorsion.support.precision import CALCULATED, EPS
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame

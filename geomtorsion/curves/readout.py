@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import mpmath
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.curves.atlas import MovingPoint
 from geomtorsion.curves.equations import coordinate_groups
 from geomtorsion.errors import ChartEdgeError, ShapeError, StartError
@@ -18,7 +17,8 @@ from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.numbers import Real, floats, multiplied, precision_of
 from geomtorsion.ode.trajectory import Segment, Trajectory
-from geomtorsion.precision import EPS, working_precision
+from geomtorsion.support import checks
+from geomtorsion.support.precision import EPS, working_precision
 
 if TYPE_CHECKING:
     from geomtorsion.curves.problem import CurveProblem

@@ -10,8 +10,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from geomtorsion.caching import cached_property
-from geomtorsion.checks import check_room
 from geomtorsion.curves.atlas import MovingPoint
 from geomtorsion.curves.distance import angles_of
 from geomtorsion.curves.problem import CurveProblem
@@ -20,6 +18,8 @@ from geomtorsion.geometry import Frame
 from geomtorsion.ode.engines import Engine
 from geomtorsion.ode.system import WorkLimitError
 from geomtorsion.ode.trajectory import integrate
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.checks import check_room
 
 TURN = 2 * np.pi
 # Coordinates of a target and of an end are each off by a rounding, their frame by some more.

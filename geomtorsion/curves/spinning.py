@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.curves.problem import checked_parameters, checked_start, frame_velocities
 from geomtorsion.errors import ArgumentError, ShapeError, StartError
 from geomtorsion.geometry import Connection, Frame, levi_civita
 from geomtorsion.geometry.connections import ConnectionLike, as_connection
 from geomtorsion.ode import ODE
 from geomtorsion.ode.numbers import Numbers, checked_numbers
+from geomtorsion.support import checks
 
 COUPLINGS = ("orbital", "intrinsic")
 Matrix = list[list[sp.Expr]]

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.codegen import graph
 from geomtorsion.errors import ExpressionError, StartError
 from geomtorsion.ode.numbers import floats
 from geomtorsion.ode.rates import TINY, check_smooth
 from geomtorsion.ode.terms import When, expression, symbol_table
-from geomtorsion.precision import HALF
+from geomtorsion.support import checks
+from geomtorsion.support.precision import HALF
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -1,6 +1,6 @@
 """Exact scalars: read, differentiate, decide zero, write."""
 
-from geomtorsion.exact import limits, names, syntax, tokens
+from geomtorsion.exact import limits, names, syntax, tokens, units
 from geomtorsion.exact.element import Certainty, Element
 from geomtorsion.exact.field import Field
 from geomtorsion.exact.functions import unknown_functions
@@ -34,6 +34,7 @@ __all__ = [
     "signature",
     "syntax",
     "tokens",
+    "units",
     "unknown_functions",
     "vanishes",
     "vanishing_sums",

@@ -16,7 +16,7 @@ from flint import acb, arb, fmpq, fmpz
 
 from geomtorsion.exact import polynomials
 from geomtorsion.exact.evaluate import LARGEST_BITS
-from geomtorsion.precision import ball_precision
+from geomtorsion.support.precision import ball_precision
 
 if TYPE_CHECKING:
     from flint import fmpq_mpoly

@@ -14,7 +14,7 @@ from geomtorsion.exact.element import Canonical, Denominator, Element
 from geomtorsion.exact.functions import opaque
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.roots import square_root_inside
-from geomtorsion.precision import working_precision
+from geomtorsion.support.precision import working_precision
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

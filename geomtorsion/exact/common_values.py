@@ -17,11 +17,11 @@ from typing import TYPE_CHECKING, Any
 import sympy
 from flint import Ordering, fmpz_mod_mpoly_ctx
 
-from geomtorsion.allowance import check_limits
 from geomtorsion.exact.element import in_order
 from geomtorsion.exact.limits import NoPointError
 from geomtorsion.exact.modular import ModularPoint
 from geomtorsion.exact.relations import Echelon
+from geomtorsion.support.allowance import check_limits
 
 if TYPE_CHECKING:
     from geomtorsion.exact.element import Element

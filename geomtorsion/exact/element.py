@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 import flint
 from flint import fmpq
 
-from geomtorsion.allowance import check_limits
 from geomtorsion.errors import UndecidedError
 from geomtorsion.exact import polynomials
 from geomtorsion.exact.limits import LARGEST_PRODUCT, check_power, product_too_large
-from geomtorsion.exclusive import exclusive, unlocked
+from geomtorsion.support.allowance import check_limits
+from geomtorsion.support.exclusive import exclusive, unlocked
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

@@ -15,7 +15,6 @@ import mpmath
 import sympy
 from flint import acb, arb, fmpq
 
-from geomtorsion.checks import expression
 from geomtorsion.errors import GeomtorsionError, MissingValueError, SingularPointError
 from geomtorsion.exact import polynomials
 from geomtorsion.exact.element import in_order, inside_out, leaves
@@ -24,7 +23,8 @@ from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.polynomials import as_fmpq
 from geomtorsion.exact.roots import roots_restored
 from geomtorsion.exact.special_values import VALUES, number
-from geomtorsion.precision import EXACT_BITS, ball_precision, working_precision
+from geomtorsion.support.checks import expression
+from geomtorsion.support.precision import EXACT_BITS, ball_precision, working_precision
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence

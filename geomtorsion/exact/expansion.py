@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING
 import sympy
 from sympy.core.function import AppliedUndef
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import GeomtorsionError, SingularPointError, UndecidedError
 from geomtorsion.exact.functions import with_roots
-from geomtorsion.exclusive import exclusive
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.exclusive import exclusive
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -25,7 +25,7 @@ from geomtorsion.exact.serialization import from_json, to_json
 from geomtorsion.exact.special import slope
 from geomtorsion.exact.tower import Point, Tower
 from geomtorsion.exact.writing import shortest, to_sympy
-from geomtorsion.exclusive import exclusive
+from geomtorsion.support.exclusive import exclusive
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence

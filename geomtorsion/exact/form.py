@@ -19,7 +19,7 @@ from flint import fmpq
 from geomtorsion.exact import polynomials
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.roots import roots_restored
-from geomtorsion.exclusive import exclusive
+from geomtorsion.support.exclusive import exclusive
 
 if TYPE_CHECKING:
     from flint import fmpq_mpoly

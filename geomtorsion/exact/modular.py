@@ -28,13 +28,13 @@ from flint import (
     fq_default_poly_ctx,
 )
 
-from geomtorsion.allowance import check_limits
 from geomtorsion.exact.algebraic_constants import is_algebraic_constant, part_of_turn
 from geomtorsion.exact.degrees import degree
 from geomtorsion.exact.element import in_order
 from geomtorsion.exact.limits import NoPointError
 from geomtorsion.exact.polynomials import as_fmpq
 from geomtorsion.exact.primes import BITS, ORDER, nth_prime, order_for, root_of_unity
+from geomtorsion.support.allowance import check_limits
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence

@@ -6,8 +6,8 @@ import atexit
 import contextlib
 import threading
 
-from geomtorsion.allowance import check_limits
-from geomtorsion.workers import LineProcess
+from geomtorsion.support.allowance import check_limits
+from geomtorsion.support.workers import LineProcess
 
 
 class OtherProcess:
@@ -25,7 +25,7 @@ class OtherProcess:
     def ask(self, request: str) -> str:
         """The answer to a line; nothing where the process gives none.
 
-        A limit that is met (see `geomtorsion.allowance`), and Ctrl-C, end the process.
+        A limit that is met (see `geomtorsion.support.allowance`), and Ctrl-C, end the process.
         """
         # One request at a time; whoever interrupts ends the process.
         with self._lock:

@@ -10,9 +10,6 @@ from typing import Any, NoReturn
 
 import sympy
 
-from geomtorsion import checks
-from geomtorsion.allowance import check_limits
-from geomtorsion.checks import exponent_too_large, near_names, too_large
 from geomtorsion.errors import ArgumentError, ExpressionError
 from geomtorsion.exact.names import (
     CONSTANTS,
@@ -25,6 +22,9 @@ from geomtorsion.exact.names import (
 )
 from geomtorsion.exact.syntax import Node, parse, too_deep, with_products
 from geomtorsion.exact.tokens import Limits, Source, Token, tokens_of
+from geomtorsion.support import checks
+from geomtorsion.support.allowance import check_limits
+from geomtorsion.support.checks import exponent_too_large, near_names, too_large
 
 _NO_NUMBER = (sympy.zoo, sympy.oo, -sympy.oo, sympy.nan)
 

@@ -20,10 +20,10 @@ from typing import TYPE_CHECKING, SupportsInt, TypeVar
 from flint import Ordering, fmpq, fmpq_mpoly_ctx, fmpq_poly, fmpz
 from flint.utils.flint_exceptions import DomainError
 
-from geomtorsion.allowance import check_limits
 from geomtorsion.errors import LimitError
 from geomtorsion.exact import factoring_process
 from geomtorsion.exact.other_process import OtherProcess
+from geomtorsion.support.allowance import check_limits
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

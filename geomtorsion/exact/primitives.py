@@ -23,7 +23,7 @@ from geomtorsion.exact.arguments import express
 from geomtorsion.exact.generators import Branch, Generator
 from geomtorsion.exact.limits import LARGEST_MULTIPLE
 from geomtorsion.exact.polynomials import prime_factors
-from geomtorsion.precision import EXACT_BITS, working_precision
+from geomtorsion.support.precision import EXACT_BITS, working_precision
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -9,8 +9,8 @@ from sympy.printing.latex import LatexPrinter
 from sympy.printing.printer import Printer
 from sympy.printing.str import StrPrinter
 
-from geomtorsion.allowance import check_limits
-from geomtorsion.outgoing import latex_formula
+from geomtorsion.support.allowance import check_limits
+from geomtorsion.support.outgoing import latex_formula
 
 
 class PrintedOnce(Printer):

@@ -16,7 +16,6 @@ import sympy
 from flint import fmpq
 from sympy.core.function import AppliedUndef
 
-from geomtorsion.checks import ErrorClass, cut, plain, shown
 from geomtorsion.errors import CoordinateError, ExpressionError, GeomtorsionError, LimitError
 from geomtorsion.exact.arguments import Angles, Exponents
 from geomtorsion.exact.element import inside_out
@@ -28,6 +27,7 @@ from geomtorsion.exact.points import leave_point
 from geomtorsion.exact.polynomials import split
 from geomtorsion.exact.primitives import INVERSE_FUNCTIONS, Primitives
 from geomtorsion.exact.special import meaning, undone
+from geomtorsion.support.checks import ErrorClass, cut, plain, shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -17,7 +17,6 @@ import sympy
 from flint import fmpq, fmpz
 from flint.utils.flint_exceptions import DomainError
 
-from geomtorsion.allowance import check_limits
 from geomtorsion.errors import ExpressionError, LimitError
 from geomtorsion.exact import polynomials
 from geomtorsion.exact.generators import Branch, Generator
@@ -29,7 +28,8 @@ from geomtorsion.exact.limits import (
     terms_of_power,
 )
 from geomtorsion.exact.polynomials import prime_factors, split
-from geomtorsion.precision import working_precision
+from geomtorsion.support.allowance import check_limits
+from geomtorsion.support.precision import working_precision
 
 if TYPE_CHECKING:
     from flint import fmpq_mpoly

@@ -23,7 +23,7 @@ from geomtorsion.errors import ExpressionError, GeomtorsionError
 from geomtorsion.exact.generators import Branch
 from geomtorsion.exact.limits import LARGEST_MULTIPLE
 from geomtorsion.exact.polynomials import as_fmpq
-from geomtorsion.precision import EXACT_BITS, working_precision
+from geomtorsion.support.precision import EXACT_BITS, working_precision
 
 if TYPE_CHECKING:
     from geomtorsion.exact.element import Element

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import mpmath
 from flint import acb, arb
 
-from geomtorsion.precision import ball_precision
+from geomtorsion.support.precision import ball_precision
 
 
 def _polygamma(order: acb, z: acb) -> acb:

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import NoReturn
 
-from geomtorsion.allowance import check_limits
-from geomtorsion.checks import LARGEST_ARGUMENT, LargestArgument
 from geomtorsion.errors import ExpressionError, LimitError
+from geomtorsion.support.allowance import check_limits
+from geomtorsion.support.checks import LARGEST_ARGUMENT, LargestArgument
 
 
 @dataclass(frozen=True)

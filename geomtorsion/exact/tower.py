@@ -16,14 +16,14 @@ import sympy
 from flint import Ordering, fmpq, fmpq_mpoly_ctx
 from flint.utils.flint_exceptions import DomainError
 
-from geomtorsion.allowance import check_limits
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact import limits, polynomials
 from geomtorsion.exact.element import Canonical, Denominator, Element, occurring
 from geomtorsion.exact.generators import Branch, Generator, Generators, Names
 from geomtorsion.exact.kept import kept
 from geomtorsion.exact.polynomials import as_fmpq, factored, known_taken_out
-from geomtorsion.exclusive import exclusive
+from geomtorsion.support.allowance import check_limits
+from geomtorsion.support.exclusive import exclusive
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any, cast
 import sympy
 from sympy.core.function import AppliedUndef
 
-from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, LimitError, SingularPointError, UndecidedError
 from geomtorsion.exact.element import Certainty, Element, Term, least_certain
-from geomtorsion.exclusive import exclusive
+from geomtorsion.support import checks
+from geomtorsion.support.exclusive import exclusive
 
 if TYPE_CHECKING:
     import flint

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import sympy
 from flint import fmpq
 
-from geomtorsion.allowance import check_limits
 from geomtorsion.errors import AllowanceError, LimitError
 from geomtorsion.exact.collecting import Collector
 from geomtorsion.exact.element import in_order
@@ -30,6 +29,7 @@ from geomtorsion.exact.lengths import (
 )
 from geomtorsion.exact.limits import check_parts, check_written
 from geomtorsion.exact.polynomials import as_fmpq
+from geomtorsion.support.allowance import check_limits
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

@@ -8,9 +8,9 @@ from typing import TypeAlias
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.copies import content_hash, equal_content
 from geomtorsion.errors import ShapeError, StartError, UnknownNameError
+from geomtorsion.support import checks
+from geomtorsion.support.copies import content_hash, equal_content
 
 # One number for all data of a quantity, or one for each.
 Noise: TypeAlias = "float | Sequence[float] | np.ndarray | Mapping[str, object]"

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.codegen import graph
 from geomtorsion.errors import ShapeError, SingularPointError, StartError
 from geomtorsion.fits.data import Data
@@ -14,7 +13,8 @@ from geomtorsion.fits.least_squares import Prediction, least_squares
 from geomtorsion.fits.result import Fit
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.ode.derivatives import checked_by
-from geomtorsion.precision import EPS
+from geomtorsion.support import checks
+from geomtorsion.support.precision import EPS
 
 
 def fit_frame(

@@ -13,7 +13,7 @@ import scipy  # loads its parts on first use
 from geomtorsion.errors import AccuracyError, GeomtorsionError, StartError
 from geomtorsion.fits.data import Data
 from geomtorsion.fits.result import Direction, Fit
-from geomtorsion.precision import EPS
+from geomtorsion.support.precision import EPS
 
 # chi^2 changes by less than this part in the last step: far less than one, which is one sigma.
 CONVERGED = math.sqrt(EPS)

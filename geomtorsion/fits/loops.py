@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.errors import AccuracyError, ShapeError, StartError
 from geomtorsion.fits.data import Data, Noise
 from geomtorsion.fits.least_squares import Prediction, least_squares
@@ -15,6 +14,7 @@ from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.loops import Loop, burgers_derivatives, burgers_vector
 from geomtorsion.ode.derivatives import checked_by
 from geomtorsion.ode.error_estimate import AIM
+from geomtorsion.support import checks
 
 
 def fit_loops(

@@ -10,11 +10,11 @@ from typing import Any, ClassVar
 import numpy as np
 import scipy  # loads its parts on first use
 
-from geomtorsion.caching import cached_property
-from geomtorsion.copies import content_hash, equal_content, only_fields
-from geomtorsion.displays import Plot, drawn_by, figure_by
 from geomtorsion.fits.data import Data
-from geomtorsion.outgoing import number_text
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.copies import content_hash, equal_content, only_fields
+from geomtorsion.support.displays import Plot, drawn_by, figure_by
+from geomtorsion.support.outgoing import number_text
 
 
 @dataclass(frozen=True, eq=False)

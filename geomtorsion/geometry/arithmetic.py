@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import (
     ArgumentError,
     MissingValueError,
@@ -20,6 +19,7 @@ from geomtorsion.exact import Element
 from geomtorsion.geometry.components import Index, common
 from geomtorsion.geometry.homes import at_home
 from geomtorsion.geometry.indexing import vanishes
+from geomtorsion.support import checks
 
 if TYPE_CHECKING:
     from geomtorsion.geometry.tensor import Scalar, Tensor

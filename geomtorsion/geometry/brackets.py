@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
-from geomtorsion.caching import cached_property
 from geomtorsion.exact import Element, Field, Reduced, reduced, signature, vanishes
+from geomtorsion.support.caching import cached_property
 
 Vector = list[Element]
 # [X_i, X_j] for i < j, as components.

@@ -8,7 +8,6 @@ from typing import Any
 
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import CoframeError, CoordinateError, ShapeError, TensorIndexError
 from geomtorsion.exact import Element, parse_expression
 from geomtorsion.exact.functions import with_roots
@@ -21,6 +20,7 @@ from geomtorsion.geometry.derived import derived
 from geomtorsion.geometry.expansion import again, whole_of
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.tensor import Tensor
+from geomtorsion.support import checks
 
 
 @dataclass(frozen=True)

@@ -12,10 +12,10 @@ from functools import cache
 from itertools import combinations, permutations, product
 from typing import Any
 
-from geomtorsion.caching import cached_property
 from geomtorsion.exact import Element, Field
 from geomtorsion.exact.element import inside_out
-from geomtorsion.exclusive import exclusive, unlocked
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.exclusive import exclusive, unlocked
 
 Index = tuple[int, ...]
 Generator = tuple[tuple[int, ...], int]

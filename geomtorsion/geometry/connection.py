@@ -9,12 +9,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from geomtorsion.caching import cached_property
-from geomtorsion.checks import instance
-from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ShapeError, TensorIndexError
 from geomtorsion.exact import Element
-from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import integrability, riemannian
 from geomtorsion.geometry.components import (
     Components,
@@ -33,7 +29,11 @@ from geomtorsion.geometry.notation import ComponentTable, Names, Where
 from geomtorsion.geometry.parts import nonmetricity_parts
 from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.tensor import Tensor
-from geomtorsion.hints import attribute_hints
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.checks import instance
+from geomtorsion.support.displays import drawn_by
+from geomtorsion.support.exclusive import exclusive
+from geomtorsion.support.hints import attribute_hints
 
 if TYPE_CHECKING:
     from numpy.typing import DTypeLike

@@ -7,7 +7,6 @@ from importlib import import_module
 from itertools import product
 from typing import Protocol, TypeAlias, runtime_checkable
 
-from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, GeomtorsionError, ShapeError, TensorIndexError
 from geomtorsion.exact import Element
 from geomtorsion.geometry import riemannian
@@ -20,6 +19,7 @@ from geomtorsion.geometry.from_arrays import tensor_from_array
 from geomtorsion.geometry.homes import at_home
 from geomtorsion.geometry.tensor import Scalar, Source, Tensor
 from geomtorsion.geometry.torsion import Torsion
+from geomtorsion.support import checks
 
 HALF = Fraction(1, 2)
 

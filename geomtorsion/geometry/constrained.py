@@ -8,7 +8,6 @@ from functools import partial
 
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import ConstraintError, MetricError, TensorIndexError
 from geomtorsion.exact import Element, parse_expression
 from geomtorsion.geometry.components import Index, minus
@@ -21,6 +20,7 @@ from geomtorsion.geometry.homes import at_home
 from geomtorsion.geometry.orthonormalize import Row, completed_squares
 from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.geometry.validation import named_symbols
+from geomtorsion.support import checks
 
 ADVICE = (
     "Give numbers of legs, (0, 1), or one-forms that vanish on the permitted velocities, "

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from collections.abc import Sequence
 
-from geomtorsion.checks import shown, text
 from geomtorsion.errors import ShapeError, TensorIndexError
 from geomtorsion.geometry.components import Symmetry, effective, joined
 from geomtorsion.geometry.homes import at_home
 from geomtorsion.geometry.index_types import KINDS, POSITIONS
 from geomtorsion.geometry.tensor import Tensor
+from geomtorsion.support.checks import shown, text
 
 
 def contract(letters: str, *tensors: Tensor) -> Tensor:

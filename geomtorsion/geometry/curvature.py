@@ -7,11 +7,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from geomtorsion.caching import cached_property
-from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ShapeError
 from geomtorsion.exact import Element
-from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import riemannian
 from geomtorsion.geometry.components import (
     RIEMANN,
@@ -27,7 +24,10 @@ from geomtorsion.geometry.parts import curvature_parts
 from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.geometry.torsion import scalar_of
-from geomtorsion.hints import attribute_hints
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.displays import drawn_by
+from geomtorsion.support.exclusive import exclusive
+from geomtorsion.support.hints import attribute_hints
 
 if TYPE_CHECKING:
     from geomtorsion.geometry.connection import Connection

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import wraps
 from typing import Any, Protocol, TypeVar, TypeVarTuple
 
-from geomtorsion.exclusive import exclusive
+from geomtorsion.support.exclusive import exclusive
 
 
 class Keeper(Protocol):

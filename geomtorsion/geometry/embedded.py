@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import CoframeError, MetricError
 from geomtorsion.exact import Element
 from geomtorsion.geometry.components import Index
@@ -14,6 +13,7 @@ from geomtorsion.geometry.connection import Connection
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.geometry.validation import Coordinates, signs_or_rows
+from geomtorsion.support import checks
 
 ROWS = "{subject}: expected rows of entries, got {value}. Give nested lists."
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import mpmath
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import (
     CoordinateError,
     GeomtorsionError,
@@ -29,6 +28,7 @@ from geomtorsion.geometry.validation import (
     with_functions,
     with_generic_functions,
 )
+from geomtorsion.support import checks
 
 if TYPE_CHECKING:
     import numpy as np

@@ -6,7 +6,6 @@ from typing import cast
 
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, CoframeError, CoordinateError, UnknownNameError
 from geomtorsion.exact import Element, Field, Truncated, TruncatedField
 from geomtorsion.geometry import validation
@@ -15,6 +14,7 @@ from geomtorsion.geometry.derived import derived
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.orthonormalize import orthonormal_rows
 from geomtorsion.geometry.tensor import Tensor
+from geomtorsion.support import checks
 
 
 def small_parameter(frame: Frame, symbol: object) -> sp.Symbol:

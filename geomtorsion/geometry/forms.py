@@ -10,11 +10,8 @@ from typing import TYPE_CHECKING, ClassVar
 
 import sympy as sp
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import ArgumentError, ShapeError, TensorIndexError, UndecidedError
 from geomtorsion.exact import Element
-from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry.components import (
     Entries,
     Index,
@@ -27,7 +24,10 @@ from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.homes import at_home
 from geomtorsion.geometry.lie_derivative import lie, vector
 from geomtorsion.geometry.tensor import Scalar, Tensor
-from geomtorsion.hints import attribute_hints
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.exclusive import exclusive
+from geomtorsion.support.hints import attribute_hints
 
 if TYPE_CHECKING:
     from geomtorsion.geometry.connection import Connection

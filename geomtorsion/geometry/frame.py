@@ -9,12 +9,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import sympy as sp
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
-from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ArgumentError
 from geomtorsion.exact import Branch, Element, Field
-from geomtorsion.exclusive import exclusive, unlocked
 from geomtorsion.geometry import (
     constructors,
     evaluation,
@@ -29,7 +25,11 @@ from geomtorsion.geometry.components import Components, alternating, inverse, sy
 from geomtorsion.geometry.from_arrays import tensor_from_array
 from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.tensor import Scalar, Tensor
-from geomtorsion.hints import attribute_hints
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.displays import drawn_by
+from geomtorsion.support.exclusive import exclusive, unlocked
+from geomtorsion.support.hints import attribute_hints
 
 if TYPE_CHECKING:
     from geomtorsion.geometry.forms import Form

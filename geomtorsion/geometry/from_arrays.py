@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
-from geomtorsion.checks import rows
 from geomtorsion.errors import ShapeError
 from geomtorsion.geometry.components import Index, Symmetry
 from geomtorsion.geometry.tensor import Tensor
+from geomtorsion.support.checks import rows
 
 if TYPE_CHECKING:
     from geomtorsion.geometry.frame import Frame

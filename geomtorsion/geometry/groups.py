@@ -8,11 +8,11 @@ from typing import Any
 
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import ShapeError, StructureConstantError
 from geomtorsion.exact import Field
 from geomtorsion.exact.reading import counted_as
 from geomtorsion.geometry.validation import free_symbols, named_symbols
+from geomtorsion.support import checks
 
 
 def invariant_coframe(

@@ -6,16 +6,16 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations, product
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
-from geomtorsion.displays import drawn_by
 from geomtorsion.errors import TensorIndexError, UndecidedError
 from geomtorsion.exact import Echelon, Element, Reduced, Specialization, reduced, signature
-from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry.brackets import Brackets
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.lie_algebra import LieAlgebra
 from geomtorsion.geometry.tensor import Tensor
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.displays import drawn_by
+from geomtorsion.support.exclusive import exclusive
 
 Row = list[Element]
 

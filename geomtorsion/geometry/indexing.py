@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, SupportsIndex, TypeAlias
 import numpy as np
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import MissingValueError, TensorIndexError, UndecidedError
 from geomtorsion.geometry import notation
+from geomtorsion.support import checks
 
 if TYPE_CHECKING:
     from types import EllipsisType

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import UndecidedError
 from geomtorsion.exact import Element
 from geomtorsion.exact.integration import antiderivative
 from geomtorsion.geometry.components import Index
 from geomtorsion.geometry.tensor import Tensor
+from geomtorsion.support.caching import cached_property
 
 
 @dataclass(frozen=True, repr=False)

@@ -9,16 +9,16 @@ from itertools import combinations
 
 import sympy as sp
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
-from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ArgumentError, ShapeError
 from geomtorsion.exact import Field, vanishes
 from geomtorsion.exact.reading import counted_as
-from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import algebra_names
 from geomtorsion.geometry.brackets import Brackets, Vector
 from geomtorsion.geometry.groups import checked_constants
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.displays import drawn_by
+from geomtorsion.support.exclusive import exclusive
 
 
 @exclusive

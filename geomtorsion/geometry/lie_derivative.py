@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, overload
 
-from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, ShapeError, TensorIndexError
 from geomtorsion.exact import Element
 from geomtorsion.geometry.components import Index, symmetric
@@ -13,6 +12,7 @@ from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.from_arrays import tensor_from_array
 from geomtorsion.geometry.homes import at_home
 from geomtorsion.geometry.tensor import Tensor
+from geomtorsion.support import checks
 
 if TYPE_CHECKING:
     from geomtorsion.geometry.forms import Form

@@ -7,12 +7,12 @@ from functools import partial
 
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, UndecidedError, UnknownNameError
 from geomtorsion.exact import Field, Generator, parse_expression
 from geomtorsion.exact.generators import Name, Names
 from geomtorsion.exact.names import CONSTANTS, FUNCTIONS
 from geomtorsion.exact.reading import counted_as
+from geomtorsion.support import checks
 
 Meanings = Mapping[sp.Symbol, sp.Expr]
 

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING
 import sympy as sp
 from sympy.printing.pretty.stringpict import prettyForm
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
-from geomtorsion.displays import drawn_by, latex_of
 from geomtorsion.errors import AllowanceError, LimitError, TensorIndexError
 from geomtorsion.exact.printing import TexPrinter, TextPrinter
-from geomtorsion.outgoing import html_text
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.displays import drawn_by, latex_of
+from geomtorsion.support.outgoing import html_text
 
 if TYPE_CHECKING:
     from geomtorsion.exact import Element

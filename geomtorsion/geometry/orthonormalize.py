@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from geomtorsion.checks import fraction, shown
 from geomtorsion.errors import MetricError, SignatureError
 from geomtorsion.exact import Element, Field
 from geomtorsion.geometry.components import Entries
 from geomtorsion.geometry.validation import RationalPoint, with_functions
+from geomtorsion.support.checks import fraction, shown
 
 Elements = dict[tuple[int, int], Element]
 Row = dict[int, Element]

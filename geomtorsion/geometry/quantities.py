@@ -7,16 +7,16 @@ from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING, ClassVar
 
-from geomtorsion.caching import cached_property
-from geomtorsion.checks import close_names, shown
-from geomtorsion.displays import Plot, drawn_by, figure_by
 from geomtorsion.errors import UnknownNameError
-from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import frame_matrices
 from geomtorsion.geometry.components import effective, orbits
 from geomtorsion.geometry.connections import cartan, levi_civita
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.tensor import Tensor
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.checks import close_names, shown
+from geomtorsion.support.displays import Plot, drawn_by, figure_by
+from geomtorsion.support.exclusive import exclusive
 
 if TYPE_CHECKING:
     import networkx as nx

@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterable, Mapping
 
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import GeomtorsionError
+from geomtorsion.support import checks
 
 _COMPARISON = re.compile(r"(<=|>=|<|>)")
 _RELATIONS = {"<": sp.Lt, ">": sp.Gt, "<=": sp.Le, ">=": sp.Ge}

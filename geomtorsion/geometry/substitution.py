@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import sympy as sp
 from sympy.core.function import AppliedUndef, UndefinedFunction
 
-from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, CoordinateError, SingularPointError, UnknownNameError
 from geomtorsion.exact import Field, parse_expression
 from geomtorsion.exact.expansion import NEAR, Approach
 from geomtorsion.exact.functions import with_roots
 from geomtorsion.exact.reading import checked, counted_as
+from geomtorsion.support import checks
 
 Value = sp.Expr | float | str
 Values = Mapping[sp.Expr, Value] | Mapping[str, Value]

@@ -8,11 +8,8 @@ from typing import overload
 
 import sympy as sp
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import MetricError, ShapeError, TensorIndexError
 from geomtorsion.exact import Element
-from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry.change import Map, coordinate_map, moved_domain
 from geomtorsion.geometry.components import Components, Index, determinant, symmetric
 from geomtorsion.geometry.connections import FrameLike, as_frame, levi_civita
@@ -23,6 +20,9 @@ from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.homes import at_home
 from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.geometry.validation import with_generic_functions
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.exclusive import exclusive
 
 
 def surface(

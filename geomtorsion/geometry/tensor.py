@@ -9,20 +9,20 @@ from typing import TYPE_CHECKING, Any, ClassVar, SupportsIndex
 
 import sympy as sp
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
-from geomtorsion.displays import Plot, drawn_by, figure_by
 from geomtorsion.errors import ArgumentError, TensorIndexError
 from geomtorsion.exact import Certainty, Element
 from geomtorsion.exact.element import least_certain
 from geomtorsion.exact.expansion import Expansion, limit
-from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import arithmetic, evaluation, indexing, notation
 from geomtorsion.geometry.components import Components, Index, Symmetry, change_slot, effective
 from geomtorsion.geometry.index_types import EXCHANGES, KINDS, moved
 from geomtorsion.geometry.notation import ComponentTable, Names, Where
 from geomtorsion.geometry.substitution import Value, Values, approaches, substitution
-from geomtorsion.hints import attribute_hints
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.displays import Plot, drawn_by, figure_by
+from geomtorsion.support.exclusive import exclusive
+from geomtorsion.support.hints import attribute_hints
 
 if TYPE_CHECKING:
     import numpy as np

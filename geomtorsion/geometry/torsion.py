@@ -7,17 +7,17 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from geomtorsion.caching import cached_property
-from geomtorsion.displays import drawn_by
 from geomtorsion.exact import Element
-from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry.components import Index, alternating, antisymmetric, symmetric
 from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.from_arrays import tensor_from_array
 from geomtorsion.geometry.parts import torsion_parts
 from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.tensor import Scalar, Tensor
-from geomtorsion.hints import attribute_hints
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.displays import drawn_by
+from geomtorsion.support.exclusive import exclusive
+from geomtorsion.support.hints import attribute_hints
 
 if TYPE_CHECKING:
     from geomtorsion.geometry.connection import Connection

@@ -12,7 +12,6 @@ from typing import Any
 
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import (
     ArgumentError,
     CoframeError,
@@ -26,7 +25,8 @@ from geomtorsion.exact import Element, Field, parse_expression
 from geomtorsion.exact.reading import counted_as
 from geomtorsion.geometry.components import dependence, determinant
 from geomtorsion.geometry.relations import relations_in
-from geomtorsion.precision import EPS
+from geomtorsion.support import checks
+from geomtorsion.support.precision import EPS
 
 Matrix = dict[tuple[int, int], Any]
 Coordinates = Sequence[sp.Symbol] | Sequence[str] | str

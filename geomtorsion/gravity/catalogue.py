@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import GravityError
 from geomtorsion.geometry import Connection, Frame
 from geomtorsion.gravity.invariants import INVARIANTS, Invariant
@@ -14,6 +12,8 @@ from geomtorsion.gravity.lagrangian import Lagrangian, Reading, read
 from geomtorsion.gravity.matter import MatterField
 from geomtorsion.gravity.products import EPSILON, METRIC, OF_CONNECTION, OF_MATTER, Factor, Product
 from geomtorsion.gravity.vocabulary import Vocabulary, declared_constants
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
 
 # Curvature as far as it turns vectors: R_ab[ij].
 TURNING = "turning R"

@@ -12,11 +12,11 @@ from collections.abc import Mapping, Sequence
 import sympy as sp
 from flint import arb, arb_mat, arb_series
 
-from geomtorsion import checks
 from geomtorsion.codegen import balls, graph
 from geomtorsion.errors import GravityError
 from geomtorsion.gravity.jets import Jets
-from geomtorsion.precision import CONSTANT_BITS, EXACT_BITS, ball_precision, series_length
+from geomtorsion.support import checks
+from geomtorsion.support.precision import CONSTANT_BITS, EXACT_BITS, ball_precision, series_length
 
 # The series is used up to this share of its radius of convergence: with steps of this size a Taylor
 # method costs least for its digits (Jorba, Zou 2005).

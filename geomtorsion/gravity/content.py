@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from geomtorsion.caching import cached_property
 from geomtorsion.exact import Element
-from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Tensor, antisymmetric, symmetric
 from geomtorsion.gravity.catalogue import TURNING, Catalogue
 from geomtorsion.gravity.contractions import Contractions
 from geomtorsion.gravity.fields import FrameFields
 from geomtorsion.gravity.momenta import Momenta
 from geomtorsion.gravity.products import Factor
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.exclusive import exclusive
 
 
 @exclusive

@@ -7,12 +7,12 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 
-from geomtorsion.caching import cached_property
 from geomtorsion.exact import Element
-from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Frame, Tensor, antisymmetric, contract, symmetric
 from geomtorsion.gravity.fields import HALF, Index, Terms
 from geomtorsion.gravity.products import EPSILON, METRIC, Factor, Product, simplified
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.exclusive import exclusive
 
 # Symmetries of the tensors that a Lagrangian is varied by: pairs of places and signs.
 SYMMETRIES = {

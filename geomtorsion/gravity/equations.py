@@ -7,12 +7,8 @@ from dataclasses import dataclass, replace
 
 import sympy as sp
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
-from geomtorsion.displays import drawn_by
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, Truncated, TruncatedField
-from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Connection, Frame, IdentityCheck, Tensor, at_home
 from geomtorsion.geometry.connections import ConnectionLike, as_connection
 from geomtorsion.gravity.catalogue import Catalogue
@@ -31,6 +27,10 @@ from geomtorsion.gravity.residuals import Sources
 from geomtorsion.gravity.unknown_terms import terms_of
 from geomtorsion.gravity.variation import Variation
 from geomtorsion.gravity.vocabulary import declared_constants
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.displays import drawn_by
+from geomtorsion.support.exclusive import exclusive
 
 
 @exclusive

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from geomtorsion.caching import cached_property
 from geomtorsion.exact import Element
-from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Connection, Frame, Tensor, antisymmetric, symmetric
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.exclusive import exclusive
 
 Index = tuple[int, ...]
 # A product in a sum: a rational number, then elements.

@@ -8,13 +8,13 @@ from fractions import Fraction
 
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element
 from geomtorsion.geometry import Connection, Frame, Tensor, antisymmetric, at_home
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.gravity.fields import HALF, FrameFields, Index, Terms
 from geomtorsion.gravity.lagrangian import scalar_of
+from geomtorsion.support import checks
 
 
 @dataclass(frozen=True, eq=False)

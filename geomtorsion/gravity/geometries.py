@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from types import UnionType
 
-from geomtorsion import checks
 from geomtorsion.errors import GravityError
 from geomtorsion.geometry import Connection
 from geomtorsion.gravity.lagrangian import Lagrangian
+from geomtorsion.support import checks
 
 # Geometry that a theory assumes: the property that a connection must have, in words.
 GEOMETRIES = {

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
-from geomtorsion import checks
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element
 from geomtorsion.geometry import Connection, Frame, Tensor, at_home
 from geomtorsion.gravity.fluids import Fluid
 from geomtorsion.gravity.lagrangian import scalar_of
+from geomtorsion.support import checks
 
 Components = Tensor | Sequence
 

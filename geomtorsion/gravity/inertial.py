@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from geomtorsion import checks
 from geomtorsion.errors import GravityError
 from geomtorsion.geometry import Connection, from_spin_connection, levi_civita
 from geomtorsion.geometry.connections import FrameLike, as_frame
+from geomtorsion.support import checks
 
 
 def inertial(frame: FrameLike, limit: Mapping) -> Connection:

@@ -9,11 +9,8 @@ from itertools import product
 
 import sympy as sp
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Echelon, Element, unknown_functions, vanishing_sums
-from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import (
     Connection,
     Frame,
@@ -29,6 +26,9 @@ from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.gravity.fields import Index
 from geomtorsion.gravity.symmetry import Symmetries, symmetries
 from geomtorsion.gravity.symmetry_products import factors as functions_of_coordinates
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.exclusive import exclusive
 
 Vectors = Symmetries | Iterable[object] | None
 

@@ -9,11 +9,11 @@ from fractions import Fraction
 
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import names as words
 from geomtorsion.gravity.fields import HALF
 from geomtorsion.gravity.products import EPSILON, Product, read_products
+from geomtorsion.support import checks
 
 QUARTER = Fraction(1, 4)
 # Words of programs that are not quantities, in small letters.

@@ -9,9 +9,9 @@ from fractions import Fraction
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from geomtorsion import checks
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, Field
+from geomtorsion.support import checks
 
 
 @dataclass(frozen=True)

@@ -8,15 +8,15 @@ from math import comb
 
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import ArgumentError
 from geomtorsion.exact import Echelon, Element, vanishing_sums
-from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Form, Frame, Tensor, levi_civita
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.gravity.symmetry import symmetries
 from geomtorsion.gravity.symmetry_products import products
 from geomtorsion.gravity.symmetry_search import independent
+from geomtorsion.support import checks
+from geomtorsion.support.exclusive import exclusive
 
 Index = tuple[int, ...]
 

@@ -9,13 +9,13 @@ from dataclasses import dataclass, field
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from geomtorsion import checks
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, parse_expression
 from geomtorsion.exact import names as words
 from geomtorsion.geometry import Frame, Tensor, at_home
 from geomtorsion.gravity.invariants import INVARIANTS, Invariant
 from geomtorsion.gravity.vocabulary import MATTER, Vocabulary
+from geomtorsion.support import checks
 
 
 class Names(Mapping[str, sp.Symbol]):

@@ -11,7 +11,6 @@ from typing import ClassVar, Protocol
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from geomtorsion import checks
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, unknown_functions
 from geomtorsion.geometry import Connection, Frame, Tensor, antisymmetric
@@ -19,6 +18,7 @@ from geomtorsion.gravity.fields import FrameFields, Index, Terms, along
 from geomtorsion.gravity.invariants import new_name
 from geomtorsion.gravity.lagrangian import scalar_of
 from geomtorsion.gravity.products import TENSORS, Factor, Product
+from geomtorsion.support import checks
 
 
 class Varied(Protocol):

@@ -7,9 +7,7 @@ from dataclasses import dataclass
 from os import PathLike
 from typing import Any
 
-from geomtorsion import checks
 from geomtorsion.errors import FileFormatError
-from geomtorsion.files import Decimal, read_toml
 from geomtorsion.geometry import Connection, Frame, cartan, from_torsion, levi_civita
 from geomtorsion.gravity.equations import FieldEquations, equations
 from geomtorsion.gravity.fluids import Fluid, fluid
@@ -20,6 +18,8 @@ from geomtorsion.gravity.solving import solve
 from geomtorsion.gravity.theory_files import invariants_of
 from geomtorsion.ode import Solution, When
 from geomtorsion.spaces import Space, read_file
+from geomtorsion.support import checks
+from geomtorsion.support.files import Decimal, read_toml
 
 CONNECTIONS: dict[str, Callable[[Frame], Connection]] = {
     "cartan": cartan,

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import product
 
-from geomtorsion.caching import cached_property
 from geomtorsion.exact import Element
-from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Tensor, antisymmetric
 from geomtorsion.gravity.fields import HALF, FrameFields, Index, Terms
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.exclusive import exclusive
 
 
 @exclusive

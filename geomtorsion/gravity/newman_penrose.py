@@ -10,13 +10,13 @@ from itertools import combinations
 
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import SignatureError, UndecidedError
 from geomtorsion.exact import Element
-from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Frame, levi_civita
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.gravity.fields import FrameFields
+from geomtorsion.support import checks
+from geomtorsion.support.exclusive import exclusive
 
 
 def newman_penrose(frame: FrameLike) -> NewmanPenrose:

@@ -11,9 +11,9 @@ from functools import cache
 from itertools import count, product
 from math import prod
 
-from geomtorsion import checks
 from geomtorsion.exact import tokens
 from geomtorsion.exact.tokens import Source, Token
+from geomtorsion.support import checks
 
 # Tensors of a connection, with all indices down, and the number of their indices.
 OF_CONNECTION = {"T": 3, "R": 4, "Q": 3}

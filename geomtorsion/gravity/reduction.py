@@ -9,9 +9,6 @@ from functools import partial
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
-from geomtorsion.displays import latex_of
 from geomtorsion.errors import GravityError, LimitError
 from geomtorsion.exact import Element, parse_expression, unknown_functions
 from geomtorsion.gravity.centre import Centre
@@ -20,6 +17,9 @@ from geomtorsion.gravity.jets import Jets
 from geomtorsion.gravity.residuals import Sources, conditions_of
 from geomtorsion.gravity.starts import completed, numbers_of
 from geomtorsion.ode import ODE, At, When
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.displays import latex_of
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -10,7 +10,6 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 from sympy.core.relational import Equality
 
-from geomtorsion import checks
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, unknown_functions
 from geomtorsion.geometry import Connection, Frame, Tensor
@@ -20,6 +19,7 @@ from geomtorsion.gravity.hypermomentum import Source
 from geomtorsion.gravity.identities import rotation_terms, translation_terms
 from geomtorsion.gravity.lagrangian import scalar_of
 from geomtorsion.gravity.matter import MatterField
+from geomtorsion.support import checks
 
 
 @dataclass(frozen=True, eq=False)

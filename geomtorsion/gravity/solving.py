@@ -6,12 +6,12 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.errors import GravityError
 from geomtorsion.gravity.equations import FieldEquations
 from geomtorsion.gravity.reduction import Reduction
 from geomtorsion.ode import At, Engine, Solution, When
 from geomtorsion.ode import solve as solve_ode
+from geomtorsion.support import checks
 
 
 def solve(

@@ -8,10 +8,10 @@ from functools import partial
 import mpmath
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import StartError
 from geomtorsion.exact import parse_expression
-from geomtorsion.precision import EXACT_BITS, PRINTED, working_precision
+from geomtorsion.support import checks
+from geomtorsion.support.precision import EXACT_BITS, PRINTED, working_precision
 
 
 def numbers_of(

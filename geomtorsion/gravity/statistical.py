@@ -7,10 +7,10 @@ from itertools import permutations
 
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import ShapeError, TensorIndexError
 from geomtorsion.geometry import Connection, Tensor, at_home, from_coefficients, levi_civita
 from geomtorsion.geometry.connections import FrameLike, as_frame
+from geomtorsion.support import checks
 
 
 def statistical(

@@ -8,11 +8,8 @@ from functools import cached_property
 
 import sympy as sp
 
-from geomtorsion import checks
-from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ArgumentError, ShapeError, UndecidedError
 from geomtorsion.exact import Echelon, Element, vanishing_sums
-from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import (
     Connection,
     Frame,
@@ -29,6 +26,9 @@ from geomtorsion.gravity.symmetry_conditions import Conditions, difference, repr
 from geomtorsion.gravity.symmetry_integration import IntegratedSymmetry
 from geomtorsion.gravity.symmetry_products import factors, products, waves
 from geomtorsion.gravity.symmetry_search import killing_vectors
+from geomtorsion.support import checks
+from geomtorsion.support.displays import drawn_by
+from geomtorsion.support.exclusive import exclusive
 
 Row = list[Element]
 KEEPS = ("metric", "teleparallel", "homothetic", "conformal")

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 import sympy as sp
 
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import SingularPointError
 from geomtorsion.exact import Reduced
 from geomtorsion.geometry import Frame
 from geomtorsion.gravity.symmetry_conditions import Conditions
 from geomtorsion.ode import ODE, solve
+from geomtorsion.support.caching import cached_property
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import GravityError
 from geomtorsion.gravity.lagrangian import Lagrangian, names
+from geomtorsion.support import checks
 
 Number = int | str | sp.Expr
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from os import PathLike
 
-from geomtorsion import checks
 from geomtorsion.errors import FileFormatError
-from geomtorsion.files import TomlFile, read_toml
 from geomtorsion.gravity.geometries import GEOMETRIES
 from geomtorsion.gravity.invariants import Invariant, invariant
 from geomtorsion.gravity.lagrangian import Lagrangian
+from geomtorsion.support import checks
+from geomtorsion.support.files import TomlFile, read_toml
 
 KEYS = ("lagrangian", "name", "geometry", "constants", "invariants")
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from geomtorsion.caching import cached_property
 from geomtorsion.exact import Element
-from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Connection, Frame, Tensor
 from geomtorsion.gravity.content import Content
 from geomtorsion.gravity.fields import Index, Terms
 from geomtorsion.gravity.momenta import Momenta
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.exclusive import exclusive
 
 
 @exclusive

@@ -10,12 +10,12 @@ from itertools import product
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import names as words
 from geomtorsion.geometry import Connection, Frame
 from geomtorsion.gravity.invariants import INVARIANTS, SUFFIXED, WORDS, Invariant, new_name
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
 
 # Theories that need no numbers; each is a Lagrangian in the package.
 THEORIES = ("tegr", "stegr", "einstein_cartan", "general_relativity", "gauss_bonnet")

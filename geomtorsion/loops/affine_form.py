@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 import sympy as sp
 
-from geomtorsion.caching import cached_property
 from geomtorsion.codegen import numpy_function
 from geomtorsion.errors import LoopError, SingularPointError
 from geomtorsion.exact import Element
@@ -27,6 +26,7 @@ from geomtorsion.loops.transport import (
     inner_turns,
     transported,
 )
+from geomtorsion.support.caching import cached_property
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Connection, Frame, Tensor

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy  # loads its parts on first use
 
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import LoopError, ShapeError
-from geomtorsion.precision import PRINTED
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.precision import PRINTED
 
 # Where the parts of a loop cancel, the rotation consists of rounding errors.
 ROUNDING = 64 * float(np.finfo(float).eps)

@@ -10,10 +10,10 @@ from typing import Any, Protocol
 import numpy as np
 import sympy as sp
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.codegen import graph
 from geomtorsion.errors import LoopError, MissingValueError
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
 
 Vector = tuple[float, ...]
 # What users give: numbers exact or not, points, planes by two coordinates or two vectors, and

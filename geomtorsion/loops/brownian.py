@@ -9,8 +9,7 @@ from fractions import Fraction
 import numpy as np
 import sympy as sp
 
-from geomtorsion import checks, codegen
-from geomtorsion.caching import cached_property
+from geomtorsion import codegen
 from geomtorsion.errors import (
     ArgumentError,
     ConstraintError,
@@ -28,6 +27,8 @@ from geomtorsion.geometry.integrability import volume_of
 from geomtorsion.loops import validation
 from geomtorsion.loops.arcs import Parameters, exact_number
 from geomtorsion.loops.forms import refuse_unknown
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
 
 HALF = Fraction(1, 2)
 REMEDY = "Ask for fewer members, or average runs with different seeds."

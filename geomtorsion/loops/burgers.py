@@ -9,11 +9,8 @@ from typing import Literal, overload
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.budget import affordable
 from geomtorsion.errors import ArgumentError
 from geomtorsion.geometry.connections import FrameLike, as_frame
-from geomtorsion.hints import argument_hints
 from geomtorsion.loops.arcs import Parameters, Part
 from geomtorsion.loops.defects import lines_alone
 from geomtorsion.loops.domain import refuse_outside
@@ -33,7 +30,10 @@ from geomtorsion.loops.protocols import HasBurgers, Result_co
 from geomtorsion.loops.result import BurgersVector, Check
 from geomtorsion.loops.validation import check_accuracy
 from geomtorsion.loops.values import with_numbers
-from geomtorsion.outgoing import size_text
+from geomtorsion.support import checks
+from geomtorsion.support.budget import affordable
+from geomtorsion.support.hints import argument_hints
+from geomtorsion.support.outgoing import size_text
 
 # Accuracy of a Burgers vector for which none is requested.
 ACCURACY = 1e-12

@@ -11,13 +11,13 @@ import numpy as np
 import scipy  # loads its parts on first use
 from numpy.typing import ArrayLike
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.conventions import Signed
 from geomtorsion.errors import NetworkError
 from geomtorsion.loops.complexes import Complex
 from geomtorsion.loops.spanning_forest import Forest, spanning_forest
 from geomtorsion.loops.validation import check_sums, largest, value_rows
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
 
 if TYPE_CHECKING:
     import networkx as nx

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import scipy  # loads its parts on first use
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import NetworkError
 from geomtorsion.loops.validation import listed, once_round, whole
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array

@@ -11,12 +11,10 @@ import numpy as np
 import scipy  # loads its parts on first use
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import ExpressionError, LoopError
 from geomtorsion.exact import parse_expression
 from geomtorsion.exact.names import FUNCTIONS
 from geomtorsion.exact.reading import counted_as
-from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry.validation import free_symbols
 from geomtorsion.loops import validation
 from geomtorsion.loops.arcs import (
@@ -34,7 +32,9 @@ from geomtorsion.loops.arcs import (
     shown,
 )
 from geomtorsion.loops.quadrature import kronrod
-from geomtorsion.precision import CALCULATED
+from geomtorsion.support import checks
+from geomtorsion.support.exclusive import exclusive
+from geomtorsion.support.precision import CALCULATED
 
 if TYPE_CHECKING:
     import networkx as nx

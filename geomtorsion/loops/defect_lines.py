@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.codegen import numpy_function
 from geomtorsion.errors import LoopError, ShapeError
 from geomtorsion.exact import Element, Field, parse_expression
 from geomtorsion.geometry import Frame, validation
 from geomtorsion.loops.arcs import Number, exact_number
 from geomtorsion.loops.quadrature import PIECE
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
 
 Elements = dict[tuple[int, int], Element]
 

@@ -9,9 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
-from geomtorsion import checks
-from geomtorsion.checks import exact_number
-from geomtorsion.checks import expression as expression_of
 from geomtorsion.errors import LoopError, MissingValueError
 from geomtorsion.exact.form import Sum, form
 from geomtorsion.geometry.connections import ConnectionLike, FrameLike, as_connection, as_frame
@@ -26,6 +23,9 @@ from geomtorsion.loops.transport import transported
 from geomtorsion.loops.validation import rows
 from geomtorsion.loops.values import with_numbers
 from geomtorsion.loops.winding import turns_round
+from geomtorsion.support import checks
+from geomtorsion.support.checks import exact_number
+from geomtorsion.support.checks import expression as expression_of
 
 if TYPE_CHECKING:
     from geomtorsion.exact import Element

@@ -9,11 +9,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from geomtorsion.displays import Plot, drawn_by, figure_by
 from geomtorsion.errors import ArgumentError
 from geomtorsion.geometry import Connection
 from geomtorsion.geometry.connections import ConnectionLike, as_connection
-from geomtorsion.hints import argument_hints, attribute_hints
 from geomtorsion.loops.affine_form import AffineForm, around_cone, line_rate
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Number, Parameters, Part
@@ -28,7 +26,9 @@ from geomtorsion.loops.quadrature import ROUNDING
 from geomtorsion.loops.transport import Transported, transported
 from geomtorsion.loops.validation import check_accuracy
 from geomtorsion.loops.values import with_numbers
-from geomtorsion.outgoing import size_text
+from geomtorsion.support.displays import Plot, drawn_by, figure_by
+from geomtorsion.support.hints import argument_hints, attribute_hints
+from geomtorsion.support.outgoing import size_text
 
 
 def along_line(form: AffineForm, part: Part, accuracy: float) -> Transported:

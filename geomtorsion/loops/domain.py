@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.codegen import numpy_function
 from geomtorsion.errors import ChartEdgeError, UnknownNameError
 from geomtorsion.geometry.derived import derived
@@ -15,6 +14,7 @@ from geomtorsion.loops.arcs import Arc, Parameters, Part, shown
 from geomtorsion.loops.forms import Poles, parameter_values
 from geomtorsion.loops.poles import SAMPLES
 from geomtorsion.loops.quadrature import NARROWEST
+from geomtorsion.support import checks
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

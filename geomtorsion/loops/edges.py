@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import NetworkError, SingularPointError
 from geomtorsion.loops.arcs import Parameters, Part, Segment, shown
 from geomtorsion.loops.complexes import Complex
@@ -21,7 +19,9 @@ from geomtorsion.loops.poles import SAMPLES, refuse_poles, steep
 from geomtorsion.loops.quadrature import PIECE, ROUNDING, cut, gauss_pair, graded, halved
 from geomtorsion.loops.validation import rows
 from geomtorsion.loops.winding import nearest
-from geomtorsion.precision import CALCULATED
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.precision import CALCULATED
 
 if TYPE_CHECKING:
     import networkx as nx

@@ -6,8 +6,6 @@ from collections.abc import Sequence
 
 import sympy as sp
 
-from geomtorsion import checks
-from geomtorsion.checks import expression
 from geomtorsion.errors import LoopError, UndecidedError
 from geomtorsion.geometry import Frame
 from geomtorsion.loops.domain import refuse_numbers_outside
@@ -20,6 +18,8 @@ from geomtorsion.loops.exact_integral import (
     verified,
 )
 from geomtorsion.loops.loop import Loop
+from geomtorsion.support import checks
+from geomtorsion.support.checks import expression
 
 
 def exact_circle(

@@ -12,13 +12,9 @@ import numpy as np
 import sympy as sp
 from flint import acb, arb
 
-from geomtorsion import checks
-from geomtorsion.allowance import limits
-from geomtorsion.checks import expression as expression_of
 from geomtorsion.codegen import graph
 from geomtorsion.codegen.balls import BallCode, exact_ball, integral
 from geomtorsion.conventions import burgers
-from geomtorsion.displays import drawn_by, latex_of
 from geomtorsion.errors import (
     AllowanceError,
     ChartEdgeError,
@@ -31,7 +27,6 @@ from geomtorsion.errors import (
 )
 from geomtorsion.exact import Field
 from geomtorsion.exact.integration import integrated
-from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Frame
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.loops.arcs import Arc, Curve, Ellipse, Parameters, Part, exact_number
@@ -42,7 +37,12 @@ from geomtorsion.loops.integrals import refuse_other_periods
 from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.loops.values import with_values
-from geomtorsion.precision import ball_precision
+from geomtorsion.support import checks
+from geomtorsion.support.allowance import limits
+from geomtorsion.support.checks import expression as expression_of
+from geomtorsion.support.displays import drawn_by, latex_of
+from geomtorsion.support.exclusive import exclusive
+from geomtorsion.support.precision import ball_precision
 
 # A symbol for cos(t) and one for sin(t), once all multiples of t are expanded.
 COS, SIN = sp.Symbol("C", real=True), sp.Symbol("S", real=True)

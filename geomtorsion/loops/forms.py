@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.codegen import numpy_function
 from geomtorsion.errors import (
     LoopError,
@@ -25,7 +24,8 @@ from geomtorsion.loops.arcs import Parameters, shown
 from geomtorsion.loops.chains import pairs_of
 from geomtorsion.loops.defect_lines import Lines
 from geomtorsion.loops.quadrature import ROUNDING
-from geomtorsion.precision import EXACT_BITS
+from geomtorsion.support import checks
+from geomtorsion.support.precision import EXACT_BITS
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame

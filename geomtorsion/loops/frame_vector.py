@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING, Any
 import mpmath
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.conventions import Signed
-from geomtorsion.copies import content_hash, equal_content
 from geomtorsion.errors import LoopError
-from geomtorsion.exclusive import exclusive
 from geomtorsion.loops import validation
 from geomtorsion.loops.arcs import Number, Parameters
-from geomtorsion.outgoing import size_text
-from geomtorsion.precision import EPS
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.copies import content_hash, equal_content
+from geomtorsion.support.exclusive import exclusive
+from geomtorsion.support.outgoing import size_text
+from geomtorsion.support.precision import EPS
 
 if TYPE_CHECKING:
     from numpy.typing import DTypeLike

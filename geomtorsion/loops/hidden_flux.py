@@ -19,7 +19,7 @@ from geomtorsion.geometry.derived import derived
 from geomtorsion.loops.arcs import Parameters, Part
 from geomtorsion.loops.chains import pairs_of
 from geomtorsion.loops.forms import curl
-from geomtorsion.precision import ball_precision
+from geomtorsion.support.precision import ball_precision
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame

@@ -25,7 +25,7 @@ from geomtorsion.loops.quadrature import (
     ray_rule,
     refined,
 )
-from geomtorsion.precision import HALF
+from geomtorsion.support.precision import HALF
 
 # Two routes disagree when they differ by more than this many times their errors together.
 DISAGREE = 30

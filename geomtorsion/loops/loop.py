@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.displays import Plot, drawn_by, figure_by
 from geomtorsion.errors import LoopError, MissingValueError
-from geomtorsion.hints import attribute_hints
 from geomtorsion.loops import constructors, validation
 from geomtorsion.loops.arcs import Arc, Number, Parameters, Part, Plane, Point, shown
 from geomtorsion.loops.chains import pairs_of
 from geomtorsion.loops.quadrature import integrate
 from geomtorsion.loops.winding import turns_round
-from geomtorsion.precision import CALCULATED
+from geomtorsion.support import checks
+from geomtorsion.support.displays import Plot, drawn_by, figure_by
+from geomtorsion.support.hints import attribute_hints
+from geomtorsion.support.precision import CALCULATED
 
 if TYPE_CHECKING:
     import networkx as nx

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import FileFormatError, GeomtorsionError
 from geomtorsion.exact import parse_expression
-from geomtorsion.files import plain_float, read_json_text, read_text
 from geomtorsion.loops.loop import Loop
+from geomtorsion.support import checks
+from geomtorsion.support.files import plain_float, read_json_text, read_text
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame

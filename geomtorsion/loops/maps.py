@@ -10,10 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.displays import Plot, drawn_by, figure_by
 from geomtorsion.errors import ChartEdgeError, LoopError, SingularPointError, WorkerError
-from geomtorsion.executors import Executor, checked_executor, each_done
 from geomtorsion.geometry import Frame
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.loops import validation
@@ -26,7 +23,10 @@ from geomtorsion.loops.integrals import Places, agreement, by_levels
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.poles import steep
 from geomtorsion.loops.quadrature import PIECE
-from geomtorsion.progress import PATIENCE, bar
+from geomtorsion.support import checks
+from geomtorsion.support.displays import Plot, drawn_by, figure_by
+from geomtorsion.support.executors import Executor, checked_executor, each_done
+from geomtorsion.support.progress import PATIENCE, bar
 
 # Loops that are treated together: so many that the points of each need a few pieces.
 TOGETHER = PIECE // 32

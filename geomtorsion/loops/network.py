@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy  # loads its parts on first use
 
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import LimitError, NetworkError
 from geomtorsion.geometry import Frame
 from geomtorsion.loops.arcs import Parameters, shown
@@ -20,6 +19,7 @@ from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.node_rule import NodeRule, node_rule
 from geomtorsion.loops.protocols import HasEdges
 from geomtorsion.loops.spanning_forest import Forest
+from geomtorsion.support.caching import cached_property
 
 if TYPE_CHECKING:
     import networkx as nx

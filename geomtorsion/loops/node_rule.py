@@ -24,7 +24,7 @@ from geomtorsion.loops.quadrature import (
     ray_rule,
     refined,
 )
-from geomtorsion.outgoing import size_text
+from geomtorsion.support.outgoing import size_text
 
 Face = tuple[Hashable, ...]
 Cell = tuple[Face, ...]

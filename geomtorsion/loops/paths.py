@@ -8,7 +8,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.errors import LoopError
 from geomtorsion.geometry.connections import ConnectionLike, as_connection
 from geomtorsion.loops.affine_form import AffineForm, line_rate
@@ -19,7 +18,8 @@ from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.transport import STAGES, collocation, increments, transported
 from geomtorsion.loops.validation import number, vector
 from geomtorsion.loops.values import with_numbers
-from geomtorsion.precision import CALCULATED
+from geomtorsion.support import checks
+from geomtorsion.support.precision import CALCULATED
 
 
 def develop_path(

@@ -10,7 +10,7 @@ from geomtorsion.errors import SingularPointError
 from geomtorsion.loops.arcs import Arc, Part, at_arcs, shown
 from geomtorsion.loops.forms import Poles
 from geomtorsion.loops.quadrature import NARROWEST, PIECE, equidistant, graded
-from geomtorsion.precision import CALCULATED
+from geomtorsion.support.precision import CALCULATED
 
 # A denominator goes with the square of the distance; as a share of its largest value on an arc:
 ZERO = CALCULATED**2

@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 
 from geomtorsion.loops.arcs import Arc, at_arcs
-from geomtorsion.precision import GOLDEN, HALF
+from geomtorsion.support.precision import GOLDEN, HALF
 
 # From offsets and slopes, shape (n, k) each, to values of shape (m, k).
 Integrand = Callable[[np.ndarray, np.ndarray], np.ndarray]

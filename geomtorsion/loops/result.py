@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from geomtorsion.caching import cached_property
 from geomtorsion.conventions import Signed
-from geomtorsion.copies import content_hash, equal_content
-from geomtorsion.displays import Plot, drawn_by, figure_by
-from geomtorsion.exclusive import exclusive
-from geomtorsion.hints import attribute_hints
 from geomtorsion.loops import validation
 from geomtorsion.loops.arcs import Number
 from geomtorsion.loops.defects import EnclosedDefect, enclosed_defects
 from geomtorsion.loops.frame_vector import FrameVector
-from geomtorsion.outgoing import size_text
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.copies import content_hash, equal_content
+from geomtorsion.support.displays import Plot, drawn_by, figure_by
+from geomtorsion.support.exclusive import exclusive
+from geomtorsion.support.hints import attribute_hints
+from geomtorsion.support.outgoing import size_text
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame

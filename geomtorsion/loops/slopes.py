@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from geomtorsion import checks
 from geomtorsion.errors import CoframeError, UnknownNameError
 from geomtorsion.geometry import Frame
 from geomtorsion.geometry.connections import FrameLike, as_frame
@@ -13,6 +12,7 @@ from geomtorsion.loops.arcs import Parameters
 from geomtorsion.loops.burgers import burgers_vector
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.result import BurgersVector
+from geomtorsion.support import checks
 
 
 def burgers_derivatives(

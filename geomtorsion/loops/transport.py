@@ -12,7 +12,7 @@ from geomtorsion.errors import LoopError
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Arc, at_arcs, shown
 from geomtorsion.loops.quadrature import MOST_AT_ONCE, NARROWEST, PIECE, ROUNDING, intervals
-from geomtorsion.precision import HALF
+from geomtorsion.support.precision import HALF
 
 # From offsets and slopes, shape (n, k), to omega (k, n, n) and theta (k, n).
 Integrand = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]

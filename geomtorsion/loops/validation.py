@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import LimitError, LoopError, NetworkError
 from geomtorsion.loops.arcs import Number, Plane, exact_number
+from geomtorsion.support import checks
 
 # What a number of a user is taken for: `exact_number`, or `dyadic_number`.
 Reading = Callable[[Any], sp.Expr]

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from geomtorsion import checks
 from geomtorsion.errors import LoopError
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import validation
 from geomtorsion.loops.arcs import Parameters, exact_number
 from geomtorsion.loops.forms import refuse_unknown
 from geomtorsion.loops.loop import Loop, filled
+from geomtorsion.support import checks
 
 
 def with_numbers(

@@ -8,7 +8,7 @@ import numpy as np
 
 from geomtorsion.errors import GeomtorsionError, LoopError, SingularPointError
 from geomtorsion.loops.arcs import Arc, Part, Segment, shown
-from geomtorsion.precision import CALCULATED
+from geomtorsion.support.precision import CALCULATED
 
 
 def turns_round(

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import scipy  # loads its subpackages at first use
 
-from geomtorsion.caching import cached_property
 from geomtorsion.conventions import Signed
 from geomtorsion.materials.detours import Detour
-from geomtorsion.precision import CALCULATED
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.precision import CALCULATED
 
 # The accepted share of false alarms: circuits without torsion whose noise looks significant.
 CHANCE = 1e-3

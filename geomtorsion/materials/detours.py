@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geomtorsion.caching import cached_property
 from geomtorsion.materials.rings import Rings
 from geomtorsion.materials.windows import Windows
+from geomtorsion.support.caching import cached_property
 
 
 @dataclass(frozen=True, eq=False, repr=False)

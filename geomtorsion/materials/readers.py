@@ -8,8 +8,6 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from geomtorsion import checks
-from geomtorsion.checks import shown
 from geomtorsion.errors import (
     FileFormatError,
     GeomtorsionError,
@@ -17,8 +15,6 @@ from geomtorsion.errors import (
     ImageError,
     OrientationError,
 )
-from geomtorsion.files import BOUNDS, ending, opened
-from geomtorsion.hdf5 import HDF5, check_hdf5
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.fields.blocked_fields import (
     BlockedField,
@@ -31,7 +27,11 @@ from geomtorsion.materials.images.image_files import KINDS as IMAGES
 from geomtorsion.materials.maps import OrientationMap
 from geomtorsion.materials.maps.map_formats import FORMATS as MAPS
 from geomtorsion.materials.source import Source
-from geomtorsion.npz import mapped_npy
+from geomtorsion.support import checks
+from geomtorsion.support.checks import shown
+from geomtorsion.support.files import BOUNDS, ending, opened
+from geomtorsion.support.hdf5 import HDF5, check_hdf5
+from geomtorsion.support.npz import mapped_npy
 
 __all__ = ["READERS", "Kind", "Reader", "is_source", "open_in_blocks", "open_source"]
 

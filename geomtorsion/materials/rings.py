@@ -9,7 +9,7 @@ from math import prod
 import numpy as np
 import scipy  # loads its subpackages at first use
 
-from geomtorsion.caching import cached_property
+from geomtorsion.support.caching import cached_property
 
 # One array of edge values for each axis of a plane.
 Edges = tuple[np.ndarray, np.ndarray]

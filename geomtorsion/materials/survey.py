@@ -11,9 +11,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from geomtorsion.caching import cached_property
-from geomtorsion.displays import Plot, figure_by
-from geomtorsion.files import written
 from geomtorsion.materials.burgers import (
     Covariance,
     Json,
@@ -24,8 +21,11 @@ from geomtorsion.materials.burgers import (
     significances,
 )
 from geomtorsion.materials.detours import Passages
-from geomtorsion.npz import write_npz
-from geomtorsion.outgoing import csv_cell, one_line
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.displays import Plot, figure_by
+from geomtorsion.support.files import written
+from geomtorsion.support.npz import write_npz
+from geomtorsion.support.outgoing import csv_cell, one_line
 
 
 @dataclass(frozen=True, eq=False)

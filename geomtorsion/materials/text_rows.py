@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from geomtorsion.checks import cut, shown
 from geomtorsion.errors import FileFormatError
-from geomtorsion.files import finite_number
+from geomtorsion.support.checks import cut, shown
+from geomtorsion.support.files import finite_number
 
 MISSING = ("", "nan")
 

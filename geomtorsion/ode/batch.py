@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geomtorsion.errors import WorkerError
-from geomtorsion.executors import Executor, each_done
 from geomtorsion.ode.engines.stacked import STACKED
 from geomtorsion.ode.system import Batch, Engine, Show, System, member_units, scaled_system
+from geomtorsion.support.executors import Executor, each_done
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geomtorsion.checks import cut
 from geomtorsion.errors import CheckpointError, FileFormatError
-from geomtorsion.files import written
-from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz, write_npz
 from geomtorsion.ode.engines.taylor import Taylor, is_available
 from geomtorsion.ode.roundings import Roundings
 from geomtorsion.ode.system import Engine, Run
 from geomtorsion.ode.trajectory import Runner, Stage, run_stage
+from geomtorsion.support.checks import cut
+from geomtorsion.support.files import written
+from geomtorsion.support.npz import TEXT_FORM, ArrayForm, json_in, read_npz, write_npz
 
 if TYPE_CHECKING:
     from geomtorsion.ode.solution import Problem

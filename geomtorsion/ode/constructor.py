@@ -9,13 +9,13 @@ from typing import Any, cast
 import numpy as np
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import ExpressionError, ShapeError, StartError, TimeError, UnknownNameError
 from geomtorsion.exact import Element
 from geomtorsion.ode.numbers import Numbers, Real
 from geomtorsion.ode.rates import Rates, default_groups
 from geomtorsion.ode.terms import At, Terms, When, expression, number, symbol_table
-from geomtorsion.precision import PRINTED
+from geomtorsion.support import checks
+from geomtorsion.support.precision import PRINTED
 
 Given = tuple[
     Rates, tuple[Real, ...], dict[str, Real], dict[str, Terms], dict[str, Terms], tuple[At, ...],

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from geomtorsion import checks
-from geomtorsion.copies import content_hash, equal_content
 from geomtorsion.errors import ExpressionError, StartError, UnknownNameError
 from geomtorsion.ode.numbers import Real
 from geomtorsion.ode.rates import Rates
 from geomtorsion.ode.terms import At, Terms
+from geomtorsion.support import checks
+from geomtorsion.support.copies import content_hash, equal_content
 
 # What sympy writes where it knows no smooth derivative.
 _UNSMOOTH = (sp.Derivative, sp.Subs, sp.DiracDelta)

@@ -10,13 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
-from geomtorsion.copies import only_fields
-from geomtorsion.displays import Plot, drawn_by, figure_by, key_completions
 from geomtorsion.errors import AccuracyError, StartError, TimeError, WorkerError
-from geomtorsion.executors import Executor, checked_executor, each_done
-from geomtorsion.hints import argument_hints, attribute_hints
 from geomtorsion.ode.batch import Failure, batch_method
 from geomtorsion.ode.engines import Engine
 from geomtorsion.ode.error_estimate import (
@@ -41,8 +35,14 @@ from geomtorsion.ode.singles import followed, listed, unfinished_text
 from geomtorsion.ode.solve import batch_engine
 from geomtorsion.ode.system import Show, checked_engine
 from geomtorsion.ode.trajectory import Trajectory
-from geomtorsion.precision import GOLDEN
-from geomtorsion.progress import PATIENCE, bar
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.copies import only_fields
+from geomtorsion.support.displays import Plot, drawn_by, figure_by, key_completions
+from geomtorsion.support.executors import Executor, checked_executor, each_done
+from geomtorsion.support.hints import argument_hints, attribute_hints
+from geomtorsion.support.precision import GOLDEN
+from geomtorsion.support.progress import PATIENCE, bar
 
 
 @attribute_hints(t="ensemble.times")

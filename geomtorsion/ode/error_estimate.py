@@ -29,7 +29,7 @@ import numpy as np
 from geomtorsion.ode.numbers import floats
 from geomtorsion.ode.system import Engine, columns
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory
-from geomtorsion.precision import GOLDEN
+from geomtorsion.support.precision import GOLDEN
 
 # The error is so many times the difference, for the finer run has an error of its own; and that run
 # starts so many units in the last place away, for roundings add up on the way.

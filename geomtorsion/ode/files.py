@@ -11,10 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from geomtorsion.caching import cached_property
-from geomtorsion.checks import DECLARED, cut, shown
 from geomtorsion.errors import FileFormatError, GeomtorsionError, StartError
-from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz
 from geomtorsion.ode.constructor import check_declared, declared_symbols
 from geomtorsion.ode.engines import Engine
 from geomtorsion.ode.engines.named import engine_named, is_own
@@ -25,6 +22,9 @@ from geomtorsion.ode.solution import DOUBLE, Cost, Solution
 from geomtorsion.ode.terms import At, When
 from geomtorsion.ode.trajectory import integrate
 from geomtorsion.ode.writing import FORMAT
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.checks import DECLARED, cut, shown
+from geomtorsion.support.npz import TEXT_FORM, ArrayForm, json_in, read_npz
 
 _FORMS = {
     "metadata": TEXT_FORM,

@@ -8,13 +8,13 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from geomtorsion.copies import only_fields
-from geomtorsion.executors import Executor
 from geomtorsion.ode.batch import Failure, run_batch
 from geomtorsion.ode.engines import Engine
 from geomtorsion.ode.system import Show, System
 from geomtorsion.ode.trajectory import Trajectory
-from geomtorsion.precision import GOLDEN
+from geomtorsion.support.copies import only_fields
+from geomtorsion.support.executors import Executor
+from geomtorsion.support.precision import GOLDEN
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geomtorsion.checks import near_names, shown
-from geomtorsion.copies import content_hash, equal_content
-from geomtorsion.displays import drawn_by, key_completions, values_text
 from geomtorsion.errors import UnknownNameError
+from geomtorsion.support.checks import near_names, shown
+from geomtorsion.support.copies import content_hash, equal_content
+from geomtorsion.support.displays import drawn_by, key_completions, values_text
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,10 +12,10 @@ import mpmath
 import numpy as np
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.codegen import exact_number, rational
 from geomtorsion.errors import AccuracyError, ShapeError, StartError, TimeError
-from geomtorsion.precision import GOLDEN, working_precision
+from geomtorsion.support import checks
+from geomtorsion.support.precision import GOLDEN, working_precision
 
 # A finite real number as it came: a float, a fraction, an exact sympy number, a longer float.
 Real: TypeAlias = float | Fraction | sp.Expr | mpmath.mpf

@@ -13,13 +13,8 @@ import mpmath
 import numpy as np
 import sympy as sp
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph, graph
-from geomtorsion.copies import content_hash, equal_content, only_fields
-from geomtorsion.displays import drawn_by, latex_of
 from geomtorsion.errors import ExpressionError, StartError, StuckError
-from geomtorsion.hints import attribute_hints
 from geomtorsion.ode import constructor
 from geomtorsion.ode.derivatives import Motion, term_slopes
 from geomtorsion.ode.engines import Taylor
@@ -32,7 +27,12 @@ from geomtorsion.ode.system import System
 from geomtorsion.ode.terms import At, Terms, When
 from geomtorsion.ode.trajectory import Event, Segment, Stage, State, Trajectory
 from geomtorsion.ode.writing import number_text, numbers_text, term_text, terms_text
-from geomtorsion.precision import working_precision
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.copies import content_hash, equal_content, only_fields
+from geomtorsion.support.displays import drawn_by, latex_of
+from geomtorsion.support.hints import attribute_hints
+from geomtorsion.support.precision import working_precision
 
 
 @attribute_hints(solve="gt.solve(problem, times)")

@@ -9,13 +9,13 @@ from functools import lru_cache
 
 import sympy as sp
 
-from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph, graph
-from geomtorsion.copies import content, content_hash, only_fields
 from geomtorsion.errors import ExpressionError
 from geomtorsion.ode.system import System
 from geomtorsion.ode.terms import KINKED
-from geomtorsion.precision import EPS
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.copies import content, content_hash, only_fields
+from geomtorsion.support.precision import EPS
 
 # Number of kept equations with their compiled code, some hundred kilobytes each. Dropped ones are
 # compiled again to the same code.

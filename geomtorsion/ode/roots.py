@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from geomtorsion.precision import EPS, GOLDEN
+from geomtorsion.support.precision import EPS, GOLDEN
 
 # Two crossings may hide where a parabola through three places comes this near to zero.
 NEAR = 0.3

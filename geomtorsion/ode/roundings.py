@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from geomtorsion.precision import GOLDEN
+from geomtorsion.support.precision import GOLDEN
 
 # A motion is changed after each of so many equal numbers of steps: roundings are many where steps
 # are short.

@@ -9,14 +9,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.codegen.arrays import BLOCK
 from geomtorsion.codegen.steps import ROUNDINGS
-from geomtorsion.copies import only_fields
-from geomtorsion.displays import Plot, drawn_by, figure_by, key_completions
 from geomtorsion.errors import ArgumentError, ExpressionError, TimeError
-from geomtorsion.hints import attribute_hints
 from geomtorsion.ode.derivatives import EventDerivative
 from geomtorsion.ode.error_estimate import CHANCE, SAFETY, UNALIKE, difference, rounding
 from geomtorsion.ode.moment import Moment, Term
@@ -24,8 +19,13 @@ from geomtorsion.ode.numbers import PARTS, times_between
 from geomtorsion.ode.roots import crossings
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory, close_times
 from geomtorsion.ode.writing import pandas_table, write_solution, xarray_dataset
-from geomtorsion.outgoing import size_text
-from geomtorsion.precision import EPS, GOLDEN
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.copies import only_fields
+from geomtorsion.support.displays import Plot, drawn_by, figure_by, key_completions
+from geomtorsion.support.hints import attribute_hints
+from geomtorsion.support.outgoing import size_text
+from geomtorsion.support.precision import EPS, GOLDEN
 
 if TYPE_CHECKING:
     from geomtorsion.errors import GeomtorsionError

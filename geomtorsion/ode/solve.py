@@ -11,10 +11,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.budget import affordable
 from geomtorsion.errors import AccuracyError, ArgumentError, StartError, TimeError
-from geomtorsion.hints import argument_hints
 from geomtorsion.ode.checkpoint import Checkpoint, fingerprint
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
 from geomtorsion.ode.engines.taylor import is_available
@@ -37,8 +34,11 @@ from geomtorsion.ode.roundings import PLACES, Roundings
 from geomtorsion.ode.solution import DOUBLE, Cost, Problem, Solution
 from geomtorsion.ode.system import WorkLimitError, checked_engine
 from geomtorsion.ode.trajectory import Trajectory, integrate
-from geomtorsion.precision import GOLDEN
-from geomtorsion.progress import reports
+from geomtorsion.support import checks
+from geomtorsion.support.budget import affordable
+from geomtorsion.support.hints import argument_hints
+from geomtorsion.support.precision import GOLDEN
+from geomtorsion.support.progress import reports
 
 Progress: TypeAlias = Callable[[float], object]
 # Accuracy of a solution for which none is requested.

@@ -10,14 +10,14 @@ from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph
-from geomtorsion.copies import only_fields
 from geomtorsion.errors import LimitError, StartError
 from geomtorsion.ode.numbers import Real, divided, floats, multiplied
 from geomtorsion.ode.roundings import Changes
-from geomtorsion.precision import EXACT_BITS
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.copies import only_fields
+from geomtorsion.support.precision import EXACT_BITS
 
 # Functions that have a value everywhere.
 ENTIRE = ("sin", "cos", "sinh", "cosh", "exp")

@@ -9,11 +9,11 @@ from typing import Any, TypeAlias
 
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import ExpressionError, StartError
 from geomtorsion.exact import parse_expression
 from geomtorsion.exact.element import Element
 from geomtorsion.ode.numbers import Real
+from geomtorsion.support import checks
 
 # An output is one expression, or several that make a vector.
 Terms: TypeAlias = sp.Expr | tuple[sp.Expr, ...]

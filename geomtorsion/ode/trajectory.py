@@ -9,9 +9,6 @@ from typing import TypeAlias
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
-from geomtorsion.copies import only_fields
 from geomtorsion.errors import StartError
 from geomtorsion.ode.numbers import PARTS, Real, floats
 from geomtorsion.ode.roots import crossings
@@ -27,6 +24,9 @@ from geomtorsion.ode.system import (
     extents_of,
     scaled_run,
 )
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.copies import only_fields
 
 State: TypeAlias = Sequence[Real] | np.ndarray
 # A motion with more events than this changes charts forever at an edge.

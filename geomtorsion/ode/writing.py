@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import MissingExtraError
-from geomtorsion.files import written
-from geomtorsion.npz import write_npz
 from geomtorsion.ode.engines.named import own_name
 from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.numbers import Real
 from geomtorsion.ode.trajectory import Trajectory
+from geomtorsion.support import checks
+from geomtorsion.support.files import written
+from geomtorsion.support.npz import write_npz
 
 # Version of the format of `write_solution`.
 FORMAT = 2

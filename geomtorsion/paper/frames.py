@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from geomtorsion.caching import cached_property
 from geomtorsion.geometry import Frame
 from geomtorsion.paper.statement import PHI, c2, phi1, phi2, phi3, s2
+from geomtorsion.support.caching import cached_property
 
 POSITION = sp.symbols("x1 x2 x3", real=True)
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import sympy as sp
 
 from geomtorsion.action import EquationsOfMotion, Variation, equations_of_motion, variation
-from geomtorsion.caching import cached_property
 from geomtorsion.geometry import Frame
 from geomtorsion.paper.frames import PaperFrames, attitude
 from geomtorsion.paper.statement import short
+from geomtorsion.support.caching import cached_property
 
 MOMENTS = sp.symbols("I1 I2 I3", positive=True)
 MASS = sp.Symbol("M", positive=True)

@@ -8,8 +8,8 @@ from itertools import permutations
 
 import sympy as sp
 
-from geomtorsion.checks import expression as expression_of
 from geomtorsion.geometry import Tensor
+from geomtorsion.support.checks import expression as expression_of
 
 Index = tuple[int, ...]
 Components = Mapping[Index, "sp.Expr | int"]

@@ -11,9 +11,6 @@ from typing import TYPE_CHECKING, TextIO
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.files import write_text, written
-from geomtorsion.outgoing import csv_cell
 from geomtorsion.pictures.curves import (
     attitude_picture,
     coordinates_picture,
@@ -24,6 +21,9 @@ from geomtorsion.pictures.curves import (
 from geomtorsion.pictures.quantities import Data
 from geomtorsion.pictures.style import can_draw, save
 from geomtorsion.spaces import Pair
+from geomtorsion.support import checks
+from geomtorsion.support.files import write_text, written
+from geomtorsion.support.outgoing import csv_cell
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -9,12 +9,12 @@ import sympy
 
 from geomtorsion.exact import Element
 from geomtorsion.gravity import FieldEquations
-from geomtorsion.outgoing import html_text
 from geomtorsion.pictures.formula import mathml
 from geomtorsion.pictures.latex import latex_label, latex_marks, latex_name, latex_text
 from geomtorsion.pictures.quantities import Entry, Quantity
 from geomtorsion.pictures.sections import section
 from geomtorsion.pictures.text import plain_text
+from geomtorsion.support.outgoing import html_text
 
 TITLE = "Field equations"
 ENTRIES = {

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.errors import ArgumentError
 from geomtorsion.fits import Fit
 from geomtorsion.ode import Solution
 from geomtorsion.pictures.style import SERIES, STYLE, captioned, mathematics, new_figure, quiet
+from geomtorsion.support import checks
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

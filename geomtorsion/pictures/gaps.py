@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from sympy import latex
 
-from geomtorsion import checks
 from geomtorsion.action import Variation
 from geomtorsion.errors import ArgumentError, ShapeError, UnknownNameError
 from geomtorsion.ode import Solution
 from geomtorsion.pictures.loops import GAP, IMAGE, PATH, START
 from geomtorsion.pictures.style import STYLE, arrow, captioned, new_figure, number, quiet
+from geomtorsion.support import checks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

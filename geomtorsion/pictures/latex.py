@@ -12,8 +12,8 @@ from sympy.core.function import AppliedUndef
 from sympy.printing.latex import LatexPrinter
 
 from geomtorsion.exact import PrintedOnce
-from geomtorsion.outgoing import latex_letters
 from geomtorsion.pictures.text import GREEK, MOST_PRIMES, greek_name, ordered_terms, to_sympy
+from geomtorsion.support.outgoing import latex_letters
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Tensor

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.materials.images import LatticeBurgers, LatticeImage, LatticePhases
 from geomtorsion.pictures.style import SERIES, arrow, captioned, new_figure, number
+from geomtorsion.support import checks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from sympy import Symbol, latex
 
-from geomtorsion import checks
 from geomtorsion.errors import LoopError, ShapeError
 from geomtorsion.loops import BurgersMap, BurgersVector, Hodograph, Loop, hodograph, outline
 from geomtorsion.pictures.style import FLAT, arrow, new_figure, quiet, sense
+from geomtorsion.support import checks
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

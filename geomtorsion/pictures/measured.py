@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.loops import Loop
 from geomtorsion.materials import Backdrop, Burgers, Section, Source, Survey
 from geomtorsion.pictures.loops import GAP, START
@@ -21,6 +20,7 @@ from geomtorsion.pictures.style import (
     new_figure,
     number,
 )
+from geomtorsion.support import checks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, LimitError, NetworkError
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import Loop, Network
@@ -26,6 +25,7 @@ from geomtorsion.pictures.style import (
     quiet,
     space_box,
 )
+from geomtorsion.support import checks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

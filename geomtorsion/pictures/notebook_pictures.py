@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from geomtorsion import checks
-from geomtorsion.displays import values_text
 from geomtorsion.geometry import DependencyGraph, notation
-from geomtorsion.outgoing import html_text, number_text, size_text
 from geomtorsion.pictures.development import draw_rolled_out
 from geomtorsion.pictures.fits import draw_fit
 from geomtorsion.pictures.loops import draw_closure, draw_loop, draw_map
 from geomtorsion.pictures.scene_plan import layers_picture
 from geomtorsion.pictures.solutions import draw_solution
 from geomtorsion.pictures.style import pictured
+from geomtorsion.support import checks
+from geomtorsion.support.displays import values_text
+from geomtorsion.support.outgoing import html_text, number_text, size_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

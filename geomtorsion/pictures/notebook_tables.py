@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Protocol
 
 from geomtorsion.errors import ExpressionError, LimitError
 from geomtorsion.geometry.notation import letters, open_mark, plain_symbol, short
-from geomtorsion.outgoing import html_text
 from geomtorsion.pictures.formula import mathml
 from geomtorsion.pictures.latex import latex_label, latex_matrix, latex_name, latex_text
 from geomtorsion.pictures.style import STYLE
+from geomtorsion.support.outgoing import html_text
 
 if TYPE_CHECKING:
     import sympy

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from geomtorsion import checks
 from geomtorsion.geometry import notation
-from geomtorsion.outgoing import duration_text, figure_text, html_text, size_text
 from geomtorsion.pictures.style import NOTHING, SERIES, captioned, new_figure, pictured, quiet
 from geomtorsion.prices import PriceList, PriceRow
+from geomtorsion.support import checks
+from geomtorsion.support.outgoing import duration_text, figure_text, html_text, size_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

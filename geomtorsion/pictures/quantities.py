@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.caching import cached_property
-from geomtorsion.checks import close_names
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.geometry.notation import open_mark
 from geomtorsion.pictures.latex import letters, text_label
 from geomtorsion.pictures.text import plain_text
 from geomtorsion.spaces import CONNECTION_QUANTITIES
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.checks import close_names
 
 if TYPE_CHECKING:
     import sympy

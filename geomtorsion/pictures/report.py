@@ -15,12 +15,9 @@ from typing import TYPE_CHECKING
 import sympy as sp
 from sympy.core.relational import Relational
 
-from geomtorsion import checks
 from geomtorsion.errors import GeomtorsionError, StartError
-from geomtorsion.files import write_texts
 from geomtorsion.loops import BurgersVector, Loop, burgers_vector
 from geomtorsion.ode import RungeKutta
-from geomtorsion.outgoing import html_text, size_text
 from geomtorsion.pictures.curve_files import Draw, curve_pictures
 from geomtorsion.pictures.field_equations import (
     TITLE,
@@ -37,6 +34,9 @@ from geomtorsion.pictures.text import greek_words
 from geomtorsion.pictures.verdicts import Verdict, of_identity, verdicts
 from geomtorsion.spaces import Pair, refuse_unknown_functions, solve_pair
 from geomtorsion.spaces.first_motion import first_motion
+from geomtorsion.support import checks
+from geomtorsion.support.files import write_texts
+from geomtorsion.support.outgoing import html_text, size_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

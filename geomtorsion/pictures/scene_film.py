@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geomtorsion.errors import FileFormatError, MissingExtraError
-from geomtorsion.files import written
 from geomtorsion.pictures.style import SERIES, STYLE, new_figure
+from geomtorsion.support.files import written
 
 if TYPE_CHECKING:
     from matplotlib.animation import FFMpegWriter, PillowWriter

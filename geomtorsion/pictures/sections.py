@@ -9,7 +9,6 @@ import sympy
 
 from geomtorsion.exact import TexPrinter
 from geomtorsion.geometry.notation import OPEN
-from geomtorsion.outgoing import html_text
 from geomtorsion.pictures.formula import mathml
 from geomtorsion.pictures.latex import (
     equation_latex,
@@ -20,6 +19,7 @@ from geomtorsion.pictures.latex import (
 )
 from geomtorsion.pictures.style import STYLE
 from geomtorsion.pictures.text import expression_text
+from geomtorsion.support.outgoing import html_text
 
 if TYPE_CHECKING:
     from geomtorsion.exact import Element

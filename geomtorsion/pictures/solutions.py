@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.curves import CurveProblem
 from geomtorsion.errors import ArgumentError, ShapeError
 from geomtorsion.ode import Ensemble, Solution
@@ -23,6 +22,7 @@ from geomtorsion.pictures.style import (
     number,
     quiet,
 )
+from geomtorsion.support import checks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

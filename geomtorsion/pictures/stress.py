@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.errors import GridError
 from geomtorsion.materials.elasticity import Stresses
 from geomtorsion.materials.lines import DislocationNetwork
 from geomtorsion.pictures.loops import START
 from geomtorsion.pictures.style import STYLE, captioned, new_figure, pictured
+from geomtorsion.support import checks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import FileFormatError, GeomtorsionError, MissingExtraError
-from geomtorsion.files import written
-from geomtorsion.outgoing import figure_text, html_text, terminal_text
 from geomtorsion.pictures.text import greek_name
-from geomtorsion.precision import EPS, PRINTED
+from geomtorsion.support import checks
+from geomtorsion.support.files import written
+from geomtorsion.support.outgoing import figure_text, html_text, terminal_text
+from geomtorsion.support.precision import EPS, PRINTED
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

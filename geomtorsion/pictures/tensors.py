@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from sympy import latex
 
-from geomtorsion import checks
 from geomtorsion.errors import ShapeError
 from geomtorsion.geometry import Tensor
 from geomtorsion.pictures.style import new_figure
+from geomtorsion.support import checks
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -9,10 +9,10 @@ from sympy.core.function import AppliedUndef
 from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.str import StrPrinter
 
-from geomtorsion import checks
-from geomtorsion.checks import expression as expression_of
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact import PrintedOnce
+from geomtorsion.support import checks
+from geomtorsion.support.checks import expression as expression_of
 
 # Letters by the names that LaTeX has for them.
 GREEK = checks.GREEK | {"varphi": "φ", "vartheta": "ϑ", "ell": "ℓ"}

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from flint import arb
 
-from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, GeomtorsionError
 from geomtorsion.geometry import Connection
 from geomtorsion.geometry.connections import FrameLike, as_frame
@@ -29,6 +28,7 @@ from geomtorsion.prices import offer as offers
 from geomtorsion.prices.motions import proved_claim
 from geomtorsion.prices.offer import Bounds, Claim, Offer, Request, Way
 from geomtorsion.proofs import Proof, prove
+from geomtorsion.support import checks
 
 # Digits of the proof against which errors are measured: twice as many as a double has.
 TRUTH_DIGITS = 2 * np.finfo(float).precision

@@ -8,8 +8,6 @@ from dataclasses import replace
 from threading import Lock
 from typing import Any
 
-from geomtorsion import checks
-from geomtorsion.budget import timed
 from geomtorsion.curves import CurveProblem
 from geomtorsion.errors import AccuracyError, ArgumentError, GeomtorsionError
 from geomtorsion.geometry import Connection, Frame, Tensor
@@ -19,8 +17,10 @@ from geomtorsion.ode import ODE, Engine, Ensemble, Solution
 from geomtorsion.prices import loops, motions, tensors
 from geomtorsion.prices.offer import ACCURACIES, PROOFS, HasPrice, Offer, Request, Run, Way
 from geomtorsion.prices.price_list import PriceList, PriceRow
-from geomtorsion.progress import reports
 from geomtorsion.proofs import Proof
+from geomtorsion.support import checks
+from geomtorsion.support.budget import timed
+from geomtorsion.support.progress import reports
 
 # Things with a price, first match first: each kind makes its offer for a request.
 KINDS: tuple[tuple[Any, Callable[[Any, Request], Offer]], ...] = (

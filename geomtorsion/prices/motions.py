@@ -30,10 +30,10 @@ from geomtorsion.ode.engines.stepwise import FLOOR
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.error_estimate import difference
 from geomtorsion.ode.numbers import checked_times
-from geomtorsion.precision import EPS
 from geomtorsion.prices import offer as offers
 from geomtorsion.prices.offer import Bounds, Claim, Offer, Request, Way
 from geomtorsion.proofs import Proof, prove
+from geomtorsion.support.precision import EPS
 
 # The square of double rounding, which is above the rounding of quadruple numbers.
 QUADRUPLE_TOLERANCE = EPS * EPS

@@ -7,9 +7,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
-from geomtorsion import checks
 from geomtorsion.errors import ArgumentError
 from geomtorsion.ode import Engine
+from geomtorsion.support import checks
 
 # Accuracies that are requested where none are named, and digits of proofs.
 ACCURACIES = (1e-3, 1e-6, 1e-9, 1e-12)

@@ -9,13 +9,13 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
-from geomtorsion import checks
-from geomtorsion.budget import TimeModel
-from geomtorsion.displays import Plot, drawn_by, figure_by
 from geomtorsion.errors import AccuracyError, UnknownNameError
-from geomtorsion.files import write_text
-from geomtorsion.outgoing import csv_cell, duration_text, size_text
 from geomtorsion.prices.offer import Bounds
+from geomtorsion.support import checks
+from geomtorsion.support.budget import TimeModel
+from geomtorsion.support.displays import Plot, drawn_by, figure_by
+from geomtorsion.support.files import write_text
+from geomtorsion.support.outgoing import csv_cell, duration_text, size_text
 
 HEAD = ("way", "requested", "claimed", "true", "claimed/true", "time", "spread", "memory")
 

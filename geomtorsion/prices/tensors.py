@@ -8,12 +8,12 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.errors import ArgumentError
 from geomtorsion.geometry import Tensor
-from geomtorsion.precision import working_digits
 from geomtorsion.prices import offer as offers
 from geomtorsion.prices.offer import Bounds, Claim, Offer, Request, Way
+from geomtorsion.support import checks
+from geomtorsion.support.precision import working_digits
 
 
 def tensor_offer(tensor: Tensor, request: Request) -> Offer:

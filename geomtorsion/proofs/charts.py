@@ -10,19 +10,19 @@ from typing import Any
 import sympy as sp
 from flint import arb, arb_mat, fmpq
 
-from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph, graph
 from geomtorsion.codegen.balls import BallCode, exact_ball
 from geomtorsion.curves import CurveProblem
 from geomtorsion.curves.atlas import Chart, TransitionMap
 from geomtorsion.curves.equations import Equations
 from geomtorsion.errors import ProofError
-from geomtorsion.precision import PRINTED
 from geomtorsion.proofs.courses import Position, Stretch
 from geomtorsion.proofs.events import Fall
 from geomtorsion.proofs.motions import Leg
 from geomtorsion.proofs.series import BallSystem
 from geomtorsion.proofs.sets import LohnerSet
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.precision import PRINTED
 
 
 @dataclass(frozen=True, eq=False)

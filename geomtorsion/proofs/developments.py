@@ -15,7 +15,6 @@ from geomtorsion.codegen.steps import Builder
 from geomtorsion.errors import ProofError
 from geomtorsion.geometry.derived import derived
 from geomtorsion.ode.system import System
-from geomtorsion.precision import ball_precision
 from geomtorsion.proofs.loops import Coframe, check_path, values_of
 from geomtorsion.proofs.motions import Leg, RefusalError, follow
 from geomtorsion.proofs.paths import BallArc, S, arcs_of
@@ -23,6 +22,7 @@ from geomtorsion.proofs.series import BallSystem
 from geomtorsion.proofs.sets import LohnerSet
 from geomtorsion.proofs.steps import Method
 from geomtorsion.proofs.wanted import MOST_BITS, SPARE, Wanted, log2
+from geomtorsion.support.precision import ball_precision
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Connection, Frame

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 from flint import arb, ctx
 
-from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph
 from geomtorsion.codegen.ball_functions import Ball
 from geomtorsion.codegen.balls import BallCode
 from geomtorsion.errors import ProofError
 from geomtorsion.proofs.series import BallSystem
 from geomtorsion.proofs.steps import Step
+from geomtorsion.support.caching import cached_property
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,16 +14,16 @@ from typing import TYPE_CHECKING
 
 from flint import acb, arb, arb_mat
 
-from geomtorsion.allowance import check_limits
 from geomtorsion.codegen import Graph, graph
 from geomtorsion.codegen.balls import BallCode, exact_ball, integral
 from geomtorsion.errors import MissingValueError, ProofError
 from geomtorsion.geometry.derived import derived
 from geomtorsion.loops.arcs import Number, shown
 from geomtorsion.loops.domain import loop_edges
-from geomtorsion.precision import ball_precision
 from geomtorsion.proofs.paths import BallArc, arcs_of
 from geomtorsion.proofs.wanted import MOST_BITS, SPARE, Wanted, log2, upper
+from geomtorsion.support.allowance import check_limits
+from geomtorsion.support.precision import ball_precision
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame

@@ -9,11 +9,11 @@ from typing import TypeAlias
 import sympy as sp
 from flint import acb, arb, arb_mat
 
-from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph, graph
 from geomtorsion.codegen.balls import BallCode, exact_ball
 from geomtorsion.errors import ProofError
 from geomtorsion.loops.arcs import Arc, Cubic, Curve, Ellipse, Part, Segment, dyadic_number
+from geomtorsion.support.caching import cached_property
 
 Balls: TypeAlias = Sequence[arb]
 # (s from 0 to 1, analytic) -> coordinates, then their slopes.

@@ -12,19 +12,19 @@ import flint
 import numpy as np
 from flint import arb
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
-from geomtorsion.copies import only_fields
-from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ArgumentError, ProofError, UnknownNameError
-from geomtorsion.exclusive import exclusive
 from geomtorsion.loops import BurgersVector, Development
 from geomtorsion.ode import Solution
-from geomtorsion.precision import EXACT_BITS, ball_precision, series_length
 from geomtorsion.proofs.developments import proved_development
 from geomtorsion.proofs.loops import proved_integrals
 from geomtorsion.proofs.solutions import SolutionTask
 from geomtorsion.proofs.wanted import Wanted, upper_float
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.copies import only_fields
+from geomtorsion.support.displays import drawn_by
+from geomtorsion.support.exclusive import exclusive
+from geomtorsion.support.precision import EXACT_BITS, ball_precision, series_length
 
 Result: TypeAlias = BurgersVector | Development | Solution
 ALWAYS = (

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 from flint import acb, arb, arb_mat, arb_series, ctx
 
-from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph
 from geomtorsion.codegen.ball_functions import Ball
 from geomtorsion.codegen.balls import BallCode, BallFunction, coefficient
-from geomtorsion.precision import series_length
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.precision import series_length
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -13,8 +13,8 @@ import numpy as np
 from flint import arb, arb_mat
 
 from geomtorsion.errors import ProofError
-from geomtorsion.precision import ball_precision
 from geomtorsion.proofs.wanted import FAR_BELOW, around_zero, log2, upper
+from geomtorsion.support.precision import ball_precision
 
 # Bits of all that bounds small things: relative roundings of 2^-64 in these are nothing.
 LOW_BITS = 64

@@ -15,12 +15,12 @@ from geomtorsion.curves import CurveProblem
 from geomtorsion.errors import ArgumentError, ProofError, ShapeError, UnknownNameError
 from geomtorsion.ode import ODE, Solution
 from geomtorsion.ode.trajectory import Segment
-from geomtorsion.precision import ball_precision
 from geomtorsion.proofs.charts import CurveCourse
 from geomtorsion.proofs.courses import Course, OdeCourse, Position, Stretch, exact_time
 from geomtorsion.proofs.motions import MOST_STEPS, RefusalError, follow
 from geomtorsion.proofs.steps import SMALLER, Method
 from geomtorsion.proofs.wanted import MOST_BITS, SPARE, Wanted, log2
+from geomtorsion.support.precision import ball_precision
 
 # Values that may replace a start.
 Start: TypeAlias = Mapping[str, Any] | Sequence[Any] | None

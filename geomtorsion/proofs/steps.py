@@ -15,13 +15,13 @@ from dataclasses import dataclass
 
 from flint import acb, arb, arb_mat, ctx, fmpq
 
-from geomtorsion.allowance import check_limits
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import ProofError
-from geomtorsion.precision import ball_precision
 from geomtorsion.proofs.series import BallSystem, Rows, polynomial, taylor, variation
 from geomtorsion.proofs.sets import FURTHEST, LOW_BITS, LohnerSet
 from geomtorsion.proofs.wanted import FAR_BELOW, around_zero, log2, upper
+from geomtorsion.support.allowance import check_limits
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.precision import ball_precision
 
 # A state smaller than the largest by more bits than this counts as smaller by only these bits.
 SMALLER = 30

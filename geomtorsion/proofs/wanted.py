@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from flint import arb
 
-from geomtorsion import checks
 from geomtorsion.codegen.ball_functions import Ball
 from geomtorsion.errors import ArgumentError
+from geomtorsion.support import checks
 
 MOST_DIGITS = 1000
 # Balls have this many more bits than the error that they judge.

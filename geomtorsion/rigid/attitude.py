@@ -16,9 +16,9 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
-from geomtorsion import checks
 from geomtorsion.errors import ShapeError, StartError, UnknownNameError
-from geomtorsion.precision import EPS, PRINTED
+from geomtorsion.support import checks
+from geomtorsion.support.precision import EPS, PRINTED
 
 Array = NDArray[np.float64]
 # One component of a quaternion: a number, an array of them, or an expression.

@@ -12,14 +12,14 @@ import flint
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import StartError, TimeError
 from geomtorsion.ode.numbers import checked_numbers, floats
-from geomtorsion.precision import EPS, PRINTED, ball_precision
 from geomtorsion.rigid.attitude import product, rotated
 from geomtorsion.rigid.double_double import DoubleDouble, reduced, turns
 from geomtorsion.rigid.free_top_series import Constants, constants, functions, is_steady
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.precision import EPS, PRINTED, ball_precision
 
 
 def tilted(momentum: NDArray[Any], precession: NDArray[Any], top: Constants) -> NDArray[Any]:

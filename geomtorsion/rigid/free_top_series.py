@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import flint
 import numpy as np
 
-from geomtorsion.precision import CONSTANT_BITS, EPS, ball_precision
 from geomtorsion.rigid.double_double import DoubleDouble
+from geomtorsion.support.precision import CONSTANT_BITS, EPS, ball_precision
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -9,9 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geomtorsion import checks
 from geomtorsion.errors import ShapeError, StartError
-from geomtorsion.precision import PRINTED
 from geomtorsion.rigid.attitude import (
     Array,
     checked_rotations,
@@ -19,6 +17,8 @@ from geomtorsion.rigid.attitude import (
     quaternion_from_rotation_vector,
     rotation_vector_from_matrix,
 )
+from geomtorsion.support import checks
+from geomtorsion.support.precision import PRINTED
 
 
 def exp(twist: ArrayLike) -> Array:

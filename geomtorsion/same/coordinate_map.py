@@ -10,14 +10,14 @@ import mpmath
 import numpy as np
 import sympy as sp
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import ArgumentError, CoordinateError, UnknownNameError
 from geomtorsion.geometry import Frame, levi_civita
 from geomtorsion.ode import ODE, solve
 from geomtorsion.same.invariants import Invariants
 from geomtorsion.same.matching import WORKING, Match
 from geomtorsion.same.values import Evaluation
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
 
 
 @dataclass(frozen=True)

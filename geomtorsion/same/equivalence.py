@@ -10,14 +10,10 @@ from typing import SupportsFloat
 import numpy as np
 import sympy as sp
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
-from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ArgumentError, UndecidedError
 from geomtorsion.exact import Certainty, Element, unknown_functions
 from geomtorsion.exact.common_values import can_agree
 from geomtorsion.exact.element import PROVED, least_certain
-from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Connection, Frame
 from geomtorsion.geometry.connections import FrameLike, frame_of
 from geomtorsion.geometry.validation import candidate_points
@@ -25,6 +21,10 @@ from geomtorsion.same.coordinate_map import CoordinateMap
 from geomtorsion.same.invariants import Growth, Invariants
 from geomtorsion.same.matching import DIGITS, FINENESS, Match, Search
 from geomtorsion.same.scalars import contradiction, scalars
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.displays import drawn_by
+from geomtorsion.support.exclusive import exclusive
 
 # So many scalars exclude a point; more only take longer.
 DEMANDS = 10

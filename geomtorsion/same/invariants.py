@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations, product
 
-from geomtorsion.caching import cached_property
 from geomtorsion.exact import Certainty, Echelon, Element
 from geomtorsion.exact.element import least_certain
-from geomtorsion.exclusive import exclusive
 from geomtorsion.geometry import Connection, Frame, Tensor, cartan, levi_civita
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.exclusive import exclusive
 
 Index = tuple[int, ...]
 # The chance that rows which are dependent at a random point modulo a prime are independent.

@@ -10,12 +10,12 @@ import mpmath
 import numpy as np
 import sympy as sp
 
-from geomtorsion.allowance import check_limits
 from geomtorsion.geometry import Frame
 from geomtorsion.geometry.validation import candidate_points
-from geomtorsion.precision import working_digits
 from geomtorsion.same.invariants import Invariants
 from geomtorsion.same.values import Array, Evaluation, Values, generators
+from geomtorsion.support.allowance import check_limits
+from geomtorsion.support.precision import working_digits
 
 # Digits to which invariants are compared, and those with which they are computed.
 DIGITS = 50

@@ -12,10 +12,10 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion import codegen
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import SingularPointError
-from geomtorsion.precision import working_digits
 from geomtorsion.same.invariants import Invariants
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.precision import working_digits
 
 Array = np.ndarray
 # Sums of products of floats up to one that vanish are smaller than this.

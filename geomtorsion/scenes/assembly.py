@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from geomtorsion.caching import cached_property
-from geomtorsion.checks import expression as expression_of
 from geomtorsion.errors import SceneError
 from geomtorsion.rigid.attitude import rotation_rows
 from geomtorsion.scenes.context import (
@@ -24,6 +22,8 @@ from geomtorsion.scenes.context import (
     Number,
     Symbols,
 )
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.checks import expression as expression_of
 
 if TYPE_CHECKING:
     from geomtorsion.scenes.body import Body

@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
-from geomtorsion.displays import short_repr
 from geomtorsion.errors import BodyError, SceneError
-from geomtorsion.precision import CALCULATED
-from geomtorsion.units import in_unit
+from geomtorsion.exact.units import in_unit
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.displays import short_repr
+from geomtorsion.support.precision import CALCULATED
 
 # A number as users give it: exact ones stay exact. An expression may also be text.
 Number = float | Fraction | sp.Expr | str

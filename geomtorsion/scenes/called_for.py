@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geomtorsion.caching import cached_property
-from geomtorsion.checks import did_you_mean
 from geomtorsion.errors import AccuracyError, GeomtorsionError, UnknownNameError
 from geomtorsion.ode.numbers import checked_accuracy
 from geomtorsion.ode.solution import DOUBLE
-from geomtorsion.outgoing import size_text
 from geomtorsion.pictures.scene_effects import influence_picture
 from geomtorsion.pictures.style import pictured, save
-from geomtorsion.progress import reports
 from geomtorsion.scenes.sensitivity import Sensitivity, relative_changes, sensitivity
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.checks import did_you_mean
+from geomtorsion.support.outgoing import size_text
+from geomtorsion.support.progress import reports
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geomtorsion.checks import shown
 from geomtorsion.errors import CheckpointError
 from geomtorsion.ode import Checkpoint, Cost, Engine, Run, Stage, integrate
 from geomtorsion.ode.checkpoint import fingerprint, part_name
@@ -16,6 +15,7 @@ from geomtorsion.ode.engines.named import engine_named, is_own
 from geomtorsion.ode.numbers import PARTS, checked_times
 from geomtorsion.scenes.result import SceneResult, result_of
 from geomtorsion.scenes.to_ode import observed
+from geomtorsion.support.checks import shown
 
 if TYPE_CHECKING:
     from geomtorsion.scenes.scene import Scene

@@ -12,12 +12,12 @@ from typing import Any
 
 from geomtorsion.errors import FileFormatError, GeomtorsionError
 from geomtorsion.exact.names import CONSTANTS, FUNCTIONS
-from geomtorsion.files import Key, TomlFile, read_toml
+from geomtorsion.exact.units import quantity, scale_of, with_unit
 from geomtorsion.scenes.body import Body
 from geomtorsion.scenes.effects import EFFECTS, Effect
 from geomtorsion.scenes.scene import Scene
 from geomtorsion.scenes.state import State
-from geomtorsion.units import quantity, scale_of, with_unit
+from geomtorsion.support.files import Key, TomlFile, read_toml
 
 _WORD = re.compile(r"[^\W0-9]\w*")
 _QUOTED = re.compile(r"'([^']*)'")
@@ -46,7 +46,7 @@ def placed(file: TomlFile, key: Key, what: str, known: Iterable[str] = ()) -> It
     Examples
     --------
     >>> from geomtorsion.errors import SceneError
-    >>> from geomtorsion.files import read_toml_text
+    >>> from geomtorsion.support.files import read_toml_text
     >>> file = read_toml_text("[body]\\nmass = 1\\nmoments = [1, 2, 4]", "a.toml")
     >>> with placed(file, ("body",), "body: ", ["mass", "moments"]):
     ...     raise SceneError("moments cannot be.")

@@ -8,14 +8,14 @@ from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion import checks
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.ode.numbers import checked_accuracy
-from geomtorsion.outgoing import size_text
 from geomtorsion.pictures.scene_effects import influence_picture
 from geomtorsion.pictures.style import pictured, save
 from geomtorsion.scenes.effects import EFFECTS, Drift, Effect, Spin, Surroundings
 from geomtorsion.scenes.sensitivity import relative_changes
+from geomtorsion.support import checks
+from geomtorsion.support.outgoing import size_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

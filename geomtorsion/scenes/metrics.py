@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import scipy  # loads its parts on first use
 
-from geomtorsion.checks import did_you_mean
 from geomtorsion.errors import SceneError, UnknownNameError
+from geomtorsion.support.checks import did_you_mean
 
 # A number, or a vector of them, as a sweep varies it.
 Values = float | tuple[float, ...]

@@ -10,7 +10,6 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
-from geomtorsion.checks import did_you_mean
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.rigid import attitude
 from geomtorsion.rigid.attitude import euler_from_quaternion
@@ -22,6 +21,7 @@ from geomtorsion.scenes.context import (
     VELOCITY,
     VERTICAL,
 )
+from geomtorsion.support.checks import did_you_mean
 
 
 def nutation(vertical: ArrayLike) -> np.ndarray:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.pictures.scene_attitude import (
     axes_picture,
@@ -21,6 +20,7 @@ from geomtorsion.pictures.scene_over_time import change_picture, trust_picture, 
 from geomtorsion.pictures.style import FLAT, number, save
 from geomtorsion.scenes.observables import FINE
 from geomtorsion.scenes.selection import selection_figure
+from geomtorsion.support import checks
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

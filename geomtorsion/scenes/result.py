@@ -12,20 +12,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geomtorsion.caching import cached_property
-from geomtorsion.checks import did_you_mean, shown
-from geomtorsion.copies import only_fields
 from geomtorsion.errors import FileFormatError, SceneError, UnknownNameError
-from geomtorsion.files import written
-from geomtorsion.hints import attribute_hints
-from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz, write_npz
 from geomtorsion.ode import Cost, solve
 from geomtorsion.ode.numbers import times_between
 from geomtorsion.ode.writing import pandas_table
-from geomtorsion.outgoing import csv_cell, size_text
 from geomtorsion.pictures.style import pictured
 from geomtorsion.scenes.plotting import plot
 from geomtorsion.scenes.to_ode import observed
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.checks import did_you_mean, shown
+from geomtorsion.support.copies import only_fields
+from geomtorsion.support.files import written
+from geomtorsion.support.hints import attribute_hints
+from geomtorsion.support.npz import TEXT_FORM, ArrayForm, json_in, read_npz, write_npz
+from geomtorsion.support.outgoing import csv_cell, size_text
 
 if TYPE_CHECKING:
     import pandas

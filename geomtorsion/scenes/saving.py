@@ -15,7 +15,6 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion.errors import FileFormatError, SceneError
-from geomtorsion.files import write_text, written
 from geomtorsion.pictures import style as pictures
 from geomtorsion.pictures.scene_film import block_sides, write_film
 from geomtorsion.pictures.style import save
@@ -25,6 +24,7 @@ from geomtorsion.scenes.plotting import drawings
 from geomtorsion.scenes.result import write_csv
 from geomtorsion.scenes.scene import Scene
 from geomtorsion.scenes.state import State
+from geomtorsion.support.files import write_text, written
 
 if TYPE_CHECKING:
     from geomtorsion.scenes.effects import Effect

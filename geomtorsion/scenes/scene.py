@@ -10,15 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
-from geomtorsion.checks import near_names
-from geomtorsion.copies import only_fields
 from geomtorsion.errors import GeomtorsionError, SceneError, UnknownNameError
-from geomtorsion.hints import attribute_hints
 from geomtorsion.ode import solve
 from geomtorsion.ode.numbers import check_memory, checked_accuracy, checked_times
-from geomtorsion.outgoing import html_text
 from geomtorsion.prices import Offer, Request
 from geomtorsion.scenes.assembly import Assembly, assemble
 from geomtorsion.scenes.body import Body, Number
@@ -33,6 +27,12 @@ from geomtorsion.scenes.solve import scene_offer, solve_scene
 from geomtorsion.scenes.state import State
 from geomtorsion.scenes.sweep import SceneSweep, sweep
 from geomtorsion.scenes.to_ode import ode_of, parameters_of, pruned_rates, start_of
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.checks import near_names
+from geomtorsion.support.copies import only_fields
+from geomtorsion.support.hints import attribute_hints
+from geomtorsion.support.outgoing import html_text
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
-from geomtorsion.caching import cached_property
 from geomtorsion.pictures.scene_plan import plan_picture
 from geomtorsion.pictures.style import pictured, svg_text
 from geomtorsion.scenes.assembly import WORK, Assembly, power_of
@@ -24,6 +23,7 @@ from geomtorsion.scenes.context import (
     group_of,
 )
 from geomtorsion.scenes.observables import Observable, observable
+from geomtorsion.support.caching import cached_property
 
 if TYPE_CHECKING:
     import networkx as nx

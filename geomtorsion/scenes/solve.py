@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import AccuracyError, StuckError, TimeError
 from geomtorsion.ode import Checkpoint, Cost, Engine, solve
 from geomtorsion.ode.checkpoint import fingerprint
@@ -20,11 +19,12 @@ from geomtorsion.ode.numbers import checked_times
 from geomtorsion.ode.solution import DOUBLE
 from geomtorsion.prices import Claim, Offer, Request, Way, motion_offer, tabulated, truth_of
 from geomtorsion.prices.offer import at
-from geomtorsion.progress import reports
 from geomtorsion.rigid import FreeTop, attitude, free_top
 from geomtorsion.scenes.context import OMEGA, POSITION, QUATERNION, VELOCITY, VERTICAL
 from geomtorsion.scenes.result import SceneResult, result_of
 from geomtorsion.scenes.to_ode import observed, parameters_of, start_of
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.progress import reports
 
 if TYPE_CHECKING:
     from geomtorsion.ode import Solution

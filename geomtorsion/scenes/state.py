@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
-from geomtorsion.displays import short_repr
 from geomtorsion.errors import StartError
+from geomtorsion.exact.units import in_unit
 from geomtorsion.rigid import attitude
 from geomtorsion.scenes.body import Number
-from geomtorsion.units import in_unit
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.displays import short_repr
 
 
 @dataclass(frozen=True)

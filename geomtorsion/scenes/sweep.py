@@ -12,11 +12,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.errors import AccuracyError, SceneError, StartError, StuckError, UnknownNameError
 from geomtorsion.ode import ODE, solve_many
 from geomtorsion.ode.writing import pandas_table
-from geomtorsion.outgoing import size_text
 from geomtorsion.pictures.scene_over_time import sweep_picture
 from geomtorsion.pictures.style import STYLE, number, save
 from geomtorsion.scenes.body import Number
@@ -25,6 +23,8 @@ from geomtorsion.scenes.observables import FINE
 from geomtorsion.scenes.result import write_csv
 from geomtorsion.scenes.solve import checked_states, closed_form
 from geomtorsion.scenes.to_ode import observed, parameters_of, start_of
+from geomtorsion.support import checks
+from geomtorsion.support.outgoing import size_text
 
 if TYPE_CHECKING:
     import pandas

@@ -13,11 +13,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import sympy as sp
 
-from geomtorsion.checks import expression as expression_of
 from geomtorsion.codegen import Graph, graph
 from geomtorsion.errors import GeomtorsionError, SceneError, StartError
 from geomtorsion.ode import ODE, At, When
-from geomtorsion.precision import EXACT_BITS, PRINTED, working_precision
 from geomtorsion.rigid import attitude
 from geomtorsion.scenes.assembly import WORK, Assembly, by_quaternion
 from geomtorsion.scenes.context import (
@@ -30,6 +28,8 @@ from geomtorsion.scenes.context import (
     VERTICAL,
     Number,
 )
+from geomtorsion.support.checks import expression as expression_of
+from geomtorsion.support.precision import EXACT_BITS, PRINTED, working_precision
 
 if TYPE_CHECKING:
     from geomtorsion.scenes.selection import StateSelection

@@ -7,10 +7,10 @@ from functools import partial
 
 from sympy import Expr, Integer, KroneckerDelta, LeviCivita, Rational, Symbol, symbols
 
-from geomtorsion.checks import expression
 from geomtorsion.geometry import Frame
 from geomtorsion.spaces.rotations import XYZ, angle_atlas, angle_embedding
 from geomtorsion.spaces.space import KnownAnswer, Space, matrix
+from geomtorsion.support.checks import expression
 
 A = Symbol("a", positive=True)
 

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
-from geomtorsion.checks import expression
 from geomtorsion.codegen import numpy_function
 from geomtorsion.exact import Field
 from geomtorsion.geometry import Frame
 from geomtorsion.spaces.coordinates import spherical
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.checks import expression
 
 Symbols = tuple[sp.Symbol, ...]
 

@@ -9,14 +9,14 @@ from typing import Any
 
 import sympy as sp
 
-from geomtorsion.checks import did_you_mean, flag, shown
 from geomtorsion.curves.atlas import Atlas, Chart, TransitionMap
 from geomtorsion.curves.atlas_check import check_atlas
 from geomtorsion.errors import CoordinateError, FileFormatError
 from geomtorsion.exact.tokens import Limits
-from geomtorsion.files import Decimal
 from geomtorsion.geometry import Frame
 from geomtorsion.spaces.vocabulary import FLAG, Vocabulary, array, texts, vocabulary
+from geomtorsion.support.checks import did_you_mean, flag, shown
+from geomtorsion.support.files import Decimal
 
 # Keys of a chart, and of the coordinates of the file.
 EDGE_KEYS = ("edge", "margin")

@@ -7,10 +7,7 @@ from dataclasses import replace
 from os import PathLike
 from typing import Any
 
-from geomtorsion import checks
-from geomtorsion.checks import did_you_mean, flag, shown
 from geomtorsion.errors import ArgumentError, FileFormatError
-from geomtorsion.files import Decimal, read_toml
 from geomtorsion.geometry import (
     Connection,
     Frame,
@@ -19,7 +16,6 @@ from geomtorsion.geometry import (
     from_contortion,
     from_spin_connection,
 )
-from geomtorsion.outgoing import one_line
 from geomtorsion.spaces.space import Space
 from geomtorsion.spaces.vocabulary import (
     FLAG,
@@ -29,6 +25,10 @@ from geomtorsion.spaces.vocabulary import (
     dimension_of,
     vocabulary,
 )
+from geomtorsion.support import checks
+from geomtorsion.support.checks import did_you_mean, flag, shown
+from geomtorsion.support.files import Decimal, read_toml
+from geomtorsion.support.outgoing import one_line
 
 TEXT_KEYS = ("name", "title", "story", "source", "notes")
 SYMBOL_KEYS = ("coordinates", "parameters", "functions", "domain", "names")

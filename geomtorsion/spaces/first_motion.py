@@ -9,12 +9,12 @@ from types import MappingProxyType
 
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.geometry import Frame
 from geomtorsion.geometry.relations import broken_relations
 from geomtorsion.spaces.registry import shipped
 from geomtorsion.spaces.space import FirstMotion
+from geomtorsion.support import checks
 
 # Directions of the legs, where nothing better is known.
 DIRECTION = (3, 2, 1, 2, 1, 2, 1)

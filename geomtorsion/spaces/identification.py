@@ -10,8 +10,6 @@ from math import prod
 
 import sympy as sp
 
-from geomtorsion import checks
-from geomtorsion.allowance import check_limits
 from geomtorsion.errors import ArgumentError, GeomtorsionError
 from geomtorsion.exact import unknown_functions
 from geomtorsion.geometry import Frame
@@ -20,6 +18,8 @@ from geomtorsion.same import Equivalence, Invariants, same_geometry
 from geomtorsion.same.equivalence import KEEPS, TRIES, parameter_values, refuse_functions, signature
 from geomtorsion.same.matching import parameters_near
 from geomtorsion.spaces.registry import names, shipped_space
+from geomtorsion.support import checks
+from geomtorsion.support.allowance import check_limits
 
 # Parameters are looked for as a rational number times powers of the parameters of the frame.
 POWERS = (Fraction(0), Fraction(1), Fraction(-1), Fraction(2), Fraction(-2), Fraction(1, 2))

@@ -10,14 +10,14 @@ from typing import TypeAlias
 import mpmath
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.curves.constructors import geodesic
 from geomtorsion.curves.problem import CurveProblem
 from geomtorsion.errors import AccuracyError, StartError
 from geomtorsion.ode.problem import ODE
-from geomtorsion.precision import CALCULATED, CONSTANT_BITS, working_precision
 from geomtorsion.spaces.registry import load
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.precision import CALCULATED, CONSTANT_BITS, working_precision
 
 # Places on a turn at which an average is taken first; they are doubled until it stays the same.
 FIRST_PLACES = 64

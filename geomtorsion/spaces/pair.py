@@ -9,8 +9,6 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.curves import CurveProblem, autoparallel, distance_apart, geodesic
 from geomtorsion.errors import AccuracyError, ChartEdgeError, StartError, TimeError
 from geomtorsion.exact import unknown_functions
@@ -21,6 +19,8 @@ from geomtorsion.spaces.embedding import Embedding
 from geomtorsion.spaces.first_motion import first_motion
 from geomtorsion.spaces.registry import embedding_of
 from geomtorsion.spaces.space import Space
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
 
 
 @dataclass(frozen=True, eq=False)

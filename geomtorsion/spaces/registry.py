@@ -8,9 +8,9 @@ from importlib import import_module
 from os import PathLike
 from typing import TYPE_CHECKING
 
-from geomtorsion.checks import close_names, shown
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.spaces.files import read_file
+from geomtorsion.support.checks import close_names, shown
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame

@@ -11,12 +11,12 @@ import sympy
 from sympy import Basic, Expr, Integer, Symbol
 from sympy.combinatorics.permutations import Permutation
 
-from geomtorsion.checks import expression
-from geomtorsion.copies import content_hash, equal_content
-from geomtorsion.displays import drawn_by
 from geomtorsion.geometry import Connection, Frame, cartan
-from geomtorsion.hints import attribute_hints
-from geomtorsion.outgoing import markdown_text
+from geomtorsion.support.checks import expression
+from geomtorsion.support.copies import content_hash, equal_content
+from geomtorsion.support.displays import drawn_by
+from geomtorsion.support.hints import attribute_hints
+from geomtorsion.support.outgoing import markdown_text
 
 if TYPE_CHECKING:
     from geomtorsion.curves.atlas import Atlas

@@ -10,10 +10,10 @@ from typing import Any
 
 import sympy
 
-from geomtorsion.checks import cut, did_you_mean, shown
 from geomtorsion.errors import FileFormatError
 from geomtorsion.exact import parse_expression
 from geomtorsion.geometry.relations import relations_in
+from geomtorsion.support.checks import cut, did_you_mean, shown
 
 ASSUMPTIONS = (
     "real", "positive", "negative", "nonnegative", "nonpositive", "nonzero", "integer", "complex",

@@ -9,7 +9,7 @@ from __future__ import annotations
 import pytest
 
 import geomtorsion as gt
-from geomtorsion.budget import timed
+from geomtorsion.support.budget import timed
 
 SECONDS = (0.002, 0.01, 0.05)
 

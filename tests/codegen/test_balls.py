@@ -17,7 +17,7 @@ from geomtorsion.codegen.ball_functions import COMPLEX, REAL
 from geomtorsion.codegen.balls import BallCode, coefficient, exact_ball, float_values
 from geomtorsion.codegen.printers import FUNCTIONS
 from geomtorsion.errors import ExpressionError
-from geomtorsion.precision import ball_precision
+from geomtorsion.support.precision import ball_precision
 
 X = sp.Symbol("x", real=True)
 Y = sp.Symbol("y", real=True)

@@ -12,7 +12,7 @@ import sympy as sp
 
 from geomtorsion.codegen import graph
 from geomtorsion.codegen.evaluation import exact_number, rational
-from geomtorsion.precision import EXACT_BITS
+from geomtorsion.support.precision import EXACT_BITS
 
 x, y = sp.symbols("x y")
 

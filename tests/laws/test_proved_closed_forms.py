@@ -9,7 +9,7 @@ from flint import arb, fmpq
 
 import geomtorsion as gt
 from geomtorsion.ode.engines.taylor import is_available
-from geomtorsion.precision import ball_precision
+from geomtorsion.support.precision import ball_precision
 
 pytestmark = pytest.mark.skipif(not is_available(), reason="needs heyoka")
 

@@ -9,10 +9,10 @@ import mpmath
 import sympy as sp
 from mpmath.libmp import prec_to_dps
 
-from geomtorsion import checks
 from geomtorsion.loops.arcs import exact_number
 from geomtorsion.loops.exact_integral import pieces, pulled_back
-from geomtorsion.precision import CONSTANT_BITS, working_digits
+from geomtorsion.support import checks
+from geomtorsion.support.precision import CONSTANT_BITS, working_digits
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame

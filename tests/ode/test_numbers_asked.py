@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 import geomtorsion as gt
-from geomtorsion import checks, scenes
+from geomtorsion import scenes
 from geomtorsion.errors import LimitError, TimeError
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.ode import ODE, RungeKutta, solve, solve_many
+from geomtorsion.support import checks
 
 SWING = ODE.of({"x": "v", "v": "-x"}, [1, 0])
 PLANE = gt.Frame("x y", [[1, 0], [0, 1]])

@@ -34,7 +34,7 @@ from geomtorsion.ode import (
 )
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.numbers import perturbed
-from geomtorsion.precision import GOLDEN
+from geomtorsion.support.precision import GOLDEN
 from tests.ode.engines import every_engine, needs_heyoka
 
 QUATERNION = {

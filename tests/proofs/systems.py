@@ -6,11 +6,11 @@ from flint import arb, fmpq
 
 from geomtorsion.codegen.balls import exact_ball
 from geomtorsion.ode import ODE
-from geomtorsion.precision import ball_precision
 from geomtorsion.proofs.motions import Leg, follow
 from geomtorsion.proofs.series import BallSystem
 from geomtorsion.proofs.sets import LOW_BITS, LohnerSet
 from geomtorsion.proofs.steps import Method, Stepper
+from geomtorsion.support.precision import ball_precision
 
 
 def system_of(rates, **parameters):

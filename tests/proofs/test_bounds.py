@@ -16,12 +16,12 @@ import sympy as sp
 from flint import acb, arb, arb_mat, fmpq
 
 from geomtorsion.ode import ODE
-from geomtorsion.precision import ball_precision
 from geomtorsion.proofs import steps
 from geomtorsion.proofs.series import BallSystem, polynomial, taylor, variation
 from geomtorsion.proofs.sets import LohnerSet
 from geomtorsion.proofs.steps import Disk, Method, Stepper, dyadic_below
 from geomtorsion.proofs.wanted import Wanted, around_zero, upper, upper_float
+from geomtorsion.support.precision import ball_precision
 from tests.proofs.systems import one_step, system_of
 
 # Radii of balls have 30 bits: the relative distance that a few roundings may add.

@@ -5,8 +5,8 @@ import sympy as sp
 from flint import arb, arb_mat
 
 import geomtorsion as gt
-from geomtorsion.precision import ball_precision
 from geomtorsion.proofs import developments
+from geomtorsion.support.precision import ball_precision
 
 S2 = gt.spaces.load("s2").frame
 SPHERE = gt.levi_civita(S2)

@@ -7,8 +7,8 @@ from flint import arb
 
 import geomtorsion as gt
 from geomtorsion.errors import ProofError
-from geomtorsion.precision import ball_precision
 from geomtorsion.proofs import events
+from geomtorsion.support.precision import ball_precision
 
 SWING = {"x": "v", "v": "-x", "s": "1"}
 

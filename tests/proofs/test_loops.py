@@ -8,10 +8,10 @@ from flint import arb
 
 import geomtorsion as gt
 from geomtorsion.errors import ProofError
-from geomtorsion.precision import ball_precision
 from geomtorsion.proofs import loops
 from geomtorsion.proofs.paths import arcs_of, spline_coefficients
 from geomtorsion.proofs.wanted import Wanted
+from geomtorsion.support.precision import ball_precision
 from tests.proofs.test_prove import as_if_around
 
 X, Y, Z = sp.symbols("x y z", real=True)

@@ -6,7 +6,7 @@ import sympy as sp
 from flint import arb
 
 import geomtorsion as gt
-from geomtorsion.precision import ball_precision
+from geomtorsion.support.precision import ball_precision
 
 X = sp.Symbol("x", real=True)
 PRIME = {"airyaiprime": lambda x: mpmath.airyai(x, derivative=1)}

@@ -5,8 +5,8 @@ import sympy as sp
 from flint import acb, arb
 
 import geomtorsion as gt
-from geomtorsion.precision import ball_precision
 from geomtorsion.proofs.paths import arcs_of, spline_coefficients
+from geomtorsion.support.precision import ball_precision
 
 
 @pytest.fixture(autouse=True)

@@ -13,10 +13,10 @@ import sympy as sp
 from flint import arb
 
 import geomtorsion as gt
-from geomtorsion import allowance
 from geomtorsion.errors import ArgumentError, ProofError, ShapeError, UnknownNameError
-from geomtorsion.precision import ball_precision
 from geomtorsion.proofs import loops, motions
+from geomtorsion.support import allowance
+from geomtorsion.support.precision import ball_precision
 
 SO3 = gt.spaces.load("so3").frame
 SCREW = gt.spaces.load("screw_dislocation").frame

@@ -9,12 +9,12 @@ from flint import arb, arb_mat, fmpq
 
 from geomtorsion.codegen import graph
 from geomtorsion.codegen.balls import BallCode
-from geomtorsion.precision import ball_precision
 from geomtorsion.proofs import charts, loops
 from geomtorsion.proofs.events import Fall
 from geomtorsion.proofs.motions import Leg, RefusalError, follow
 from geomtorsion.proofs.sets import LohnerSet
 from geomtorsion.proofs.steps import Method
+from geomtorsion.support.precision import ball_precision
 from tests.proofs.systems import system_of
 
 RADIUS = arb(2) ** -12

@@ -6,9 +6,9 @@ import pytest
 from flint import arb, arb_mat
 
 from geomtorsion.errors import ProofError
-from geomtorsion.precision import ball_precision
 from geomtorsion.proofs import sets
 from geomtorsion.proofs.sets import LohnerSet
+from geomtorsion.support.precision import ball_precision
 
 
 def corners(whole):

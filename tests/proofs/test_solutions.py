@@ -8,8 +8,8 @@ import sympy as sp
 from flint import arb
 
 import geomtorsion as gt
-from geomtorsion.precision import ball_precision
 from geomtorsion.spaces.pair import solve_pair
+from geomtorsion.support.precision import ball_precision
 from tests.proofs.campaign import FAMILIES, campaign
 
 

@@ -6,10 +6,10 @@ import pytest
 from flint import arb, arb_mat, fmpq
 
 import geomtorsion as gt
-from geomtorsion.precision import ball_precision
 from geomtorsion.proofs import series, steps
 from geomtorsion.proofs.series import BallSystem
 from geomtorsion.proofs.steps import Method
+from geomtorsion.support.precision import ball_precision
 from tests.proofs.systems import end_of, one_step, system_of
 
 POLE = {"x": "x**2"}

@@ -5,9 +5,9 @@ import random
 import pytest
 
 from geomtorsion.errors import GeomtorsionError
-from geomtorsion.files import read_toml_text
 from geomtorsion.scenes.files import scene_from
 from geomtorsion.scenes.shipped import names, path_of
+from geomtorsion.support.files import read_toml_text
 
 PIECES = (
     '"', "[", "]", "{", "=", "#", "1", "-1", "1e400", "nan", "true", '"x"', '"1/0"', "[]", "{}",

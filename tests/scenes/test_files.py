@@ -7,11 +7,11 @@ import pytest
 import sympy as sp
 
 from geomtorsion.errors import FileFormatError, GeomtorsionError, StartError, UnknownNameError
-from geomtorsion.files import read_toml_text
 from geomtorsion.scenes import Body, Scene, State, effects, load, names, read_file, to_toml
 from geomtorsion.scenes.files import scene_from
 from geomtorsion.scenes.saving import write_file
 from geomtorsion.scenes.shipped import described
+from geomtorsion.support.files import read_toml_text
 
 TOP = """\
 name = "top"

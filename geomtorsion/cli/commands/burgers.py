@@ -11,7 +11,6 @@ from typing import Annotated, Any
 import sympy as sp
 import typer
 
-from geomtorsion.checks import cut
 from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.options import (
     Form,
@@ -32,7 +31,6 @@ from geomtorsion.cli.results import show_burgers
 from geomtorsion.cli.sources import Reading, identity_frame, open_space, opened
 from geomtorsion.cli.terminal import working
 from geomtorsion.errors import GeomtorsionError, LoopError, MissingExtraError, MissingValueError
-from geomtorsion.files import write_text
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import BurgersVector, Loop, burgers_vector, exact_burgers_vector
 from geomtorsion.loops.loop_files import (
@@ -44,10 +42,12 @@ from geomtorsion.loops.loop_files import (
     read_loops,
 )
 from geomtorsion.materials.readers import is_source
-from geomtorsion.outgoing import number_text, size_text
 from geomtorsion.pictures.loops import draw_closure
 from geomtorsion.pictures.style import save
 from geomtorsion.proofs import prove
+from geomtorsion.support.checks import cut
+from geomtorsion.support.files import write_text
+from geomtorsion.support.outgoing import number_text, size_text
 
 MOST_PICTURES = 12
 WHOLE_TURN = "0,2*pi"

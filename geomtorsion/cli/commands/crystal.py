@@ -11,23 +11,23 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from geomtorsion.checks import cut, shown
 from geomtorsion.cli.crystal_page import crystal_page
 from geomtorsion.cli.exits import resumable
 from geomtorsion.cli.options import Form, argument, directory, option
 from geomtorsion.cli.terminal import some_rows
 from geomtorsion.conventions import burgers
 from geomtorsion.errors import CheckpointError, CrystalError, GeomtorsionError, MissingExtraError
-from geomtorsion.files import check_resumption, plain_float, write_text, written
 from geomtorsion.materials.crystals import LATTICES
 from geomtorsion.materials.crystals.atom_arrays import is_atom_array
 from geomtorsion.materials.crystals.reports import Json, followed
 from geomtorsion.materials.crystals.trajectories import Wanted, forget, is_begun, reports
 from geomtorsion.materials.lines import DislocationNetwork
-from geomtorsion.outgoing import csv_cell
 from geomtorsion.pictures.network import draw_lines
 from geomtorsion.pictures.style import save
-from geomtorsion.progress import bar
+from geomtorsion.support.checks import cut, shown
+from geomtorsion.support.files import check_resumption, plain_float, write_text, written
+from geomtorsion.support.outgoing import csv_cell
+from geomtorsion.support.progress import bar
 
 FRAMES = "frames"
 # Words for regions that are not a lattice.

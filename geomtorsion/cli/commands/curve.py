@@ -28,12 +28,12 @@ from geomtorsion.cli.options import (
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import right_aligned, some_rows, working
 from geomtorsion.cli.values import engine_of, start_lines, start_options
-from geomtorsion.outgoing import number_text, size_text
 from geomtorsion.pictures.curve_files import write_curves
 from geomtorsion.pictures.style import can_draw
-from geomtorsion.progress import bar
 from geomtorsion.proofs import prove
 from geomtorsion.spaces import Pair, solve_pair
+from geomtorsion.support.outgoing import number_text, size_text
+from geomtorsion.support.progress import bar
 
 # Characters of a number, and the most coordinates that both curves show in one row.
 WIDTH, SIDE_BY_SIDE = 11, 4

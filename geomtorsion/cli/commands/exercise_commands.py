@@ -11,13 +11,13 @@ from typing import Annotated, Any
 
 import typer
 
-from geomtorsion.checks import cut, shown
 from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.options import Number, Seed, argument, directory, option, say_written
 from geomtorsion.cli.terminal import shows_greek, working, wrapped
 from geomtorsion.cli.values import parts
 from geomtorsion.errors import FileFormatError
-from geomtorsion.progress import bar
+from geomtorsion.support.checks import cut, shown
+from geomtorsion.support.progress import bar
 from geomtorsion.teaching.exercises import exports, grading, load
 from geomtorsion.teaching.exercises.examiner import Examiner
 from geomtorsion.teaching.exercises.grading import loaded, read_submission

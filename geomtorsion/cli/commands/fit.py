@@ -12,7 +12,6 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from geomtorsion.checks import cut, shown
 from geomtorsion.cli.options import (
     NO_PICTURES,
     EngineName,
@@ -32,13 +31,14 @@ from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working
 from geomtorsion.cli.values import engine_of, named_numbers, number, start_lines, start_options
 from geomtorsion.errors import FileFormatError
-from geomtorsion.files import read_text, write_texts
 from geomtorsion.fits import Fit
 from geomtorsion.fits import fit as fitted
 from geomtorsion.materials.text_rows import lines_of, number_rows
-from geomtorsion.outgoing import csv_cell
 from geomtorsion.pictures.style import can_draw, save
 from geomtorsion.spaces import pair_problems
+from geomtorsion.support.checks import cut, shown
+from geomtorsion.support.files import read_text, write_texts
+from geomtorsion.support.outgoing import csv_cell
 
 NOISE = "sigma_"
 

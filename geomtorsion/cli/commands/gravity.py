@@ -9,7 +9,6 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from geomtorsion.checks import shown
 from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.options import Form, Proved, SpaceOrFile, directory, option, say_written
 from geomtorsion.cli.sources import open_space
@@ -29,13 +28,14 @@ from geomtorsion.errors import ArgumentError, FileFormatError
 from geomtorsion.gravity import FieldEquations
 from geomtorsion.gravity.fluids import Fluid
 from geomtorsion.ode import Solution
-from geomtorsion.outgoing import number_text
 from geomtorsion.pictures.field_equations import field_equations_data
 from geomtorsion.pictures.latex import text_label, text_marks
 from geomtorsion.pictures.style import can_draw
 from geomtorsion.pictures.text import expression_text
 from geomtorsion.proofs import prove
 from geomtorsion.spaces import Space
+from geomtorsion.support.checks import shown
+from geomtorsion.support.outgoing import number_text
 
 # Characters of a number in a table, and its digits.
 WIDTH = len("  -1.234567e-8")

@@ -9,7 +9,6 @@ from typing import Annotated, Any
 
 import typer
 
-from geomtorsion.checks import count, cut, shown
 from geomtorsion.cli.commands.burgers import loop_data
 from geomtorsion.cli.exits import ExitCode, resumable
 from geomtorsion.cli.options import (
@@ -39,7 +38,6 @@ from geomtorsion.cli.results import (
 from geomtorsion.cli.sources import Reading, dashed, identity_frame, opened, sigma_of
 from geomtorsion.cli.terminal import working, wrapped
 from geomtorsion.errors import CheckpointError, GridError, ImageError, OrientationError
-from geomtorsion.files import plain_float, write_text
 from geomtorsion.loops.loop_files import loop_from_data
 from geomtorsion.materials.fields.blocked_fields import BlockedSurvey, map_in_blocks
 from geomtorsion.materials.fields.blocked_map import run_in
@@ -47,7 +45,9 @@ from geomtorsion.materials.fields.contents import module
 from geomtorsion.materials.readers import is_array, open_in_blocks
 from geomtorsion.pictures.measured import draw_circuits, draw_survey
 from geomtorsion.pictures.style import can_draw, save
-from geomtorsion.progress import bar
+from geomtorsion.support.checks import count, cut, shown
+from geomtorsion.support.files import plain_float, write_text
+from geomtorsion.support.progress import bar
 
 
 def map(

@@ -10,20 +10,20 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from geomtorsion.checks import cut
 from geomtorsion.cli.commands.burgers import loop_data
 from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.options import Form, argument, directory, option
 from geomtorsion.cli.terminal import ROWS
 from geomtorsion.errors import GeomtorsionError, MissingExtraError, NetworkError
-from geomtorsion.files import write_text
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import Loop
 from geomtorsion.loops.loop_files import loop_from_data
 from geomtorsion.materials.lines import DislocationNetwork, LineFamily
 from geomtorsion.pictures.network import draw_lines
 from geomtorsion.pictures.style import save
-from geomtorsion.progress import bar
+from geomtorsion.support.checks import cut
+from geomtorsion.support.files import write_text
+from geomtorsion.support.progress import bar
 
 Texts = list[str]
 

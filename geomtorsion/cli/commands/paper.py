@@ -8,9 +8,9 @@ from typing import Annotated
 
 import typer
 
-from geomtorsion.checks import shown
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.paper import statements
+from geomtorsion.support.checks import shown
 
 TITLE = (
     "P. Fiziev, H. Kleinert, FUB-HEP/94-5 (1994), equations (1) to (27), each recomputed\n"

@@ -11,8 +11,8 @@ from geomtorsion.cli.options import SpaceOrScene, Watch, argument, option
 from geomtorsion.cli.scene_sources import is_scene, open_scene, space_or_hint, start_angles
 from geomtorsion.cli.terminal import working
 from geomtorsion.errors import UnknownNameError
-from geomtorsion.files import write_text
 from geomtorsion.scenes import StateSelection
+from geomtorsion.support.files import write_text
 
 # How the nodes of a scene's graph are drawn by Graphviz.
 LOOKS = {"effect": "shape=box", "watch": "style=bold", "state": "shape=ellipse"}

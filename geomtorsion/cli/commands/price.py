@@ -31,13 +31,13 @@ from geomtorsion.cli.sources import Reading, identity_frame, opened
 from geomtorsion.cli.terminal import working
 from geomtorsion.cli.values import engine_of, named_numbers, numbers, start_lines, start_options
 from geomtorsion.errors import StartError
-from geomtorsion.files import write_text
 from geomtorsion.materials.readers import is_source
 from geomtorsion.ode import Engine
-from geomtorsion.outgoing import duration_text
 from geomtorsion.pictures.style import can_draw, save
-from geomtorsion.progress import bar
 from geomtorsion.spaces import pair_problems
+from geomtorsion.support.files import write_text
+from geomtorsion.support.outgoing import duration_text
+from geomtorsion.support.progress import bar
 
 
 class Curve(StrEnum):

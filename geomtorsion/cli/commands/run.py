@@ -28,15 +28,15 @@ from geomtorsion.cli.scene_sources import open_scene, start_angles
 from geomtorsion.cli.terminal import WIDTH, right_aligned, some_rows, working
 from geomtorsion.cli.values import engine_of
 from geomtorsion.errors import CheckpointError, GeomtorsionError, StuckError
-from geomtorsion.files import check_resumption, write_text
 from geomtorsion.ode import Engine
 from geomtorsion.pictures.style import can_draw
-from geomtorsion.progress import bar
 from geomtorsion.proofs import prove
 from geomtorsion.scenes import EffectBudget, Scene, SceneResult
 from geomtorsion.scenes.checkpoint import partial_result
 from geomtorsion.scenes.result import write_csv
 from geomtorsion.scenes.saving import write_run, write_scene_film
+from geomtorsion.support.files import check_resumption, write_text
+from geomtorsion.support.progress import bar
 
 CHECKPOINT, PARTIAL = "checkpoint.npz", "partial.csv"
 # The least width of a column: a number of six digits with its sign and exponent, and a gap.

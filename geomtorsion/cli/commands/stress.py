@@ -9,19 +9,19 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from geomtorsion.checks import choice, shown
 from geomtorsion.cli.options import Form, argument, directory, option
 from geomtorsion.cli.results import say_on_error
 from geomtorsion.cli.terminal import wrapped
 from geomtorsion.errors import FileFormatError, GeomtorsionError, GridError, NetworkError
-from geomtorsion.files import ending, finite_number, write_text
 from geomtorsion.materials.elasticity import ElasticConstants, NyeField, Stresses, stresses
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.lines import DislocationNetwork
 from geomtorsion.materials.readers import is_source, open_source
 from geomtorsion.pictures.stress import COMPONENTS, draw_stress
 from geomtorsion.pictures.style import can_draw, save
-from geomtorsion.progress import bar
+from geomtorsion.support.checks import choice, shown
+from geomtorsion.support.files import ending, finite_number, write_text
+from geomtorsion.support.progress import bar
 
 # Options in messages of the library -> as typed.
 TYPED = {

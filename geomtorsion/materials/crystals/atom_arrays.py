@@ -10,7 +10,7 @@ from geomtorsion.errors import CrystalError
 from geomtorsion.materials.crystals.atom_rows import AtomData
 from geomtorsion.materials.crystals.given import POSITIONS, Given
 from geomtorsion.materials.fields.contents import guarded
-from geomtorsion.npz import ArrayForm, mapped_npy, read_npz
+from geomtorsion.support.npz import ArrayForm, mapped_npy, read_npz
 
 # Arrays of an .npz file. An .npy file holds only the positions.
 _FORMS = {

@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterator
 from itertools import pairwise
 
-from geomtorsion.checks import shown
 from geomtorsion.errors import FileFormatError
+from geomtorsion.support.checks import shown
 
 _WHOLE = re.compile("[+-]?[0-9]+")
 

@@ -12,10 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.checks import LARGEST_ARRAYS, cut, file_name, shown
 from geomtorsion.errors import FileFormatError, MissingExtraError
-from geomtorsion.files import BOUNDS, ending, finite_number, opened, read_text
 from geomtorsion.materials.crystals.atom_counts import check_count_of_gro, check_declared
 from geomtorsion.materials.crystals.atom_rows import AtomData, check_number, completed, is_number
 from geomtorsion.materials.crystals.lammps import (
@@ -26,7 +23,10 @@ from geomtorsion.materials.crystals.lammps import (
     seems_dump,
 )
 from geomtorsion.materials.crystals.xyz import xyz_blocks, xyz_frame
-from geomtorsion.outgoing import quiet_libraries
+from geomtorsion.support import checks
+from geomtorsion.support.checks import LARGEST_ARRAYS, cut, file_name, shown
+from geomtorsion.support.files import BOUNDS, ending, finite_number, opened, read_text
+from geomtorsion.support.outgoing import quiet_libraries
 
 if TYPE_CHECKING:
     from ase import Atoms

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.checks import cut, shown
 from geomtorsion.errors import FileFormatError
+from geomtorsion.support import checks
+from geomtorsion.support.checks import cut, shown
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,8 +10,6 @@ import numpy as np
 import scipy  # loads its parts on first use
 from numpy.typing import ArrayLike
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import CrystalError
 from geomtorsion.loops.validation import once_round
 from geomtorsion.materials.burgers import Burgers
@@ -19,6 +17,8 @@ from geomtorsion.materials.crystals.frames import Frame
 from geomtorsion.materials.crystals.shells import reach_of_shells
 from geomtorsion.materials.crystals.triangulation import Cell
 from geomtorsion.materials.lines.reactions import Vector, written
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
 
 # An atom, and the number of periods by which it is moved.
 Site = tuple[int, int, int, int]

@@ -10,8 +10,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import CrystalError
 from geomtorsion.loops import Cochain, Complex
 from geomtorsion.materials.crystals.circuits import AtomCircuits
@@ -47,6 +45,8 @@ from geomtorsion.materials.crystals.torn_faces import TornFaces
 from geomtorsion.materials.crystals.torsion import Torsion
 from geomtorsion.materials.crystals.triangulation import Cell, Triangulation, triangulated
 from geomtorsion.materials.lines.dislocation_network import DislocationNetwork
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
 
 
 @dataclass(frozen=True, eq=False, repr=False, init=False)

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import CrystalError
 from geomtorsion.materials.crystals.lattices import LATTICES, Lattice, lattice_named
 from geomtorsion.materials.crystals.local_frames import (
@@ -21,6 +20,7 @@ from geomtorsion.materials.crystals.local_frames import (
 from geomtorsion.materials.crystals.method import METHOD
 from geomtorsion.materials.crystals.triangulation import by_rows
 from geomtorsion.rigid.attitude import matrix_from_quaternion, product, quaternion_from_matrix
+from geomtorsion.support.caching import cached_property
 
 # For each atom of a sample: twice as many as determine a lattice, since noise adds others.
 NEIGHBOURS = 2 * max(lattice.shells for lattice in LATTICES.values())

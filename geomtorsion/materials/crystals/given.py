@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import CrystalError
 from geomtorsion.materials.crystals.lattices import lattice_named
 from geomtorsion.materials.crystals.triangulation import Cell
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
 
 POSITIONS = "positions"
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geomtorsion import checks
 from geomtorsion.errors import CrystalError
 from geomtorsion.materials.crystals.circuits import AtomCircuit, AtomCircuits
 from geomtorsion.materials.crystals.grains import Grains, Nowhere
+from geomtorsion.support import checks
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,12 +8,12 @@ from enum import IntEnum
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.errors import CrystalError
 from geomtorsion.materials.crystals.frames import Frame, InFrame
 from geomtorsion.materials.crystals.local_frames import symmetry_of
 from geomtorsion.materials.maps.symmetry import angle_of
 from geomtorsion.rigid.attitude import matrix_from_quaternion, product, quaternion_from_matrix
+from geomtorsion.support import checks
 
 
 class Nowhere(IntEnum):

@@ -10,9 +10,7 @@ from itertools import islice
 
 import numpy as np
 
-from geomtorsion.checks import cut, shown
 from geomtorsion.errors import FileFormatError
-from geomtorsion.files import finite_number
 from geomtorsion.materials.crystals.atom_rows import (
     AtomData,
     completed,
@@ -20,6 +18,8 @@ from geomtorsion.materials.crystals.atom_rows import (
     odd_row,
     table_of,
 )
+from geomtorsion.support.checks import cut, shown
+from geomtorsion.support.files import finite_number
 
 # Key of a row above the sections of a data file -> number of the row, and its other words.
 Said = dict[str, tuple[int, list[str]]]

@@ -9,9 +9,9 @@ from math import sqrt
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import CrystalError
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
 
 # No lattice vector is perpendicular to it: its sign decides whether v or -v is decoded.
 _SIDE = np.array([1.0, np.sqrt(2) - 1, np.sqrt(3) - np.sqrt(2)])

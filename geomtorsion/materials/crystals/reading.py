@@ -7,12 +7,12 @@ from os import PathLike
 
 from numpy.typing import ArrayLike
 
-from geomtorsion import checks
 from geomtorsion.errors import CrystalError, FileFormatError
 from geomtorsion.materials.crystals.atom_files import atom_frames
 from geomtorsion.materials.crystals.atom_rows import AtomData
 from geomtorsion.materials.crystals.crystal import Crystal
 from geomtorsion.materials.crystals.known_grains import KnownGrains
+from geomtorsion.support import checks
 
 # Symbols of elements or numbers of types; None for all atoms.
 Species = str | int | Sequence[str | int] | None

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 import scipy  # loads its parts on first use
 
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import CrystalError
 from geomtorsion.materials.crystals.frames import sampled
 from geomtorsion.materials.crystals.triangulation import Cell
+from geomtorsion.support.caching import cached_property
 
 
 @dataclass(frozen=True, eq=False)

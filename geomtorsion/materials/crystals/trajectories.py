@@ -9,10 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from geomtorsion.caching import cached_property
-from geomtorsion.checks import LARGEST_ARRAYS
 from geomtorsion.errors import CheckpointError, GeomtorsionError
-from geomtorsion.files import digest_of, read_json_text, read_text, write_text, written
 from geomtorsion.materials.crystals.atom_arrays import is_atom_array, read_atom_array
 from geomtorsion.materials.crystals.atom_files import atom_frames, frame_count
 from geomtorsion.materials.crystals.atom_rows import AtomData
@@ -21,7 +18,10 @@ from geomtorsion.materials.crystals.known_grains import KnownGrains
 from geomtorsion.materials.crystals.reading import crystal_of
 from geomtorsion.materials.crystals.reports import Json, crystal_report, known_of
 from geomtorsion.materials.lines import DislocationNetwork
-from geomtorsion.npz import mapped_npy
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.checks import LARGEST_ARRAYS
+from geomtorsion.support.files import digest_of, read_json_text, read_text, write_text, written
+from geomtorsion.support.npz import mapped_npy
 
 SETTINGS = "settings.json"
 

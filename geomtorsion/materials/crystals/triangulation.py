@@ -9,9 +9,9 @@ from itertools import combinations
 import numpy as np
 import scipy  # loads its parts on first use
 
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import CrystalError
 from geomtorsion.materials.crystals.method import METHOD
+from geomtorsion.support.caching import cached_property
 
 # Corners of the faces of a tetrahedron, the omitted corner first to last: its boundary is
 # sum of (-1)^k face_k.

@@ -8,9 +8,9 @@ from io import TextIOBase
 
 import numpy as np
 
-from geomtorsion.checks import shown
 from geomtorsion.errors import FileFormatError
 from geomtorsion.materials.crystals.atom_rows import AtomData, completed, table_of
+from geomtorsion.support.checks import shown
 
 # key=value, where a value may be in quotes, in braces, or be a list.
 _FIELD = re.compile(r"""(\w+)\s*=\s*(?:"([^"]*)"|'([^']*)'|\{([^}]*)\}|(\[[^="']*\])|(\S+))""")

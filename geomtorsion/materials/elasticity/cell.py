@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import scipy  # loads its subpackages at first use
 
-from geomtorsion import checks
 from geomtorsion.materials.lines import Box
+from geomtorsion.support import checks
 
 
 @dataclass(frozen=True, eq=False)

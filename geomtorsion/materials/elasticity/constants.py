@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import LONGEST_SHOWN, ElasticityError
-from geomtorsion.files import finite_number
-from geomtorsion.precision import PRINTED
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.files import finite_number
+from geomtorsion.support.precision import PRINTED
 
 # Voigt's order: 1..6 mean xx, yy, zz, yz, xz, xy.
 PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.errors import LONGEST_SHOWN, FileFormatError, GridError, NetworkError
-from geomtorsion.files import ending, written
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.lines import Box
-from geomtorsion.npz import TEXT_FORM, ArrayForm, read_npz, text_of, write_npz
+from geomtorsion.support import checks
+from geomtorsion.support.files import ending, written
+from geomtorsion.support.npz import TEXT_FORM, ArrayForm, read_npz, text_of, write_npz
 
 FORMS = {
     "nye": ArrayForm((3, 3, None, None, None)),

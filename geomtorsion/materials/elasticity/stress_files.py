@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from geomtorsion.checks import shown
 from geomtorsion.errors import GridError, MissingExtraError
 from geomtorsion.materials.elasticity.cell import Cell
+from geomtorsion.support.checks import shown
 
 
 def stress_dataset(

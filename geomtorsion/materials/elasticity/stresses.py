@@ -9,12 +9,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.conventions import burgers as in_convention
-from geomtorsion.displays import Plot, drawn_by, figure_by
 from geomtorsion.errors import ArgumentError, GridError, NetworkError
-from geomtorsion.files import ending, written
 from geomtorsion.materials.elasticity.cell import Cell
 from geomtorsion.materials.elasticity.constants import ElasticConstants
 from geomtorsion.materials.elasticity.nye_field import NyeField
@@ -22,6 +18,10 @@ from geomtorsion.materials.elasticity.stress_files import stress_dataset, vtk_by
 from geomtorsion.materials.elasticity.torsion import TorsionModes, of_frame, of_network, of_nye
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.lines import DislocationNetwork
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.displays import Plot, drawn_by, figure_by
+from geomtorsion.support.files import ending, written
 
 Source = DislocationNetwork | SampledFrame | NyeField
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 import numpy as np
 import scipy  # loads its subpackages at first use
 
-from geomtorsion import checks
 from geomtorsion.errors import GridError, NetworkError
 from geomtorsion.materials.elasticity.cell import Cell
 from geomtorsion.materials.elasticity.nye_field import (
@@ -19,7 +18,8 @@ from geomtorsion.materials.elasticity.nye_field import (
 )
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.lines import Box, DislocationNetwork, LineArrays
-from geomtorsion.precision import CALCULATED
+from geomtorsion.support import checks
+from geomtorsion.support.precision import CALCULATED
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,15 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.errors import GridError
-from geomtorsion.files import check_resumption
 from geomtorsion.loops.quadrature import PIECE
 from geomtorsion.materials.burgers import Json
 from geomtorsion.materials.fields.blocked_map import BlockMap, Parts, blocked_map, run_in
 from geomtorsion.materials.fields.large_arrays import LargeArray, estimated_sigma, opened
 from geomtorsion.materials.fields.sampled import SampledFrame
 from geomtorsion.materials.survey import Survey
+from geomtorsion.support import checks
+from geomtorsion.support.files import check_resumption
 
 # Default number of nodes in a block: about ten megabytes with the halo.
 NODES = 8 * PIECE

@@ -19,11 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import CheckpointError, FileFormatError, GridError, LimitError
-from geomtorsion.executors import Executor, checked_executor
-from geomtorsion.files import read_json_text, read_text, written
 from geomtorsion.materials.fields.cells import circuits, torsion
 from geomtorsion.materials.fields.circuits import Field
 from geomtorsion.materials.fields.contents import guarded, module
@@ -44,7 +40,11 @@ from geomtorsion.materials.fields.large_arrays import (
 )
 from geomtorsion.materials.fields.noise import Noise
 from geomtorsion.materials.survey import Errors
-from geomtorsion.progress import PATIENCE, bar
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.executors import Executor, checked_executor
+from geomtorsion.support.files import read_json_text, read_text, written
+from geomtorsion.support.progress import PATIENCE, bar
 
 # Largest number of tasks in one dask graph, which takes some kilobytes of memory for each.
 MOST_BLOCKS = 100_000

@@ -14,7 +14,7 @@ from geomtorsion.loops.quadrature import ROUNDING
 from geomtorsion.materials.fields.grid import ORDERS, Grid
 from geomtorsion.materials.fields.noise import Noise, along
 from geomtorsion.materials.fields.stencils import SLACK, Blocks
-from geomtorsion.precision import CALCULATED
+from geomtorsion.support.precision import CALCULATED
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array

@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.checks import cut
 from geomtorsion.errors import FileFormatError, LimitError, MissingExtraError
-from geomtorsion.npz import LARGEST_ARRAYS
+from geomtorsion.support import checks
+from geomtorsion.support.checks import cut
+from geomtorsion.support.npz import LARGEST_ARRAYS
 
 # Texts that belong to a frame.
 TEXTS = ("unit", "vector_unit", "source")

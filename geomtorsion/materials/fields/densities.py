@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy  # loads its subpackages at first use
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import GridError
 from geomtorsion.loops.quadrature import ROUNDING
 from geomtorsion.materials.fields.circuits import Field, unexplained
 from geomtorsion.materials.fields.grid import Grid
 from geomtorsion.materials.fields.samples import Samples
 from geomtorsion.materials.fields.sides import on_grid
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array

@@ -17,7 +17,7 @@ from geomtorsion.materials.fields.sides import on_grid
 from geomtorsion.materials.rings import Rings
 from geomtorsion.materials.survey import Errors
 from geomtorsion.materials.windows import Windows
-from geomtorsion.precision import CALCULATED
+from geomtorsion.support.precision import CALCULATED
 
 # Largest step along a path, in cells, so that no step skips a cell.
 LONGEST = 1 / 2

@@ -10,9 +10,7 @@ from typing import NoReturn
 
 import numpy as np
 
-from geomtorsion.checks import cut, shown
 from geomtorsion.errors import FileFormatError, GridError
-from geomtorsion.files import BOUNDS, opened, read_text
 from geomtorsion.materials.fields.contents import Contents
 from geomtorsion.materials.fields.displaced_points import (
     AXES,
@@ -21,7 +19,9 @@ from geomtorsion.materials.fields.displaced_points import (
     DisplacedPoints,
 )
 from geomtorsion.materials.text_rows import number_rows
-from geomtorsion.npz import LARGEST_ARRAYS
+from geomtorsion.support.checks import cut, shown
+from geomtorsion.support.files import BOUNDS, opened, read_text
+from geomtorsion.support.npz import LARGEST_ARRAYS
 
 _DAVIS, _TECPLOT = "#DaVis", "VARIABLES"
 # A unit after a name: x (mm), u [um].

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import GridError
 from geomtorsion.loops.arcs import shown
 from geomtorsion.materials.fields.stencils import SLACK, KnownNodes, Rule, plain_rule
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
 
 # Largest relative deviation of a step; coordinates are often stored as 32-bit floats.
 REGULAR = 1e-4

@@ -12,11 +12,7 @@ from typing import Any
 import numpy as np
 import scipy  # loads its subpackages at first use
 
-from geomtorsion import checks
-from geomtorsion.checks import cut, shown, unmasked
 from geomtorsion.errors import FileFormatError, GridError, MissingExtraError
-from geomtorsion.files import ending
-from geomtorsion.hdf5 import HDF5, check_hdf5
 from geomtorsion.materials.fields import tables
 from geomtorsion.materials.fields.contents import (
     TEXTS,
@@ -36,7 +32,11 @@ from geomtorsion.materials.fields.displacement_tables import (
     read_points,
     refuse_writing,
 )
-from geomtorsion.npz import ArrayForm, read_npz, text_of, write_npz
+from geomtorsion.support import checks
+from geomtorsion.support.checks import cut, shown, unmasked
+from geomtorsion.support.files import ending
+from geomtorsion.support.hdf5 import HDF5, check_hdf5
+from geomtorsion.support.npz import ArrayForm, read_npz, text_of, write_npz
 
 FORMS = {
     "names": ArrayForm((None,), "U", optional=True),

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.errors import GridError
 from geomtorsion.loops import Loop
 from geomtorsion.materials.fields.grid import Grid
 from geomtorsion.materials.rings import hole_numbers
+from geomtorsion.support import checks
 
 
 @dataclass(frozen=True, eq=False, repr=False)

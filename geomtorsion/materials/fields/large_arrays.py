@@ -14,15 +14,15 @@ from typing import Any
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.errors import FileFormatError, GridError, LimitError
-from geomtorsion.files import digest_of, read_json_text, read_text
 from geomtorsion.loops.quadrature import PIECE
 from geomtorsion.materials.fields.contents import guarded, module
 from geomtorsion.materials.fields.grid import Grid
 from geomtorsion.materials.fields.noise import SMOOTH, estimated_from_parts
 from geomtorsion.materials.fields.packed_chunks import check_packed
-from geomtorsion.npz import LARGEST_ARRAYS, mapped_npy
+from geomtorsion.support import checks
+from geomtorsion.support.files import digest_of, read_json_text, read_text
+from geomtorsion.support.npz import LARGEST_ARRAYS, mapped_npy
 
 # Zarr codecs that only compress. Other codecs might execute code from the file.
 HARMLESS = frozenset(

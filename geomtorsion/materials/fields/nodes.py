@@ -10,7 +10,7 @@ import numpy as np
 
 from geomtorsion.errors import FileFormatError, GridError, LimitError
 from geomtorsion.materials.fields.grid import regular_axis
-from geomtorsion.npz import most_unpacked
+from geomtorsion.support.npz import most_unpacked
 
 
 def nodes_of(

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.errors import GridError
 from geomtorsion.materials.fields.grid import ORDERS, REGULAR, Grid, numbers
+from geomtorsion.support import checks
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array

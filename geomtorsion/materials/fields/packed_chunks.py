@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from geomtorsion.errors import FileFormatError, LimitError
-from geomtorsion.files import BOUNDS
-from geomtorsion.npz import DENSEST, unpacked_size
+from geomtorsion.support.files import BOUNDS
+from geomtorsion.support.npz import DENSEST, unpacked_size
 
 # Codecs whose decompressed size must be counted, and their decompressors.
 _COUNTED = {

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import GridError
 from geomtorsion.loops import Cochain, EdgeIntegrals, Loop
 from geomtorsion.materials.burgers import PLANE, Burgers, Section
@@ -35,6 +33,8 @@ from geomtorsion.materials.fields.samples import Samples
 from geomtorsion.materials.fields.stretches import detoured
 from geomtorsion.materials.source import Backdrop
 from geomtorsion.materials.survey import Survey, areas, middles
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
 
 
 @dataclass(frozen=True, eq=False, repr=False)

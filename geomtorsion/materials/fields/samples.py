@@ -10,10 +10,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import LONGEST_SHOWN, FileFormatError, GridError
-from geomtorsion.files import written
 from geomtorsion.loops import Parameters, forms
 from geomtorsion.materials.fields.circuits import Field
 from geomtorsion.materials.fields.contents import TEXTS, Contents
@@ -35,6 +32,9 @@ from geomtorsion.materials.fields.grid import (
 from geomtorsion.materials.fields.grid_files import holds_covariance, read_grid, save_grid
 from geomtorsion.materials.fields.holes import Hole, holes_of
 from geomtorsion.materials.fields.noise import Noise, estimated, noise_of, sigma_of
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.files import written
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame

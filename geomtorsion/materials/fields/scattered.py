@@ -11,8 +11,6 @@ from typing import Any, Self
 import numpy as np
 import scipy  # loads its subpackages at first use
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import GridError
 from geomtorsion.loops import Cochain, Loop
 from geomtorsion.loops.quadrature import ROUNDING
@@ -35,6 +33,8 @@ from geomtorsion.materials.fields.scattered_values import (
 from geomtorsion.materials.fields.triangulation import Triangulation
 from geomtorsion.materials.source import Backdrop
 from geomtorsion.materials.survey import Errors, Survey
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
 
 # A circuit along edges: {number of the edge: signed multiplicity}.
 Chain = Mapping[int, int]

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import scipy  # loads its subpackages at first use
 
-from geomtorsion import checks
 from geomtorsion.errors import LONGEST_SHOWN, GridError
 from geomtorsion.materials.fields.grid import Grid, mask_of
 from geomtorsion.materials.fields.noise import robust_covariance, spread
 from geomtorsion.materials.fields.triangulation import Triangulation, checked_polygons
+from geomtorsion.support import checks
 
 
 def checked_points(given: object) -> np.ndarray:

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy  # loads its subpackages at first use
 
-from geomtorsion.caching import cached_property
 from geomtorsion.materials.fields.circuits import Field
 from geomtorsion.materials.fields.grid import Grid
 from geomtorsion.materials.fields.noise import Noise, along
 from geomtorsion.materials.fields.stencils import Rule, applied, plain_rule
 from geomtorsion.materials.windows import window_sums
+from geomtorsion.support.caching import cached_property
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy  # loads its subpackages at first use
 
-from geomtorsion.caching import cached_property
-from geomtorsion.precision import HALF
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.precision import HALF
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array

@@ -12,9 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from geomtorsion.checks import cut
 from geomtorsion.errors import LONGEST_SHOWN, FileFormatError, GridError, LimitError
-from geomtorsion.files import read_text
 from geomtorsion.materials.fields.contents import (
     TEXTS,
     Contents,
@@ -25,8 +23,10 @@ from geomtorsion.materials.fields.contents import (
 from geomtorsion.materials.fields.displaced_points import DisplacedPoints, displacement_in
 from geomtorsion.materials.fields.nodes import check_filled, nodes_of
 from geomtorsion.materials.fields.vtu_blocks import check_vtu
-from geomtorsion.npz import LARGEST_ARRAYS
-from geomtorsion.outgoing import one_line
+from geomtorsion.support.checks import cut
+from geomtorsion.support.files import read_text
+from geomtorsion.support.npz import LARGEST_ARRAYS
+from geomtorsion.support.outgoing import one_line
 
 _COLUMN = re.compile(r"(e|beta|sigma)_([0-9])_([0-9])")
 _EMPTY = re.compile(r"(?m)(?:^|(?<=,))[ \t]*(?=,|$)")

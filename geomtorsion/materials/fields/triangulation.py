@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy  # loads its subpackages at first use
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import GridError
 from geomtorsion.loops import Complex, Loop
 from geomtorsion.loops.arcs import shown
 from geomtorsion.materials.fields.grid import numbers
-from geomtorsion.precision import CALCULATED
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.precision import CALCULATED
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array

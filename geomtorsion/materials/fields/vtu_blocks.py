@@ -13,8 +13,8 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 from geomtorsion.errors import FileFormatError, LimitError
-from geomtorsion.files import BOUNDS
-from geomtorsion.npz import most_unpacked, unpacked_size
+from geomtorsion.support.files import BOUNDS
+from geomtorsion.support.npz import most_unpacked, unpacked_size
 
 UNPACKERS: dict[str, Any] = {
     "vtkZLibDataCompressor": zlib.decompressobj,

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 import scipy  # loads its subpackages at first use
 
-from geomtorsion import checks
 from geomtorsion.errors import ImageError, LoopError
 from geomtorsion.loops import Cochain, Loop
 from geomtorsion.materials.burgers import Burgers
 from geomtorsion.materials.detours import Detour, detour_of, too_large
 from geomtorsion.materials.rings import Rings
+from geomtorsion.support import checks
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)

@@ -14,13 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.checks import cut
 from geomtorsion.errors import FileFormatError, ImageError, LimitError, MissingExtraError
-from geomtorsion.hdf5 import check_hdf5
 from geomtorsion.materials.images.pixel_sizes import PixelSize, size_in_tiff, size_of_axes
-from geomtorsion.npz import unpacked_size
-from geomtorsion.outgoing import quiet_libraries
+from geomtorsion.support import checks
+from geomtorsion.support.checks import cut
+from geomtorsion.support.hdf5 import check_hdf5
+from geomtorsion.support.npz import unpacked_size
+from geomtorsion.support.outgoing import quiet_libraries
 
 # Number of a TIFF compression -> its incremental decompressor. Libraries limit all others.
 UNPACKERS = {8: zlib.decompressobj, 32946: zlib.decompressobj, 34925: lzma.LZMADecompressor}

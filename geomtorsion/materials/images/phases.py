@@ -8,8 +8,6 @@ from functools import partial
 import numpy as np
 import scipy  # loads its subpackages at first use
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import GridError, ImageError
 from geomtorsion.loops import Cochain, Complex, Loop
 from geomtorsion.materials.burgers import PLANE, Section
@@ -29,6 +27,8 @@ from geomtorsion.materials.images.squares import rings_of, squares_of, whole_tur
 from geomtorsion.materials.rings import Rings
 from geomtorsion.materials.source import Backdrop
 from geomtorsion.materials.survey import Errors, Survey, areas, middles
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
 
 # Names of components of b along the axes of the image.
 COMPONENTS = ("bx", "by")

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.errors import ImageError
+from geomtorsion.support import checks
 
 # A rectangle, ((x0, x1), (y0, y1)), or truth values by pixel, [x, y].
 Region = Sequence[Sequence[float]] | np.ndarray

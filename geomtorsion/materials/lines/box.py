@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import NetworkError
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
 
 
 @dataclass(frozen=True, eq=False)

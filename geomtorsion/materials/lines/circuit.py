@@ -8,7 +8,6 @@ from itertools import islice
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.errors import LoopError, NetworkError, SingularPointError
 from geomtorsion.loops import Loop, Part, Segment
 from geomtorsion.loops.arcs import shown
@@ -20,7 +19,8 @@ from geomtorsion.materials.lines.line_families import (
     lattice_vectors,
 )
 from geomtorsion.materials.lines.reactions import Vector, size, total, vanishes, written
-from geomtorsion.precision import CALCULATED
+from geomtorsion.support import checks
+from geomtorsion.support.precision import CALCULATED
 
 
 @dataclass(frozen=True)

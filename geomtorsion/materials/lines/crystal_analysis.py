@@ -12,16 +12,16 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
-from geomtorsion.checks import shown
 from geomtorsion.errors import FileFormatError, GeomtorsionError, NetworkError
-from geomtorsion.files import finite_number, read_text
 from geomtorsion.materials.lines.box import Box
 from geomtorsion.materials.lines.line_arrays import DislocationLine, LineArrays
 from geomtorsion.materials.lines.polylines import Polyline
 from geomtorsion.materials.lines.reactions import CONSTRAINTS
 from geomtorsion.materials.structures import STRUCTURES
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.checks import shown
+from geomtorsion.support.files import finite_number, read_text
 
 # A number that ParaDiS gives to nodes at which a line leaves the crystal.
 AT_SURFACE = max(number for number, kind in CONSTRAINTS.items() if kind == "surface")

@@ -10,10 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import NetworkError
-from geomtorsion.files import written
 from geomtorsion.loops import Complex, Loop, Number
 from geomtorsion.materials.lines.box import Box
 from geomtorsion.materials.lines.circuit import LineBurgers, circuit_burgers
@@ -33,6 +30,9 @@ from geomtorsion.materials.lines.reactions import (
     total,
     vanishes,
 )
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.files import written
 
 if TYPE_CHECKING:
     import networkx as nx

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import NetworkError
 from geomtorsion.loops import Cochain, Complex
 from geomtorsion.loops.validation import listed, whole
 from geomtorsion.materials.lines.box import Box
 from geomtorsion.materials.lines.reactions import Vector
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
 
 if TYPE_CHECKING:
     import networkx as nx

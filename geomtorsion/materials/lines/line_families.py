@@ -8,10 +8,10 @@ from itertools import permutations, product
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.errors import NetworkError
 from geomtorsion.materials.lines.line_arrays import LineArrays
 from geomtorsion.materials.structures import STRUCTURES
+from geomtorsion.support import checks
 
 LATTICES = {name: np.array(one.rows, dtype=float) for name, one in STRUCTURES.items() if one.rows}
 SYMMETRIES = ("cubic", "hexagonal", "none")

@@ -12,10 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.checks import file_name
 from geomtorsion.errors import FileFormatError, GeomtorsionError, NetworkError
-from geomtorsion.files import conforming, ending, read_json_text, read_text
 from geomtorsion.loops import Number
 from geomtorsion.materials.lines.box import Box
 from geomtorsion.materials.lines.crystal_analysis import (
@@ -27,6 +24,9 @@ from geomtorsion.materials.lines.line_arrays import LineArrays
 from geomtorsion.materials.lines.paradis import paradis_text, read_paradis
 from geomtorsion.materials.lines.polylines import Polyline
 from geomtorsion.materials.lines.reactions import Vector
+from geomtorsion.support import checks
+from geomtorsion.support.checks import file_name
+from geomtorsion.support.files import conforming, ending, read_json_text, read_text
 
 FORMAT = {"format": "geomtorsion dislocation lines", "version": 1}
 _FRACTION = re.compile(r"(-?[0-9]{1,30})/([1-9][0-9]{0,29})")

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.errors import NetworkError
 from geomtorsion.loops.validation import whole
 from geomtorsion.materials.lines.box import Box
 from geomtorsion.materials.lines.line_arrays import LineArrays
+from geomtorsion.support import checks
 
 # The required columns of each table.
 NEEDED = {"cell": ("h",), "nodes": ("positions",), "segs": ("nodeids", "burgers")}

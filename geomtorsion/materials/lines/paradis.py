@@ -10,12 +10,12 @@ from typing import NoReturn
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.checks import cut, shown
 from geomtorsion.errors import FileFormatError, GeomtorsionError, NetworkError
-from geomtorsion.files import BOUNDS, finite_number, read_text
 from geomtorsion.materials.lines.box import Box
 from geomtorsion.materials.lines.line_arrays import LineArrays
+from geomtorsion.support import checks
+from geomtorsion.support.checks import cut, shown
+from geomtorsion.support.files import BOUNDS, finite_number, read_text
 
 Tag = tuple[int, int]
 Row = tuple[int, list[str]]

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geomtorsion.caching import cached_property
 from geomtorsion.materials.lines.line_arrays import LineArrays
 from geomtorsion.materials.lines.line_families import line_families, named_families
 from geomtorsion.materials.lines.reactions import Vector, size, vanishes, written
+from geomtorsion.support.caching import cached_property
 
 
 @dataclass(frozen=True, eq=False)

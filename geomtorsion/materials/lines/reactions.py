@@ -9,9 +9,9 @@ from typing import Any
 
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import NetworkError
 from geomtorsion.loops import Number
+from geomtorsion.support import checks
 
 # Exact numbers and expressions, or floats.
 Entry = Fraction | float | sp.Expr

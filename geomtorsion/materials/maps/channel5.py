@@ -7,10 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.checks import cut
 from geomtorsion.errors import FileFormatError
-from geomtorsion.files import BOUNDS, finite_number, read_text
 from geomtorsion.materials.maps.map_phases import (
     LAUE_NUMBERS,
     check_laue,
@@ -20,6 +17,9 @@ from geomtorsion.materials.maps.map_phases import (
 from geomtorsion.materials.maps.map_points import Declared, MapFile, MapPoints, gridded
 from geomtorsion.materials.maps.phases import Phase
 from geomtorsion.materials.text_rows import lines_of
+from geomtorsion.support import checks
+from geomtorsion.support.checks import cut
+from geomtorsion.support.files import BOUNDS, finite_number, read_text
 
 # Number of a field -> its name and type; the phase, one byte, is before all fields.
 _FIELDS = {

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.errors import OrientationError
 from geomtorsion.loops import Loop
 from geomtorsion.loops.quadrature import PIECE
 from geomtorsion.materials.fields.stencils import SLACK
+from geomtorsion.support import checks
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import OrientationError
 from geomtorsion.materials.maps.symmetry import conjugated
 from geomtorsion.rigid.attitude import product
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
 
 
 @dataclass(frozen=True, eq=False, repr=False)

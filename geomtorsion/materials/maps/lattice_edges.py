@@ -7,12 +7,12 @@ from math import comb
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.errors import OrientationError
 from geomtorsion.loops import spanning_forest
 from geomtorsion.materials.fields.noise import SMOOTH, robust_covariance
 from geomtorsion.materials.maps.symmetry import LaueGroup, angle_of, conjugated
 from geomtorsion.rigid.attitude import product
+from geomtorsion.support import checks
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -10,10 +10,7 @@ from typing import NoReturn
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.checks import LARGEST_ARRAYS, cut, shown
 from geomtorsion.errors import FileFormatError
-from geomtorsion.files import BOUNDS, ending, finite_number, read_text
 from geomtorsion.materials.maps.map_phases import (
     LAUE_NUMBERS,
     check_laue,
@@ -23,6 +20,9 @@ from geomtorsion.materials.maps.map_phases import (
 from geomtorsion.materials.maps.map_points import Declared, MapFile, MapPoints, gridded
 from geomtorsion.materials.maps.phases import Phase
 from geomtorsion.materials.text_rows import lines_of
+from geomtorsion.support import checks
+from geomtorsion.support.checks import LARGEST_ARRAYS, cut, shown
+from geomtorsion.support.files import BOUNDS, ending, finite_number, read_text
 
 # EDAX writes 4 pi for each angle of a point that was not indexed.
 NOT_INDEXED = 4 * np.pi - 1e-3

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from geomtorsion.errors import FileFormatError
-from geomtorsion.files import ending
-from geomtorsion.hdf5 import HDF5
 from geomtorsion.materials.maps.channel5 import read_channel5
 from geomtorsion.materials.maps.map_files import CTF, read_text_map
 from geomtorsion.materials.maps.map_hdf5 import read_h5oina, read_orix
 from geomtorsion.materials.maps.map_points import MapFile
 from geomtorsion.materials.maps.map_tables import read_map_table, seems_table
+from geomtorsion.support.files import ending
+from geomtorsion.support.hdf5 import HDF5
 
 
 @dataclass(frozen=True)

@@ -10,14 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.checks import cut, shown
 from geomtorsion.errors import (
     FileFormatError,
     GeomtorsionError,
     MissingExtraError,
 )
-from geomtorsion.hdf5 import check_hdf5
 from geomtorsion.materials.maps.map_phases import (
     LAUE_NUMBERS,
     check_laue,
@@ -27,6 +24,9 @@ from geomtorsion.materials.maps.map_phases import (
 from geomtorsion.materials.maps.map_points import Declared, MapFile, MapPoints, gridded
 from geomtorsion.materials.maps.phases import Phase
 from geomtorsion.materials.maps.results import UNITS
+from geomtorsion.support import checks
+from geomtorsion.support.checks import cut, shown
+from geomtorsion.support.hdf5 import check_hdf5
 
 
 def read_h5oina(path: Path, given: Mapping[int, str] | None = None) -> MapFile:

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from geomtorsion.checks import shown
 from geomtorsion.errors import FileFormatError, OrientationError
 from geomtorsion.materials.maps.phases import Phase
+from geomtorsion.support.checks import shown
 
 # Numbers of Laue groups in files of Oxford Instruments.
 LAUE_NUMBERS: dict[float, str] = dict(

@@ -9,7 +9,7 @@ import numpy as np
 
 from geomtorsion.errors import FileFormatError, LimitError
 from geomtorsion.materials.maps.phases import Phase
-from geomtorsion.npz import most_unpacked
+from geomtorsion.support.npz import most_unpacked
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.checks import LARGEST_ARRAYS, cut, shown
 from geomtorsion.errors import FileFormatError
-from geomtorsion.files import BOUNDS, read_text
 from geomtorsion.materials.maps.map_phases import check_laue, described
 from geomtorsion.materials.maps.map_points import MapFile, MapPoints, gridded
 from geomtorsion.materials.text_rows import lines_of, number_rows
+from geomtorsion.support import checks
+from geomtorsion.support.checks import LARGEST_ARRAYS, cut, shown
+from geomtorsion.support.files import BOUNDS, read_text
 
 # Name of a column in other programs, in lower case without units -> its name here.
 _NAMES = {

@@ -9,8 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import FileFormatError, GeomtorsionError, OrientationError
 from geomtorsion.loops import Cochain, Loop
 from geomtorsion.materials.burgers import PLANE, Section
@@ -40,6 +38,8 @@ from geomtorsion.rigid.attitude import (
     product,
     quaternion_from_euler,
 )
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
 
 Steps = float | Sequence[float]
 

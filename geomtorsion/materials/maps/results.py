@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import OrientationError
 from geomtorsion.materials.burgers import Burgers, Json
 from geomtorsion.materials.maps.circuits import Circuit
@@ -20,6 +18,8 @@ from geomtorsion.materials.maps.slip import (
     least_combination,
     slip_families,
 )
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
 
 # Angstrom in a unit of length.
 UNITS = {"angstrom": 1.0, "nm": 1e1, "um": 1e4, "mm": 1e7, "m": 1e10}

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import scipy  # loads its subpackages at first use
 
-from geomtorsion import checks
 from geomtorsion.errors import OrientationError
 from geomtorsion.materials.maps.phases import Phase, cell_vector, images_of
 from geomtorsion.materials.structures import STRUCTURES, Indices
+from geomtorsion.support import checks
 
 FAMILIES = {name: one.slip for name, one in STRUCTURES.items() if one.slip}
 

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import OrientationError
 from geomtorsion.loops import Cochain
 from geomtorsion.materials.detours import Detour, Passages, detour_of, too_large
@@ -16,6 +14,8 @@ from geomtorsion.materials.maps.circuits import Circuit
 from geomtorsion.materials.maps.lattice_edges import GrainMap, spread_of_sums
 from geomtorsion.materials.rings import Rings
 from geomtorsion.materials.windows import Windows
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
 
 
 def two_steps(steps: object) -> tuple[float, float]:

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import OrientationError
 from geomtorsion.loops.quadrature import PIECE
 from geomtorsion.rigid.attitude import product, quaternion_from_rotation_vector, rotated
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
 
 # Generators of the rotations: axis, and number of rotations in a full turn. _H is the horizontal
 # two-fold axis of -3m, which is along x or y depending on the choice of crystal axes.

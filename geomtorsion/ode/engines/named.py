@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 
-from geomtorsion.checks import cut
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.ode.engines.runge_kutta import METHODS, RungeKutta, Stiff
 from geomtorsion.ode.engines.taylor import Taylor
 from geomtorsion.ode.system import Engine
+from geomtorsion.support.checks import cut
 
 # All engines of this package; the first of each class is what the command line calls by its class.
 SHIPPED: tuple[Engine, ...] = (Taylor(), RungeKutta(), *map(Stiff, METHODS))

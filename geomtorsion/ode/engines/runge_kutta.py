@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.errors import ArgumentError
 from geomtorsion.ode.engines.stacked import run_stacked
 from geomtorsion.ode.engines.stepper import LARGEST
@@ -16,6 +15,7 @@ from geomtorsion.ode.engines.stepwise import stepwise_run
 from geomtorsion.ode.numbers import Real
 from geomtorsion.ode.roundings import Changes
 from geomtorsion.ode.system import Batch, Run, System, Watch
+from geomtorsion.support import checks
 
 # Each tolerance is this part of the last.
 RUNG = 0.01

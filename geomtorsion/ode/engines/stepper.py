@@ -16,8 +16,6 @@ from typing import Any
 import numpy as np
 import scipy  # loads its parts on first use
 
-from geomtorsion.allowance import check_limits
-from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph, compiled
 from geomtorsion.ode.rates import KEPT
 from geomtorsion.ode.system import (
@@ -27,6 +25,8 @@ from geomtorsion.ode.system import (
     WorkLimitError,
     refuse_stiff,
 )
+from geomtorsion.support.allowance import check_limits
+from geomtorsion.support.caching import cached_property
 
 # Larger systems are faster on arrays; the steps are the same.
 LARGEST = 24

@@ -12,8 +12,6 @@ from typing import Any, TypeAlias
 import numpy as np
 import scipy  # loads its parts on first use
 
-from geomtorsion.allowance import check_limits
-from geomtorsion.caching import cached_property
 from geomtorsion.ode.engines.stepper import (
     Polynomial,
     Steps,
@@ -32,7 +30,9 @@ from geomtorsion.ode.system import (
     WorkLimitError,
     eigenvalues,
 )
-from geomtorsion.precision import EPS
+from geomtorsion.support.allowance import check_limits
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.precision import EPS
 
 # Smaller differences are rounding errors in generated code, and scipy accepts no smaller relative
 # tolerance.

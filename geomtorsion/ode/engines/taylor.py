@@ -22,8 +22,6 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from geomtorsion import checks
-from geomtorsion.allowance import check_limits
 from geomtorsion.errors import ArgumentError, MissingExtraError
 from geomtorsion.ode.engines.registers import FEW, run_in_registers
 from geomtorsion.ode.numbers import Real, floats, mpf
@@ -41,7 +39,9 @@ from geomtorsion.ode.system import (
     WorkLimitError,
     refuse_stiff,
 )
-from geomtorsion.precision import EXACT_BITS
+from geomtorsion.support import checks
+from geomtorsion.support.allowance import check_limits
+from geomtorsion.support.precision import EXACT_BITS
 
 # Equations of more values than this are not unrolled.
 LONGEST_UNROLLED = 400

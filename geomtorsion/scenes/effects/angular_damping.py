@@ -7,12 +7,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from geomtorsion.checks import plain
 from geomtorsion.errors import SceneError
 from geomtorsion.scenes.body import Body, Number, exact
 from geomtorsion.scenes.context import Context
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, Typical, unit
 from geomtorsion.scenes.effects.surroundings import Surroundings, mean_radius
+from geomtorsion.support.checks import plain
 
 
 @dataclass(frozen=True)

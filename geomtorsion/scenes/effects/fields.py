@@ -8,13 +8,13 @@ from collections.abc import Mapping, Sequence
 
 import sympy as sp
 
-from geomtorsion.checks import did_you_mean
 from geomtorsion.errors import ExpressionError, SceneError
 from geomtorsion.exact import parse_expression
+from geomtorsion.exact.units import in_unit
 from geomtorsion.scenes.body import Expression, Number, exact
 from geomtorsion.scenes.context import GROUPS, Context
 from geomtorsion.scenes.effects.protocol import Effect, Switch, symbols_in
-from geomtorsion.units import in_unit
+from geomtorsion.support.checks import did_you_mean
 
 _STATE = frozenset(symbol.name for group in GROUPS.values() for symbol in group)
 _SHORT = "t, Omega1..3, n1..3, R11..R23, q0..q3, x, y, z, vx, vy, vz"

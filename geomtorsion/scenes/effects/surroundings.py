@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.errors import SceneError
+from geomtorsion.support import checks
 
 if TYPE_CHECKING:
     from geomtorsion.scenes.body import Body

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from geomtorsion.checks import did_you_mean
 from geomtorsion.errors import UnknownNameError
-from geomtorsion.files import TomlFile, read_toml
 from geomtorsion.scenes.files import read_file
+from geomtorsion.support.checks import did_you_mean
+from geomtorsion.support.files import TomlFile, read_toml
 
 if TYPE_CHECKING:
     from geomtorsion.scenes.scene import Scene

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion import checks
 from geomtorsion.pictures.text import expression_text
-from geomtorsion.precision import CALCULATED
+from geomtorsion.support import checks
+from geomtorsion.support.precision import CALCULATED
 from geomtorsion.teaching.exercises.question import shown_name
 
 if TYPE_CHECKING:

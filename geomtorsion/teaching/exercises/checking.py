@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from geomtorsion.checks import cut
 from geomtorsion.errors import GeomtorsionError, LimitError
+from geomtorsion.support.checks import cut
 from geomtorsion.teaching.exercises.answers import answer_text
 from geomtorsion.teaching.exercises.compare import EQUAL, PARTLY, agreement, agrees, has_root
 from geomtorsion.teaching.exercises.limits import MOST

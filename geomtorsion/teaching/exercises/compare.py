@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 import sympy
 from flint import acb, arb
 
-from geomtorsion.checks import expression
 from geomtorsion.codegen import graph
 from geomtorsion.codegen.balls import BallCode
 from geomtorsion.errors import ExpressionError, GeomtorsionError, LimitError
-from geomtorsion.precision import ball_precision
+from geomtorsion.support.checks import expression
+from geomtorsion.support.precision import ball_precision
 from geomtorsion.teaching.exercises.limits import check_weight
 
 if TYPE_CHECKING:

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 import sympy
 from sympy.core.relational import Relational
 
-from geomtorsion.caching import cached_property
-from geomtorsion.checks import GREEK
 from geomtorsion.exact import Field
 from geomtorsion.geometry.validation import FINE, candidate_points
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.checks import GREEK
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame

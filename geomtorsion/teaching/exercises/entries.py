@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from geomtorsion.checks import cut
 from geomtorsion.errors import ExpressionError, LimitError
+from geomtorsion.support.checks import cut
 from geomtorsion.teaching.exercises.limits import MOST
 from geomtorsion.teaching.exercises.signs import plain_signs
 

@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from html import escape
 
-from geomtorsion.caching import cached_property
-from geomtorsion.checks import close_names, shown
 from geomtorsion.errors import UnknownNameError
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.checks import close_names, shown
 from geomtorsion.teaching.exercises.answers import answer_text
 from geomtorsion.teaching.exercises.checking import check_question
 from geomtorsion.teaching.exercises.compare import Value

@@ -10,9 +10,9 @@ from typing import TypeVar
 
 import sympy as sp
 
-from geomtorsion.caching import cached_property
 from geomtorsion.geometry import Frame, Tensor
 from geomtorsion.spaces import load
+from geomtorsion.support.caching import cached_property
 
 Option = TypeVar("Option")
 # Axes of the turns from left to right -> the shipped body-fixed frame; "" where none is shipped.

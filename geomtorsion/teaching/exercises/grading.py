@@ -12,10 +12,10 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, FileFormatError, GeomtorsionError
-from geomtorsion.files import read_json_text, read_text, read_toml, written
-from geomtorsion.outgoing import csv_cell
+from geomtorsion.support import checks
+from geomtorsion.support.files import read_json_text, read_text, read_toml, written
+from geomtorsion.support.outgoing import csv_cell
 from geomtorsion.teaching.exercises.examiner import SECONDS, Examiner
 from geomtorsion.teaching.exercises.examiner import reply as checked
 from geomtorsion.teaching.exercises.limits import MOST

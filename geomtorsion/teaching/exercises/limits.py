@@ -7,10 +7,10 @@ from math import comb
 
 import sympy
 
-from geomtorsion.checks import LargestArgument
 from geomtorsion.errors import LimitError
 from geomtorsion.exact.limits import LARGEST_MULTIPLE
 from geomtorsion.exact.tokens import Limits
+from geomtorsion.support.checks import LargestArgument
 
 # What a person writes is far below these; what a machine writes to annoy is above them. Powers are
 # as high as exact work takes them: how long they are multiplied out is what `check_weight` counts.

@@ -14,11 +14,11 @@ from typing import Any, NoReturn
 
 import sympy
 
-from geomtorsion.checks import GREEK
 from geomtorsion.errors import ExpressionError, LimitError
 from geomtorsion.exact import read_tokens
 from geomtorsion.exact.names import CONSTANTS, FUNCTIONS
 from geomtorsion.exact.tokens import Limits, Source, Token, checked
+from geomtorsion.support.checks import GREEK
 from geomtorsion.teaching.exercises.limits import ANSWER
 from geomtorsion.teaching.exercises.signs import plain_signs
 

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 import sympy
 
-from geomtorsion.caching import cached_property
-from geomtorsion.checks import cut
 from geomtorsion.geometry import Tensor
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.checks import cut
 from geomtorsion.teaching.exercises.compare import Index, Value, agrees
 from geomtorsion.teaching.exercises.domain import Domain
 

@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING
 import sympy
 
 from geomtorsion import errors
-from geomtorsion.checks import close_names, cut
 from geomtorsion.codegen import graph
 from geomtorsion.codegen.balls import BallCode, float_values
 from geomtorsion.errors import ExpressionError, LimitError
+from geomtorsion.exact.units import scale_of, unit
+from geomtorsion.support.checks import close_names, cut
 from geomtorsion.teaching.exercises.entries import flat, index, kind, table_or_list
 from geomtorsion.teaching.exercises.equations import equations
 from geomtorsion.teaching.exercises.expressions import expression
 from geomtorsion.teaching.exercises.limits import MOST
 from geomtorsion.teaching.exercises.question import example
-from geomtorsion.units import scale_of, unit
 
 if TYPE_CHECKING:
     from geomtorsion.teaching.exercises.compare import Index, Value

@@ -7,8 +7,8 @@ from functools import lru_cache
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from geomtorsion.checks import close_names, count, shown
 from geomtorsion.errors import UnknownNameError
+from geomtorsion.support.checks import close_names, count, shown
 from geomtorsion.teaching.exercises.draw import Draw
 from geomtorsion.teaching.exercises.exercise import Exercise
 from geomtorsion.teaching.exercises.limits import MOST

@@ -8,13 +8,13 @@ from html import escape
 from os import PathLike
 from pathlib import Path
 
-from geomtorsion import checks
 from geomtorsion.errors import UnknownNameError
-from geomtorsion.files import write_texts, written
 from geomtorsion.pictures.formula import FONT_SOURCE, mathml
 from geomtorsion.pictures.latex import latex_name, latex_text
 from geomtorsion.pictures.report import stylesheet
 from geomtorsion.pictures.text import greek_name
+from geomtorsion.support import checks
+from geomtorsion.support.files import write_texts, written
 from geomtorsion.teaching.exercises.answers import answer_text
 from geomtorsion.teaching.exercises.cells import code_cell, markdown_cell, notebook
 from geomtorsion.teaching.exercises.exercise import Exercise

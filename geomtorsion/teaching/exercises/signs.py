@@ -7,8 +7,8 @@ import unicodedata
 from itertools import groupby
 from types import MappingProxyType
 
-from geomtorsion.checks import GREEK
 from geomtorsion.errors import ExpressionError
+from geomtorsion.support.checks import GREEK
 
 _SPACES = re.compile(
     r"\\(?:left|right|bigg?[lr]?|Bigg?[lr]?|displaystyle|textstyle|quad|qquad|[,;:! ])(?![A-Za-z])"

@@ -8,8 +8,8 @@ from html import escape
 from types import MappingProxyType
 from typing import Any
 
-from geomtorsion.checks import known_name
 from geomtorsion.errors import UnknownNameError
+from geomtorsion.support.checks import known_name
 from geomtorsion.teaching.exercises.prose import html_of
 
 # Code -> the mistake in a few words.

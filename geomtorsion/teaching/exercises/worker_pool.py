@@ -17,7 +17,7 @@ from types import TracebackType
 from typing import IO, Any
 
 from geomtorsion.errors import LimitError
-from geomtorsion.workers import LineProcess, end_with_parent, limit_data
+from geomtorsion.support.workers import LineProcess, end_with_parent, limit_data
 
 # Content of the pipe: a dictionary of JSON types.
 Json = Mapping[str, Any]

@@ -14,12 +14,12 @@ from geomtorsion.codegen import graph
 from geomtorsion.curves import edges_of
 from geomtorsion.geometry import Frame, cartan
 from geomtorsion.loops import Hodograph, Loop, burgers_vector, develop, forms, hodograph
-from geomtorsion.outgoing import size_text
 from geomtorsion.pictures.loops import GAP, START
 from geomtorsion.pictures.style import SERIES, Stroke, arrow, number, sense
 from geomtorsion.pictures.text import greek_name
-from geomtorsion.precision import CALCULATED
 from geomtorsion.spaces.first_motion import first_motion
+from geomtorsion.support.outgoing import size_text
+from geomtorsion.support.precision import CALCULATED
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab.numbers import names_text, raised, shown, table
 from geomtorsion.teaching.lab.plot import beside, mark, plane, svg

@@ -10,11 +10,11 @@ import numpy as np
 
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import Loop
-from geomtorsion.outgoing import duration_text, size_text
 from geomtorsion.pictures.style import SERIES, number, visible
 from geomtorsion.prices import PriceList, price
 from geomtorsion.spaces import pair_problems
 from geomtorsion.spaces.first_motion import first_motion
+from geomtorsion.support.outgoing import duration_text, size_text
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab.numbers import table
 from geomtorsion.teaching.lab.plot import key, plane, svg

@@ -8,10 +8,10 @@ from html import escape
 from os import PathLike
 from pathlib import Path
 
-from geomtorsion import checks
-from geomtorsion.files import write_texts
 from geomtorsion.pictures.formula import FONT_SOURCE, font_face
 from geomtorsion.pictures.text import greek_name
+from geomtorsion.support import checks
+from geomtorsion.support.files import write_texts
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab import guides, views
 from geomtorsion.teaching.lab.controls import path_case

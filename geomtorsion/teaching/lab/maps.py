@@ -8,13 +8,13 @@ from typing import Protocol
 
 import numpy as np
 
-from geomtorsion.caching import cached_property
 from geomtorsion.errors import OrientationError
 from geomtorsion.loops import Loop
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.images import LatticePhases
 from geomtorsion.materials.maps import LAUE_GROUPS, Circuit, OrientationMap
 from geomtorsion.pictures.style import number
+from geomtorsion.support.caching import cached_property
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab.numbers import raised, table
 from geomtorsion.teaching.lab.settings import PAGE

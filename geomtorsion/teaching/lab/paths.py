@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geomtorsion.outgoing import size_text
 from geomtorsion.pictures.style import SERIES, STROKES, ends, number
 from geomtorsion.pictures.text import greek_name
 from geomtorsion.spaces import solve_pair
+from geomtorsion.support.outgoing import size_text
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab.numbers import names_text, table
 from geomtorsion.teaching.lab.plot import key, mark, plane, svg

@@ -16,7 +16,7 @@ from importlib import import_module
 from typing import Any, Protocol
 
 from geomtorsion.errors import GeomtorsionError, LimitError, UnknownNameError
-from geomtorsion.exclusive import exclusive
+from geomtorsion.support.exclusive import exclusive
 from geomtorsion.teaching.exercises.worker_pool import EXCEEDED, Json, WorkerPool
 from geomtorsion.teaching.lab.settings import PAGE
 

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geomtorsion.outgoing import size_text
 from geomtorsion.pictures.style import SERIES, Stroke
 from geomtorsion.scenes import Body, Scene, State, effects
 from geomtorsion.scenes.effects import Naive
+from geomtorsion.support.outgoing import size_text
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab.numbers import shown, table
 from geomtorsion.teaching.lab.plot import key, plane, svg

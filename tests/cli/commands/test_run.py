@@ -16,7 +16,7 @@ import pytest
 
 from geomtorsion.pictures import scene_film
 from geomtorsion.scenes import SceneResult, load, read_file
-from geomtorsion.workers import Bounds, work_within
+from geomtorsion.support.workers import Bounds, work_within
 from tests.cli.running import run
 
 SLOW = """\

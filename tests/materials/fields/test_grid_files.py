@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from scipy.io import netcdf_file
 
-from geomtorsion.checks import LARGEST_ARRAYS
 from geomtorsion.errors import FileFormatError, GridError, LimitError, MissingExtraError
 from geomtorsion.loops import Loop
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.fields.contents import module
+from geomtorsion.support.checks import LARGEST_ARRAYS
 
 AXES = [np.linspace(0, 1.1, 12), np.linspace(3, 2, 9)]
 X, Y = np.meshgrid(*AXES, indexing="ij")

@@ -7,8 +7,8 @@ from itertools import product
 
 import sympy
 
-from geomtorsion import checks
 from geomtorsion.pictures.text import expression_text
+from geomtorsion.support import checks
 from geomtorsion.teaching.exercises.answers import component_text
 from geomtorsion.teaching.exercises.compare import Value
 

@@ -10,7 +10,7 @@ from string import ascii_lowercase
 
 import sympy
 
-from geomtorsion.caching import cached_property
+from geomtorsion.support.caching import cached_property
 from geomtorsion.teaching.exercises.answers import without_rounding
 from geomtorsion.teaching.exercises.checking import ROUNDED
 from geomtorsion.teaching.exercises.compare import Value, largest

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from geomtorsion import checks
 from geomtorsion.errors import ArgumentError
+from geomtorsion.support import checks
 from geomtorsion.teaching.exercises.checking import ROUNDED
 from geomtorsion.teaching.exercises.exercise import Exercise
 from geomtorsion.teaching.exercises.question import Mistake, Question

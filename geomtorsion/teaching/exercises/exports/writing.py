@@ -8,9 +8,9 @@ from os import PathLike
 from pathlib import Path
 from types import MappingProxyType
 
-from geomtorsion import checks
 from geomtorsion.errors import ArgumentError
-from geomtorsion.files import write_texts
+from geomtorsion.support import checks
+from geomtorsion.support.files import write_texts
 from geomtorsion.teaching.exercises.exports.nbgrader import UNREAD, course_files
 from geomtorsion.teaching.exercises.exports.stack import stack_quiz
 from geomtorsion.teaching.exercises.exports.tasks import Task, tasks

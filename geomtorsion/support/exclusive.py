@@ -22,7 +22,7 @@ from threading import RLock
 from types import FunctionType
 from typing import Any, Protocol, TypeVar
 
-from geomtorsion.caching import cached_property
+from geomtorsion.support.caching import cached_property
 
 T = TypeVar("T")
 

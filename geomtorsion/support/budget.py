@@ -11,9 +11,9 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from geomtorsion import checks
 from geomtorsion.errors import AccuracyError
-from geomtorsion.outgoing import duration_text
+from geomtorsion.support import checks
+from geomtorsion.support.outgoing import duration_text
 
 Result = TypeVar("Result")
 # Runs shorter than this many seconds of processor time are repeated until they take as long.

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 import sympy as sp
 
-from geomtorsion.checks import cut
-from geomtorsion.outgoing import latex_formula
+from geomtorsion.support.checks import cut
+from geomtorsion.support.outgoing import latex_formula
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, as_completed
 from typing import Any, Protocol, TypeVar
 
-from geomtorsion.checks import shown
 from geomtorsion.errors import ArgumentError, GeomtorsionError, WorkerError
+from geomtorsion.support.checks import shown
 
 T = TypeVar("T")
 

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from geomtorsion import checks
 from geomtorsion.errors import (
     ArgumentError,
     CoordinateError,
@@ -19,6 +18,7 @@ from geomtorsion.errors import (
     StartError,
 )
 from geomtorsion.exact import Field
+from geomtorsion.support import checks
 
 X = sp.Symbol("x")
 HALVES = [

@@ -15,11 +15,11 @@ from typer.testing import CliRunner
 
 import geomtorsion as gt
 from geomtorsion.cli.app import app
-from geomtorsion.files import finite_number
-from geomtorsion.outgoing import csv_cell
 from geomtorsion.pictures.latex import latex_name
 from geomtorsion.scenes.result import write_csv
 from geomtorsion.spaces.files import read_file
+from geomtorsion.support.files import finite_number
+from geomtorsion.support.outgoing import csv_cell
 
 # Each name breaks out of one target: comments of Mathematica and of LaTeX, docstrings, HTML,
 # terminals (titles, colours, hidden text, the eight-bit form, text that runs backwards),

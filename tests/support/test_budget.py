@@ -9,8 +9,8 @@ import pytest
 import sympy as sp
 
 import geomtorsion as gt
-from geomtorsion.budget import TimeModel, affordable, timed
 from geomtorsion.errors import AccuracyError, ArgumentError
+from geomtorsion.support.budget import TimeModel, affordable, timed
 
 SO3 = gt.spaces.load("so3").frame
 TOP = gt.geodesic(SO3, frame_velocity=[1, 2, 3], metric=[1, 2, 3])

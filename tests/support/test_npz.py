@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from geomtorsion.errors import CheckpointError, FileFormatError
-from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz, text_of
+from geomtorsion.support.npz import TEXT_FORM, ArrayForm, json_in, read_npz, text_of
 
 FORMS = {
     "times": ArrayForm(("m",), "f"),

@@ -5,7 +5,7 @@ import tomllib
 import pytest
 
 from geomtorsion.errors import CheckpointError, FileFormatError, GeomtorsionError, LimitError
-from geomtorsion.files import (
+from geomtorsion.support.files import (
     Decimal,
     conforming,
     read_json_text,
@@ -13,7 +13,7 @@ from geomtorsion.files import (
     read_toml,
     read_toml_text,
 )
-from geomtorsion.npz import ArrayForm, read_npz
+from geomtorsion.support.npz import ArrayForm, read_npz
 
 FORMS = {"times": ArrayForm(("m",), "f")}
 

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Protocol
 
 from geomtorsion.errors import ArgumentError
-from geomtorsion.outgoing import moving
+from geomtorsion.support.outgoing import moving
 
 if TYPE_CHECKING:
     from rich.progress import Progress

@@ -3,7 +3,7 @@
 import pytest
 
 from geomtorsion.cli.terminal import working
-from geomtorsion.progress import PATIENCE, bar, somebody_watches, time_left
+from geomtorsion.support.progress import PATIENCE, bar, somebody_watches, time_left
 from tests.screen import watched
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from geomtorsion.errors import AllowanceError
-from geomtorsion.workers import (
+from geomtorsion.support.workers import (
     Bounds,
     LineProcess,
     end_family,

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from geomtorsion.errors import FileFormatError, LimitError
-from geomtorsion.hdf5 import check_hdf5
 from geomtorsion.materials.readers import open_source
+from geomtorsion.support.hdf5 import check_hdf5
 
 h5py = pytest.importorskip("h5py")
 

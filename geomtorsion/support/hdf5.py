@@ -7,10 +7,10 @@ from math import prod
 from pathlib import Path
 from typing import Any
 
-from geomtorsion.checks import LARGEST_ARRAYS, cut
 from geomtorsion.errors import FileFormatError, GeomtorsionError, LimitError
-from geomtorsion.files import BOUNDS
-from geomtorsion.npz import DENSEST, unpacked_size
+from geomtorsion.support.checks import LARGEST_ARRAYS, cut
+from geomtorsion.support.files import BOUNDS
+from geomtorsion.support.npz import DENSEST, unpacked_size
 
 # First bytes of a file.
 HDF5 = b"\x89HDF\r\n\x1a\n"

@@ -10,10 +10,10 @@ import time
 from traceback import clear_frames, walk_tb
 from typing import TYPE_CHECKING
 
-from geomtorsion import checks
 from geomtorsion.errors import AllowanceError, ArgumentError, LimitError
-from geomtorsion.exclusive import BLOCKS
-from geomtorsion.workers import resident
+from geomtorsion.support import checks
+from geomtorsion.support.exclusive import BLOCKS
+from geomtorsion.support.workers import resident
 
 if TYPE_CHECKING:
     from types import TracebackType

@@ -25,9 +25,9 @@ from pathlib import Path
 from stat import S_ISREG
 from typing import Any, BinaryIO, NoReturn
 
-from geomtorsion import checks
-from geomtorsion.checks import ErrorClass, cut, did_you_mean, shown
 from geomtorsion.errors import CheckpointError, FileFormatError, GeomtorsionError, LimitError
+from geomtorsion.support import checks
+from geomtorsion.support.checks import ErrorClass, cut, did_you_mean, shown
 
 LARGEST_TEXT = 10_000_000
 Key = tuple[str | int, ...]

@@ -16,7 +16,7 @@ import sympy as sp
 import geomtorsion as gt
 from geomtorsion.errors import AllowanceError, ArgumentError, LimitError
 from geomtorsion.exact import Field
-from geomtorsion.precision import ball_precision
+from geomtorsion.support.precision import ball_precision
 
 t, r, x, y, z = sp.symbols("t r x y z", real=True)
 f, g = sp.Function("f"), sp.Function("g")

@@ -7,8 +7,8 @@ from functools import wraps
 from inspect import Parameter, signature
 from typing import NoReturn, ParamSpec, TypeVar
 
-from geomtorsion.checks import near_names, shown
 from geomtorsion.errors import ArgumentError
+from geomtorsion.support.checks import near_names, shown
 
 Kind = TypeVar("Kind", bound=type)
 Arguments = ParamSpec("Arguments")

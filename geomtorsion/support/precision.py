@@ -14,7 +14,7 @@ from contextlib import contextmanager
 import flint
 import mpmath
 
-from geomtorsion.exclusive import LOCK
+from geomtorsion.support.exclusive import LOCK
 
 # The distance from 1 to the next double; rounding changes a number by half of it at most.
 EPS = sys.float_info.epsilon

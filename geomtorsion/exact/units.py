@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TypeVar, cast
 
-from geomtorsion.checks import cut, did_you_mean, shown
 from geomtorsion.errors import ExpressionError, GeomtorsionError, UnitError
-from geomtorsion.exact import parse_expression
-from geomtorsion.exclusive import exclusive
+from geomtorsion.exact.parsing import parse_expression
+from geomtorsion.support.checks import cut, did_you_mean, shown
+from geomtorsion.support.exclusive import exclusive
 
 T = TypeVar("T")
 

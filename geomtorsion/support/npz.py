@@ -19,9 +19,9 @@ from tokenize import TokenError
 from types import EllipsisType
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.checks import LARGEST_ARRAYS, ErrorClass, cut, file_name
 from geomtorsion.errors import FileFormatError, LimitError
-from geomtorsion.files import BOUNDS, LARGEST_TEXT, conforming, read_json_text
+from geomtorsion.support.checks import LARGEST_ARRAYS, ErrorClass, cut, file_name
+from geomtorsion.support.files import BOUNDS, LARGEST_TEXT, conforming, read_json_text
 
 if TYPE_CHECKING:
     import numpy as np
