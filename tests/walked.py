@@ -18,7 +18,7 @@ from geomtorsion import geodesic, solve, spaces
 
 PACKAGE = str(Path(geomtorsion.__file__).parent)
 # They wrap a function as functools does; the wrapped function itself is read.
-WRAPPERS = {str(Path(PACKAGE) / name) for name in ("caching.py", "exclusive.py")}
+WRAPPERS = {str(Path(PACKAGE) / "support" / name) for name in ("caching.py", "exclusive.py")}
 
 
 def is_passed(frame: FrameType) -> bool:

@@ -3,9 +3,9 @@
 import math
 
 import pytest
-from geomtorsion.exact.units import quantity, unit, with_unit
 
 from geomtorsion.errors import ExpressionError, LimitError, UnitError
+from geomtorsion.exact.units import quantity, unit, with_unit
 
 
 @pytest.mark.parametrize(
