@@ -1,5 +1,8 @@
 """Support: what every part needs and no part is about: checks, files, limits, displays."""
 
+# Modules are loaded when they are needed: some of them take long.
+# pyright: reportUnsupportedDunderAll=false
+
 __all__ = [
     "allowance",
     "budget",
