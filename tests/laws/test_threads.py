@@ -154,10 +154,15 @@ def proof(shared: Shared) -> str:
 
 
 def burgers(shared: Shared) -> str:
-    """Each bit of a Burgers vector, and its proved balls."""
+    """Each bit of a Burgers vector, and its proved balls.
+
+    FLINT keeps the nodes of its integrals for each thread, at the highest precision that was
+    needed. The last digits of a ball depend on whether the nodes were already there.
+    """
     assert shared.loop is not None
     result = gt.burgers_vector(shared.frame, shared.loop)
-    return f"{result.vector.tolist()!r} {[bits(x) for x in gt.prove(result).balls]}"
+    balls = [(round(float(x.mid()), 15), f"{float(x.rad()):.1g}") for x in gt.prove(result).balls]
+    return f"{result.vector.tolist()!r} {balls}"
 
 
 def compiled(shared: Shared) -> str:
