@@ -41,7 +41,7 @@ PARADIS = (
     "numFileSegments = 1\nminCoordinates = [\n0\n0\n0\n]\nmaxCoordinates = [\n9\n9\n9\n]\n"
     "nodeCount = {}\n{}nodalData =\n{}"
 )
-ARMS = "0,0 1 1 1 20000 0\n" + "0,1 1 0 0\n 0 0 1\n" * 20000
+ARMS = "".join(f"0,{k} 1 1 1 20000 0\n" + f"0,{1 - k} 1 0 0\n 0 0 1\n" * 20000 for k in (0, 1))
 PHASE = "# Phase 1\n# MaterialName Fe\n# Symmetry 43\n# LatticeConstants 3 3 3 90 90 90\n"
 PHASES = "".join(PHASE.replace("Phase 1", f"Phase {k}") for k in range(1, 300))
 PIXEL = "0 0 0 0 0 1 1 1\n"
@@ -106,7 +106,7 @@ CASES: list[tuple[str, str | bytes | Callable[[], bytes], Callable[[Path], objec
         DislocationNetwork.read,
         "expected ] after x, got the end of the file",
     ),
-    ("arms.data", PARADIS.format(1, "", ARMS), DislocationNetwork.read, "at most 100 arms"),
+    ("arms.data", PARADIS.format(2, "", ARMS), DislocationNetwork.read, "at most 100 arms"),
     ("a.ang", PHASES + GRID.format(2) + PIXEL, OrientationMap.read, "at most 255 phases"),
     ("b.ang", PHASE + GRID.format(10**9) + PIXEL, OrientationMap.read, "NCOLS_ODD"),
     ("deep.json", "[" * 100_000, DislocationNetwork.read, "nested too deeply"),

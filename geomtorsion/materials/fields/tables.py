@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -27,12 +26,11 @@ from geomtorsion.support.checks import cut
 from geomtorsion.support.files import read_text
 from geomtorsion.support.npz import LARGEST_ARRAYS
 from geomtorsion.support.outgoing import one_line
+from geomtorsion.support.text_rows import number_table
 
 _COLUMN = re.compile(r"(e|beta|sigma)_([0-9])_([0-9])")
-_EMPTY = re.compile(r"(?m)(?:^|(?<=,))[ \t]*(?=,|$)")
 _SAID = re.compile(r"#\s*(unit|vector_unit|source|periodic)\s*:\s*(.*)")
 _DIMENSIONS = re.compile(rb"(?im)^[ \t]*DIMENSIONS[ \t]+([-+0-9_ \t]+)")
-_AT_ROW = re.compile(r"at row ([0-9]+)|row ([0-9]+)")
 
 
 def read_csv(path: Path) -> Contents:
@@ -56,27 +54,12 @@ def read_csv(path: Path) -> Contents:
     header = [name.strip() for name in lines[first].split(",")]
     axes, values = _header(path, header, first + 1)
     line_numbers = [k for k in range(first + 1, len(lines)) if lines[k].strip()]
-    for k in line_numbers:
-        if lines[k].count(",") != len(header) - 1:
-            raise FileFormatError(
-                f"{path}: line {k + 1}: expected {len(header)} numbers, one for each column of the "
-                f"header, got {lines[k].count(',') + 1}. Is the file complete?"
-            )
     if not line_numbers:
         raise FileFormatError(
             f"{path}: expected nodes below the header, got none. Is the file complete?"
         )
-    body = "\n".join(lines[k] for k in line_numbers)
-    try:
-        table = np.loadtxt(io.StringIO(_EMPTY.sub("nan", body)), delimiter=",", ndmin=2)
-    except ValueError as error:
-        row = _AT_ROW.search(str(error))
-        number = int(row[1] or row[2]) if row else 0
-        line = line_numbers[min(number, len(line_numbers) - 1)] + 1
-        raise FileFormatError(
-            f"{path}: line {line}: expected numbers, got {cut(lines[line - 1], 80)!r}. Correct the "
-            "row, or leave the field empty."
-        ) from None
+    rows = [lines[k] for k in line_numbers]
+    table, _ = number_table(path, [k + 1 for k in line_numbers], rows, len(header), split=",")
     columns = dict(zip(header, table.T, strict=True))
     options: dict[str, Any] = {key: texts[key] for key in TEXTS if key in texts}
     if "periodic" in texts:

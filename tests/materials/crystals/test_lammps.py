@@ -235,7 +235,7 @@ REFUSED = [
     ("box.data", NO_BOX, "expected the box of the atoms .ylo yhi."),
     ("side.data", BAD_BOX, "line 6: ylo yhi: expected 2 numbers, got '0 wide'"),
     ("mixed.data", MIXED, "expected 256 atoms, as this line declares, got 257 rows"),
-    ("short.data", SHORT, "line 167: expected 5 columns as in the other rows"),
+    ("short.data", SHORT, "line 167: expected 5 columns, got"),
     ("odd.data", "hello\nworld\n", "form=... .--read-as."),
     ("style.data", data("{k} {t} {x} {y} {z}", " # charge"), "expected 6 or more columns"),
     ("word.data", data("{k} {t} {x} {y} {z}", " # smd"), "style of the atoms .*got 'smd'"),
