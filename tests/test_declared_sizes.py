@@ -6,17 +6,18 @@ import base64
 import gzip
 import json
 import struct
+import sys
 import time
 import tracemalloc
 import zlib
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from geomtorsion.errors import FileFormatError, LimitError
+from geomtorsion.errors import AllowanceError, FileFormatError, GeomtorsionError, LimitError
 from geomtorsion.materials.crystals.atom_files import atom_frames
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.fields.large_arrays import opened
@@ -25,6 +26,7 @@ from geomtorsion.materials.lines import DislocationNetwork
 from geomtorsion.materials.maps import OrientationMap
 from geomtorsion.ode import ODE, RungeKutta, SavedSolution, solve
 from geomtorsion.support.files import read_toml, read_toml_text
+from geomtorsion.support.workers import Bounds, work_within
 from geomtorsion.teaching.exercises import grading
 from geomtorsion.teaching.exercises.examiner import Examiner
 
@@ -201,25 +203,46 @@ def test_comments_of_a_data_file_take_no_memory(tmp_path: Path):
     assert most[0] < 30_000_000
 
 
-def test_packed_blocks_of_vtu(tmp_path: Path):
-    """Many arrays that name one packed block, far larger than the file, are refused."""
-    pytest.importorskip("meshio")
-
+def packed_vtu(path: Path) -> None:
+    """Many arrays that name one packed block, far larger than the file."""
     packed = bomb(20_000_000)
     head = struct.pack("<4I", 1, 32768, 32768, len(packed))
     appended = base64.b64encode(head).decode() + base64.b64encode(packed).decode()
     arrays = "".join(
         f'<DataArray type="Float64" Name="e_{k}" format="appended" offset="0"/>' for k in range(99)
     )
-    path = tmp_path / "a.vtu"
     path.write_text(
         '<VTKFile type="UnstructuredGrid" compressor="vtkZLibDataCompressor" '
         'header_type="UInt32" byte_order="LittleEndian"><UnstructuredGrid>'
         f'<Piece NumberOfPoints="4" NumberOfCells="0"><PointData>{arrays}</PointData></Piece>'
         f'</UnstructuredGrid><AppendedData encoding="base64">_{appended}</AppendedData></VTKFile>'
     )
-    with pytest.raises(LimitError, match="expected arrays of at most"):
-        SampledFrame.read(path)
+
+
+# Name of a file -> how to write it, how to read it, and the library of its format.
+BOMBS: dict[str, tuple[Callable[[Path], object], Callable[[Path], object], str]] = {
+    "a.vtu": (packed_vtu, SampledFrame.read, "meshio"),
+}
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="these workers are forks")
+@pytest.mark.parametrize("name", BOMBS)
+def test_a_worker_with_limits_survives_a_bomb(name: str, tmp_path: Path):
+    """A library that unpacks a bomb fails, or a worker ends at its limit: this process lives."""
+    write, read, library = BOMBS[name]
+    pytest.importorskip(library)
+    write(tmp_path / name)
+    assert (tmp_path / name).stat().st_size < 2_000_000
+
+    def work(begun: Callable[[], None]) -> None:
+        begun()
+        with suppress(GeomtorsionError):
+            read(tmp_path / name)
+            sys.exit(0)
+        sys.exit(2)
+
+    with suppress(AllowanceError):
+        assert work_within(Bounds(seconds=60, megabytes=150), work, 2) == 2
 
 
 @pytest.mark.parametrize(

@@ -219,7 +219,7 @@ def refuse_row(
                 f"{shown(cut(' '.join(words), 80))}. Correct it, or export the file again."
             )
     raise FileFormatError(
-        f"{where}: expected {width} columns, got {len(words)} in "
+        f"{where}: expected {width} column{'s' * (width != 1)}, got {len(words)} in "
         f"{shown(cut(row.strip(), 80))}. Is the file complete?"
     )
 

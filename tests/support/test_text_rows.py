@@ -51,7 +51,7 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
         "a.txt: line 8: expected a number in column 2, got 'x'",
     ),
     (lambda: number_table("a.txt", [5], ["1 2 3"], 2), "line 5: expected 2 columns, got 3"),
-    (lambda: number_table("a.txt", [5, 6], ["1", ""], 1), "line 6: expected 1 columns, got 0"),
+    (lambda: number_table("a.txt", [5, 6], ["1", ""], 1), "line 6: expected 1 column, got 0"),
     (lambda: number_table("a.txt", [5], ["1,1_0"], 2, split=","), "in column 2, got '1_0'"),
     (lambda: number_table("a.txt", [5], ["1 nan"], 2, finite=True), "in column 2, got 'nan'"),
 ]

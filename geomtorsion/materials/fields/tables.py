@@ -21,11 +21,10 @@ from geomtorsion.materials.fields.contents import (
 )
 from geomtorsion.materials.fields.displaced_points import DisplacedPoints, displacement_in
 from geomtorsion.materials.fields.nodes import check_filled, nodes_of
-from geomtorsion.materials.fields.vtu_blocks import check_vtu
 from geomtorsion.support.checks import cut
 from geomtorsion.support.files import read_text
 from geomtorsion.support.npz import LARGEST_ARRAYS
-from geomtorsion.support.outgoing import one_line
+from geomtorsion.support.outgoing import one_line, quiet_libraries
 from geomtorsion.support.text_rows import number_table
 
 _COLUMN = re.compile(r"(e|beta|sigma)_([0-9])_([0-9])")
@@ -234,11 +233,14 @@ def _mesh(path: Path) -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, str]
     reader = meshio.vtu if xml else meshio.vtk
 
     def load() -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, str]]:
-        check_vtu(path) if xml else _check_dimensions(path)
+        if not xml:
+            _check_dimensions(path)
         try:
-            mesh = reader.read(path)
-        except meshio.ReadError as error:
-            raise ValueError(str(error)) from None
+            with quiet_libraries():
+                mesh = reader.read(path)
+        except Exception as error:  # noqa: BLE001
+            # A damaged file makes meshio, and the parser of XML below it, raise many classes.
+            raise ValueError(f"{type(error).__name__}: {error}") from None
         codes = mesh.field_data if xml else _legacy_field(path)
         texts = {
             key: np.asarray(codes[key]).astype(np.uint8).tobytes().decode()
