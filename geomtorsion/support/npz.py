@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import lzma
 import struct
 import zipfile
 import zlib
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from math import prod
 from os import PathLike
@@ -49,8 +47,6 @@ class ArrayForm:
 
 
 TEXT_FORM = ArrayForm((), "U")
-# zlib packs a byte into at least an eighth of a bit: a larger declared size is wrong.
-DENSEST = 1032
 
 
 def most_unpacked(size: int) -> int:
@@ -62,32 +58,6 @@ def most_unpacked(size: int) -> int:
     (300000000, True)
     """
     return min(LARGEST_ARRAYS, BOUNDS.unpacked + BOUNDS.unpacked_each * size)
-
-
-def unpacked_size(unpacker: Any, given: bytes, most: int) -> int:
-    """How many bytes something packed unpacks to, counted in portions up to a little above `most`.
-
-    unpacker: a decompressor of zlib or lzma. Damaged data are counted up to the damage; their
-    reader refuses them.
-
-    Examples
-    --------
-    >>> bomb = zlib.compress(bytes(10**7))
-    >>> unpacked_size(zlib.decompressobj(), bomb, 10**8)
-    10000000
-    >>> 4096 < unpacked_size(zlib.decompressobj(), bomb, 4096) <= 4096 + BOUNDS.portion
-    True
-    """
-    size = 0
-    with suppress(zlib.error, lzma.LZMAError):
-        while not unpacker.eof and size <= most:
-            part = unpacker.decompress(given, BOUNDS.portion)
-            # zlib must be given its unused input again, while lzma keeps it.
-            given = getattr(unpacker, "unconsumed_tail", b"")
-            size += len(part)
-            if not part and not given:
-                break
-    return size
 
 
 def read_npz(
