@@ -41,8 +41,10 @@ class TextRows:
     (3, 2)
     """
 
-    def __init__(self, name: object, lines: Sequence[str] = (), comment: str = "") -> None:
-        self.name, self.lines, self.line = name, lines, 0
+    def __init__(
+        self, name: object, lines: Sequence[str] = (), comment: str = "", *, line: int = 0
+    ) -> None:
+        self.name, self.lines, self.line = name, lines, line
         self._left = self._words(comment)
 
     def _words(self, comment: str) -> Iterator[list[str]]:
@@ -74,10 +76,15 @@ class TextRows:
             self.fail(f"{what}: expected a finite number, got {shown(cut(word, 60))}. Correct it.")
         return value
 
-    def numbers(self, words: Sequence[str], count: int, what: str) -> list[float]:
-        """Finite numbers at the beginning of a row."""
-        if len(words) < count:
-            self.fail(f"{what}: expected {count} numbers, got {len(words)}. Is the row complete?")
+    def numbers(
+        self, words: Sequence[str], count: int, what: str, *, more: bool = False
+    ) -> list[float]:
+        """Finite numbers in all words of a row; more: or at its beginning."""
+        if len(words) < count or (len(words) > count and not more):
+            plural = "s" * (count != 1)
+            self.fail(
+                f"{what}: expected {count} number{plural}, got {len(words)}. Is the row complete?"
+            )
         return [self.number(word, what) for word in words[:count]]
 
     def whole(self, word: str, what: str, least: int = 0, below: int = 10**18) -> int:

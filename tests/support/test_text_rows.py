@@ -33,7 +33,7 @@ def test_rows():
     assert rows.array(["1", "-2e3"], [3], 2, "places").tolist() == [[1, -2000]]
 
 
-# What is read, and words of the refusal.
+# Calls, and words of their refusals.
 REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: at(2).next("a row"), "a.txt: line 4: expected a row, got the end of the file"),
     (lambda: at(1).whole("3.0", "atoms"), "line 3: atoms: expected a whole number, got '3.0'"),

@@ -24,8 +24,9 @@ from geomtorsion.materials.crystals.lammps import (
 from geomtorsion.materials.crystals.xyz import xyz_blocks, xyz_frame
 from geomtorsion.support import checks
 from geomtorsion.support.checks import LARGEST_ARRAYS, cut, file_name, shown
-from geomtorsion.support.files import BOUNDS, ending, finite_number, opened, read_text
+from geomtorsion.support.files import BOUNDS, ending, opened, read_text
 from geomtorsion.support.outgoing import quiet_libraries
+from geomtorsion.support.text_rows import TextRows
 
 if TYPE_CHECKING:
     from ase import Atoms
@@ -223,13 +224,10 @@ def _length_of_cfg(name: str, text: str) -> float:
             # The atoms begin here.
             break
         if key.strip() == "A":
-            words = value.split()
-            length = finite_number(words[0]) if words else None
-            if length is None or length <= 0:
-                raise FileFormatError(
-                    f"{name}: line {number}: A: expected a length above 0, got "
-                    f"{shown(value.strip())}. Correct it."
-                )
+            rows = TextRows(name, line=number)
+            (length,) = rows.numbers(value.split(), 1, "A", more=True)
+            if length <= 0:
+                rows.fail(f"A: expected a length above 0, got {shown(value.strip())}. Correct it.")
             return length
     return 1.0
 

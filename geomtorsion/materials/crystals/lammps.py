@@ -18,7 +18,7 @@ from geomtorsion.materials.crystals.atom_rows import (
 )
 from geomtorsion.support.checks import cut, shown
 from geomtorsion.support.files import finite_number
-from geomtorsion.support.text_rows import number_table, refuse_row
+from geomtorsion.support.text_rows import TextRows, number_table, refuse_row
 
 # Key of a row above the sections of a data file -> number of the row, and its other words.
 Said = dict[str, tuple[int, list[str]]]
@@ -338,13 +338,7 @@ def _cell(name: str, said: Said) -> np.ndarray | None:
                 f"{cut(', '.join(said))}. Is the file complete?"
             )
         k, words = said[key]
-        values = [finite_number(word) for word in words]
-        if len(values) != count or None in values:
-            raise FileFormatError(
-                f"{name}: line {k + 1}: {key}: expected {count} numbers, got "
-                f"{shown(' '.join(words))}. Correct it."
-            )
-        return [x for x in values if x is not None]
+        return TextRows(name, line=k + 1).numbers(words, count, key)
 
     if "avec" in said:
         return completed(name, np.array([numbers(key, 3) for key in ("avec", "bvec", "cvec")]))

@@ -237,7 +237,7 @@ def _last(words: list[str]) -> str:
 
 def _matrix(rows: TextRows, what: str) -> np.ndarray:
     """Three rows of three numbers; OVITO may write the size of the core after a point."""
-    return np.array([rows.numbers(rows.next(what), 3, what) for _ in range(3)])
+    return np.array([rows.numbers(rows.next(what), 3, what, more=True) for _ in range(3)])
 
 
 class _Contents:
@@ -274,7 +274,7 @@ class _Contents:
         }
 
     def _origin(self, rows: TextRows, words: list[str]) -> None:
-        self.origin = np.array(rows.numbers(words[1:], 3, words[0]))
+        self.origin = np.array(rows.numbers(words[1:], 3, words[0], more=True))
 
     def _cell(self, rows: TextRows, words: list[str]) -> None:
         # Columns are the edges.
@@ -319,7 +319,7 @@ class _Contents:
             number = rows.whole(_last(rows.next(what)), what)
             if number != k:
                 rows.fail(f"expected {what}, got number {number}. Is a row missing or repeated?")
-            local = rows.numbers(rows.next(what), 3, f"b of {what}")
+            local = rows.numbers(rows.next(what), 3, f"b of {what}", more=True)
             cluster = rows.whole(_last(rows.next(what)), f"cluster of {what}")
             if cluster not in self.matrices:
                 rows.fail(
@@ -327,7 +327,10 @@ class _Contents:
                     "file complete?"
                 )
             count = rows.whole(_last(rows.next(what)), f"points of {what}", 2, len(rows.lines))
-            points = [rows.numbers(rows.next(what), 3, f"a point of {what}") for _ in range(count)]
+            points = [
+                rows.numbers(rows.next(what), 3, f"a point of {what}", more=True)
+                for _ in range(count)
+            ]
             self.curves.append(np.array(points))
             self.burgers.append(self.matrices[cluster] @ local)
             self.owners.append(cluster)

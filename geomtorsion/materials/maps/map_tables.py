@@ -83,7 +83,7 @@ def read_map_table(path: Path, given: Mapping[int, str] | None = None) -> MapFil
         )
     phase = indexed.astype(float)
     for texts in phases_there:
-        # A word, such as the name of a phase, is no number of a phase.
+        # A word, such as the name of a phase, gives no number.
         codes = {text: finite_number(text.strip()) or 0.0 for text in set(texts)}
         phase = np.where(indexed, [codes[text] for text in texts], 0.0)
     if not phase.any():

@@ -218,7 +218,10 @@ def test_the_length_of_a_cfg_file_counts(tmp_path: Path):
         assert found.cell == pytest.approx(4 * 3.6 * times * np.eye(3))
     for length in ("0 Angstrom", "nan", "one", ""):
         path.write_text(text.replace("A = 1.0 Angstrom", f"A = {length}"))
-        with pytest.raises(FileFormatError, match=r"line [0-9]+: A: expected a length above 0"):
+        with pytest.raises(
+            FileFormatError,
+            match=r"line [0-9]+: A: expected (a length above 0|a finite number|1 number)",
+        ):
             read(path)
 
 

@@ -233,7 +233,7 @@ REFUSED = [
     ("d.dump", "ITEM: TIMESTEP\n0\nITEM: ENTRIES c\n1\n", "ITEM: NUMBER .*got TIMESTEP, ENTRIES"),
     ("net.data", NETWORK, "expected atoms, got a network of dislocation lines"),
     ("box.data", NO_BOX, "expected the box of the atoms .ylo yhi."),
-    ("side.data", BAD_BOX, "line 6: ylo yhi: expected 2 numbers, got '0 wide'"),
+    ("side.data", BAD_BOX, "line 6: ylo yhi: expected a finite number, got 'wide'"),
     ("mixed.data", MIXED, "expected 256 atoms, as this line declares, got 257 rows"),
     ("short.data", SHORT, "line 167: expected 5 columns, got"),
     ("odd.data", "hello\nworld\n", "form=... .--read-as."),
