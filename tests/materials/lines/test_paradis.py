@@ -193,6 +193,25 @@ def test_two_lines_between_the_same_nodes(tmp_path):
     assert back.arrays.burgers.tolist() == vectors
 
 
+def test_lines_between_the_same_nodes_in_any_order(small):
+    """Arms are matched by b, not by order; lines between the same nodes follow each other."""
+    head, _, _ = SMALL.partition("nodeCount")
+    rows = [
+        "nodeCount = 3", "nodalData =",
+        "0,0 0 0 0 3 0", "0,2 1 0 0", "0 0 1", "0,1 0 0 1", "0 1 0", "0,2 0 1 0", "0 0 1",
+        "0,1 1 0 0 1 0", "0,0 0 0 -1", "0 1 0",
+        "0,2 0 1 0 2 0", "0,0 0 -1 0", "0 0 1", "0,0 -1 0 0", "0 0 1",
+    ]  # fmt: skip
+    arrays = small("\n".join([head, *rows])).arrays
+    assert arrays.pairs.tolist() == [[0, 2], [0, 2], [0, 1]]
+    assert arrays.burgers.tolist() == [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    assert arrays.planes.tolist() == [[0, 0, 1], [0, 0, 1], [0, 1, 0]]
+    rows[4] = "0 0 one"
+    line = head.count("\n") + 2 + 4
+    with pytest.raises(FileFormatError, match=f"line {line}: an arm: .* number, got 'one'"):
+        small("\n".join([head, *rows]))
+
+
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
