@@ -107,14 +107,13 @@ class TextRows:
         try:
             values = np.fromiter(map(float, words), float, len(words))
             odd = "".join(words).encode().translate(None, _PLAIN)
-            if not odd and np.isfinite(values).all():
-                return values.reshape(len(lines), width)
         except ValueError:
-            pass
-        wrong = next(k for k, word in enumerate(words) if finite_number(word) is None)
-        self.line = lines[wrong // width]
-        self.number(words[wrong], what)
-        raise AssertionError
+            values, odd = np.array([np.nan]), b""
+        if odd or not np.isfinite(values).all():
+            for k, word in enumerate(words):
+                self.line = lines[k // width]
+                self.number(word, what)
+        return values.reshape(len(lines), width)
 
 
 def number_table(

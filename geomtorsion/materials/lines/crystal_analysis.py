@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from os import PathLike
@@ -219,8 +219,7 @@ def read_crystal_analysis(path: str | PathLike[str]) -> LineArrays:
         )
     body = _Contents()
     while (words := rows.more()) is not None:
-        if words and words[0] in body.parts:
-            body.parts[words[0]](rows, words)
+        body.read(rows, words)
     for key, flag in (("DISLOCATIONS", body.listed), ("DISLOCATION_JUNCTIONS", body.joined)):
         if not flag:
             rows.fail(f"expected {key}, got the end of the file. Is the file complete?")
@@ -258,60 +257,45 @@ class _Contents:
         self.burgers: list[np.ndarray] = []
         self.rings: list[tuple[int, int]] = []
         self.listed = self.joined = False
-        self.parts: Mapping[str, Callable[[TextRows, list[str]], None]] = {
-            "SIMULATION_CELL_ORIGIN": self._origin,
-            "SIMULATION_CELL_MATRIX": self._cell,
-            "PBC_FLAGS": self._flags,
-            "STRUCTURE_TYPE": self._structure,
-            "NAME": self._name,
-            "CLUSTER": self._cluster,
-            "CLUSTER_STRUCTURE": self._lattice,
-            "CLUSTER_SIZE": self._size,
-            "TRANSITION": self._transition,
-            "CLUSTER_ORIENTATION": self._orientation,
-            "DISLOCATIONS": self._dislocations,
-            "DISLOCATION_JUNCTIONS": self._junctions,
-        }
 
-    def _origin(self, rows: TextRows, words: list[str]) -> None:
-        self.origin = np.array(rows.numbers(words[1:], 3, words[0], more=True))
-
-    def _cell(self, rows: TextRows, words: list[str]) -> None:
-        # Columns are the edges.
-        self.vectors = _matrix(rows, words[0]).T
-
-    def _flags(self, rows: TextRows, words: list[str]) -> None:
-        if len(words) != 4 or not {"0", "1"}.issuperset(words[1:]):
-            rows.fail(
-                f"{words[0]}: expected 0 or 1 for each of three edges, got {shown(words[1:])}. "
-                "Write 1 for an edge along which the cell repeats."
-            )
-        self.periodic = [word == "1" for word in words[1:]]
-
-    def _structure(self, rows: TextRows, words: list[str]) -> None:
-        self.structure = rows.whole(_last(words), words[0])
-
-    def _name(self, rows: TextRows, words: list[str]) -> None:
-        self.names[self.structure] = " ".join(words[1:])
-
-    def _lattice(self, rows: TextRows, words: list[str]) -> None:
-        self.lattices[self.cluster] = rows.whole(_last(words), words[0])
-
-    def _size(self, rows: TextRows, words: list[str]) -> None:
-        self.sizes[self.cluster] = rows.whole(_last(words), words[0])
-
-    def _transition(self, rows: TextRows, words: list[str]) -> None:
-        # They are counted from 0.
-        one, other = (
-            rows.whole(_last(words[: k + 1]), words[0], below=len(self.matrices)) for k in (1, 2)
-        )
-        self.walls.append((one, other))
-
-    def _cluster(self, rows: TextRows, words: list[str]) -> None:
-        self.cluster = rows.whole(_last(words), words[0])
-
-    def _orientation(self, rows: TextRows, words: list[str]) -> None:
-        self.matrices[self.cluster] = _matrix(rows, words[0])
+    def read(self, rows: TextRows, words: list[str]) -> None:
+        """A part of the file from its first row; a row without a known keyword is skipped."""
+        key, *values = words or [""]
+        match key:
+            case "SIMULATION_CELL_ORIGIN":
+                self.origin = np.array(rows.numbers(values, 3, key, more=True))
+            case "SIMULATION_CELL_MATRIX":
+                # Columns are the edges.
+                self.vectors = _matrix(rows, key).T
+            case "PBC_FLAGS":
+                if len(values) != 3 or not {"0", "1"}.issuperset(values):
+                    rows.fail(
+                        f"{key}: expected 0 or 1 for each of three edges, got {shown(values)}. "
+                        "Write 1 for an edge along which the cell repeats."
+                    )
+                self.periodic = [value == "1" for value in values]
+            case "STRUCTURE_TYPE":
+                self.structure = rows.whole(words[-1], key)
+            case "NAME":
+                self.names[self.structure] = " ".join(values)
+            case "CLUSTER":
+                self.cluster = rows.whole(words[-1], key)
+            case "CLUSTER_STRUCTURE":
+                self.lattices[self.cluster] = rows.whole(words[-1], key)
+            case "CLUSTER_SIZE":
+                self.sizes[self.cluster] = rows.whole(words[-1], key)
+            case "CLUSTER_ORIENTATION":
+                self.matrices[self.cluster] = _matrix(rows, key)
+            case "TRANSITION":
+                # They are counted from 0.
+                one, other = (
+                    rows.whole(_last(words[: k + 1]), key, below=len(self.matrices)) for k in (1, 2)
+                )
+                self.walls.append((one, other))
+            case "DISLOCATIONS":
+                self._dislocations(rows, words)
+            case "DISLOCATION_JUNCTIONS":
+                self._junctions(rows)
 
     def _dislocations(self, rows: TextRows, words: list[str]) -> None:
         for k in range(rows.whole(_last(words), words[0], below=len(rows.lines))):
@@ -343,7 +327,7 @@ class _Contents:
             )
         self.listed = True
 
-    def _junctions(self, rows: TextRows, words: list[str]) -> None:
+    def _junctions(self, rows: TextRows) -> None:
         for k in range(2 * len(self.curves)):
             what = f"junction of dislocation {k // 2}"
             pair = rows.next(what)
