@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Mapping, Sequence
 from itertools import product
@@ -11,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from geomtorsion.errors import LONGEST_SHOWN, FileFormatError, GridError, LimitError
+from geomtorsion.errors import LONGEST_SHOWN, FileFormatError, GridError
 from geomtorsion.materials.fields.contents import (
     TEXTS,
     Contents,
@@ -29,7 +28,6 @@ from geomtorsion.support.text_rows import number_table
 
 _COLUMN = re.compile(r"(e|beta|sigma)_([0-9])_([0-9])")
 _SAID = re.compile(r"#\s*(unit|vector_unit|source|periodic)\s*:\s*(.*)")
-_DIMENSIONS = re.compile(rb"(?im)^[ \t]*DIMENSIONS[ \t]+([-+0-9_ \t]+)")
 
 
 def read_csv(path: Path) -> Contents:
@@ -233,8 +231,6 @@ def _mesh(path: Path) -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, str]
     reader = meshio.vtu if xml else meshio.vtk
 
     def load() -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, str]]:
-        if not xml:
-            _check_dimensions(path)
         try:
             with quiet_libraries():
                 mesh = reader.read(path)
@@ -305,19 +301,6 @@ def _add_field(path: Path, said: Mapping[str, str], xml: bool) -> None:
             rows += [b"%b 1 %d vtktypeuint8" % (key.encode(), len(text)), text]
     head, separator, rest = content.partition(mark)
     path.write_bytes(head + separator + b"\n".join(rows) + rest)
-
-
-def _check_dimensions(path: Path) -> None:
-    """Refuse a grid with more points than bytes in the file."""
-    content = path.read_bytes()
-    for match in _DIMENSIONS.finditer(content):
-        sizes = [abs(int(word)) if len(word) <= 18 else 10**18 for word in match[1].split()]
-        points = math.prod(sizes)
-        if points > len(content):
-            raise LimitError(
-                f"{path}: expected DIMENSIONS of at most {len(content):,} points, the number of "
-                f"bytes in the file, got {cut(match[1].decode())}. Is the file complete?"
-            )
 
 
 def _legacy_field(path: Path) -> dict[str, np.ndarray]:
