@@ -114,8 +114,8 @@ class Centre:
             bits *= 2
         listed = ", ".join(f"{name} = {value.str(5)}" for name, value in values.items())
         raise GravityError(
-            f"start: expected a power series from {self.jets.variable} = {self.place}, got one with "
-            f"too few digits: {listed}. Start beside this point."
+            f"start: expected a power series from {self.jets.variable} = {self.place}, got one "
+            f"with too few digits: {listed}. Start beside this point."
         )
 
     def _series(

@@ -79,6 +79,8 @@ class Expansion:
         # Function -> order -> coefficient, as far as they are determined.
         self.rows: list[dict[int, arb]] = [{} for _ in self.functions]
         self._width = 1
+        # Width -> slopes, once they no longer change.
+        self._late: dict[int, list[list[list[arb]]]] = {}
 
     def set(self, name: str, value: sp.Expr) -> None:
         """Set a derivative at the point, by the name of its symbol."""
@@ -160,10 +162,13 @@ class Expansion:
         """The equations that are linear in terms and independent of higher ones."""
         above = order + width * self.step
         length = (width + 2) * self.step + 3 * self.order
-        plain = moved = self._matrix({}, length)
         if order <= length + self.order:
             generic = {term: _FIRST * (n + 1) for n, term in enumerate(terms)}
-            moved = self._matrix(generic, length)
+            plain, moved = self._matrix({}, length), self._matrix(generic, length)
+        else:
+            # Here the slopes depend on lower coefficients only.
+            plain = moved = self._late.get(width) or self._matrix({}, length)
+            self._late[width] = plain
         # The first power in which the coefficients beyond the terms occur.
         limits = [
             above + min((_valuation(x) - d for x, (_, d) in self._paired(row)), default=0)

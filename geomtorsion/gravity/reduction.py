@@ -317,7 +317,7 @@ def reduced(sources: Sources, variable: object, conditions: object) -> Reduction
         for part in _parts(jets, element, frame.coordinates)
     ]
     # A function of the coframe or the connection may drop out of all equations.
-    nonzero, algebraic = (x.intersection(functions) for x in (sources.nonzero, sources.connection))
+    nonzero, algebraic = (x.intersection(functions) for x in (sources.nonzero, sources.algebraic))
     elimination = Elimination(jets, functions, nonzero, algebraic)
     try:
         eliminated = elimination.run(pool)
