@@ -10,7 +10,6 @@ from flint import arb
 
 from geomtorsion.codegen import balls
 from geomtorsion.errors import GravityError
-from geomtorsion.exact.evaluate import LARGEST_BITS
 from geomtorsion.gravity.elimination import Eliminated
 from geomtorsion.gravity.expansion import Expansion
 from geomtorsion.gravity.jets import Jets
@@ -98,9 +97,9 @@ class Centre:
     ) -> tuple[sp.Expr, dict[str, sp.Expr]]:
         """A place beside the point, and the states there, by power series."""
         exact = self._exact(start, numbers, near)
-        bits, values = EXACT_BITS, dict[str, arb]()
+        values = dict[str, arb]()
         # Each order may cost some bits.
-        while bits <= LARGEST_BITS:
+        for bits in (EXACT_BITS, 2 * EXACT_BITS, 4 * EXACT_BITS):
             with ball_precision(bits), working_precision(bits):
                 series = self._series(exact, numbers, near, _LAST)
                 way = _way([[row.get(k, arb(0)) for k in range(_LAST + 1)] for row in series.rows])
@@ -111,7 +110,6 @@ class Centre:
                 }
                 if all(map(_is_sharp, values.values())):
                     return self.place + way, {name: _number(x) for name, x in values.items()}
-            bits *= 2
         listed = ", ".join(f"{name} = {value.str(5)}" for name, value in values.items())
         raise GravityError(
             f"start: expected a power series from {self.jets.variable} = {self.place}, got one "

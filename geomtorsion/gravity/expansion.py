@@ -19,7 +19,7 @@ from sympy.core.function import AppliedUndef
 from geomtorsion.codegen import balls, graph
 from geomtorsion.errors import GravityError, StartError
 from geomtorsion.exact import Element
-from geomtorsion.gravity.jets import Jets
+from geomtorsion.gravity.jets import Jets, jet_name
 from geomtorsion.gravity.starts import root_of
 from geomtorsion.support.precision import EXACT_BITS, series_length
 
@@ -29,9 +29,8 @@ Term = tuple[int, int]
 Power = tuple[int, int]
 # Row of a linear system: term -> factor, and the value of the equation.
 Row = tuple[dict[Term, arb], arb]
-# Polynomials in one coefficient have a lower degree: the number of factors in a product.
-_DEGREE = 64
-# The first of the numbers, one apart, at which they are evaluated: not two roots of B (B^2 - 1).
+# The first of the numbers, one apart, at which equations are evaluated: B (B^2 - 1) has two roots
+# that are one apart.
 _FIRST = arb(3) / 8
 
 
@@ -197,7 +196,7 @@ class Expansion:
                 if name in self._nonzero:
                     equation = equation[next(k for k, x in enumerate(equation) if x != 0) :]
                 x = sp.Symbol(name)
-                polynomial = sum((n * x**k for k, n in enumerate(equation)), sp.S.Zero)
+                polynomial = sp.Add(*(n * x**k for k, n in enumerate(equation)))
                 root = root_of(polynomial, x, polynomial.evalf(6), self._near.get(name))
                 return {term: _ball(root) / factor}
         return {}
@@ -206,7 +205,8 @@ class Expansion:
         """The coefficients of a polynomial that vanishes at the derivative of a term, if any."""
         i, k = term
         samples: list[dict[Power, arb]] = []
-        while len(samples) <= _DEGREE:
+        # A power n of numbers up to n takes n log2(n) bits.
+        while len(samples) < ctx.prec // 8:
             self.rows[i][k] = (_FIRST + len(samples)) / math.factorial(k)
             try:
                 samples.append(self._solved(k, width)[1])
@@ -238,7 +238,7 @@ class Expansion:
         return self._place.str(5, radius=False)
 
     def _name(self, term: Term) -> str:
-        return self.jets.symbol(self.functions[term[0]], term[1]).name
+        return jet_name(self.functions[term[0]], term[1])
 
     def _arguments(self, more: Mapping[Term, arb], length: int) -> list[arb | arb_series]:
         """Arguments of the equations: all derivatives, parameters, and the variable."""
@@ -249,15 +249,28 @@ class Expansion:
             result.append(arb_series(numbers, prec=length))
         return [*result, *self._numbers, arb_series([self._place, 1], prec=length)]
 
+    def _series(
+        self, code: balls.BallCode, more: Mapping[Term, arb], length: int
+    ) -> list[arb | arb_series]:
+        """Expressions in the derivatives as power series."""
+        with series_length(length):
+            series = code.real(self._arguments(more, length))
+        for one in series:
+            if not all(balls.coefficient(one, m).is_finite() for m in range(length)):
+                raise GravityError(
+                    f"start: expected equations that are power series at {self.jets.variable} = "
+                    f"{self._here}, got a root, a logarithm or a quotient at zero. Change the "
+                    "values, give numbers for more functions, or start beside this point."
+                )
+        return series
+
     def _evaluated(self, length: int) -> list[arb | arb_series]:
         """The equations as power series."""
-        with series_length(length):
-            return self._values.real(self._arguments({}, length))
+        return self._series(self._values, {}, length)
 
     def _matrix(self, more: Mapping[Term, arb], length: int) -> list[list[list[arb]]]:
         """The slopes of each equation by each derivative: coefficients of power series."""
-        with series_length(length):
-            flat = self._slopes.real(self._arguments(more, length))
+        flat = self._series(self._slopes, more, length)
         every = [[balls.coefficient(x, m) for m in range(length)] for x in flat]
         size = len(self._places)
         return [every[j * size : (j + 1) * size] for j in range(self._count)]

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 import geomtorsion as gt
 from geomtorsion import gravity as g
-from geomtorsion.errors import GeomtorsionError, GravityError, StartError
+from geomtorsion.errors import GeomtorsionError, StartError
 
 T, R, THETA, PHI = sp.symbols("t r theta phi")
 AT_REST = [1, 0, 0, 0]
@@ -328,6 +328,8 @@ def test_refusals_of_general_relativity() -> None:
         reduced.begin({"p": 1, "A": 1, "B": 2}, {"rho0": 1})
     with pytest.raises(StartError, match="got none for rho0"):
         reduced.begin({"p": 1, "A": 1, "B": 1})
+    with pytest.raises(GeomtorsionError, match="got a root, a logarithm or a quotient at zero"):
+        star("sqrt(p(r)/K) + p(r)").begin({"p": 0, "A": 1, "B": 1}, {"K": 1})
 
 
 @pytest.mark.parametrize(
