@@ -40,7 +40,15 @@ class Centre:
         self.jets, self.place = jets, place
         self._functions = tuple(eliminated.rules)
         self._nonzero = eliminated.nonzero
-        self._equations = (*eliminated.residuals, *eliminated.constraints)
+        equations = [*eliminated.residuals, *eliminated.constraints]
+        longest = max(one.length for one in equations)
+        for function, rule in eliminated.rules.items():
+            # A rule follows from the equations, but occurs at lower orders of the series. A longer
+            # one costs more than it saves.
+            if rule.value.length <= longest:
+                equation = jets.element(function, rule.order) - rule.value
+                equations.append(jets.field.read(sp.fraction(equation.sympy)[0]))
+        self._equations = tuple(equations)
         self._states = {
             jets.symbol(function, order).name: (i, order)
             for i, (function, rule) in enumerate(eliminated.rules.items())
@@ -172,8 +180,11 @@ class Centre:
         """Numerators of the equations at the point, without factors that vanish nowhere."""
         result: dict[sp.Expr, None] = {}
         for one in self._equations:
-            here = self.jets.field.read(one.sympy.xreplace(dict(table)))
-            above = sp.fraction(here.sympy)[0]
+            here = one.sympy.xreplace(dict(table))
+            if here.has(sp.zoo, sp.nan, sp.oo):
+                # A quotient that is regular at higher orders only.
+                continue
+            above = sp.fraction(self.jets.field.read(here).sympy)[0]
             factors = [
                 x for x in sp.Mul.make_args(above) if not x.is_number and x not in self._nonzero
             ]

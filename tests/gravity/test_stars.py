@@ -1,6 +1,7 @@
 """Stars from a metric ansatz and a fluid, from their centre to their surface."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
@@ -143,10 +144,12 @@ CENTRAL = {"A": 1, "p": "1e-4"}
 INSIDE = 5.0
 
 
-def quadratic(connection: gt.Connection, lagrangian: str, density: str = "rho0") -> g.Reduction:
+def quadratic(
+    connection: gt.Connection, lagrangian: str, conditions: Sequence[sp.Eq] = ()
+) -> g.Reduction:
     """A star of constant density in another theory."""
-    fluid = g.fluid(density, "p(r)", AT_REST)
-    return g.equations(connection, lagrangian, fluid).reduce("r")
+    fluid = g.fluid("rho0", "p(r)", AT_REST)
+    return g.equations(connection, lagrangian, fluid).reduce("r", conditions)
 
 
 @pytest.fixture(scope="module")
@@ -271,6 +274,12 @@ def test_a_quadratic_function_of_curvature(curvature: g.Reduction) -> None:
     other = solve_ivp(rates, (near, INSIDE), first, **options).y[:, -1]
     ours = inside(curvature, str(c), {"A_2": 2 * a}, {"B_2": 2 * b})
     assert ours == pytest.approx([other[0], other[2], other[3]], rel=1e-8)
+    # The same with the curvature as an unknown function, whose value at the centre is given.
+    scalar_curvature = STATIC.quantity("scalar_curvature")[()]
+    short = quadratic(
+        gt.levi_civita(STATIC), QUADRATIC_R, [sp.Eq(sp.Function("S")(R), scalar_curvature)]
+    )
+    assert inside(short, str(c), {"S": R0}) == pytest.approx(ours, rel=CLOSE)
     assert abs(ours[1] / interior(INSIDE)[1] - 1) > 1e-4
 
 
@@ -303,9 +312,8 @@ def test_nonmetricity_has_the_stars_of_torsion(torsion: g.Reduction) -> None:
     connection = gt.from_coefficients(
         STATIC, [[[coefficients[i, j, k] for k in axis] for j in axis] for i in axis]
     )
-    fluid = g.fluid("rho0", "p(r)", AT_REST)
-    equations = g.equations(connection, "-(Q + c*Q**2)/(16*pi)", fluid)
-    reduced = equations.reduce("r", [sp.Eq((R * X).diff(R), B * X)])
+    isotropic = sp.Eq((R * X).diff(R), B * X)
+    reduced = quadratic(connection, "-(Q + c*Q**2)/(16*pi)", [isotropic])
     ours = inside(reduced, "30", {"X": 1})
     assert ours == pytest.approx(inside(torsion, "30"), rel=CLOSE)
 
