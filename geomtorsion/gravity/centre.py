@@ -10,10 +10,12 @@ from flint import arb
 
 from geomtorsion.codegen import balls
 from geomtorsion.errors import GravityError
+from geomtorsion.exact import Element
 from geomtorsion.gravity.elimination import Eliminated
 from geomtorsion.gravity.expansion import Expansion
 from geomtorsion.gravity.jets import Jets
 from geomtorsion.gravity.starts import check_constraint, check_parameters, filled
+from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.precision import (
     CONSTANT_BITS,
@@ -40,20 +42,46 @@ class Centre:
         self.jets, self.place = jets, place
         self._functions = tuple(eliminated.rules)
         self._nonzero = eliminated.nonzero
-        equations = [*eliminated.residuals, *eliminated.constraints]
-        longest = max(one.length for one in equations)
-        for function, rule in eliminated.rules.items():
-            # A rule follows from the equations, but occurs at lower orders of the series. A longer
-            # one costs more than it saves.
-            if rule.value.length <= longest:
-                equation = jets.element(function, rule.order) - rule.value
-                equations.append(jets.field.read(sp.fraction(equation.sympy)[0]))
-        self._equations = tuple(equations)
+        self._equations = tuple(self._series_of(eliminated))
         self._states = {
             jets.symbol(function, order).name: (i, order)
             for i, (function, rule) in enumerate(eliminated.rules.items())
             for order in range(rule.order)
         }
+
+    def _series_of(self, eliminated: Eliminated) -> list[Element]:
+        """Equations that are power series at the point and that determine all functions."""
+        every = [*eliminated.residuals, *eliminated.constraints]
+        # The rules are equivalent, and a root such as sqrt(1 + R) is not regular before R is known.
+        equations = [one for one in every if not self._is_nested(one)]
+        longest = max(one.length for one in equations) if len(equations) == len(every) else math.inf
+        for function, rule in eliminated.rules.items():
+            # A rule follows from the equations, but occurs at lower orders of the series. A longer
+            # one costs more than it saves.
+            if rule.value.length <= longest:
+                equation = self.jets.element(function, rule.order) - rule.value
+                equations.append(self.jets.field.read(sp.fraction(equation.sympy)[0]))
+        poles = [one for one in equations if self._has_pole(one)]
+        if poles:
+            raise GravityError(
+                f"start: expected equations that are power series at {self.jets.variable} = "
+                f"{self.place}, got a function with a pole in {checks.cut(str(poles[0]))}. Name "
+                "its argument by a condition with an unknown function, such as S = R, or start "
+                "beside this point."
+            )
+        return equations
+
+    def _is_nested(self, equation: Element) -> bool:
+        """Whether an equation has roots or functions of unknown functions and of the variable."""
+        expression = equation.sympy
+        roots = {x for x in expression.atoms(sp.Pow) if not x.exp.is_Integer}
+        arguments = (x.free_symbols for x in roots | expression.atoms(sp.Function))
+        return any(self.jets.variable in x and x & self.jets.symbols for x in arguments)
+
+    def _has_pole(self, equation: Element) -> bool:
+        """Whether a function in an equation has an argument with a pole at the point."""
+        here = equation.sympy.xreplace({self.jets.variable: self.place})
+        return here.has(sp.zoo, sp.nan, sp.oo)
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -153,7 +181,7 @@ class Centre:
         numbers: Mapping[str, sp.Expr],
         near: Mapping[str, sp.Expr],
     ) -> dict[str, sp.Expr]:
-        """The start with what follows from the equations at the point itself."""
+        """The start, completed by the equations at the point itself."""
         symbols = {one.name: one for one in self.jets.symbols}
         values = dict(start)
         if self.step == 2:
@@ -181,9 +209,6 @@ class Centre:
         result: dict[sp.Expr, None] = {}
         for one in self._equations:
             here = one.sympy.xreplace(dict(table))
-            if here.has(sp.zoo, sp.nan, sp.oo):
-                # A quotient that is regular at higher orders only.
-                continue
             above = sp.fraction(self.jets.field.read(here).sympy)[0]
             factors = [
                 x for x in sp.Mul.make_args(above) if not x.is_number and x not in self._nonzero

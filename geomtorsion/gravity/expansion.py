@@ -1,7 +1,7 @@
 """Expansion: power series of unknown functions about a point where their equations have a pole.
 
 Each equation is a power series in the distance from the point. Where the coefficients below order k
-are known, those of order k enter linearly. They may occur in the equations at different orders, so
+are known, the next ones enter linearly. They may occur in the equations at different orders, so
 a few higher coefficients are eliminated with them.
 """
 
@@ -132,7 +132,7 @@ class Expansion:
         self._refuse(order)
 
     def _solved(self, order: int, width: int) -> tuple[dict[Term, arb], dict[Power, arb]]:
-        """The terms of an order that linear equations determine, and what is left of equations."""
+        """Terms of an order that linear equations determine, and the remainders of equations."""
         terms = [
             (i, k)
             for k in range(order + (width - 1) * self.step, order - 1, -self.step)

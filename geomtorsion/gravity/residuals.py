@@ -87,7 +87,7 @@ class Sources:
 
     @property
     def algebraic(self) -> frozenset[AppliedUndef]:
-        """Those of connections with an equation of their own, such as torsion."""
+        """Unknown functions of connections with an equation of their own, such as torsion."""
         varied = self._coefficients(filter(_is_varied, self.connections))
         return _functions(varied) & self.connection
 
