@@ -360,6 +360,8 @@ def test_refusals_of_general_relativity() -> None:
         reduced.begin({"p": 1, "A": 1, "B": 2}, {"rho0": 1})
     with pytest.raises(StartError, match="got none for rho0"):
         reduced.begin({"p": 1, "A": 1, "B": 1})
+    with pytest.raises(GeomtorsionError, match="got a function with a pole"):
+        star("rho0*exp(-1/r)").begin({"p": 1, "A": 1, "B": 1}, {"rho0": 1})
     with pytest.raises(GeomtorsionError, match="got a root, a logarithm or a quotient at zero"):
         star("sqrt(p(r)/K) + p(r)").begin({"p": 0, "A": 1, "B": 1}, {"K": 1})
 
