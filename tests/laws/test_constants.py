@@ -171,7 +171,7 @@ coframe = [["1", "0", "0"], ["0", "r", "0"], ["0", "1/(2*pi)", "1"]]
 
 
 def test_commands(tmp_path: Path) -> None:
-    """`accuracy` and `curve` integrate a screw whose Burgers vector is 1: r^2 phi' and z' by hand.
+    """`price` and `curve` integrate a screw whose Burgers vector is 1: r^2 phi' and z' by hand.
 
     A geodesic of dr^2 + r^2 dphi^2 + (dz + dphi/(2 pi))^2 is a straight line in r and phi, and z +
     phi/(2 pi) grows evenly.
@@ -179,10 +179,10 @@ def test_commands(tmp_path: Path) -> None:
     file = tmp_path / "screw.toml"
     file.write_text(SCREW)
     motion = (str(file), "--start", "1,0,0", "--frame-velocity", "0,1,0.5", "--t", "1")
-    run("accuracy", *motion, "--accuracies", "1e-8", "-o", str(tmp_path))
-    rows = json.loads((tmp_path / "accuracy.json").read_text("utf-8"))["rows"]
+    run("price", *motion, "--accuracies", "1e-8", "--proofs", "10", "-o", str(tmp_path))
+    rows = json.loads((tmp_path / "price.json").read_text("utf-8"))["rows"]
     assert rows
-    assert all(row["achieved"] < 1e-7 for row in rows)
+    assert all(row["true"][1] < 1e-7 for row in rows)
     run("curve", *motion, "--samples", "3", "-o", str(tmp_path))
     with (tmp_path / "curve.csv").open(encoding="utf-8", newline="") as lines:
         last = list(csv.DictReader(lines))[-1]

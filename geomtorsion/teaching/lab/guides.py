@@ -115,10 +115,10 @@ GUIDES: Mapping[str, Guide] = {
     "What accuracy costs": Guide(
         "Each mark is one computation of the loop, the curves or the top of the other tabs: "
         "further right is more accurate, and further down is faster.",
-        "Measure the loop, then make it smaller on its own tab and measure again. Which method "
-        "keeps its digits?",
-        "How much longer do twelve digits of a path take than three? How much longer does a run "
-        "take with an error estimate than without one?",
+        "Measure the loop, then make it smaller on its own tab, measure again, and see which "
+        "method keeps its digits.",
+        "How much longer do twelve digits of a path take than three, and a run with an error "
+        "estimate than one without?",
         "By Taylor series, twelve digits take about five times as long as three. A run of twelve "
         "digits takes about ten times as long with its error estimate as without: certainty costs "
         "more than digits.",
