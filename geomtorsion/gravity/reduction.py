@@ -91,6 +91,34 @@ class Reduction:
         """Expressions that vanish along a solution, once they do so at its start."""
         return tuple(one.short for one in self.eliminated.constraints)
 
+    @cached_property
+    def differential_equations(self) -> Mapping[str, sp.Eq]:
+        """Function -> its equation for `sympy.dsolve`, solved for the highest derivative.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> import geomtorsion as gt
+        >>> t, r, theta, phi = sp.symbols("t r theta phi")
+        >>> A, h = sp.Function("A")(r), sp.Function("h")(r)
+        >>> coframe = sp.diag(A, 1 / sp.sqrt(h), r, r * sp.sin(theta))
+        >>> static = gt.Frame([t, r, theta, phi], coframe, (-1, 1, 1, 1))
+        >>> reduced = gt.gravity.equations(gt.levi_civita(static), "R - 2*Lambda").reduce("r")
+        >>> sp.dsolve(reduced.differential_equations["h"])
+        Eq(h(r), C1/r - Lambda*r**2/3 + 1)
+        """
+        table: dict[sp.Basic, sp.Basic] = {}
+        for function in self.eliminated.rules:
+            for order in range(self.jets.highest + 1):
+                derivative = function.diff(self.jets.variable, order) if order else function
+                table[self.jets.symbol(function, order)] = derivative
+        return {
+            self.jets.symbol(function, 0).name: sp.Eq(
+                table[self.jets.symbol(function, rule.order)], rule.value.short.xreplace(table)
+            )
+            for function, rule in self.eliminated.rules.items()
+        }
+
     @property
     def invariants(self) -> Mapping[str, sp.Expr]:
         """The constraints by names, constraint or constraint_1, ..., as an `ODE` takes them."""
