@@ -207,5 +207,5 @@ def _check_rate(name: str, rate: sp.Expr, table: Mapping[sp.Symbol, sp.Expr]) ->
     if below == 0 or abs(_number(below)) < sp.Float(mpmath.sqrt(mpmath.mp.eps)):
         raise StartError(
             f"start: expected a regular point, got one where the leading coefficient of {name}' "
-            f"vanishes: {name}' = {rate}. Start at another place."
+            f"vanishes: {name}' = {checks.cut(str(rate))}. Start at another place."
         )
