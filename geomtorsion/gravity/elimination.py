@@ -37,11 +37,15 @@ class Rule:
 
 @dataclass(frozen=True, eq=False)
 class Eliminated:
-    """Rules for unknown functions, the constraints that are left, symbols that vanish nowhere."""
+    """Rules for unknown functions, the constraints that are left, symbols that vanish nowhere.
+
+    residuals: numerators of all equations, before derivatives are eliminated.
+    """
 
     rules: Mapping[AppliedUndef, Rule]
     constraints: tuple[Element, ...]
     nonzero: frozenset[sp.Symbol]
+    residuals: tuple[Element, ...]
 
 
 class Elimination:
@@ -74,6 +78,7 @@ class Elimination:
     def run(self, residuals: Iterable[Residual]) -> Eliminated:
         """Rules and constraints of residuals."""
         pool, done = self._simplified(residuals), set[Element]()
+        first = tuple(one.element for one in pool)
         while True:
             pool = self._solved(pool, careful=True)
             if self._missing:
@@ -81,7 +86,7 @@ class Elimination:
             new = self._prolonged(pool, done)
             if not new:
                 constraints = tuple(self._independent(pool))
-                return Eliminated(dict(self.rules), constraints, self.nonzero)
+                return Eliminated(dict(self.rules), constraints, self.nonzero, first)
             pool = self._simplified([*pool, *new])
 
     @property

@@ -91,6 +91,34 @@ class Reduction:
         """Expressions that vanish along a solution, once they do so at its start."""
         return tuple(one.short for one in self.eliminated.constraints)
 
+    @cached_property
+    def differential_equations(self) -> Mapping[str, sp.Eq]:
+        """Function -> its equation for `sympy.dsolve`, solved for the highest derivative.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> import geomtorsion as gt
+        >>> t, r, theta, phi = sp.symbols("t r theta phi")
+        >>> A, h = sp.Function("A")(r), sp.Function("h")(r)
+        >>> coframe = sp.diag(A, 1 / sp.sqrt(h), r, r * sp.sin(theta))
+        >>> static = gt.Frame([t, r, theta, phi], coframe, (-1, 1, 1, 1))
+        >>> reduced = gt.gravity.equations(gt.levi_civita(static), "R - 2*Lambda").reduce("r")
+        >>> sp.dsolve(reduced.differential_equations["h"])
+        Eq(h(r), C1/r - Lambda*r**2/3 + 1)
+        """
+        table: dict[sp.Basic, sp.Basic] = {}
+        for function in self.eliminated.rules:
+            for order in range(self.jets.highest + 1):
+                derivative = function.diff(self.jets.variable, order) if order else function
+                table[self.jets.symbol(function, order)] = derivative
+        return {
+            self.jets.symbol(function, 0).name: sp.Eq(
+                table[self.jets.symbol(function, rule.order)], rule.value.short.xreplace(table)
+            )
+            for function, rule in self.eliminated.rules.items()
+        }
+
     @property
     def invariants(self) -> Mapping[str, sp.Expr]:
         """The constraints by names, constraint or constraint_1, ..., as an `ODE` takes them."""
@@ -120,8 +148,9 @@ class Reduction:
     ) -> dict[str, sp.Expr]:
         """A number for each state: from the start, or from the constraints.
 
-        Where the equations have a pole at the origin, as at the centre of a star, the conditions of
-        a regular solution count as constraints.
+        Where the equations have a pole at the origin, as at the centre of a star, a regular
+        solution is a power series. Its coefficients complete the start, which may hold higher
+        derivatives as well, such as B_2.
 
         Parameters
         ----------
@@ -139,17 +168,11 @@ class Reduction:
         StartError
             Numbers are missing, a constraint does not hold or has several solutions.
         """
-        known = numbers_of(parameters or {}, self._constants, "parameters")
-        (place,) = numbers_of({"origin": origin}, ("origin",), "origin").values()
-        values = numbers_of(start, self.states, "start")
-        guesses = numbers_of(near or {}, self.states, "near")
-        centre = self._centre(place)
+        known, values, guesses, place, centre = self._read(start, parameters, near, origin)
+        if centre is not None:
+            return centre.states(values, known, guesses)
         known[self.variable] = place
-        if centre is None:
-            return completed(self.rates, self.constraints, values, known, guesses)
-        rates = {name: rate.sympy for name, rate in centre.rates.items()}
-        conditions = [*centre.conditions, *self.constraints]
-        return completed(rates, self._without_factors(conditions), values, known, guesses)
+        return completed(self.rates, self.constraints, values, known, guesses)
 
     def begin(
         self,
@@ -166,35 +189,34 @@ class Reduction:
 
         Raises
         ------
-        GravityError
-            The equations have a higher pole at the origin, or a solution is not unique there.
+        StartError, GravityError
+            as for `complete`, or a regular solution has no power series at the origin.
         """
-        full = self.complete(start, parameters, near=near, origin=origin)
+        known, values, guesses, place, centre = self._read(start, parameters, near, origin)
+        if centre is not None:
+            return centre.beside(values, known, guesses)
+        return place, self.complete(start, parameters, near=near, origin=origin)
+
+    def _read(
+        self,
+        start: Mapping[str, object],
+        parameters: Mapping[str, object] | None,
+        near: Mapping[str, object] | None,
+        origin: object,
+    ) -> tuple[dict[str, sp.Expr], dict[str, sp.Expr], dict[str, sp.Expr], sp.Expr, Centre | None]:
+        """Numbers of parameters, start and rough values, the origin, and the centre there."""
+        known = numbers_of(parameters or {}, self._constants, "parameters")
         (place,) = numbers_of({"origin": origin}, ("origin",), "origin").values()
         centre = self._centre(place)
-        if centre is None:
-            return place, full
-        return centre.beside(full, numbers_of(parameters or {}, self._constants, "parameters"))
+        names = self.states if centre is None else centre.names
+        values = numbers_of(start, names, "start")
+        return known, values, numbers_of(near or {}, names, "near"), place, centre
 
     def _centre(self, place: sp.Expr) -> Centre | None:
         """The point, if the rates have a pole there for all states."""
         here = {self.jets.variable: place}
         poles = [sp.fraction(rate)[1].xreplace(here) == 0 for rate in self.rates.values()]
-        return Centre(self.jets, self.rates, place) if any(poles) else None
-
-    def _without_factors(self, conditions: Iterable[sp.Expr]) -> list[sp.Expr]:
-        """Numerators without factors that vanish nowhere, each once."""
-        result: dict[sp.Expr, None] = {}
-        for condition in conditions:
-            above = sp.fraction(self.jets.field.read(condition).sympy)[0]
-            factors = [
-                one
-                for one in sp.Mul.make_args(above)
-                if not one.is_number and one not in self.eliminated.nonzero
-            ]
-            if above != 0:
-                result[sp.Mul(*factors)] = None
-        return list(result)
+        return Centre(self.jets, self.eliminated, place) if any(poles) else None
 
     def ode(
         self,
@@ -322,7 +344,9 @@ def reduced(sources: Sources, variable: object, conditions: object) -> Reduction
         for element, own in residuals
         for part in _parts(jets, element, frame.coordinates)
     ]
-    elimination = Elimination(jets, functions, sources.nonzero, sources.connection)
+    # A function of the coframe or the connection may drop out of all equations.
+    nonzero, algebraic = (x.intersection(functions) for x in (sources.nonzero, sources.algebraic))
+    elimination = Elimination(jets, functions, nonzero, algebraic)
     try:
         eliminated = elimination.run(pool)
     except LimitError as limit:

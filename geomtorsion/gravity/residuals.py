@@ -51,8 +51,12 @@ class Sources:
 
     @property
     def nonzero(self) -> frozenset[AppliedUndef]:
-        """The functions of the coframe that vanish nowhere: factors of its determinant."""
-        factors = sp.Mul.make_args(self.frame.determinant.element().sympy)
+        """The functions that vanish nowhere.
+
+        They are factors of the determinant of the coframe, or of denominators in connections.
+        """
+        entries = [sp.fraction(x.sympy)[1] for x in self._coefficients(self.connections)]
+        factors = sp.Mul.make_args(sp.Mul(self.frame.determinant.element().sympy, *entries))
         bases = {one.base if one.is_Pow else one for one in factors}
         return frozenset(one for one in bases if isinstance(one, AppliedUndef))
 
@@ -78,10 +82,19 @@ class Sources:
     @property
     def connection(self) -> frozenset[AppliedUndef]:
         """The unknown functions of the connections that occur nowhere else."""
-        entries = [
-            x for one in self.connections for x in one.coefficients.components.nonzero.values()
-        ]
+        entries = self._coefficients(self.connections)
         return _functions(entries) - self.coframe - self.fluid - self.field
+
+    @property
+    def algebraic(self) -> frozenset[AppliedUndef]:
+        """Unknown functions of connections with an equation of their own, such as torsion."""
+        varied = self._coefficients(filter(_is_varied, self.connections))
+        return _functions(varied) & self.connection
+
+    @staticmethod
+    def _coefficients(connections: Iterable[Connection]) -> list[Element]:
+        """The coefficients of connections that are not zero."""
+        return [x for one in connections for x in one.coefficients.components.nonzero.values()]
 
     def residuals(
         self, conditions: Iterable[tuple[object, object]]

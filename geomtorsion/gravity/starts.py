@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from functools import partial
 
 import mpmath
@@ -54,22 +54,27 @@ def completed(
     known: numbers of the parameters and of the variable.
     """
     symbols = {x.name: x for one in (*rates.values(), *constraints) for x in one.free_symbols}
-    missing = sorted(set(symbols) - {*rates, *known})
-    if missing:
-        raise StartError(
-            f"parameters: expected a number for each, got none for {', '.join(missing)}. Add "
-            f"parameters={{{missing[0]!r}: ...}}."
-        )
+    check_parameters(set(symbols) - set(rates), known)
     table = {symbols[name]: value for name, value in known.items() if name in symbols}
     here = [one.xreplace(table) for one in constraints]
     with working_precision(EXACT_BITS):
         values = _filled(rates, constraints, here, symbols, start, near)
         table |= {symbols[name]: value for name, value in values.items() if name in symbols}
         for one in constraints:
-            _check(one, table)
+            check_constraint(one, table)
         for name, rate in rates.items():
             _check_rate(name, rate, table)
     return {name: values[name] for name in rates}
+
+
+def check_parameters(names: Collection[str], known: Collection[str]) -> None:
+    """Refuse parameters without a number."""
+    missing = sorted(set(names) - set(known))
+    if missing:
+        raise StartError(
+            f"parameters: expected a number for each, got none for {', '.join(missing)}. Add "
+            f"parameters={{{missing[0]!r}: ...}}."
+        )
 
 
 def _filled(
@@ -84,13 +89,7 @@ def _filled(
 
     here: the constraints with numbers for parameters and the variable.
     """
-    values = dict(start)
-    while True:
-        step = _next(here, [name for name in rates if name not in values], symbols, values)
-        if step is None:
-            break
-        name, equation, constraint = step
-        values[name] = _root(equation, symbols[name], constraint, near.get(name))
+    values = filled(here, list(rates), symbols, start, near, constraints)
     left = [name for name in rates if name not in values]
     if left:
         raise StartError(
@@ -102,23 +101,46 @@ def _filled(
     return values
 
 
+def filled(
+    equations: Sequence[sp.Expr],
+    names: Sequence[str],
+    symbols: Mapping[str, sp.Symbol],
+    start: Mapping[str, sp.Expr],
+    near: Mapping[str, sp.Expr],
+    shown: Sequence[sp.Expr] | None = None,
+) -> dict[str, sp.Expr]:
+    """The start with numbers for names, each from an equation with a single unknown.
+
+    shown: the equations as messages write them.
+    """
+    values = dict(start)
+    while True:
+        left = [name for name in names if name not in values]
+        step = _next(equations, left, symbols, values, shown or equations)
+        if step is None:
+            return values
+        name, equation, constraint = step
+        values[name] = root_of(equation, symbols[name], constraint, near.get(name))
+
+
 def _next(
     constraints: Sequence[sp.Expr],
     left: Sequence[str],
     symbols: Mapping[str, sp.Symbol],
     values: Mapping[str, sp.Expr],
+    shown: Sequence[sp.Expr],
 ) -> tuple[str, sp.Expr, sp.Expr] | None:
     """A state that is the only one left in a constraint, and the constraint with numbers."""
     table = {symbols[name]: value for name, value in values.items() if name in symbols}
-    for constraint in constraints:
+    for constraint, written in zip(constraints, shown, strict=True):
         equation = constraint.xreplace(table)
         unknown = [name for name in left if symbols.get(name) in equation.free_symbols]
         if len(unknown) == 1:
-            return unknown[0], equation, constraint
+            return unknown[0], equation, written
     return None
 
 
-def _root(
+def root_of(
     equation: sp.Expr, symbol: sp.Symbol, constraint: sp.Expr, near: sp.Expr | None
 ) -> sp.Expr:
     """The root of an equation in one symbol: the only one, or the one near a number."""
@@ -168,7 +190,7 @@ def _number(value: sp.Expr) -> sp.Expr:
     return sp.N(value, mpmath.mp.dps)
 
 
-def _check(constraint: sp.Expr, table: Mapping[sp.Symbol, sp.Expr]) -> None:
+def check_constraint(constraint: sp.Expr, table: Mapping[sp.Symbol, sp.Expr]) -> None:
     """Refuse a start that violates a constraint by more than rounded numbers do."""
     terms = [_number(one.xreplace(table)) for one in sp.Add.make_args(sp.expand(constraint))]
     size, value = sum(map(abs, terms)), abs(sum(terms))
@@ -185,5 +207,5 @@ def _check_rate(name: str, rate: sp.Expr, table: Mapping[sp.Symbol, sp.Expr]) ->
     if below == 0 or abs(_number(below)) < sp.Float(mpmath.sqrt(mpmath.mp.eps)):
         raise StartError(
             f"start: expected a regular point, got one where the leading coefficient of {name}' "
-            f"vanishes: {name}' = {rate}. Start at another place."
+            f"vanishes: {name}' = {checks.cut(str(rate))}. Start at another place."
         )

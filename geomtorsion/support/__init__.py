@@ -19,5 +19,6 @@ __all__ = [
     "outgoing",
     "precision",
     "progress",
+    "text_rows",
     "workers",
 ]

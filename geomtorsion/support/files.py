@@ -43,8 +43,6 @@ class Bounds:
     find its description from the other node.
     phases: of an orientation map; programs number them by one byte.
     groups: of HDF5 inside one another; files of microscopes have up to ten.
-    arrays: in a VTU file, of which readers look through all for each; a frame in ten dimensions
-    with its noise has two hundred.
     unpacked, unpacked_each: bytes to which any packed file may unpack, and more for each of its
     bytes: a frame on a regular grid packs to a tenth, equal values everywhere to a hundredth.
     unpacked_row: bytes that a row of text takes in memory besides its own, counted for each row of
@@ -57,7 +55,6 @@ class Bounds:
     parallel: int = 100
     phases: int = 255
     groups: int = 50
-    arrays: int = 1000
     unpacked: int = 200_000_000
     unpacked_each: int = 100
     unpacked_row: int = 100

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import lzma
-import re
 import struct
 import zipfile
 import zlib
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass
-from io import DEFAULT_BUFFER_SIZE
 from math import prod
 from os import PathLike
 from pathlib import Path
@@ -22,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 from geomtorsion.errors import FileFormatError, LimitError
 from geomtorsion.support.checks import LARGEST_ARRAYS, ErrorClass, cut, file_name
 from geomtorsion.support.files import BOUNDS, LARGEST_TEXT, conforming, read_json_text
+from geomtorsion.support.outgoing import quiet_libraries
 
 if TYPE_CHECKING:
     import numpy as np
@@ -30,7 +27,7 @@ if TYPE_CHECKING:
 
 _FOREIGN = (
     ArithmeticError, EOFError, LookupError, MemoryError, OSError, RuntimeError, TypeError,
-    ValueError, struct.error, zipfile.BadZipFile, zlib.error,
+    SyntaxError, TokenError, ValueError, struct.error, zipfile.BadZipFile, zlib.error,
 )  # fmt: skip
 
 
@@ -50,13 +47,6 @@ class ArrayForm:
 
 
 TEXT_FORM = ArrayForm((), "U")
-# Header that np.save writes before the numbers; any other header is not read at all.
-_NPY = re.compile(
-    rb"\{'descr': '([<>|=]?[a-zA-Z][0-9]{1,12})', 'fortran_order': (True|False), "
-    rb"'shape': \(([0-9, ]*)\),? *\} *\n?"
-)
-# zlib packs a byte into at least an eighth of a bit: a larger declared size is wrong.
-DENSEST = 1032
 
 
 def most_unpacked(size: int) -> int:
@@ -68,32 +58,6 @@ def most_unpacked(size: int) -> int:
     (300000000, True)
     """
     return min(LARGEST_ARRAYS, BOUNDS.unpacked + BOUNDS.unpacked_each * size)
-
-
-def unpacked_size(unpacker: Any, given: bytes, most: int) -> int:
-    """How many bytes something packed unpacks to, counted in portions up to a little above `most`.
-
-    unpacker: a decompressor of zlib or lzma. Damaged data are counted up to the damage; their
-    reader refuses them.
-
-    Examples
-    --------
-    >>> bomb = zlib.compress(bytes(10**7))
-    >>> unpacked_size(zlib.decompressobj(), bomb, 10**8)
-    10000000
-    >>> 4096 < unpacked_size(zlib.decompressobj(), bomb, 4096) <= 4096 + BOUNDS.portion
-    True
-    """
-    size = 0
-    with suppress(zlib.error, lzma.LZMAError):
-        while not unpacker.eof and size <= most:
-            part = unpacker.decompress(given, BOUNDS.portion)
-            # zlib must be given its unused input again, while lzma keeps it.
-            given = getattr(unpacker, "unconsumed_tail", b"")
-            size += len(part)
-            if not part and not given:
-                break
-    return size
 
 
 def read_npz(
@@ -141,8 +105,8 @@ def read_npz(
                 for key in wanted:
                     if key not in members:
                         raise KeyError(f"{key} is not a file in the archive")
-                    found = _array(archive, members[key], form, lengths, left)
-                    arrays[key], left = found, left - found.nbytes
+                    array = _array(archive, members[key], form, lengths, left)
+                    arrays[key], left = array, left - array.nbytes
     except _FOREIGN as reason:
         said = cut(str(reason)) or type(reason).__name__
         raise error(message.format(path=path, reason=said)) from None
@@ -158,42 +122,27 @@ def _array(
 ) -> np.ndarray:
     """One array; foreign errors, and ValueError for a wrong form."""
     # numpy takes 0.09 s to load, which reading a TOML file does not need.
-    import numpy as np
+    from numpy.lib import format as npy
 
     name = member.filename.removesuffix(".npy")
-    if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
-        raise ValueError(f"{name} is packed in a way that NumPy does not use")
-    with archive.open(member) as stream:
-        begin = stream.read(10)
-        if begin[:6] != b"\x93NUMPY" or len(begin) < 10 or begin[6] not in (1, 2, 3):
-            raise ValueError(f"{name} is not an array")
-        length = int.from_bytes(
-            begin[8:10] if begin[6] == 1 else begin[8:] + stream.read(2), "little"
-        )
-        header = _NPY.fullmatch(stream.read(min(length, 10_000)))
-        if header is None:
-            raise ValueError(f"{name} has a header that is not known")
-        dtype = np.dtype(header[1].decode())
-        shape = tuple(int(part) for part in header[3].split(b",") if part.strip())
-        if dtype.kind not in form.kinds or dtype.hasobject:
-            raise ValueError(f"{name} holds {dtype}, which does not fit")
-        _check_shape(name, shape, form, lengths)
-        size = prod(shape) * dtype.itemsize
-        # A single text is parsed later, which takes many times its size.
-        left = min(left, 4 * LARGEST_TEXT) if form == TEXT_FORM else left
-        if size > min(left, DENSEST * max(member.compress_size, 1)):
-            raise ValueError(f"{name} would take {size:,} bytes, more than can be in this file")
-        content = np.empty(size, np.uint8)
-        # In portions, so that it is in memory once.
-        filled = 0
-        while part := stream.read(min(size - filled, DEFAULT_BUFFER_SIZE)):
-            content[filled : filled + len(part)] = np.frombuffer(part, np.uint8)
-            filled += len(part)
+    with archive.open(member) as stream, quiet_libraries():
+        version = npy.read_magic(stream)
+        header = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
+        shape, _, dtype = header(stream)
+    if dtype.kind not in form.kinds or dtype.hasobject:
+        raise ValueError(f"{name} holds {dtype}, which does not fit")
+    _check_shape(name, shape, form, lengths)
+    size = prod(shape) * dtype.itemsize
+    # A single text is parsed later, which takes many times its size.
+    left = min(left, 4 * LARGEST_TEXT) if form == TEXT_FORM else left
+    if size > min(left, member.file_size):
+        raise ValueError(f"{name} would take {size:,} bytes, more than can be in this file")
+    with archive.open(member) as stream, quiet_libraries():
+        array = npy.read_array(stream, allow_pickle=False)
         # Reading to the end compares the checksum.
-        if filled != size or stream.read(1):
-            raise ValueError(f"{name} holds another count of numbers than {cut(str(shape))}")
-    found = content.view(dtype).reshape(shape, order="F" if header[2] == b"True" else "C")
-    return found.astype(dtype.newbyteorder("="), copy=False)
+        if stream.read(1):
+            raise ValueError(f"{name} holds more numbers than {cut(str(shape))}")
+    return array.astype(dtype.newbyteorder("="), copy=False)
 
 
 def mapped_npy(path: Path) -> np.ndarray:

@@ -350,3 +350,19 @@ def test_refusals(name: str) -> None:
     with pytest.raises(error) as refusal:
         call()
     assert words in str(refusal.value)
+
+
+def test_sympy_solves_equations_with_a_closed_form() -> None:
+    """B^-2 = 1 + C/r - Lambda r^2/3; the flat universe with Lambda grows as an exponential."""
+    reduced = g.equations(gt.levi_civita(STATIC), "R - 2*Lambda").reduce("r")
+    equation = reduced.differential_equations["B"]
+    Lambda, mass = sp.symbols("Lambda C1")
+    solutions = [one.rhs for one in sp.dsolve(equation, B)]
+    assert len(solutions) == 2
+    for one in solutions:
+        assert sp.checkodesol(equation, sp.Eq(B, one))[0]
+        expected = 1 - Lambda * R**2 / 3 + mass / (3 * R)
+        assert sp.simplify(one**-2 - expected) == 0
+    second = universe(gt.levi_civita(COSMOS), "R - 2*Lambda").differential_equations["a"]
+    growth = sp.exp(sp.sqrt(Lambda / 3) * T)
+    assert sp.simplify((second.lhs - second.rhs).subs(a, growth).doit()) == 0

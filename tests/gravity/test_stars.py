@@ -1,6 +1,7 @@
 """Stars from a metric ansatz and a fluid, from their centre to their surface."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 import geomtorsion as gt
 from geomtorsion import gravity as g
-from geomtorsion.errors import GravityError, StartError
+from geomtorsion.errors import GeomtorsionError, StartError
 
 T, R, THETA, PHI = sp.symbols("t r theta phi")
 AT_REST = [1, 0, 0, 0]
@@ -134,13 +135,251 @@ def test_a_centre_of_flat_space_is_regular() -> None:
     assert values == {"A": 1, "B": 1}
 
 
-def test_refusals() -> None:
-    """A centre needs regular values; a higher pole needs a start beside it."""
+# -- other theories --------------------------------------------------------------------------------
+
+QUADRATIC_R = "(R + c*R**2)/(16*pi)"
+QUADRATIC_T = "-(T + c*T**2)/(16*pi)"
+PRESSURE, DENSITY = 1e-4, 1e-3
+CENTRAL = {"A": 1, "p": "1e-4"}
+INSIDE = 5.0
+
+
+def quadratic(
+    connection: gt.Connection, lagrangian: str, conditions: Sequence[sp.Eq] = ()
+) -> g.Reduction:
+    """A star of constant density in another theory."""
+    fluid = g.fluid("rho0", "p(r)", AT_REST)
+    return g.equations(connection, lagrangian, fluid).reduce("r", conditions)
+
+
+@pytest.fixture(scope="module")
+def curvature() -> g.Reduction:
+    """A star in f(R), of fourth order."""
+    return quadratic(gt.levi_civita(STATIC), QUADRATIC_R)
+
+
+@pytest.fixture(scope="module")
+def torsion() -> g.Reduction:
+    """A star in f(T), with a tetrad whose spin connection vanishes."""
+    return quadratic(gt.cartan(PROPER), QUADRATIC_T)
+
+
+def inside(
+    reduced: g.Reduction, c: str, start: dict | None = None, near: dict | None = None
+) -> list[float]:
+    """A, B and p at one radius inside of a star."""
+    first, rough = CENTRAL | (start or {}), {"B": 1} | (near or {})
+    solution = g.solve(reduced, "r", INSIDE, first, {"rho0": "1e-3", "c": c}, near=rough)
+    assert solution.error <= solution.accuracy
+    for drift in solution.drift.values():
+        assert drift <= solution.accuracy
+    return [float(solution[name][-1]) for name in "ABp"]
+
+
+def interior(radius: float) -> list[float]:
+    """A, B and p of Schwarzschild's interior solution with A = 1 at the centre."""
+    root = math.sqrt(1 - 8 * math.pi * DENSITY * radius**2 / 3)
+    share = (DENSITY + 3 * PRESSURE) / (DENSITY + PRESSURE)
+    # (rho + p)/(rho + 3 p) falls with the root, and (rho + p) A is constant.
+    ratio = root * share
+    p = DENSITY * (ratio - 1) / (3 - ratio)
+    return [(DENSITY + PRESSURE) / (DENSITY + p), 1 / root, p]
+
+
+def test_the_identity_as_a_function_is_general_relativity(torsion: g.Reduction) -> None:
+    """The power series for f(T) = T is the closed form."""
+    place, values = torsion.begin(CENTRAL, {"rho0": "1e-3", "c": 0}, near={"B": 1})
+    assert place >= sp.Rational(1, 2)
+    assert [float(values[x]) for x in "ABp"] == pytest.approx(interior(float(place)), rel=1e-12)
+
+
+def test_a_quadratic_function_of_torsion(torsion: g.Reduction) -> None:
+    """An integration of Euler-Lagrange equations, T = -2 (B - 1)(B - 1 - 2 r A'/A)/(r B)^2."""
+    c, r, A, u, B, p = (sp.Symbol(name, positive=True) for name in "crAuBp")
+    slopes = up, Bp = sp.symbols("up Bp")
+    T = -2 * (B - 1) * (B - 1 - 2 * r * u / A) / (r * B) ** 2
+    action = -(T + c * T**2) * A * B * r**2 / (16 * sp.pi)
+    rates = {r: 1, A: u, u: up, B: Bp, p: -(DENSITY + p) * u / A}
+
+    def along(x: sp.Expr) -> sp.Expr:
+        return sum(x.diff(symbol) * rate for symbol, rate in rates.items())
+
+    radial = action.diff(B) + p * A * r**2
+    timelike = action.diff(A) - along(action.diff(u)) - DENSITY * B * r**2
+    solved = sp.linear_eq_to_matrix([along(radial), timelike], slopes)
+    table = [sp.lambdify((c, r, A, u, B, p), x) for x in (*solved, radial, radial.diff(u))]
+
+    for number in (1.0, 30.0):
+        near = 0.05
+        first = 4 * math.pi * (DENSITY + 3 * PRESSURE) / 3 * near
+        one = 1 + first * near / 2
+        p0 = PRESSURE - (DENSITY + PRESSURE) * first * near / 2
+        B0 = 1 + 4 * math.pi * DENSITY * near**2 / 3
+        for _ in range(5):
+            here = number, near, one, first, B0, p0
+            first -= table[2](*here) / table[3](*here)
+
+        def rates_of(x: float, y: np.ndarray, number: float = number) -> list[float]:
+            matrix, right = (one(number, x, *y) for one in table[:2])
+            slope, other = np.linalg.solve(matrix, right)[:, 0]
+            return [y[1], slope, other, -(DENSITY + y[3]) * y[1] / y[0]]
+
+        options = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-15}
+        other = solve_ivp(rates_of, (near, INSIDE), [one, first, B0, p0], **options).y[:, -1]
+        ours = inside(torsion, str(number))
+        assert ours == pytest.approx([other[0], other[2], other[3]], rel=1e-8)
+        assert abs(ours[1] / interior(INSIDE)[1] - 1) > 1e-6
+
+
+def trace_of_curvature(function: sp.Expr, R0: float) -> tuple[list[float], float, float]:
+    """A, B, p from the trace of f(R) gravity with S = R, and A'', B'' at the centre.
+
+    function: of S. R0: the curvature at the centre.
+    """
+    radius, A, u, B, p, S, v = sp.symbols("r A u B p S v")
+    slopes = up, Bp, vp = sp.symbols("up Bp vp")
+    f, F, second, third = (function.diff(S, order) for order in range(4))
+    value, weight, change = (float(x.subs(S, R0)) for x in (f, F, second))
+    source = 8 * math.pi * (DENSITY - 3 * PRESSURE)
+    bend = (2 * value - weight * R0 - source) / (18 * change)
+    b = 8 * math.pi * DENSITY - (value - weight * R0) / 2 + 6 * change * bend
+    b /= 6 * weight
+    a = b - R0 / 12
+    scalar = (
+        -2 * up / (A * B**2)
+        + 2 * u * Bp / (A * B**3)
+        - 4 * u / (radius * A * B**2)
+        + 4 * Bp / (radius * B**3)
+        + 2 * (1 - 1 / B**2) / radius**2
+    )
+    box = second * (vp + v * (u / A - Bp / B + 2 / radius)) + third * v**2
+    trace = 3 * box / B**2 + F * S - 2 * f + 8 * sp.pi * (DENSITY - 3 * p)
+    energy = (1 - 1 / B**2) / radius**2 + 2 * Bp / (radius * B**3)
+    timelike = F * energy - 8 * sp.pi * DENSITY + (f - F * S) / 2
+    timelike += (second * v * u / A - box) / B**2
+    solved = sp.linear_eq_to_matrix([scalar - S, trace, timelike], slopes)
+    table = [sp.lambdify((radius, A, u, B, p, S, v), x) for x in solved]
+
+    def rates(x: float, y: np.ndarray) -> list[float]:
+        slope, other, last = np.linalg.solve(*(one(x, *y) for one in table))[:, 0]
+        A, u, _, p, _, v = y
+        return [u, slope, other, -(DENSITY + p) * u / A, v, last]
+
+    near = 0.02
+    first = [
+        1 + a * near**2,
+        2 * a * near,
+        1 + b * near**2,
+        PRESSURE - (DENSITY + PRESSURE) * a * near**2,
+        R0 + bend * near**2,
+        2 * bend * near,
+    ]
+    options = {"method": "DOP853", "rtol": 1e-11, "atol": 1e-15}
+    last = solve_ivp(rates, (near, INSIDE), first, **options).y[:, -1]
+    return [last[0], last[2], last[3]], 2 * a, 2 * b
+
+
+def named_curvature(lagrangian: str) -> g.Reduction:
+    """A star in f(R) with the curvature as an unknown function S."""
+    scalar_curvature = STATIC.quantity("scalar_curvature")[()]
+    condition = sp.Eq(sp.Function("S")(R), scalar_curvature)
+    return quadratic(gt.levi_civita(STATIC), lagrangian, [condition])
+
+
+def test_a_quadratic_function_of_curvature(curvature: g.Reduction) -> None:
+    """An integration of the trace of the field equations, and both ways to give the curvature."""
+    S = sp.Symbol("S")
+    R0 = 8 * math.pi * (DENSITY - 3 * PRESSURE) * 1.1
+    other, A_2, B_2 = trace_of_curvature(S - 2 * S**2, R0)
+    ours = inside(curvature, "-2", {"A_2": A_2}, {"B_2": B_2})
+    assert ours == pytest.approx(other, rel=1e-8)
+    short = named_curvature(QUADRATIC_R)
+    assert inside(short, "-2", {"S": R0}) == pytest.approx(ours, rel=CLOSE)
+    assert abs(ours[1] / interior(INSIDE)[1] - 1) > 1e-4
+
+
+@pytest.mark.slow
+def test_a_root_of_curvature() -> None:
+    """For R + c sqrt(1 + R) the rules replace equations that are no power series."""
+    S = sp.Symbol("S")
+    reduced = named_curvature("(R + c*sqrt(1 + R))/(16*pi)")
+    other, _, _ = trace_of_curvature(S + sp.sqrt(1 + S) / 10, 0.03)
+    assert inside(reduced, "1/10", {"S": 0.03}) == pytest.approx(other, rel=1e-7)
+
+
+def test_small_terms_are_small(curvature: g.Reduction, torsion: g.Reduction) -> None:
+    """Stars approach those of general relativity as the coefficient of the square vanishes."""
+    second = {"A_2": 4 * math.pi / 3 * (DENSITY + 3 * PRESSURE)}
+    near = {"B_2": 8 * math.pi / 3 * DENSITY}
+    for reduced, numbers, start, rough in (
+        (curvature, ("-1/10", "-1/100"), second, near),
+        (torsion, ("1/10", "1/100"), {}, {}),
+    ):
+        large, small = (
+            np.abs(np.array(inside(reduced, c, start, rough)) / interior(INSIDE) - 1)
+            for c in numbers
+        )
+        assert np.all(small < large / 5)
+        assert np.all(small < 1e-2)
+
+
+def test_nonmetricity_has_the_stars_of_torsion(torsion: g.Reduction) -> None:
+    """The equation of a flat connection holds for isotropic flat coordinates; then f(Q) is f(T)."""
+    X = sp.Function("X")(R)
+    flat = gt.Frame(
+        [T, R, THETA, PHI],
+        sp.diag(1, (R * X).diff(R), R * X, R * X * sp.sin(THETA)),
+        (-1, 1, 1, 1),
+    )
+    coefficients = gt.levi_civita(flat).coefficients
+    axis = range(4)
+    connection = gt.from_coefficients(
+        STATIC, [[[coefficients[i, j, k] for k in axis] for j in axis] for i in axis]
+    )
+    isotropic = sp.Eq((R * X).diff(R), B * X)
+    reduced = quadratic(connection, "-(Q + c*Q**2)/(16*pi)", [isotropic])
+    ours = inside(reduced, "30", {"X": 1})
+    assert ours == pytest.approx(inside(torsion, "30"), rel=CLOSE)
+
+
+def test_a_density_that_is_not_even() -> None:
+    """B^-2 = 1 - 2 m/r with m = 4 pi rho0 (r^3/3 - r^4/4), from a series with all powers."""
+    reduced = star("rho0*(1 - r)")
+    place, values = reduced.begin({"A": 1, "p": 1}, {"rho0": 1}, near={"B": 1})
+    r = float(place)
+    mass = 4 * math.pi * (r**3 / 3 - r**4 / 4)
+    assert float(values["B"]) == pytest.approx((1 - 2 * mass / r) ** -0.5, rel=1e-14)
+
+
+def test_refusals_of_general_relativity() -> None:
+    """A centre needs regular values."""
     reduced = star("rho0")
     with pytest.raises(StartError, match="got B = -1 or 1"):
         reduced.begin({"p": 1, "A": 1}, {"rho0": 1})
     with pytest.raises(StartError, match="Omit one of the values"):
         reduced.begin({"p": 1, "A": 1, "B": 2}, {"rho0": 1})
-    quadratic = g.equations(gt.levi_civita(STATIC), "R + c*R**2").reduce("r")
-    with pytest.raises(GravityError, match="without a pole"):
-        quadratic.begin({"A": 1, "B": 1}, {"c": 1})
+    with pytest.raises(StartError, match="got none for rho0"):
+        reduced.begin({"p": 1, "A": 1, "B": 1})
+    with pytest.raises(GeomtorsionError, match="got a function with a pole"):
+        star("rho0*exp(-1/r)").begin({"p": 1, "A": 1, "B": 1}, {"rho0": 1})
+    with pytest.raises(GeomtorsionError, match="got a root, a logarithm or a quotient at zero"):
+        star("sqrt(p(r)/K) + p(r)").begin({"p": 0, "A": 1, "B": 1}, {"K": 1})
+
+
+@pytest.mark.parametrize(
+    ("start", "near", "words"),
+    [
+        ({"B": 1}, {}, "leaves free at r = 0, got none for p_2, A_2, B_2"),
+        ({"B": 1, "A_2": 1000}, {}, "got B_2 = -1000.* or 1000.*near="),
+        ({"B": 1, "A_2": "1/1000", "B_2": 1}, {}, "without a power series"),
+        ({"B": 1, "A_2": "1/1000"}, {}, "got values for which there is none"),
+        ({"B": 1, "A_1": 1}, {}, "expected A_1 = 0, because the functions are even"),
+        ({"B": 1, "C": 1}, {}, "C"),
+    ],
+)
+def test_refusals_of_fourth_order(
+    curvature: g.Reduction, start: dict, near: dict, words: str
+) -> None:
+    """One more value is free, and a quadratic equation has two roots or none."""
+    with pytest.raises(GeomtorsionError, match=words):
+        curvature.begin(CENTRAL | start, {"rho0": "1e-3", "c": "-2"}, near=near)

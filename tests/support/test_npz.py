@@ -1,6 +1,5 @@
 """NPZ: arrays read as they were written; a damaged file raises one kind of error."""
 
-import io
 import json
 import random
 import zipfile
@@ -66,7 +65,7 @@ def test_byte_orders(tmp_path, dtype):
         ({"times": np.array(["a"])}, "times holds <U1"),
         ({"times": np.array([{}], dtype=object)}, "times has a header|times holds"),
         ({"times": np.zeros(3), "states": np.zeros((4, 2))}, r"states: expected shape \(3, "),
-        ({"times": np.zeros(3, dtype=[("a", "f8")])}, "times has a header that is not known"),
+        ({"times": np.zeros(3, dtype=[("a", "f8")])}, "times holds .*which does not fit"),
     ],
 )
 def test_wrong_arrays(tmp_path, arrays, says):
@@ -79,14 +78,22 @@ def test_wrong_arrays(tmp_path, arrays, says):
         read_npz(tmp_path / "a.npz", FORMS, error=CheckpointError, message=message)
 
 
+def declared(path, count, content):
+    """Write an array whose header declares a count of numbers."""
+    header = f"{{'descr': '<f8', 'fortran_order': False, 'shape': ({count},), }}".encode()
+    begin = b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little")
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("times.npy", begin + header + content)
+
+
 def test_declared_sizes_take_no_memory(tmp_path):
     """A header that declares a terabyte is refused before memory is allocated."""
-    buffer = io.BytesIO()
-    header = b"{'descr': '<f8', 'fortran_order': False, 'shape': (100000000000,), }"
-    buffer.write(b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header + b"\0" * 80)
-    with zipfile.ZipFile(tmp_path / "a.npz", "w") as archive:
-        archive.writestr("times.npy", buffer.getvalue())
-    with pytest.raises(FileFormatError, match="would take 800,000,000,000 bytes"):
+    for count in (10**11, 10**8):
+        declared(tmp_path / "a.npz", count, bytes(80))
+        with pytest.raises(FileFormatError, match=f"would take {8 * count:,} bytes"):
+            read_npz(tmp_path / "a.npz", {"times": ArrayForm()})
+    declared(tmp_path / "a.npz", 9, bytes(80))
+    with pytest.raises(FileFormatError, match="times holds more numbers than"):
         read_npz(tmp_path / "a.npz", {"times": ArrayForm()})
     np.savez(tmp_path / "b.npz", times=np.zeros(1000))
     with pytest.raises(FileFormatError, match="would take 8,000 bytes"):

@@ -33,12 +33,12 @@ from geomtorsion.cli.values import engine_of, named_numbers, number, start_lines
 from geomtorsion.errors import FileFormatError
 from geomtorsion.fits import Fit
 from geomtorsion.fits import fit as fitted
-from geomtorsion.materials.text_rows import lines_of, number_rows
 from geomtorsion.pictures.style import can_draw, save
 from geomtorsion.spaces import pair_problems
 from geomtorsion.support.checks import cut, shown
 from geomtorsion.support.files import read_text, write_texts
 from geomtorsion.support.outgoing import csv_cell
+from geomtorsion.support.text_rows import lines_of, number_table
 
 NOISE = "sigma_"
 
@@ -128,7 +128,7 @@ def read_table(path: Path) -> tuple[np.ndarray, dict[str, np.ndarray], dict[str,
     FileFormatError
         There is no header with at least two names, a name occurs twice, or a row is damaged.
     """
-    lines = [(k, line) for k, line in enumerate(lines_of(read_text(path))) if line.strip()]
+    lines = [(k, line) for k, line in enumerate(lines_of(read_text(path)), 1) if line.strip()]
     lines = [(k, line) for k, line in lines if not line.startswith("#")]
     header = [name.strip().strip('"') for name in lines[0][1].split(",")] if lines else []
     if len(header) < 2 or len(set(header)) < len(header) or len(lines) < 2:
@@ -137,7 +137,7 @@ def read_table(path: Path) -> tuple[np.ndarray, dict[str, np.ndarray], dict[str,
             f"{shown(cut(','.join(header), 80))}. Name each column once."
         )
     numbers, rows = zip(*lines[1:], strict=True)
-    table = number_rows(path, rows, numbers, len(header), ",")
+    table, _ = number_table(path, numbers, rows, len(header), split=",")
     if not np.isfinite(table[:, 0]).all():
         raise FileFormatError(
             f"{path}: column {header[0]}: expected a number in each row, got an empty field. "

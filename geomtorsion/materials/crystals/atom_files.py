@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geomtorsion.errors import FileFormatError, MissingExtraError
-from geomtorsion.materials.crystals.atom_counts import check_count_of_gro, check_declared
 from geomtorsion.materials.crystals.atom_rows import AtomData, check_number, completed, is_number
 from geomtorsion.materials.crystals.lammps import (
     data_frame,
@@ -25,8 +24,9 @@ from geomtorsion.materials.crystals.lammps import (
 from geomtorsion.materials.crystals.xyz import xyz_blocks, xyz_frame
 from geomtorsion.support import checks
 from geomtorsion.support.checks import LARGEST_ARRAYS, cut, file_name, shown
-from geomtorsion.support.files import BOUNDS, ending, finite_number, opened, read_text
+from geomtorsion.support.files import BOUNDS, ending, opened, read_text
 from geomtorsion.support.outgoing import quiet_libraries
+from geomtorsion.support.text_rows import TextRows
 
 if TYPE_CHECKING:
     from ase import Atoms
@@ -197,9 +197,8 @@ def _by_ase(file: Path, kind: str) -> Iterator[Atoms]:
             rows = text.rstrip().split("\n")
             # The first row is a title.
             _check_numbers(file.name, 2, rows[1:])
-            check_declared(file.name, kind, rows)
             if kind == "gromacs":
-                check_count_of_gro(file.name, rows)
+                _check_count_of_gro(file.name, rows)
         binary = formats.ioformats[kind].isbinary
         source = io.BytesIO(text.encode()) if binary else io.StringIO(text)
     try:
@@ -225,13 +224,10 @@ def _length_of_cfg(name: str, text: str) -> float:
             # The atoms begin here.
             break
         if key.strip() == "A":
-            words = value.split()
-            length = finite_number(words[0]) if words else None
-            if length is None or length <= 0:
-                raise FileFormatError(
-                    f"{name}: line {number}: A: expected a length above 0, got "
-                    f"{shown(value.strip())}. Correct it."
-                )
+            rows = TextRows(name, line=number)
+            (length,) = rows.numbers(value.split(), 1, "A", more=True)
+            if length <= 0:
+                rows.fail(f"A: expected a length above 0, got {shown(value.strip())}. Correct it.")
             return length
     return 1.0
 
@@ -244,6 +240,17 @@ def _check_numbers(name: str, line: int, rows: list[str]) -> None:
     for number, row in enumerate(rows, line):
         for word in row.partition("#")[0].split():
             check_number(name, number, word)
+
+
+def _check_count_of_gro(name: str, rows: list[str]) -> None:
+    """Refuse a GRO file with a wrong number of rows, since ase takes the last row for the cell."""
+    count = rows[1].strip() if len(rows) > 1 else ""
+    if not count.isdecimal() or len(count) > 18 or len(rows) != int(count) + 3:
+        raise FileFormatError(
+            f"{name}: line 2: expected the number of atoms, then one row for each atom and one row "
+            f"with the cell. Line 2 is {shown(count)}, and {max(len(rows) - 2, 0):,} rows follow. "
+            "Is the file complete, and does it hold only one frame?"
+        )
 
 
 def _unreadable(where: str, kind: str, error: Exception) -> FileFormatError | MissingExtraError:

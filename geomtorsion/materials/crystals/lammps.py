@@ -15,11 +15,10 @@ from geomtorsion.materials.crystals.atom_rows import (
     AtomData,
     completed,
     is_number,
-    odd_row,
-    table_of,
 )
 from geomtorsion.support.checks import cut, shown
 from geomtorsion.support.files import finite_number
+from geomtorsion.support.text_rows import TextRows, number_table, refuse_row
 
 # Key of a row above the sections of a data file -> number of the row, and its other words.
 Said = dict[str, tuple[int, list[str]]]
@@ -160,13 +159,13 @@ def dump_frame(name: str, line: int, rows: list[str], where: str) -> AtomData:
     indices = [columns.index(x) for x in numeric]
     body = rows[start + 1 :]
     kinds = () if kind is None else (kind,)
-    table, words = table_of(name, lines, body, len(columns), indices, kinds)
+    table, words = number_table(name, lines, body, len(columns), indices, kinds)
     if words and body and finite_number(words[0][0]) is not None:
         # Where types are numbers, a word among them is a damaged row.
         wrong = {word for word in set(words[0]) if finite_number(word) is None}
         if wrong:
             k = next(k for k, word in enumerate(words[0]) if word in wrong)
-            raise odd_row(name, lines[k], body[k], len(columns), kinds)
+            refuse_row(name, lines[k], body[k], len(columns), kinds)
     values = table[:, :3]
     positions = origin + values @ edges if scaled else values
     order = np.argsort(table[:, 3], kind="stable") if "id" in columns else np.arange(len(body))
@@ -191,7 +190,7 @@ def _box(
             "file complete?"
         )
     wide = width if width in (2, 3, 4) else 2
-    sides, _ = table_of(name, lines, rows[1:4], wide, range(wide))
+    sides, _ = number_table(name, lines, rows[1:4], wide, range(wide))
     flags3 = (periodic[0], periodic[1], periodic[2])
     if general or sides.shape[1] == 4:
         return sides[:, 3], sides[:, :3].copy(), flags3
@@ -255,10 +254,10 @@ def data_frame(name: str, text: str) -> AtomData:
     width = len(words[0]) if words else 0
     odd = next((k for k, row in enumerate(words) if len(row) != width), None)
     if odd is not None:
-        raise odd_row(name, lines[odd], texts[odd], width, ())
+        refuse_row(name, lines[odd], texts[odd], width, ())
     style = rows[start].partition("#")[2].strip()
     kind, x = _style(name, places[start] + 1, style, words, header)
-    values, _ = table_of(name, lines, texts, width, (0, x, x + 1, x + 2) if body else ())
+    values, _ = number_table(name, lines, texts, width, (0, x, x + 1, x + 2) if body else ())
     order = np.argsort(values[:, 0], kind="stable")
     labels = _labels(rows, plain, sections, heads)
     types: list[str] = [words[k][kind] for k in order.tolist()]
@@ -339,13 +338,7 @@ def _cell(name: str, said: Said) -> np.ndarray | None:
                 f"{cut(', '.join(said))}. Is the file complete?"
             )
         k, words = said[key]
-        values = [finite_number(word) for word in words]
-        if len(values) != count or None in values:
-            raise FileFormatError(
-                f"{name}: line {k + 1}: {key}: expected {count} numbers, got "
-                f"{shown(' '.join(words))}. Correct it."
-            )
-        return [x for x in values if x is not None]
+        return TextRows(name, line=k + 1).numbers(words, count, key)
 
     if "avec" in said:
         return completed(name, np.array([numbers(key, 3) for key in ("avec", "bvec", "cvec")]))

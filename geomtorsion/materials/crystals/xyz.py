@@ -9,8 +9,9 @@ from io import TextIOBase
 import numpy as np
 
 from geomtorsion.errors import FileFormatError
-from geomtorsion.materials.crystals.atom_rows import AtomData, completed, table_of
+from geomtorsion.materials.crystals.atom_rows import AtomData, completed
 from geomtorsion.support.checks import shown
+from geomtorsion.support.text_rows import number_table
 
 # key=value, where a value may be in quotes, in braces, or be a list.
 _FIELD = re.compile(r"""(\w+)\s*=\s*(?:"([^"]*)"|'([^']*)'|\{([^}]*)\}|(\[[^="']*\])|(\S+))""")
@@ -68,7 +69,7 @@ def xyz_frame(name: str, line: int, rows: list[str], where: str) -> AtomData:
     lines = range(line + 2, line + len(rows))
     kinds = () if kind is None else (kind,)
     axes = range(place, place + 3)
-    positions, species = table_of(name, lines, rows[2:], wide, axes, kinds)
+    positions, species = number_table(name, lines, rows[2:], wide, axes, kinds)
     edges = np.zeros((3, 3))
     if "lattice" in values:
         texts = re.split(r"[\s,\[\]]+", values["lattice"].strip(" []"))
@@ -77,7 +78,7 @@ def xyz_frame(name: str, line: int, rows: list[str], where: str) -> AtomData:
                 f"{name}: line {line + 1}: Lattice: expected nine numbers, three edges of the "
                 f"cell one after another, got {shown(values['lattice'])}. Correct it."
             )
-        edges = table_of(name, [line + 1], [" ".join(texts)], 9, range(9))[0].reshape(3, 3)
+        edges = number_table(name, [line + 1], [" ".join(texts)], 9, range(9))[0].reshape(3, 3)
     periodic = _periodic(f"{name}: line {line + 1}", values.get("pbc"), "lattice" in values)
     for k, repeats in enumerate(periodic):
         if repeats and not edges[k].any():

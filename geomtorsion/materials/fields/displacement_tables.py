@@ -18,10 +18,10 @@ from geomtorsion.materials.fields.displaced_points import (
     FAILED,
     DisplacedPoints,
 )
-from geomtorsion.materials.text_rows import number_rows
 from geomtorsion.support.checks import cut, shown
 from geomtorsion.support.files import BOUNDS, opened, read_text
 from geomtorsion.support.npz import LARGEST_ARRAYS
+from geomtorsion.support.text_rows import number_table
 
 _DAVIS, _TECPLOT = "#DaVis", "VARIABLES"
 # A unit after a name: x (mm), u [um].
@@ -105,7 +105,8 @@ def read_points(path: Path) -> DisplacedPoints:
     if header.split != ",":
         # Some locales write a decimal comma.
         rows = [row.replace(",", ".") for row in rows]
-    table = number_rows(path, rows, line_numbers, header.width, header.split)
+    lines_read = [k + 1 for k in line_numbers]
+    table, _ = number_table(path, lines_read, rows, header.width, split=header.split)
     values = table[:, list(header.components)].T.copy()
     for column in header.failed:
         values[:, table[:, column] < 0] = np.nan
@@ -113,7 +114,7 @@ def read_points(path: Path) -> DisplacedPoints:
     return DisplacedPoints(
         {name: table[:, k] for name, k in zip(names, header.axes, strict=True)},
         values,
-        [f"line {k + 1}" for k in line_numbers],
+        [f"line {k}" for k in lines_read],
         header.unit,
         header.vector_unit,
     )

@@ -19,7 +19,6 @@ from geomtorsion.loops.quadrature import PIECE
 from geomtorsion.materials.fields.contents import guarded, module
 from geomtorsion.materials.fields.grid import Grid
 from geomtorsion.materials.fields.noise import SMOOTH, estimated_from_parts
-from geomtorsion.materials.fields.packed_chunks import check_packed
 from geomtorsion.support import checks
 from geomtorsion.support.files import digest_of, read_json_text, read_text
 from geomtorsion.support.npz import LARGEST_ARRAYS, mapped_npy
@@ -160,9 +159,6 @@ def _zarr(path: Path, again: bool) -> Any:
                     array = module("zarr", path).open_array(str(inner), mode="r")
                     if not again:
                         _check_chunks(inner, array)
-                        shard = getattr(array, "shards", None) or array.chunks
-                        size = prod(array.chunks) * array.dtype.itemsize
-                        check_packed(inner, header, size, prod(shard) // prod(array.chunks))
                     return array
     raise FileFormatError(
         f"{path}: expected an .npy file, a Zarr array, or a folder with a Zarr array {INNER}, got "

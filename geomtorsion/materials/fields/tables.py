@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import io
-import math
 import re
 from collections.abc import Mapping, Sequence
 from itertools import product
@@ -12,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from geomtorsion.errors import LONGEST_SHOWN, FileFormatError, GridError, LimitError
+from geomtorsion.errors import LONGEST_SHOWN, FileFormatError, GridError
 from geomtorsion.materials.fields.contents import (
     TEXTS,
     Contents,
@@ -22,17 +20,14 @@ from geomtorsion.materials.fields.contents import (
 )
 from geomtorsion.materials.fields.displaced_points import DisplacedPoints, displacement_in
 from geomtorsion.materials.fields.nodes import check_filled, nodes_of
-from geomtorsion.materials.fields.vtu_blocks import check_vtu
 from geomtorsion.support.checks import cut
 from geomtorsion.support.files import read_text
 from geomtorsion.support.npz import LARGEST_ARRAYS
-from geomtorsion.support.outgoing import one_line
+from geomtorsion.support.outgoing import one_line, quiet_libraries
+from geomtorsion.support.text_rows import number_table
 
 _COLUMN = re.compile(r"(e|beta|sigma)_([0-9])_([0-9])")
-_EMPTY = re.compile(r"(?m)(?:^|(?<=,))[ \t]*(?=,|$)")
 _SAID = re.compile(r"#\s*(unit|vector_unit|source|periodic)\s*:\s*(.*)")
-_DIMENSIONS = re.compile(rb"(?im)^[ \t]*DIMENSIONS[ \t]+([-+0-9_ \t]+)")
-_AT_ROW = re.compile(r"at row ([0-9]+)|row ([0-9]+)")
 
 
 def read_csv(path: Path) -> Contents:
@@ -56,27 +51,12 @@ def read_csv(path: Path) -> Contents:
     header = [name.strip() for name in lines[first].split(",")]
     axes, values = _header(path, header, first + 1)
     line_numbers = [k for k in range(first + 1, len(lines)) if lines[k].strip()]
-    for k in line_numbers:
-        if lines[k].count(",") != len(header) - 1:
-            raise FileFormatError(
-                f"{path}: line {k + 1}: expected {len(header)} numbers, one for each column of the "
-                f"header, got {lines[k].count(',') + 1}. Is the file complete?"
-            )
     if not line_numbers:
         raise FileFormatError(
             f"{path}: expected nodes below the header, got none. Is the file complete?"
         )
-    body = "\n".join(lines[k] for k in line_numbers)
-    try:
-        table = np.loadtxt(io.StringIO(_EMPTY.sub("nan", body)), delimiter=",", ndmin=2)
-    except ValueError as error:
-        row = _AT_ROW.search(str(error))
-        number = int(row[1] or row[2]) if row else 0
-        line = line_numbers[min(number, len(line_numbers) - 1)] + 1
-        raise FileFormatError(
-            f"{path}: line {line}: expected numbers, got {cut(lines[line - 1], 80)!r}. Correct the "
-            "row, or leave the field empty."
-        ) from None
+    rows = [lines[k] for k in line_numbers]
+    table, _ = number_table(path, [k + 1 for k in line_numbers], rows, len(header), split=",")
     columns = dict(zip(header, table.T, strict=True))
     options: dict[str, Any] = {key: texts[key] for key in TEXTS if key in texts}
     if "periodic" in texts:
@@ -251,11 +231,12 @@ def _mesh(path: Path) -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, str]
     reader = meshio.vtu if xml else meshio.vtk
 
     def load() -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, str]]:
-        check_vtu(path) if xml else _check_dimensions(path)
         try:
-            mesh = reader.read(path)
-        except meshio.ReadError as error:
-            raise ValueError(str(error)) from None
+            with quiet_libraries():
+                mesh = reader.read(path)
+        except Exception as error:  # noqa: BLE001
+            # A damaged file makes meshio, and the parser of XML below it, raise many classes.
+            raise ValueError(f"{type(error).__name__}: {error}") from None
         codes = mesh.field_data if xml else _legacy_field(path)
         texts = {
             key: np.asarray(codes[key]).astype(np.uint8).tobytes().decode()
@@ -320,19 +301,6 @@ def _add_field(path: Path, said: Mapping[str, str], xml: bool) -> None:
             rows += [b"%b 1 %d vtktypeuint8" % (key.encode(), len(text)), text]
     head, separator, rest = content.partition(mark)
     path.write_bytes(head + separator + b"\n".join(rows) + rest)
-
-
-def _check_dimensions(path: Path) -> None:
-    """Refuse a grid with more points than bytes in the file."""
-    content = path.read_bytes()
-    for match in _DIMENSIONS.finditer(content):
-        sizes = [abs(int(word)) if len(word) <= 18 else 10**18 for word in match[1].split()]
-        points = math.prod(sizes)
-        if points > len(content):
-            raise LimitError(
-                f"{path}: expected DIMENSIONS of at most {len(content):,} points, the number of "
-                f"bytes in the file, got {cut(match[1].decode())}. Is the file complete?"
-            )
 
 
 def _legacy_field(path: Path) -> dict[str, np.ndarray]:

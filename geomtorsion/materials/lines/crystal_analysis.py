@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from os import PathLike
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 
@@ -22,6 +21,7 @@ from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.checks import shown
 from geomtorsion.support.files import finite_number, read_text
+from geomtorsion.support.text_rows import TextRows
 
 # A number that ParaDiS gives to nodes at which a line leaves the crystal.
 AT_SURFACE = max(number for number, kind in CONSTRAINTS.items() if kind == "surface")
@@ -193,51 +193,6 @@ def _rings(curves: Sequence[Polyline]) -> Iterator[str]:
 # -- reading --------------------------------------------------------------------------------------
 
 
-@dataclass
-class _Rows:
-    """The rows of a file, one after another."""
-
-    name: str
-    rows: list[str]
-    line: int = 0
-
-    def next(self, what: str) -> list[str]:
-        """The words of the next row."""
-        if self.line >= len(self.rows):
-            self.fail(f"expected {what}, got the end of the file. Is the file complete?")
-        self.line += 1
-        return self.rows[self.line - 1].split()
-
-    def fail(self, message: str) -> NoReturn:
-        """Refuse the last row that was read."""
-        raise FileFormatError(f"{self.name}: line {self.line}: {message}")
-
-    def numbers(self, words: Sequence[str], count: int, what: str) -> list[float]:
-        """Finite numbers of a given count; OVITO may write the size of the core after a point."""
-        if len(words) < count:
-            self.fail(f"{what}: expected {count} numbers, got {len(words)}. Is the row complete?")
-        values = [x for x in map(finite_number, words[:count]) if x is not None]
-        if len(values) < count:
-            self.fail(
-                f"{what}: expected finite numbers, got {shown(' '.join(words))}. Correct them."
-            )
-        return values
-
-    def whole(self, words: Sequence[str], what: str, most: int) -> int:
-        """The whole number at the end of a row, from 0 to below `most`."""
-        word = words[-1] if words else ""
-        if not re.fullmatch("[0-9]{1,18}", word) or int(word) >= most:
-            self.fail(
-                f"{what}: expected a whole number below {most:,}, got {shown(word)}. Is the file "
-                "complete?"
-            )
-        return int(word)
-
-    def matrix(self, what: str) -> np.ndarray:
-        """Three rows of three numbers."""
-        return np.array([self.numbers(self.next(what), 3, what) for _ in range(3)])
-
-
 def read_crystal_analysis(path: str | PathLike[str]) -> LineArrays:
     """Read the dislocation lines of a Crystal Analysis file; b in space, each line once.
 
@@ -250,23 +205,21 @@ def read_crystal_analysis(path: str | PathLike[str]) -> LineArrays:
         The file is missing, truncated or malformed; the message names the line of the file.
     """
     text = read_text(path, checks.LARGEST_ARRAYS)
-    rows = _Rows(Path(path).name, text.splitlines())
+    rows = TextRows(Path(path).name, text.splitlines())
     first = rows.next("CA_FILE_VERSION")
     if first[:1] != ["CA_FILE_VERSION"]:
         rows.fail(
             f"expected CA_FILE_VERSION, got {shown(' '.join(first))}. Is it a Crystal Analysis "
             "file?"
         )
-    if rows.whole(first, "the version of the format", 7) < 5:
+    if rows.whole(_last(first), "the version of the format", below=7) < 5:
         rows.fail(
             f"expected version 5 or 6 of the format, got {shown(first[-1])}. Write the file again "
             "with OVITO."
         )
     body = _Contents()
-    while rows.line < len(rows.rows):
-        words = rows.next("a keyword")
-        if words and words[0] in body.parts:
-            body.parts[words[0]](rows, words)
+    while (words := rows.more()) is not None:
+        body.read(rows, words)
     for key, flag in (("DISLOCATIONS", body.listed), ("DISLOCATION_JUNCTIONS", body.joined)):
         if not flag:
             rows.fail(f"expected {key}, got the end of the file. Is the file complete?")
@@ -274,6 +227,16 @@ def read_crystal_analysis(path: str | PathLike[str]) -> LineArrays:
         return body.lines()
     except GeomtorsionError as error:
         raise FileFormatError(f"{rows.name}: {error}") from None
+
+
+def _last(words: list[str]) -> str:
+    """The last word of a row."""
+    return words[-1] if words else ""
+
+
+def _matrix(rows: TextRows, what: str) -> np.ndarray:
+    """Three rows of three numbers; OVITO may write the size of the core after a point."""
+    return np.array([rows.numbers(rows.next(what), 3, what, more=True) for _ in range(3)])
 
 
 class _Contents:
@@ -294,89 +257,77 @@ class _Contents:
         self.burgers: list[np.ndarray] = []
         self.rings: list[tuple[int, int]] = []
         self.listed = self.joined = False
-        self.parts: Mapping[str, Callable[[_Rows, list[str]], None]] = {
-            "SIMULATION_CELL_ORIGIN": self._origin,
-            "SIMULATION_CELL_MATRIX": self._cell,
-            "PBC_FLAGS": self._flags,
-            "STRUCTURE_TYPE": self._structure,
-            "NAME": self._name,
-            "CLUSTER": self._cluster,
-            "CLUSTER_STRUCTURE": self._lattice,
-            "CLUSTER_SIZE": self._size,
-            "TRANSITION": self._transition,
-            "CLUSTER_ORIENTATION": self._orientation,
-            "DISLOCATIONS": self._dislocations,
-            "DISLOCATION_JUNCTIONS": self._junctions,
-        }
 
-    def _origin(self, rows: _Rows, words: list[str]) -> None:
-        self.origin = np.array(rows.numbers(words[1:], 3, words[0]))
+    def read(self, rows: TextRows, words: list[str]) -> None:
+        """A part of the file from its first row; a row without a known keyword is skipped."""
+        key, *values = words or [""]
+        match key:
+            case "SIMULATION_CELL_ORIGIN":
+                self.origin = np.array(rows.numbers(values, 3, key, more=True))
+            case "SIMULATION_CELL_MATRIX":
+                # Columns are the edges.
+                self.vectors = _matrix(rows, key).T
+            case "PBC_FLAGS":
+                if len(values) != 3 or not {"0", "1"}.issuperset(values):
+                    rows.fail(
+                        f"{key}: expected 0 or 1 for each of three edges, got {shown(values)}. "
+                        "Write 1 for an edge along which the cell repeats."
+                    )
+                self.periodic = [value == "1" for value in values]
+            case "STRUCTURE_TYPE":
+                self.structure = rows.whole(words[-1], key)
+            case "NAME":
+                self.names[self.structure] = " ".join(values)
+            case "CLUSTER":
+                self.cluster = rows.whole(words[-1], key)
+            case "CLUSTER_STRUCTURE":
+                self.lattices[self.cluster] = rows.whole(words[-1], key)
+            case "CLUSTER_SIZE":
+                self.sizes[self.cluster] = rows.whole(words[-1], key)
+            case "CLUSTER_ORIENTATION":
+                self.matrices[self.cluster] = _matrix(rows, key)
+            case "TRANSITION":
+                # They are counted from 0.
+                one, other = (
+                    rows.whole(_last(words[: k + 1]), key, below=len(self.matrices)) for k in (1, 2)
+                )
+                self.walls.append((one, other))
+            case "DISLOCATIONS":
+                self._dislocations(rows, words)
+            case "DISLOCATION_JUNCTIONS":
+                self._junctions(rows)
 
-    def _cell(self, rows: _Rows, words: list[str]) -> None:
-        # Columns are the edges.
-        self.vectors = rows.matrix(words[0]).T
-
-    def _flags(self, rows: _Rows, words: list[str]) -> None:
-        if len(words) != 4 or not {"0", "1"}.issuperset(words[1:]):
-            rows.fail(
-                f"{words[0]}: expected 0 or 1 for each of three edges, got {shown(words[1:])}. "
-                "Write 1 for an edge along which the cell repeats."
-            )
-        self.periodic = [word == "1" for word in words[1:]]
-
-    def _structure(self, rows: _Rows, words: list[str]) -> None:
-        self.structure = rows.whole(words, words[0], 10**18)
-
-    def _name(self, rows: _Rows, words: list[str]) -> None:
-        self.names[self.structure] = " ".join(words[1:])
-
-    def _lattice(self, rows: _Rows, words: list[str]) -> None:
-        self.lattices[self.cluster] = rows.whole(words, words[0], 10**18)
-
-    def _size(self, rows: _Rows, words: list[str]) -> None:
-        self.sizes[self.cluster] = rows.whole(words, words[0], 10**18)
-
-    def _transition(self, rows: _Rows, words: list[str]) -> None:
-        # They are counted from 0.
-        one, other = (rows.whole(words[: k + 1], words[0], len(self.matrices)) for k in (1, 2))
-        self.walls.append((one, other))
-
-    def _cluster(self, rows: _Rows, words: list[str]) -> None:
-        self.cluster = rows.whole(words, words[0], 10**18)
-
-    def _orientation(self, rows: _Rows, words: list[str]) -> None:
-        self.matrices[self.cluster] = rows.matrix(words[0])
-
-    def _dislocations(self, rows: _Rows, words: list[str]) -> None:
-        for k in range(rows.whole(words, words[0], len(rows.rows))):
+    def _dislocations(self, rows: TextRows, words: list[str]) -> None:
+        for k in range(rows.whole(_last(words), words[0], below=len(rows.lines))):
             what = f"dislocation {k}"
-            number = rows.whole(rows.next(what), what, 10**18)
+            number = rows.whole(_last(rows.next(what)), what)
             if number != k:
                 rows.fail(f"expected {what}, got number {number}. Is a row missing or repeated?")
-            local = rows.numbers(rows.next(what), 3, f"b of {what}")
-            cluster = rows.whole(rows.next(what), f"cluster of {what}", 10**18)
+            local = rows.numbers(rows.next(what), 3, f"b of {what}", more=True)
+            cluster = rows.whole(_last(rows.next(what)), f"cluster of {what}")
             if cluster not in self.matrices:
                 rows.fail(
                     f"cluster of {what}: expected a cluster of the file, got {cluster}. Is the "
                     "file complete?"
                 )
-            count = rows.whole(rows.next(what), f"points of {what}", len(rows.rows))
-            if count < 2:
-                rows.fail(f"points of {what}: expected two or more, got {count}. Correct it.")
-            points = [rows.numbers(rows.next(what), 3, f"a point of {what}") for _ in range(count)]
+            count = rows.whole(_last(rows.next(what)), f"points of {what}", 2, len(rows.lines))
+            points = [
+                rows.numbers(rows.next(what), 3, f"a point of {what}", more=True)
+                for _ in range(count)
+            ]
             self.curves.append(np.array(points))
             self.burgers.append(self.matrices[cluster] @ local)
             self.owners.append(cluster)
-        rest = rows.rows[rows.line].split() if rows.line < len(rows.rows) else []
+        rest = rows.lines[rows.line].split() if rows.line < len(rows.lines) else []
         if rest and finite_number(rest[0]) is not None:
-            rows.next("a keyword")
+            rows.more()
             rows.fail(
                 f"expected a keyword after {len(self.curves)} dislocations, got "
                 f"{shown(' '.join(rest))}. Do the dislocations have a row too many?"
             )
         self.listed = True
 
-    def _junctions(self, rows: _Rows, words: list[str]) -> None:
+    def _junctions(self, rows: TextRows) -> None:
         for k in range(2 * len(self.curves)):
             what = f"junction of dislocation {k // 2}"
             pair = rows.next(what)
@@ -385,7 +336,7 @@ class _Contents:
                     f"{what}: expected 0 or 1 and the number of a dislocation, got {shown(pair)}. "
                     "Is the file complete?"
                 )
-            self.rings.append((rows.whole(pair, what, len(self.curves)), int(pair[0])))
+            self.rings.append((rows.whole(pair[1], what, below=len(self.curves)), int(pair[0])))
         self.joined = True
 
     def lines(self) -> LineArrays:

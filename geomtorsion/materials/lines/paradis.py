@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cache
 from os import PathLike
 from pathlib import Path
-from typing import NoReturn
 
 import numpy as np
 
@@ -15,66 +15,11 @@ from geomtorsion.materials.lines.box import Box
 from geomtorsion.materials.lines.line_arrays import LineArrays
 from geomtorsion.support import checks
 from geomtorsion.support.checks import cut, shown
-from geomtorsion.support.files import BOUNDS, finite_number, read_text
+from geomtorsion.support.files import BOUNDS, read_text
+from geomtorsion.support.text_rows import TextRows
 
 Tag = tuple[int, int]
-Row = tuple[int, list[str]]
 _TAG = re.compile(r"([0-9]{1,18}),([0-9]{1,18})")
-_WHOLE = re.compile(r"[+-]?[0-9]{1,18}")
-# Characters of the numbers of a file; the reader checks whether they are numbers.
-_FLOATS = re.compile(r"[0-9eE.,+\-\s]*")
-_COMMENT = re.compile(r"#[^\n]*")
-
-
-class _Reader:
-    """The lines of a file that are not empty, with their numbers."""
-
-    def __init__(self, name: str, text: str) -> None:
-        self.name = name
-        self.rows = self._rows(text)
-        self.line = 0
-
-    @staticmethod
-    def _rows(text: str) -> Iterator[Row]:
-        for number, row in enumerate(text.split("\n"), 1):
-            words = row.partition("#")[0].split()
-            if words:
-                yield number, words
-
-    def next(self, what: str) -> list[str]:
-        """The words of the next row."""
-        row = next(self.rows, None)
-        if row is None:
-            self.fail(f"expected {what}, got the end of the file. Is the file complete?")
-        self.line, words = row
-        return words
-
-    def fail(self, message: str) -> NoReturn:
-        """Refuse the last row that was read."""
-        raise FileFormatError(f"{self.name}: line {self.line}: {message}")
-
-    def number(self, word: str, what: str) -> float:
-        """A finite number."""
-        value = finite_number(word)
-        if value is not None:
-            return value
-        self.fail(f"{what}: expected a finite number, got {shown(word)}. Correct it.")
-
-    def whole(self, word: str, what: str) -> int:
-        """A whole number."""
-        if not _WHOLE.fullmatch(word):
-            self.fail(f"{what}: expected a whole number, got {shown(word)}. Correct it.")
-        return int(word)
-
-    def tag(self, word: str) -> Tag:
-        """The name of a node: domain and number."""
-        match = _TAG.fullmatch(word)
-        if match is None:
-            self.fail(
-                f"expected a node such as 0,12, got {shown(word)}. Is a row missing, or is there "
-                "one too many?"
-            )
-        return int(match[1]), int(match[2])
 
 
 def read_paradis(path: str | PathLike[str], periodic: bool = True) -> LineArrays:
@@ -95,258 +40,220 @@ def read_paradis(path: str | PathLike[str], periodic: bool = True) -> LineArrays
     """
     checks.flag(periodic, "periodic")
     text = read_text(checks.file_name(path), checks.LARGEST_ARRAYS)
-    reader = _Reader(Path(path).name, text)
-    header = _header(reader)
-    if "numFileSegments" in header and (parts := _single(reader, header, "numFileSegments")) != 1:
-        reader.fail(
-            f"numFileSegments: expected a network in 1 file, got one in {parts}. Write it into one "
-            "file, and read that."
-        )
-    count = _single(reader, header, "nodeCount", least=0)
-    low, high = (_corner(reader, header, key) for key in ("minCoordinates", "maxCoordinates"))
-    table = _all_at_once(text, count) if count else None
-    if table is None:
-        # Something is unusual: reading line by line either succeeds or names the line.
-        tags, positions, constraints, arms = _nodes(reader, count)
-        pairs, burgers, planes = _joined(reader.name, tags, arms)
-        places = np.array(positions).reshape(-1, 3)
-        table = list(tags), places, np.array(constraints, dtype=np.int64), pairs, burgers, planes
-    labels, places, numbers, pairs, burgers, planes = table
+    rows = TextRows(Path(path).name, text.split("\n"), "#")
+    header = _header(rows)
+    end = rows.line
+
+    def words_of(key: str) -> list[str]:
+        if key not in header:
+            rows.line = 0
+            rows.fail(
+                f"expected {key} above nodalData, got a file without it. Is it a ParaDiS file of "
+                "dislocations?"
+            )
+        rows.line, words = header[key]
+        return words
+
+    if "numFileSegments" in header:
+        parts = rows.whole(" ".join(words_of("numFileSegments")), "numFileSegments")
+        if parts != 1:
+            rows.fail(
+                f"numFileSegments: expected a network in 1 file, got one in {parts}. Write it "
+                "into one file, and read that."
+            )
+    count = rows.whole(" ".join(words_of("nodeCount")), "nodeCount")
+    low, high = (
+        rows.numbers(words_of(key), 3, key) for key in ("minCoordinates", "maxCoordinates")
+    )
+    rows.line = end
+    nodes, arms = _body(rows, count)
     try:
         box = Box.of_bounds(low, high, periodic)
-        return LineArrays(places, pairs, burgers, box, None, labels, numbers, planes)
+        return _network(rows, nodes, arms, box)
+    except FileFormatError:
+        raise
     except GeomtorsionError as error:
-        raise FileFormatError(f"{reader.name}: {error}") from None
+        raise FileFormatError(f"{rows.name}: {error}") from None
 
 
-Table = tuple[list[Tag], np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]
-
-
-def _all_at_once(text: str, count: int) -> Table | None:
-    """Labels, positions, constraints, pairs, b and planes of a file in the usual form.
-
-    In the usual form a node, an arm and its plane are on a line each, whole numbers are where they
-    should be, and one dislocation line joins two nodes. None for any other form.
-    """
-    _, mark, body = text.partition("nodalData")
-    body = _COMMENT.sub("", body.partition("\n")[2])
-    if not mark or not _FLOATS.fullmatch(body):
-        return None
-    try:
-        texts = body.replace(",", " ").split()
-        words = list(map(float, texts))
-    except ValueError:
-        return None
-    node, arm = 7, 8
-    # Beginning of each node: two numbers name it, three are its position, then eight for each arm.
-    starts, at = [], 0
-    for _ in range(count):
-        if at + node > len(words):
-            return None
-        starts.append(at)
-        if not 0 <= words[at + 5] <= len(words):
-            return None
-        at += node + arm * int(words[at + 5])
-    if at != len(words):
-        return None
-    values, heads = np.array(words), np.array(starts, dtype=np.int64)
-    nodes = values[heads[:, None] + np.arange(node)]
-    counts = nodes[:, 5].astype(np.int64)
-    inner = np.ones(len(values), dtype=bool)
-    inner[heads[:, None] + np.arange(node)] = False
-    arms = values[inner].reshape(-1, arm)
-    inside = np.flatnonzero(inner).reshape(-1, arm)[:, :2]
-    named = heads[:, None] + np.array([0, 1, 5, 6])
-    whole = np.concatenate([named.ravel(), inside.ravel()]).astype(np.int64)
-    if not all(texts[k].isdigit() for k in whole.tolist()) or not np.isfinite(values).all():
-        return None
-    # Beyond this, doubles do not represent all whole numbers.
-    if values[whole].max() > 2.0**53 or body.count(",") != count + len(arms):
-        return None
-    if sum(map(bool, map(str.strip, body.split("\n")))) != count + 2 * len(arms):
-        return None
-    names = np.concatenate([nodes[:, :2], arms[:, :2]]).astype(np.int64)
-    places, burgers, planes = nodes[:, 2:5], arms[:, 2:5], arms[:, 5:]
-    _, first_at, ids = np.unique(names, axis=0, return_index=True, return_inverse=True)
-    node_of = np.full(len(first_at), -1)
-    own, others = ids.ravel()[:count], ids.ravel()[count:]
-    node_of[own] = np.arange(count)
-    owner, other = np.repeat(np.arange(count), counts), node_of[others]
-    odd = len(np.unique(own)) < count or (other < 0).any() or (owner == other).any()
-    if odd or not burgers.any(axis=1).all():
-        return None
-    low, high = np.minimum(owner, other), np.maximum(owner, other)
-    there, back = (np.flatnonzero(side) for side in (owner < other, owner > other))
-    there_order = there[np.lexsort((high[there], low[there]))]
-    back_order = back[np.lexsort((high[back], low[back]))]
-    keys = [np.stack([low[k], high[k]], axis=1) for k in (there_order, back_order)]
-    if keys[0].shape != keys[1].shape or (keys[0] != keys[1]).any():
-        return None
-    if len(keys[0]) > 1 and (np.diff(keys[0], axis=0) == 0).all(axis=1).any():
-        return None
-    gaps = np.abs(burgers[there_order] + burgers[back_order]).max(axis=1, initial=0.0)
-    if (gaps > 1e-6 * np.abs(burgers[there_order]).max(axis=1, initial=0.0)).any():
-        return None
-    pairs = np.stack([owner[there], other[there]], axis=1)
-    labels = [(a, b) for a, b in names[:count].tolist()]
-    kinds = nodes[:, 6].astype(np.int64)
-    return labels, places, kinds, pairs, burgers[there], planes[there]
-
-
-def _header(reader: _Reader) -> dict[str, Row]:
+def _header(rows: TextRows) -> dict[str, tuple[int, list[str]]]:
     """Every key before the nodes, with its line and words."""
-    entries: dict[str, Row] = {}
+    entries: dict[str, tuple[int, list[str]]] = {}
     while True:
-        words = reader.next("nodalData")
-        key, equals, rest = " ".join(words).partition("=")
-        key = key.strip()
+        key, equals, rest = " ".join(rows.next("nodalData")).partition("=")
+        key, line, values = key.strip(), rows.line, rest.split()
         if key == "nodalData" and equals:
             return entries
         if not equals:
             # A value after a key without brackets, such as the bounds of domains, is not needed.
             continue
-        line, rest = reader.line, rest.split()
-        values = rest
-        if values[:1] == ["["]:
-            while "]" not in rest:
-                rest = reader.next(f"] after {cut(key)}")
-                values += rest
+        if (more := values)[:1] == ["["]:
+            while "]" not in more:
+                more = rows.next(f"] after {cut(key)}")
+                values += more
             values = values[1 : values.index("]")]
         entries[key] = line, values
 
 
-def _values(reader: _Reader, header: Mapping[str, Row], key: str, count: int) -> list[str]:
-    """The words of a key, of a given count."""
-    if key not in header:
-        raise FileFormatError(
-            f"{reader.name}: expected {key} above nodalData, got a file without it. Is it a "
-            "ParaDiS file of dislocations?"
-        )
-    reader.line, words = header[key]
-    if len(words) != count:
-        reader.fail(
-            f"{key}: expected {count} number{'s' * (count != 1)}, got {len(words)}. Correct it."
-        )
-    return words
+@dataclass
+class _Words:
+    """Words of the nodes or arms of a file, one after another, with their lines.
+
+    tags: names of the nodes, or of the nodes to which arms lead. places: positions, or b.
+    rest: constraints, or normals of glide planes, whose lines are `rest_lines`.
+    owners: numbers of the nodes to which arms belong.
+    """
+
+    lines: list[int] = field(default_factory=list)
+    tags: list[str] = field(default_factory=list)
+    places: list[str] = field(default_factory=list)
+    rest: list[str] = field(default_factory=list)
+    rest_lines: list[int] = field(default_factory=list)
+    owners: list[int] = field(default_factory=list)
 
 
-def _single(reader: _Reader, header: Mapping[str, Row], key: str, least: int = 1) -> int:
-    """The single whole number of a key."""
-    (word,) = _values(reader, header, key, 1)
-    value = reader.whole(word, key)
-    if value < least:
-        reader.fail(f"{key}: expected {least} or more, got {value}. Is the file complete?")
-    return value
-
-
-def _corner(reader: _Reader, header: Mapping[str, Row], key: str) -> list[float]:
-    """The three numbers of a key."""
-    return [reader.number(word, key) for word in _values(reader, header, key, 3)]
-
-
-Arms = dict[tuple[Tag, Tag], list[tuple[int, list[float]]]]
-
-
-def _nodes(
-    reader: _Reader, count: int
-) -> tuple[dict[Tag, int], list[list[float]], list[int], Arms]:
-    """Nodes, their numbers, positions and constraints, and both descriptions of each line."""
-    tags: dict[Tag, int] = {}
-    positions: list[list[float]] = []
-    constraints: list[int] = []
-    arms: Arms = {}
+def _body(rows: TextRows, count: int) -> tuple[_Words, _Words]:
+    """The words of all nodes and arms."""
+    nodes, arms = _Words(), _Words()
     for k in range(count):
-        words = reader.next(f"node {k + 1} of {count}")
+        words = rows.next(f"node {k + 1} of {count}")
         if len(words) < 6:
-            reader.fail(
+            rows.fail(
                 "expected a node (tag, x, y, z, number of arms, constraint), got "
                 f"{len(words)} word{'s' * (len(words) != 1)}. Is a row missing?"
             )
-        tag = reader.tag(words[0])
-        if tag in tags:
-            reader.fail(f"expected each node once, got node {words[0]} again. Remove one.")
-        tags[tag] = k
-        positions.append([reader.number(word, "a position") for word in words[1:4]])
-        count_arms = reader.whole(words[4], "number of arms")
-        if count_arms < 0:
-            reader.fail(f"number of arms: expected zero or more, got {count_arms}. Correct it.")
-        constraints.append(reader.whole(words[5], "constraint"))
-        for _ in range(count_arms):
-            words = reader.next(f"an arm of node {tag[0]},{tag[1]}")
-            line, neighbour = reader.line, reader.tag(words[0])
-            numbers = words[1:]
-            if len(numbers) == 3:
-                numbers = numbers + reader.next("the normal of a glide plane")
-            if len(numbers) != 6:
-                reader.fail(
-                    f"expected b and a normal of an arm, six numbers, got {len(numbers)}. Is a row "
-                    "missing?"
+        name, several = words[0], rows.whole(words[4], "number of arms")
+        nodes.lines.append(rows.line)
+        nodes.tags.append(name)
+        nodes.places += words[1:4]
+        nodes.rest.append(words[5])
+        for _ in range(several):
+            words = rows.next(f"an arm of node {name}")
+            arms.lines.append(rows.line)
+            arms.tags.append(words[0])
+            arms.places += words[1:4]
+            normal = words[4:] or rows.next("the normal of a glide plane")
+            if len(words) < 4 or len(normal) != 3:
+                rows.fail(
+                    "expected b and a normal of an arm, six numbers, got "
+                    f"{len(words[1:4]) + len(normal)}. Is a row missing?"
                 )
-            values = [reader.number(word, "an arm") for word in numbers]
-            reader.line = line
-            if neighbour == tag:
-                reader.fail(
-                    f"expected an arm to another node, got one from node {tag[0]},{tag[1]} to "
-                    "itself. Remove it."
-                )
-            if not any(values[:3]):
-                reader.fail(
-                    "expected b different from zero, got an arm with b = 0, which is not a "
-                    "dislocation. Remove it."
-                )
-            arms.setdefault((tag, neighbour), []).append((line, values))
-    if (more := next(reader.rows, None)) is not None:
-        reader.line, words = more
-        reader.fail(
+            arms.rest += normal
+            arms.rest_lines.append(rows.line)
+            arms.owners.append(k)
+    if (more := rows.more()) is not None:
+        rows.fail(
             f"expected the end of the file after {count} nodes (nodeCount), got "
-            f"{shown(' '.join(words))}. Correct nodeCount, or remove the rest."
+            f"{shown(' '.join(more))}. Correct nodeCount, or remove the rest."
         )
-    return tags, positions, constraints, arms
+    return nodes, arms
+
+
+def _network(rows: TextRows, nodes: _Words, arms: _Words, box: Box) -> LineArrays:
+    """The network of all nodes and arms, each line once."""
+
+    @cache
+    def tag(word: str) -> Tag:
+        match = _TAG.fullmatch(word)
+        if match is None:
+            rows.fail(
+                f"expected a node such as 0,12, got {shown(word)}. Is a row missing, or is there "
+                "one too many?"
+            )
+        return int(match[1]), int(match[2])
+
+    numbers: dict[Tag, int] = {}
+    for k, (rows.line, word) in enumerate(zip(nodes.lines, nodes.tags, strict=True)):
+        if numbers.setdefault(tag(word), k) != k:
+            rows.fail(f"expected each node once, got node {word} again. Remove one.")
+    others = []
+    for k, rows.line, word in zip(arms.owners, arms.lines, arms.tags, strict=True):
+        other = numbers.get(tag(word))
+        if other is None:
+            rows.fail(
+                f"expected an arm to a node of the file, got one to {word}. Is the file complete?"
+            )
+        if other == k:
+            rows.fail(
+                f"expected an arm to another node, got one from node {word} to itself. Remove it."
+            )
+        others.append(other)
+    places = rows.array(nodes.places, nodes.lines, 3, "a position")
+    burgers = rows.array(arms.places, arms.lines, 3, "an arm")
+    planes = rows.array(arms.rest, arms.rest_lines, 3, "an arm")
+    constraints = [
+        rows.whole(word, "constraint", -(10**18))
+        for rows.line, word in zip(nodes.lines, nodes.rest, strict=True)
+    ]
+    zero = ~burgers.any(axis=1)
+    if zero.any():
+        rows.line = arms.lines[int(zero.argmax())]
+        rows.fail(
+            "expected b different from zero, got an arm with b = 0, which is not a dislocation. "
+            "Remove it."
+        )
+    ends = np.array([arms.owners, others], dtype=np.int64).T
+    chosen = _joined(rows, list(numbers), arms.lines, ends, burgers)
+    return LineArrays(
+        places, ends[chosen], burgers[chosen], box, None, list(numbers),
+        np.array(constraints, dtype=np.int64), planes[chosen],
+    )  # fmt: skip
 
 
 def _joined(
-    name: str, tags: Mapping[Tag, int], arms: Arms
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Lines from both their descriptions: b from the second node is minus that from the first."""
-    pairs: list[tuple[int, int]] = []
-    values: list[list[float]] = []
-    for (one, two), here in arms.items():
-        line = here[0][0]
-        if len(here) > BOUNDS.parallel:
-            raise FileFormatError(
-                f"{name}: line {line}: expected at most {BOUNDS.parallel} arms from node "
-                f"{one[0]},{one[1]} to node {two[0]},{two[1]}, got {len(here):,}. Join lines that "
-                "run side by side."
-            )
-        if two not in tags:
-            raise FileFormatError(
-                f"{name}: line {line}: expected an arm to a node of the file, got one to "
-                f"{two[0]},{two[1]}. Is the file complete?"
-            )
-        there = list(arms.get((two, one), []))
-        if len(here) != len(there):
-            raise FileFormatError(
-                f"{name}: line {line}: expected as many arms from node {one[0]},{one[1]} to "
-                f"{two[0]},{two[1]} as back, got {len(here)} and {len(there)} back. Give each line "
-                "at both its nodes."
-            )
-        if tags[one] > tags[two]:
-            continue
-        for line, row in here:
-            gaps = [max(abs(a + b) for a, b in zip(row[:3], x[:3], strict=True)) for _, x in there]
-            best = gaps.index(min(gaps))
-            # Files carry eleven digits; only both rows having the same b is checked.
-            if gaps[best] > 1e-6 * max(map(abs, row[:3])):
-                raise FileFormatError(
-                    f"{name}: line {line}: expected opposite b at both nodes of a line, got "
-                    f"{row[:3]} from node {one[0]},{one[1]} and {there[best][1][:3]} from "
-                    f"{two[0]},{two[1]} (line {there[best][0]}). Correct one of them."
-                )
-            del there[best]
-            pairs.append((tags[one], tags[two]))
-            values.append(row)
-    table = np.array(values).reshape(-1, 6)
-    return np.array(pairs, dtype=np.int64).reshape(-1, 2), table[:, :3], table[:, 3:]
+    rows: TextRows, tags: list[Tag], lines: list[int], ends: np.ndarray, burgers: np.ndarray
+) -> np.ndarray:
+    """The arms that describe each line from its first node; b from the second node is opposite.
+
+    lines: of the file, for each arm. ends: the node of an arm and the node to which it leads, shape
+    (arms, 2).
+    """
+    keys = len(tags) * ends.min(axis=1, initial=len(tags)) + ends.max(axis=1, initial=0)
+    _, group = np.unique(keys, return_inverse=True)
+    is_first = ends[:, 0] < ends[:, 1]
+    sizes = [np.bincount(group[side], minlength=len(ends)) for side in (is_first, ~is_first)]
+
+    def fail(arm: int, expected: str, remedy: str) -> None:
+        (a, b), (c, d) = (tags[k] for k in ends[arm].tolist())
+        rows.line = lines[arm]
+        rows.fail(f"expected {expected.format(f'from node {a},{b} to {c},{d}')}. {remedy}")
+
+    odd = ((sizes[0] != sizes[1]) | (sizes[0] > BOUNDS.parallel))[group]
+    if odd.any():
+        arm = int(odd.argmax())
+        here, back = (int(s[group[arm]]) for s in (sizes if is_first[arm] else sizes[::-1]))
+        if here > BOUNDS.parallel:
+            fail(
+                arm, f"at most {BOUNDS.parallel} arms {{}}, got {here:,}",
+                "Join lines that run side by side.",
+            )  # fmt: skip
+        fail(
+            arm, f"as many arms {{}} as back, got {here} and {back} back",
+            "Give each line at both its nodes.",
+        )  # fmt: skip
+    there, back = (np.flatnonzero(side) for side in (is_first, ~is_first))
+    there, back = (side[np.argsort(group[side], kind="stable")] for side in (there, back))
+    # Several lines may join the same two nodes: each belongs to the arm with the most opposite b.
+    starts = np.cumsum(sizes[0]) - sizes[0]
+    for several in np.flatnonzero(sizes[0] > 1):
+        part = slice(starts[several], starts[several] + sizes[0][several])
+        left = back[part].tolist()
+        back[part] = [
+            left.pop(int(np.abs(burgers[arm] + burgers[left]).max(axis=1).argmin()))
+            for arm in there[part].tolist()
+        ]
+    gaps = np.abs(burgers[there] + burgers[back]).max(axis=1, initial=0)
+    # Files have eleven digits; both rows must have the same b.
+    odd = gaps > 1e-6 * np.abs(burgers[there]).max(axis=1, initial=0)
+    if odd.any():
+        k = int(odd.argmax())
+        one, two = int(there[k]), int(back[k])
+        fail(
+            one, f"opposite b at both nodes of a line, got {burgers[one].tolist()} {{}} and "
+            f"{burgers[two].tolist()} back (line {lines[two]})", "Correct one of them.",
+        )  # fmt: skip
+    # Lines are in the order of the file; those between the same nodes follow each other.
+    return there[np.lexsort((there, there[starts[group[there]]]))]
 
 
 # -- writing --------------------------------------------------------------------------------------

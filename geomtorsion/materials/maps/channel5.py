@@ -16,10 +16,10 @@ from geomtorsion.materials.maps.map_phases import (
 )
 from geomtorsion.materials.maps.map_points import Declared, MapFile, MapPoints, gridded
 from geomtorsion.materials.maps.phases import Phase
-from geomtorsion.materials.text_rows import lines_of
 from geomtorsion.support import checks
 from geomtorsion.support.checks import cut
-from geomtorsion.support.files import BOUNDS, finite_number, read_text
+from geomtorsion.support.files import BOUNDS, read_text
+from geomtorsion.support.text_rows import TextRows, lines_of
 
 # Number of a field -> its name and type; the phase, one byte, is before all fields.
 _FIELDS = {
@@ -28,8 +28,6 @@ _FIELDS = {
     10: ("bands", "u1"), 11: ("error", "u1"), 12: ("reliability", "<f4"),
 }  # fmt: skip
 _ANGLES = ("phi1", "Phi", "phi2")
-# Section and key in lower case -> value.
-Keys = dict[tuple[str, str], str]
 
 
 def read_channel5(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
@@ -42,8 +40,8 @@ def read_channel5(path: Path, given: Mapping[int, str] | None = None) -> MapFile
     """
     laue = checks.table(given, "laue", FileFormatError)
     text, numbers = (_partner(path, end) for end in (".cpr", ".crc"))
-    keys = _keys(read_text(text, otherwise="latin-1"))
-    fields = [_field(text.name, keys, k + 1) for k in range(_count(text.name, keys, "fields"))]
+    keys = _Keys(text.name, read_text(text, otherwise="latin-1"))
+    fields = [_field(keys, k + 1) for k in range(keys.whole("fields", "count", BOUNDS.phases))]
     names = [name for name, _ in fields]
     missing = [name for name in _ANGLES if name not in names]
     if missing or len(set(names)) < len(names):
@@ -52,12 +50,12 @@ def read_channel5(path: Path, given: Mapping[int, str] | None = None) -> MapFile
             f"got {cut(', '.join(names)) or 'none'}. Export the map again, or as .ctf."
         )
     kind = np.dtype([("phase", "u1"), *fields])
-    is_grid = ("job", "xcells") in keys
+    is_grid = ("job", "xcells") in keys.values
     if is_grid:
-        columns, rows = (_whole(text.name, keys, "job", key) for key in ("xcells", "ycells"))
+        columns, rows = (keys.whole("job", key) for key in ("xcells", "ycells"))
         count = rows * columns
     else:
-        columns, rows, count = 0, 0, _whole(text.name, keys, "job", "noofpoints")
+        columns, rows, count = 0, 0, keys.whole("job", "noofpoints")
     size = numbers.stat().st_size
     if size != count * kind.itemsize:
         raise FileFormatError(
@@ -66,9 +64,8 @@ def read_channel5(path: Path, given: Mapping[int, str] | None = None) -> MapFile
         )
     table = np.fromfile(numbers, dtype=kind)
     euler = np.stack([table[name].astype(float) for name in _ANGLES], axis=1)
-    phases = {
-        k: _phase(text.name, keys, k, laue) for k in range(1, _count(text.name, keys, "phases") + 1)
-    }
+    last = keys.whole("phases", "count", BOUNDS.phases)
+    phases = {k: _phase(keys, k, laue) for k in range(1, last + 1)}
     check_laue(text.name, laue, phases)
     phase = whole_phases(numbers.name, table["phase"].astype(float), phases)
     indexed = np.asarray(np.isfinite(euler).all(axis=1))
@@ -79,7 +76,7 @@ def read_channel5(path: Path, given: Mapping[int, str] | None = None) -> MapFile
         )
     declared = None
     if is_grid:
-        dx, dy = (_number(text.name, keys, "job", f"griddist{axis}") for axis in "xy")
+        dx, dy = (keys.number("job", f"griddist{axis}") for axis in "xy")
         declared = Declared(np.full(rows, columns), (dx, dy))
         row, column = declared.pixels
         x, y = dx * column, dy * row
@@ -116,67 +113,49 @@ def _partner(path: Path, end: str) -> Path:
     return there[0]
 
 
-def _keys(text: str) -> Keys:
+class _Keys:
     """Values of all sections by section and key; blanks in these names are ignored."""
-    values: Keys = {}
-    section = ""
-    for row in lines_of(text):
-        row = row.strip()
-        key, equals, value = row.partition("=")
-        if row.startswith("["):
-            section = row.strip("[]").replace(" ", "").lower()
-        elif equals and not row.startswith(";"):
-            values[section, key.replace(" ", "").lower()] = value.strip()
-    return values
+
+    def __init__(self, name: str, text: str) -> None:
+        self.rows = TextRows(name)
+        self.values: dict[tuple[str, str], tuple[int, str]] = {}
+        section = ""
+        for line, row in enumerate(map(str.strip, lines_of(text)), 1):
+            key, equals, value = row.partition("=")
+            if row.startswith("["):
+                section = row.strip("[]").replace(" ", "").lower()
+            elif equals and not row.startswith(";"):
+                self.values[section, key.replace(" ", "").lower()] = line, value.strip()
+
+    def text(self, section: str, key: str, default: str = "nothing") -> str:
+        """The value of a key, whose line a refusal names."""
+        self.rows.line, value = self.values.get((section, key), (0, default))
+        return value
+
+    def number(self, section: str, key: str) -> float:
+        """The finite number of a key."""
+        word = self.text(section, key).replace(",", ".")
+        return self.rows.number(word, f"[{section}] {key}")
+
+    def whole(self, section: str, key: str, most: int = 2**31 - 1) -> int:
+        """The positive whole number of a key."""
+        return self.rows.whole(self.text(section, key), f"[{section}] {key}", 1, most + 1)
 
 
-def _number(name: str, keys: Keys, section: str, key: str) -> float:
-    """The finite number of a key."""
-    came = keys.get((section, key), "")
-    value = finite_number(came.replace(",", "."))
-    if value is None:
-        raise FileFormatError(
-            f"{name}: [{section}] {key}: expected a number, got {came[:60] or 'nothing'!r}. Is "
-            "the file complete?"
-        )
-    return value
-
-
-def _whole(name: str, keys: Keys, section: str, key: str) -> int:
-    """The positive whole number of a key."""
-    value = _number(name, keys, section, key)
-    if value != int(value) or not 0 < value < 2**31:
-        raise FileFormatError(
-            f"{name}: [{section}] {key}: expected a whole number above 0, got {value:g}. Is the "
-            "file complete?"
-        )
-    return int(value)
-
-
-def _count(name: str, keys: Keys, section: str) -> int:
-    """Number of fields or phases."""
-    count = _whole(name, keys, section, "count")
-    if count > BOUNDS.phases:
-        raise FileFormatError(
-            f"{name}: [{section}] count: expected at most {BOUNDS.phases}, got {count:,}. Is the "
-            "file complete?"
-        )
-    return count
-
-
-def _field(name: str, keys: Keys, k: int) -> tuple[str, str]:
+def _field(keys: _Keys, k: int) -> tuple[str, str]:
     """Name and type of a field; undocumented fields have four bytes."""
-    number = _whole(name, keys, "fields", f"field{k}")
+    number = keys.whole("fields", f"field{k}")
     return _FIELDS.get(number, (f"field {number}", "<f4"))
 
 
-def _phase(name: str, keys: Keys, k: int, laue: Mapping[int, str]) -> Phase:
+def _phase(keys: _Keys, k: int, laue: Mapping[int, str]) -> Phase:
     """Read a phase from its section."""
     section = f"phase{k}"
     lengths, angles = (
-        [_number(name, keys, section, key) for key in names]
+        [keys.number(section, key) for key in names]
         for names in (("a", "b", "c"), ("alpha", "beta", "gamma"))
     )
-    title = keys.get((section, "structurename"), section)
-    group = LAUE_NUMBERS.get(_number(name, keys, section, "lauegroup"))
-    return described(f"{name}: [Phase{k}]", k, title, group, laue, (lengths, angles), "y")
+    title = keys.text(section, "structurename", section)
+    group = LAUE_NUMBERS.get(keys.number(section, "lauegroup"))
+    where = f"{keys.rows.name}: [Phase{k}]"
+    return described(where, k, title, group, laue, (lengths, angles), "y")

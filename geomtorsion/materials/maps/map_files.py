@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NoReturn
 
 import numpy as np
 
@@ -19,10 +17,10 @@ from geomtorsion.materials.maps.map_phases import (
 )
 from geomtorsion.materials.maps.map_points import Declared, MapFile, MapPoints, gridded
 from geomtorsion.materials.maps.phases import Phase
-from geomtorsion.materials.text_rows import lines_of
 from geomtorsion.support import checks
 from geomtorsion.support.checks import LARGEST_ARRAYS, cut, shown
-from geomtorsion.support.files import BOUNDS, ending, finite_number, read_text
+from geomtorsion.support.files import BOUNDS, ending, read_text
+from geomtorsion.support.text_rows import TextRows, lines_of, number_table
 
 # EDAX writes 4 pi for each angle of a point that was not indexed.
 NOT_INDEXED = 4 * np.pi - 1e-3
@@ -42,8 +40,8 @@ def read_text_map(path: Path, laue: Mapping[int, str] | None) -> MapFile:
     groups = checks.table(laue, "laue", FileFormatError)
     text = read_text(path, LARGEST_ARRAYS, otherwise="latin-1")
     # Names may contain characters at which `splitlines` breaks, such as the ellipsis of Windows.
-    lines = lines_of(text.removesuffix("\n").removesuffix("\r"))
-    source = _Source(path.name, lines, groups, len(text))
+    rows = TextRows(path.name, lines_of(text.removesuffix("\n").removesuffix("\r")))
+    source = _Source(rows, groups, len(text))
     points = source.ctf() if ending(path) == ".ctf" else source.ang()
     check_laue(path.name, groups, points.phases)
     return gridded(points)
@@ -51,36 +49,35 @@ def read_text_map(path: Path, laue: Mapping[int, str] | None) -> MapFile:
 
 @dataclass(frozen=True, eq=False)
 class _Source:
-    """The lines of a file, the Laue groups given by the user, and the length of the file."""
+    """The rows of a file, the Laue groups given by the user, and the length of the file."""
 
-    name: str
-    lines: list[str]
+    rows: TextRows
     laue: dict[int, str]
     size: int
 
-    def fail(self, line: int, message: str) -> NoReturn:
-        """Raise an error about a line, counted from 0."""
-        raise FileFormatError(f"{self.name}: line {line + 1}: {message}")
+    @property
+    def name(self) -> str:
+        return str(self.rows.name)
+
+    @property
+    def lines(self) -> Sequence[str]:
+        return self.rows.lines
+
+    def at(self, line: int) -> TextRows:
+        """The rows, for a refusal of a line, counted from 0."""
+        self.rows.line = line + 1
+        return self.rows
 
     def number(self, line: int, text: str, what: str) -> float:
         """The finite number in a field of a line."""
-        value = finite_number(text.strip().replace(",", "."))
-        if value is None:
-            self.fail(line, f"{what}: expected a number, got {text.strip()[:60]!r}. Correct it.")
-        return value
+        return self.at(line).number(text.strip().replace(",", "."), what)
 
     def whole(self, line: int, text: str, what: str) -> int:
         """The positive whole number in a field of a line."""
         value = self.number(line, text, what)
+        word = f"{value:.0f}" if value.is_integer() else text.strip()
         # The file has at least one line for each counted row, column or phase.
-        most = len(self.lines)
-        if value != int(value) or not 1 <= value <= most:
-            self.fail(
-                line,
-                f"{what}: expected a whole number from 1 to {most:,} (lines of the file), got "
-                f"{text.strip()[:60]}. Is the file truncated? Export it again.",
-            )
-        return int(value)
+        return self.at(line).whole(word, what, 1, len(self.lines) + 1)
 
     # -- .ctf -------------------------------------------------------------------------------------
 
@@ -88,7 +85,7 @@ class _Source:
         """Points of a .ctf file (Oxford Instruments); angles in degrees."""
         if not self.lines or not self.lines[0].startswith(CTF):
             first = shown(cut(self.lines[0].strip(), 60)) if self.lines else "an empty file"
-            self.fail(0, f"expected 'Channel Text File', got {first}. Is this a .ctf file?")
+            self.at(0).fail(f"expected 'Channel Text File', got {first}. Is this a .ctf file?")
         header: dict[str, tuple[int, str]] = {}
         start = None
         for k, row in enumerate(self.lines[:200]):
@@ -98,16 +95,14 @@ class _Source:
                 break
             header.setdefault(fields[0].strip(), (k, fields[1] if len(fields) > 1 else ""))
         if start is None:
-            self.fail(
-                len(self.lines) - 1,
+            self.at(len(self.lines) - 1).fail(
                 "expected a row of column names (Phase, X, Y, ...), got none. Is the file "
                 "truncated? Export it again.",
             )
 
         if header.get("JobMode", (0, ""))[1].strip().lower() == "interactive":
             count = sum(bool(row.strip()) for row in self.lines[start + 1 :])
-            self.fail(
-                header["JobMode"][0],
+            self.at(header["JobMode"][0]).fail(
                 f"expected a map on a grid (JobMode Grid), got {count:,} points without a grid "
                 "(JobMode Interactive). Circuits need neighbouring pixels: export a map on a grid.",
             )
@@ -123,8 +118,7 @@ class _Source:
             k = first + number
             parts = self.lines[k].split("\t") if k < start else []
             if len(parts) < 4:
-                self.fail(
-                    min(k, start),
+                self.at(min(k, start)).fail(
                     f"expected phase {number} of {count}, got no description of it. Export the map "
                     "again.",
                 )
@@ -133,8 +127,7 @@ class _Source:
                 for part in parts[:2]
             ]
             if [len(part) for part in lattice] != [3, 3]:
-                self.fail(
-                    k,
+                self.at(k).fail(
                     f"phase {number}: expected three lengths and three angles, got "
                     f"{' and '.join(str(len(part)) for part in lattice)}. Export the map again.",
                 )
@@ -148,7 +141,7 @@ class _Source:
         titles = ("Phase", "X", "Y", "Euler1", "Euler2", "Euler3")
         for name in titles:
             if name not in names:
-                self.fail(start, f"expected a column {name}, got none. Export it with the map.")
+                self.at(start).fail(f"expected a column {name}, got none. Export it with the map.")
         table = self.table(start + 1, len(names))
         phase, x, y, *angles = (table[:, names.index(name)] for name in titles)
         self.check_angles(start + 1, np.stack(angles, axis=1), 720, "degrees")
@@ -167,8 +160,7 @@ class _Source:
         """
         start = next((k for k, row in enumerate(self.lines) if not row.startswith("#")), None)
         if start is None or start == 0:
-            self.fail(
-                0,
+            self.at(0).fail(
                 "expected a header of lines with # and rows of numbers below it, got no "
                 f"{'rows' if start is None else 'header'}. Export the map again.",
             )
@@ -185,18 +177,19 @@ class _Source:
             description[key] = header[key] = (k, value)
             if key == "LatticeConstants":
                 if len(phases) >= BOUNDS.phases:
-                    self.fail(k, f"expected at most {BOUNDS.phases} phases, got more. Remove some.")
+                    self.at(k).fail(
+                        f"expected at most {BOUNDS.phases} phases, got more. Remove some."
+                    )
                 number, phase = self.ang_phase(description, len(phases) + 1)
                 phases[number] = phase
         if not phases:
-            self.fail(
-                start, "expected a phase in the header, got none. Export the map with full header."
+            self.at(start).fail(
+                "expected a phase in the header, got none. Export the map with full header."
             )
         declared = self.ang_grid(header)
         width = len(self.lines[start].split())
         if width < 5:
-            self.fail(
-                start,
+            self.at(start).fail(
                 f"expected five or more columns (three angles, x, y), got {width}. "
                 "Export it again.",
             )
@@ -240,8 +233,7 @@ class _Source:
             column = None
         if column is None:
             if len(phases) > 1:
-                self.fail(
-                    start,
+                self.at(start).fail(
                     f"expected the phase of each point in column 8, since the header has "
                     f"{len(phases)} phases, got {table.shape[1]} columns. Export it with the map.",
                 )
@@ -258,14 +250,14 @@ class _Source:
         """A phase from the lines that describe it; without a number it gets `following`."""
         line, text = about["LatticeConstants"]
         if "Symmetry" not in about:
-            self.fail(
-                line, "expected Symmetry above, got none. Export the map with its full header."
+            self.at(line).fail(
+                "expected Symmetry above, got none. Export the map with its full header."
             )
         number = self.whole(*about["Phase"], "Phase") if "Phase" in about else following
         numbers = [self.number(line, x, "lattice constant") for x in text.split()]
         if len(numbers) != 6:
-            self.fail(
-                line, f"expected three lengths and three angles, got {shown(text)}. Correct them."
+            self.at(line).fail(
+                f"expected three lengths and three angles, got {shown(text)}. Correct them."
             )
         name = about.get("MaterialName", (line, f"phase {number}"))[1]
         laue = ANG_LAUE.get(about["Symmetry"][1])
@@ -277,31 +269,18 @@ class _Source:
 
     def table(self, start: int, width: int) -> np.ndarray:
         """The rows of numbers from a line to the end of the file; shape (points, width)."""
-        rows = self.lines[start:]
+        rows = list(self.lines[start:])
         while rows and not rows[-1].strip():
             rows.pop()
         # Some locales write a decimal comma, except perhaps at points without an orientation.
         if any("," in row for row in rows):
             rows = [row.replace(",", ".") for row in rows]
         if not rows:
-            self.fail(start - 1, "expected points, got the end of the file. Is the file complete?")
-        try:
-            numbers = np.loadtxt(rows, ndmin=2, comments=None)
-            if numbers.shape == (len(rows), width) and np.isfinite(numbers).all():
-                return numbers
-        except ValueError:
-            pass
-        for k, row in enumerate(rows, start):
-            parts = re.split(r"\s+", row.strip())
-            if len(parts) != width:
-                self.fail(
-                    k,
-                    f"expected {width} columns, got {len(parts)}. Is the file complete? Export it "
-                    "again.",
-                )
-            for part in parts:
-                self.number(k, part, "entry")
-        self.fail(start, f"expected {width} columns of numbers. Export the map again.")
+            self.at(start - 1).fail(
+                "expected points, got the end of the file. Is the file complete?"
+            )
+        lines = range(start + 1, start + 1 + len(rows))
+        return number_table(self.name, lines, rows, width, finite=True)[0]
 
     def check_angles(self, start: int, angles: np.ndarray, most: float, unit: str) -> None:
         """Refuse angles of more than two turns, which must be in another unit."""
@@ -309,8 +288,7 @@ class _Source:
         if far.any():
             k = int(np.argmax(far))
             came = ", ".join(f"{angle:g}" for angle in angles[k])
-            self.fail(
-                start + k,
+            self.at(start + k).fail(
                 f"expected Euler angles in {unit}, got {came}. Convert them, or export the map "
                 "again.",
             )

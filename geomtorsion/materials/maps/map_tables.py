@@ -11,10 +11,10 @@ import numpy as np
 from geomtorsion.errors import FileFormatError
 from geomtorsion.materials.maps.map_phases import check_laue, described
 from geomtorsion.materials.maps.map_points import MapFile, MapPoints, gridded
-from geomtorsion.materials.text_rows import lines_of, number_rows
 from geomtorsion.support import checks
 from geomtorsion.support.checks import LARGEST_ARRAYS, cut, shown
-from geomtorsion.support.files import BOUNDS, read_text
+from geomtorsion.support.files import BOUNDS, finite_number, read_text
+from geomtorsion.support.text_rows import lines_of, number_table
 
 # Name of a column in other programs, in lower case without units -> its name here.
 _NAMES = {
@@ -63,8 +63,13 @@ def read_map_table(path: Path, given: Mapping[int, str] | None = None) -> MapFil
     start, names, split, is_radian = header
     indices = [k for k in range(start + 1, len(lines)) if lines[k].strip(" \t,;")]
     rows = [lines[k] for k in indices]
-    table = number_rows(path.name, rows, indices, len(names), split, has_words=True)
-    columns = {name: table[:, k] for k, name in reversed(list(enumerate(names)))}
+    columns = {name: k for k, name in reversed(list(enumerate(names)))}
+    words = [columns[name] for name in ("phase",) if name in columns]
+    table, phases_there = number_table(
+        path.name, [k + 1 for k in indices], rows, len(names), [columns[n] for n in _NEEDED],
+        words, split=split,
+    )  # fmt: skip
+    columns = dict(zip(_NEEDED, table.T, strict=True))
     euler = np.stack([columns[name] for name in ("phi1", "Phi", "phi2")], axis=1)
     indexed = np.asarray(np.isfinite(euler).all(axis=1))
     euler = np.where(indexed[:, None], euler if is_radian else np.radians(euler), 0.0)
@@ -76,8 +81,11 @@ def read_map_table(path: Path, given: Mapping[int, str] | None = None) -> MapFil
             f"{path.name}: line {indices[k] + 1}: expected Euler angles of at most two turns in "
             f"{unit}, got {shown(lines[indices[k]].strip())}. Correct the header or the row."
         )
-    phase = columns.get("phase", np.ones(len(table)))
-    phase = np.where(indexed & np.isfinite(phase), phase, 0)
+    phase = indexed.astype(float)
+    for texts in phases_there:
+        # A word, such as the name of a phase, gives no number.
+        codes = {text: finite_number(text.strip()) or 0.0 for text in set(texts)}
+        phase = np.where(indexed, [codes[text] for text in texts], 0.0)
     if not phase.any():
         # MTEX writes phase 0 for each point of a map without phases.
         phase = np.where(indexed, 1, 0)

@@ -78,8 +78,8 @@ def test_rows_that_are_left_out(tmp_path: Path):
 
 FAR = ["x,y,u,v", *(f"{k * 7919 + k % 3},{k * 6007 + k % 2},0,0" for k in range(300))]
 REFUSED = {
-    "short.csv": ([*TABLES["a.csv"][:5], "1,2"], "line 6: expected 4 fields.*got 2"),
-    "words.csv": ([*TABLES["a.csv"][:5], "1,2,x,3"], "line 6: expected numbers"),
+    "short.csv": ([*TABLES["a.csv"][:5], "1,2"], "line 6: expected 4 columns, got 2"),
+    "words.csv": ([*TABLES["a.csv"][:5], "1,2,x,3"], "line 6: .* in column 3, got 'x'"),
     "none.csv": (["x,y,u,v"], "expected nodes below the header, got none"),
     "names.txt": (["a b c d", "1 2 3 4"], "expected a row of names such as x, y, u, v"),
     "wide.txt": ([DAVIS, "1 2 3 4 5"], "expected a row of names such as x, y, u, v"),
@@ -116,5 +116,5 @@ def test_words_that_python_reads_as_numbers_are_refused(tmp_path, word):
     path = tmp_path / "field.csv"
     rows = [f"{x},{y},0.1,{word if (x, y) == (2, 3) else 0}" for y in range(6) for x in range(6)]
     path.write_text("x,y,u,v\n" + "\n".join(rows), "utf-8")
-    with pytest.raises(FileFormatError, match="line 22: expected numbers"):
+    with pytest.raises(FileFormatError, match="line 22: expected a number in column"):
         SampledFrame.read(path)

@@ -125,8 +125,8 @@ def test_a_table_by_hand(tmp_path):
         ("x,x,e_0_0\n1,2,3\n", "line 1: expected different names of columns"),
         ("x,e_0_0,e_0_1\n1,2,3\n", "line 1: expected different names of columns"),
         (HEAD, "expected nodes below the header, got none"),
-        (HEAD + ROWS + "5,5,1\n", "line 38: expected 4 numbers, .* got 3"),
-        (HEAD + ROWS.replace("2,3,", "2,three,"), r"line 18: expected numbers, got '2,three"),
+        (HEAD + ROWS + "5,5,1\n", "line 38: expected 4 columns, got 3"),
+        (HEAD + ROWS.replace("2,3,", "2,three,"), "line 18: .* in column 2, got 'three'"),
         (
             HEAD + ROWS + "0,0,1,1\n",
             "expected each node once, got the same node in line 3 and line 38",

@@ -70,7 +70,7 @@ def test_three_lines_at_a_node_and_an_end_at_a_surface(tmp_path: Path):
         ("CA_FILE_VERSION 6", "CA_FILE_VERSION 4", "line 1: expected version 5 or 6 .*, got '4'"),
         ("DISLOCATIONS 2", "DISLOCATIONS 3", "dislocation 2"),
         ("DISLOCATIONS 2", "DISLOCATIONS 99999999999", "line 17.: .*whole number below"),
-        ("-0.1666666624", "nan", "expected finite numbers, got 'nan"),
+        ("-0.1666666624", "nan", "expected a finite number, got 'nan"),
         ("0 1\n1 1\n", "0 1\n", "expected junction of dislocation 1, got the end"),
         ("1 1\n", "1 7\n", "whole number below 2"),
         ("0 1\n1 1\n", "0 0\n1 1\n", "expected a closed ring of junctions at dislocation"),

@@ -113,7 +113,7 @@ def test_the_real_network(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "later", "message"),
     [
-        ("nodeCount = 3", "nodeCount = 4", 21, "expected node 4 of 4, got the end of the file"),
+        ("nodeCount = 3", "nodeCount = 4", 22, "expected node 4 of 4, got the end of the file"),
         ("nodeCount = 3", "nodeCount = 2", 18, "after 2 nodes .nodeCount., got '0,7"),
         ("nodeCount = 3", "nodeCount = three", 0, "expected a whole number, got 'three'"),
         ("nodeCount = 3", "nodeCount = -1", 0, "expected 0 or more"),
@@ -124,7 +124,7 @@ def test_the_real_network(tmp_path):
         (" 0,1 1 0 0 2 7", " 0,0 1 0 0 2 7", 0, "expected each node once, got node 0,0 again"),
         (" 0,1 1 0 0 2 7", " 0,1 1 0 0 3 7", 5, "expected a node such as 0,12|six numbers, got"),
         (" 0,1 1 0 0 2 7", " 0,1 1 0 0 1 7", 3, "number of arms|expected a node"),
-        (" 0,1 1 0 0 2 7", " 0,1 1 0 0 -1 7", 0, "zero or more"),
+        (" 0,1 1 0 0 2 7", " 0,1 1 0 0 -1 7", 0, "expected 0 or more"),
         (" 0,1 1 0 0 2 7", " 0,1 1 0", 0, "got 4 words|got 3 words"),
         ("   0,1 0 0 1\n", "   0,1 0 0 0\n", 0, "b = 0"),
         ("   0,1 0 0 1\n", "   0,0 0 0 1\n", 0, "to itself"),
@@ -171,8 +171,8 @@ def arms_in_one_line(text: str) -> str:
     return head + key + "\n".join(rows)
 
 
-def test_usual_and_odd_files_read_alike(tmp_path, small):
-    """Files read as a whole and files read line by line give equal bits."""
+def test_arms_in_one_row(tmp_path, small):
+    """Arms whose plane is in the row of b give the same network, with equal bits."""
     DislocationNetwork.of_arrays(rings(30, seed=5)).save(tmp_path / "usual.data")
     text = (tmp_path / "usual.data").read_text()
     odd = arms_in_one_line(text)
@@ -191,6 +191,25 @@ def test_two_lines_between_the_same_nodes(tmp_path):
     DislocationNetwork.of_arrays(lines).save(tmp_path / "two.data")
     back = DislocationNetwork.read(tmp_path / "two.data")
     assert back.arrays.burgers.tolist() == vectors
+
+
+def test_lines_between_the_same_nodes_in_any_order(small):
+    """Arms are matched by b, not by order; lines between the same nodes follow each other."""
+    head, _, _ = SMALL.partition("nodeCount")
+    rows = [
+        "nodeCount = 3", "nodalData =",
+        "0,0 0 0 0 3 0", "0,2 1 0 0", "0 0 1", "0,1 0 0 1", "0 1 0", "0,2 0 1 0", "0 0 1",
+        "0,1 1 0 0 1 0", "0,0 0 0 -1", "0 1 0",
+        "0,2 0 1 0 2 0", "0,0 0 -1 0", "0 0 1", "0,0 -1 0 0", "0 0 1",
+    ]  # fmt: skip
+    arrays = small("\n".join([head, *rows])).arrays
+    assert arrays.pairs.tolist() == [[0, 2], [0, 2], [0, 1]]
+    assert arrays.burgers.tolist() == [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    assert arrays.planes.tolist() == [[0, 0, 1], [0, 0, 1], [0, 1, 0]]
+    rows[4] = "0 0 one"
+    line = head.count("\n") + 2 + 4
+    with pytest.raises(FileFormatError, match=f"line {line}: an arm: .* number, got 'one'"):
+        small("\n".join([head, *rows]))
 
 
 @pytest.mark.parametrize(

@@ -239,13 +239,13 @@ def test_channel_5(tmp_path: Path, fields):
     [
         ("xCells=7", "xCells=8", r"map\.crc: expected 48 points of 19 bytes.*got 798 bytes"),
         ("xCells=7", "xCells=999999999", "expected 5,999,999,994 points"),
-        ("xCells=7", "xCells=many", "job. xcells: expected a number, got 'many'"),
+        ("xCells=7", "xCells=many", "job. xcells: expected a whole number, got 'many'"),
         ("Field1=3", "Field1=6", "expected each of phi1, Phi and phi2 once"),
-        ("Count=6", "Count=600", "expected at most 255"),
+        ("Count=6", "Count=600", "count: expected a whole number below 256, got 600"),
         ("LaueGroup=11", "LaueGroup=44", "its symmetry is not known"),
         ("GridDistX=0.5", "GridDistX=0", "steps GridDistX and GridDistY above 0"),
         ("xCells=7\nyCells=6", "NoOfPoints=42", "got 42 points without a grid"),
-        ("[Phases]\nCount=1", "[Phases]\nCount=0", "a whole number above 0"),
+        ("[Phases]\nCount=1", "[Phases]\nCount=0", "count: expected 1 or more, got 0"),
     ],
 )
 def test_refusals_of_channel_5(tmp_path: Path, old: str, new: str, words: str):
@@ -340,11 +340,12 @@ REFUSED = {
     "random.txt": (RANDOM, "expected points on a grid, got 60 points without a grid"),
     "line.txt": (table()[:8], "two or more rows and columns, got 7 points with one Y"),
     "none.txt": (table()[:1], "expected points of a map, got none"),
-    "short.txt": ([*table()[:5], "1 2 3", *table()[6:]], "line 6: expected 6 fields.*got 3"),
+    "short.txt": ([*table()[:5], "1 2 3", *table()[6:]], "line 6: expected 6 columns, got 3"),
     "names.txt": (table("a b c d e f"), "expected a row of names phi1, Phi, phi2, x, y"),
     "much.txt": (table(factor=1e4), "line [0-9]+: expected Euler angles .* in degrees"),
     "phase.txt": (table(phase="1.5"), "phase: expected whole numbers from 0 to 255, got 1.5"),
-    "place.txt": ([*table()[:5], "1 2 3 1 x 0", *table()[6:]], "line 6: expected numbers x and y"),
+    "place.txt": ([*table()[:5], "1 2 3 1 x 0", *table()[6:]], "line 6: .* in column 5, got 'x'"),
+    "hole.txt": ([*table()[:5], "1 2 3 1 nan 0", *table()[6:]], "line 6: expected numbers x and y"),
     "few.ang": (astar(7, 2), "the phase of each point in column 8, since the header has 2 phases"),
 }  # fmt: skip
 
