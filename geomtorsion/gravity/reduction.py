@@ -149,8 +149,8 @@ class Reduction:
         """A number for each state: from the start, or from the constraints.
 
         Where the equations have a pole at the origin, or where a function such as the radius of a
-        sphere begins at zero, as at the centre of a star, a regular solution is a power series. Its coefficients complete the start, which may hold higher
-        derivatives as well, such as B_2.
+        sphere begins at zero, as at the centre of a star, a regular solution is a power series.
+        Its coefficients complete the start, which may hold higher derivatives there, such as B_2.
 
         Parameters
         ----------

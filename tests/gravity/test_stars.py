@@ -300,7 +300,7 @@ def test_a_quadratic_function_of_curvature(curvature: g.Reduction) -> None:
 
 @pytest.mark.slow
 def test_a_root_of_curvature() -> None:
-    """For R + c sqrt(1 + R) the rules replace equations that are no power series."""
+    """For R + c sqrt(1 + R) the rules replace equations without a power series."""
     S = sp.Symbol("S")
     reduced = named_curvature("(R + c*sqrt(1 + R))/(16*pi)")
     other, _, _ = trace_of_curvature(S + sp.sqrt(1 + S) / 10, 0.03)
@@ -308,7 +308,7 @@ def test_a_root_of_curvature() -> None:
 
 
 def test_small_terms_are_small(curvature: g.Reduction, torsion: g.Reduction) -> None:
-    """Stars approach those of general relativity as the coefficient of the square vanishes."""
+    """Stars approach the ones of general relativity as the coefficient of the square vanishes."""
     second = {"A_2": 4 * math.pi / 3 * (DENSITY + 3 * PRESSURE)}
     near = {"B_2": 8 * math.pi / 3 * DENSITY}
     for reduced, numbers, start, rough in (
