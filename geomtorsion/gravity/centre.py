@@ -89,16 +89,21 @@ class Centre:
         symbols = {x for one in self._equations for x in self.jets.places(one)}
         return tuple(sorted({*self._states, *(one.symbol.name for one in symbols)}))
 
+    def _step(self, start: Mapping[str, sp.Expr]) -> int:
+        """2 for even functions, which are smooth at a centre; 1 if a function vanishes there."""
+        zero = any(start.get(self.jets.symbol(one, 0).name) == 0 for one in self._functions)
+        return 2 if self._allows_even_functions and not zero else 1
+
     @cached_property
-    def step(self) -> int:
-        """2 if the equations allow even functions, which are smooth at a centre, else 1."""
+    def _allows_even_functions(self) -> bool:
+        """Whether the equations keep their form as the functions are mirrored at the point."""
         table = {self.jets.variable: self.jets.field.read(2 * self.place - self.jets.variable)}
         table |= {symbol: -self.jets.field.read(symbol) for symbol in self._odd}
         for one in self._equations:
             mirrored = self.jets.replaced(one, table)
             if not ((mirrored - one).is_zero or (mirrored + one).is_zero):
-                return 1
-        return 2
+                return False
+        return True
 
     @property
     def _odd(self) -> list[sp.Symbol]:
@@ -165,7 +170,7 @@ class Centre:
             self._functions,
             self._equations,
             self.place,
-            self.step,
+            self._step(exact),
             numbers,
             near,
             {one.name for one in self._nonzero},
@@ -184,7 +189,7 @@ class Centre:
         """The start, completed by the equations at the point itself."""
         symbols = {one.name: one for one in self.jets.symbols}
         values = dict(start)
-        if self.step == 2:
+        if self._step(start) == 2:
             for odd in self._odd:
                 if values.setdefault(odd.name, sp.S.Zero) != 0:
                     raise GravityError(

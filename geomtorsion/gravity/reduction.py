@@ -9,7 +9,7 @@ from functools import partial
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from geomtorsion.errors import GravityError, LimitError
+from geomtorsion.errors import GravityError, LimitError, StartError
 from geomtorsion.exact import Element, parse_expression, unknown_functions
 from geomtorsion.gravity.centre import Centre
 from geomtorsion.gravity.elimination import Eliminated, Elimination, Residual
@@ -148,9 +148,9 @@ class Reduction:
     ) -> dict[str, sp.Expr]:
         """A number for each state: from the start, or from the constraints.
 
-        Where the equations have a pole at the origin, as at the centre of a star, a regular
-        solution is a power series. Its coefficients complete the start, which may hold higher
-        derivatives as well, such as B_2.
+        Where the equations have a pole at the origin, or where a function such as the radius of a
+        sphere begins at zero, as at the centre of a star, a regular solution is a power series.
+        Its coefficients complete the start, which may hold higher derivatives there, such as B_2.
 
         Parameters
         ----------
@@ -207,16 +207,25 @@ class Reduction:
         """Numbers of parameters, start and rough values, the origin, and the centre there."""
         known = numbers_of(parameters or {}, self._constants, "parameters")
         (place,) = numbers_of({"origin": origin}, ("origin",), "origin").values()
-        centre = self._centre(place)
+        centre = Centre(self.jets, self.eliminated, place) if self._has_pole(place, start) else None
         names = self.states if centre is None else centre.names
         values = numbers_of(start, names, "start")
         return known, values, numbers_of(near or {}, names, "near"), place, centre
 
-    def _centre(self, place: sp.Expr) -> Centre | None:
-        """The point, if the rates have a pole there for all states."""
-        here = {self.jets.variable: place}
-        poles = [sp.fraction(rate)[1].xreplace(here) == 0 for rate in self.rates.values()]
-        return Centre(self.jets, self.eliminated, place) if any(poles) else None
+    def _has_pole(self, place: sp.Expr, start: Mapping[str, object]) -> bool:
+        """Whether a rate has a pole at a place, perhaps by functions with a simple zero there."""
+        rules = self.eliminated.rules
+        names = [(self.jets.symbol(x, 0), self.jets.symbol(x, 1).name) for x in rules]
+        every = {name for function, first in names for name in (function.name, first)}
+        pairs = checks.by_name(start, "start", StartError).items()
+        values = numbers_of({x: y for x, y in pairs if x in every}, tuple(sorted(every)), "start")
+        here: dict[sp.Basic, sp.Basic] = {
+            function: sp.S.Zero
+            for function, first in names
+            if values.get(function.name) == 0 and values.get(first) != 0
+        }
+        here[self.jets.variable] = place
+        return any(sp.fraction(rate)[1].xreplace(here) == 0 for rate in self.rates.values())
 
     def ode(
         self,

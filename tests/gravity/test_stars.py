@@ -14,7 +14,7 @@ from geomtorsion.errors import GeomtorsionError, StartError
 
 T, R, THETA, PHI = sp.symbols("t r theta phi")
 AT_REST = [1, 0, 0, 0]
-A, B = (sp.Function(name)(R) for name in "AB")
+A, B, C = (sp.Function(name)(R) for name in "ABC")
 STATIC = gt.Frame([T, R, THETA, PHI], sp.diag(A, B, R, R * sp.sin(THETA)), (-1, 1, 1, 1))
 # A tetrad whose spin connection vanishes: the radial leg turns with the sphere.
 RADIAL = sp.Matrix([sp.sin(THETA) * sp.cos(PHI), sp.sin(THETA) * sp.sin(PHI), sp.cos(THETA)])
@@ -300,7 +300,7 @@ def test_a_quadratic_function_of_curvature(curvature: g.Reduction) -> None:
 
 @pytest.mark.slow
 def test_a_root_of_curvature() -> None:
-    """For R + c sqrt(1 + R) the rules replace equations that are no power series."""
+    """For R + c sqrt(1 + R) the rules replace equations without a power series."""
     S = sp.Symbol("S")
     reduced = named_curvature("(R + c*sqrt(1 + R))/(16*pi)")
     other, _, _ = trace_of_curvature(S + sp.sqrt(1 + S) / 10, 0.03)
@@ -308,7 +308,7 @@ def test_a_root_of_curvature() -> None:
 
 
 def test_small_terms_are_small(curvature: g.Reduction, torsion: g.Reduction) -> None:
-    """Stars approach those of general relativity as the coefficient of the square vanishes."""
+    """Stars approach the ones of general relativity as the coefficient of the square vanishes."""
     second = {"A_2": 4 * math.pi / 3 * (DENSITY + 3 * PRESSURE)}
     near = {"B_2": 8 * math.pi / 3 * DENSITY}
     for reduced, numbers, start, rough in (
@@ -349,6 +349,18 @@ def test_a_density_that_is_not_even() -> None:
     r = float(place)
     mass = 4 * math.pi * (r**3 / 3 - r**4 / 4)
     assert float(values["B"]) == pytest.approx((1 - 2 * mass / r) ** -0.5, rel=1e-14)
+
+
+def test_a_centre_where_the_sphere_has_no_size() -> None:
+    """In the proper radius the sphere C(r) vanishes at the centre: C(0) = 0, and C' = 1 follows."""
+    frame = gt.Frame([T, R, THETA, PHI], sp.diag(A, 1, C, C * sp.sin(THETA)), (-1, 1, 1, 1))
+    fluid = g.fluid("rho0", "p(r)", AT_REST)
+    reduced = g.equations(gt.levi_civita(frame), "R/(16*pi)", fluid).reduce("r")
+    start, numbers, near = {"A": 1, "p": "1e-3", "C": 0}, {"rho0": "1e-2"}, {"C_1": 1}
+    assert reduced.complete(start, numbers, near=near)["A_1"] == 0
+    solution = g.solve(reduced, "r", 10, start, numbers, near=near, events=SURFACE)
+    radius = math.sqrt(3 * (1 - (1.1 / 1.3) ** 2) / (8 * math.pi * 1e-2))
+    assert float(solution["C"][-1]) == pytest.approx(radius, rel=CLOSE)
 
 
 def test_refusals_of_general_relativity() -> None:
