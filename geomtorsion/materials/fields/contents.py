@@ -72,6 +72,10 @@ def guarded(path: Path, load: Callable[[], Any]) -> Any:
         ) from None
 
 
+# Name of a task that waits for all others.
+_WAITING = "geomtorsion waits"
+
+
 def _finish_tasks() -> None:
     """Let the tasks end that Zarr leaves after an error; asyncio would print each of them."""
     tasks = sys.modules.get("zarr.core.sync")
@@ -85,7 +89,11 @@ async def _all_tasks() -> None:
     # Zarr has loaded it; without Zarr nobody needs it.
     import asyncio
 
-    tasks = asyncio.all_tasks() - {asyncio.current_task()}
+    own = asyncio.current_task()
+    assert own is not None
+    own.set_name(_WAITING)
+    # Threads whose chunks are damaged at once would wait for each other's tasks.
+    tasks = [one for one in asyncio.all_tasks() if one.get_name() != _WAITING]
     await asyncio.gather(*tasks, return_exceptions=True)
 
 
