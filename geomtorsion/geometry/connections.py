@@ -59,9 +59,6 @@ def as_frame(
     >>> as_frame("so3").dimension
     3
     """
-    if isinstance(value, Frame):
-        # A protocol asks for attributes by name, and a frame would look for near ones.
-        return value
     space = _named(value)
     return space.frame if isinstance(space, HasConnection) else _instance(space, name, error)
 
@@ -90,8 +87,6 @@ def as_connection(
     >>> as_connection("so3").kind, as_connection("chaplygin_sleigh").allowed
     ('cartan', (0, 1))
     """
-    if isinstance(value, Connection):
-        return value
     space = _named(value)
     if isinstance(space, HasConnection):
         return space.own_connection()

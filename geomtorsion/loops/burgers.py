@@ -10,7 +10,6 @@ from typing import Literal, overload
 import numpy as np
 
 from geomtorsion.errors import ArgumentError
-from geomtorsion.geometry import Frame
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.loops.arcs import Parameters, Part
 from geomtorsion.loops.defects import lines_alone
@@ -153,7 +152,7 @@ def burgers_vector(
     >>> b.vector, b.route, b.check.agrees
     (array([0.00000000e+00, 0.00000000e+00, 6.28318531e-18]), 'flux', True)
     """
-    if not isinstance(frame, Frame) and isinstance(frame, HasBurgers):
+    if isinstance(frame, HasBurgers):
         if exact or parameters or seconds is not None:
             raise ArgumentError(
                 "frame: a frame known by numbers has neither closed forms nor parameters, and its "

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import wraps
 from inspect import Parameter, signature
 from typing import NoReturn, ParamSpec, TypeVar
@@ -13,6 +14,37 @@ from geomtorsion.support.checks import near_names, shown
 Kind = TypeVar("Kind", bound=type)
 Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
+
+
+@dataclass(frozen=True, eq=False)
+class _Answer:
+    """Text about an unknown attribute, worked out when it is read: `hasattr` does not read it.
+
+    Examples
+    --------
+    >>> print(_Answer("text", "uper", {}))
+    str has no attribute 'uper'. Did you mean upper?
+    """
+
+    asked: object
+    name: str
+    meant: Mapping[str, str]
+
+    def __str__(self) -> str:
+        near = ""
+        # Copies, pickles and notebooks look for names with underscores.
+        if not self.name.startswith("_"):
+            public = (one for one in dir(self.asked) if not one.startswith("_"))
+            near = self.meant.get(self.name) or near_names(self.name, public)
+        hint = f". Did you mean {near}?" if near else ""
+        return f"{type(self.asked).__name__} has no attribute {self.name!r}{hint}"
+
+    def __repr__(self) -> str:
+        return repr(str(self))
+
+    def __reduce__(self) -> tuple[type[str], tuple[str]]:
+        # An error that another process raised carries its text, not the object.
+        return str, (str(self),)
 
 
 def attribute_hints(**meant: str) -> Callable[[Kind], Kind]:
@@ -35,16 +67,8 @@ def attribute_hints(**meant: str) -> Callable[[Kind], Kind]:
             if hasattr(type(self), name):
                 # A property raised AttributeError: its own message counts.
                 object.__getattribute__(self, name)
-            near = ""
-            # Copies, pickles and notebooks look for names with underscores, and often.
-            if not name.startswith("_"):
-                public = (one for one in dir(self) if not one.startswith("_"))
-                near = meant.get(name) or near_names(name, public)
-            hint = f". Did you mean {near}?" if near else ""
             # With a name in the error, Python would add a question of its own.
-            raise AttributeError(
-                f"{type(self).__name__} has no attribute {name!r}{hint}", name=None
-            )
+            raise AttributeError(_Answer(self, name, meant), name=None)
 
         # Set here and not written in the class: checkers of types would then take any name.
         setattr(kind, "__getattr__", refuse)  # noqa: B010
