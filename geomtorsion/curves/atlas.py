@@ -166,6 +166,23 @@ class Chart:
         return only_fields(self)
 
     @cached_property
+    def groups(self) -> tuple[tuple[int, ...], ...]:
+        """Coordinates that are measured together: all, but time, which grows without bound.
+
+        Time corresponds to the one leg whose square has the other sign.
+        """
+        places = tuple(range(len(self.coordinates)))
+        if self.frame is None:
+            return (places,)
+        signs = [self.frame.eta.element(i, i) for i in places]
+        # In two dimensions it is the negative one.
+        by_sign = [[i for i in places if signs[i] == sign] for sign in (-1, 1)]
+        times = next((few for few in by_sign if len(few) == 1), [])
+        if not times or len(places) == 1:
+            return (places,)
+        return (times[0],), tuple(i for i in places if i != times[0])
+
+    @cached_property
     def edges(self) -> tuple[Edge, ...]:
         """Quantities that are positive while the chart holds: its edge, or its frame's edges."""
         if self.edge is not None:

@@ -441,7 +441,7 @@ def written(frame: Frame, law: Law, chart: Chart | None) -> Equations:
         states += names
         products += rates.products
         constants = rates.constants
-    groups = [] if chart is None else coordinate_groups(chart)
+    groups = [] if chart is None else list(chart.groups)
     if rates is not None:
         groups.append(tuple(range(width, len(states))))
     invariants = dict(law.invariants(base, names)) if rates is not None else {}
@@ -456,23 +456,6 @@ def written(frame: Frame, law: Law, chart: Chart | None) -> Equations:
         chart, tuple(states), parameters, tuple(products), tuple(groups), names, (), constants,
         invariants,
     )  # fmt: skip
-
-
-def coordinate_groups(chart: Chart) -> list[tuple[int, ...]]:
-    """Coordinates that are measured together: all of them, but time, which grows without bound.
-
-    Time corresponds to the one leg whose square has the other sign.
-    """
-    places = tuple(range(len(chart.coordinates)))
-    if chart.frame is None:
-        return [places]
-    signs = [chart.frame.eta.element(i, i) for i in places]
-    # In two dimensions it is the negative one.
-    by_sign = [[i for i in places if signs[i] == sign] for sign in (-1, 1)]
-    times = next((few for few in by_sign if len(few) == 1), [])
-    if not times or len(places) == 1:
-        return [places]
-    return [(times[0],), tuple(i for i in places if i != times[0])]
 
 
 def symbols_in(products: Iterable[Products], states: Sequence[str]) -> tuple[str, ...]:

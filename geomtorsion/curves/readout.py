@@ -9,7 +9,6 @@ import mpmath
 import numpy as np
 
 from geomtorsion.curves.atlas import MovingPoint
-from geomtorsion.curves.equations import coordinate_groups
 from geomtorsion.errors import ChartEdgeError, ShapeError, StartError
 from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.error_estimate import NOISE, alike
@@ -100,7 +99,7 @@ def _coordinate_pairs(
         turns = np.round((two[..., k] - one[..., k]).astype(float) / (2 * np.pi))
         if np.any(turns):
             _turn_back(two, k, turns)
-    groups = map(list, coordinate_groups(atlas.chart(atlas.home)))
+    groups = map(list, atlas.chart(atlas.home).groups)
     return [(one[..., group], two[..., group]) for group in groups]
 
 

@@ -36,7 +36,7 @@ class Specialization:
     field: the field of the elements.
     symbols: the symbols that get values.
     largest: largest denominator of the values; a larger one is nearer to the point.
-    point: numbers of all symbols; None: the generic point of the field.
+    point: numbers of all symbols; by default the generic point of the field.
 
     Examples
     --------
@@ -181,7 +181,7 @@ class Specialization:
             largest *= 2
 
     def _float(self, element: Element) -> float:
-        """The value at the point; where there is none, a number from the name of the element."""
+        """The value at the point; for an element without a value, a number from its name."""
         try:
             if self._point is None:
                 return float(mpmath.re(self._source.sample.value(element)))

@@ -37,7 +37,7 @@ def fit_frame(
     points
         q^mu, shape (k, n).
     coframe
-        measured e^i_mu, shape (k, n, n); NaN where there is none, as for components along a
+        measured e^i_mu, shape (k, n, n); NaN if missing, as for components along a
         direction in which nothing was measured.
     sigma
         standard deviation of the noise: a number, or numbers of shape (k, n, n).

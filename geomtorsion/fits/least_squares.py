@@ -58,7 +58,7 @@ class _Trials:
         return self.last[1]
 
     def residuals(self, values: np.ndarray) -> np.ndarray:
-        """Residuals; infinite where there is no prediction, from which the search steps back."""
+        """Residuals; infinite if the model has no solution, so that the search steps back."""
         try:
             return self.at(values).residuals
         except GeomtorsionError:

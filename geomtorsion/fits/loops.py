@@ -38,7 +38,7 @@ def fit_loops(
     loops
         the circuits, k of them.
     vectors
-        measured b^i, shape (k, n), in the frame; NaN where there is none.
+        measured b^i, shape (k, n), in the frame; NaN if missing.
     sigma
         standard deviation of the noise: a number, or numbers of shape (k, n).
     free

@@ -44,7 +44,7 @@ def fit(
         of the data, shape (m,), from t = 0 on.
     data
         name -> values, shape (m,) (or (m, k) for an output that is a vector): coordinates and
-        frame velocities of a curve; states and outputs of an ODE. NaN where there is none.
+        frame velocities of a curve; states and outputs of an ODE. NaN if missing.
     sigma
         standard deviation of the noise: a number, or name -> number or array like the data.
     free

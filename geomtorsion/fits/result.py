@@ -53,7 +53,7 @@ class Fit:
     data: the fitted data.
     undetermined: joint changes of parameters that change no prediction.
     curved: a joint change by one sigma that changes chi^2 by less than half of one or by more than
-        two: errors along it are not sigmas. None if there is no such change.
+        two: the errors are not standard deviations along it. None if chi^2 rises as it should.
     solves: how often the model was computed.
     source: the model at the best values, such as a `Solution` with derivatives.
     """

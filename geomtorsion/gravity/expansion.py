@@ -96,7 +96,7 @@ class Expansion:
         StartError
             A coefficient is free, or has several values.
         GravityError
-            There is no power series with these values.
+            No power series has these values.
         """
         for order in range(0, last + 1, self.step):
             while any(order not in row for row in self.rows):

@@ -108,7 +108,7 @@ def read_model(path: str | PathLike[str]) -> Model:
     Raises
     ------
     FileFormatError
-        There is no table [theory], it has an unknown key, or a value of the wrong kind.
+        The table [theory] is missing, or has an unknown key or a value of the wrong kind.
 
     Examples
     --------

@@ -95,7 +95,7 @@ class Checkpoint:
         return self.metadata["parts"]
 
     def known(self, name: str, engine: Engine, stage: Stage, times: np.ndarray) -> Run | None:
-        """A part that an earlier run finished; None if there is none."""
+        """A part that an earlier run finished, or None."""
         record = self.parts.get(name)
         if record is None:
             return None

@@ -81,7 +81,7 @@ def _label(name: str, index: tuple[slice | int, ...]) -> str:
 
 
 def _model(fit: Fit, name: str, index: tuple[slice | int, ...]) -> tuple[np.ndarray, np.ndarray]:
-    """The model as a smooth line, or at the data where there is nothing in between."""
+    """The model as a smooth line, or at the data if it is known only there."""
     if isinstance(fit.source, Solution):
         times = np.linspace(0.0, float(fit.source.times[-1]), STYLE.samples)
         return times, np.asarray(fit.source.at(times)[name], dtype=float)[index]

@@ -17,7 +17,7 @@ PROOFS = (10, 30)
 
 
 class Claim(NamedTuple):
-    """One run: its value, and the relative error that it claims; None: it claims none."""
+    """One run: its value, and the relative error that it claims; None: no claim."""
 
     value: Any
     error: float | None
@@ -56,7 +56,7 @@ class Offer:
     judge: (value, requested accuracy) -> bounds of the true error; None where nothing is known.
     effects: run that measures what each effect costs, (name, seconds) in order.
     unit: of requests: "accuracy", or "spacing" of a grid.
-    floor: relative error from noise, which no finer request lowers; None: there is no noise.
+    floor: relative error from noise, a lower bound for every request; None: no noise.
     """
 
     name: str

@@ -26,12 +26,12 @@ class PriceRow:
 
     way: name of an engine, a rule or a proof. certainty: "plain", "estimate" or "proof".
     requested: accuracy (or spacing of a grid). claimed: relative error that the run claims.
-    true: bounds of the true relative error. None where there is none.
-    seconds: processor time of the fastest run; NaN without a result.
+    true: bounds of the true relative error; None if unknown.
+    seconds: processor time of the fastest run; NaN if it failed.
     spread: (median - fastest) / fastest.
     memory: peak of what Python and NumPy allocated, in bytes; None where it was not measured,
         and for proofs, whose balls FLINT allocates.
-    note: why there is no result; empty otherwise.
+    note: the reason for a missing result, or empty.
     """
 
     way: str
@@ -101,7 +101,7 @@ class PriceList:
     rows: one for each way and accuracy, finer ones later.
     effects: (name, seconds) of a scene with its effects added one by one.
     unit: of requests: "accuracy", or "spacing" of a grid.
-    floor: relative error from noise, beyond which finer requests buy nothing; None: no noise.
+    floor: relative error from noise, beyond which finer requests gain nothing; None: no noise.
     """
 
     name: str
@@ -122,7 +122,7 @@ class PriceList:
         Raises
         ------
         UnknownNameError
-            There is no such way.
+            No way has this name.
         AccuracyError
             The way has no result.
         """

@@ -22,7 +22,7 @@ def tensor_offer(tensor: Tensor, request: Request) -> Offer:
     Raises
     ------
     ArgumentError
-        There is no point.
+        The search found no point.
     """
     if request.at is None:
         raise ArgumentError(

@@ -191,7 +191,7 @@ class Equivalence:
 
     @property
     def match(self) -> Match | None:
-        """The two points at which the invariants agree; None if there are none."""
+        """The two points at which the invariants agree; None if none were found."""
         return self._outcome.match
 
     @property

@@ -262,8 +262,8 @@ def _finite(value: float) -> float | None:
 class _Omission:
     """A scene without some of its effects, compared with the whole scene.
 
-    changes: quantity -> relative change at each time, shape (m,); None if there is no such motion.
-    error: estimate of the errors of both runs. note: why there is no such motion.
+    changes: quantity -> relative change at each time, shape (m,); None without a solution.
+    error: estimate of the errors of both runs. note: the reason, if the motion has no solution.
     """
 
     changes: Mapping[str, np.ndarray] | None

@@ -32,7 +32,7 @@ class Magnitude:
     changes: watched quantity -> largest change at the reported times if it is added, relative to
         the largest size of the quantity; infinite if the quantity is zero without it.
     formula, assumption: how its numbers follow from body and surroundings, and when.
-    note: why it cannot be added; empty otherwise.
+    note: the reason why it cannot be added, or empty.
     """
 
     effect: Effect

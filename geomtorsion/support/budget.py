@@ -99,7 +99,7 @@ class TimeModel:
         return max(total, min(self.seconds))
 
     def digits_for(self, seconds: float) -> float | None:
-        """The most digits, in the range of the runs, that a time buys; None: not even the fewest.
+        """The most digits, in the range of the runs, that a time buys; None if it buys fewer.
 
         In steps of a tenth of a digit.
         """

@@ -126,7 +126,7 @@ def read_table(path: Path) -> tuple[np.ndarray, dict[str, np.ndarray], dict[str,
     Raises
     ------
     FileFormatError
-        There is no header with at least two names, a name occurs twice, or a row is damaged.
+        The header has fewer than two names or a name twice, or a row is damaged.
     """
     lines = [(k, line) for k, line in enumerate(lines_of(read_text(path)), 1) if line.strip()]
     lines = [(k, line) for k, line in lines if not line.startswith("#")]

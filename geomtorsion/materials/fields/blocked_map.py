@@ -332,7 +332,7 @@ def blocked_map(
     overwrite
         Replace an existing map.
     executor
-        Computes the blocks, see `burgers_vectors`; None: as configured in dask.
+        Computes the blocks, see `burgers_vectors`; by default as configured in dask.
 
     Raises
     ------
