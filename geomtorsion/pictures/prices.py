@@ -5,7 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from geomtorsion.geometry import notation
-from geomtorsion.pictures.style import NOTHING, SERIES, captioned, new_figure, pictured, quiet
+from geomtorsion.pictures.style import (
+    NOTHING,
+    SERIES,
+    captioned,
+    legend,
+    new_figure,
+    pictured,
+    quiet,
+)
 from geomtorsion.prices import PriceList, PriceRow
 from geomtorsion.support import checks
 from geomtorsion.support.outgoing import duration_text, figure_text, html_text, size_text
@@ -54,6 +62,8 @@ def draw_price(price: PriceList) -> Figure:
         _draw_spacing(panels[0], price)
     else:
         _draw_digits(panels[0], price)
+    if panels[0].get_lines():
+        legend(figure, panels[0])
     for axes, (title, values) in zip(panels[1:], bars, strict=True):
         _draw_bars(axes, title, values)
     captioned(figure, [figure_text(price.name), f"True errors against {price.truth}."])
@@ -96,10 +106,6 @@ def _draw_digits(axes: Axes, price: PriceList) -> None:
     # Better is further right, as in work-precision diagrams of the field.
     axes.invert_xaxis()
     _label(axes, "Digits", "true error, relative", "time in ms")
-    if rows:
-        # Room for the names above the lines.
-        axes.margins(y=0.35)
-        axes.legend(loc="upper left", fontsize=8, frameon=False, handlelength=3.2)
 
 
 def _error(row: PriceRow) -> float:
@@ -124,7 +130,6 @@ def _draw_spacing(axes: Axes, price: PriceList) -> None:
     axes.set_yscale("log")
     axes.invert_xaxis()
     _label(axes, "Digits", "spacing", "error, relative")
-    axes.legend(fontsize=8, frameon=False)
 
 
 def _draw_bars(axes: Axes, title: str, values: Sequence[tuple[str, float]]) -> None:
