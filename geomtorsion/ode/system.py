@@ -397,7 +397,7 @@ class Engine(Protocol):
     error then contain roundings on the way, not only at the start.
 
     An engine may have one more method, `batch(batch, tolerance) -> seconds of compilation`, which
-    runs the members of a `Batch` at once; it may round otherwise than `run`. `solve_many` calls it,
+    runs the members of a `Batch` at once; last digits may differ from `run`. `solve_many` calls it,
     and runs the members one by one with an engine that lacks it.
     """
 
