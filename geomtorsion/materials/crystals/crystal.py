@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from geomtorsion.errors import CrystalError
 from geomtorsion.loops import Cochain, Complex
-from geomtorsion.materials.crystals.circuits import AtomCircuits
+from geomtorsion.materials.crystals.circuits import AtomCircuits, GrainCircuits
 from geomtorsion.materials.crystals.frames import (
     NEIGHBOURS,
     Fit,
@@ -25,7 +25,6 @@ from geomtorsion.materials.crystals.frames import (
     share_within,
 )
 from geomtorsion.materials.crystals.given import Given, positions_of
-from geomtorsion.materials.crystals.grain_circuits import GrainCircuits
 from geomtorsion.materials.crystals.grains import Grain, Grains, in_variant, single_grain
 from geomtorsion.materials.crystals.known_grains import KnownGrains
 from geomtorsion.materials.crystals.lattices import Lattice
