@@ -4,11 +4,13 @@
     python -m tests.language exact loops     each hit in these, with file and line
 
 `PATTERNS` names each pattern with its plain form. Text is strings, docstrings and comments of the
-package, the README, the changelog and the site; code in it does not count.
+package, the README, the changelog and the site; code in it does not count. Names of functions in
+tests are sentences, so they count as well.
 """
 
 from __future__ import annotations
 
+import ast
 import io
 import re
 import sys
@@ -60,6 +62,7 @@ PATTERNS: dict[str, tuple[str, str]] = {
     ),
     "fronted of": (r"(?:^|[.;:] )Of (?!course)", "put the subject first"),
     "moment of a force": (r"\bmoments? of (?:a )?forces?\b", "torque"),
+    "that is none": (r"\b(?:that|which) (?:is|are) none\b", "invalid"),
 }
 _COMPILED = {name: re.compile(pattern) for name, (pattern, _) in PATTERNS.items()}
 # Code within text: fenced blocks, doctests, inline code, formulas, fields of f-strings.
@@ -121,6 +124,19 @@ def python_texts(source: str) -> Iterator[Text]:
         yield Text(line, "".join(parts).strip())
 
 
+def name_texts(source: str) -> Iterator[Text]:
+    """Names of functions as words.
+
+    Examples
+    --------
+    >>> list(name_texts("def test_what_is_told(): ..."))
+    [Text(line=1, text='test what is told')]
+    """
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            yield Text(node.lineno, node.name.strip("_").replace("_", " "))
+
+
 def prose(text: str) -> str:
     """Text without the code in it, with its line numbers unchanged."""
     without = text
@@ -132,7 +148,9 @@ def prose(text: str) -> str:
 def hits_of(file: Path) -> list[Hit]:
     """All occurrences of all patterns in a file."""
     source = file.read_text("utf-8")
-    texts = python_texts(source) if file.suffix == ".py" else [Text(1, source)]
+    texts = [*python_texts(source)] if file.suffix == ".py" else [Text(1, source)]
+    if file.is_relative_to(ROOT / "tests") or file.name.startswith("test_"):
+        texts += name_texts(source)
     found: list[Hit] = []
     for line, text in texts:
         plain = prose(text)

@@ -59,7 +59,7 @@ f, h = sympy.Function("f"), sympy.Function("h")
         ("r**2*Subs(diff(h(r+M, y), y, 2), y, r*t)", h(r + M, r * t).diff(t, 2)),
     ],
 )
-def test_what_is_written_is_what_is_read(text, expected):
+def test_written_text_reads_back(text, expected):
     """Precedence, associativity, powers and names of functions follow mathematical notation."""
     assert parse_expression(text, NAMES) == expected
 
@@ -237,7 +237,7 @@ def test_an_error_points_at_the_part():
     assert shown[caret.index("^") : caret.rindex("^") + 1] == "thetta"
 
 
-def test_decimals_are_read_where_they_are_asked_for():
+def test_decimals_are_read_on_request():
     """With decimals=True, 0.1 is read as 1/10, never as a float; the limit on digits holds."""
     read = {
         "0.1*r": r / 10,

@@ -54,7 +54,7 @@ def close(one, two, tolerance=1e-45):
 
 
 @pytest.mark.parametrize("label", CONSTRUCTS)
-def test_written_form_has_the_value_of_what_was_read(label):
+def test_written_form_has_the_value_of_the_input(label):
     """element.sympy, evaluated by mpmath, equals the input, evaluated by mpmath."""
     expression = CONSTRUCTS[label]
     field = Field(sorted(expression.free_symbols, key=str), sample=POINT)

@@ -90,7 +90,7 @@ UNKNOWN = [
 
 
 @pytest.mark.parametrize("zero", UNKNOWN, ids=str)
-def test_what_no_relation_tells_is_undecided(zero):
+def test_unknown_relations_are_undecided(zero):
     """The zero test of an unknown relation is undecided, with an error probability of 1."""
     element = Field([x, y]).read(zero)
     assert element.is_zero is None

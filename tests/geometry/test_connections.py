@@ -35,7 +35,7 @@ def test_torsion_from_an_array():
     assert connection.metric_compatible
 
 
-def test_torsion_that_is_none():
+def test_invalid_torsion_is_refused():
     """Torsion that is not antisymmetric, has another shape or another frame is refused."""
     with pytest.raises(TensorIndexError, match="torsion: S_ab.c must be antisymmetric"):
         gt.from_torsion(POLAR, [[[1, 0], [0, 0]], [[0, 0], [0, 0]]])
@@ -93,7 +93,7 @@ def test_unknown_functions_with_a_signature():
 
 
 @pytest.mark.parametrize("signature", [5, "+x", (1, 2), (1,), [[1, 2], [3, 4]], (1, "1"), None])
-def test_signatures_that_are_none(signature):
+def test_invalid_signatures_are_refused(signature):
     """A number, a text, entries other than 1 and -1, or a wrong size is refused as signature."""
     makers = (
         lambda: gt.Frame([X, Y], [[1, 0], [0, 1]], signature=signature),

@@ -62,7 +62,7 @@ def test_parameters() -> None:
     assert levi_civita(frame).is_flat
 
 
-def test_singular_coframe_says_which_rows_depend() -> None:
+def test_singular_coframe_names_its_dependent_rows() -> None:
     """The error prints the linear relation between rows with its factors."""
     with pytest.raises(CoframeError, match=r"Row 2 equals .*row 0.*row 1"):
         Frame([x, y, z], [[1, x, 0], [0, 1, y], [1, x + 2, 2 * y]])
@@ -111,7 +111,7 @@ def test_volume_and_determinant() -> None:
     assert scaled.volume[()] == 2 * r
 
 
-def test_sample_point_lies_in_the_domain() -> None:
+def test_sample_point_is_in_the_domain() -> None:
     """The sample point satisfies assumptions and domain, and the frame is regular there."""
     mass = sp.Symbol("M", positive=True)
     h = sp.sqrt(1 - 2 * mass / r)

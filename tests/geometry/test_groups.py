@@ -41,7 +41,7 @@ ALGEBRAS = {
 
 
 @pytest.mark.parametrize("name", ALGEBRAS)
-def test_anholonomy_is_what_was_given(name: str) -> None:
+def test_anholonomy_equals_the_structure_constants(name: str) -> None:
     """The anholonomy is -C_ij^k exactly, also with parameters and irrational or complex roots."""
     table = ALGEBRAS[name]
     frame = Frame.from_structure_constants(table)

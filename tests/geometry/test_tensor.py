@@ -76,7 +76,7 @@ def test_lorentzian_frame_index() -> None:
     assert vector.lowered(0).nonzero() == {(0,): -2, (1,): 3}
 
 
-def test_coefficients_of_a_connection_are_no_tensor(frame: Frame) -> None:
+def test_connection_coefficients_have_no_frame_form(frame: Frame) -> None:
     """Connection coefficients have no frame form; the error names the spin connection."""
     with pytest.raises(TensorIndexError, match="spin_connection"):
         cartan(frame).coefficients.in_frame()
@@ -130,7 +130,7 @@ def test_contraction(frame: Frame) -> None:
     assert contract("abc,cd", torsion, frame.metric) == lower
 
 
-def test_contraction_computes_one_component_alone(frame: Frame) -> None:
+def test_contraction_computes_only_one_component(frame: Frame) -> None:
     """A contraction computes only the requested component."""
     lower = contract("abc,cd->abd", cartan(frame).torsion.T, frame.metric)
     assert lower[0, 1, 1] == r
@@ -263,7 +263,7 @@ def test_masked_points_are_not_known(frame: Frame) -> None:
 
 
 @pytest.mark.parametrize("digits", [None, 30])
-def test_values_against_what_was_declared(digits):
+def test_values_against_declarations(digits):
     """A value against the assumptions of M is refused; the error names the first of several."""
     M = sp.Symbol("M", positive=True)
     x, y = sp.symbols("x y", real=True)

@@ -52,7 +52,7 @@ def test_arrays_of_states(engine):
         assert many["x"][:, 0] == pytest.approx(np.cos(angles + end), abs=1e-9)
 
 
-def test_parameters_alone():
+def test_parameters_only():
     """Derived numbers are computed for each motion."""
     rates = {"a": "(I2 - I3)/I1*b*c", "b": "(I3 - I1)/I2*a*c", "c": "(I1 - I2)/I3*a*b"}
     body = ODE.of(rates, [1, 0.1, 2], parameters={"I1": 1, "I2": 2, "I3": 3})

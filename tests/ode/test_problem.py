@@ -32,7 +32,7 @@ def swing(**more):
     return ODE.of({"x": "v", "v": "-k*x"}, {"x": 1, "v": 0}, **options)
 
 
-def test_what_is_accepted():
+def test_forms_of_input_are_equal():
     """Text, sympy, exact elements and numbers are the same rates; starts by name or in order."""
     x, v, k = sp.symbols("x v k")
     element = Field([x, v, k]).read(-k * x)
@@ -200,7 +200,7 @@ def test_bad_numbers():
         solve(3, 1.0)  # type: ignore[call-overload]
 
 
-def test_values_against_what_was_declared():
+def test_values_against_declarations():
     """Values must meet the assumptions of symbols in rates, outputs and events."""
     k, x = sp.Symbol("k", positive=True), sp.Symbol("x")
     said = "k: expected a value that is positive, nonnegative, as declared, got {}"
@@ -283,7 +283,7 @@ def test_symbols_are_names():
         ),
     ],
 )
-def test_a_name_of_two_things_says_what_to_do(given, words):
+def test_a_name_of_two_things_names_the_remedy(given, words):
     """The message contains a remedy, and the remedy with time= works."""
     rates, start, *parameters = given
     with pytest.raises(ExpressionError, match=words):

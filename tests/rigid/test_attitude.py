@@ -107,7 +107,7 @@ def test_middle_angle_in_thirty_digits():
     assert abs(float(att.euler_from_quaternion(q)[1] - true)) < 1e-22
 
 
-def test_angles_go_on_without_jumps():
+def test_angles_continue_without_jumps():
     """A top spins ten turns: continuous angles count them, other angles do not."""
     spin = np.linspace(0, 20 * np.pi, 501)
     angles = np.stack([spin, 0.4 + 0 * spin, -0.5 * spin], -1)
@@ -162,7 +162,7 @@ def test_rotation_vectors():
     assert np.abs(half - [0, 0.6, 0, 0.8]).max() < 1e-15
 
 
-def test_rates_are_those_of_the_matrix():
+def test_rates_agree_with_the_matrix():
     """q' = q (0, Omega) / 2 in symbols gives R' = R [Omega]x and keeps the length."""
     q, omega = sp.symbols("q0:4"), sp.symbols("a b c")
     rates = att.quaternion_rates(q, omega)
