@@ -10,13 +10,13 @@ tests are sentences, so they count as well.
 
 from __future__ import annotations
 
-import ast
 import io
 import re
 import sys
 import tokenize
 from collections import Counter
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -65,11 +65,13 @@ PATTERNS: dict[str, tuple[str, str]] = {
     "that is none": (r"\b(?:that|which) (?:is|are) none\b", "invalid"),
 }
 _COMPILED = {name: re.compile(pattern) for name, (pattern, _) in PATTERNS.items()}
+_ANY = re.compile("|".join(pattern for pattern, _ in PATTERNS.values()))
 # Code within text: fenced blocks, doctests, inline code, formulas, fields of f-strings.
 _CODE = re.compile(
     r"^```.*?^```|^ *(?:>>>|\.\.\. ).*?$|`[^`\n]*`|\$[^$]*\$|\{[^{}\n]*\}", re.MULTILINE | re.DOTALL
 )
 _DOCTEST = re.compile(r"^ *>>>.*?(?=^\s*$|\Z)", re.MULTILINE | re.DOTALL)
+_FUNCTION = re.compile(r"^\s*(?:async )?def (\w+)", re.MULTILINE)
 _QUOTES = re.compile(r"^[A-Za-z]*(\"\"\"|'''|\"|')")
 
 
@@ -132,9 +134,8 @@ def name_texts(source: str) -> Iterator[Text]:
     >>> list(name_texts("def test_what_is_told(): ..."))
     [Text(line=1, text='test what is told')]
     """
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
-            yield Text(node.lineno, node.name.strip("_").replace("_", " "))
+    for found in _FUNCTION.finditer(source):
+        yield Text(source.count("\n", 0, found.start(1)) + 1, found[1].strip("_").replace("_", " "))
 
 
 def prose(text: str) -> str:
@@ -154,9 +155,12 @@ def hits_of(file: Path) -> list[Hit]:
     found: list[Hit] = []
     for line, text in texts:
         plain = prose(text)
+        # A phrase may continue on the next line.
+        row_of_words = plain.replace("\n", " ")
+        if not _ANY.search(row_of_words):
+            continue
         for name, pattern in _COMPILED.items():
-            # A phrase may continue on the next line.
-            for match in pattern.finditer(plain.replace("\n", " ")):
+            for match in pattern.finditer(row_of_words):
                 row = line + plain.count("\n", 0, match.start())
                 words = plain[max(match.start() - 50, 0) : match.end() + 50]
                 found.append(Hit(file, row, name, " ".join(words.split())))
@@ -180,6 +184,7 @@ def places() -> dict[str, list[Path]]:
     return found
 
 
+@cache
 def counts() -> dict[str, Counter[str]]:
     """Number of occurrences of each pattern in each place."""
     return {
