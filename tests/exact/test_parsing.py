@@ -256,12 +256,6 @@ def test_decimals_are_read_on_request():
             parse_expression(text, NAMES, decimals=True)
 
 
-def test_text_is_needed():
-    """A number instead of a text raises our own error, not a TypeError from deep inside."""
-    with pytest.raises(ExpressionError, match="text, got float"):
-        parse_expression(0.5, NAMES)  # pyright: ignore[reportArgumentType] - the mistake under test
-
-
 def _texts() -> st.SearchStrategy[str]:
     """Texts of nested expressions with all operators."""
     leaves = st.sampled_from(["r", "M", "theta", "2", "3/4", "f(r)", "pi"])

@@ -10,7 +10,6 @@ import sympy as sp
 from geomtorsion.errors import (
     CoordinateError,
     MissingValueError,
-    ShapeError,
     SingularPointError,
     TensorIndexError,
 )
@@ -211,16 +210,6 @@ def test_arrays_come_back(frame: Frame) -> None:
     assert tensor_from_array(frame, "ddu", torsion.to_sympy(), "T") == torsion
     assert tensor_from_array(frame, "d", np.array([0, 2]), "w").nonzero() == {(1,): 2}
     assert frame.determinant.to_sympy() == r
-
-
-def test_nested_lists_are_checked(frame: Frame) -> None:
-    """The error for a wrong shape names the place."""
-    with pytest.raises(ShapeError, match=r"v\[1\]"):
-        tensor_from_array(frame, "du", [[0, 1], [0]], "v")
-    with pytest.raises(ShapeError, match="single value"):
-        tensor_from_array(frame, "u", 3, "v")
-    with pytest.raises(TensorIndexError, match="slots"):
-        Tensor(frame, "dx", {})
 
 
 def test_notation(frame: Frame) -> None:

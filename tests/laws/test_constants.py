@@ -103,9 +103,7 @@ OTHERS = [
 ]
 
 
-@pytest.mark.parametrize(
-    "name", [*KINDS, *OTHERS]
-)
+@pytest.mark.parametrize("name", [*KINDS, *OTHERS])
 def test_a_motion_in_a_shipped_space(name: str, tmp_path: Path) -> None:
     """Every way to read the motion agrees with its samples."""
     problems, end = irrational_motions(name)

@@ -13,7 +13,6 @@ import pytest
 import sympy as sp
 
 from geomtorsion.errors import (
-    AccuracyError,
     CoordinateError,
     ExpressionError,
     FileFormatError,
@@ -253,21 +252,6 @@ def test_the_error_of_a_file_covers_its_doubles(tmp_path):
     assert saved.solution.error == solution.error
 
 
-def test_files_of_others(tmp_path):
-    """A file that is not a saved solution is refused."""
-    with pytest.raises(FileFormatError, match="not a solution saved"):
-        SavedSolution.load(tmp_path / "none.npz")
-    np.savez(tmp_path / "other.npz", a=np.zeros(3))
-    with pytest.raises(FileFormatError, match="not a solution saved"):
-        SavedSolution.load(tmp_path / "other.npz")
-    (tmp_path / "text.npz").write_text("no archive")
-    with pytest.raises(FileFormatError, match="not a solution saved"):
-        SavedSolution.load(tmp_path / "text.npz")
-    np.savez(tmp_path / "old.npz", metadata=np.array('{"format": 99}'))
-    with pytest.raises(FileFormatError, match="expected format .*, got 99"):
-        SavedSolution.load(tmp_path / "old.npz")
-
-
 def test_table():
     """A pandas table numbers the components of vectors."""
     pandas = pytest.importorskip("pandas")
@@ -326,16 +310,6 @@ def test_more_digits_than_doubles_have():
     with mpmath.workdps(34):
         found = mpmath.mpf(str(sol.states[-1, 0]))
         assert abs(found - mpmath.cos(6)) < mpmath.mpf(10) ** -25
-
-
-def test_unreachable_accuracy_is_refused():
-    """An engine that cannot reach the accuracy names the error that it reaches."""
-    with pytest.raises(AccuracyError, match="RungeKutta gets to"):
-        solve(swing(), 50.0, 1e-17, RungeKutta())
-    with pytest.raises(AccuracyError, match="positive"):
-        solve(swing(), 1.0, 0)
-    with pytest.raises(TimeError, match="expected different times"):
-        solve(swing(), [1.0, 1.0])
 
 
 def test_choice_of_engine():
