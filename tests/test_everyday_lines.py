@@ -297,7 +297,7 @@ def test_a_motion_goes_to_xarray() -> None:
     assert data.attrs["error"] == MOTION.error
 
 
-def test_without_xarray_a_line_says_what_to_install(monkeypatch) -> None:
+def test_without_xarray_a_line_names_the_remedy(monkeypatch) -> None:
     """`to_xarray` names the library that is missing."""
     monkeypatch.setitem(sys.modules, "xarray", None)
     with pytest.raises(MissingExtraError, match="to_xarray needs xarray"):

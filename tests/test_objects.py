@@ -74,7 +74,7 @@ MAKERS = {
 
 
 @pytest.mark.parametrize("name", MAKERS)
-def test_what_is_made_twice_is_equal(name: str) -> None:
+def test_values_made_twice_are_equal(name: str) -> None:
     """A value made again, copied or unpickled is equal and has the same hash."""
     value = MAKERS[name]()
     again = (

@@ -14,7 +14,7 @@ GROUPS = {"": Commands, "exercises": ExerciseCommands}
 COMMANDS = [(group, name) for group, commands in GROUPS.items() for name in commands.summaries]
 
 
-def test_version_is_that_of_the_package():
+def test_version_of_the_package_is_printed():
     """--version prints the name of the package."""
     assert run("--version").stdout.startswith("geomtorsion ")
 

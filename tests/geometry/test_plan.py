@@ -4,7 +4,7 @@ import networkx as nx
 import pytest
 import sympy as sp
 
-from geomtorsion.errors import ShapeError, UnknownNameError
+from geomtorsion.errors import ShapeError
 from geomtorsion.geometry import Frame, Tensor
 from geomtorsion.geometry.quantities import QUANTITIES
 
@@ -92,11 +92,3 @@ def test_writing() -> None:
     spent = plan.run()
     assert list(spent) == [step.name for step in plan.steps]
     assert all(seconds >= 0 for seconds in spent.values())
-
-
-def test_unknown_name() -> None:
-    """The error for an unknown name offers similar names."""
-    with pytest.raises(UnknownNameError, match="Did you mean ricci"):
-        schwarzschild().plan("ricii")
-    with pytest.raises(UnknownNameError, match="Known are"):
-        schwarzschild().quantity("entropy")

@@ -85,7 +85,7 @@ def test_shipped_spaces(name):
     assert compare(frame, point_of(frame), chosen, written=True) == []
 
 
-def test_nothing_is_left_out():
+def test_every_space_and_quantity_is_compared():
     """The comparison covers all spaces and every named quantity."""
     assert len(gt.spaces.names()) >= 30
     # Cotton's tensor takes third differences: tests/geometry/test_forms compares it.

@@ -218,7 +218,7 @@ def cut_off(page: Any) -> list[str]:
     )
 
 
-def test_the_font_is_small_and_says_what_it_is():
+def test_the_font_is_small_and_has_its_license():
     """The font file is below 150 kB, and its license is beside it."""
     folder = Path(formula.__file__).with_name("fonts")
     [font] = folder.glob("*.woff2")

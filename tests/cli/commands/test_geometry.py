@@ -35,7 +35,7 @@ def test_text_shows_only_what_does_not_vanish():
     assert len({line.index("=") for line in components}) == 1
 
 
-def test_text_says_what_symmetry_repeats():
+def test_text_omits_components_that_symmetry_repeats():
     """Only independent components are printed; --every prints the others also."""
     short, long = shown("so3", "--only", "torsion"), shown("so3", "--only", "torsion", "--every")
     assert short.count("\n  S_") == 5
@@ -130,7 +130,7 @@ def test_json_holds_the_components(name):
     assert data["coordinates"] == [symbol.name for symbol in frame.coordinates]
 
 
-def test_json_alone_stands_on_standard_output():
+def test_standard_output_has_only_json():
     """Standard output is exactly one JSON document."""
     assert json.loads(shown("so3", "--format", "json", "--only", "ricci"))["name"] == "so3"
 
@@ -175,7 +175,7 @@ def _number(expression, at, unknown):
     return sympy.N(expression.subs(at))
 
 
-def test_python_words_are_no_trouble(tmp_path):
+def test_python_keywords_become_arguments(tmp_path):
     """Coordinates called lambda and result become arguments of the emitted functions."""
     file = tmp_path / "words.toml"
     file.write_text(

@@ -80,7 +80,7 @@ def test_plaquettes_are_small_loops(wavy, order):
     assert np.log2(worst[11] / worst[21]) > order - 1.2
 
 
-def test_cells_sum_to_the_loop_round_them(wavy):
+def test_cells_sum_to_the_loop_around_them(wavy):
     """Neighbouring cells share edges, so a block of cells sums to the loop around the block."""
     grid = sampled(wavy, 15, 6)
     block = grid.plaquettes((0, 1)).vectors[:, 2:9, 3:12, 7].sum(axis=(1, 2))
@@ -320,7 +320,7 @@ def test_edges_of_a_grid_are_a_cochain(wavy):
     assert (np.abs(bianchi.values).max(axis=1) <= bianchi.errors).all()
 
 
-def test_samples_where_a_frame_was_asked_for(wavy):
+def test_samples_instead_of_a_frame(wavy):
     """`burgers_vector` and `Network` accept samples; `develop` names the function to use."""
     grid = sampled(wavy, 33, 6)
     loop = Loop.circle([0.1, 0.2, 0.3], 0.4)

@@ -141,7 +141,7 @@ def test_noise_is_the_sum_over_all_weights():
         pytest.param(4, 0.01, 200, marks=pytest.mark.slow),
     ],
 )
-def test_the_error_told_is_the_scatter(order, sigma, count):
+def test_the_reported_error_is_the_scatter(order, sigma, count):
     """Over many noisy fields the error is right within 20 percent, on loops and in maps."""
     rng = np.random.default_rng(5)
     keep = R < 0.8
@@ -350,7 +350,7 @@ FLAT = np.ones((1, 2, len(X)))
     ],
     ids=range(19),
 )
-def test_points_that_are_none(make, message):
+def test_invalid_points_are_refused(make, message):
     """Each wrong argument has its own message."""
     with pytest.raises(GeomtorsionError, match=message):
         make()
