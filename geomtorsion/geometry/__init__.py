@@ -1,4 +1,11 @@
-"""Geometry: symbols in, tensors out."""
+"""Geometry: symbols in, tensors out.
+
+Many files here import each other, because a tensor holds its frame, while a frame makes its own
+tensors and returns each quantity by name: forms, connections, curvature. `Frame`, `Tensor` and
+`Connection` are the interface; most of their methods are one call of a function in another file.
+The imports at the top of these files, which run, form no ring: connection is above frame, and frame
+above tensor. The other imports are for types, or within a method that needs a file above its own.
+"""
 
 from geomtorsion.geometry import connections, notation, validation
 from geomtorsion.geometry.brackets import Brackets
