@@ -1,6 +1,6 @@
 """Geometry: symbols in, tensors out."""
 
-from geomtorsion.geometry import connections, notation, validation
+from geomtorsion.geometry import connections, notation, quantities, validation
 from geomtorsion.geometry.brackets import Brackets
 from geomtorsion.geometry.components import antisymmetric, symmetric
 from geomtorsion.geometry.connection import Connection
@@ -26,7 +26,7 @@ from geomtorsion.geometry.identity import IdentityCheck, identities
 from geomtorsion.geometry.integrability import Integrability, ParallelVolume
 from geomtorsion.geometry.lie_algebra import LieAlgebra
 from geomtorsion.geometry.lie_derivative import lie, lie_bracket
-from geomtorsion.geometry.quantities import DependencyGraph
+from geomtorsion.geometry.plan import DependencyGraph
 from geomtorsion.geometry.surfaces import Surface, surface
 from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.geometry.torsion import Torsion
@@ -64,6 +64,7 @@ __all__ = [
     "lie",
     "lie_bracket",
     "notation",
+    "quantities",
     "surface",
     "symmetric",
     "validation",
