@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from itertools import permutations
 from typing import TYPE_CHECKING
 
@@ -101,7 +101,8 @@ class Space:
     Fields
     ------
     name, title
-        The key by which it is loaded, and a one-line title.
+        The key by which it is loaded, and a one-line title; shipped spaces have it from the
+        registry.
     story
         Two lines: what the space is used for, and what its torsion is like.
     source
@@ -131,9 +132,10 @@ class Space:
     """
 
     name: str
-    title: str
-    story: str
-    source: str
+    title: str = ""
+    story: str = ""
+    source: str = ""
+    _: KW_ONLY
     frame: Frame
     known: tuple[KnownAnswer, ...] = ()
     group: str = ""

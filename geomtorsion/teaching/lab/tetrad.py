@@ -266,7 +266,7 @@ def _read(
 def _cards(frame: Frame, show: Sequence[str]) -> str:
     """All requested quantities, by section."""
     # Sections take a space; a typed frame becomes a space without story or source.
-    space = Space("your tetrad", "your tetrad", "", "", frame)
+    space = Space("your tetrad", "your tetrad", frame=frame)
     chosen = chosen_quantities(space, [name for name in OFFERED if name in show] or USUAL)
     parts = []
     for heading in SECTIONS:
