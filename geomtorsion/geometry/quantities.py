@@ -300,11 +300,8 @@ def entry(name: str) -> Entry:
     if text in QUANTITIES:
         return QUANTITIES[text]
     near = close_names(text.lower().replace("-", "_"), QUANTITIES, 3, 0.5)
-    hint = f"Did you mean {' or '.join(near)}? " if near else ""
-    raise UnknownNameError(
-        f"expected the name of a quantity, got {shown(name)}. {hint}There are: "
-        f"{', '.join(QUANTITIES)}."
-    )
+    hint = f"Did you mean {' or '.join(near)}?" if near else f"There are: {', '.join(QUANTITIES)}."
+    raise UnknownNameError(f"expected the name of a quantity, got {shown(name)}. {hint}")
 
 
 def entries(names: Iterable[str] = ()) -> tuple[Entry, ...]:

@@ -85,7 +85,7 @@ def test_a_report_shows_what_the_table_reports(tmp_path):
     ],
 )
 def test_refusals(call, words):
-    """A name that is no quantity, or one of a connection that is not there."""
+    """Unknown names are refused, and quantities of a connection where there is none."""
     with pytest.raises(UnknownNameError, match=words):
         call()
 

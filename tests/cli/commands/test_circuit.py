@@ -83,7 +83,7 @@ def test_loops_of_a_file(tmp_path) -> None:
     ("arguments", "given", "words"),
     [
         ((), "", "expected a circuit, got none. Use --loop"),
-        (("--loop", "round 1"), "", "--loop: expected one of circle, ellipse"),
+        (("--loop", "disc 1"), "", "--loop: expected one of circle, ellipse"),
         (("--loop", "circle 1,1"), "", "--loop circle 1,1: expected CENTRE:RADIUS"),
         (
             ("--loops", "-"),
