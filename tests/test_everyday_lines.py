@@ -224,6 +224,11 @@ SLIPS = [
     (lambda: gt.solve(CURVE, 1, method="RK45"), ArgumentError, r"mean engine=RungeKutta\(\)\?"),
     (lambda: gt.solve(CURVE, 1, acuracy=1e-3), ArgumentError, r"Did you mean accuracy\?"),
     (lambda: gt.geodesic(POLAR, [1, 0], velocty=[1, 0]), ArgumentError, r"mean velocity\?"),
+    (
+        lambda: gt.burgers_vector(SO3, LOOP, exact=True),
+        ArgumentError,
+        r"mean exact_burgers_vector\(frame, loop\)",
+    ),
     (lambda: gt.burgers_vector(SO3, LOOP, tol=1e-8), ArgumentError, "mean accuracy=1e-8"),
     (lambda: gt.develop("so3", LOOP, conection=1), ArgumentError, r"mean connection\?"),
 ]
