@@ -176,9 +176,9 @@ def test_bad_numbers():
         ODE.of({"x": 0, "y": 0}, {"x": 1})
     with pytest.raises(UnknownNameError, match="expected a state, got z"):
         ODE.of({"x": 0}, {"x": 1, "z": 2})
-    with pytest.raises(StartError, match="start of x = nan is not finite"):
+    with pytest.raises(StartError, match="start of x: expected a finite number, got nan"):
         ODE.of({"x": 0}, [float("nan")])
-    with pytest.raises(StartError, match=r"k = \[1\] is not a number"):
+    with pytest.raises(StartError, match=r"k: expected a number, got \[1\]"):
         swing(parameters={"k": [1]})
     with pytest.raises(UnknownNameError, match="expected a parameter, got kk. Did you mean k"):
         swing().with_start(parameters={"kk": 1})

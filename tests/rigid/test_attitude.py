@@ -182,7 +182,7 @@ def test_bad_attitudes():
         StartError, match="expected length 1, got 2. Divide by it: \\(1, 0, 0, 0\\)"
     ):
         att.checked_quaternion([2, 0, 0, 0])
-    with pytest.raises(StartError, match="expected finite numbers"):
+    with pytest.raises(StartError, match="nan is not finite. Give finite numbers"):
         att.checked_quaternion([np.nan, 0, 0, 0])
     with pytest.raises(StartError, match="reflection"):
         att.checked_matrix(-np.eye(3))
