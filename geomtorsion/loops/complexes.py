@@ -378,7 +378,7 @@ def _parity(order: np.ndarray) -> np.ndarray:
     return sign
 
 
-def _grid(kind: type[Complex], sizes: tuple[int, ...], around: list[bool]) -> Complex:
+def _grid(kind: type[Complex], sizes: tuple[int, ...], around: Sequence[bool]) -> Complex:
     """The complex of a grid; see Complex.grid."""
     number = np.arange(int(np.prod(sizes))).reshape(sizes)
     axes = range(len(sizes))

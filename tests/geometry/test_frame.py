@@ -78,9 +78,11 @@ def test_wrong_shapes() -> None:
         Frame([x, y], [[1, 0], [1]])
     with pytest.raises(CoframeError, match="not square"):
         Frame([x, y], [1, 2])
-    with pytest.raises(ShapeError, match="coordinates: expected 2, .* got 1"):
+    with pytest.raises(ShapeError, match="coordinates: expected one for each of 2 .*, got 1"):
         Frame([x], [[1, 0], [0, 1]])
-    with pytest.raises(SignatureError, match="signature: expected 2 entries, .* got 3"):
+    with pytest.raises(
+        SignatureError, match="signature: expected one for each of 2 rows .*, got 3"
+    ):
         Frame([x, y], [[1, 0], [0, 1]], signature=(1, 1, 1))
     with pytest.raises(SignatureError, match="degenerate"):
         Frame([x, y], [[1, 0], [0, 1]], signature=[[1, 1], [1, 1]])

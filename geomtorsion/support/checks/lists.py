@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Set, Sized
+from collections.abc import Iterable, Mapping, Sequence, Set, Sized
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from geomtorsion.errors import ArgumentError, GeomtorsionError, LimitError
 from geomtorsion.support.checks.names import ErrorClass, refuse, sentence, shown
-from geomtorsion.support.checks.values import exact_number, plain, real
+from geomtorsion.support.checks.values import exact_number, plain, real, whole
 
 if TYPE_CHECKING:
     import numpy as np
@@ -94,6 +94,27 @@ def numbers(
             refuse(wrong, subject, expected, values, remedy)
         raise wrong(sentence(subject, f"{wanted} numbers", len(listed), remedy))
     return tuple(exact_number(value, f"{subject}[{k}]", error) for k, value in enumerate(listed))
+
+
+def indices(
+    values: Sequence[object], length: int, size: int, subject: str, error: ErrorClass
+) -> tuple[int, ...]:
+    """So many whole numbers from 0 to below a size, such as the indices of a component.
+
+    Examples
+    --------
+    >>> from geomtorsion.errors import TensorIndexError
+    >>> indices([0, 4], 2, 3, "g", TensorIndexError)
+    Traceback (most recent call last):
+    geomtorsion.errors.TensorIndexError: g: expected 2 whole numbers from 0 to 2, got [0, 4]. Give \
+one for each index.
+    """
+    given = [k if type(k) is int else whole(k) for k in values]
+    places = tuple([k for k in given if k is not None and 0 <= k < size])
+    if not len(places) == len(given) == length:
+        wanted = f"{length} whole numbers from 0 to {size - 1}"
+        refuse(error, subject, wanted, list(values), "Give one for each index.")
+    return places
 
 
 def flags(
