@@ -207,7 +207,7 @@ SLIPS = [
     (
         lambda: gt.burgers_vectors(SO3, [PLACE], 0.1, plane=("phi1", "phi4")),
         LoopError,
-        "'phi4' is not known. Did you mean phi",
+        "got 'phi4'. Did you mean phi",
     ),
     (lambda: gt.autoparralel, AttributeError, r"Did you mean autoparallel\?"),
     (lambda: POLAR.torsion, AttributeError, r"mean gt.cartan\(frame\).torsion\?"),

@@ -61,7 +61,6 @@ NEIGHBOURS: dict[tuple[str, str], str] = {}
 # A longer file holds more than one idea, unless a reason is given here.
 LONG: dict[str, str] = {
     "ode/problem.py": "what a solver asks of equations, in one place; a quarter is documentation",
-    "support/checks.py": "all validators side by side, so that nobody writes another",
     "support/files.py": "all that is read from text files, and one way to write a whole file",
     # Each of these replaces several files that were always read together.
     "codegen/reading.py": "all that is read: elements, their products, expressions",
