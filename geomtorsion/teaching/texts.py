@@ -335,8 +335,8 @@ def _compare(
                 file.fail(path, f"{what}: {_differing(used, allowed)}")
     for key in english:
         if key not in own:
-            what = f"{heading}.{key}".strip(".")
-            file.fail(above, f"expected the text {what}, got none. Translate it from English.")
+            path, what = (*above, *key.split(".")), f"{heading}.{key}".strip(".")
+            file.fail(path, f"expected the text {what}, got none. Translate it from English.")
 
 
 def _differing(used: set[str], allowed: set[str]) -> str:

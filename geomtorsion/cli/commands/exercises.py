@@ -8,6 +8,7 @@ import typer
 
 from geomtorsion.cli.lazy import SETTINGS, LazyGroup
 from geomtorsion.cli.options import Language
+from geomtorsion.errors import ArgumentError
 from geomtorsion.teaching.exercises.registry import EXERCISES, chapters, titles
 from geomtorsion.teaching.texts import ENGLISH
 
@@ -53,6 +54,11 @@ def overview(context: typer.Context, language: Language = ENGLISH) -> None:
       geomtorsion exercises grade answers -o marks.csv
     """
     if context.invoked_subcommand is not None:
+        if language != ENGLISH:
+            raise ArgumentError(
+                f"--language: expected it behind the command, got it before it. Write `geomtorsion "
+                f"exercises {context.invoked_subcommand} ... --language {language}`."
+            )
         return
     named = titles(language)
     for chapter, title in chapters(language).items():

@@ -148,6 +148,7 @@ def write_sheet(
     UnknownNameError
         There is no such chapter or language.
     """
+    language = language_name(language)
     titles = chapters(language)
     if not isinstance(chapter, str) or chapter not in titles:
         known = ", ".join(f"{number} ({name})" for number, name in titles.items())

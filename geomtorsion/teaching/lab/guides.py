@@ -16,7 +16,8 @@ class Guide:
     """Sentences for one tab.
 
     seen: the displayed objects. tried: the first action to try. question, answer: a prediction to
-    make before the answer is opened. words: term -> its meaning, with formulas in LaTeX.
+    make before the answer is opened. words: term -> its meaning, with formulas in LaTeX. note: that
+    the sentences are English, if they are not translated.
     """
 
     seen: str
@@ -24,6 +25,7 @@ class Guide:
     question: str = ""
     answer: str = ""
     words: Mapping[str, str] = field(default_factory=dict)
+    note: str = ""
 
 
 @dataclass(frozen=True)
@@ -103,4 +105,5 @@ def _guide(text: Texts, start: str = "") -> Guide:
 
     asked = ("question", "answer") if "question" in text else ()
     words = text.pairs("words") if "words" in text else {}
-    return Guide(sentence("seen"), sentence("tried"), *map(sentence, asked), words=words)
+    note = "" if text.translated else text.of("notes", "sheets")("page")
+    return Guide(sentence("seen"), sentence("tried"), *map(sentence, asked), words=words, note=note)

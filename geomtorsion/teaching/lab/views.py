@@ -67,7 +67,8 @@ def _guide(guide: Guide, language: str) -> str:
         f"<p>{escape(guide.answer)}</p></details>"
     )
     tried = f'<p class="guide"><strong>{escape(text("try"))}</strong> {escape(guide.tried)}</p>'
-    return f'<p class="guide">{escape(guide.seen)}</p>{asked * bool(guide.question)}{tried}'
+    note = f'<p class="note">{escape(guide.note)}</p>' * bool(guide.note)
+    return f'{note}<p class="guide">{escape(guide.seen)}</p>{asked * bool(guide.question)}{tried}'
 
 
 def words(name: str, language: str = ENGLISH) -> str:
