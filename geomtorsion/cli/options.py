@@ -100,6 +100,14 @@ BasisOption = Annotated[
 ]
 
 
+Language = Annotated[
+    str,
+    option(
+        metavar="NAME|DIR", text="Language of the texts: en, de, or a folder of translated files."
+    ),
+]
+
+
 # -- sources of a command -------------------------------------------------------------------------
 
 SpaceOrFile = Annotated[
