@@ -29,11 +29,11 @@ class Shot(NamedTuple):
 
 
 class Target(Protocol):
-    """What is to be hit."""
+    """A target of shots."""
 
     @property
     def rounding(self) -> float:
-        """Size of a miss that is rounding alone."""
+        """Size of a miss by rounding."""
         ...
 
 
@@ -55,7 +55,7 @@ class Shooter(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Hit:
-    """A motion that hits: its shot, the target, d v / d gap as last computed, and Newton's shots."""
+    """A motion that hits: its shot, the target, d v / d gap as last computed, Newton's shots."""
 
     shot: Shot
     aim: Target
