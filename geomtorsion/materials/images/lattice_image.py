@@ -62,10 +62,13 @@ class LatticeImage:
                 "mean, .filled(array.mean()): a region without lattice counts as a hole."
             )
         values = checks.array(
-            self.values, "image", ImageError, shape=(None, None),
-            message="{subject}: expected an array of grey values, got {value}. Give one channel, "
-            "colour[..., 0], or the mean of the channels.",
-        )  # fmt: skip
+            self.values,
+            "image",
+            ImageError,
+            shape=(None, None),
+            expected="an array of grey values",
+            remedy="Give one channel, colour[..., 0], or the mean of the channels.",
+        )
         if min(values.shape) < self.least:
             raise ImageError(
                 f"image: expected {self.least} rows and columns or more, got {values.shape}. Give "
