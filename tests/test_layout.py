@@ -73,7 +73,6 @@ LONG: dict[str, str] = {
     "exact/roots.py": "all of roots: added, found in the field, cleared from denominators",
     "exact/tower.py": "the arithmetic of a field: generators, sums, denominators, factors",
     "geometry/connection.py": "all that a connection can be asked; half is documentation",
-    "geometry/validation.py": "the input of a frame, checked once, and points in its domain",
     "loops/exact_integral.py": "line integrals in closed form: kinds of integrands, side by side",
     "geometry/forms.py": "the exterior calculus: a form, its algebra and its derivatives",
     "geometry/frame.py": "all that a frame can be asked; two thirds are documentation",
