@@ -49,14 +49,14 @@ def test_loops_outside_are_refused(name: str) -> None:
         gt.develop(CONNECTION, loop)
     if name in ("circle", "polygon", "parametrised"):
         with pytest.raises(ChartEdgeError, match=WORDS):
-            gt.burgers_vector(POLAR, loop, exact=True)
+            gt.exact_burgers_vector(POLAR, loop)
 
 
 def test_no_circle_about_the_edge_has_a_closed_form() -> None:
     """A circle of any radius about r = 0 is refused; one of a fixed radius inside is not."""
     with pytest.raises(ChartEdgeError, match=WORDS):
-        gt.burgers_vector(POLAR, gt.Loop.circle([0, 0], R), exact=True)
-    inside = gt.burgers_vector(POLAR, gt.Loop.circle([3, 0], 1), exact=True)
+        gt.exact_burgers_vector(POLAR, gt.Loop.circle([0, 0], R))
+    inside = gt.exact_burgers_vector(POLAR, gt.Loop.circle([3, 0], 1))
     assert [float(v) for v in inside.vector] == pytest.approx([0, np.pi])
 
 
