@@ -46,11 +46,11 @@ def main(arguments: list[str] | None = None) -> None:
         print("accuracy  equations  true error  effects")
         for accuracy in options.accuracies:
             budget = scene.called_for(accuracy)
-            error = total_error(scene, budget.scene, accuracy)
+            error = total_error(scene, budget.chosen, accuracy)
             assert error <= accuracy
             assert budget.error <= accuracy
             names = ", ".join(budget.effects) or "none"
-            print(f"{accuracy:>8.0e}  {budget.scene.ode.size:>9}  {error:>10.1e}  {names}")
+            print(f"{accuracy:>8.0e}  {budget.chosen.ode.size:>9}  {error:>10.1e}  {names}")
         print()
     if options.picture:
         flight.called_for(options.accuracies[0]).plot(options.picture)

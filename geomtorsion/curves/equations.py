@@ -16,6 +16,7 @@ from geomtorsion.codegen import Graph, Products, graph
 from geomtorsion.curves.atlas import Chart
 from geomtorsion.errors import ChartEdgeError, StartError
 from geomtorsion.exact.form import of_same_sign
+from geomtorsion.geometry import from_nonmetricity, from_torsion
 from geomtorsion.geometry.components import inverse
 from geomtorsion.ode.rates import SMALL
 from geomtorsion.ode.system import System
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
     from geomtorsion.geometry import Connection, Frame
 
 Number = TypeVar("Number")
+TORSION = "torsion force, by which an autoparallel differs from a geodesic"
+NONMETRICITY = "nonmetricity, which changes the length of the velocity"
 
 
 @dataclass(frozen=True)
@@ -41,14 +44,21 @@ class Law(Protocol):
     """A law of motion for the frame velocities u^i.
 
     needs_frame: whether the law is about this very frame field, not only its metric.
+    needs_chart: whether it names the coordinates of one chart, as a force does.
     is_quadratic: whether all rates are quadratic in the velocities, so that a motion from twice the
         velocity is the same path in half the time.
     text: its equation, in one line.
+    effects: key -> description of what can be omitted from it.
     """
 
     @property
     def needs_frame(self) -> bool:
         """Whether another frame of the same metric would have another law."""
+        ...
+
+    @property
+    def needs_chart(self) -> bool:
+        """Whether it names the coordinates of one chart."""
         ...
 
     @property
@@ -59,6 +69,15 @@ class Law(Protocol):
     @property
     def text(self) -> str:
         """The equation in one line."""
+        ...
+
+    @property
+    def effects(self) -> Mapping[str, str]:
+        """Key -> description of what can be omitted."""
+        ...
+
+    def without(self, effects: frozenset[str]) -> Law:
+        """The law without some of its effects."""
         ...
 
     def rates(self, frame: Frame, names: Sequence[str]) -> Rates | None:
@@ -75,7 +94,17 @@ class CartanAutoparallel:
     """Autoparallels of the Cartan connection: all frame velocities are constant."""
 
     needs_frame = is_quadratic = True
+    needs_chart = False
     text = "u'^k = 0"
+
+    @property
+    def effects(self) -> Mapping[str, str]:
+        """The torsion."""
+        return {"torsion": TORSION}
+
+    def without(self, effects: frozenset[str]) -> Law:
+        """Geodesics, if the torsion is omitted."""
+        return Geodesic() if "torsion" in effects else self
 
     def rates(self, frame: Frame, names: Sequence[str]) -> Rates | None:
         """None: constant."""
@@ -93,7 +122,26 @@ class Autoparallel:
     connection: Connection
 
     needs_frame = is_quadratic = True
+    needs_chart = False
     text = "u'^k = -omega_ij^k u^i u^j"
+
+    @property
+    def effects(self) -> Mapping[str, str]:
+        """Torsion and nonmetricity, as far as they do not vanish."""
+        effects = {} if self.connection.torsion.S.is_zero else {"torsion": TORSION}
+        metric = self.connection.kind != "general" or self.connection.metric_compatible is True
+        return effects if metric else {**effects, "nonmetricity": NONMETRICITY}
+
+    def without(self, effects: frozenset[str]) -> Law:
+        """The law of the connection with only one of both, or geodesics."""
+        rest, frame = {*self.effects} - effects, self.connection.frame
+        if not rest:
+            return Geodesic()
+        if not effects:
+            return self
+        if "torsion" in rest:
+            return Autoparallel(from_torsion(frame, self.connection.torsion))
+        return Autoparallel(from_nonmetricity(frame, self.connection.nonmetricity))
 
     def rates(self, frame: Frame, names: Sequence[str]) -> Rates | None:
         """Symmetrised: each product u^i u^j occurs once."""
@@ -121,7 +169,17 @@ class Geodesic:
     metric: tuple[tuple[Fraction | sp.Expr, ...], ...] | None = None
 
     is_quadratic = True
+    needs_chart = False
     text = "G_kl u'^l = C_kj^i u^j G_im u^m"
+
+    @property
+    def effects(self) -> Mapping[str, str]:
+        """Nothing can be omitted."""
+        return {}
+
+    def without(self, effects: frozenset[str]) -> Law:
+        """The law itself."""
+        return self
 
     @property
     def needs_frame(self) -> bool:

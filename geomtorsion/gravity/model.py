@@ -68,11 +68,12 @@ class Model:
             as for `gravity.solve`.
         """
         return solve(
-            self.reduce(variable),
+            self.equations,
             variable,
             last,
             self.start,
             self.parameters,
+            conditions=self.conditions,
             near=self.near,
             origin=self.origin,
             outputs=self.outputs,
