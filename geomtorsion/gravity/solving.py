@@ -77,7 +77,6 @@ def solve(
     >>> round(float(solution["a"][-1]), 9)
     2.718281828
     """
-    place: object = 0
     if isinstance(equations, Reduction):
         checks.known_name(variable, [equations.variable], "variable", GravityError)
         place, full = equations.begin(start, parameters, near=near, origin=origin)

@@ -95,14 +95,16 @@ class MotionEffects:
     def idle(self, keys: frozenset[str]) -> str:
         """The equations of all that the watched quantities need may be the same without them."""
         part, whole = self._needed(keys), self._needed(frozenset())
-        same = isinstance(part, ODE) and (part, part.outputs) == (whole, whole.outputs)
+        same = isinstance(part, ODE) and part == whole
         return "exactly: no watched quantity depends on it" if same else ""
 
     def needed(self, keys: frozenset[str]) -> str:
         """A watched quantity may exist only with them, as the density of a fluid."""
-        part = self.without(keys, self.accuracy)
-        names = {*part.states, *part.outputs} if isinstance(part, ODE) else {*self.watch}
-        missing = [name for name in self.watch if name not in names]
+        part, whole = self.without(keys, self.accuracy), self.problem
+        if not (isinstance(part, ODE) and isinstance(whole, ODE)):
+            return ""
+        lost = {*whole.states, *whole.outputs} - {*part.states, *part.outputs}
+        missing = [name for name in self.watch if name in lost]
         return f"without it there is no {missing[0]}" if missing else ""
 
     def growth(self, engine: Engine | None) -> Sensitivity | None:

@@ -450,7 +450,7 @@ class Scene:
                 f"effects: expected {CALLED_FOR!r}, got {checks.shown(chosen)}. For other effects "
                 "use dataclasses.replace(scene, effects=[...])."
             )
-        return called_for(changed).scene
+        return called_for(changed).chosen
 
     def _repr_html_(self) -> str:
         return f"<div><b>{html_text(str(self))}</b>{self.selection._repr_html_()}</div>"

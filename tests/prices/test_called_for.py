@@ -2,6 +2,7 @@
 
 # The tests pass bad input.
 # pyright: reportArgumentType=false, reportOptionalMemberAccess=false
+# pyright: reportAttributeAccessIssue=false
 
 import json
 import math
@@ -148,7 +149,7 @@ def test_a_force_stays_where_another_is_omitted():
     assert alone.drift["energy"] < 1e-9
 
 
-# -- bodies with spin -------------------------------------------------------------------------------
+# -- bodies with spin -----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -186,7 +187,7 @@ def test_without_all_its_effects_a_spin_follows_a_geodesic():
 
 
 def test_torsion_acts_on_the_intrinsic_spin_only():
-    """An intrinsic spin has torsion for an effect; without it its equations are the orbital ones."""
+    """Torsion is an effect of an intrinsic spin; without it the equations are the orbital ones."""
     start, velocity, spin = [0.3, 1.0, 0.2], [0.2, 0.1, 0.3], [[0, 1, 0], [-1, 0, 0], [0, 0, 0]]
     body = gt.spinning("so3", start, velocity, spin)
     assert list(body.effects) == ["spin_force", "hidden_momentum", "torsion"]
@@ -197,7 +198,7 @@ def test_torsion_acts_on_the_intrinsic_spin_only():
     assert float(moved.without("torsion").start[3]) == 2
 
 
-# -- theories ---------------------------------------------------------------------------------------
+# -- theories -------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -264,7 +265,7 @@ def test_a_field_without_terms_is_no_part_of_a_theory():
     assert ode.without("-X/2", "-phi**2/100").states == ("a",)
 
 
-# -- all of them ------------------------------------------------------------------------------------
+# -- all of them ----------------------------------------------------------------------------------
 
 
 def test_a_scene_is_chosen_by_the_same_function():
