@@ -14,11 +14,11 @@ import sympy as sp
 
 from geomtorsion.codegen import Graph, Products, graph
 from geomtorsion.curves.atlas import Chart
+from geomtorsion.curves.kinetic import fractions_of, weighted
 from geomtorsion.errors import ChartEdgeError, StartError
 from geomtorsion.exact.form import of_same_sign
 from geomtorsion.geometry import from_nonmetricity, from_torsion
 from geomtorsion.geometry.components import inverse
-from geomtorsion.ode.rates import SMALL
 from geomtorsion.ode.system import System
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.copies import only_fields
@@ -189,9 +189,9 @@ class Geodesic:
     def rates(self, frame: Frame, names: Sequence[str]) -> Rates | None:
         """u'^l = G^lk C_kj^i G_im u^j u^m, each product of velocities once."""
         twist = frame.anholonomy.components.nonzero
-        fractions = _fractions(self.metric)
+        fractions = () if self.metric is None else fractions_of(self.metric)
         if fractions:
-            return self._weighted(frame, fractions, twist, names)
+            return Rates(*weighted(frame, fractions, twist, names))
         up, down = frame.inverse_eta.components.rows, frame.eta.components.rows
         if self.metric is not None:
             n, down = frame.dimension, _lowered(frame, self.metric)
@@ -205,45 +205,6 @@ class Geodesic:
                     place = (row, min(j, m), max(j, m))
                     collected.setdefault(place, []).append((1, first, value, second))
         return Rates(_products(frame, collected, names))
-
-    def _weighted(
-        self,
-        frame: Frame,
-        metric: Sequence[Sequence[Fraction]],
-        twist: Mapping,
-        names: Sequence[str],
-    ) -> Rates:
-        """The same with fractions for G: equal coefficients are added up exactly."""
-        raised, n = inverted(metric), frame.dimension
-        table: dict[tuple[int, int, int], dict[Element, Fraction]] = {}
-        for (k, j, i), value in twist.items():
-            if value.is_rational:
-                number, element = value.as_fraction(), frame.field.one
-            else:
-                number, element = Fraction(1), value
-            for row in range(n):
-                for m in range(n):
-                    weight = raised[row][k] * number * metric[i][m]
-                    if weight:
-                        group = table.setdefault((row, min(j, m), max(j, m)), {})
-                        if -element in group:
-                            group[-element] -= weight
-                        else:
-                            group[element] = group.get(element, Fraction(0)) + weight
-        constants: dict[Fraction, str] = {}
-        rates: list[list[Any]] = [[] for _ in range(n)]
-        for (row, j, m), group in sorted(table.items(), key=lambda item: item[0]):
-            for element, weight in group.items():
-                pair = (names[j], names[m])
-                if not weight:
-                    continue
-                if _is_short(weight):
-                    rates[row].append((element * weight, pair))
-                else:
-                    name = constants.setdefault(weight, f"{names[0][0]}_weight{len(constants)}")
-                    rates[row].append((element, (name, *pair)))
-        named = {name: value for value, name in constants.items()}
-        return Rates(tuple(map(tuple, rates)), named)
 
     def invariants(self, frame: Frame, names: Sequence[str]) -> dict[str, Products]:
         """Energy, momenta of coordinates that do not occur, and the size of the momentum."""
@@ -262,17 +223,6 @@ class Geodesic:
                     terms += [(one * two, (names[i], names[j])) for j, two in row]
             invariants["angular momentum squared"] = tuple(terms)
         return invariants
-
-
-def _fractions(metric: Sequence[Sequence[Fraction | sp.Expr]] | None) -> list[list[Fraction]]:
-    """The entries of a metric if all are fractions; otherwise an empty list."""
-    rows = [[x for x in row if isinstance(x, Fraction)] for row in metric or ()]
-    return rows if all(len(row) == len(rows) for row in rows) else []
-
-
-def _is_short(weight: Fraction) -> bool:
-    """Whether a weight is compiled in."""
-    return max(abs(weight.numerator), weight.denominator) <= SMALL
 
 
 def _cyclic(frame: Frame) -> tuple[int, ...]:
@@ -324,24 +274,6 @@ def _is_bi_invariant(frame: Frame) -> bool:
         if opposite is None or value != -opposite:
             return False
     return True
-
-
-def inverted(matrix: Sequence[Sequence[Fraction]]) -> list[list[Fraction]]:
-    """Inverse of a matrix of fractions (Gauss and Jordan)."""
-    n = len(matrix)
-    rows = [[*row, *(Fraction(int(i == j)) for j in range(n))] for i, row in enumerate(matrix)]
-    for c in range(n):
-        pivot = next((r for r in range(c, n) if rows[r][c]), None)
-        if pivot is None:
-            raise ZeroDivisionError("singular matrix")
-        rows[c], rows[pivot] = rows[pivot], rows[c]
-        scale = rows[c][c]
-        rows[c] = [x / scale for x in rows[c]]
-        for r in range(n):
-            if r != c and rows[r][c]:
-                factor = rows[r][c]
-                rows[r] = [x - factor * y for x, y in zip(rows[r], rows[c], strict=True)]
-    return [row[n:] for row in rows]
 
 
 @dataclass(frozen=True, eq=False)
