@@ -82,7 +82,7 @@ def main(arguments: list[str] | None = None) -> None:
         sizes = [np.abs(solution[name]).max() for name in budget.watch]
         gaps = [np.abs(budget.result[name] - solution[name]).max() for name in budget.watch]
         assert max(np.divide(gaps, sizes)) <= budget.error <= 1e-3
-    # Known: dust and a cosmological constant alone expand as sinh(phase)^(2/3).
+    # Known: with dust and a cosmological constant only, a grows as sinh(phase)^(2/3).
     phase = np.arcsinh(np.sqrt(1 / 2)) + np.sqrt(3) / 2
     assert abs(budget.result["a"][-1] - (2 * np.sinh(phase) ** 2) ** (1 / 3)) < 1e-4
 

@@ -119,11 +119,11 @@ class Composition:
         Raises
         ------
         GravityError, StartError
-            the rest determines the functions no more, starts elsewhere, or the ODE has other
-            numbers than those of its theory.
+            the rest does not determine the functions, starts elsewhere, or numbers of the ODE were
+            changed.
         """
         own = self.ode
-        if (ode.rates, ode.start, ode.parameters) != (own.rates, own.start, own.parameters):
+        if ode != own:
             raise StartError(
                 "expected equations with the numbers of gravity.solve, got changed ones. Solve "
                 "the theory with these numbers first."
@@ -152,12 +152,12 @@ class Composition:
         return other.ode
 
     def _part(self, effects: frozenset[str]) -> Composition:
-        """The theory without some effects, with the numbers of its start that it has room for."""
+        """The theory without some effects, with as many numbers of its start as it needs."""
         equations = self.equations
         expression = sp.Add(*(x for name, x in self.terms.items() if name not in effects))
         omitted = [one for name, one in self.sources.items() if name in effects]
         used = {symbol.name for symbol in expression.free_symbols}
-        # A field that no term of the Lagrangian names is no part of the theory.
+        # A field without a term in the Lagrangian does not belong to the theory.
         matter = [
             one
             for one, field in zip(equations.matter, numbered(equations.matter), strict=True)

@@ -1,4 +1,4 @@
-"""ODE: first-order equations with a start, events, outputs and invariants."""
+"""ODE: first-order equations with a start, events, outputs and invariants, and their maker."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any
+from typing import Any, Protocol
 
 import mpmath
 import numpy as np
@@ -18,7 +18,6 @@ from geomtorsion.errors import ExpressionError, StartError, StuckError, UnknownN
 from geomtorsion.ode import constructor
 from geomtorsion.ode.derivatives import Motion, term_slopes
 from geomtorsion.ode.engines import Taylor
-from geomtorsion.ode.maker import Maker
 from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment, Term
 from geomtorsion.ode.numbers import Numbers, Real, floats, mpf, perturbed
@@ -34,6 +33,37 @@ from geomtorsion.support.copies import content_hash, equal_content, only_fields
 from geomtorsion.support.displays import drawn_by, latex_of
 from geomtorsion.support.hints import attribute_hints
 from geomtorsion.support.precision import working_precision
+
+
+class Maker(Protocol):
+    """Source of equations that contain effects, such as the force on a spin.
+
+    title: its name. effects: key -> description of each effect that can be omitted.
+    watch: names of the states and outputs of first interest.
+    """
+
+    @property
+    def title(self) -> str:
+        """Its name."""
+        ...
+
+    @property
+    def effects(self) -> Mapping[str, str]:
+        """Key -> description of each effect that can be omitted."""
+        ...
+
+    @property
+    def watch(self) -> tuple[str, ...]:
+        """Names of the states and outputs of first interest."""
+        ...
+
+    def without(self, ode: ODE, effects: frozenset[str]) -> ODE:
+        """The equations without some effects, with the numbers of an ODE of this maker."""
+        ...
+
+    def moved(self, ode: ODE, part: float) -> ODE:
+        """The equations from a start that is moved by a part of its size, within constraints."""
+        ...
 
 
 @attribute_hints(solve="gt.solve(problem, times)")
@@ -296,7 +326,7 @@ class ODE:
     def effects(self) -> Mapping[str, str]:
         """Key -> description of each effect that `without` can omit.
 
-        Equations of `spinning` and of `gravity.solve` have effects, those of `ODE.of` have none.
+        Equations of `spinning` and of `gravity.solve` have effects, equations of `ODE.of` have none.
         """
         return {} if self.maker is None else self.maker.effects
 

@@ -52,7 +52,7 @@ class Trial:
 
 
 class Composite(Protocol):
-    """What is composed of effects: a scene, a motion with forces, a theory with terms.
+    """Sum of effects: a scene, a motion with forces, a theory with terms.
 
     title: its name. effects: key -> description. watch: names of the watched quantities.
     thing: what the user gave. end: the last time, in words. accuracy: if none is requested.

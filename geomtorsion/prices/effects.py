@@ -169,8 +169,8 @@ def called_for(
         times for a problem (to 10 by default), as for `solve`; nothing for a scene or a solution,
         which know theirs.
     watch
-        names of the quantities that count; by default those of the scene, the coordinates, or the
-        unknown functions of a theory.
+        names of the quantities that count; by default the watched quantities of a scene, the
+        coordinates of a curve, the unknown functions in the coframe of a theory.
     engine, progress
         as in `solve`.
 

@@ -81,7 +81,7 @@ def gravity(
         option(
             "--watch",
             metavar="NAME,...",
-            text="Functions that count for --called-for, instead of those of the coframe.",
+            text="Functions to which --called-for applies; by default functions of the coframe.",
         ),
     ] = None,
     output: Annotated[
