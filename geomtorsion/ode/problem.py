@@ -326,7 +326,7 @@ class ODE:
     def effects(self) -> Mapping[str, str]:
         """Key -> description of each effect that `without` can omit.
 
-        Equations of `spinning` and of `gravity.solve` have effects, equations of `ODE.of` have none.
+        Equations of `spinning` and of `gravity.solve` have some, equations of `ODE.of` have none.
         """
         return {} if self.maker is None else self.maker.effects
 

@@ -123,8 +123,8 @@ def moved(problem: CurveProblem | ODE, part: float) -> CurveProblem | ODE:
     Examples
     --------
     >>> from geomtorsion.ode import ODE
-    >>> moved(ODE.of({"x": "v", "v": "-x"}, [1, 0]), 0.5).start
-    (1.5, -0.0)
+    >>> moved(ODE.of({"x": "v", "v": "-x"}, [1, 2]), 0.5).start
+    (1.5, 1.0)
     """
     if isinstance(problem, CurveProblem):
         speeds = [float(u) * (1 + (-1) ** k * part) for k, u in enumerate(problem.frame_velocity)]

@@ -175,7 +175,7 @@ def test_the_force_is_linear_in_the_spin():
 
 
 def test_without_all_its_effects_a_spin_follows_a_geodesic():
-    """The coordinates are those of the geodesic, and the spin keeps its length."""
+    """The coordinates agree with a geodesic, and the spin keeps its length."""
     bare = orbit(0.1).without("spin_force", "hidden_momentum")
     solution = gt.solve(bare, 20.0)
     speed = gt.solve(orbit(0.0), [0, 1e-3])["velocity"][0]
