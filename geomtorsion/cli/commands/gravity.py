@@ -99,9 +99,10 @@ def gravity(
 
     A tetrad file with a table [theory] has its own Lagrangian, matter and start. With --solve, its
     equations are reduced to first-order equations and solved: the command shows these, the
-    solution with its error, and the drift of the constraints. With --called-for, each term of the
-    Lagrangian and each fluid is omitted once; the terms that an accuracy calls for are shown, and
-    with -o written to effects.json and drawn.
+    solution with its error, and the drift of the constraints. With a table of boundary values in
+    the file it also shows the free numbers of the start that lead to them. With --called-for, each
+    term of the Lagrangian and each fluid is omitted once; the terms that an accuracy calls for are
+    shown, and with -o written to effects.json and drawn.
 
     \b
     Examples:
@@ -192,7 +193,18 @@ def _solve(
             )
         reduction = model.reduce(variable.strip())
         step("solution")
-        solution = model.solve(reduction.variable, end, accuracy)
+        shooting = None
+        if model.boundary or model.free:
+            if choice is not None:
+                raise ArgumentError(
+                    "--called-for: expected a theory with a start, got one with boundary values, "
+                    "which each omitted term would reach from another start. Write the start "
+                    "without a table boundary."
+                )
+            shooting = model.shoot(reduction.variable, end, accuracy)
+            solution = shooting.solution
+        else:
+            solution = model.solve(reduction.variable, end, accuracy)
         proof = prove(solution) if proved else None
         budget = None
         if choice is not None:
@@ -213,6 +225,15 @@ def _solve(
             "proved": None if proof is None else proof.holds,
             "called_for": None if budget is None else budget.to_json(),
         }
+        if shooting is not None:
+            document["free"] = {
+                name: {"value": value, "error": shooting.errors[name]}
+                for name, value in shooting.values.items()
+            }
+            document["boundary"] = {
+                name: {"miss": miss, "remainder": shooting.remainders.get(name)}
+                for name, miss in shooting.misses.items()
+            }
         typer.echo(json.dumps(document, indent=2))
     else:
         typer.secho(f"{model.space.name}: L = {model.equations.lagrangian.expression}", bold=True)
@@ -221,7 +242,7 @@ def _solve(
         for row in some_rows(len(solution.times)):
             cells = [number_text(float(table[name][row]), _error(solution, name)) for name in names]
             typer.echo(right_aligned([cell[: WIDTH - 2] for cell in cells], WIDTH))
-        typer.echo(f"\n{solution}")
+        typer.echo(f"\n{solution if shooting is None else shooting}")
         if proof is not None:
             typer.echo(str(proof))
         if budget is not None:
