@@ -323,7 +323,7 @@ def test_a_quantity_that_does_not_matter_is_exact():
         (lambda: gt.called_for(gt.scenes.load("helix"), at=3), ArgumentError, "at: expected"),
         (lambda: gt.called_for(orbit(0.1), 1e-3, 1, watch="x"), UnknownNameError, "x"),
         (lambda: pushed(a=["1", "0"]).without("b"), UnknownNameError, "effect"),
-        (lambda: orbit(0.1).without("torsion"), UnknownNameError, "Known are spin_force"),
+        (lambda: orbit(0.1).without("torsion"), UnknownNameError, "There are spin_force"),
         (lambda: orbit(0.1).restricted(["x"]), UnknownNameError, "names"),
         (lambda: gt.ODE.of({"x": "-x"}, [1]).without("x"), UnknownNameError, "none"),
         (lambda: pushed(torsion=["1", "0"], b=["1"]), gt.errors.ShapeError, "b: expected 2"),

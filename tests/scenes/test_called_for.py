@@ -247,7 +247,7 @@ def test_results_do_not_depend_on_the_clock():
     """Equal calls give equal rows, errors and numbers."""
     one, two = MISSILE.called_for(1e-2), MISSILE.called_for(1e-2)
     assert one.rows == two.rows
-    assert (one.error, one.scene.accuracy) == (two.error, two.scene.accuracy)
+    assert (one.error, one.integration_accuracy) == (two.error, two.integration_accuracy)
     assert np.array_equal(one.result["position"], two.result["position"])
 
 
