@@ -1,9 +1,9 @@
 """Seconds that were requested and seconds that a motion took.
 
 Run with `python -m pytest tests/benchmarks/test_seconds.py -s` on a quiet machine. Errors are
-asserted, times are printed. Often no accuracy costs the requested time: the next digit needs another
-run or a longer type of numbers, so that the time jumps by factors of two to five. The time for a
-tenth of a digit more shows where that is the case.
+asserted, times are printed. Often no accuracy costs the requested time, because the next digit
+needs another run or longer numbers, and the time jumps by a factor of two to five. The time for a
+tenth of a digit more shows where this is the case.
 """
 
 from __future__ import annotations
