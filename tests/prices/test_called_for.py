@@ -193,7 +193,7 @@ def test_torsion_acts_on_the_intrinsic_spin_only():
     assert list(body.effects) == ["spin_force", "hidden_momentum", "torsion"]
     other = gt.spinning("so3", start, velocity, spin, coupling="orbital")
     assert body.without("torsion").rates == other.rates
-    # Values that are changed are those of the part, too.
+    # A changed number is changed in the part as well.
     moved = body.with_start({"p1": 2})
     assert float(moved.without("torsion").start[3]) == 2
 
@@ -254,7 +254,7 @@ def test_what_a_theory_needs_gives_its_reason():
     assert math.isinf(budget["R/2"].influence)
 
 
-def test_a_field_without_terms_is_no_part_of_a_theory():
+def test_a_field_without_terms_leaves_the_theory():
     """Omitting both terms of a scalar field omits the field."""
     theory = cosmos(
         "-T/2 - X/2 - phi**2/100", gt.gravity.scalar_field("phi(t)"), connection=gt.cartan
