@@ -73,6 +73,23 @@ def test_a_star_ends_at_its_surface(tmp_path: Path) -> None:
     assert set(data["rates"]) == {"A", "B", "p"}
 
 
+def test_terms_that_an_accuracy_calls_for(tmp_path: Path) -> None:
+    """The table of terms and fluids, its file and its figure."""
+    model = DUST.replace('"R/2"', '"R/2 - Lambda"') + "parameters = {Lambda = 1e-6}\n"
+    source, folder = written(tmp_path, ANSATZ + model), tmp_path / "universe"
+    asked = ("gravity", source, "--solve", "t=1", "--called-for")
+    text = run(*asked, "1e-3", "-o", str(folder)).stdout
+    assert "accuracy 0.001 of a calls for 2 of 3 effects" in text
+    assert "omitted  -Lambda" in text
+    data = json.loads((folder / "effects.json").read_text("utf-8"))
+    assert data["omitted"] == ["-Lambda"]
+    assert (folder / "effects.png").exists()
+    made = run(*asked, "1e-9", "--watch", "a,rho", "--format", "json").stdout
+    data = json.loads(made)["called_for"]
+    assert data["watch"] == ["a", "rho"]
+    assert data["omitted"] == []
+
+
 def test_the_equations_of_a_file(tmp_path: Path) -> None:
     """Without --solve the command shows the field equations of the theory in the file."""
     text = run("gravity", written(tmp_path, ANSATZ + DUST)).stdout
@@ -129,6 +146,8 @@ def test_files_are_refused(name: str, tmp_path: Path) -> None:
         (("frw", "--solve", "t=3"), "expected a tetrad file with a table [theory]"),
         (("frw", "--solve", "t"), "expected a coordinate and its last value"),
         (("frw", "--solve", "t=soon"), "--solve: expected a number"),
+        (("frw", "--called-for", "1e-3"), "expected a solution whose terms can be omitted"),
+        (("frw", "--watch", "a"), "Add --solve t=10"),
     ],
 )
 def test_requests_are_refused(arguments: tuple[str, ...], words: str) -> None:
