@@ -370,7 +370,7 @@ class FieldEquations:
         """First-order equations for unknown functions of one variable, with constraints.
 
         variable: the coordinate on which all unknown functions depend, such as "t" or "r".
-        conditions: further equations: an equation of state "p = rho/3", a gauge "N = 1".
+        conditions: further equations: a state "p = rho/3", a gauge "N = 1", a new name "S(r) = R".
 
         Raises
         ------
@@ -382,7 +382,7 @@ class FieldEquations:
     @property
     def _sources(self) -> Sources:
         parts = self.E, self.M, self.connection_equations, self.matter_equations
-        return Sources(self.connections, self.matter, self.momenta[0].fields, *parts)
+        return Sources(self.connections, self.matter, self.momenta[0].fields, self.scalars, *parts)
 
     # -- identities ----------------------------------------------------------------------------
 

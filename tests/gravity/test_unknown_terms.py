@@ -117,7 +117,10 @@ DISTINCT = [
         {"E_1^1": "k + D(a,t)**2", "E_2^2": "k + 2*a*D(a,t,t) + D(a,t)**2"},
     ),
     (gt.cartan(COSMOS), "f(T)", (), {"E_1^1": "a**2*F - 12*D(a,t)**2*F1"}),
-    (gt.levi_civita(COSMOS), "R/2 - X/2", g.scalar_field("u(t)"), {"phi": "a*D(u,t,t) + 3*D(a,t)*D(u,t)"}),
+    (
+        gt.levi_civita(COSMOS), "R/2 - X/2", g.scalar_field("u(t)"),
+        {"phi": "a*D(u,t,t) + 3*D(a,t)*D(u,t)"},
+    ),
     (gt.levi_civita(HOLE), "R + Lambda", (), {"E_1^1": "Lambda"}),
     (gt.levi_civita(HOLE), "R", (), {}),
 ]  # fmt: skip
