@@ -129,7 +129,7 @@ class Elimination:
         # A universe at rest, a' = 0, is not the general solution of a' (...) = 0.
         moving = [one for one in factors if one not in self.jets.symbols]
         chosen = vanishing[:1] or moving or factors
-        return self._signed(self.jets.field.read(sp.Mul(*chosen)))
+        return self._signed(self.jets.field.read(sp.Mul(*chosen).as_content_primitive()[1]))
 
     def _signed(self, element: Element) -> Element:
         """An element or its negative, whichever is written with fewer signs."""
