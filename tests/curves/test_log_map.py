@@ -74,7 +74,7 @@ def test_metrics_with_special_functions(radius):
     assert answer.vector == pytest.approx(other.vector, abs=1e-8)
 
 
-def test_an_engine_that_cannot_follow_the_motions_says_so():
+def test_an_engine_without_series_names_the_reason():
     """Taylor has no series of Bessel functions: that is the reason, and not the end."""
     r, phi = sp.symbols("r phi", real=True)
     surface = levi_civita(Frame([r, phi], [[1, 0], [0, 2 + sp.besselj(1, r)]]))
