@@ -300,7 +300,18 @@ WAVE = gt.Frame([T, X, Y, Z], sp.diag(1, sp.Function("b")(T, X), 1, 1), LORENTZ)
 BALL = gt.Frame([T, R, THETA, PHI], sp.diag(1, a, a * R, a * R * sp.sin(THETA)), LORENTZ)
 REDUCTION = EINSTEIN.reduce("t")
 
+
+def circle() -> g.Reduction:
+    """A theory with R^2 and torsion, with two conditions on its curvature."""
+    u = COSMOS.scalar(sp.Function("u")(T)).element()
+    entries = {(0, i, i): u for i in (1, 2, 3)} | {(i, 0, i): -u for i in (1, 2, 3)}
+    connection = gt.from_torsion(COSMOS, gt.Tensor(COSMOS, "DDU", entries))
+    equations = g.equations(connection, "(R + c*R**2)/2", DUST)
+    return equations.reduce("t", ["S(t) = R", "S(t) = rho"])
+
+
 REFUSALS: dict[str, tuple[Callable[[], object], type[GeomtorsionError], str]] = {
+    "a circle": (circle, GravityError, "refer to each other in a circle"),
     "free lapse": (
         lambda: g.equations(gt.levi_civita(LAPSE), "R/2", DUST).reduce("t"),
         GravityError,
@@ -341,7 +352,7 @@ REFUSALS: dict[str, tuple[Callable[[], object], type[GeomtorsionError], str]] = 
         GravityError,
         "Choose this function",
     ),
-    "wrong variable": (lambda: EINSTEIN.reduce("tau"), GravityError, "Known are t"),
+    "wrong variable": (lambda: EINSTEIN.reduce("tau"), GravityError, "There are t"),
     "condition without equality": (
         lambda: EINSTEIN.reduce("t", ["rho"]),
         GravityError,
