@@ -110,8 +110,8 @@ def holonomy(
     if isinstance(path, CurveProblem):
         carried = parallel_transport(path, unit, connection)
         return solve(carried, [end], accuracy, engine).transported[-1].reshape(n, n).T
-    needed = "{subject}: expected a curve or a list of expressions, got {value}."
-    expressions = checks.entries(path, "path", ShapeError, message=needed)
+    kind = "a curve or a list of expressions"
+    expressions = checks.entries(path, "path", ShapeError, expected=kind)
     values = checks.table(parameters, "parameters")
     return transport_along(connection, expressions, end, values, accuracy, engine)
 
@@ -148,10 +148,7 @@ def transport_equations(
     """w'^k = - omega_ai^k(q(s)) q'^a(s) w^i for all frame vectors at once; s is the time."""
     frame = connection.frame
     n = frame.dimension
-    if len(path) != n:
-        raise ShapeError(
-            f"path: expected {n} expressions, one for each coordinate, got {len(path)}."
-        )
+    checks.check_one_each(path, n, "coordinates", "path", ShapeError)
     curve = [
         _without_floats(checks.expression(x, f"path[{k}]", StartError)) for k, x in enumerate(path)
     ]

@@ -95,10 +95,7 @@ def forced(law: Law, connection: Connection, force: object, potential: object) -
 
     n = frame.dimension
     entries = [0] * n if force is None else checks.entries(force, "force", ShapeError)
-    if len(entries) != n:
-        raise ShapeError(
-            f"force: expected {n} components F_k, one for each leg, got {len(entries)}."
-        )
+    checks.check_one_each(entries, n, "legs", "force", ShapeError)
     values = frame.read([read(f"force[{k}]", value) for k, value in enumerate(entries)])
     height = None if potential is None else frame.read([read("potential", potential)])[0]
     if height is not None:

@@ -17,7 +17,7 @@ from geomtorsion.pictures.scene_effects import influence_picture
 from geomtorsion.pictures.style import pictured, save
 from geomtorsion.scenes.sensitivity import Sensitivity, relative_changes, sensitivity
 from geomtorsion.support.caching import cached_property
-from geomtorsion.support.checks import did_you_mean
+from geomtorsion.support.checks import known_name
 from geomtorsion.support.outgoing import size_text
 from geomtorsion.support.progress import reports
 
@@ -122,14 +122,9 @@ class EffectBudget:
 
     def __getitem__(self, effect: str) -> EffectInfluence:
         """The row of an effect."""
-        for row in self.rows:
-            if row.effect == effect:
-                return row
-        keys = [row.effect for row in self.rows]
-        raise UnknownNameError(
-            f"expected an effect of the scene, got {effect!r}. {did_you_mean(effect, keys)}There "
-            f"are {', '.join(keys) or 'none'}."
-        )
+        rows = {row.effect: row for row in self.rows}
+        kind = "an effect of the scene"
+        return rows[known_name(effect, rows, "", UnknownNameError, expected=kind)]
 
     def _ipython_key_completions_(self) -> list[str]:
         return [row.effect for row in self.rows]

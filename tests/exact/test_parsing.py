@@ -258,7 +258,7 @@ def test_decimals_are_read_where_they_are_asked_for():
 
 def test_text_is_needed():
     """A number instead of a text raises our own error, not a TypeError from deep inside."""
-    with pytest.raises(ExpressionError, match="text, got float"):
+    with pytest.raises(ExpressionError, match="text, got 0.5"):
         parse_expression(0.5, NAMES)  # pyright: ignore[reportArgumentType] - the mistake under test
 
 
