@@ -27,7 +27,7 @@ START, TURN = [0.3, 1.0, 0.2], [0.1, 0.5, -0.2]
         (lambda: geodesic(SO3, [0.3, 1.0], TURN), ShapeError, "expected 3 numbers, got 2"),
         (lambda: geodesic(SO3, START, [1, 2]), ShapeError, "expected 3 numbers, got 2"),
         (lambda: geodesic(SO3, START, "abc"), ShapeError, "list of 3 numbers"),
-        (lambda: geodesic(SO3, [0.3, float("nan"), 0], TURN), StartError, r"start.*\[1\]: expected a finite number, got nan"),
+        (lambda: geodesic(SO3, [0.3, float("nan"), 0], TURN), StartError, "start.*, got nan"),
         (lambda: geodesic(SO3, START, [0, 0, 1j]), StartError, "expected a number, got"),
         (lambda: geodesic(SO3, [0.3, 0.0, 0.2], TURN), StartError, "is singular at the start"),
         (lambda: geodesic(SO3, START), StartError, "got none. Give one"),

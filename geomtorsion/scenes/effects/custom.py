@@ -86,7 +86,8 @@ class Custom(Effect):
         check_vectors(self, "moment", "force")
         checks.choice(self.axes, ("space", "body"), "custom.axes", SceneError)
         for name in ("parameters", "states", "start", "outputs"):
-            checks.instance(getattr(self, name), Mapping, f"custom.{name}", SceneError)
+            value, kind = getattr(self, name), "a table of names"
+            checks.instance(value, Mapping, f"custom.{name}", SceneError, expected=kind)
         lost = set(self.states) ^ set(self.start)
         if lost:
             raise SceneError(

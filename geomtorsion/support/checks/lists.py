@@ -121,16 +121,15 @@ one for each index.
 def flags(
     values: object, length: int, subject: str, error: ErrorClass, *, remedy: str = ""
 ) -> tuple[bool, ...]:
-    """So many truth values; a single one counts for all, and 0 and 1 count as truth values.
+    """So many truth values; 0 and 1 count as truth values.
 
     Examples
     --------
     >>> from geomtorsion.errors import GridError
-    >>> flags(True, 2, "periodic", GridError), flags([1, 0], 2, "periodic", GridError)
-    ((True, True), (True, False))
+    >>> flags([1, 0], 2, "periodic", GridError)
+    (True, False)
     """
-    content = rows(values)
-    listed = [content] * length if isinstance(content, bool) else content
+    listed = rows(values)
     is_valid = isinstance(listed, list | tuple) and len(listed) == length
     if not is_valid or not all(isinstance(plain(x), int | float) and x in (0, 1) for x in listed):
         refuse(error, subject, f"{length} truth values", values, remedy)
