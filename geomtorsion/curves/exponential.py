@@ -170,12 +170,8 @@ def transport_equations(
         for j in range(n):
             rates[states[k][j].name] += factor * states[i][j]
     used = {x.name for rate in rates.values() for x in rate.free_symbols}
-    missing = sorted(used - set(rates) - {s.name} - set(numbers))
-    if missing:
-        raise StartError(
-            f"expected a value for each symbol, got none for {', '.join(missing)}. Give "
-            f"parameters={{...}}."
-        )
+    needed, remedy = sorted(used - set(rates) - {s.name}), "Give parameters={'{missing}': ...}."
+    checks.check_values(needed, numbers, "parameters", StartError, remedy)
     return ODE.of(
         rates,
         np.eye(n).ravel().tolist(),

@@ -95,7 +95,7 @@ def test_bad_input():
         solve_many(swing, [[1, 2, 3]], 1.0)
     with pytest.raises(ShapeError, match="one common length"):
         solve_many(swing, {"x": [1, 2], "k": [1, 2, 3]}, 1.0)
-    with pytest.raises(UnknownNameError, match="kk is neither a state .* Did you mean k"):
+    with pytest.raises(UnknownNameError, match="a state or a parameter, got 'kk'. Did you mean k"):
         solve_many(swing, {"kk": [1]}, 1.0)
     with pytest.raises(StartError, match="not finite"):
         solve_many(swing, {"x": [1, float("inf")]}, 1.0)

@@ -172,25 +172,25 @@ def test_bad_numbers():
     """Starts, parameters, events and lengths that make no sense are refused."""
     with pytest.raises(ShapeError, match="expected 2 numbers"):
         ODE.of({"x": 0, "y": 0}, [1])
-    with pytest.raises(StartError, match="expected a number for each state, got none for y"):
+    with pytest.raises(StartError, match="start: expected a value for y, got none"):
         ODE.of({"x": 0, "y": 0}, {"x": 1})
-    with pytest.raises(UnknownNameError, match="expected a state, got z"):
+    with pytest.raises(UnknownNameError, match="expected a state, got 'z'"):
         ODE.of({"x": 0}, {"x": 1, "z": 2})
     with pytest.raises(StartError, match="start of x: expected a finite number, got nan"):
         ODE.of({"x": 0}, [float("nan")])
     with pytest.raises(StartError, match=r"k: expected a number, got \[1\]"):
         swing(parameters={"k": [1]})
-    with pytest.raises(UnknownNameError, match="expected a parameter, got kk. Did you mean k"):
+    with pytest.raises(UnknownNameError, match="expected a parameter, got 'kk'. Did you mean k"):
         swing().with_start(parameters={"kk": 1})
     with pytest.raises(TimeError, match="expected a time of 0 or later, got t = -1"):
         swing(events=[At(-1, {"k": 2})])
-    with pytest.raises(UnknownNameError, match="w is neither a parameter nor a state"):
+    with pytest.raises(UnknownNameError, match="expected a parameter or a state, got 'w'"):
         swing(events=[At(1, {"w": 2})])
     with pytest.raises(TimeError, match=r"event: expected At\(.*, got 1.0"):
         swing(events=[1.0])
     with pytest.raises(StartError, match="of length 1 together"):
         ODE.of({"a": 0, "b": 0}, [1, 1], normalized=["ab"])
-    with pytest.raises(UnknownNameError, match="expected states, got z"):
+    with pytest.raises(UnknownNameError, match="expected states, got 'z'"):
         ODE.of({"a": 0, "b": 0}, [1, 1], normalized=["az"])
     with pytest.raises(ExpressionError, match="outputs: expected new names, got x"):
         swing(outputs={"x": "v"})
