@@ -48,7 +48,7 @@ class Body:
     (0.005, 0.005, 0.008)
     >>> Body(mass=1.0, moments=(1, 2, -4))
     Traceback (most recent call last):
-    geomtorsion.errors.BodyError: moments[2] = -4: expected a positive number (kg m^2).
+    geomtorsion.errors.BodyError: moments[2]: expected a positive number (kg m^2), got -4.
     """
 
     mass: Number = 1.0
