@@ -73,7 +73,7 @@ class Tensor:
     has_own_field: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
-        """Refuse slots that are none."""
+        """Refuse invalid slots."""
         if not isinstance(self.slots, str) or set(self.slots) - set(KINDS):
             raise TensorIndexError(
                 f"slots {checks.shown(self.slots)}: each letter must be one of d, u (coordinate "

@@ -51,7 +51,7 @@ def vector(values: Any, where: str, dimension: int | None = None) -> tuple[float
 
 
 def check_accuracy(accuracy: float, least: float = float(np.finfo(float).resolution)) -> None:
-    """Refuse a relative accuracy that no double has, or that is none."""
+    """Refuse a relative accuracy that no double has, or an invalid one."""
     size = checks.real(accuracy)
     if size is None or not least <= size < 1:
         raise LoopError(

@@ -161,7 +161,7 @@ REFUSALS = [
 
 
 @pytest.mark.parametrize(("call", "words"), REFUSALS)
-def test_what_is_no_change_of_coordinates_is_refused(call, words):
+def test_anything_but_a_change_of_coordinates_is_refused(call, words):
     """Each bad change of coordinates is refused with its own message."""
     with pytest.raises(GeomtorsionError, match=words):
         call()

@@ -189,7 +189,7 @@ TURNED = gt.Frame(
         (3, [0], GeomtorsionError, "expected a Frame"),
     ],
 )
-def test_what_is_no_constraint_is_refused(frame, allowed, error, words):
+def test_anything_but_a_constraint_is_refused(frame, allowed, error, words):
     """Each message names the expected value."""
     with pytest.raises(error, match=words):
         gt.constrained(frame, allowed)

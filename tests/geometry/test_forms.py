@@ -132,7 +132,7 @@ REFUSALS = [
 
 
 @pytest.mark.parametrize(("call", "words"), REFUSALS)
-def test_what_is_no_form_is_refused(call, words):
+def test_anything_but_a_form_is_refused(call, words):
     """Each bad form or argument is refused with its own message."""
     with pytest.raises(GeomtorsionError, match=words):
         call()

@@ -358,7 +358,7 @@ def test_a_loop_through_the_defect_is_refused(loop: Loop) -> None:
         burgers_vector(load("screw_dislocation").frame, loop, parameters={"b": 1})
 
 
-def test_values_of_a_loop_against_what_was_declared():
+def test_values_of_a_loop_against_declarations():
     """A value against the assumptions of a symbol that only the loop contains is refused."""
     r = sp.Symbol("r", negative=True)
     loop = Loop.circle([1, 0], -r)

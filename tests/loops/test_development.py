@@ -278,7 +278,7 @@ def test_bad_input_is_refused(sphere):
         develop(screw, Loop.circle([0, 0, 0], 1), parameters={"b": 1})
 
 
-def test_underflow_is_told_not_hidden(sphere):
+def test_underflow_widens_the_error_bound(sphere):
     """If the area of a loop underflows, the error bound still covers the true angle."""
     turn = develop(sphere, Loop.circle([1.0, 0.3], 1e-200))
     assert turn.route == "line"

@@ -29,7 +29,7 @@ def random_circles(count: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("plane", [(0, 1), (2, 0), ([1, 1, 0], [0, 1, 2])])
-def test_many_circles_are_what_each_of_them_is(so3: Frame, plane: tuple) -> None:
+def test_many_circles_agree_with_single_circles(so3: Frame, plane: tuple) -> None:
     """The same vectors as single calls, with errors that hold."""
     centres, radii = random_circles(60)
     found = burgers_vectors(so3, centres, radii, plane)
@@ -114,7 +114,7 @@ def test_singular_loops_are_marked_and_the_others_done() -> None:
     assert found.enclosed.tolist() == [False, True, False]
 
 
-def test_an_interruption_keeps_what_is_done(so3: Frame, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_interruption_keeps_finished_work(so3: Frame, monkeypatch: pytest.MonkeyPatch) -> None:
     """After Ctrl-C the finished part is returned, and the rest is NaN."""
 
     @contextmanager

@@ -171,7 +171,7 @@ REFUSED = [
 @pytest.mark.parametrize(
     ("old", "new", "says"), REFUSED, ids=[case[1] or "none" for case in REFUSED]
 )
-def test_what_is_refused(old, new, says):
+def test_bad_calls_are_refused(old, new, says):
     """Each mistake names file, line, and the probable intention."""
     assert old in TOP
     with pytest.raises(FileFormatError, match=says) as caught:

@@ -59,7 +59,7 @@ def test_arrays_are_kept_as_tuples():
         ({"matrix": [[1, 0, 0], [0, 1, 0], [0, 0, -1]]}, "got a reflection"),
     ],
 )
-def test_starts_that_are_none(given, says):
+def test_invalid_starts_are_refused(given, says):
     with pytest.raises(StartError, match=says):
         State(**given)
 

@@ -157,7 +157,7 @@ def test_messages_are_short():
     assert checks.shown(Broken()) == "a value of type Broken"
 
 
-def test_braces_in_values_are_no_fields():
+def test_braces_in_values_are_unchanged():
     """Braces in a value are shown unchanged, not filled as fields of the message."""
     with pytest.raises(LoopError, match=r"a\{0\}: expected a number, got '\{subject\}'"):
         checks.number("{subject}", "a{0}", LoopError)
@@ -264,7 +264,7 @@ def test_how_long_a_shown_value_is(length, whole):
     assert (checks.cut(text) == text) == whole
 
 
-def test_how_many_numbers_there_is_room_for():
+def test_arrays_are_limited_to_two_gigabytes():
     """The limit for an array is two gigabytes of doubles."""
     checks.check_room(249_000_000, "t", "Give fewer.")
     with pytest.raises(LimitError, match="limit is 2 GB"):
@@ -272,7 +272,7 @@ def test_how_many_numbers_there_is_room_for():
 
 
 @pytest.mark.parametrize("kind", [float, np.float32, int, object])
-def test_what_is_masked_is_not_known(kind):
+def test_masked_numbers_are_never_used(kind):
     """A masked number is never used: it is refused, or becomes nan if nan is allowed."""
     given = np.ma.array(
         np.array([[1, 7], [3, 4]], dtype=kind), mask=np.array([[False, True], [False, False]])
@@ -290,7 +290,7 @@ def test_what_is_masked_is_not_known(kind):
 @pytest.mark.parametrize(
     "kind", [int, float, Fraction, np.float64, mpmath.mpf, sp.Integer, complex]
 )
-def test_values_against_what_was_declared(kind):
+def test_values_against_declarations(kind):
     """Values of each kind of number are checked; zero counts as positive and as negative."""
     symbols = {word: sp.Symbol("M", **{word: True}) for word in ("positive", "negative", "real")}
     said = "M: expected a value that is {}.*, as declared, got .*. Give another value, or declare M"

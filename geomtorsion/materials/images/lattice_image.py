@@ -11,8 +11,7 @@ import numpy as np
 from geomtorsion.errors import ImageError
 from geomtorsion.materials.images.image_files import check_size, pixels_of_signal, read_pixels
 from geomtorsion.materials.images.phases import LatticePhases, lattice_phases
-from geomtorsion.materials.images.pixel_sizes import UNSIZED, of_size
-from geomtorsion.materials.images.regions import Region
+from geomtorsion.materials.images.pixels import UNSIZED, Region, of_size
 from geomtorsion.materials.images.spots import Spectrum, Spots, find_spots, measured
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property

@@ -217,7 +217,7 @@ def masked(lines: list[str]) -> list[str]:
     return [*lines[: head + 1], *rest]
 
 
-@pytest.mark.parametrize("command", ["map", "burgers"])
+@pytest.mark.parametrize("command", ["map", "circuit"])
 @pytest.mark.parametrize(
     ("name", "said"),
     [
@@ -271,7 +271,7 @@ def test_bad_files_through_the_commands(tmp_path, command, name, said):
 def test_loops_outside_through_the_commands(scan, lattice, tmp_path, loop, words):
     """A loop outside the data or with an extra coordinate is refused for each kind of file."""
     for file in (scan, lattice, str(grid(tmp_path))):
-        told = running.run("burgers", file, "--loop", loop, code=2).stderr
+        told = running.run("circuit", file, "--loop", loop, code=2).stderr
         assert any(word in told for word in words), told
 
 

@@ -39,7 +39,7 @@ def full() -> SampledFrame:
 
 
 @pytest.mark.parametrize("end", ENDS)
-def test_what_is_saved_comes_back(tmp_path, end):
+def test_saved_fields_read_back(tmp_path, end):
     """Values, holes, noise, periods and units read back, and the file has the given name."""
     if end in NEEDS:
         pytest.importorskip(NEEDS[end])
@@ -138,7 +138,7 @@ def test_a_table_by_hand(tmp_path):
         ("x,y,e_0_0,e_0_1\n" + ROWS.replace("5,5,", "5,5,1e999"), "line|infinite|finite"),
     ],
 )
-def test_tables_that_are_none(tmp_path, text, message):
+def test_invalid_tables_are_refused(tmp_path, text, message):
     """Each fault has its own message, with the line if there is one."""
     path = tmp_path / "t.csv"
     path.write_text(text)
