@@ -86,7 +86,7 @@ GROUPS = [
     (lambda: GROUP(ONE_SIDED), StructureConstantError, r"C\[0, 1, 0\] = 1, C\[1, 0, 0\] = 0"),
     (lambda: GROUP([[1, 2], [3, 4]]), StructureConstantError, "shape"),
     (lambda: GROUP(constants(3, _01_2=0.5)), ExpressionError, "structure constants"),
-    (lambda: GROUP(constants(3), "x y"), ShapeError, "coordinates: expected one for each of 3 .*, got 2"),
+    (lambda: GROUP(constants(3), "x y"), ShapeError, "one for each of 3 .*, got 2"),
     (lambda: GROUP(constants(4, _30_1=1, _31_2=1, _32_0=1, _32_1=1)),
      StructureConstantError, "degree 3"),
 ]  # fmt: skip
