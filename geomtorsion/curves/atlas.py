@@ -412,23 +412,17 @@ class TransitionMap:
             if is_array
             else checks.entries(coordinates, "coordinates", ShapeError)
         )
-        if len(places) != len(self.coordinates):
-            names = ", ".join(symbol.name for symbol in self.coordinates)
-            raise ShapeError(
-                f"coordinates: expected {len(self.coordinates)} ({names}), got {len(places)}."
-            )
+        names = ", ".join(symbol.name for symbol in self.coordinates)
+        count = len(self.coordinates)
+        checks.check_one_each(places, count, f"names {names}", "coordinates", ShapeError)
         return places
 
     def _numbers(self, parameters: Mapping[Any, Real]) -> dict[str, Real]:
         """The values of the parameters; others are omitted."""
         by_name = checks.by_name(parameters, "parameters")
-        missing = [p.name for p in self.parameters if p.name not in by_name]
-        if missing:
-            raise ArgumentError(
-                f"expected a value for each parameter, got none for {', '.join(missing)}. Give "
-                f"parameters={{{missing[0]!r}: ...}}."
-            )
         names = [p.name for p in self.parameters]
+        remedy = "Give parameters={'{missing}': ...}."
+        checks.check_values(names, by_name, "parameters", ArgumentError, remedy)
         return {
             name: checks.exact_number(by_name[name], f"parameter {name}", ArgumentError)
             for name in names
@@ -533,11 +527,8 @@ class Atlas:
         UnknownNameError
             The atlas has no such chart.
         """
-        if not isinstance(name, str) or name not in self.makers:
-            raise UnknownNameError(
-                f"expected a chart of this space, got {checks.shown(name)}. There are "
-                f"{', '.join(self.makers)}."
-            )
+        kind = "a chart of this space"
+        checks.known_name(name, self.makers, "", UnknownNameError, expected=kind)
         if name not in self._charts:
             self._charts[name] = self.makers[name]()
         return self._charts[name]
