@@ -24,7 +24,7 @@ from geomtorsion.teaching.exercises.question import Question, how_to_answer
 from geomtorsion.teaching.exercises.registry import chapters, load, names
 from geomtorsion.teaching.exercises.verdict import TITLES, message_of
 from geomtorsion.teaching.exercises.worker_pool import Json
-from geomtorsion.teaching.texts import ENGLISH, Texts, code_of, language_name, texts
+from geomtorsion.teaching.texts import ENGLISH, Language, Texts, code_of, language_name, texts
 
 
 def notebook_of(title: str, exercises: Sequence[Exercise]) -> Json:
@@ -122,7 +122,7 @@ def write_sheet(
     directory: str | PathLike[str],
     seed: int = 0,
     progress: Progress = lambda _: None,
-    language: str = ENGLISH,
+    language: Language = ENGLISH,
 ) -> tuple[Path, ...]:
     """Write a chapter: page, notebook and form for students, solutions in `teacher/`.
 
@@ -184,7 +184,7 @@ def write_sheet(
 
 def page_of(title: str, seed: int, cards: Sequence[str], language: str = ENGLISH) -> str:
     """A web page that needs no script and no network."""
-    text = texts("sheets", "sheet", language_name(language))
+    text = texts("sheets", "sheet", language)
     note = text("variant", seed=seed) if seed else text("paper")
     return (
         f'<!doctype html>\n<html lang="{escape(code_of(language))}"><head><meta charset="utf-8">'

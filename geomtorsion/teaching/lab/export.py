@@ -18,7 +18,7 @@ from geomtorsion.teaching.lab import guides, views
 from geomtorsion.teaching.lab.controls import path_case
 from geomtorsion.teaching.lab.space_info import space_info
 from geomtorsion.teaching.lab.tasks import task
-from geomtorsion.teaching.texts import ENGLISH, code_of, language_name, texts
+from geomtorsion.teaching.texts import ENGLISH, Language, code_of, language_name, texts
 
 Progress = Callable[[str], object]
 # This policy forbids the browser to load anything.
@@ -66,7 +66,7 @@ main { max-width: 72rem; margin: 0 auto; padding: 1rem; }
 def write_pages(
     directory: str | PathLike[str],
     progress: Progress = lambda _: None,
-    language: str = ENGLISH,
+    language: Language = ENGLISH,
 ) -> tuple[Path, ...]:
     """Write index.html and a page for each tab; return their paths, the index first.
 
