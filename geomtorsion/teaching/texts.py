@@ -21,6 +21,7 @@ __all__ = [
     "Language",
     "TextTable",
     "Texts",
+    "argument_of",
     "code_of",
     "language_name",
     "languages",
@@ -242,6 +243,19 @@ def code_of(language: str) -> str:
     'fr'
     """
     return Path(language).name
+
+
+def argument_of(language: str) -> str:
+    """The argument of a call in a notebook, empty for English and for a folder.
+
+    The notebook is run on other machines, which have the languages of the package only.
+
+    Examples
+    --------
+    >>> argument_of("de"), argument_of("en"), argument_of("/home/me/texts/fr")
+    (", language='de'", '', '')
+    """
+    return f", language={language!r}" if language in languages()[1:] else ""
 
 
 def placeholders(*entries: str) -> set[str]:

@@ -342,6 +342,14 @@ def test_a_folder_of_ones_own(folder: Path):
     html = page.read_text("utf-8")
     assert '<html lang="eigene">' in html
     assert html.count(second.note) == 3
+    for kind in ("sheet", "nbgrader"):
+        if kind == "nbgrader":
+            exercises.export(kind, folder / kind, ["1.1"], language=folder)
+        [notebook] = (folder / kind).rglob("*.ipynb")
+        content = notebook.read_text("utf-8")
+        # Students have no such folder.
+        assert "Noch einmal" in content
+        assert str(folder) not in content
 
 
 def test_copies_keep_their_language():
