@@ -5,6 +5,7 @@
 
 `PATTERNS` names each pattern with its plain form. Text is strings, docstrings and comments of the
 package, its English texts in files, the README, the changelog and the site; code does not count.
+Names of functions in tests are sentences, so they count as well.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import sys
 import tokenize
 from collections import Counter
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -60,13 +62,16 @@ PATTERNS: dict[str, tuple[str, str]] = {
     ),
     "fronted of": (r"(?:^|[.;:] )Of (?!course)", "put the subject first"),
     "moment of a force": (r"\bmoments? of (?:a )?forces?\b", "torque"),
+    "that is none": (r"\b(?:that|which) (?:is|are) none\b", "invalid"),
 }
 _COMPILED = {name: re.compile(pattern) for name, (pattern, _) in PATTERNS.items()}
+_ANY = re.compile("|".join(pattern for pattern, _ in PATTERNS.values()))
 # Code within text: fenced blocks, doctests, inline code, formulas, fields of f-strings.
 _CODE = re.compile(
     r"^```.*?^```|^ *(?:>>>|\.\.\. ).*?$|`[^`\n]*`|\$[^$]*\$|\{[^{}\n]*\}", re.MULTILINE | re.DOTALL
 )
 _DOCTEST = re.compile(r"^ *>>>.*?(?=^\s*$|\Z)", re.MULTILINE | re.DOTALL)
+_FUNCTION = re.compile(r"^\s*(?:async )?def (\w+)", re.MULTILINE)
 _QUOTES = re.compile(r"^[A-Za-z]*(\"\"\"|'''|\"|')")
 
 
@@ -121,6 +126,18 @@ def python_texts(source: str) -> Iterator[Text]:
         yield Text(line, "".join(parts).strip())
 
 
+def name_texts(source: str) -> Iterator[Text]:
+    """Names of functions as words.
+
+    Examples
+    --------
+    >>> list(name_texts("def test_what_is_told(): ..."))
+    [Text(line=1, text='test what is told')]
+    """
+    for found in _FUNCTION.finditer(source):
+        yield Text(source.count("\n", 0, found.start(1)) + 1, found[1].strip("_").replace("_", " "))
+
+
 def prose(text: str) -> str:
     """Text without the code in it, with its line numbers unchanged."""
     without = text
@@ -132,13 +149,18 @@ def prose(text: str) -> str:
 def hits_of(file: Path) -> list[Hit]:
     """All occurrences of all patterns in a file."""
     source = file.read_text("utf-8")
-    texts = python_texts(source) if file.suffix == ".py" else [Text(1, source)]
+    texts = [*python_texts(source)] if file.suffix == ".py" else [Text(1, source)]
+    if file.is_relative_to(ROOT / "tests") or file.name.startswith("test_"):
+        texts += name_texts(source)
     found: list[Hit] = []
     for line, text in texts:
         plain = prose(text)
+        # A phrase may continue on the next line.
+        row_of_words = plain.replace("\n", " ")
+        if not _ANY.search(row_of_words):
+            continue
         for name, pattern in _COMPILED.items():
-            # A phrase may continue on the next line.
-            for match in pattern.finditer(plain.replace("\n", " ")):
+            for match in pattern.finditer(row_of_words):
                 row = line + plain.count("\n", 0, match.start())
                 words = plain[max(match.start() - 50, 0) : match.end() + 50]
                 found.append(Hit(file, row, name, " ".join(words.split())))
@@ -162,6 +184,7 @@ def places() -> dict[str, list[Path]]:
     return found
 
 
+@cache
 def counts() -> dict[str, Counter[str]]:
     """Number of occurrences of each pattern in each place."""
     return {

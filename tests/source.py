@@ -193,7 +193,7 @@ def annotated_types(nodes: Nodes) -> Iterator[ast.expr]:
             yield node.annotation
 
 
-def says_any(annotation: ast.expr) -> bool:
+def has_any(annotation: ast.expr) -> bool:
     """Whether an annotation contains Any."""
     return any(isinstance(node, ast.Name) and node.id == "Any" for node in ast.walk(annotation))
 

@@ -63,7 +63,7 @@ def test_coordinate_that_is_also_a_parameter():
 
 
 @pytest.mark.parametrize("bad", [3, x**2, None, sp.Function("f")(x)], ids=str)
-def test_coordinate_that_is_no_symbol(bad):
+def test_coordinate_other_than_a_symbol(bad):
     """Numbers and expressions are refused as coordinates."""
     with pytest.raises(CoordinateError, match="(?i)symbol|name"):
         gt.Frame([x, bad], UNIT)
@@ -144,7 +144,7 @@ def test_float_entry_is_offered_as_a_rational(entry, rational):
 @pytest.mark.parametrize(
     "entry", ["x +", "z", None, object(), [1]], ids=["text", "name", "None", "object", "list"]
 )
-def test_entry_that_is_no_expression(entry):
+def test_entry_other_than_an_expression(entry):
     """Text that is no expression, unknown names and other objects are refused as entries."""
     with pytest.raises(GeomtorsionError):
         gt.Frame([x, y], [[1, 0], [0, entry]])
@@ -186,7 +186,7 @@ def test_metric_of_wrong_shape():
     [(1,), (1, 2), (1, 0), [[1, 1], [0, 1]], [[1, 1], [1, 1]], [[x, 0], [0, 1]], "euclidean"],
     ids=str,
 )
-def test_signature_that_is_none(signature):
+def test_invalid_signature_is_refused(signature):
     """eta must be constant, symmetric, non-degenerate and of the right size."""
     with pytest.raises(SignatureError, match="(?i)signature|eta"):
         gt.Frame([x, y], UNIT, signature=signature)

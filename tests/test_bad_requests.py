@@ -63,7 +63,7 @@ def test_whole_numbers_of_every_kind_are_indices(one: Any):
 
 
 @pytest.mark.parametrize("none", [True, 1.0, "1"])
-def test_what_is_no_whole_number_is_none_anywhere(none: Any):
+def test_anything_but_a_whole_number_is_refused_everywhere(none: Any):
     """Truth values, floats and text are refused as whole numbers."""
     frame = gt.Frame([x, y], [[1, 0], [0, x]])
     with pytest.raises(TensorIndexError, match="each a whole number"):
@@ -81,7 +81,7 @@ TIMES: list[Any] = ["abc", [0.1, "x"], 1j, [[1, 2], [3]], True, object(), MASKED
 
 
 @pytest.mark.parametrize("times", TIMES, ids=range(len(TIMES)))
-def test_times_that_are_none(times: Any):
+def test_invalid_times_are_refused(times: Any):
     """Closed forms and results of scenes refuse wrong times, also masked ones, with a TimeError."""
     with pytest.raises(TimeError):
         gt.free_top((1, 2, 3), (0.1, 1, 0.2)).omega(times)
@@ -91,7 +91,7 @@ def test_times_that_are_none(times: Any):
         result.at(times)
 
 
-def test_positions_that_are_none():
+def test_invalid_positions_are_refused():
     """Text is refused as a position of a network without a graph."""
     places: Any = [["a", 0], [1, 0]]
     network = gt.Network(gt.Frame([x, y], UNIT), gt.EdgeList(places, np.array([[0, 1]])))

@@ -103,7 +103,7 @@ def test_each_convention_by_its_own_recipe(crystals: dict[str, np.ndarray], kind
 
 
 @pytest.mark.parametrize("name", ["w_screw111", "w_edge100", "cu_edge110", "w_screw111_relax"])
-def test_what_ovito_answers(name: str) -> None:
+def test_answers_of_ovito(name: str) -> None:
     """Lines made by displacements have the Burgers vector that OVITO's extraction found."""
     truth = json.loads(real("crystal/truth.json").read_text("utf-8"))[name]
     put_in = np.array(truth["b_cart"]) * np.sign(truth["line"][2])
@@ -115,7 +115,7 @@ def test_what_ovito_answers(name: str) -> None:
     assert np.linalg.norm(answer) > 2
 
 
-def test_the_extra_half_plane_is_where_the_convention_says(crystals: dict[str, np.ndarray]) -> None:
+def test_the_extra_half_plane_follows_the_convention(crystals: dict[str, np.ndarray]) -> None:
     """With FS/RH the half along sense x b, the upper half here, has one more column of atoms."""
     atoms = crystals["edge"]
     b = circuit(atoms, 1).in_convention("FS/RH")
@@ -202,7 +202,7 @@ def test_conversions_are_their_own_inverse_and_names_are_known() -> None:
     assert len(names) == len(set(names)) > 10
     for name in names:
         assert burgers(burgers([1, -2, 3], name), name).tolist() == [1, -2, 3]
-    with pytest.raises(UnknownNameError, match="'FS-RH' is not known. .*FS/RH"):
+    with pytest.raises(UnknownNameError, match="a known name, got 'FS-RH'. .*FS/RH"):
         gt.conventions.burgers([1], "FS-RH")
     for wrong in ("abc", ["a"], None):
         with pytest.raises(ArgumentError, match="vector: "):

@@ -45,7 +45,7 @@ ROUTES: dict[str, Callable[[Frame, Mapping[Any, int]], object]] = {
 
 
 @pytest.mark.parametrize("route", ROUTES.values(), ids=ROUTES)
-def test_values_against_what_was_declared(route: Callable[..., object]) -> None:
+def test_values_against_declarations(route: Callable[..., object]) -> None:
     """Each route refuses a negative value of a positive M: sympy has replaced sqrt(M**2) by M."""
     M = sp.Symbol("M", positive=True)
     x, y = sp.symbols("x y", real=True)

@@ -109,7 +109,7 @@ CASES: list[tuple[str, str | bytes | Callable[[], bytes], Callable[[Path], objec
 
 
 @pytest.mark.parametrize(("name", "content", "read", "words"), CASES, ids=[x[0] for x in CASES])
-def test_what_is_declared_is_bounded(
+def test_declared_sizes_are_bounded(
     name: str,
     content: str | bytes | Callable[[], bytes],
     read: Callable[[Path], object],
@@ -322,7 +322,7 @@ def test_dotted_keys(text: str):
         read_toml_text(text, "a.toml")
 
 
-def test_dots_that_are_no_key():
+def test_dots_in_texts_comments_and_numbers():
     """Texts, comments and numbers may contain any number of dots."""
     dots = ".".join("a" * 100)
     text = f'x = "{dots}"\ny = \'{dots}\'\nz = """\n{dots} = 1\n"""\n# {dots}\n'

@@ -96,7 +96,7 @@ def shuffled(seed: int, count: int) -> list[Key]:
 
 def of_a_process(seed: int, count: int) -> dict[str, list[str]]:
     """Digests of each kind of call from a fresh process with its own order of calls."""
-    program = "import sys, tests.test_equal_calls as own; own.tell(*map(int, sys.argv[1:]))"
+    program = "import sys, tests.test_equal_calls as o; o.print_digests(*map(int, sys.argv[1:]))"
     done = subprocess.run(
         [sys.executable, "-c", program, str(seed), str(count)],
         capture_output=True,
@@ -108,7 +108,7 @@ def of_a_process(seed: int, count: int) -> dict[str, list[str]]:
     return json.loads(done.stdout)
 
 
-def tell(seed: int, count: int) -> None:
+def print_digests(seed: int, count: int) -> None:
     """Print the digests that such a process found."""
     print(json.dumps(gathered([(key, solved(key, anew=False)) for key in shuffled(seed, count)])))
 
@@ -132,7 +132,7 @@ def first() -> dict[str, list[str]]:
     return gathered([(key, solved(key, anew=True)) for key in [*FAST, *SLOW]])
 
 
-def test_digits_tell_solutions_apart(first):
+def test_unlike_solutions_have_unlike_digits(first):
     """Solutions of unlike accuracy or problem have unlike digests, so the comparison can fail."""
     assert len(first) == len(FAST) + len(SLOW)
     assert len({bits for (bits,) in first.values()}) == len(first)

@@ -18,8 +18,12 @@ ALL = [*EXAMPLES, *SCENES]
 EXPECTED = 17
 # These take at least a third of a second; `.ci/run` runs all examples as scripts.
 LONG = {"dzhanibekov", "18_lines_between_atoms", "04_what_accuracy_costs", "16_dislocation_network",
-        "13_paper_equations", "07_tiny_loops", "rolling_disc",
-        "25_a_gait_is_a_loop"}  # fmt: skip
+        "13_paper_equations", "07_tiny_loops", "rolling_disc", "25_a_gait_is_a_loop",
+        "22_which_path_does_a_body_take", "23_orbits_of_kerr", "19_how_sure_is_a_number",
+        "27_theories_of_your_own", "28_from_a_lagrangian_to_a_universe",
+        "29_mass_and_radius_of_stars", "30_symmetries_and_holonomy", "31_is_it_a_new_solution",
+        "32_which_effects_matter", "33_parameters_from_data",
+        "34_stress_of_dislocations"}  # fmt: skip
 RUN = [pytest.param(x, marks=pytest.mark.slow) if x.stem in LONG else x for x in ALL]
 
 

@@ -44,7 +44,7 @@ def test_an_escape_arrives():
     assert solve(ODE.of(KEPLER, [1, 0, 0, 2]), 1e308, engine=RungeKutta()).times[-1] == 1e308
 
 
-def test_what_needs_few_steps_arrives():
+def test_far_times_with_few_steps_are_reached():
     """A motion that needs few steps reaches a far time."""
     assert solve(ODE.of({"x": "1"}, [1]), 1e308).states[-1][0] == 1e308
     assert (

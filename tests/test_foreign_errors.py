@@ -17,7 +17,7 @@ HUGE = 1.7e308
 
 
 @pytest.mark.parametrize("number", ["0.__1", "1__0", "1_", "1_.5", "1._5", "0.1_"])
-def test_an_underscore_stands_between_digits(number):
+def test_an_underscore_is_only_between_digits(number):
     """Other underscores in a number are refused in expressions, with the number."""
     with pytest.raises(ExpressionError, match=f"{number} is not a number: underscores may"):
         gt.parse_expression(f"{number}*r", {"r": r})

@@ -15,7 +15,7 @@ CEILINGS = {
     "site": 1,
     "support files": 1,
     "teaching": 1,
-    "tests": 97,
+    "tests": 163,
 }
 
 
@@ -61,6 +61,7 @@ def test_the_readme_has_none():
         ("floor", "the lowest floor", "the lowest layer"),
         ("fronted of", "It ends. Of a grain all is known.", "Of course."),
         ("moment of a force", "the moment of a force", "a torque"),
+        ("that is none", "periods that are none", "none of them"),
     ],
 )
 def test_each_pattern_is_found(tmp_path: Path, pattern: str, wrong: str, right: str):
@@ -75,6 +76,13 @@ def test_every_pattern_has_an_example():
     """The table above has an example of each pattern."""
     [mark] = getattr(test_each_pattern_is_found, "pytestmark")  # noqa: B009
     assert [row[0] for row in mark.args[1]] == list(language.PATTERNS)
+
+
+def test_names_in_tests_are_prose(tmp_path: Path):
+    """The name of a function in a test counts, at the line of its definition."""
+    file = tmp_path / "test_code.py"
+    file.write_text("x = 1\n\n\ndef test_periods_that_are_none():\n    alone = said\n", "utf-8")
+    assert [(hit.line, hit.pattern) for hit in language.hits_of(file)] == [(4, "that is none")]
 
 
 def test_code_is_not_prose(tmp_path: Path):

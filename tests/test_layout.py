@@ -15,6 +15,7 @@ from tests.source import (
     bare_inner_imports,
     code_lines,
     file_imports,
+    has_any,
     imported_names,
     is_exported,
     looked_for,
@@ -23,7 +24,6 @@ from tests.source import (
     part_of,
     questions_of_class,
     rings,
-    says_any,
     text_of,
     tree_of,
     tuned_constants,
@@ -61,7 +61,6 @@ NEIGHBOURS: dict[tuple[str, str], str] = {}
 # A longer file holds more than one idea, unless a reason is given here.
 LONG: dict[str, str] = {
     "ode/problem.py": "what a solver asks of equations, in one place; a quarter is documentation",
-    "support/checks.py": "all validators side by side, so that nobody writes another",
     "support/files.py": "all that is read from text files, and one way to write a whole file",
     # Each of these replaces several files that were always read together.
     "codegen/reading.py": "all that is read: elements, their products, expressions",
@@ -149,7 +148,7 @@ def test_an_upward_arrow_would_be_found():
         floor_of("cellar")
 
 
-def test_applications_import_what_is_exported():
+def test_applications_import_exported_names():
     """Applications import from a package below the wall only names or modules in its __all__."""
     applications = {name for floor in ABOVE_THE_WALL for name in floor}
     wrong = [
@@ -187,7 +186,7 @@ def test_a_long_file_has_a_reason():
     assert long.keys() == LONG.keys(), "give a new one its reason, drop one that is short again"
 
 
-def test_every_file_says_what_it_is():
+def test_every_file_has_a_docstring():
     """The first statement of a file is a docstring."""
     assert not [name_of(file) for file in FILES if not ast.get_docstring(tree_of(file))]
 
@@ -209,18 +208,18 @@ def test_few_files_need_each_other():
     assert sum(found.values()) <= CEILINGS["files in rings"], found
 
 
-def test_imports_stand_at_the_top():
+def test_imports_are_at_the_top():
     """An import inside a function has a comment with its reason, beside or above it."""
     found = {name_of(file): bare_inner_imports(text_of(file), looked_for(file)) for file in FILES}
     found = {name: lines for name, lines in found.items() if lines}
     assert sum(map(len, found.values())) <= CEILINGS["inner imports without a reason"], found
 
 
-def test_types_say_something():
+def test_few_types_are_any():
     """The percentage of annotations with `Any` is small."""
     every = [annotation for file in FILES for annotation in annotated_types(looked_for(file))]
     assert len(every) > 5000
-    assert 100 * sum(map(says_any, every)) / len(every) <= CEILINGS["percent of Any"]
+    assert 100 * sum(map(has_any, every)) / len(every) <= CEILINGS["percent of Any"]
 
 
 def test_few_numbers_are_tuned():
@@ -258,7 +257,7 @@ def test_the_code_keeps_to_its_budget():
     assert not under
 
 
-def test_what_is_measured_would_be_found():
+def test_measures_find_examples():
     """Each measure finds what it should and nothing else."""
     assert rings({"a": {"b"}, "b": {"c"}, "c": {"b"}, "d": {"a"}}) == [{"b", "c"}]
     text = "def f():\n    import a\n\n    # heavy\n    import b\n    import c  # late\nimport d\n"
@@ -269,7 +268,7 @@ def test_what_is_measured_would_be_found():
     code = ast.parse("X: Any = 1\n_Y, z, W = -2 * 3.0, 4, 5e-3\nV = [1]\nS = f(2)\nB = True\n")
     assert tuned_constants(code) == ["X", "_Y", "W"]
     given = ast.parse("def f(a, b: int, *c: list[Any]) -> Any: ...")
-    assert [says_any(annotation) for annotation in annotated_types(walk(given))] == [
+    assert [has_any(annotation) for annotation in annotated_types(walk(given))] == [
         False,
         True,
         True,

@@ -74,7 +74,7 @@ MAKERS = {
 
 
 @pytest.mark.parametrize("name", MAKERS)
-def test_what_is_made_twice_is_equal(name: str) -> None:
+def test_values_made_twice_are_equal(name: str) -> None:
     """A value made again, copied or unpickled is equal and has the same hash."""
     value = MAKERS[name]()
     again = (
@@ -113,7 +113,7 @@ def test_frames_with_other_content_are_unequal(name: str) -> None:
     other = DIFFERENT[name]
     assert other != F
     assert other.metric != F.metric
-    with pytest.raises(TensorIndexError, match="expected tensors of one frame"):
+    with pytest.raises(TensorIndexError, match="expected a tensor over this frame"):
         _ = other.metric + F.metric
 
 
@@ -241,7 +241,11 @@ REFUSED = [
     ("b * b", TypeError, "unsupported operand"),
     ("b + 'b'", TypeError, "unsupported operand"),
     ("b * float('nan')", TypeError, "unsupported operand"),
-    ("gt.contract('ab,bc->ac', F.metric, DIFFERENT['eta'].inverse_metric)", ShapeError, "frames"),
+    (
+        "gt.contract('ab,bc->ac', F.metric, DIFFERENT['eta'].inverse_metric)",
+        ShapeError,
+        "this frame",
+    ),
 ]
 
 

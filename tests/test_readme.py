@@ -151,7 +151,7 @@ def test_what_measured_the_figures_is_there():
     assert not [name for name in named if not (ROOT / name).exists()]
 
 
-def test_the_two_commands_stand_there_once():
+def test_each_command_occurs_once():
     """One line installs and runs, one installs and tests, and a later one builds the site.
 
     .ci/run reads these lines from the README.
@@ -169,7 +169,7 @@ def test_the_two_commands_stand_there_once():
     assert "pytest" not in script, "the test command would stand twice"
 
 
-def test_version_stands_once():
+def test_version_occurs_once():
     """The package does not repeat the version of pyproject.toml."""
     project = (ROOT / "pyproject.toml").read_text("utf-8")
     version = re.search(r'^version = "(.+)"$', project, re.MULTILINE)

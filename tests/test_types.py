@@ -73,7 +73,7 @@ def test_planted_mistakes(checker, tmp_path):
     assert lines_found(checker, tmp_path) == PLANTED
 
 
-def test_the_package_says_that_it_is_typed():
+def test_the_package_is_marked_as_typed():
     """The package has the file py.typed, without which checkers ignore its types."""
     assert (Path(geomtorsion.__file__).parent / "py.typed").exists()
 
@@ -96,7 +96,7 @@ def test_version():
     assert "__version__" in dir(geomtorsion)
 
 
-def test_the_version_is_told_alike():
+def test_the_version_is_the_same_everywhere():
     """Changelog and citation in the README have the version, and the same date."""
     changes = (ROOT / "CHANGELOG.md").read_text("utf-8")
     sections = re.findall(r"^## \[(\d[\d.]*)\] - (\d{4}-\d{2}-\d{2})$", changes, re.MULTILINE)

@@ -93,7 +93,7 @@ def few_pages(monkeypatch: pytest.MonkeyPatch):
 
 @pytest.mark.parametrize("given", NOT_NAMES, ids=repr)
 @pytest.mark.parametrize("what", dict.fromkeys([*FILES, *FOLDERS, *READERS]))
-def test_what_is_no_name(what: str, given: object):
+def test_anything_but_a_name_is_refused(what: str, given: object):
     """A value that is not a file name is refused as an argument, by writers and readers."""
     for table in (FILES, FOLDERS, READERS):
         if what in table:

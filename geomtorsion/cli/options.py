@@ -143,14 +143,6 @@ Priced = Annotated[
         lambda: (*_spaces(), *_scenes()),
     ),
 ]
-SpaceOrMeasured = Annotated[
-    str,
-    argument(
-        "SPACE|FILE",
-        "A shipped space, a tetrad file (TOML), or measured data (.npz, .csv, .ctf, ...).",
-        _spaces,
-    ),
-]
 MeasuredFile = Annotated[
     str,
     argument(

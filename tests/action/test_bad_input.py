@@ -46,7 +46,7 @@ def test_listed_parameters_bind():
         gt.equations_of_motion(SO3, SPIN, [0, -sp.Symbol("k") * U1, 0], parameters=[])
 
 
-def test_functions_of_time_are_no_coordinates():
+def test_functions_of_time_are_refused_as_coordinates():
     """phi1(t), as in sympy.physics.mechanics, would silently count as a given drive."""
     t = sp.Symbol("t")
     with pytest.raises(

@@ -41,7 +41,7 @@ def test_chaplygin_sleigh():
     assert len(found.invariants) == 1, "the blade takes away all momenta"
 
 
-def test_knife_edge_in_coordinates_says_the_same():
+def test_knife_edge_in_coordinates_moves_the_same_way():
     """The blade as sin(theta) x' - cos(theta) y' = 0 over dx, dy gives the same motion."""
     plain = gt.Frame([X, Y, THETA], sp.eye(3).tolist())
     turn = {

@@ -36,7 +36,7 @@ def test_euler_equations_on_so3():
     assert found.agrees is True
 
 
-def test_euler_equations_with_moments_of_force():
+def test_euler_equations_with_torques():
     """Equation (1) with torques that depend on q, u, t and a parameter."""
     frame = spaces.load("so3").frame
     phi2, t, k = frame.coordinates[1], sp.Symbol("t"), sp.Symbol("k")
@@ -103,7 +103,7 @@ def same_rates(equations, problem):
     return compared >= equations.frame.dimension
 
 
-def test_torsion_force_is_minus_that_of_the_connection():
+def test_torsion_force_has_the_opposite_sign_of_the_connection():
     """With p = u it is minus the torsion force of the connection, 2 S_a^c_b q'^a q'^b lowered."""
     frame = spaces.load("r3xso3").frame
     found = gt.equations_of_motion(frame, sum(u**2 for u in U) / 2)
@@ -118,7 +118,7 @@ def test_torsion_force_is_minus_that_of_the_connection():
     assert turning.torsion_force == (0, 0, 0)
 
 
-def test_principles_told_apart_on_so3():
+def test_principles_differ_on_so3():
     """Equal moments of inertia: all three agree; else only Hamilton's has a gyroscopic term."""
     frame = spaces.load("so3").frame
     equal_moments = SPIN.subs(dict.fromkeys(MOMENTS, MOMENTS[0]))
@@ -179,7 +179,7 @@ def test_text_is_read_like_expressions():
     assert one.rates == two.rates
 
 
-def test_the_frame_of_the_user_is_left_alone():
+def test_the_frame_of_the_user_is_unchanged():
     """Mechanics adds no symbol to the frame of the user."""
     x, y = sp.symbols("x y", positive=True)
     frame = gt.Frame([x, y], [[1, 0], [0, x]])
@@ -199,7 +199,7 @@ def test_other_letters_where_the_frame_has_taken_them():
     assert found.time.name == "time"
 
 
-def test_values_against_what_was_declared():
+def test_values_against_declarations():
     """A value against the assumptions of a parameter of the Lagrangian is refused."""
     m, x = sp.Symbol("m", positive=True), sp.Symbol("x", real=True)
     u = sp.Symbol("u1", real=True)

@@ -31,7 +31,7 @@ def test_constant_variation_in_closed_form():
 
 
 @pytest.mark.parametrize("name", ["so3", "flat_polar", "heisenberg"])
-def test_gap_is_that_of_the_varied_path(name):
+def test_gap_equals_the_gap_of_the_varied_path(name):
     """Paths with the velocities u + eps dPhi' end b eps apart, in first order of eps."""
     frame = gt.spaces.load(name).frame
     bar = gt.variation(frame, "closed_in_image")

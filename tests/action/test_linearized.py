@@ -197,7 +197,7 @@ def test_critical_speeds_of_the_bicycle(ridden):
     assert np.sort(np.abs(capsize))[3] < 1e-12
 
 
-def test_the_bicycle_cannot_be_written_out_and_says_what_to_do():
+def test_the_bicycle_cannot_be_written_out_and_names_the_remedy():
     """The error for the full equations names the function that expands them."""
     frame, energy, ties = bicycle()
     numbers = [tie.subs(sp.sqrt(5), sp.Symbol("s", positive=True)) for tie in ties]

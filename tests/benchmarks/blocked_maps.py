@@ -82,7 +82,7 @@ def processor() -> tuple[float, float]:
     return own, children
 
 
-def alone(target: Callable[..., None], *arguments: Any) -> None:
+def in_own_process(target: Callable[..., None], *arguments: Any) -> None:
     """Run a call in a process of its own; its failure ends this process."""
     process = multiprocessing.get_context("spawn").Process(target=target, args=arguments)
     process.start()
@@ -99,7 +99,7 @@ def main() -> None:
     parser.add_argument("--scheduler", default="synchronous")
     given = parser.parse_args()
     for nodes in given.nodes:
-        alone(run, nodes, given.scheduler, given.workers)
+        in_own_process(run, nodes, given.scheduler, given.workers)
 
 
 if __name__ == "__main__":

@@ -102,7 +102,7 @@ def _end(process: subprocess.Popen[str]) -> None:
         os.killpg(process.pid, signal.SIGKILL)
 
 
-def _say(kind: str, name: str | float, value: float) -> None:
+def _emit(kind: str, name: str | float, value: float) -> None:
     # The original standard output: the output of some packages is captured.
     print(json.dumps([kind, name, value]), file=sys.__stdout__, flush=True)
 
@@ -118,15 +118,15 @@ def main(name: str, case_name: str, limit: str) -> None:
     soft = int(float(limit)) + 1
     resource.setrlimit(resource.RLIMIT_CPU, (soft, resource.RLIM_INFINITY))
     try:
-        outcome = find(name).measure(case, _say)
+        outcome = find(name).measure(case, _emit)
     except TimeoutError:
         return
     resource.setrlimit(resource.RLIMIT_CPU, (int(soft + CHECK), resource.RLIM_INFINITY))
     who = resource.RUSAGE_CHILDREN if name.startswith("maxima") else resource.RUSAGE_SELF
-    _say("done", outcome.ricci_is_zero, resource.getrusage(who).ru_maxrss / 1024)
+    _emit("done", outcome.ricci_is_zero, resource.getrusage(who).ru_maxrss / 1024)
     expected = kretschmann_at_point(case)
     difference = abs(at_point(outcome.kretschmann) - expected)
-    _say("checked", "", float(bool(difference < 1e-18 * abs(expected))))
+    _emit("checked", "", float(bool(difference < 1e-18 * abs(expected))))
 
 
 def to_json(result: Result) -> str:

@@ -83,7 +83,7 @@ def test_a_hundred_thousand_loops(benchmark: BenchmarkFixture) -> None:
 
 
 @pytest.mark.parametrize(("lines", "seconds"), [(14, 1.0), (40, 1.0), (1000, 10.0)])
-def test_a_circle_round_many_screws(
+def test_a_circle_around_many_screws(
     benchmark: BenchmarkFixture, lines: int, seconds: float
 ) -> None:
     """Time from positions to the vector and the enclosed lines, with frame and compilation."""

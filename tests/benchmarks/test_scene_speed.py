@@ -94,7 +94,7 @@ def test_a_free_top_in_closed_form(capsys):
         print(f"\na thousand attitudes: {1e3 * seconds:.2f} ms, errors below {worst:.0e}")
 
 
-def test_what_each_effect_adds(capsys):
+def test_cost_of_each_effect(capsys):
     """`scene.cost()` of a body with many effects counts the states that each effect adds."""
     effects = [
         E.AngularDamping(0.01), E.BodyMoment((0, 0, 0.01)), E.Magnet((0, 0, 0.1), (0, 0, 1)),

@@ -14,14 +14,14 @@ GROUPS = {"": Commands, "exercises": ExerciseCommands}
 COMMANDS = [(group, name) for group, commands in GROUPS.items() for name in commands.summaries]
 
 
-def test_version_is_that_of_the_package():
+def test_version_of_the_package_is_printed():
     """--version prints the name of the package."""
     assert run("--version").stdout.startswith("geomtorsion ")
 
 
 def test_help_lists_the_commands():
     """The overview lists all commands."""
-    assert len(COMMANDS) == 29
+    assert len(COMMANDS) == 30
     for group, commands in GROUPS.items():
         text = run(*group.split(), "--help").stdout
         for name in commands.summaries:

@@ -113,7 +113,7 @@ def test_a_program_that_imports_the_package_gets_its_interrupt():
         (["map", "field.npz"], "map.csv"),
         (["map", "field.npy", "--blocks", "30"], "map.zarr"),
         pytest.param(
-            ["burgers", "field.npz", "--loop", "circle 20,20:9"],
+            ["circuit", "field.npz", "--loop", "circle 20,20:9"],
             "circuits.png",
             marks=pytest.mark.slow,
         ),
@@ -224,7 +224,7 @@ def test_too_little_memory_ends_in_words(tmp_path):
     assert done.stderr.count("\n") == 1
 
 
-def test_limits_that_are_none():
+def test_expressions_without_a_limit_are_refused():
     """A negative limit is refused."""
     error = run("geometry", "s2", "--seconds", "-1", code=2).stderr
     assert "seconds: expected a positive number, got -1" in error
@@ -248,7 +248,7 @@ def test_every_error_names_a_page_that_is_there(kind):
     assert f"\n# {title}\n" in f"\n{(site / f'{kind.page}.md').read_text('utf-8')}"
 
 
-def test_a_file_of_any_kind_does_not_send_to_that_of_tetrads():
+def test_a_file_of_any_kind_links_to_the_general_page():
     """Tetrads, atoms, maps and images share this class, so its page is the general one."""
     assert errors.FileFormatError.page == "errors"
 

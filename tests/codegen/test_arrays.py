@@ -56,7 +56,7 @@ def test_numpy_function_of_complex_elements():
     assert abs(value - np.exp(0.3j) / (0.3 + 0.7j)) < 1e-15
 
 
-def test_what_is_missing_or_singular_is_named():
+def test_missing_and_singular_arguments_are_named():
     """Too few arguments, a symbol without a value, and the first singular point are named."""
     field = Field([x, y])
     with pytest.raises(MissingValueError, match="y is not among the arguments"):
@@ -84,7 +84,7 @@ def test_opaque_functions_without_a_form():
     ],
 )  # fmt: skip
 @pytest.mark.parametrize("check", [True, False])
-def test_what_is_no_real_number_is_refused(given, check):
+def test_anything_but_a_real_number_is_refused(given, check):
     """Such an argument is not read as a number, cut to its real part, or left to NumPy."""
     function = numpy_function([Field([x, y]).read(x + y)], [x, y], check=check)
     with pytest.raises(ArgumentError, match="y: expected a number or an array of real numbers"):
@@ -94,7 +94,7 @@ def test_what_is_no_real_number_is_refused(given, check):
 @pytest.mark.parametrize(
     "given", [np.nan, np.inf, 10**400, np.ma.array([1.0, 2.0], mask=[False, True])]
 )
-def test_what_is_not_finite_is_refused_where_values_are_right(given):
+def test_non_finite_arguments_are_refused_where_values_are_right(given):
     """With the check such an argument is refused; without it the value is not finite."""
     read = [Field([x, y]).read(x + y)]
     with pytest.raises(ArgumentError, match=r"y(\[1\])? = (nan|inf) is not finite"):

@@ -111,7 +111,7 @@ def test_complex_values_are_right_too():
         assert abs(found - exact) <= 1e-12 * abs(exact)
 
 
-def test_what_has_no_value_is_named_and_what_is_not_checked_comes_as_it_is():
+def test_poles_are_named_by_the_check_and_infinite_without_it():
     """A pole is named, a removable singularity is not; without the check inf is returned."""
     x = sp.Symbol("x")
     elements = [Field([x]).read((1 - sp.cos(x)) / x**2), Field([x]).read(1 / (x - 2))]

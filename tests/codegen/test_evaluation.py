@@ -40,7 +40,7 @@ def test_numbers_that_are_fractions(given, wanted):
         assert rational(given) == wanted
 
 
-def test_numbers_that_are_none():
+def test_irrational_numbers_and_long_floats_keep_their_bits():
     """sqrt(2) has the requested bits, and a long float keeps the bits that it has."""
     with mpmath.workprec(300):
         assert abs(exact_number(sp.sqrt(2), 300) ** 2 - 2) < mpmath.mpf(2) ** -295

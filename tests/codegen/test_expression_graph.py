@@ -239,7 +239,7 @@ def test_exact_values_stay_fractions_where_they_can():
     assert size == 2
 
 
-def test_sizes_are_those_of_the_terms():
+def test_sizes_add_up_the_sizes_of_the_terms():
     """The size of a value adds the sizes of its terms, also if factors are pulled out."""
     outputs = [x**2 * z - x * y * z, x - y, (x - y) / (x - z), sp.sin(x) - 1]
     made = graph(NAMES, outputs)
@@ -306,7 +306,7 @@ def decomposition(hy, *texts):
     return made, [str(node) for node, _ in made.decomposition]
 
 
-def test_parameters_are_no_series():
+def test_terms_of_parameters_are_computed_before():
     """Terms of parameters only are computed before: a node contains at most one parameter."""
     hy = pytest.importorskip("heyoka")
     texts = "a*b*x*y", "a**2*x + sin(a)/b", "(a + b)*y*z/(a - b)"
@@ -398,7 +398,7 @@ def test_text_becomes_a_function_once():
 
 
 @pytest.mark.parametrize(("gap", "certain"), [(2.0**-47, True), (2.0**-49, False)])
-def test_what_is_above_rounding(gap, certain):
+def test_a_sign_needs_a_value_above_rounding(gap, certain):
     """The terms of 1 - x add up to 2; a value below eight roundings of that has no sign."""
     made = graph(["x"], [1 - x]).above_rounding()
     assert (made.python()(1 - gap)[0] > 0) is certain

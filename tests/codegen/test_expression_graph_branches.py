@@ -61,7 +61,7 @@ def test_points_and_arrays(entry, right, wrong):
         assert "read as" in str(one)
 
 
-def test_what_is_read_later_does_not_count():
+def test_later_roots_do_not_restrict_the_frame():
     """A root that is read later for another purpose does not restrict the frame."""
     frame = Frame([x, y], [[1, 0], [0, 1 + x**2]])
     before = frame.metric.at({x: -2})

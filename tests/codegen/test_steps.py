@@ -41,7 +41,7 @@ def test_nothing_constant_is_left_to_do(row):
             assert below.kind == "number" or not below.constant
 
 
-def test_no_value_is_no_error():
+def test_an_infinite_inverse_raises_no_error():
     """The inverse of zero is infinite, as in the equations."""
     rest, constants = graph(["x", "a"], [x / a], ["a"]).hoisted(1, "c")
     assert np.isinf(constants.numpy()(0.0)).all()

@@ -79,7 +79,7 @@ def test_a_shared_product_is_worth_more_than_a_shared_number():
     assert costly(made) == 2
 
 
-def test_products_with_parameters_are_no_products():
+def test_products_with_parameters_do_not_count_as_products():
     """Products with parameters are cheap; parameters are multiplied with each other once."""
     field = Field(SYMBOLS)
     outputs = products(field, [[("a*b*x*y", ())], [("a*x*y", ("z",))]])
@@ -110,7 +110,7 @@ def test_nothing_new_is_divided_by():
     assert made.python()(0.0, 0.0, 2.0, 0.0, 3.0) == (0.0, 6.0)
 
 
-def test_what_is_too_long_is_not_factored():
+def test_long_sums_are_not_factored():
     """Sums of hundreds of terms are not factored, and keep their values."""
     field = Field(SYMBOLS)
     output = tuple((field.read(x**i * y**j), ("z",) * k) for i in range(6) for j in range(6)

@@ -244,7 +244,7 @@ X, Y, K = sp.symbols("x y k")
         ([1.0, 2.0], {"k": "1"}, "parameter k: expected a number, got '1'"),
     ],
 )
-def test_a_change_of_charts_is_asked_for_wrongly(coordinates, parameters, message):
+def test_wrong_changes_of_charts_are_refused(coordinates, parameters, message):
     """Floats and precise numbers refuse the same input; parameters may be keyed by symbols."""
     change = TransitionMap("one", "other", (X, Y), (X + K * Y, X * Y), (K,))
     assert change([1.0, 2.0], {K: 2}).tolist() == [5.0, 2.0]

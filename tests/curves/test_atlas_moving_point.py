@@ -56,7 +56,7 @@ def test_a_velocity_of_fractions(accuracy):
 
 
 @needs_heyoka
-def test_no_floats_where_more_was_asked_for_and_no_more_where_not():
+def test_results_have_floats_or_digits_as_requested():
     """An accuracy of doubles returns doubles with an error of at least one rounding."""
     found = solve(geodesic(POLAR, START, VELOCITY), 1.0, 1e-15, Taylor(113))
     assert found.coordinates.dtype == found.velocity.dtype == np.float64
@@ -79,7 +79,7 @@ def test_numpy_functions_work_on_long_numbers(accuracy):
 
 
 @needs_heyoka
-def test_an_engine_that_has_too_few_bits_says_what_it_has():
+def test_an_engine_with_too_few_bits_names_its_precision():
     """An accuracy beyond the bits of an engine raises an AccuracyError."""
     with pytest.raises(Exception, match=r"Taylor\(113\) gets to") as found:
         solve(geodesic(POLAR, START, VELOCITY), 1.0, 1e-40, Taylor(113))
@@ -136,7 +136,7 @@ def test_numbers_that_a_law_brings_are_perturbed_with_the_start():
         assert max(gaps) == pytest.approx(part, rel=1e-6)
 
 
-def test_states_are_perturbed_at_the_start_alone():
+def test_states_are_perturbed_only_at_the_start():
     """The stage after a chart begins at the end of that chart, without a new perturbation."""
     problem = geodesic(load("s2").frame, [1.0, 0.3], frame_velocity=[-1, 0.5], parameters={"R": 1})
     after = []

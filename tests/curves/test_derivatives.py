@@ -26,7 +26,7 @@ def test_neighbours_on_a_sphere(engine):
     assert solution["du2_dR"] == pytest.approx(0 * times + 1, abs=1e-9)
 
 
-def test_what_was_given_is_held_fixed():
+def test_given_quantities_are_held_fixed():
     """At a fixed speed the angle advances as 1/R."""
     given = gt.geodesic("s2", [np.pi / 2, 0.0], frame_velocity=[0.0, 1.0], parameters={"R": 2})
     solution = gt.solve(given, [0, 3.0], derivatives=["R", "u2"])
@@ -68,7 +68,7 @@ def test_longer_numbers():
     assert fine["du1_da"].astype(float) == pytest.approx(plain["du1_da"], rel=1e-10)
 
 
-def test_velocities_alone():
+def test_velocities_only():
     """On a group without coordinates: Euler's equations at moments 1, 2, 3."""
     top = gt.geodesic("so3", frame_velocity=[1.0, 2.0, 3.0], metric=[1, 2, 3])
     times = np.linspace(0, 1, 3)

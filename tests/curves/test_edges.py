@@ -277,7 +277,7 @@ def test_a_sign_that_was_declared_is_an_edge(sign: int, word: str) -> None:
         frame.metric.at({"x": -sign, "y": 0})
 
 
-def test_a_sign_of_which_nothing_depends_is_no_edge() -> None:
+def test_an_irrelevant_sign_adds_no_edge() -> None:
     """A sign of an angle, or of a coordinate that the frame does not contain, is not an edge."""
     r, theta, phi, t = sp.symbols("r theta phi t", positive=True)
     frame = Frame([r, theta], [[1, 0], [0, r]])

@@ -152,7 +152,7 @@ def test_against_113_bits(name, accuracy):
 
 @needs_heyoka
 @pytest.mark.parametrize("name", ROUNDED)
-def test_rounding_alone_is_left(name):
+def test_only_rounding_remains(name):
     """At a high order only rounding errors are left, relative to the size of each state."""
     (start, velocity), end, most = ROUNDED[name]
     problem = orbit(start, velocity)
@@ -291,7 +291,7 @@ def test_reading_and_saving(tmp_path):
 
 @needs_heyoka
 @pytest.mark.parametrize("times", [7.0, [2.0, 5.0, 7.0]], ids=["the end alone", "samples"])
-def test_members_are_as_if_alone(times):
+def test_members_agree_with_single_motions(times):
     """Each member agrees with its true solution and has an error, at the end and at samples."""
     accuracy = 1e-10
     many = solve_many(

@@ -35,7 +35,7 @@ def test_saved_and_read(tmp_path):
     assert back.metadata["problem"]["coordinates"] == ["phi1", "phi2", "phi3"]
 
 
-def test_files_that_are_none(tmp_path):
+def test_invalid_files_are_refused(tmp_path):
     """Missing, truncated and foreign files are refused by name."""
     path = tmp_path / "motion.npz"
     with pytest.raises(FileFormatError, match=r"motion\.npz"):
@@ -91,7 +91,7 @@ def test_velocity_of_the_start():
     assert PROBLEM.velocity == pytest.approx([0.1, 0.5, -0.2], abs=1e-15)
 
 
-def test_velocities_alone():
+def test_velocities_only():
     """On a group the velocities need no coordinates."""
     top = geodesic(SO3, frame_velocity=[1.0, 0.1, 0.2], metric=[1, 2, 3])
     sol = solve(top, 10.0, 1e-10, RungeKutta())

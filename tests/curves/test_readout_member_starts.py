@@ -69,7 +69,7 @@ def test_starts_and_velocities(engine):
 
 
 @every_engine
-def test_what_does_not_arrive_is_told_apart(engine):
+def test_unfinished_members_are_marked(engine):
     """One loxodrome of three ends at the pole; the others are finished."""
     problem = autoparallel(
         cartan(load("s2").frame), [1.0, 0.0], frame_velocity=[0, 1], parameters={"R": 1}
@@ -82,7 +82,7 @@ def test_what_does_not_arrive_is_told_apart(engine):
     assert np.isnan(many.coordinates[1]).all()
 
 
-def test_interruption_returns_what_is_finished(monkeypatch):
+def test_interruption_returns_finished_members(monkeypatch):
     """Ctrl-C in the second stack returns the members of the first one."""
     monkeypatch.setattr(stacked, "STACKED", 12)
     inner, calls = stacked._run_part, []
@@ -128,7 +128,7 @@ def test_refused():
 
 
 @needs_heyoka
-def test_many_says_what_it_cost():
+def test_summary_of_many_names_its_cost():
     """The summary has the numbers of motions and the engine."""
     many = solve_many(
         top(frame_velocity=[1, 0, 0]), None, 5.0, frame_velocities=RANDOM.normal(size=(40, 3))
@@ -150,7 +150,7 @@ def ensembles() -> dict[str, tuple[Any, dict[str, Any]]]:
 
 
 @cache
-def alone(name: str, k: int, times: tuple[float, ...]) -> Solution:
+def single(name: str, k: int, times: tuple[float, ...]) -> Solution:
     """A member solved by itself, with one engine for all comparisons."""
     problem, given = ensembles()[name]
     member = problem.with_start(**{key[:-3] + "y": rows[k] for key, rows in given.items()})
@@ -169,7 +169,7 @@ def test_charts_are_changed_on_the_way(engine, name, t):
     assert len(many.trajectories) >= 4
     assert any(len(trajectory.segments) > 1 for trajectory in many.trajectories.values())
     for k in range(9):
-        one = alone(name, k, tuple(t) if isinstance(t, list) else (t,))
+        one = single(name, k, tuple(t) if isinstance(t, list) else (t,))
         gap = many.coordinates[k] - one.coordinates
         gap[:, -1] = np.remainder(gap[:, -1] + np.pi, 2 * np.pi) - np.pi
         gap[:, 0] = np.remainder(gap[:, 0] + np.pi, 2 * np.pi) - np.pi

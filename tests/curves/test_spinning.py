@@ -173,7 +173,7 @@ REFUSALS = [
 
 
 @pytest.mark.parametrize(("wrong", "words"), REFUSALS)
-def test_what_is_no_body_is_refused(wrong, words):
+def test_anything_but_a_body_is_refused(wrong, words):
     """Each error names the expected input."""
     with pytest.raises(GeomtorsionError, match=words):
         wrong()

@@ -92,7 +92,7 @@ def test_one_turn_of_an_autoparallel():
     assert solution.times[-1] == pytest.approx(2 * math.pi / math.sin(1.0), rel=1e-9)
 
 
-def test_velocities_alone():
+def test_velocities_only():
     """Velocities of a group without coordinates stop as well."""
     top = gt.geodesic(
         gt.spaces.load("so3").frame, frame_velocity=[0.1, 2, 0.1], metric=[1, 2, 3], stop="u2"
@@ -131,7 +131,7 @@ def test_where_no_other_chart_states_the_condition():
         gt.solve(plunge(stop="1 - u2"), 22.0)
 
 
-def test_a_start_on_the_axis_says_in_which_chart():
+def test_a_start_on_the_axis_names_the_chart():
     """The error names the chart that covers the pole and its coordinates; a curve starts there."""
     with pytest.raises(
         StartError, match=r"Chart 'axis' covers this point, at .* y_ax = 0, z_ax = 1"

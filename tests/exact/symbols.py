@@ -26,7 +26,7 @@ POINT = {
 }
 
 
-def stand_ins(expression: sp.Expr) -> sp.Expr:
+def with_definite_functions(expression: sp.Expr) -> sp.Expr:
     """Expression with definite functions instead of f, g and h, so that it has a numeric value."""
     u, v = sp.Dummy("u"), sp.Dummy("v")
     known = {
@@ -42,7 +42,7 @@ def stand_ins(expression: sp.Expr) -> sp.Expr:
 
 def number(expression: sp.Expr, digits: int = 60, point: dict = POINT) -> mpmath.mpf | mpmath.mpc:
     """Value of an expression at a point (by default POINT), by mpmath and without the package."""
-    expression = stand_ins(expression)
+    expression = with_definite_functions(expression)
     order = sorted(expression.free_symbols, key=str)
     with mpmath.workdps(digits):
         values = [

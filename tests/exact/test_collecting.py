@@ -52,7 +52,7 @@ def test_how_long_a_sum_is_collected(others: int, is_collected: bool) -> None:
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_what_is_collected_is_worth_the_same(seed: int) -> None:
+def test_collected_forms_are_equal(seed: int) -> None:
     """The collected form of a random sum equals it by sympy's expansion and is not longer."""
     numbers = random.Random(seed)
     symbols = (a, b, x, y)

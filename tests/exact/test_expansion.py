@@ -75,7 +75,7 @@ def test_known_series(expression, symbol, point, order, value):
 
 
 @pytest.mark.parametrize("order", [0, 1, 2, 3])
-def test_what_is_left_is_of_the_next_order(order):
+def test_the_remainder_is_of_the_next_order(order):
     """The error of a series falls like the next power, measured with fifty digits."""
     entry = sp.sqrt(1 - 2 * M / r + k**2 / r**2) * sp.cos(x) / sp.sqrt(r**2 + k**2 * sp.cos(x) ** 2)
     values = {r: sp.Rational(7), M: sp.Rational(3, 2), x: sp.Rational(2, 3)}
@@ -112,14 +112,14 @@ def test_roots_keep_the_sign_that_they_have_near_the_point():
         (f(x), x, sp.oo, UndecidedError, "cannot be had"),
     ],
 )
-def test_limits_that_are_none(expression, symbol, point, error, message):
+def test_expressions_without_a_limit_are_refused(expression, symbol, point, error, message):
     """The error states how the expression behaves at the point, or which signs to declare."""
     with pytest.raises(error, match=message):
         expansion(expression, symbol, point).limit()
 
 
 @pytest.mark.parametrize("expression", [sp.log(x), sp.exp(1 / x), sp.sin(1 / x), r**g])
-def test_series_that_are_none(expression):
+def test_expressions_without_a_series_are_refused(expression):
     """A function without finite derivatives at the point has no series in powers."""
     symbol = r if expression.has(r) else x
     with pytest.raises(SingularPointError, match="has no series in powers at"):

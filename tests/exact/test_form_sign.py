@@ -37,7 +37,7 @@ def test_signs_and_zeros(expression):
     assert of_same_sign(shorter).sympy == shorter.sympy
 
 
-def test_what_it_leaves_out():
+def test_positive_factors_are_omitted():
     """Positive factors are omitted, and powers are reduced to lower powers of the same sign."""
     field = Field((R, THETA, M, A))
     found = of_same_sign(field.read(EDGES[0])).sympy

@@ -55,7 +55,7 @@ def test_symbols_that_matter_stay(curvature):
         assert abs(have - want) < mpmath.mpf(10) ** -38
 
 
-def test_what_was_asked_before_decides_nothing():
+def test_earlier_queries_change_no_form():
     """Equal components are written in equal letters, however many points earlier queries used."""
     shown = []
     # The prime changes at the 256th point: between two queries, or between two compared points.

@@ -29,7 +29,7 @@ def test_long_products_are_kept_and_short_ones_are_not(field):
     assert not (field.read(x + y) * field.read(x - y)).is_kept
 
 
-def test_values_and_derivatives_are_those_of_the_product(field):
+def test_values_and_derivatives_agree_with_the_product(field):
     """A kept quotient agrees with mpmath to 50 digits, and its derivative to 25."""
     a, b = field.read(LONG), field.read(OTHER)
     value = (a * b + a) / (b * b + 1)
@@ -70,7 +70,7 @@ def test_division_by_a_kept_zero(field):
         _ = 1 / (a * b - b * a)
 
 
-def test_it_does_not_matter_what_was_asked_before(field):
+def test_earlier_queries_change_no_text(field):
     """The text of an element is the same after one of its parts was multiplied out."""
     a, b = field.read(LONG), field.read(OTHER)
     first = str((a * b + b) / (a + b * b))
@@ -94,7 +94,7 @@ def test_copies(field):
     assert abs(again.evaluate(point) / product.evaluate(point) - 1) < 1e-14
 
 
-def test_what_needs_a_polynomial_says_when_it_is_too_long(field):
+def test_too_long_polynomials_are_refused_with_a_remedy(field):
     """The root of a long product is refused, and the message states a remedy."""
     powers = range(70)
     a = field.read(sp.Add(*[(i + j + 1) * x**i * y**j for i in powers for j in powers]))

@@ -97,7 +97,7 @@ def test_work_can_be_interrupted():
     assert done.returncode == 0
 
 
-def test_what_is_too_long_to_write_has_numbers():
+def test_components_too_long_to_write_have_numbers():
     """A component too long to write can still be tested for zero; only writing it is refused."""
     x, y, z = sp.symbols("x y z", real=True)
     f, g = sp.Function("f"), sp.Function("g")
@@ -130,7 +130,7 @@ def test_a_leg_that_is_too_long_is_named():
         _ = frame.coframe
 
 
-def test_what_is_far_too_long_is_not_written_before_it_is_refused():
+def test_far_too_long_components_are_refused_before_they_are_written():
     """The length follows from the sums inside, before sympy expressions are made of them."""
     w, x, y, z = sp.symbols("w x y z")
     field = Field([w, x, y, z])
@@ -144,7 +144,7 @@ def test_what_is_far_too_long_is_not_written_before_it_is_refused():
     assert one.sympy.subs({w.sympy: 2, x: 1, y: 1, z: -2}) == 1 - 4
 
 
-def test_few_sums_that_stand_at_many_places_are_refused_before_they_are_written():
+def test_few_sums_at_many_places_are_refused_before_they_are_written():
     """A sum is counted at each place where it occurs; a factor of all terms is counted once."""
     x, y, z = sp.symbols("x y z")
     field = Field([x, y, z])
@@ -169,7 +169,7 @@ def test_few_sums_that_stand_at_many_places_are_refused_before_they_are_written(
     assert sp.lambdify([x, y, z], shared.sympy)(0, 2, -1) == 0
 
 
-def test_what_is_far_too_long_is_refused_by_its_longest_sums():
+def test_far_too_long_components_are_refused_by_their_longest_sums():
     """The refusal comes after half of the sums are counted; collecting all takes seconds."""
     x, y, z = sp.symbols("x y z")
     field = Field([x, y, z])

@@ -64,7 +64,7 @@ def test_ten_thousand_sums(seed):
     assert not disagreements(100 + seed, 1000)
 
 
-def test_the_chance_of_an_error_is_that_of_256_bits():
+def test_the_error_probability_matches_256_bits():
     """The bound on the probability of an error is the degree 3 times about 2**-255."""
     field = Field([x, y])
     chance = ModularPoint(field).chance(field.read(x**3 - y))
@@ -107,7 +107,7 @@ def test_the_same_in_every_field():
     assert images[0] == images[1]
 
 
-def test_the_chance_of_error_is_small_and_told():
+def test_a_small_error_probability_is_reported():
     """A zero that is not multiplied out carries a bound on the error probability below 1e-30."""
     field = Field([x, y])
     powers = range(45)

@@ -62,7 +62,7 @@ LINEAR = {
 
 
 @pytest.mark.parametrize("text", LINEAR.values(), ids=LINEAR.keys())
-def test_what_is_linear_in_a_variable_has_the_factors_that_flint_finds(text):
+def test_linear_polynomials_have_the_factors_of_flint(text):
     """Polynomials linear in a variable have the factors that flint finds."""
     ring = fmpq_mpoly_ctx.get(["v", "w", "x", "y"], Ordering.lex)
     names = dict(zip("vwxy", ring.gens(), strict=True))
@@ -170,7 +170,7 @@ def dense(rng, variables, terms, degree):
     return context.from_dict(found)
 
 
-def test_what_is_irreducible_on_a_line_is_so():
+def test_dense_polynomials_have_the_factors_of_flint():
     """The factorization of dense polynomials equals flint's, irreducible or not, signs included."""
     rng, kinds = random.Random(5), set()
     for k in range(60):

@@ -61,7 +61,7 @@ def test_near_zeros_are_not_zero(value):
 
 
 @every(NOT_ZERO)
-def test_what_is_no_relation_is_not_zero(value):
+def test_sums_without_a_relation_are_not_zero(value):
     """Sums that are not zero are decided, also a sum of angles that is half a turn."""
     assert Field([x]).read(value).is_zero is False
 

@@ -32,7 +32,7 @@ def expression(numbers, depth):
 @pytest.mark.parametrize(
     "seed", [pytest.param(k, marks=() if k < 8 else pytest.mark.slow) for k in range(20)]
 )
-def test_texts_are_those_of_sympy(seed):
+def test_texts_agree_with_sympy(seed):
     """One printer, which remembers the parts that it wrote, prints many expressions like sympy."""
     numbers = random.Random(seed)
     plain, tex = TextPrinter(), TexPrinter()
@@ -43,7 +43,7 @@ def test_texts_are_those_of_sympy(seed):
 
 
 @pytest.mark.parametrize("printer", [TextPrinter, TexPrinter])
-def test_what_stands_at_many_places_is_written_once(printer):
+def test_repeated_sums_are_printed_once(printer):
     """A sum that occurs in a thousand terms is printed once."""
 
     class Counting(printer):

@@ -92,7 +92,7 @@ def test_values(expression, point):
 
 @quick
 @given(expressions(), st.lists(expressions(leaves=2), min_size=1, max_size=3))
-def test_what_was_read_before_changes_nothing(expression, others):
+def test_earlier_expressions_change_nothing(expression, others):
     """An expression reads the same in a fresh field and in a field that holds other expressions."""
     crowded = Field(SYMBOLS, sample=SAMPLE)
     early = crowded.read(expression)

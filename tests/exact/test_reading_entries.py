@@ -133,7 +133,7 @@ SCRIPT = """
 """
 
 
-def test_every_run_says_the_same():
+def test_every_run_gives_the_same_text():
     """Messages and results do not depend on the order of sets, which differs from run to run."""
     answers = set()
     for seed in range(5):

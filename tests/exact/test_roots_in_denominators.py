@@ -28,7 +28,7 @@ def test_inverses_that_share_a_norm():
     [sp.sqrt(2 + sp.sin(Z)), sp.sqrt(1 + W), sp.sqrt(1 + W) + W, sp.sqrt(1 + sp.cos(2 * Z) / 3)],
     ids=["of a sine", "of a root", "two", "of two angles"],
 )
-def test_roots_of_what_is_cleared_in_its_turn(root):
+def test_roots_of_norms_with_roots(root):
     """The norm of 1 + w contains a root, which is cleared again; the result shows none of that."""
     legs = Frame([X, Z], [[1 + root, X], [0, 1]]).legs
     assert sp.simplify(legs[0, 0] * (1 + root)) == 1
@@ -105,7 +105,7 @@ def test_inverses_far_out(entry, far, value):
     assert solution.coordinates[-1, 0] == pytest.approx(10.1, rel=1e-9)
 
 
-def test_what_was_typed_without_a_minus_stays():
+def test_forms_without_cancellation_are_preferred():
     """A quotient of two possible forms is written in the form whose terms do not cancel."""
     x = sp.Symbol("x", positive=True)
     frame = Frame([x, Z], [[1 / (sp.sqrt(x + 1) - sp.sqrt(x)), 0], [0, 1]])

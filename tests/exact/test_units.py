@@ -71,7 +71,7 @@ def test_units_that_do_not_fit(given, field, says):
      float("nan"), float("inf"), "1e999", "1e9999999*2",
      "0." + 5000 * "1" + "*2", "2**2**2**2**2**2"],
 )  # fmt: skip
-def test_what_is_no_number(given):
+def test_invalid_numbers_are_refused(given):
     """Names, code, and numbers that are not finite are refused with an error of ours."""
     with pytest.raises((ExpressionError, LimitError, UnitError)):
         quantity(given, "m")

@@ -97,7 +97,7 @@ def test_conversion_is_memoised():
     assert element.sympy is element.sympy
 
 
-def test_a_number_that_all_terms_share_stands_in_front():
+def test_a_common_number_is_written_in_front():
     """A number that all terms share is written in front; even powers of a root contain no root."""
     r, M, Q, L = sp.symbols("r M Q Lambda", positive=True)
     field = Field([r, M, Q, L])
@@ -141,7 +141,7 @@ ORDERED = {
 
 @pytest.mark.parametrize("text", ORDERED.values(), ids=ORDERED.keys())
 @pytest.mark.parametrize("slope", [False, True], ids=["itself", "derivative"])
-def test_sums_and_products_stand_in_the_order_of_sympy(text, slope):
+def test_sums_and_products_have_the_order_of_sympy(text, slope):
     """Terms and factors have sympy's order, also after other expressions were written."""
     field = Field([x, y, r])
     element = field.read(parse_expression(text, {"x": x, "y": y, "r": r}))

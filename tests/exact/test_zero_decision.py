@@ -147,7 +147,7 @@ def disagreements(seed, count):
     return wrong
 
 
-def test_what_has_a_value_is_decided_before_it_is_multiplied_out(monkeypatch):
+def test_nonzero_values_decide_without_multiplying_out(monkeypatch):
     """Sums with possibly dependent roots are long; a non-zero value is enough to decide them."""
     field = Field([X])
     third = sp.Rational(1, 3)
@@ -158,7 +158,7 @@ def test_what_has_a_value_is_decided_before_it_is_multiplied_out(monkeypatch):
     assert total.is_zero is False
 
 
-def test_other_roots_have_no_say_in_what_is_free_of_them(monkeypatch):
+def test_unrelated_roots_do_not_slow_a_decision(monkeypatch):
     """A polynomial of independent generators is decided without a point, whatever else was read."""
     field = Field([X])
     field.read((sp.cosh(X) ** sp.Rational(1, 3) + 1) ** sp.Rational(3, 4))

@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 
 import geomtorsion as gt
-from geomtorsion.errors import ExpressionError, MissingValueError, TensorIndexError
+from geomtorsion.errors import ExpressionError, TensorIndexError
 
 R, PHI, X = sp.symbols("r phi x", positive=True)
 POLAR = gt.Frame([R, PHI], [[1, 0], [0, R]])
@@ -91,24 +91,6 @@ def test_scalar_times_tensor():
         _ = POLAR.metric / POLAR.metric
 
 
-def test_what_a_scalar_cannot_be(curvature):
-    """Each refusal of an impossible operation is an error in our own words."""
-    with pytest.raises(MissingValueError, match=r"got an expression in r\. Give values"):
-        float(POLAR.scalar(R))
-    with pytest.raises(TypeError, match="got a tensor with indices"):
-        float(POLAR.metric)
-    with pytest.raises(ZeroDivisionError, match="exactly zero"):
-        _ = 1 / POLAR.scalar(0)
-    with pytest.raises(TensorIndexError, match="expected a scalar for a power"):
-        _ = POLAR.metric**2
-    with pytest.raises(TensorIndexError, match="expected a tensor to add"):
-        _ = POLAR.metric + 1
-    with pytest.raises(TensorIndexError, match="expected a tensor to add"):
-        _ = curvature + "1"
-    with pytest.raises(TensorIndexError, match="expected tensors of one frame"):
-        _ = POLAR.metric * curvature
-
-
 def test_scalar_of_an_expression():
     """A frame makes scalars from numbers, expressions and text about its symbols."""
     scalar = POLAR.scalar(R**2, "h", "height")
@@ -128,5 +110,5 @@ def test_indices_of_other_kinds():
     for bad in bads:
         with pytest.raises(TensorIndexError, match="expected up to 2 indices, each a whole number"):
             POLAR.legs[bad, 0]
-        with pytest.raises(TensorIndexError, match="has no index"):
+        with pytest.raises(TensorIndexError, match="expected the number of an index from 0 to 1"):
             POLAR.metric.raised(bad)

@@ -142,7 +142,10 @@ REFUSALS = [
     (lambda: PLANE.in_coordinates([r], {x: r, y: r}), "expected 2, got 1"),
     (lambda: PLANE.in_coordinates([r, phi], {x: r}), "an expression for y"),
     (lambda: PLANE.in_coordinates([r, phi], {"z": r}), "names of coordinates"),
-    (lambda: PLANE.in_coordinates([r, phi], [r]), "expected 2 expressions"),
+    (
+        lambda: PLANE.in_coordinates([r, phi], [r]),
+        "one for each of 2 coordinates x, y, got 1",
+    ),
     (lambda: PLANE.in_coordinates([r, phi], [r, r]), "singular"),
     (lambda: PLANE.in_coordinates([r, r], [r, r]), "repeated"),
     (lambda: PLANE.in_coordinates([r, phi], ["r*q", "phi"]), "q is neither"),
@@ -158,7 +161,7 @@ REFUSALS = [
 
 
 @pytest.mark.parametrize(("call", "words"), REFUSALS)
-def test_what_is_no_change_of_coordinates_is_refused(call, words):
+def test_anything_but_a_change_of_coordinates_is_refused(call, words):
     """Each bad change of coordinates is refused with its own message."""
     with pytest.raises(GeomtorsionError, match=words):
         call()

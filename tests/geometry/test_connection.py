@@ -3,7 +3,7 @@
 import pytest
 import sympy as sp
 
-from geomtorsion.errors import ShapeError, TensorIndexError
+from geomtorsion.errors import TensorIndexError
 from geomtorsion.geometry import (
     Frame,
     blend,
@@ -65,14 +65,6 @@ def test_spin_connection_of_the_makers(frame: Frame) -> None:
     assert moved.is_zero is True
 
 
-def test_contortion_must_be_one(frame: Frame) -> None:
-    """K_abc + K_acb = 0 is checked, and the error names the components."""
-    wrong = zeros()
-    wrong[0][1][1] = x
-    with pytest.raises(TensorIndexError, match=r"\[0, 1, 1\]"):
-        from_contortion(frame, wrong)
-
-
 def test_nonmetricity_must_be_one(frame: Frame) -> None:
     """Q_abc = Q_acb is checked, and Q with indices up or in the frame is converted."""
     wrong = zeros()
@@ -131,21 +123,6 @@ def test_cartan_schouten_connections_of_rotations() -> None:
     # The curvature of the blend with a share is (1 - share^2) times R_bar.
     family = blend(bar, plus, s)
     assert family.curvature.riemann == bar.curvature.riemann * (1 - s**2)
-
-
-def test_shapes_and_frames_are_checked(frame: Frame) -> None:
-    """Arrays of the wrong size, tensors with other slots or over another frame are refused."""
-    other = Frame([x, y], [[1, 0], [0, 1]])
-    with pytest.raises(ShapeError, match="expected 2 entries"):
-        from_coefficients(frame, zeros(3))
-    with pytest.raises(ShapeError, match="another frame"):
-        from_coefficients(frame, cartan(other).coefficients)
-    with pytest.raises(TensorIndexError, match="expected slots 'ddu', got 'ddd'"):
-        from_coefficients(frame, cartan(frame).torsion.T.lowered(2))
-    with pytest.raises(ShapeError, match="expected connections over one frame"):
-        blend(cartan(frame), cartan(other))
-    with pytest.raises(ShapeError, match="another frame"):
-        cartan(frame).covariant_derivative(other.metric)
 
 
 def test_a_false_claim_is_exposed(frame: Frame) -> None:

@@ -201,7 +201,7 @@ REFUSALS = [
 
 
 @pytest.mark.parametrize(("call", "words"), REFUSALS)
-def test_what_has_no_expansion_is_refused(call, words):
+def test_frames_without_an_expansion_are_refused(call, words):
     """Each frame or argument without an expansion is refused with its own message."""
     with pytest.raises(GeomtorsionError, match=words):
         call()

@@ -50,7 +50,7 @@ def test_exponential_of_the_torsion_potential():
 @pytest.mark.parametrize(
     "potential", [x * y * z, sp.log(1 + x**2) + y, sp.sin(x) * z + y**2, sp.exp(x) * y]
 )
-def test_divergence_is_that_of_the_transposed_volume(potential):
+def test_divergence_follows_the_transposed_volume(potential):
     """D_a w^a = d_a (mu w^a) / mu for the parallel volume mu of the transposed connection."""
     connection = with_vector(BENT, [potential.diff(q) for q in BENT.coordinates])
     mu = connection.transposed.volume.density

@@ -65,7 +65,7 @@ def test_einstein_tensor_as_a_person_writes_it(frame):
 
 
 @pytest.mark.parametrize("name", ["coframe", "legs", "metric", "einstein", "torsion"])
-def test_what_is_printed_is_the_quantity(frame, plain, name):
+def test_printed_forms_equal_the_quantity(frame, plain, name):
     """With names replaced each component is exact; text, LaTeX and HTML contain the same."""
     tensor, same_plain = frame.quantity(name), plain.quantity(name)
     shown = tensor.to_sympy(short=True)
@@ -80,7 +80,7 @@ def test_what_is_printed_is_the_quantity(frame, plain, name):
     assert "Σ" in tensor._repr_html_()
 
 
-def test_derivatives_know_what_names_stand_for(frame, plain):
+def test_derivatives_see_through_names(frame, plain):
     """The derivative in r of a text with names replaced is the derivative of the component."""
     element = gt.levi_civita(frame).curvature.einstein.element(1, 1)
     shown = frame.written(element)

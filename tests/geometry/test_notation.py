@@ -76,7 +76,7 @@ def test_texts(polar):
         ({"r": 1, "phi": 2}, "2 different names"),
     ],
 )
-def test_names_that_are_none(polar, names, message):
+def test_invalid_names_are_refused(polar, names, message):
     """The error for bad names states how many different names are expected."""
     with pytest.raises(TensorIndexError, match=message):
         polar.metric.table(names)
@@ -95,7 +95,7 @@ def test_names_that_are_none(polar, names, message):
         ([1], "where"),
     ],
 )
-def test_places_that_are_none(polar, where, message):
+def test_invalid_indices_are_refused(polar, where, message):
     """An index or a value that does not exist is named in the error."""
     with pytest.raises(GeomtorsionError, match=message):
         polar.metric.table(where=where)

@@ -60,7 +60,7 @@ def test_both_bases_agree(frame):
 
 
 @given(st.sampled_from(("riemann", "ricci", "kretschmann", "contortion", "scalar_curvature")))
-def test_the_basis_is_chosen_by_length_and_told(name):
+def test_the_basis_is_chosen_by_length_and_reported(name):
     """The anholonomy is used if the metric is at least twice as long as the coframe."""
     dense = issue_frame()
     assert 2 * dense.coframe.components.length <= dense.metric.components.length

@@ -127,7 +127,7 @@ REFUSALS = [
 
 
 @pytest.mark.parametrize(("call", "words"), REFUSALS)
-def test_what_is_no_surface_is_refused(call, words):
+def test_anything_but_a_surface_is_refused(call, words):
     """Each bad surface or argument is refused with its own message."""
     with pytest.raises(GeomtorsionError, match=words):
         call()

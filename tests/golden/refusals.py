@@ -98,7 +98,7 @@ REFUSALS: dict[str, Callable[[], Any]] = {
     "metric of another signature": lambda: gt.Frame.from_metric(
         [x, y], [[-1, 0], [0, 1]], signature=(1, 1)
     ),
-    "signature that is none": lambda: gt.Frame([x, y], ONES, signature=(1, 5)),
+    "invalid signature": lambda: gt.Frame([x, y], ONES, signature=(1, 5)),
     "structure constants without jacobi": lambda: gt.Frame.from_structure_constants(
         [
             [[0, 0, 0], [0, 1, 0], [0, 0, 0]],
@@ -129,7 +129,7 @@ REFUSALS: dict[str, Callable[[], Any]] = {
     "no velocity": lambda: gt.geodesic(so3, START),
     "both velocities": lambda: gt.geodesic(so3, START, SPEED, frame_velocity=SPEED),
     "parameter without a value": lambda: gt.geodesic(s2, [1, 0], [0, 1]),
-    "parameter that is none": lambda: gt.geodesic(s2, [1, 0], [0, 1], parameters={"r": 1}),
+    "invalid parameter": lambda: gt.geodesic(s2, [1, 0], [0, 1], parameters={"r": 1}),
     "timelike in space": lambda: gt.geodesic(so3, START, SPEED, causal="timelike"),
     "timelike but null": lambda: gt.geodesic(
         gt.spaces.load("schwarzschild").frame,
@@ -170,14 +170,14 @@ REFUSALS: dict[str, Callable[[], Any]] = {
         40.0,
         1e-8,
     ),
-    "engine that is none": lambda: wrong.solve(line(), 1.0, 1e-8, "taylor"),
+    "invalid engine": lambda: wrong.solve(line(), 1.0, 1e-8, "taylor"),
     "many of the wrong shape": lambda: gt.solve_many(line(), [[1, 2]], 1.0),
     "many without starts": lambda: gt.solve_many(line(), t=1.0),
-    "solve what is no problem": lambda: wrong.solve(3, 1.0),
+    "solve something other than a problem": lambda: wrong.solve(3, 1.0),
     "free top without a moment": lambda: gt.free_top((1, 0, 2), (1, 1, 1)),
     # Equations of one's own
     "rates without a start": lambda: ode({"x": 0, "y": 0}, [1]),
-    "state that is none": lambda: ode({"x": 0}, {"x": 1, "z": 2}),
+    "invalid state": lambda: ode({"x": 0}, {"x": 1, "z": 2}),
     "rate with an unknown name": lambda: ode({"x": "w*x"}, [1]),
     "rate that is not smooth": lambda: ode({"x": "abs(x)"}, [1]),
     "number that is a list": lambda: swing(parameters={"k": [1]}),
@@ -187,7 +187,7 @@ REFUSALS: dict[str, Callable[[], Any]] = {
     "output with the name of a state": lambda: swing(outputs={"x": "v"}),
     "stop that no text is": lambda: stone(events=[gt.When(3j)]),
     "motion that runs away": lambda: gt.solve(ode({"x": "x**2"}, [1]), 2.0, 1e-8),
-    "output that is none": lambda: gt.solve(swing(), 1.0)["energy"],
+    "invalid output": lambda: gt.solve(swing(), 1.0)["energy"],
     "many with a wrong column": lambda: gt.solve_many(swing(), {"q": [1, 2]}, 1.0),
     # Actions
     "lagrangian with an unknown velocity": lambda: gt.equations_of_motion(
@@ -195,8 +195,8 @@ REFUSALS: dict[str, Callable[[], Any]] = {
     ),
     "kinetic matrix that is singular": lambda: gt.equations_of_motion(so3, sp.Symbol("u1") ** 2),
     "forces of wrong length": lambda: gt.equations_of_motion(so3, TOP, [1, 2]),
-    "constraints that are no list": lambda: gt.equations_of_motion(so3, TOP, constraints="u1"),
-    "principle that is none": lambda: top_action(principle="Naive"),
+    "constraints other than a list": lambda: gt.equations_of_motion(so3, TOP, constraints="u1"),
+    "invalid principle": lambda: top_action(principle="Naive"),
     # Loops
     "loop of another dimension": lambda: gt.burgers_vector(so3, gt.Loop.circle([0, 0], 1)),
     "loop through a line": lambda: gt.burgers_vector(
@@ -221,7 +221,7 @@ REFUSALS: dict[str, Callable[[], Any]] = {
     # Scenes
     "body that is impossible": lambda: gt.Body(moments=(1, 1, 5)),
     "quantity that cannot be watched": lambda: heavy_top(watch=["nutaton"]),
-    "path that is none": lambda: heavy_top().with_values({"gravity.gg": 1}),
+    "invalid path": lambda: heavy_top().with_values({"gravity.gg": 1}),
     "gravity without a mass": lambda: gt.Scene(
         gt.Body(moments=(1, 1, 1)),
         [gt.effects.Gravity(9.81), gt.effects.Pivot([0, 0, 0.1])],
@@ -236,6 +236,6 @@ REFUSALS: dict[str, Callable[[], Any]] = {
     "scene without a start": lambda: gt.Scene(gt.Body(moments=(1, 2, 2)), watch=["omega"]),
     # Exercises
     "unknown exercise": lambda: gt.exercises.load("3.9"),
-    "seed that is none": lambda: wrong.exercises.load("3.2", seed="a"),
-    "question that is none": lambda: gt.exercises.load("3.2").question("ricci"),
+    "invalid seed": lambda: wrong.exercises.load("3.2", seed="a"),
+    "invalid question": lambda: gt.exercises.load("3.2").question("ricci"),
 }

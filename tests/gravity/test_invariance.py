@@ -74,7 +74,7 @@ def test_published_numbers_of_functions(name: str) -> None:
         assert gt.lie(xi, connection).is_zero
 
 
-def test_functions_of_what_is_left() -> None:
+def test_functions_of_invariant_coordinates() -> None:
     """The functions depend on coordinates that no vector changes, or are constants."""
     values = g.invariant_torsion(FLAT, ROTATIONS).nonzero().values()
     assert {one.args for one in functions(values)} == {(t, x**2 + y**2 + z**2)}
@@ -176,7 +176,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("case", REFUSED)
-def test_what_is_refused(case: str) -> None:
+def test_bad_calls_are_refused(case: str) -> None:
     """Each refusal is an error of this package and names the expectation or the remedy."""
     call, words = REFUSED[case]
     with pytest.raises(GeomtorsionError, match=re.escape(words)):

@@ -106,7 +106,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("case", REFUSED)
-def test_what_is_refused(case: str) -> None:
+def test_bad_calls_are_refused(case: str) -> None:
     """Each refusal is an error of this package and names the expectation or the remedy."""
     call, words = REFUSED[case]
     with pytest.raises(GeomtorsionError) as refused:

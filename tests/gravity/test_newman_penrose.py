@@ -147,7 +147,7 @@ def test_roots_that_coincide(roots: tuple[int, ...], kind: str) -> None:
     assert made.petrov_type == kind
 
 
-def test_what_is_no_null_tetrad_is_refused() -> None:
+def test_anything_but_a_null_tetrad_is_refused() -> None:
     """The message names the expected null tetrad."""
     with pytest.raises(GeomtorsionError, match="expected a null tetrad"):
         newman_penrose(gt.spaces.load("kerr").frame)

@@ -333,7 +333,7 @@ FILES = {
 
 
 @pytest.mark.parametrize("case", REFUSED)
-def test_what_is_refused(case: str) -> None:
+def test_bad_calls_are_refused(case: str) -> None:
     """Each refusal is an error of this package and names the expectation or the remedy."""
     call, words = REFUSED[case]
     with pytest.raises(GeomtorsionError, match=re.escape(words)):

@@ -59,7 +59,7 @@ REFUSALS = [
 
 
 @pytest.mark.parametrize(("call", "words"), REFUSALS)
-def test_what_is_no_statistical_manifold_is_refused(call, words):
+def test_anything_but_a_statistical_manifold_is_refused(call, words):
     """Each bad argument is refused with its own message."""
     with pytest.raises(GeomtorsionError, match=words):
         call()

@@ -294,7 +294,7 @@ REFUSALS = [
 
 
 @pytest.mark.parametrize(("call", "words"), REFUSALS)
-def test_what_has_no_symmetries_is_refused(call, words):
+def test_bad_arguments_of_symmetries_are_refused(call, words):
     """Each bad argument is refused with its own message."""
     with pytest.raises(GeomtorsionError, match=words):
         call()

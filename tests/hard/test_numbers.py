@@ -41,7 +41,7 @@ def test_cancellation(label):
 
 
 @pytest.mark.parametrize("bits", [53, 113, 237, 1000])
-def test_precision_asked_for_is_precision_given(bits):
+def test_results_have_the_requested_precision(bits):
     """At any precision nearly all bits are right."""
     expression = (1 - cos(x)) ** 3 / (exp(x) - 1 - x) + sqrt(2) * sp.pi
     point = sp.Rational(1, 1000)

@@ -90,7 +90,7 @@ def test_estimates_near_the_separatrix(small, end, accuracy):
 
 
 @pytest.mark.parametrize("moments", [(1, 1, 1 + 1e-12), (1e-6, 1, 1), (1, 1, 2), (1, 1.5, 2.5)])
-def test_nearly_round_and_nearly_flat(moments):
+def test_nearly_spherical_and_nearly_flat_bodies(moments):
     """States agree with fifty digits, by the closed form and by the integrator."""
     omega, quaternion = (1.0, 2.0, 3.0), (0.5, 0.5, -0.5, 0.5)
     start = {"euler": None, "quaternion": quaternion}

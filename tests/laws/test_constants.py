@@ -92,8 +92,18 @@ def check_readings(problem: CurveProblem, times: np.ndarray, folder: Path) -> No
         same(solve(problem, times, engine=engine).coordinates)
 
 
+# One space of each kind: parameters, unknown functions, no parameters, charts, a group, torsion,
+# three and seven coordinates. `pytest -m slow` has all.
+KINDS = ("kerr_newman", "frw", "s2", "schwarzschild", "so3", "edge_dislocation", "s7")
 # A complex tetrad has no motions.
-@pytest.mark.parametrize("name", [name for name in names() if name != "kerr_kinnersley"])
+OTHERS = [
+    pytest.param(name, marks=pytest.mark.slow)
+    for name in names()
+    if name not in ("kerr_kinnersley", *KINDS)
+]
+
+
+@pytest.mark.parametrize("name", [*KINDS, *OTHERS])
 def test_a_motion_in_a_shipped_space(name: str, tmp_path: Path) -> None:
     """Every way to read the motion agrees with its samples."""
     problems, end = irrational_motions(name)

@@ -78,7 +78,7 @@ def compared(seed: int, n: int, number: int) -> None:
     assert curve.drift["energy"] < CLOSE
 
 
-@pytest.mark.parametrize(("seed", "n", "number"), [(1, 3, 1), (3, 4, 1), (4, 4, 2), (5, 5, 2)])
+@pytest.mark.parametrize(("seed", "n", "number"), [(1, 3, 1), (5, 5, 2)])
 def test_autoparallels_are_motions_under_constraints(seed, n, number):
     """Random metrics, potentials and constraints: the same path as from a Lagrangian."""
     compared(seed, n, number)

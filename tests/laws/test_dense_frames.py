@@ -63,7 +63,7 @@ def test_identities_hold(name):
 
 
 @pytest.mark.parametrize("name", DENSE)
-def test_numbers_are_those_of_finite_differences(name):
+def test_numbers_agree_with_finite_differences(name):
     """The curvature scalar agrees with a difference quotient of the metric."""
     frame = made(name)
     coordinates = frame.coordinates
@@ -99,7 +99,7 @@ def test_both_routes_to_the_scalar_agree(name):
     assert curvature.scalar.is_zero is False
 
 
-def test_the_plan_says_which_route_is_taken():
+def test_the_plan_names_the_route():
     """The plan uses the anholonomy where Christoffel symbols are too long, otherwise Ricci."""
     dense = made("polynomial, sine, unknown function").plan("scalar_curvature")
     assert "anholonomy" in dense.graph
@@ -107,7 +107,7 @@ def test_the_plan_says_which_route_is_taken():
     assert "ricci" in made("null metric").plan("scalar_curvature").graph
 
 
-def test_what_is_written_is_what_it_is_worth():
+def test_written_scalar_has_the_value_of_the_scalar():
     """The written scalar, evaluated by mpmath, equals the scalar's value."""
     frame = made("null metric")
     scalar = levi_civita(frame).curvature.scalar
@@ -308,7 +308,7 @@ def test_an_arm_of_three_links_has_its_metric_as_given():
         assert abs(product[0, 2]) < 1e-28
 
 
-def test_roots_stand_below_the_line_where_that_is_shorter():
+def test_roots_are_below_the_line_where_that_is_shorter():
     """Legs over a determinant with angles are written so, not multiplied by its conjugates."""
     frame = made("polynomial, sine, unknown function")
     assert len(str(frame.legs[0, 0])) < 300
@@ -327,7 +327,7 @@ def test_quotients_without_roots_are_inverted_whole():
     assert static.inverse_metric.certainty.proved
 
 
-def test_what_is_too_long_as_it_is_may_be_short_when_it_is_collected():
+def test_long_scalars_may_be_short_when_collected():
     """A scalar too long to write becomes short when collected by powers of a symbol."""
     a, b, c = sp.symbols("a b c", positive=True)
     rows = [

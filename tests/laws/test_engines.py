@@ -117,7 +117,7 @@ def test_no_step_is_longer_than_the_longest(engine: Engine) -> None:
 
 
 @every_engine
-def test_samples_and_what_lies_between(engine: Engine) -> None:
+def test_samples_and_values_between(engine: Engine) -> None:
     """Samples and values between are right, and the error estimate is not below the true error."""
     solution = solve(swing(), [1.0, 2.0, 3.0], ACCURACY, engine)
     assert solution.engine == engine.name
@@ -199,7 +199,7 @@ def test_a_saved_solution_is_the_same_or_is_refused(engine: Engine, tmp_path: Pa
 
 
 @every_engine
-def test_a_checkpoint_goes_on(engine: Engine, tmp_path: Path) -> None:
+def test_a_checkpoint_resumes(engine: Engine, tmp_path: Path) -> None:
     """The second run takes all parts from the file; another engine is refused."""
     runs = [
         solve(swing(), [1.0, 2.0, 3.0], ACCURACY, engine, checkpoint=tmp_path / "run.npz")

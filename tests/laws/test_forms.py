@@ -145,7 +145,7 @@ def test_calculus_over_random_frames() -> None:
     law()
 
 
-def test_lie_derivatives_of_tensors_and_connections() -> None:
+def test_derivatives_of_tensors_and_connections_along_a_field() -> None:
     """[L_xi, L_eta] = L_[xi, eta], and L_xi Gamma from L_xi of the metric or the torsion."""
 
     @few

@@ -32,8 +32,13 @@ CLOSED = {
 }
 
 
-@pytest.mark.parametrize("name", CLOSED)
-@pytest.mark.parametrize("engine", ENGINES, ids=str)
+# The times depend on the engine, the closed form on the proof: not every pair is needed.
+@pytest.mark.parametrize(
+    ("engine", "name"),
+    [(engine, name) for engine in ENGINES for name in ("clock", "pole of order 1")]
+    + [(gt.Taylor(), name) for name in ("pole of order 2", "logarithm", "growth")],
+    ids=str,
+)
 def test_balls_contain_the_closed_form(engine, name):
     """Each sample of a motion up to a blow-up, and of a clock, is at its own exact time."""
     rates, start, truth = CLOSED[name]

@@ -194,7 +194,7 @@ def test_weyl_has_no_trace(frame: Frame) -> None:
 
 @few
 @given(frames(largest=3))
-def test_metric_alone_gives_the_same_geometry(frame: Frame) -> None:
+def test_metric_gives_the_same_geometry(frame: Frame) -> None:
     """A frame made from the metric has the same Kretschmann scalar and reproduces the metric."""
     metric = frame.metric.to_sympy().tolist()
     again = Frame.from_metric(frame.coordinates, metric)

@@ -125,7 +125,7 @@ def test_motions_with_each_special_function(name):
     assert abs(solution["y"][-1] - float(want)) < max(solution.error, 1e-15) < 1e-9
 
 
-def test_engines_without_a_form_say_so():
+def test_engines_without_a_form_name_a_remedy():
     """Taylor has no series of Bessel functions; the error names a remedy."""
     problem = gt.ODE.of({"x": 1, "y": sp.besselj(1, x)}, [1, 0])
     with pytest.raises(gt.GeomtorsionError, match="besselj has no Taylor series .* another engine"):
@@ -210,7 +210,7 @@ domain = ["x > 0"]
 
 
 @pytest.mark.parametrize("form", ["text", "latex", "json", "python", "mathematica"])
-def test_the_command_line_says_undecided(form, tmp_path):
+def test_the_command_line_marks_undecided_components(form, tmp_path):
     """The command line marks undecided components in each form."""
     file = tmp_path / "doubtful.toml"
     file.write_text(TEXT)
@@ -218,7 +218,7 @@ def test_the_command_line_says_undecided(form, tmp_path):
     assert "undecided" in shown
 
 
-def test_reports_say_undecided(tmp_path):
+def test_reports_mark_undecided_components(tmp_path):
     """A report marks undecided components on its page."""
     file = tmp_path / "doubtful.toml"
     file.write_text(TEXT)

@@ -45,7 +45,7 @@ def test_the_coboundary_of_a_coboundary_is_exactly_zero(shape, periodic):
     assert floats.errors.max() < 1e-13
 
 
-def test_torsion_of_scattered_points_is_that_of_the_lines():
+def test_torsion_of_scattered_points_agrees_with_the_lines():
     """Edge integrals with two screws: b in the triangles that they pierce, zero elsewhere."""
     rng = np.random.default_rng(1)
     points = rng.uniform(-2, 2, (200, 2))

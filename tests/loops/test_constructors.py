@@ -20,7 +20,7 @@ ROUND = {"interval": (0, "2*pi"), "periods": {1: "2*pi"}}
 
 
 @pytest.mark.parametrize("times", [1, -3])
-def test_a_wavy_loop_round_a_screw_in_polar_coordinates(times: int) -> None:
+def test_a_wavy_loop_around_a_screw_in_polar_coordinates(times: int) -> None:
     """b of the screw and the integral of r dphi by hand, by three routes."""
     loop = Loop.parametric(["2 + cos(3*s)/4", "s", "sin(s)"], **ROUND).times(times)
     found = burgers_vector(SCREW, loop, parameters={"b": 0.5})
@@ -52,7 +52,7 @@ def test_torsion_inside_the_strip_counts() -> None:
     assert np.abs(other.check.line - other.check.flux).max() < 1e-13
 
 
-def test_development_round_a_cone() -> None:
+def test_development_around_a_cone() -> None:
     """A cone has the angle of 60 degrees for loops of any shape, as on a straight path."""
     cone = levi_civita(load("wedge_disclination").frame)
     values = {"alpha": 5 / 6}

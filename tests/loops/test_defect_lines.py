@@ -31,7 +31,7 @@ def scattered(count):
 
 
 @pytest.mark.parametrize("count", [14, 40, 1000])
-def test_a_circle_round_many_screws(count):
+def test_a_circle_around_many_screws(count):
     """The vector is the sum of winding numbers times b, counted without integrals."""
     places, sizes = scattered(count)
     frame = parallel_screws(places, sizes)

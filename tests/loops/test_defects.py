@@ -175,7 +175,7 @@ def test_declared_defects_take_the_place_of_found_ones():
         Defect((0, 0, 0), None, "point").winding(Loop.circle([0, 0, 0], 1))
 
 
-def test_point_in_space_is_found_but_not_wound_round():
+def test_point_defect_is_found_but_not_enclosed():
     """1 / (x^2 + y^2 + z^2) has a point defect, which no loop encloses."""
     x, y, z = sp.symbols("x y z", real=True)
     square = x**2 + (y - 1) ** 2 + z**2
@@ -187,7 +187,7 @@ def test_point_in_space_is_found_but_not_wound_round():
     assert enclosed_defects(frame, Loop.circle([0, 1, 0], 1)) == ()
 
 
-def test_burgers_vector_and_development_agree_round_lines(screws):
+def test_burgers_vector_and_development_agree_around_lines(screws):
     """The plain loop integral gives the same vector as the development."""
     loop = Loop.ellipse([0.4, 0.2, 1], (3, 2))
     b = burgers_vector(screws, loop)
@@ -237,7 +237,7 @@ def test_a_near_miss_still_has_a_winding_number() -> None:
 
 
 @pytest.mark.parametrize(("size", "gap"), [(1, 3), (12, 1)])
-def test_a_charge_is_measured_on_a_quarter_of_what_is_free(size, gap):
+def test_a_charge_is_measured_on_a_quarter_of_the_free_distance(size, gap):
     """The charge is measured on a circle of a quarter of the free distance. Smooth torsion adds as
     much as on this circle, and rounding nearly nothing, although the denominator cancels."""
     x, y, z = sp.symbols("x y z", real=True)

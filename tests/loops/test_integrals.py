@@ -57,7 +57,7 @@ def test_a_weak_defect_is_seen_above_the_errors(b: float, agrees: bool) -> None:
     assert found.vector[2] == pytest.approx(0 if agrees else b, rel=1e-2)
 
 
-def test_no_defect_is_seen_where_there_is_none() -> None:
+def test_smooth_loops_have_no_defect() -> None:
     """Both routes agree on 200 smooth loops of any size."""
     rng = np.random.default_rng(3)
     frame = load("so3").frame
@@ -66,7 +66,7 @@ def test_no_defect_is_seen_where_there_is_none() -> None:
         assert burgers_vector(frame, loop, 1e-9).check.agrees
 
 
-def test_many_copies_are_what_each_of_them_is() -> None:
+def test_many_copies_agree_with_single_copies() -> None:
     """One call for five places gives the results of five calls, for line and flux."""
     compiled = forms(load("so3").frame, None)
     (part,) = Loop.circle([0.3, 1.0, 0.2], 0.1).parts
@@ -118,7 +118,7 @@ def test_a_parallelogram_is_a_cell_of_a_map(name: str) -> None:
         assert np.abs(a - b).max() <= bound
 
 
-def test_a_quadrangle_that_is_no_parallelogram_is_none() -> None:
+def test_a_general_quadrangle_has_its_own_area() -> None:
     """With one corner moved it is not treated as one, and its area is the integral of x dy."""
     frame = Frame([X, Y], [[1, 0], [0, X]])
     for corner in (1.0, 1.0 + 1e-12, 1.1):

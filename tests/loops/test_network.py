@@ -36,7 +36,7 @@ def screws() -> Frame:
 
 
 @pytest.mark.parametrize("basis", ["fundamental", "minimum"])
-def test_cycles_have_the_b_of_the_lines_they_wind_round(screws, basis):
+def test_cycles_have_the_b_of_enclosed_lines(screws, basis):
     """Each cycle of both bases has the sum of winding numbers times b."""
     net = Network(screws, grid_graph((6, 6), 0.17))
     assert net.cycle_count == 25
@@ -64,7 +64,7 @@ def test_cycles_agree_with_single_loops(name):
         assert found.error < 1e-10
 
 
-def test_forest_closures_are_those_of_the_cycles(screws):
+def test_forest_closures_agree_with_the_cycles(screws):
     """Potentials of the spanning forest give the same vectors as the cycles."""
     net = Network(screws, grid_graph((5, 7), 0.3))
     for closure, bound, cycle in zip(
@@ -207,7 +207,7 @@ def test_bad_questions_are_refused(screws):
         net.burgers([(0, 0), (0, 1)])
     with pytest.raises(LimitError, match="limit is 200 edges"):
         net.cycles("minimum")
-    with pytest.raises(NetworkError, match="'fundamental' or 'minimum'"):
+    with pytest.raises(NetworkError, match="expected one of fundamental, minimum, got 'any'"):
         net.cycles("any")
     with pytest.raises(NetworkError, match="not closed"):
         net.node_rule([[[(0, 0), (0, 1), (1, 1), (1, 0)]]])
@@ -219,7 +219,7 @@ def test_bad_questions_are_refused(screws):
         _ = unvalued.integrals
 
 
-def test_a_cycle_that_is_no_list_is_refused(screws):
+def test_a_cycle_that_is_not_a_list_is_refused(screws):
     """A cycle that is not a list raises our own error, here and in Loop.from_cycle."""
     graph = grid_graph((15, 15), 0.2)
     for ask in (Network(screws, graph).burgers, lambda cycle: Loop.from_cycle(graph, cycle)):

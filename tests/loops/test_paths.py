@@ -39,7 +39,7 @@ def test_cone_is_the_same_in_every_chart_and_frame(space, alpha):
         assert np.abs(found.increment - expected.increment).max() < 1e-12
 
 
-def test_shape_of_the_path_does_not_matter_round_a_line():
+def test_shape_of_the_path_does_not_matter_around_a_line():
     """Space is flat away from the axis, so that only the winding counts."""
     cone = levi_civita(spaces.load("wedge_disclination").frame)
     corners = [[2, 0, 0], [0.5, 1, 3], [4, 2, -1], [1, 5, 0], [2, TURN, 0]]
@@ -67,7 +67,7 @@ def test_paths_that_do_not_close_are_refused():
         develop_period(frame, [[1, 0], [1, 6]], ROUND)
     with pytest.raises(LoopError, match=r"misses its start .* by \(1, 0\)"):
         develop_period(frame, [[1, 0], [2, TURN]], ROUND)
-    with pytest.raises(LoopError, match="psi is not a coordinate"):
+    with pytest.raises(LoopError, match="periods: expected a coordinate, got 'psi'"):
         develop_period(frame, [[1, 0], [1, TURN]], {"psi": TURN})
     with pytest.raises(LoopError, match="expected the change of phi in one turn"):
         develop_period(frame, [[1, 0], [1, TURN]], {"phi": 0})

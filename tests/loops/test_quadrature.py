@@ -101,7 +101,7 @@ def test_how_narrow_a_peak_the_trapezoid_rule_takes(d: float, rule: str) -> None
 
 
 @pytest.mark.parametrize(("noise", "settled"), [(2e-8, True), (1e-6, False)])
-def test_what_counts_as_rounding(noise: float, settled: bool) -> None:
+def test_rounding_is_recognized(noise: float, settled: bool) -> None:
     """If halving no longer helps, a difference in the second half of the digits is rounding."""
 
     def rough(x: np.ndarray, v: np.ndarray) -> np.ndarray:

@@ -233,7 +233,7 @@ def hollow(rows: slice) -> SampledFrame:
 
 
 @pytest.mark.parametrize("periodic", [(False, False), (True, False), (True, True)])
-def test_sums_with_detours_are_those_of_a_potential(periodic):
+def test_sums_with_detours_agree_with_a_potential(periodic):
     """Edge values that are differences of a potential sum to zero, and areas are exact."""
     missing = scattered_nodes((40, 30), 0.15, 4)
     missing[10:14, 12:15] = True

@@ -112,7 +112,7 @@ def test_images(tmp_path):
         open_source(path)
 
 
-def test_hdf5_is_told_by_what_is_in_it(tmp_path):
+def test_hdf5_is_recognized_by_its_content(tmp_path):
     """A file with the data set is a sampled frame; any other file goes to orix."""
     h5py = pytest.importorskip("h5py")
     assert isinstance(open_source(grid(tmp_path, "field.h5")), SampledFrame)
@@ -168,7 +168,7 @@ def test_packed_and_new_maps(tmp_path):
     assert isinstance(open_source(h5oina(tmp_path / "a.h5oina"), sigma=0.1), OrientationMap)
 
 
-def test_tables_are_told_by_their_columns(tmp_path):
+def test_tables_are_recognized_by_their_columns(tmp_path):
     """Text ending in .csv is a sampled frame or an orientation map."""
     assert isinstance(open_source(grid(tmp_path, "a.csv")), SampledFrame)
     rows = ["phi1,Phi,phi2,phase,x,y"]

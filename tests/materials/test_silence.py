@@ -31,7 +31,7 @@ def no_tags() -> bytes:
     return bytes(content)
 
 
-def said(*arguments: str) -> list[str]:
+def error_lines(*arguments: str) -> list[str]:
     """Lines on standard error of a command, a process of its own, which is refused."""
     done = subprocess.run(
         [sys.executable, "-W", "default", "-m", "geomtorsion", *arguments],
@@ -54,7 +54,7 @@ def test_readers_of_files_are_silent(command, name, content, library, tmp_path):
     """Standard error holds our message and its page, nothing else."""
     pytest.importorskip(library)
     (tmp_path / name).write_bytes(content)
-    message, page = said(command, str(tmp_path / name))
+    message, page = error_lines(command, str(tmp_path / name))
     assert message.startswith("geomtorsion: ")
     assert page.startswith("(More on this")
 
@@ -71,6 +71,6 @@ def test_damaged_chunks_are_silent(workers, tmp_path):
         if chunk.is_file() and number % 3 == 0:
             chunk.write_bytes(b"garbage" * 10)
     out = ("-o", str(tmp_path / "out"), "--workers", workers)
-    message, page = said("map", str(tmp_path / "a.zarr"), *out)
+    message, page = error_lines("map", str(tmp_path / "a.zarr"), *out)
     assert message.startswith("geomtorsion: ")
     assert page.startswith("(More on this")

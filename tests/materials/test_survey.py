@@ -9,7 +9,7 @@ from geomtorsion.materials.fields import SampledFrame
 from tests.materials.fields.test_sampled_source import field
 
 
-def test_tables_leave_out_what_is_not_known(tmp_path):
+def test_tables_omit_unknown_circuits(tmp_path):
     """Tables omit unknown circuits, and values read back as the same doubles."""
     mask = np.zeros((11, 13), dtype=bool)
     mask[5, 6] = True
@@ -22,7 +22,7 @@ def test_tables_leave_out_what_is_not_known(tmp_path):
     assert "layer" not in rows[0]
 
 
-def test_layers_are_told(tmp_path):
+def test_tables_name_layers(tmp_path):
     """A table of three axes names the layer of each circuit."""
     axes = [np.arange(6.0)] * 3
     x, _, z = np.meshgrid(*axes, indexing="ij")
@@ -35,7 +35,7 @@ def test_layers_are_told(tmp_path):
     assert found["largest"] == pytest.approx(5.0)
 
 
-def test_nothing_known_is_none(tmp_path):
+def test_surveys_without_known_circuits_can_be_written(tmp_path):
     """A survey without known circuits has no largest value, and can be written."""
     mask = np.zeros((11, 13), dtype=bool)
     mask[::2, ::2] = True

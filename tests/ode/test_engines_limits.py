@@ -33,7 +33,7 @@ class Crawling:
 
 
 @pytest.mark.parametrize(("length", "stuck"), [(0.7e-9, True), (1.4e-9, False)])
-def test_what_moves_by_a_billionth_goes_on(length, stuck):
+def test_slow_motions_continue(length, stuck):
     """A run that moves less than a billionth of its time in two thousand steps is stuck."""
     call = Crawling(length), np.array([0.0, 1.0]), None, None
     if stuck:
@@ -107,7 +107,7 @@ def test_speed_changes_no_bit(monkeypatch):
 
 
 @needs_heyoka
-def test_what_is_kept_or_unrolled_changes_no_result(monkeypatch):
+def test_cached_and_unrolled_code_change_no_result(monkeypatch):
     """With one integrator kept at a time it is compiled again; code not unrolled agrees."""
     laws = [ODE.of({"x": "v", "v": f"-{k}*sin(x)"}, [1, 0]) for k in (2, 3)]
     first = [solve(law, 5.0, 1e-9, Taylor()) for law in laws]
@@ -147,7 +147,7 @@ def test_how_much_heyoka_leaves_on_the_disk(before):
 
 
 @pytest.mark.parametrize("rate", ["1e200*x", "1e300*x"])
-def test_what_is_faster_than_any_step_is_stuck(rate):
+def test_infinite_rates_are_stuck(rate):
     """A motion whose rates have an infinite size is stuck at the start."""
     with pytest.raises(StuckError, match=r"cannot continue at t = 0.* too small"):
         solve(ODE.of({"x": rate}, [2]), [0, 1.0], 1e-9, RungeKutta())

@@ -95,7 +95,7 @@ def test_orders_and_tolerances():
 
 
 @needs_heyoka
-def test_orders_are_those_of_heyoka():
+def test_orders_agree_with_heyoka():
     """The rule agrees with the order of heyoka's integrators."""
     import heyoka as hy
 
@@ -257,7 +257,7 @@ def test_more_digits_near_a_separatrix(near):
 
 
 @every_engine
-def test_an_unstable_motion_says_so(engine):
+def test_an_unstable_motion_is_refused(engine):
     """Near a saddle rounding grows beyond any accuracy: an error instead of a wrong answer."""
     saddle = ODE.of({"x": "v", "v": "x"}, {"x": 1.0, "v": -1.0})
     with pytest.raises(AccuracyError):
@@ -284,7 +284,7 @@ def test_states_of_uneven_size(start, accuracy):
 
 @needs_heyoka
 @pytest.mark.parametrize("end", [60.0, 75.0, 91.0])
-def test_roundings_of_what_has_grown(end):
+def test_roundings_of_grown_states(end):
     """Autoparallels of Sol: z grows a hundredfold, and e^z amplifies all its rounding errors."""
     problem = autoparallel(
         cartan(load("sol").frame), [0.3, -0.4, 0.6], frame_velocity=[0.7, 0.2, -1.3]
@@ -330,7 +330,7 @@ def test_rounded_parameters_are_seen():
 
 
 @needs_heyoka
-def test_what_is_left_out_before_an_event_grows_after_it():
+def test_errors_before_an_event_grow_after_it():
     """Errors from before an event grow after it, and the estimate contains them."""
     law = ODE.of({"x": "a*x"}, [1.0], parameters={"a": 1.0}, events=[At(5.0, {"a": -1.0})])
     unstable = ODE.of(
@@ -417,7 +417,7 @@ def test_edges_do_not_measure_steps():
 
 
 @every_engine
-def test_times_are_those_of_the_call(engine):
+def test_later_changes_of_times_change_nothing(engine):
     """The array of times may be changed after the call without changing the solution."""
     times = np.linspace(0.0, 9.0, 10)
     motion = geodesic(load("s3").frame, (0.7, 0.2, 0.3), frame_velocity=[1.0, 0.0, 0.0])

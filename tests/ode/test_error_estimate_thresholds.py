@@ -66,7 +66,7 @@ def test_where_tolerances_aim(monkeypatch):
 
 
 @needs_heyoka
-def test_what_is_taken_for_noise():
+def test_cancelling_rates_are_taken_for_noise():
     """A rate whose terms of size one cancel is taken for noise; a rate of 1e-12 is not."""
     rates, start = {"p": "q", "q": "-p"}, {"p": 1, "q": 0, "rest": 0}
     found = solve(ODE.of(rates | {"rest": "p**2 + q**2 - 1"}, start), 10.0, 1e-6, Taylor())
@@ -87,7 +87,7 @@ def test_what_begins_at_zero_with_rates_that_cancel():
     assert 0.5 * error <= found.error <= 1e-9
 
 
-def test_a_finer_run_that_ends_early_tells_nothing():
+def test_a_finer_run_that_ends_early_gives_no_difference():
     """Without a finer run for its last part, the difference of the answer is infinite."""
     stage, times = SWING.first_stage(53, 0.0), np.linspace(0, 1, 5)
     whole = integrate(stage, times, 1e-6, RungeKutta())

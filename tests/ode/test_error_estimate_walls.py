@@ -38,7 +38,7 @@ def across(entry, begin, lasts, accuracy, engine):
     ],
     ids=["near", "wall", "far", "bump", "two bumps", "power"],
 )
-def test_what_lies_ahead_is_met(entry, begin, lasts, engine):
+def test_walls_ahead_are_seen(entry, begin, lasts, engine):
     """The error is honest although rates at the start show no sign of the wall."""
     solution, exact = across(entry, begin, lasts, 1e-9, engine)
     away = abs(float(solution.coordinates[-1, 0]) - exact) / exact
@@ -100,7 +100,7 @@ def test_members_on_straight_lines_have_all_digits():
 
 @every_engine
 @pytest.mark.parametrize("samples", [13, 14, 65])
-def test_samples_at_whole_turns_are_no_jump(samples, engine):
+def test_samples_at_whole_turns_hide_no_steps(samples, engine):
     """Samples at whole periods, where the rates are equal, do not hide the steps between."""
     times = np.linspace(0, 2 * np.pi * (samples - 1), samples)
     solution = solve(ODE.of({"x": "v", "v": "-x"}, [1, 0]), times, 1e-9, engine)
@@ -151,7 +151,7 @@ def test_few_cuts_show_all_that_is_behind_a_wall(samples, engine):
 
 
 @every_engine
-def test_many_samples_in_a_step_are_no_wall(engine):
+def test_many_samples_in_a_step_add_no_segments(engine):
     """The error of a loose tolerance is reported; samples within a step add no segments."""
     swing = ODE.of({"x": "v", "v": "-x"}, [1, 0])
     solution = solve(swing, np.linspace(0, 1, 50_000), 1e-6, engine)

@@ -112,7 +112,7 @@ def test_observed_kinks_have_no_false_zeros():
     assert found.event_times(f"{inside} - 1/10") == pytest.approx([0.4, 0.6], abs=1e-8)
 
 
-def test_what_is_watched():
+def test_each_function_adds_an_edge():
     """Each function adds one edge: the root of the expression that has to stay positive."""
     x, y = sp.symbols("x y", real=True)
     problem = ODE.of({"x": sp.acos(x) + sp.asin(x), "y": sp.log(y) + sp.asin(2)}, [0.1, 1])

@@ -45,7 +45,7 @@ def posed(name):
     ("name", "tolerance", "t"),
     one_in(2, ["top", "angles", "kerr"], [1e-5, 1e-9, 1e-13], [20.0, -20.0]),
 )
-def test_the_steps_are_those_of_scipy(name, tolerance, t):
+def test_the_steps_agree_with_scipy(name, tolerance, t):
     """Steps and evaluations are as many as scipy's, and states equal up to rounding."""
     system, start, values = posed(name)
     times = np.linspace(0.0, t, 33)

@@ -112,7 +112,7 @@ def test_members_of_different_sizes_in_one_batch(engine):
     assert many["x"][:, -1] == pytest.approx(wanted, rel=1e-8)
 
 
-def test_only_what_is_far_from_one_is_scaled():
+def test_only_values_far_from_one_are_scaled():
     """Only values far from one are scaled: states, which may be zero, and times that matter."""
     swing = ODE.of({"x": "v", "v": "-x"}, [1, 0]).system
     assert units_of(swing, [2.0**20, 0.0], [], 1.0) is None

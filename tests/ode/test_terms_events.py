@@ -169,7 +169,7 @@ def test_no_step_at_all():
 
 
 @needs_heyoka
-def test_heyoka_says_errors_only(monkeypatch):
+def test_heyoka_logs_only_errors(monkeypatch):
     """heyoka's logger is set to errors only, once."""
     said = []
     monkeypatch.setattr(heyoka(), "set_logger_level_error", lambda: said.append("error"))

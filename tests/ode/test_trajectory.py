@@ -37,7 +37,7 @@ def test_how_many_events_a_motion_may_meet():
 
 
 @pytest.mark.parametrize(("moved", "count"), [(0.7e-9, 3), (1.3e-9, 6)])
-def test_what_gets_nowhere_in_two_stages_stands_still(moved, count):
+def test_stages_without_progress_are_stuck(moved, count):
     """Four stages that each advance by less than a billionth of the time end a motion as stuck."""
     found = followed([0.5, *[moved] * 4], "stuck")
     assert len(found.segments) == count

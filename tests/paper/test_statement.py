@@ -31,7 +31,7 @@ def test_formulas_are_short():
     assert short(sp.cos(phi1) * sp.sin(phi2)) == "c1*s2"
 
 
-def test_verdicts_say_what_is_wrong():
+def test_verdicts_name_the_error():
     """The verdict names a lost notation only if the corrected formula holds."""
     assert verdict(True) == "agrees"
     assert verdict(False, lost("the dot", True)) == "misprint: the dot is lost"

@@ -91,7 +91,7 @@ def test_verdicts_follow_the_motions():
     assert "more than its notation" in wrong["(27)"]
 
 
-def test_right_form_of_23_is_that_of_the_chain_rule():
+def test_right_form_of_23_follows_the_chain_rule():
     """(23) checked by hand: the variation of eps^i_mu(phi) x'^mu, at a numeric point."""
     turn, place = attitude().T, sp.Matrix(POSITION)
     s, t = sp.symbols("s t")

@@ -78,7 +78,7 @@ def test_lines_differ_without_colour():
     assert len({str(stroke.dashes) for stroke in SERIES}) == len(SERIES)
 
 
-def test_the_caption_says_all():
+def test_the_caption_is_complete():
     """The caption gives start, velocity, parameters, accuracy and stops."""
     lines = " ".join(caption(pair_of("s2", start=[0.5, 0.0], velocity=[-0.2, 1.0], t=6)))
     lines = lines.replace("\xa0", " ")
@@ -86,7 +86,7 @@ def test_the_caption_says_all():
         assert part in lines
 
 
-def test_angles_go_on():
+def test_angles_continue():
     """An azimuth of more than a full turn, solved in quaternions, has no jumps, as in the table."""
     pair = pair_of("so3", t=20)
     table = pair.columns()
@@ -141,7 +141,7 @@ def test_every_space_has_a_first_motion(name):
         assert u @ eta @ u == pytest.approx(-1, abs=0.01)
 
 
-def test_pictures_go_where_their_names_say(tmp_path):
+def test_paths_and_types_of_figures(tmp_path):
     """A path may be a string; an unknown file type is refused with our own error."""
     pytest.importorskip("matplotlib")
     figure = new_figure(1, 1)

@@ -36,7 +36,7 @@ def test_six_panels_with_the_circuit_and_its_vector():
     assert "anticlockwise" in text.get_text()
 
 
-def test_a_circuit_run_backwards_is_said_to_be():
+def test_the_caption_names_a_clockwise_circuit():
     """The caption states the clockwise sense; without a circuit there is no caption."""
     figure = draw_lattice(IMAGE, PHASES, PHASES.burgers(CIRCUIT.reversed()))
     assert "run clockwise" in figure.texts[0].get_text().replace("\n", " ")

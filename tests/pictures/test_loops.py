@@ -53,7 +53,7 @@ def test_a_gap_too_small_to_see_is_enlarged(radius: float) -> None:
     assert ("$10^{" in title) == (radius < 1e-5)
 
 
-def test_axes_say_what_they_show() -> None:
+def test_axes_have_labels_and_units() -> None:
     """Coordinates have centre and unit, legs have numbers; the panel is 3d only if necessary."""
     figure = draw_closure(burgers_vector(load("so3").frame, Loop.circle([0.3, 1, 0.2], 1e-6)))
     left = figure.axes[0]
@@ -97,7 +97,7 @@ def test_a_map_of_a_smooth_density() -> None:
     assert "minus $2S$" in draw_map(found, relative=True).axes[0].get_title()
 
 
-def test_more_components_than_panels_are_told() -> None:
+def test_omitted_components_are_counted() -> None:
     """Three of four components are drawn, and the title of the figure states both numbers."""
     x, y, z, w = sp.symbols("x y z w")
     rows = [[int(i == k) + (i + 1) * y * int(k == 0) for k in range(4)] for i in range(4)]

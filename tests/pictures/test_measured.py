@@ -50,7 +50,7 @@ def test_nothing_known_is_grey():
 
 
 @pytest.mark.parametrize("kind", ["grid", "map"])
-def test_circuits_stand_on_what_was_measured(kind):
+def test_circuits_are_drawn_on_the_data(kind):
     """The circuit is a line, with b and its noise beside it."""
     measured = field(sigma=0.01) if kind == "grid" else wall(2.0, (20, 30), 0.5, sigma=0.01)
     found = measured.burgers(Loop.circle([2.5, 3], 1.5))
@@ -88,7 +88,7 @@ def test_a_map_without_clean_circuits():
     assert "cross a boundary" in draw_survey(survey).texts[0].get_text()
 
 
-def test_circuits_of_a_volume_stand_on_their_sections():
+def test_circuits_of_a_volume_are_drawn_on_sections():
     """Each plane with circuits has a panel, with the section of the volume as background."""
     axes = [np.arange(7.0), np.arange(8.0), np.arange(6.0)]
     x, _y, z = np.meshgrid(*axes, indexing="ij")

@@ -68,7 +68,7 @@ def test_the_tip_of_the_axis_with_its_limits():
 
 
 @pytest.mark.parametrize("inertia", [(1, 2, 3), (3, 1, 2), (1, 1, 2), (2, 1, 1)])
-def test_polhodes_lie_on_sphere_and_ellipsoid(inertia):
+def test_polhodes_are_on_sphere_and_ellipsoid(inertia):
     """Each curve satisfies both equations, for each order of the moments."""
     weights = 1 / np.array(inertia, dtype=float)
     for share in (0.1, 0.5, 0.9):
@@ -127,7 +127,7 @@ def test_plans_and_sweeps():
     assert len(field.axes) == 2
 
 
-def test_a_film_that_fails_says_why(tmp_path, monkeypatch):
+def test_a_failing_animation_raises_its_error(tmp_path, monkeypatch):
     """The error of the first frame, or Ctrl-C, is raised unchanged, and no file remains."""
     for reason in (KeyboardInterrupt(), RuntimeError("no memory")):
 
@@ -142,7 +142,7 @@ def test_a_film_that_fails_says_why(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_films(tmp_path, monkeypatch):
+def test_animations(tmp_path, monkeypatch):
     """A GIF has its frames; sides of a block follow from the moments; other types are refused."""
     from PIL import Image, ImageSequence
 
@@ -165,7 +165,7 @@ def test_films(tmp_path, monkeypatch):
         write_film(tmp_path / "film.mp4", TIMES, TURN)
 
 
-def test_a_film_of_a_round_body_takes_no_numbers_from_unset_memory(tmp_path, monkeypatch):
+def test_an_animation_of_a_cylinder_reads_no_unset_memory(tmp_path, monkeypatch):
     """Faces with 32 and with 4 corners share an array; unset entries would raise a warning."""
     pytest.importorskip("matplotlib")
     unset = np.empty
@@ -191,14 +191,14 @@ def test_figures_can_be_saved(tmp_path):
 
 
 @pytest.mark.parametrize(("change", "constant"), [(0.9e-8, True), (1.1e-8, False)])
-def test_what_is_called_constant(change, constant):
+def test_small_changes_are_called_constant(change, constant):
     """A quantity that changes by less than 1e-8 of its size is called constant."""
     figure = watched_picture(TIMES, {"energy": 2.5 * (1 + change * TIMES / TIMES[-1])})
     assert ("constant: 2.5" in words(figure)) is constant
 
 
 @pytest.mark.parametrize(("change", "kept"), [(0.9e-8, True), (1.1e-8, False)])
-def test_what_is_called_kept(change, kept):
+def test_small_changes_are_called_kept(change, kept):
     """A quantity that changes by less than 1e-8 of its size is called kept."""
     figure = change_picture(TIMES, {"energy": {"right": 1 + change * TIMES / TIMES[-1]}})
     assert ("kept: changes below" in words(figure)) is kept

@@ -29,7 +29,7 @@ FIELD = gt.SampledFrame([LINE, LINE], np.tile(np.eye(2)[..., None, None], (1, 1,
      (lambda value: gt.pictures.save(value, "picture.png"), "figure: expected a Figure")],
 )  # fmt: skip
 @pytest.mark.parametrize("came", [None, "b", FIELD.burgers(gt.Loop.circle([0, 0], 0.5))])
-def test_what_is_something_else_is_refused(draw: Callable[[Any], object], needed: str, came: Any):
+def test_wrong_types_are_refused(draw: Callable[[Any], object], needed: str, came: Any):
     """The message names the argument and the expected type."""
     with pytest.raises(ArgumentError, match=needed):
         draw(came)
@@ -45,7 +45,7 @@ def test_a_plane_is_two_coordinates(plane: Any):
         gt.pictures.draw_dislocations(net, places, plane)
 
 
-def test_a_path_is_no_number():
+def test_a_number_is_refused_as_path():
     """A number as path is refused, because Python reads it as a handle of an open file."""
     figure = gt.pictures.draw_plan(gt.spaces.load("s2").frame.plan("metric"))
     with pytest.raises(ArgumentError, match="path: expected the name of a file"):

@@ -95,7 +95,7 @@ def test_a_wrong_claim_is_found(monkeypatch):
     assert row.calibration < 1
 
 
-def test_what_cannot_be_had_stands_in_the_table():
+def test_unreachable_accuracies_are_in_the_table():
     """Runge-Kutta at 1e-17 fails, which is a row with a note and no time."""
     table = gt.price(TOP, 2.0, [1e-6, 1e-17], engines=QUICK, proofs=[])
     good, bad = rows_of(table, "estimate")

@@ -29,7 +29,7 @@ def test_first_of_many():
         assert fall("x").rad() < 1e-19
 
 
-def test_a_near_miss_is_none():
+def test_a_near_miss_does_not_end_the_motion():
     """A term that falls to a billionth and rises again is not an end; the next zero is."""
     with ball_precision(120):
         # x falls to -1 at pi and the first factor stays positive; the second one is zero at s = 9.
@@ -60,7 +60,7 @@ def test_touching_is_refused():
     assert 2 < caught.value.time < 3.2
 
 
-def test_the_time_stands_in_the_stop():
+def test_a_stop_may_depend_on_time():
     """A stop may depend only on the time."""
     problem = gt.ODE.of({"x": "-x"}, [1], events=[gt.When("2 - t")])
     proof = gt.prove(gt.solve(problem, 5.0), 20)

@@ -355,7 +355,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("call", "error", "words"), REFUSED)
-def test_what_is_refused(monkeypatch, call, error, words):
+def test_bad_calls_are_refused(monkeypatch, call, error, words):
     """Without a true value no ball is given; the refusal takes at most a few hundred steps."""
     steps = []
     plain = motions.prove_step

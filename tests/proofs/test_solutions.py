@@ -131,7 +131,7 @@ def test_a_motion_without_rates_stays():
         assert proof.holds is not False
 
 
-def test_what_was_computed_up_to_an_edge_is_proved():
+def test_motions_up_to_an_edge_are_proved():
     """A motion that left its chart is proved at the times that it reached."""
     r, phi = sp.symbols("r phi", real=True)
     frame = gt.Frame([r, phi], [[1, 0], [0, r]], domain=[r > 0])

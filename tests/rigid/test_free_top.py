@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import geomtorsion as gt
-from geomtorsion.errors import ShapeError, StartError, TimeError
+from geomtorsion.errors import StartError
 from geomtorsion.rigid.attitude import product, rotated
 from geomtorsion.rigid.double_double import DoubleDouble, reduced, turns
 from geomtorsion.rigid.free_top import free_top
@@ -258,28 +258,6 @@ def test_times_are_reduced_exactly():
         assert abs(high[k]) < 1.58
 
 
-@pytest.mark.parametrize(
-    ("moments", "omega", "quaternion", "error", "words"),
-    [
-        (
-            (1, 2, 0),
-            (1, 0, 0),
-            TILTED,
-            StartError,
-            r"moments\[2\]: expected a positive moment of inertia, got 0.0",
-        ),
-        ((1, 2, -1), (1, 0, 0), TILTED, StartError, r"moments\[2\]: expected a positive moment"),
-        ((1, 2), (1, 0, 0), TILTED, ShapeError, "expected 3 numbers, got 2"),
-        ((1, 2, 3), (1, 0, math.inf), TILTED, StartError, r"omega\[2\] = inf is not finite"),
-        ((1, 2, 3), (1, 0, 0), (0, 0, 0, 0), StartError, "length 0"),
-        ((1, 2, 3), (1, 0, 0), (1, 1, 0, 0), StartError, "Divide it by its length"),
-    ],
-)
-def test_bad_input_is_refused(moments, omega, quaternion, error, words):
-    with pytest.raises(error, match=words):
-        free_top(moments, omega, quaternion)
-
-
 @pytest.mark.parametrize("unit", [4e76, 1e-76])
 @pytest.mark.parametrize("rate", [4e76, 1.0, 1e-76])
 def test_moments_and_rates_of_any_size(unit, rate):
@@ -293,14 +271,6 @@ def test_moments_and_rates_of_any_size(unit, rate):
             free_top((far, far, far), tuple(omega))
         with pytest.raises(StartError, match=r"expected sizes between 1e-77 and 1e\+77"):
             free_top((1, 1, 1), (far, 0, 0))
-
-
-def test_bad_times_are_refused():
-    top = free_top((1, 2, 3), (0.1, 1, 0.2))
-    with pytest.raises(TimeError, match="not finite"):
-        top.omega([0.0, math.nan])
-    with pytest.raises(TimeError, match="A double has too few digits"):
-        top.omega(1e17)
 
 
 @needs_heyoka

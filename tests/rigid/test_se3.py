@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 
 import geomtorsion as gt
-from geomtorsion.errors import ShapeError, StartError
 from geomtorsion.rigid import attitude, se3
 
 EPS = np.finfo(float).eps
@@ -86,31 +85,3 @@ def test_screw_of_the_shipped_frame():
     end = curve.coordinates[-1]
     turned = attitude.matrix_from_quaternion(attitude.quaternion_from_euler(end[:3]))
     assert np.abs(turned - expected[:3, :3]).max() < 1e-8
-
-
-@pytest.mark.parametrize(
-    ("call", "error", "words"),
-    [
-        (lambda: se3.exp([1, 2, 3]), ShapeError, r"twist: expected shape \(..., 6\), got \(3,\)"),
-        (lambda: se3.exp([np.nan] * 6), StartError, "twist: expected finite numbers"),
-        (lambda: se3.log(2 * np.eye(4)), StartError, r"expected \(0, 0, 0, 1\) as last row"),
-        (lambda: se3.log(np.diag([1, 1, -1, 1])), StartError, "reflection"),
-        (lambda: se3.adjoint(np.diag([2, 1, 1, 1])), StartError, "expected a rotation"),
-        (lambda: se3.pose(np.eye(3), [1, 2]), ShapeError, "position: expected shape"),
-        (
-            lambda: attitude.rotation_vector_from_quaternion([0, 0, 0, 0]),
-            StartError,
-            "quaternion: expected finite numbers, not all 0",
-        ),
-        (
-            lambda: attitude.rotation_vector_from_matrix(np.full((3, 3), np.nan)),
-            StartError,
-            "expected a rotation",
-        ),
-        (lambda: attitude.rotation_vector_from_matrix(-np.eye(3)), StartError, "reflection"),
-    ],
-)
-def test_refusals(call, error, words):
-    """Each refusal names the expected input."""
-    with pytest.raises(error, match=words):
-        call()

@@ -108,7 +108,7 @@ class Odd(Effect):
         return self.brings
 
 
-def test_what_is_refused():
+def test_bad_calls_are_refused():
     body = Body(moments=(1, 2, 3))
     with pytest.raises(
         SceneError, match="expected one effect that constrains .*, got gimbal and pivot"

@@ -244,7 +244,7 @@ def test_showing():
     assert "accuracy 0.01" in shown
 
 
-def test_the_clock_is_no_part_of_the_result():
+def test_results_do_not_depend_on_the_clock():
     """Equal calls give equal rows, errors and numbers."""
     one, two = MISSILE.called_for(1e-2), MISSILE.called_for(1e-2)
     assert one.rows == two.rows
@@ -252,7 +252,7 @@ def test_the_clock_is_no_part_of_the_result():
     assert np.array_equal(one.result["position"], two.result["position"])
 
 
-def test_a_scene_with_only_what_is_called_for():
+def test_with_values_retains_called_for_effects():
     """`with_values` retains the effects that the new accuracy calls for."""
     some = MISSILE.with_values(accuracy=1e-2, effects="called for")
     assert tuple(some.keyed) == ("thrust", "gravity")

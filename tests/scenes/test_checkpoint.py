@@ -55,7 +55,7 @@ def test_runs_of_missiles_across_switches(tmp_path):
     assert np.abs(part["velocity"] - whole["velocity"][: len(part.times)]).max() < 1e-5
 
 
-def test_what_is_refused(tmp_path):
+def test_bad_calls_are_refused(tmp_path):
     """A missing file, a file of another scene and a foreign file are refused."""
     scene = load("lagrange_cusp")
     path = tmp_path / "run.npz"

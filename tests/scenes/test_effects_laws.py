@@ -127,7 +127,7 @@ def test_dissipation_never_puts_energy_in(effect):
     assert max(powers) < 0
 
 
-def test_drag_takes_what_force_times_speed_says():
+def test_drag_takes_force_times_speed():
     """By hand: -c w^2 at the centre of pressure, -c |w|^3, -c Omega^2."""
     arm = np.array([0.1, 0.2, -0.4])
     linear, square, damping = DISSIPATIVE[:3]

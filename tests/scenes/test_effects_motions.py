@@ -59,7 +59,7 @@ def test_quadratic_drag_falls_as_tanh():
     assert abs(result["velocity"][:, 2] - exact).max() < 10 * NEAR
 
 
-def test_a_stone_that_comes_to_rest_turns_round():
+def test_a_stone_turns_at_the_top():
     """Straight up and down again: tan until the top, tanh after it; a dropped stone as well."""
     g, last = 9.81, math.sqrt(2 * 9.81 / 0.1)
     acting = [E.QuadraticDrag(0.1), E.Gravity(g)]
@@ -231,7 +231,7 @@ def test_autoparallels_turn_uniformly_with_unequal_moments():
         assert np.ptp(result["angular_momentum_space"], axis=0).max() > 1
 
 
-def test_the_naive_law_leaves_out_the_whole_angular_momentum():
+def test_the_naive_law_omits_the_whole_angular_momentum():
     """L' = M: without a torque Omega is constant, with a rotor and about a pivot as well."""
     for more in (
         E.Pivot((0.1, 0.2, 0.3)),

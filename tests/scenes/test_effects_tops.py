@@ -19,7 +19,7 @@ def run(body, acting, watch, t, accuracy=1e-12, **start):
     return Scene(body, acting, State(**start), watch, t, accuracy=accuracy, samples=101).run()
 
 
-def test_a_missile_flies_as_thirty_digits_say():
+def test_a_missile_agrees_with_thirty_digits():
     """Thrust fixed to the body and off its axis, burning from 0.5 to 2.25, spin-stabilised."""
     mass, moments = 12.0, (3.0, 2.7, 0.4)
     force, point = (0.0, 1.5, 80.0), (0.0, 0.01, -1.2)
@@ -57,7 +57,7 @@ def test_spin_keeps_a_missile_straight():
 @pytest.mark.parametrize(
     ("spin", "precession"), [(40.0, 0.0), (40.0, 3.0), (25.0, -1.0)], ids=["cusp", "wave", "loop"]
 )
-def test_lagranges_top_turns_where_the_cubic_says(spin, precession):
+def test_lagranges_top_turns_at_roots_of_the_cubic(spin, precession):
     """Turning points and precession per nutation from (1-u^2)(a - b u) - (c - d u)^2."""
     mass, height, a, c, tilt = 0.5, 0.1, 0.006, 0.002, 0.6
     about = a - mass * height**2  # the body's own moments are about its centre

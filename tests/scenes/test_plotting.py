@@ -95,7 +95,7 @@ def test_how_many_turns_are_smooth(turns, smooth):
     assert (1 - middles.min() < 0.01) == smooth
 
 
-def test_drifts_over_time_are_those_of_the_result():
+def test_drifts_over_time_agree_with_the_result():
     """The largest drift over time is the drift of the result, also across switches."""
     for name in ("lagrange_cusp", "missile", "euler_top"):
         result = load(name).run()

@@ -250,7 +250,7 @@ def test_what_can_be_watched():
     assert set(result.units) == set(names)
 
 
-def test_what_is_stuck_says_how_far_it_came():
+def test_a_stuck_motion_carries_its_partial_result():
     """A force that grows beyond all bounds at t = 1 raises an error with the partial result."""
     pole = E.Custom(force=("0", "0", "1/(1 - t)**2"))
     start = gt.State(omega=(0, 0, 1))
@@ -274,7 +274,7 @@ def test_a_force_without_a_value_at_the_start():
 
 
 @pytest.mark.parametrize("engine", ["taylor", 3, gt.RungeKutta])
-def test_engines_that_are_none(engine):
+def test_invalid_engines_are_refused(engine):
     """A name or a class is refused as an engine."""
     with pytest.raises(gt.errors.StartError, match=r"engine = .*RungeKutta.., Stiff.."):
         TOP.run(engine=engine)
@@ -282,7 +282,7 @@ def test_engines_that_are_none(engine):
         gt.solve_many(TOP.ode, {"Omega1": [1.0, 2.0]}, 1.0, engine=engine)
 
 
-def test_replacing_what_is_given_in_one_way():
+def test_replacing_an_attitude_or_inertia():
     """A new attitude or inertia replaces the old one, however the old one was given."""
     scene = TOP.with_values({"start.quaternion": (1, 0, 0, 0), "body.inertia": np.eye(3).tolist()})
     assert scene.start.euler is None
@@ -295,7 +295,7 @@ def test_replacing_what_is_given_in_one_way():
 def test_whole_numbers_of_numpy_and_numbers_that_are_too_small():
     """samples may come from NumPy; zero repeats are refused with an error of ours."""
     assert len(TOP.with_values(samples=np.int64(5)).times) == 5
-    with pytest.raises(SceneError, match="samples = True: expected a whole number from 2 on"):
+    with pytest.raises(SceneError, match="samples: expected a whole number from 2 on, got True"):
         TOP.with_values(samples=True)
     with pytest.raises(SceneError, match="repeats: expected a whole number from 1 on"):
         TOP.cost(repeats=0)

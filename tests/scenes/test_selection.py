@@ -69,7 +69,7 @@ def test_nothing_is_followed_where_nothing_moves():
     assert alone["velocity"].tolist()[0] == [1, 2, 3]
 
 
-def test_the_table_says_why():
+def test_the_table_gives_reasons():
     text = str(Scene(BODY, TOP, START, ["nutation"], t=1, title="Top").selection)
     lines = text.splitlines()
     assert lines[0] == "Top: 6 equations for nutation"
@@ -193,7 +193,7 @@ def test_what_stops_is_followed():
     assert result.closed_form is None
 
 
-def test_switches_of_what_is_left_out():
+def test_switches_of_omitted_effects():
     """A thrust through the centre of mass does not split the time of the rotation."""
     push = E.Thrust((0, 0, 5), start=0.1, end=0.2)
     scene = Scene(BODY, (push,), START, ["omega"], t=1)

@@ -112,7 +112,7 @@ def test_free_bodies_without_more_digits(monkeypatch):
         ((1, 2, 2.5), (1e200, 1, 0)),
     ],
 )
-def test_numbers_whose_squares_are_no_doubles(moments, omega):
+def test_values_with_overflowing_squares_are_refused(moments, omega):
     """Values whose squares are not doubles are refused with a remedy."""
     scene = gt.Scene(gt.Body(moments=moments), [], gt.State(omega=omega), ["omega"], t=10)
     with pytest.raises(gt.errors.StartError, match="Use other units"):

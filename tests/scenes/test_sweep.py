@@ -139,7 +139,7 @@ def test_measures():
         ({"start.omega[0]": [1]}, "max omgea[0]", UnknownNameError, "Did you mean omega"),
     ],
 )
-def test_what_is_refused(varied, measure, error, says):
+def test_bad_calls_are_refused(varied, measure, error, says):
     """Each error is ours and names the path."""
     with pytest.raises(error, match=says):
         load("dzhanibekov").sweep(varied, measure)
@@ -190,7 +190,7 @@ def test_members_that_fail():
 
 
 @pytest.mark.parametrize("column", [3.0, ["a", "b"], [(1, 2), (1, 2, 3)]])
-def test_columns_that_are_none(column):
+def test_invalid_columns_are_refused(column):
     """One number, words, and vectors of unequal length are refused."""
     with pytest.raises(SceneError, match="a list of numbers, or of vectors"):
         load("dzhanibekov").sweep({"body.moments": column}, FLIP)
@@ -268,7 +268,7 @@ def test_each_free_body_of_a_sweep_is_checked():
 
 
 @pytest.mark.parametrize("engine", [None, RungeKutta()])
-def test_an_interruption_keeps_what_was_measured(engine):
+def test_an_interruption_keeps_measured_values(engine):
     """After Ctrl-C in a sweep the finished values are kept, and the rest is named."""
     scene = load("lagrange_cusp").with_values(t=0.1)
     masses = [0.4, 0.5, 0.6]
@@ -292,7 +292,7 @@ def test_an_interruption_keeps_what_was_measured(engine):
     ]
 
 
-def test_names_that_a_sweep_does_not_have_are_told():
+def test_unknown_names_of_a_sweep_are_refused():
     """An unknown name is refused with the known names, not with a KeyError."""
     found = load("lagrange_cusp").sweep({"gravity.g": [9.0]}, "last nutation")
     assert found["gravity.g"].tolist() == [9.0]

@@ -43,7 +43,7 @@ ROTATION = {"rotational_energy", "angular_momentum_space", "angular_momentum_squ
     ],
     ids=lambda value: None,
 )
-def test_what_is_kept(body, acting, kept):
+def test_conserved_quantities_follow_from_symmetry(body, acting, kept):
     """Noether: the symmetry of the effects gives energy, momentum and angular momenta."""
     scene = Scene(body, acting, START, ALL, t=1)
     assert set(scene.ode.invariants) == kept

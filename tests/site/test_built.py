@@ -112,7 +112,7 @@ def test_pages_are_clean(built):
             assert trash not in text, (path.name, trash)
 
 
-def test_versions_are_those_of_this_checkout(built):
+def test_versions_agree_with_the_checkout(built):
     """The citation has the version in both forms, and the licences name the dependencies."""
     text = (built / "cite.html").read_text("utf-8")
     assert text.count(geomtorsion.__version__) >= 2

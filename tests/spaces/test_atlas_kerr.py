@@ -177,7 +177,7 @@ def test_a_polar_orbit(engine, accuracy):
 @pytest.mark.parametrize(
     "accuracy", [1e-7, *(pytest.param(x, marks=pytest.mark.slow) for x in (1e-9, 1e-11))]
 )
-def test_a_polar_plunge_says_why_it_ends(accuracy):
+def test_a_polar_plunge_names_its_end(accuracy):
     """After turning inside, it returns to the inner horizon, where ingoing v is infinite."""
     problem = without_momentum(6.0, 1.5, -0.3, 0.1, 0.9)
     with pytest.raises(ChartEdgeError, match="leaves through a horizon outwards") as caught:

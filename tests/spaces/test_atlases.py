@@ -69,7 +69,7 @@ def test_how_near_an_axis_angles_are_kept(least, left):
     assert ("cartesian" in solve(problem, 4.0, 1e-6).charts) == left
 
 
-def test_autoparallels_go_on_too():
+def test_autoparallels_continue():
     """Rotation around a fixed axis of the body, an autoparallel: its chart keeps the frame."""
     so3 = load("so3_quaternion").frame
     sol = solve(autoparallel(cartan(so3), [0.1, 0.2, 0.3], frame_velocity=[0.2, 0.1, 1]), 3.0)

@@ -33,7 +33,7 @@ def slopes(function, point, values):
 
 
 @pytest.mark.parametrize("name", [n for n in DRAWN if n.startswith(("so3", "r3xso3"))])
-def test_attitudes_turn_as_the_coframe_says(name):
+def test_attitudes_turn_as_the_coframe(name):
     """R is a rotation, and its angular velocity is the coframe: R^T dR, or dR R^T in space."""
     embedding, point, values, coframe = at_sample(name)
     turn = embedding.attitudes(point[None], values)[0]
@@ -80,7 +80,7 @@ def test_a_file_that_is_the_sphere_is_drawn_as_one(tmp_path):
     assert replace(space, title="").frame is space.frame
 
 
-def test_values_against_what_was_declared():
+def test_values_against_declarations():
     """The radius of a sphere must be positive, as declared."""
     embedding, point, values, _ = at_sample("s2")
     with pytest.raises(

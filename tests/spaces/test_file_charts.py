@@ -94,7 +94,7 @@ def test_over_both_poles(space, engine):
     assert np.cos(found["phi"][-1] - 0.3) == pytest.approx(1.0, abs=1e-12)
 
 
-def test_signature_is_that_of_the_file(space):
+def test_signature_follows_the_file(space):
     """Rindler's wedge in the inertial coordinates around it: a free fall through the horizon."""
     wedge = """
     name = "wedge"

@@ -77,7 +77,7 @@ def test_an_unknown_function_and_a_sparse_coframe():
     assert components(own, "einstein")
 
 
-def test_legs_stand_in_columns():
+def test_legs_are_in_columns():
     """frame = legs[mu][i]: its inverse is the coframe."""
     frame = read_file(DATA / "legs.toml").frame
     assert str(frame.coframe[1, 1]) == "r"

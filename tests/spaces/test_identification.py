@@ -44,7 +44,7 @@ def test_all_descriptions_of_the_rotations_are_listed():
     assert "so3_right" not in names
 
 
-def test_a_new_space_is_none_of_them():
+def test_a_new_space_matches_no_shipped_space():
     """A surface of no constant curvature is not shipped, and is not mistaken for one."""
     found = gt.spaces.identify(gt.Frame([U, V], [[1, 0], [0, 1 + U**2]]))
     assert not found

@@ -114,7 +114,7 @@ def test_frequency_beside_the_separatrix(room):
     assert gt.kerr_orbit(0, p, e).mino_frequencies.radial == pytest.approx(exact, rel=1e-12)
 
 
-def test_constants_are_those_of_the_curve():
+def test_constants_agree_with_the_curve():
     """E, L and Carter's constant agree with the frame velocities of the geodesic."""
     orbit = gt.kerr_orbit(0.9, 6, 0.3, 0.5)
     a, r = orbit.a, orbit.radii[1]

@@ -21,7 +21,7 @@ def sphere():
     return solve_pair(load("s2"), engine=ENGINE, accuracy=1e-9, samples=41)
 
 
-def test_what_is_chosen_is_said():
+def test_chosen_values_are_listed():
     """Only values that were not given are listed as chosen."""
     space = load("s2")
     options = {"engine": ENGINE, "accuracy": 1e-6, "samples": 3, "t": 1}
@@ -29,7 +29,7 @@ def test_what_is_chosen_is_said():
     assert solve_pair(space, [1, 0], **options).chosen == ("velocity", "parameters")
 
 
-def test_numbers_are_those_of_the_library(sphere):
+def test_numbers_agree_with_the_library(sphere):
     """Both curves and their distance agree with separate solves."""
     frame, first = load("s2").frame, sphere.problem
     begin = {"frame_velocity": first.frame_velocity, "parameters": {"R": 1.0}}
@@ -134,7 +134,7 @@ def test_bad_input(name, options, error, says):
         solve_pair(load(name), **options)
 
 
-def test_a_frame_is_no_space():
+def test_a_frame_is_refused_as_space():
     """A pair follows the connection of a space, which a frame does not have."""
     with pytest.raises(ArgumentError, match="space: expected a Space"):
         solve_pair(load("s2").frame)  # pyright: ignore[reportArgumentType]

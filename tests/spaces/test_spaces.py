@@ -10,7 +10,7 @@ from geomtorsion.spaces.space import KnownAnswer
 
 
 @pytest.mark.parametrize("name", names())
-def test_a_space_tells_its_story(name: str) -> None:
+def test_a_space_has_its_description(name: str) -> None:
     """Name, title, two lines of story, a source, a group, known answers with sound indices."""
     space = load(name)
     assert space.name == name == space.frame.name
@@ -115,7 +115,7 @@ def test_signature_of_gravity() -> None:
     assert found >= 8
 
 
-def test_an_answer_knows_whether_it_says_zero() -> None:
+def test_only_complete_empty_answers_are_zero() -> None:
     """Only a complete, empty listing states that a quantity vanishes."""
     assert KnownAnswer("ricci", {}).vanishes
     assert KnownAnswer("scalar_curvature", 0).vanishes

@@ -115,7 +115,7 @@ def test_errors_inside_stay_what_they_are():
 
 
 @pytest.mark.parametrize("wrong", [{}, {"seconds": 0}, {"megabytes": -1}, {"seconds": "soon"}])
-def test_what_is_no_limit(wrong):
+def test_bad_limits_are_refused(wrong):
     """Missing, non-positive and non-numeric limits are refused at the call."""
     with pytest.raises(ArgumentError):
         gt.limits(**wrong)
@@ -137,7 +137,7 @@ def everything(frame):
 PLACE = {t: 0.3, r: 0.7, z: 0.1, f(t): 1.5, sp.diff(f(t), t): 0.25, sp.diff(f(t), t, 2): -0.5}
 
 
-def test_what_was_finished_is_kept_and_right():
+def test_finished_work_is_kept_and_right():
     """Work interrupted at many moments and resumed gives the same as work without a limit."""
     plain = everything(gt.Frame([t, r, z], SMALL))
     frame, found, met = None, None, 0

@@ -104,7 +104,7 @@ def test_deep_copies(originals):
         assert answers(name, copy.deepcopy(thing)) == wanted[name], name
 
 
-def test_what_was_together_stays_together():
+def test_parts_copied_together_stay_together():
     """Tensors and exact elements that are pickled with their frame belong to its copy."""
     frame = gt.spaces.load("so3").frame
     together = frame, frame.metric, frame.metric.element(0, 2), gt.cartan(frame)
@@ -154,7 +154,7 @@ def test_public_values_pickle_and_copy(name):
         assert text(again) == text(value)
 
 
-def test_no_public_class_is_left_out(originals):
+def test_every_public_class_is_copied(originals):
     """Each public class is copied in a test or listed in PARTS."""
     copied = {*VALUES, *(type(thing).__name__ for thing in originals[0].values())}
     public = {name for name in gt.__all__ if isinstance(getattr(gt, name), type)}

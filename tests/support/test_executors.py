@@ -50,7 +50,7 @@ def processes() -> Iterator[Executor]:
 
 
 @pytest.fixture(scope="module")
-def alone() -> gt.Ensemble:
+def serial() -> gt.Ensemble:
     """The ensemble without an executor."""
     return gt.solve_many(SWING, STARTS, [0.25, 1.0], 1e-8)
 
@@ -63,16 +63,16 @@ def same(one: gt.Ensemble, two: gt.Ensemble) -> bool:
     )
 
 
-def test_processes_give_the_same_bits(alone, processes):
+def test_processes_give_the_same_bits(serial, processes):
     """Two processes, across an event at a time."""
-    assert same(alone, gt.solve_many(SWING, STARTS, [0.25, 1.0], 1e-8, executor=processes))
+    assert same(serial, gt.solve_many(SWING, STARTS, [0.25, 1.0], 1e-8, executor=processes))
 
 
 @pytest.mark.parametrize("workers", [1, 3])
-def test_threads_give_the_same_bits(alone, workers):
+def test_threads_give_the_same_bits(serial, workers):
     """Any number of workers."""
     with ThreadPoolExecutor(workers) as pool:
-        assert same(alone, gt.solve_many(SWING, STARTS, [0.25, 1.0], 1e-8, executor=pool))
+        assert same(serial, gt.solve_many(SWING, STARTS, [0.25, 1.0], 1e-8, executor=pool))
 
 
 def test_stacked_members_give_the_same_bits():
@@ -110,13 +110,13 @@ def test_loops_give_the_same_bits(processes):
     assert np.array_equal(grid.vectors, gt.burgers_map(SCREW, edges, **options).vectors)
 
 
-def test_dask_gives_the_same_bits(alone):
+def test_dask_gives_the_same_bits(serial):
     """A client of dask, on threads of this process."""
     distributed = pytest.importorskip("dask.distributed")
     with distributed.Client(
         processes=False, n_workers=1, threads_per_worker=2, dashboard_address=":0"
     ) as client:
-        assert same(alone, gt.solve_many(SWING, STARTS, [0.25, 1.0], 1e-8, executor=client))
+        assert same(serial, gt.solve_many(SWING, STARTS, [0.25, 1.0], 1e-8, executor=client))
 
 
 def test_a_failed_worker_is_reported_with_its_members():
@@ -139,7 +139,7 @@ def test_a_failed_block_of_loops_is_reported():
     assert not caught.value.partial.complete
 
 
-def test_ctrl_c_keeps_what_is_done():
+def test_ctrl_c_keeps_finished_work():
     """As without an executor."""
     pool = Here(lambda call: KeyboardInterrupt() if call == 2 else None)
     result = gt.solve_many(SWING, STARTS, 0.4, 1e-8, executor=pool)

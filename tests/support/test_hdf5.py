@@ -17,7 +17,7 @@ def whole(path):
     return path
 
 
-def test_a_whole_file_says_what_it_holds(tmp_path):
+def test_a_whole_file_lists_its_names(tmp_path):
     """The check of a valid file returns the names at its top; links within the file are allowed."""
     path = whole(tmp_path / "a.h5")
     with h5py.File(path, "a") as file:
@@ -42,7 +42,7 @@ def test_a_whole_file_says_what_it_holds(tmp_path):
         ),
     ],
 )
-def test_what_lies_in_other_files(tmp_path, change, message):
+def test_references_to_other_files_are_refused(tmp_path, change, message):
     """A reference to another file is refused at each position in a file."""
     path = whole(tmp_path / "a.h5")
     with h5py.File(path, "a") as file:
@@ -68,7 +68,7 @@ def test_sizes_that_cannot_be(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["a.h5", "a.hdf5", "a.nc"])
-def test_damage_is_said_whatever_asks(tmp_path, name):
+def test_damage_is_refused_by_every_reader(tmp_path, name):
     """A file with one changed byte is refused by its name; the check itself refuses ten or more."""
     if name != "a.nc":
         pytest.importorskip("orix", reason="what reads maps in such files")

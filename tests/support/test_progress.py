@@ -16,7 +16,7 @@ def test_time_left(done, elapsed, says):
     assert time_left(done, elapsed) == says
 
 
-def test_at_first_nothing_is_said():
+def test_no_time_is_shown_at_first():
     """No remaining time is shown at the beginning, when only compilation has run."""
     assert time_left(0.019, 5.0) == ""
     assert time_left(0.021, 1.0) != ""

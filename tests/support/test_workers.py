@@ -61,12 +61,12 @@ def test_a_limit_ends_deaf_work(bounds, work, words):
 
 
 @pytest.mark.parametrize("code", [0, 1, 2, 130])
-def test_the_exit_code_is_that_of_the_work(code):
+def test_the_exit_code_of_the_work_is_returned(code):
     """The exit code of work within its limits is returned."""
     assert work_within(Bounds(seconds=100, megabytes=1000), lambda _: sys.exit(code), 2) == code
 
 
-def test_what_the_work_reports_itself_is_not_reported_again():
+def test_errors_of_the_work_are_reported_once():
     """Work that ends with the agreed code after the signal has reported the limit."""
 
     def reports(begun):

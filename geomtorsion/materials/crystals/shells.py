@@ -166,7 +166,7 @@ def _closing(near: np.ndarray, kind: np.ndarray, lattice: Lattice) -> np.ndarray
     """Atoms whose existing neighbours have them as neighbours, and whose triangles close."""
     back, behind, triangles = _tables(lattice)
     torn = np.zeros(len(near), dtype=bool)
-    # The neighbour of number -1, which is none, has no neighbours.
+    # The neighbour of number -1 does not exist and has no neighbours.
     near = np.concatenate([near, np.full((1, near.shape[1]), -1)])
     kind = np.append(kind, -1)
     for number in range(len(lattice.neighbours)):

@@ -26,7 +26,7 @@ def test_check_of_a_file_with_its_own_connection():
     assert text.count("second Bianchi") == 3
 
 
-def test_nonmetricity_is_no_failure(tmp_path):
+def test_nonmetricity_does_not_fail(tmp_path):
     """A connection need not preserve lengths: metricity has a dash and does not count as failed."""
     file = tmp_path / "bent.toml"
     file.write_text(

@@ -132,7 +132,7 @@ def test_families_of_hcp_for_others(tmp_path: Path) -> None:
         assert np.abs(found) == pytest.approx(b, abs=0.02)
 
 
-def test_a_trajectory_that_is_stopped_goes_on_to_the_same_bits(
+def test_a_stopped_trajectory_resumes_to_the_same_bits(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Tracks keep their numbers; after Ctrl-C in frame 3, --resume writes the same bytes."""
@@ -191,13 +191,13 @@ def test_a_trajectory_that_is_stopped_goes_on_to_the_same_bits(
         (("--periodic", "z"), "its own cell"),
     ],
 )
-def test_wrong_options_are_told(tmp_path: Path, options: tuple[str, ...], message: str) -> None:
+def test_wrong_options_are_refused(tmp_path: Path, options: tuple[str, ...], message: str) -> None:
     """Each wrong option ends the command with code 2 and a message."""
     file = written(tmp_path, copper_screw()[:200])
     assert message in " ".join(run(str(file), *options, code=2).stderr.split())
 
 
-def test_what_is_no_crystal_is_told(tmp_path: Path) -> None:
+def test_anything_but_a_crystal_is_refused(tmp_path: Path) -> None:
     """A gas, NaN, three atoms, a truncated file and a missing file are refused."""
     rng = np.random.default_rng(0)
     good = copper_screw()
@@ -257,7 +257,7 @@ def test_arrays_give_what_the_file_gives(tmp_path: Path) -> None:
         ((*ARRAY, "--resume"), "expected a directory, got none"),
     ],
 )
-def test_wrong_options_of_arrays_are_told(
+def test_wrong_options_of_arrays_are_refused(
     tmp_path: Path, options: tuple[str, ...], message: str
 ) -> None:
     """A missing or unreadable cell and wrong periodic edges end with code 2 and a message."""
@@ -266,7 +266,7 @@ def test_wrong_options_of_arrays_are_told(
     assert message in " ".join(found.stderr.split())
 
 
-def test_damaged_arrays_are_told(tmp_path: Path) -> None:
+def test_damaged_arrays_are_refused(tmp_path: Path) -> None:
     """Truncated, flat, object, unnamed and missing arrays: each message names the file."""
     np.save(tmp_path / "cut.npy", copper_screw())
     content = (tmp_path / "cut.npy").read_bytes()
@@ -280,7 +280,7 @@ def test_damaged_arrays_are_told(tmp_path: Path) -> None:
         assert "Traceback" not in found.stderr
 
 
-def test_grains_and_walls_are_told(tmp_path: Path) -> None:
+def test_grains_and_walls_are_reported(tmp_path: Path) -> None:
     """A bicrystal: grains, misorientation, and the grain of the line, in text and in JSON."""
     turn = np.array([[4, -3, 0], [3, 4, 0], [0, 0, 5]]) / 5
     places, _, size = bicrystal("fcc", turn, (0.5, 0.5, 0), size=(11, 8, 2))

@@ -30,7 +30,7 @@ def test_help_has_an_example():
 
 
 @pytest.mark.parametrize("dimension", [4, 5])
-def test_up_to_four_coordinates_stand_side_by_side(dimension, tmp_path, no_pictures):
+def test_up_to_four_coordinates_are_side_by_side(dimension, tmp_path, no_pictures):
     """Up to four coordinates, both curves share a row; with five, each has its own table."""
     names = [f"x{k}" for k in range(dimension)]
     rows = [[int(k == m) for m in range(dimension)] for k in range(dimension)]
@@ -71,7 +71,7 @@ def test_pictures_are_written(name, tmp_path):
         assert (tmp_path / file).stat().st_size > 5000
 
 
-def test_what_is_given_is_used():
+def test_given_values_are_used():
     """Given values with pi, parameters and moments are used; the text does not call them chosen."""
     given = ("--start", "pi/2,0", "--velocity=0,-1/2", "--t", "pi", "--set", "R=2")
     text = run("curve", "s2", *given, *CHEAP).stdout
@@ -83,7 +83,7 @@ def test_what_is_given_is_used():
     assert "at the end," in text
 
 
-def test_what_is_chosen_suits_what_is_given():
+def test_chosen_values_suit_given_values():
     """For M = 3 the chosen start is outside the horizon r = 6 of a black hole from a file."""
     arguments = (str(DATA / "schwarzschild.toml"), "--set", "M=3", "--t", "1", *CHEAP)
     text = run("curve", *arguments).stdout

@@ -112,7 +112,7 @@ def test_answers_in_a_file(tmp_path):
         (("grade", "."), "expected TOML files of answers, got none"),
     ],
 )
-def test_what_cannot_be_done_is_said(arguments, says, tmp_path, monkeypatch):
+def test_impossible_requests_are_refused(arguments, says, tmp_path, monkeypatch):
     """An impossible request ends with code 2 and a message; no file is written."""
     monkeypatch.chdir(tmp_path)
     result = run("exercises", *arguments, code=2)

@@ -11,7 +11,7 @@ import sympy
 from geomtorsion.cli.formats import text_of
 from geomtorsion.exact import parse_expression
 from geomtorsion.geometry.quantities import QUANTITIES
-from geomtorsion.pictures.quantities import CATALOGUE, chosen_quantities
+from geomtorsion.pictures.quantities import chosen_quantities
 from geomtorsion.spaces import load
 from tests.cli.running import run
 
@@ -35,7 +35,7 @@ def test_text_shows_only_what_does_not_vanish():
     assert len({line.index("=") for line in components}) == 1
 
 
-def test_text_says_what_symmetry_repeats():
+def test_text_omits_components_that_symmetry_repeats():
     """Only independent components are printed; --every prints the others also."""
     short, long = shown("so3", "--only", "torsion"), shown("so3", "--only", "torsion", "--every")
     assert short.count("\n  S_") == 5
@@ -130,7 +130,7 @@ def test_json_holds_the_components(name):
     assert data["coordinates"] == [symbol.name for symbol in frame.coordinates]
 
 
-def test_json_alone_stands_on_standard_output():
+def test_standard_output_has_only_json():
     """Standard output is exactly one JSON document."""
     assert json.loads(shown("so3", "--format", "json", "--only", "ricci"))["name"] == "so3"
 
@@ -175,7 +175,7 @@ def _number(expression, at, unknown):
     return sympy.N(expression.subs(at))
 
 
-def test_python_words_are_no_trouble(tmp_path):
+def test_python_keywords_become_arguments(tmp_path):
     """Coordinates called lambda and result become arguments of the emitted functions."""
     file = tmp_path / "words.toml"
     file.write_text(
@@ -266,8 +266,8 @@ def test_mistakes_end_with_2_and_one_message(arguments, message):
 
 
 def test_every_quantity_can_be_named():
-    """The command offers each quantity of a frame; --basis frame replaces `riemann_frame`."""
-    missing = set(QUANTITIES) - {entry.name for entry in CATALOGUE}
-    assert missing == {"riemann_frame"}
-    text = run("geometry", "s3", "--only", "schouten,cotton").stdout
+    """The command shows each quantity of the table by its name, under its title."""
+    names = ",".join(QUANTITIES)
+    text = run("geometry", "axial_torsion", "--only", names).stdout
+    assert [row.title for row in QUANTITIES.values() if f"\n{row.title}  " not in text] == []
     assert "\nCotton tensor  C_{abc} = 0" in text

@@ -19,7 +19,7 @@ def printed(monkeypatch, *options: str) -> str:
     return run("lab", *options).stdout
 
 
-def test_this_machine_alone_needs_no_code(monkeypatch):
+def test_the_own_machine_needs_no_code(monkeypatch):
     """Without --host the command prints one line with the address."""
     assert printed(monkeypatch) == "Torsion lab: http://127.0.0.1:2718/  (Ctrl-C ends it)\n"
 

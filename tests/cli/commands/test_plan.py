@@ -3,7 +3,7 @@
 from tests.cli.running import run
 
 
-def test_plan_shows_what_is_left_out():
+def test_plan_shows_omitted_parts():
     """The plan of the Ricci tensor contains no torsion; --dot prints a graph."""
     text = run("plan", "so3", "ricci").stdout
     assert "christoffel" in text
@@ -40,7 +40,7 @@ def test_lacking_effects_of_a_scene():
     assert "--lacking: expected a scene" in run("plan", "so3", "ricci", "--lacking", code=2).stderr
 
 
-def test_angles_at_the_start_are_said_in_both_units(tmp_path):
+def test_angles_at_the_start_have_both_units(tmp_path):
     """A plain number in a scene file is radians; plan and run print radians and degrees."""
     file = tmp_path / "top.toml"
     text = """watch = ["nutation"]

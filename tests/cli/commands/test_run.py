@@ -58,7 +58,7 @@ def test_a_run_leaves_what_the_library_computes(tmp_path, no_pictures):
     assert facts["watch"] == ["nutation", "omega"]
 
 
-def test_pictures_and_film(tmp_path, monkeypatch):
+def test_figures_and_animation(tmp_path, monkeypatch):
     """Figures are written and listed; the animation also works if the attitude is not watched."""
     pytest.importorskip("matplotlib")
     quick = replace(scene_film.STYLE, rate=2)
@@ -114,7 +114,7 @@ def test_watch_may_be_given_several_times(tmp_path, no_pictures):
     assert facts["watch"] == ["matrix", "energy", "omega"]
 
 
-def test_a_stopped_run_may_be_begun_anew(tmp_path, no_pictures):
+def test_overwrite_restarts_a_stopped_run(tmp_path, no_pictures):
     """--overwrite removes the checkpoint of another run, and the new run succeeds."""
     checkpoint = tmp_path / "checkpoint.npz"
     checkpoint.write_bytes(b"what another run had computed")
@@ -128,7 +128,7 @@ def test_a_stopped_run_may_be_begun_anew(tmp_path, no_pictures):
 
 
 @pytest.mark.parametrize("option", ["--resume", "--kept"])
-def test_nothing_to_go_on_with_is_no_new_run(option, tmp_path):
+def test_resume_without_a_stopped_run_is_refused(option, tmp_path):
     """--resume and --kept without a stopped run are refused, and no directory is created."""
     folder = tmp_path / "misspelt"
     refused = run("run", "lagrange_cusp", "--t", "0.1", option, "-o", str(folder), code=2)
@@ -143,7 +143,7 @@ def test_errors_of_files_name_file_and_line(tmp_path):
     assert "bad.toml: line 5: body: unknown key 'moment'" in run("run", str(file), code=2).stderr
 
 
-def test_what_is_stuck_is_written_as_far_as_it_came(tmp_path, no_pictures):
+def test_a_stuck_run_writes_its_computed_part(tmp_path, no_pictures):
     """A pole at t = 1: a message, the computed part of the table, code 1, and no checkpoint."""
     file, out = tmp_path / "pole.toml", tmp_path / "out"
     file.write_text(POLE)
@@ -207,7 +207,7 @@ class Started:
 HIDING = "import sys; sys.modules['matplotlib'] = None; from geomtorsion.cli import main; main()"
 
 
-def test_stopped_runs_go_on_to_the_same_result(tmp_path, no_pictures):
+def test_stopped_runs_resume_to_the_same_result(tmp_path, no_pictures):
     """Killed, then interrupted, then resumed: the result equals an uninterrupted run bit by bit."""
     whole, parts = tmp_path / "whole", tmp_path / "parts"
     whole.mkdir()

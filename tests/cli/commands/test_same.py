@@ -34,7 +34,7 @@ def test_a_file_is_identified(tmp_path: Path) -> None:
     assert "source: " in text
 
 
-def test_a_strange_file_is_none_of_them(tmp_path: Path) -> None:
+def test_a_strange_file_matches_no_shipped_space(tmp_path: Path) -> None:
     """A bent surface is not among the shipped spaces."""
     file = tmp_path / "bump.toml"
     file.write_text(SPHERE.replace('v^2)"]]', '2*v^2)"]]'))

@@ -159,7 +159,7 @@ def test_damaged_dumps_are_named(tmp_path: Path, old: str, new: str, message: st
         read(path)
 
 
-def test_what_is_no_file_is_told(tmp_path: Path):
+def test_missing_and_unknown_files_are_refused(tmp_path: Path):
     """A missing file, a folder, and empty, packed or unknown files are refused."""
     (tmp_path / "empty.xyz").write_text("")
     (tmp_path / "a.xyz.gz").write_bytes(b"\x1f\x8b")
@@ -192,7 +192,7 @@ def test_a_slab_needs_no_third_edge(tmp_path: Path):
 
 
 @pytest.mark.parametrize("name", ["a.xyz", "a.dump"])
-def test_a_mark_of_the_byte_order_is_no_part_of_a_number(tmp_path: Path, name: str):
+def test_a_byte_order_mark_is_skipped(tmp_path: Path, name: str):
     """Files with a byte order mark are read, and one atom too many in them is still refused."""
     text = dump(copper()) if name == "a.dump" else "\n".join(text_of(tmp_path))
     path = tmp_path / name

@@ -51,7 +51,7 @@ def screw(
 
 
 @pytest.mark.parametrize("name", ["fcc", "bcc", "diamond", "hcp"])
-def test_round_a_screw(name: str):
+def test_circuit_around_a_screw(name: str):
     """SF/RH: b of a right-handed screw points against the normal; the reversed circuit has -b."""
     crystal, b, centre = screw(name)
     found = crystal.circuit.around(centre, [0, 0, 1], 6.0)
@@ -101,7 +101,7 @@ def test_positions_outside_the_cell_change_nothing():
     assert steps.sum(axis=0) == pytest.approx([0, 0, 0], abs=1e-9)
 
 
-def test_wrong_circuits_are_told():
+def test_wrong_circuits_are_refused():
     """Refused are too few or unknown atoms, a loop through the cell, a bad centre or radius."""
     crystal, _, centre = screw("bcc")
     atoms = len(crystal.positions)

@@ -110,7 +110,7 @@ def test_a_prismatic_loop_is_one_closed_line():
     assert net.nye == pytest.approx(np.zeros((3, 3)), abs=1e-9)
 
 
-def test_the_sign_is_that_of_the_conventions():
+def test_the_sign_follows_the_conventions():
     """b = closed integral of e is minus the closed integral of du."""
     truth = json.loads(real(TRUTH).read_text())["cu_edge110"]
     (line,) = Crystal(*atoms_of("cu_edge110")).dislocations().lines
@@ -310,7 +310,7 @@ def test_bad_input_is_refused(name):
 
 
 @pytest.mark.parametrize("lattice", ["fcc", "bcc"])
-def test_a_given_constant_is_that_of_the_atoms_but_for_strain(lattice):
+def test_a_given_constant_may_differ_by_strain(lattice):
     """A constant 14 % off the estimate is accepted, a constant 16 % off is refused."""
     places, cell = block(lattice, (6, 6, 6))
     for share in (0.86, 1.14):
@@ -321,7 +321,7 @@ def test_a_given_constant_is_that_of_the_atoms_but_for_strain(lattice):
             _ = Crystal(places, cell, constant=1 / share).constant
 
 
-def test_what_is_unusual_is_told_not_refused():
+def test_unusual_specimens_are_accepted():
     """Left-handed cells, open boxes without a cell, two species and mixed phases are accepted."""
     assert Crystal(X * [1, 1, -1], np.diag(CELL * [1, 1, -1])).share == 1
     alloy = Crystal(X, CELL, species=["Cu", "Ni"] * 250)

@@ -66,7 +66,7 @@ def test_vacancies_of_a_frank_loop_in_an_open_box(radius):
     assert counted(Crystal(places, cell, OPEN), partials=True) == [-missing]
 
 
-def test_what_has_no_good_crystal_about_it_is_told_with_an_error():
+def test_lines_in_bad_crystal_have_an_error():
     """Under strong noise the count comes from the line, within its nonzero reported error."""
     places, cell, put_in = interstitial_loop(4)
     noise = 0.12 * np.sqrt(0.75) * np.random.default_rng(0).normal(size=places.shape)

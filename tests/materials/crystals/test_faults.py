@@ -33,7 +33,7 @@ def test_no_line_appears_by_the_option(name):
         assert [line.family for line in lines] == ["1/2<1 1 0>"] * (name == "cu_edge110")
 
 
-def test_a_fault_put_in_is_no_line():
+def test_a_fault_has_no_line():
     """Half of a crystal shifted by 1/6[1 1 -2] over (111), periodic in the plane, has no line."""
     turn = np.array([[1, -1, 0] / np.sqrt(2), [1, 1, -2] / np.sqrt(6), [1, 1, 1] / np.sqrt(3)])
     places, _ = block("fcc", (14, 14, 14))

@@ -119,7 +119,7 @@ def test_atoms_of_a_strained_loop_are_counted():
 
 
 @pytest.mark.parametrize(("strain", "is_found"), [(4, False), (6, True)])
-def test_a_strain_below_its_error_is_none(strain, is_found):
+def test_a_strain_below_its_error_is_omitted(strain, is_found):
     """A perfect crystal with 2 % noise, stretched along x and shortened along y by 4 or 6 standard
     errors: 4 count as no deformation, so that b of an unstrained crystal is a lattice vector."""
     places, cell = block("fcc", (8, 8, 8))

@@ -43,7 +43,7 @@ def least_angle(one, other):
         pytest.param("bcc", 0.05, marks=pytest.mark.slow),
     ],
 )
-def test_grains_of_a_polycrystal_lie_as_they_were_made(lattice, noise):
+def test_grains_of_a_polycrystal_have_known_orientations(lattice, noise):
     """Periodic Voronoi grains have the known atoms, orientations and misorientations at walls."""
     turns = [turned(0, (0, 0, 1)), TURN, turned(45, (1, 0, 0)), turned(40, (-1, 1, 3))]
     seeds = np.array([[2, 2, 2], [9, 8, 3], [3, 9, 9], [9, 2, 9.0]])
@@ -125,7 +125,7 @@ def test_a_line_ends_at_the_wall(lattice, burgers):
     assert net.node_rule() == ()
 
 
-def test_nothing_depends_on_where_it_lies_and_how_atoms_are_numbered():
+def test_results_do_not_depend_on_position_and_numbering():
     """A rotated, moved and permuted specimen has the same grains, wall and line."""
     places, crystal = ending_line()
     order = np.random.default_rng(0).permutation(len(places))
@@ -205,7 +205,7 @@ def test_low_angle_walls_are_their_dislocations():
         pytest.param("diamond", 1.5, marks=pytest.mark.slow),
     ],
 )
-def test_phases_are_told_with_their_shares(lattice, constant):
+def test_phases_have_their_shares(lattice, constant):
     """A ball of another lattice in fcc is a grain with its own share."""
     around = filled("fcc", np.eye(3), 9)
     ball = filled(lattice, turned(20, (1, 2, 0)), 5, constant)
@@ -219,7 +219,7 @@ def test_phases_are_told_with_their_shares(lattice, constant):
     assert (wall.angle, wall.description) == (None, "of different lattices")
 
 
-def test_a_region_without_a_lattice_is_told():
+def test_a_region_without_a_lattice_is_reported():
     """A ball of glass in fcc has a share and no line; a specimen of only glass is refused."""
     glass = amorphous(10, 4.0)
     ball = glass[np.linalg.norm(glass, axis=1) < 4.6]

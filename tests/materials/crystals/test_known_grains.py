@@ -77,7 +77,7 @@ def trajectory():
     return first, shaken, one_grain(len(first)), shaken
 
 
-def test_lines_keep_b_and_grains_that_vanish_are_told(tmp_path):
+def test_lines_keep_b_and_grains_that_vanish_are_reported(tmp_path):
     """b of a line in a grain is the same to the last bit; a grain that appears after another has
     vanished gets a new number."""
     pytest.importorskip("ase")

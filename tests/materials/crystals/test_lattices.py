@@ -49,7 +49,7 @@ def test_labels_are_odd_in_ties_too(name, values):
     assert (lattice.decode(-values, -shift) == -lattice.decode(values, shift)).all()
 
 
-def test_neighbours_and_volumes_are_those_of_textbooks():
+def test_neighbours_and_volumes_agree_with_textbooks():
     """Number and distance of nearest neighbours, and atoms per cell, agree with textbooks."""
     nearest = {
         "fcc": (12, 0.5**0.5),
@@ -202,7 +202,7 @@ def test_a_sheet_is_refused(places, cell, periodic):
         _ = Crystal(places, cell, periodic).lattice
 
 
-def test_a_dense_lattice_is_no_noise_in_a_sparse_one():
+def test_a_dense_lattice_is_refused_as_a_sparse_one():
     """Fluorite occupies each site of diamond and others between them, so diamond is refused."""
     with pytest.raises(CrystalError, match=r"expected a crystal \(diamond\)"):
         _ = Crystal(*OTHERS["fluorite"](), lattice="diamond").share

@@ -7,7 +7,7 @@ from geomtorsion.materials.crystals.local_frames import largest, squared
 
 
 @pytest.mark.parametrize("shape", [(3,), (50, 3), (20, 12, 3), (5, 4, 12, 3)])
-def test_squares_of_lengths_are_those_of_numpy(shape):
+def test_squares_of_lengths_agree_with_numpy(shape):
     """The squares are added in the same order as in numpy."""
     vectors = np.random.default_rng(0).normal(size=shape) * 10.0 ** np.arange(-3, 4, 3)
     assert (squared(vectors) == (vectors**2).sum(axis=-1)).all()

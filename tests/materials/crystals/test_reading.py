@@ -45,7 +45,7 @@ def test_b_is_the_same_in_all_frames(tmp_path: Path):
     assert len(each) == 1
 
 
-def test_what_is_no_crystal_is_told_with_its_file(tmp_path: Path):
+def test_refusals_of_crystals_name_the_file(tmp_path: Path):
     """The error for random atoms or a wrong lattice names the file."""
     from ase import Atoms
 

@@ -79,7 +79,7 @@ def test_most_of_a_ball_is_a_surface():
     assert round((1 - closed_share(crystal)) * len(ball)) == 27
 
 
-def test_a_core_is_no_surface():
+def test_a_core_differs_from_a_surface():
     """In the core of an edge all atoms that lack a neighbour stay open, not only the innermost."""
     places, cell = with_line("bcc", (1, 0, 0), margin=0.45)
     crystal = Crystal(places, cell, (False, False, True), lattice="bcc", orient=np.eye(3))

@@ -56,7 +56,7 @@ def test_a_crystal_in_a_glass_is_counted():
     assert max(found[name] for name in ("bcc", "diamond")) < 0.02
 
 
-def test_noise_is_no_region_without_a_lattice():
+def test_noise_adds_no_region_without_a_lattice():
     """In diamond with 8 % noise few atoms fit, because their third shell mixes with the second. All
     neighbour sites are still occupied, and the screw is found."""
     places, cell = with_line("diamond", (0.5, 0.5, 0), (9, 9, 3), 0.3)

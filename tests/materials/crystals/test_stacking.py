@@ -71,7 +71,7 @@ def test_noise_leaves_both_partials(line, percent):
     ("layers", "percent"),
     one_in(3, ["ABABABABABAB", "ABABABCACACA", "ABABABCBCBCB", "ABABABCBCBCBABABAB"], (0, 4, 8)),
 )
-def test_layers_that_end_nowhere_are_no_line(layers, percent):
+def test_layers_that_end_nowhere_have_no_line(layers, percent):
     """No fault, I2, I1 and two I1 across the whole cell have no lines."""
     places, cell = stacked(layers)
     crystal = Crystal(noisy(places, percent), cell, (True, True, False))
@@ -80,7 +80,7 @@ def test_layers_that_end_nowhere_are_no_line(layers, percent):
 
 
 @pytest.mark.parametrize("percent", NOISE)
-def test_an_extrinsic_fault_is_no_line_and_no_grain(percent):
+def test_an_extrinsic_fault_has_no_line_and_no_grain(percent):
     """ABABCABAB: three cubic layers between good crystal on both sides."""
     places, cell = stacked("ABABABABCABABABAB")
     crystal = Crystal(noisy(places, percent), cell, (True, True, False))
@@ -106,7 +106,7 @@ def test_a_layer_less_is_two_frank_partials(line, percent):
 @pytest.mark.parametrize(
     ("burgers", "percent"), one_in(2, [(1, 0, 0), (0.5, 0.75**0.5, 0), (0, 0, IDEAL)], [0, 6])
 )
-def test_what_is_not_split_stays_one_line(burgers, percent):
+def test_unsplit_dislocations_stay_one_line(burgers, percent):
     """Lines along c with b = a and b = c, which are not in a basal plane, do not split."""
     places, cell = line_of("hcp", burgers)
     crystal = Crystal(noisy(places, percent), cell, OPEN)
@@ -119,7 +119,7 @@ def test_what_is_not_split_stays_one_line(burgers, percent):
     noise=st.floats(0, 8), seed=st.integers(0, 2**32 - 1), line=st.sampled_from(["edge", "screw"])
 )
 @settings(max_examples=2, deadline=None)
-def test_partials_are_the_same_however_the_specimen_lies(noise, seed, line):
+def test_partials_do_not_depend_on_orientation(noise, seed, line):
     """A rotated, shifted, permuted or wrapped specimen has the same lines and no sum at nodes."""
     places, period, put_in = basal_partials(line)
     rng = np.random.default_rng(seed)

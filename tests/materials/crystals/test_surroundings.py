@@ -9,7 +9,7 @@ from tests.materials.crystals.synthetic import block
 
 
 @pytest.mark.parametrize("lattice", ["fcc", "bcc"])
-def test_neighbours_do_not_depend_on_what_was_asked_before(lattice):
+def test_neighbours_do_not_depend_on_earlier_queries(lattice):
     """Among neighbours at equal distances, each query selects the same ones."""
     places, edges = block(lattice, (6, 6, 6))
     cell, atoms = Cell(np.diag(edges), np.ones(3, dtype=bool)), np.arange(len(places))

@@ -67,7 +67,7 @@ def test_a_run_without_a_frame_leaves_nothing(tmp_path: Path):
     assert is_begun(folder)
 
 
-def test_forgetting_leaves_what_is_not_ours(tmp_path: Path):
+def test_forgetting_leaves_foreign_files(tmp_path: Path):
     """Reports are removed, other files stay and are named in the error."""
     file, folder = written(tmp_path, copper_screw()), tmp_path / "frames"
     list(reports(file, WANTED, folder))

@@ -26,7 +26,7 @@ def test_lines_in_much_noise_take_little_memory():
 
 
 @pytest.mark.parametrize("periodic", [(True, True, True), (True, False, False), (False,) * 3])
-def test_tetrahedra_of_some_atoms_are_those_of_all(periodic):
+def test_tetrahedra_of_some_atoms_agree_with_all(periodic):
     """Each tetrahedron with one of these atoms appears once, with its first corner in the cell."""
     places, edges = block("bcc", (7, 6, 5))
     places = places + 0.1 * np.random.default_rng(1).normal(size=places.shape)

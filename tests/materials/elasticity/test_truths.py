@@ -152,7 +152,7 @@ def test_energy_of_a_small_loop():
     """
     core = 0.04
 
-    def alone(radius):
+    def single_loop(radius):
         def wave(across, along):
             k2 = across**2 + along**2
             disc = 2 * np.pi * radius * scipy.special.j1(across * radius) / across
@@ -163,10 +163,10 @@ def test_energy_of_a_small_loop():
         return MU / (1 - NU) * whole / (2 * np.pi) ** 2
 
     rest = [
-        stresses(polygon(r, (0, 0, 1), 64), ISOTROPIC, shape=50, core=core).energy - alone(r)
+        stresses(polygon(r, (0, 0, 1), 64), ISOTROPIC, shape=50, core=core).energy - single_loop(r)
         for r in (0.08, 0.12)
     ]
-    assert abs(rest[0]) < 0.01 * alone(0.08)
+    assert abs(rest[0]) < 0.01 * single_loop(0.08)
     assert rest[1] / rest[0] == pytest.approx(1.5**4, rel=0.15)
 
 

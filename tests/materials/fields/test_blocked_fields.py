@@ -232,7 +232,7 @@ def test_what_cannot_be_done_leaves_nothing_to_resume(tmp_path):
     map_in_blocks(field, tmp_path / "map.zarr", 100, 4, (0, 1))
 
 
-def test_what_is_no_field_is_refused(tmp_path):
+def test_anything_but_a_field_is_refused(tmp_path):
     """Images, unequal noise, missing files and redundant steps are refused."""
     np.save(tmp_path / "image.npy", np.zeros((40, 40)))
     assert not is_array(tmp_path / "image.npy")

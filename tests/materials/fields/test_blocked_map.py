@@ -315,7 +315,7 @@ def wide(side):
     return np.broadcast_to(np.float64(1.0), (1, 2, side, side))
 
 
-def test_a_map_that_finds_no_room_is_refused(tmp_path):
+def test_a_map_without_disk_space_is_refused(tmp_path):
     """Too many blocks or more bytes than the free disk space are refused before the first block."""
     for side, block, message in (
         (10**5, 100, "at most 100,000 blocks, got 1,000,000"),

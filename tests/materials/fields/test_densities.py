@@ -102,7 +102,7 @@ def test_strain_and_bend_give_the_densities_of_the_distortion() -> None:
     assert np.abs(parts.incompatibility.values - whole.incompatibility.values).max() < 1e-9
 
 
-def test_kroeners_relation_holds_for_a_bend_that_is_no_gradient() -> None:
+def test_kroeners_relation_holds_for_an_incompatible_bend() -> None:
     """Eta is the symmetric part of the curl of alpha plus theta, for any strain and bend."""
     strain, kappa = (cubic(k)[0] for k in (4, 5))
     strain = (strain + strain.swapaxes(0, 1)) / 2

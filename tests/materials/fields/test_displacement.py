@@ -24,7 +24,7 @@ def edge(x: np.ndarray, y: np.ndarray, b: float = B) -> np.ndarray:
     return displacement(x, y, b)
 
 
-def test_what_differences_across_the_cut_would_give():
+def test_differences_across_the_cut_would_be_wrong():
     """np.gradient across the cut loses the dislocation: its closed integral is nearly zero."""
     beta = np.array([np.gradient(part, AXIS, AXIS) for part in edge(X, Y)])
     found = SampledFrame.from_distortion([AXIS, AXIS], beta).burgers(Loop.circle([0, 0], 2))
@@ -80,7 +80,7 @@ def test_two_cuts_of_different_vectors():
     assert grid.source.count("edges") == 2
 
 
-def test_noise_and_strain_are_no_cuts():
+def test_noise_and_strain_add_no_cuts():
     """Noise and smooth fields have no jumps."""
     rng = np.random.default_rng(0)
     for u in (
@@ -181,7 +181,7 @@ def test_one_value_at_each_place_has_no_burgers_vector(seed, shape, noise, holes
     assert np.abs(sides.vectors.sum(axis=0)).max() < 1e-12
 
 
-def test_what_may_be_a_jump_is_said():
+def test_possible_jumps_are_reported():
     """Without a declaration b is zero, and `source` names the large steps."""
     grid = SampledFrame.from_displacement([AXIS, AXIS], edge(X, Y))
     assert not grid.burgers(Loop.circle([0, 0], 2)).vector.any()
@@ -189,7 +189,7 @@ def test_what_may_be_a_jump_is_said():
     assert "declare them as branch" in grid.source
 
 
-def test_declared_jumps_are_those_of_scattered_points():
+def test_declared_jumps_agree_with_scattered_points():
     """With three dislocations, noise and a hole, each loop has the same exact b by both classes."""
     rng = np.random.default_rng(4)
     line = np.linspace(-3, 3, 61) + 0.013
@@ -233,7 +233,7 @@ def test_a_screw_in_space():
     assert sides.vectors.sum(axis=0) == pytest.approx([0, 0, 1], abs=1e-12)
 
 
-def test_another_coframe_is_not_that_of_the_displacement():
+def test_another_coframe_is_refused_with_a_displacement():
     """A replaced coframe would keep the circuits of the old one, so it is refused."""
     grid = SampledFrame.from_displacement([AXIS, AXIS], edge(X, Y), branch=B)
     assert replace(grid, unit="nm").burgers(Loop.circle([0, 0], 2)).unit == "nm"
@@ -288,7 +288,7 @@ def test_holes_and_periods():
         (edge(X, Y), {"sigma": -1}, "sigma: expected standard deviations"),
     ],
 )
-def test_displacements_that_are_none(u, options, message):
+def test_invalid_displacements_are_refused(u, options, message):
     """Each wrong argument has its own message."""
     with pytest.raises(GridError, match=message):
         SampledFrame.from_displacement([AXIS, AXIS], u, **options)

@@ -65,7 +65,7 @@ def test_displacements(tmp_path: Path, name: str):
         assert source.burgers(Loop.circle([2, 1.5], 1)).magnitude == pytest.approx(0, abs=1e-9)
 
 
-def test_rows_that_are_left_out(tmp_path: Path):
+def test_omitted_rows_are_holes(tmp_path: Path):
     """Omitted rows and missing numbers are holes."""
     lines = TABLES["a.csv"].copy()
     lines[10] = lines[10].rsplit(",", 1)[0] + ","

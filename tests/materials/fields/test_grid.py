@@ -46,7 +46,7 @@ def test_one_axis_may_be_periodic():
     assert cochain.coboundary().values.shape[0] == (N - 1) * N
 
 
-def test_loops_round_a_period():
+def test_loops_around_a_period():
     """Around a torus the mean of the coframe gives b; grid and loop need the same period."""
     values = np.array([[1 + 0.1 * np.cos(X), 0.2 * np.sin(Y)]])
     loop = Loop.parametric(["s", "1"], interval=(0, "2*pi"), periods={0: "2*pi"})
@@ -61,7 +61,7 @@ def test_loops_round_a_period():
 
 
 @pytest.mark.parametrize("periodic", ["z", [True], ["x", 1], 3, ("x", "z")])
-def test_periods_that_are_none(periodic):
+def test_invalid_periods_are_refused(periodic):
     """Only truth values or names of axes are accepted."""
     with pytest.raises(GridError, match="periodic"):
         SampledFrame([AXIS, AXIS], WAVES, periodic=periodic)
@@ -139,7 +139,7 @@ def test_how_equal_steps_have_to_be(off, taken):
 
 
 @pytest.mark.parametrize(("beyond", "taken"), [(1e-9, True), (1e-6, False)])
-def test_what_is_rounding_of_a_place(beyond, taken):
+def test_rounding_of_positions_is_accepted(beyond, taken):
     """Far from the origin half of a step's digits may be lost; a larger excess leaves the grid."""
     axis = 1e6 + np.arange(12.0)
     values = np.broadcast_to(np.eye(2)[:, :, None, None], (2, 2, 12, 12))

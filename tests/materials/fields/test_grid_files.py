@@ -39,7 +39,7 @@ def full() -> SampledFrame:
 
 
 @pytest.mark.parametrize("end", ENDS)
-def test_what_is_saved_comes_back(tmp_path, end):
+def test_saved_fields_read_back(tmp_path, end):
     """Values, holes, noise, periods and units read back, and the file has the given name."""
     if end in NEEDS:
         pytest.importorskip(NEEDS[end])
@@ -134,11 +134,11 @@ def test_a_table_by_hand(tmp_path):
         (HEAD + ROWS + "0.5,0,1,1\n", "not on a regular grid: axis x: expected equal steps"),
         (HEAD + ROWS.replace("1,5,", "1,,"), "line 14: expected a finite coordinate y, got nan"),
         (HEAD.replace("beta_0_0", "beta_1_0") + ROWS, "expected a column beta_0_0, got none"),
-        (HEAD.replace("# unit", "# periodic") + ROWS, "periodic: 'nm' is not known"),
+        (HEAD.replace("# unit", "# periodic") + ROWS, "periodic: expected a known name, got 'nm'"),
         ("x,y,e_0_0,e_0_1\n" + ROWS.replace("5,5,", "5,5,1e999"), "line|infinite|finite"),
     ],
 )
-def test_tables_that_are_none(tmp_path, text, message):
+def test_invalid_tables_are_refused(tmp_path, text, message):
     """Each fault has its own message, with the line if there is one."""
     path = tmp_path / "t.csv"
     path.write_text(text)

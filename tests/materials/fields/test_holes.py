@@ -166,7 +166,7 @@ def test_circuits_that_there_are_not(call, message):
 @pytest.mark.parametrize(
     "mask", [np.zeros((3, 3), bool), np.zeros(X.shape), "no", [[True], [1, 2]]]
 )
-def test_masks_that_are_none(mask):
+def test_invalid_masks_are_refused(mask):
     """Only truth values with the shape of the grid are accepted."""
     with pytest.raises(GridError, match="mask: expected truth values of shape"):
         SampledFrame(AXES, smooth(), mask=mask)

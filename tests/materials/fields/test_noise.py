@@ -35,7 +35,7 @@ LOOPS = {
     ],
 )
 @pytest.mark.parametrize("sigma", [pytest.param(0.01, marks=pytest.mark.slow), 0.1])
-def test_the_error_told_is_the_scatter(loop, sigma):
+def test_the_reported_error_is_the_scatter(loop, sigma):
     """Over two hundred noisy fields the mean error is the scatter within 20 percent."""
     rng = np.random.default_rng(5)
     found, told = [], []
@@ -155,7 +155,7 @@ def test_covariances_are_the_sum_over_all_weights(size_order, options, by_node):
 
 
 @pytest.mark.parametrize("options", [{}, {"periodic": True}, {"mask": HOLES}])
-def test_noise_of_displacements_cancels_round_circuits(options):
+def test_noise_of_displacements_cancels_around_circuits(options):
     """Differences cancel around circuits: the noise of b is only the chance of a wrong jump."""
     axes = [np.arange(13) / 4, np.arange(12) / 3]
     rng = np.random.default_rng(5)
@@ -219,7 +219,7 @@ def test_covariances_are_estimated_from_the_data():
     assert frame.burgers(Loop.circle([0.5, 0.5], 0.2)).noise > 0
 
 
-def test_correlated_noise_is_told():
+def test_correlated_noise_is_reported():
     """Over two hundred fields with correlated noise, b scatters as its reported covariance."""
     rng = np.random.default_rng(8)
     found, told = [], None
@@ -245,7 +245,7 @@ def test_correlated_noise_is_told():
         ("guess", "covariance: expected one of estimate"),
     ],
 )
-def test_covariances_that_are_none(covariance, message):
+def test_invalid_covariances_are_refused(covariance, message):
     """Each wrong covariance has its own message; sigma and covariance together are refused."""
     with pytest.raises(GridError, match=message):
         SampledFrame(AXES, smooth(), covariance=covariance)
@@ -253,7 +253,7 @@ def test_covariances_that_are_none(covariance, message):
         SampledFrame(AXES, smooth(), covariance=np.eye(4), sigma=0.1)
 
 
-def test_maps_tell_the_scatter():
+def test_errors_of_maps_are_the_scatter():
     """Squares of eight cells, Nye tensor and dislocation density over two hundred fields."""
     rng = np.random.default_rng(7)
     maps, alphas, errors = [], [], []
@@ -331,7 +331,7 @@ def test_sigma_of_nodes_may_differ():
         ([["1"]], "sigma: expected an array of real numbers"),
     ],
 )
-def test_sigmas_that_are_none(sigma, message):
+def test_invalid_sigmas_are_refused(sigma, message):
     """Each wrong sigma has its own message."""
     with pytest.raises(GridError, match=message):
         SampledFrame(AXES, smooth(), sigma=sigma)

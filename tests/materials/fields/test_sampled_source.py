@@ -31,7 +31,7 @@ def test_a_circle_encloses_its_area():
     assert found.to_json()["significance"] == found.significance
 
 
-def test_surveys_stand_at_the_middles():
+def test_surveys_are_at_the_middles():
     """Circuits of 2 x 2 cells of 0.5: the first is around (0.5, 0.5)."""
     found = field(sigma=0.01).burgers_map(2)
     assert found.vectors.shape == (2, 9, 11)
@@ -41,7 +41,7 @@ def test_surveys_stand_at_the_middles():
     assert found.significant.all()
 
 
-def test_noise_alone_is_hardly_ever_significant():
+def test_noise_is_rarely_significant():
     """In a flat field with noise about one circuit in a thousand is significant."""
     rng = np.random.default_rng(7)
     values = rng.normal(0, 0.1, (2, 2, 150, 150))
@@ -66,7 +66,7 @@ def test_layers_of_three_axes():
     assert other.layers[4] == "x = 4"
 
 
-def test_circuits_in_three_axes_lie_on_a_section():
+def test_circuits_in_three_axes_are_on_a_section():
     """The section is the plane of largest area through the circuit's middle, near its layer."""
     axes = [np.arange(7.0), np.arange(8.0), np.arange(6.0)]
     x, y, z = np.meshgrid(*axes, indexing="ij")

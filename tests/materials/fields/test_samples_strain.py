@@ -60,7 +60,7 @@ ODD[0, 1, 3, 4] = 0.5
         (np.zeros((3, 3, 50, 50)), X, r"or \(3, 50, 50\) \(vector\)"),
     ],
 )
-def test_tables_that_are_none(strain, rotation, message):
+def test_invalid_tables_are_refused(strain, rotation, message):
     """Each wrong table has its own message."""
     with pytest.raises(GridError, match=message):
         SampledFrame.from_strain_rotation([AXIS, AXIS], strain, rotation)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from geomtorsion.errors import GeomtorsionError
-from geomtorsion.loops import Loop, burgers_vector
+from geomtorsion.loops import Loop
 from geomtorsion.materials.fields import ScatteredFrame
 from tests.loops.edge_dislocation import displacement, distortion
 
@@ -54,7 +54,6 @@ def test_distortions_of_an_edge_dislocation(order):
         away = np.abs(b.vector - [TIMES[name] * B, 0]).max()
         assert away <= b.error < (0.05 if order == 2 else 0.03) * B, name
         assert b.unit == "nm"
-        assert (burgers_vector(frame, loop).vector == b.vector).all()
     for margin in (1, 3, 5):
         b = frame.burgers(frame.loop_around(margin=margin))
         assert np.abs(b.vector - [B, 0]).max() <= b.error < 0.1 * B
@@ -141,7 +140,7 @@ def test_noise_is_the_sum_over_all_weights():
         pytest.param(4, 0.01, 200, marks=pytest.mark.slow),
     ],
 )
-def test_the_error_told_is_the_scatter(order, sigma, count):
+def test_the_reported_error_is_the_scatter(order, sigma, count):
     """Over many noisy fields the error is right within 20 percent, on loops and in maps."""
     rng = np.random.default_rng(5)
     keep = R < 0.8
@@ -350,7 +349,7 @@ FLAT = np.ones((1, 2, len(X)))
     ],
     ids=range(19),
 )
-def test_points_that_are_none(make, message):
+def test_invalid_points_are_refused(make, message):
     """Each wrong argument has its own message."""
     with pytest.raises(GeomtorsionError, match=message):
         make()

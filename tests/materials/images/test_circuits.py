@@ -39,7 +39,7 @@ def test_whole_numbers_are_exact_up_to_twice_the_peak_of_an_atom(size, kind, lev
 
 @pytest.mark.parametrize("kind", ["square", "hexagonal"])
 @pytest.mark.parametrize("level", [3, 4, 5, 7])
-def test_beyond_nothing_wrong_is_told_with_confidence(kind, level):
+def test_noisy_images_give_no_wrong_circuit(kind, level):
     """With given spots, each reported b is right; the other images are refused.
 
     At five times the peak or more, all images are refused.
@@ -59,7 +59,7 @@ def test_beyond_nothing_wrong_is_told_with_confidence(kind, level):
     assert told == 0 or level < 5
 
 
-def test_the_chance_told_is_not_below_what_happens():
+def test_the_reported_chance_is_not_too_small():
     """In strong noise there are at most as many wrong circuits as the sum of reported chances."""
     image = made(256, "hexagonal")
     circuit = gt.Loop.circle(image.centre, 0.15 * 256)
@@ -150,7 +150,7 @@ def test_spots_where_there_is_no_lattice_give_no_number():
             gt.LatticeImage(values).phases(spots).burgers(circuit)
 
 
-def test_circuits_that_are_none_are_refused():
+def test_invalid_circuits_are_refused():
     """A loop outside the image, a tiny, too long or spatial loop, and a bad risk are refused."""
     phases = gt.LatticeImage(made(256, "square").values).phases()
     with pytest.raises(ImageError, match=r"leaves the image at .* 0 to 255 in x"):

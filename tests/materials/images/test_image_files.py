@@ -80,7 +80,7 @@ def huge_png() -> bytes:
         ("none", b""),
     ],
 )
-def test_files_that_are_no_images_are_refused(tmp_path, name, content):
+def test_files_that_are_not_images_are_refused(tmp_path, name, content):
     """A file with a wrong name or without image content is refused with its name."""
     path = tmp_path / name
     path.write_bytes(content)
@@ -135,7 +135,7 @@ def test_a_missing_file_and_a_missing_library_are_named(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("path", [3, None, b"image.tif"])
-def test_what_is_no_name_of_a_file_is_refused(path):
+def test_anything_but_a_file_name_is_refused(path):
     """The error is our own and names the argument."""
     with pytest.raises(ImageError, match="path: expected the name of a file"):
         gt.LatticeImage.read(path)
@@ -182,7 +182,7 @@ def test_signals_have_the_sign_of_a_known_dislocation():
 
 
 @pytest.mark.parametrize("given", [GREY, None, "signal", object(), Signal])
-def test_what_is_no_signal_is_refused(given):
+def test_anything_but_a_signal_is_refused(given):
     """Arrays, None, text, objects and a class instead of an instance are refused."""
     with pytest.raises(ImageError, match="expected a hyperspy signal"):
         gt.LatticeImage.of_signal(given)
@@ -224,7 +224,7 @@ def test_arrays_come_back(tmp_path, dtype):
 @pytest.mark.parametrize(
     "array", [np.array([{}]), np.array("text"), np.zeros(5), np.zeros((40, 40), complex)]
 )
-def test_arrays_that_are_no_images_are_refused(tmp_path, array):
+def test_arrays_that_are_not_images_are_refused(tmp_path, array):
     """Object arrays (which need unpickling), text, one row and complex numbers are refused."""
     np.save(tmp_path / "odd.npy", array)
     with pytest.raises(FileFormatError, match=r"odd\.npy"):

@@ -157,7 +157,7 @@ def test_pages_of_a_stack(tmp_path: Path):
         ("a.hspy", b""),
     ],
 )
-def test_files_that_lie_are_refused(tmp_path: Path, name: str, content: bytes):
+def test_misleading_headers_are_refused(tmp_path: Path, name: str, content: bytes):
     """Headers that declare too many pixels, and files of other kinds, raise our own errors."""
     pytest.importorskip("rsciio")
     path = tmp_path / name
@@ -229,7 +229,7 @@ def test_shear_and_rotation_from_a_region():
         (np.zeros((320, 160), dtype=bool), "got only holes"),
     ],
 )
-def test_regions_that_are_none(region, words: str):
+def test_invalid_regions_are_refused(region, words: str):
     """A region outside the image, too narrow, of another shape or empty is refused."""
     with pytest.raises(ImageError, match=words):
         stepped().phases(reference=region)

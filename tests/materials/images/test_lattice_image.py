@@ -23,7 +23,7 @@ def test_coordinates_run_to_the_right_and_upwards():
     [
         (np.zeros((64, 64)), "no lattice: all its values are equal"),
         (np.full((64, 64), 0.1), "no lattice: all its values are equal"),
-        (np.ones((64, 64, 3)), r"expected shape \(any, any\)"),
+        (np.ones((64, 64, 3)), r"expected an array of grey values, got shape \(64, 64, 3\)"),
         (np.ones((8, 64)), "expected 32 rows and columns or more"),
         (np.ones((64, 64)) * 1j, "expected an array of grey values"),
         ("image.tif", "expected an array of grey values"),
@@ -35,14 +35,14 @@ def test_coordinates_run_to_the_right_and_upwards():
         (None, "expected an array of grey values"),
     ],
 )
-def test_arrays_that_are_no_images_are_refused(values, match):
+def test_arrays_that_are_not_images_are_refused(values, match):
     """The error states what the image needs."""
     with pytest.raises(ImageError, match=match):
         gt.LatticeImage(values)
 
 
 @pytest.mark.parametrize("step", [0, -1, np.nan, "1", 1e-300, 1e300])
-def test_steps_that_are_none_are_refused(step):
+def test_invalid_steps_are_refused(step):
     """The size of a pixel is a positive number of ordinary magnitude."""
     with pytest.raises(ImageError, match="step"):
         gt.LatticeImage(np.eye(64), step)

@@ -68,7 +68,7 @@ def test_a_lattice_turned_to_the_left_has_a_positive_rotation():
     assert np.nanmedian(phases.rotation) == pytest.approx(angle, abs=1e-3)
 
 
-def test_coframe_is_that_of_the_sampled_frame():
+def test_coframe_agrees_with_the_sampled_frame():
     """e is in lattice coordinates or in lengths; a perfect lattice has no torsion."""
     phases = strained(np.zeros((2, 2))).phases()
     frame = phases.sampled()
@@ -100,7 +100,7 @@ def test_a_core_is_a_hole_of_the_sampled_frame():
 
 
 @pytest.mark.parametrize("order", [3, "4", 4.5, -2, None])
-def test_orders_that_are_none_are_refused(order):
+def test_invalid_orders_are_refused(order):
     """`sampled` accepts the same orders as all grids."""
     phases = strained(np.zeros((2, 2))).phases()
     with pytest.raises(GridError, match="order"):
@@ -114,7 +114,7 @@ def test_margins_that_leave_nothing_are_refused():
         phases.sampled()
 
 
-def test_noise_told_is_the_scatter_of_the_waves():
+def test_reported_noise_is_the_scatter_of_the_waves():
     """The reported noise is the scatter over seeds, in the middle and at the border."""
     y, x = np.mgrid[199:-1:-1, 0:200]
     waves = np.cos(2 * np.pi * x / 8) + np.cos(2 * np.pi * y / 7)
@@ -170,7 +170,7 @@ def test_equal_calls_give_equal_bits():
         ([[0.1, np.nan], [0, 1]], "is not finite"),
     ],
 )
-def test_spots_that_are_none_are_refused(spots, match):
+def test_invalid_spots_are_refused(spots, match):
     """The error states the allowed spots."""
     image = gt.LatticeImage(made(256, "square").values)
     with pytest.raises(ImageError, match=match):
@@ -178,7 +178,7 @@ def test_spots_that_are_none_are_refused(spots, match):
 
 
 @pytest.mark.parametrize("resolution", [0, -3, 0.1, 100, np.inf, "8"])
-def test_resolutions_that_are_none_are_refused(resolution):
+def test_invalid_resolutions_are_refused(resolution):
     """A resolution that is not positive, finer than a pixel or as large as the image is refused."""
     with pytest.raises(ImageError, match="resolution"):
         gt.LatticeImage(made(256, "square").values).phases(resolution=resolution)

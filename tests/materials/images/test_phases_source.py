@@ -55,7 +55,7 @@ def test_a_survey_holds_the_dislocation_where_it_is(field):
             field.burgers_map(4, plane)
 
 
-def test_what_lies_below_is_the_picture(field):
+def test_the_backdrop_is_the_image(field):
     """The backdrop has grey values with x to the right and y upwards."""
     backdrop = field.backdrop()
     assert backdrop.kind == "image"

@@ -21,7 +21,7 @@ def square(x: int, y: int, size: int) -> gt.Loop:
 
 
 @pytest.mark.parametrize("size", [7, 60])
-def test_every_square_is_what_its_circuit_is(size):
+def test_squares_agree_with_circuits(size):
     """Whole numbers and chances agree at random positions, holes included."""
     image = made(256, "hexagonal")
     phases = gt.LatticeImage(image.noisy(1, 0), 0.5, "nm").phases(2 * image.vectors)
@@ -53,7 +53,7 @@ def test_every_square_is_what_its_circuit_is(size):
 
 
 @pytest.mark.parametrize("size", [1, 256, 2.5, "8", True])
-def test_sizes_that_are_none_are_refused(size):
+def test_invalid_sizes_are_refused(size):
     """The error states the allowed range."""
     phases = gt.LatticeImage(made(256, "square").values).phases()
     with pytest.raises(ImageError, match="size: expected a whole number from 2 to 255"):

@@ -33,7 +33,7 @@ def test_spots_are_found_to_a_third_of_a_pixel(kind, size, dislocated):
 
 
 @pytest.mark.parametrize("turned", [-1.3, -0.4, 0.0, 0.7, 1.5])
-def test_spots_do_not_depend_on_how_the_lattice_lies(turned):
+def test_spots_do_not_depend_on_the_orientation(turned):
     """Checked for several directions and a spacing that is not a whole number of pixels."""
     image = crystal(200, "hexagonal", 9.37, turned, dislocated=False)
     assert distance(gt.LatticeImage(image.values).spots.vectors, image.vectors, 200) < 0.1
@@ -55,7 +55,7 @@ def test_the_whole_lattice_is_spanned():
     assert abs(np.linalg.det(found)) == pytest.approx(0.01, rel=1e-2)
 
 
-def test_noise_and_amplitude_are_those_of_the_image():
+def test_noise_and_amplitude_agree_with_the_image():
     """White noise of 0.5 and the amplitudes of the waves are estimated."""
     y, x = np.mgrid[256:0:-1, 0:256]
     waves = 0.6 * np.cos(2 * np.pi * x / 8) + 0.4 * np.cos(2 * np.pi * y / 7)
@@ -85,7 +85,7 @@ def without_lattice() -> dict[str, np.ndarray]:
 
 
 @pytest.mark.parametrize("name", without_lattice())
-def test_an_image_without_lattice_says_so(name):
+def test_an_image_without_lattice_is_refused(name):
     """Noise, clouds, glass, edges, blots and rings are refused."""
     image = gt.LatticeImage(without_lattice()[name])
     with pytest.raises(ImageError, match="the image has no visible lattice"):
@@ -93,7 +93,7 @@ def test_an_image_without_lattice_says_so(name):
 
 
 @pytest.mark.parametrize("sharp", [False, True])
-def test_fringes_are_no_lattice(sharp):
+def test_fringes_are_refused(sharp):
     """Fringes in one direction are refused, also with harmonics folded back by aliasing."""
     y, x = np.mgrid[:200, :200]
     fringes = np.cos(2 * np.pi * (x + 0.3 * y) / 9.0)

@@ -123,7 +123,7 @@ def face(lines: LineArrays, corner: list[float], axis: int) -> tuple[np.ndarray,
     return linked(lines, loop), through @ lines.burgers
 
 
-def test_a_face_of_the_box_is_pierced_as_often_as_lines_wind_round_it():
+def test_a_face_of_the_box_is_pierced_as_often_as_lines_wind_around_it():
     """For nets across a skew box, b around a face is the sum of all steps over the period."""
     rng = np.random.default_rng(4)
     box = Box([[6, 0, 0], [1, 5, 0], [0.5, -1, 7]])
@@ -183,7 +183,7 @@ def test_a_tiny_loop_far_from_the_origin():
     assert linked(line, Loop.circle([place[0] + 3e-6, place[1], 0], 1e-6))[2] == 0
 
 
-def test_what_has_no_answer_is_refused():
+def test_loops_without_an_answer_are_refused():
     """Loops through a line or node, in two dimensions, with periods or symbols are refused."""
     lines = straight([(1, 0)], [(0.0, 0.0, 1.0)])
     for loop in (Loop.circle([0, 0, 1], 1), Loop.polygon([[1, -1, 1], [1, 1, 1], [0, 0, 1]])):

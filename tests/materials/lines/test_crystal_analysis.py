@@ -92,7 +92,7 @@ def test_damage_is_named(tmp_path: Path, old: str, new: str, message: str):
         DislocationNetwork.read(tmp_path / "a.ca")
 
 
-def test_a_matrix_or_a_lattice_that_is_none():
+def test_invalid_matrices_and_lattices_are_refused():
     """A singular matrix and a lattice that OVITO lacks are refused."""
     with pytest.raises(NetworkError, match="in one plane"):
         Cluster("fcc", np.ones((3, 3)))
@@ -154,7 +154,7 @@ def test_grains_keep_their_numbers(tmp_path: Path):
     assert [line.grain for line in again.lines] == [2, 0]
 
 
-def test_one_cluster_is_no_grain_but_keeps_its_lattice(tmp_path: Path):
+def test_one_cluster_has_no_grain_but_keeps_its_lattice(tmp_path: Path):
     """A single crystal has lines without a grain, and is written as it was read."""
     crystal = {None: Cluster("hcp", 3.2 * np.eye(3), 12)}
     box = Box.of_bounds([0, 0, 0], [9, 9, 9])

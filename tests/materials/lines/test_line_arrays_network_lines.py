@@ -39,7 +39,7 @@ def test_pieces_have_the_same_sums():
     assert bowed((0, 0, 1)).nye[2] == pytest.approx([0, 0, 4 / 64])
 
 
-def test_lines_without_positions_say_so():
+def test_lengths_need_positions():
     """Kinds are available without positions, lengths are not."""
     net = DislocationNetwork.of_lines([("a", "b", (1, 0))], surface="a")
     assert net.lines[0].kind == "surface"

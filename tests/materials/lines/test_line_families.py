@@ -63,7 +63,7 @@ def test_whole_multiples_of_lattice_vectors(name):
     assert (found == wanted).all()
 
 
-def test_what_is_no_lattice_vector_is_refused():
+def test_bad_lattice_vectors_are_refused():
     """A partial, a flat lattice, an unknown lattice and unknown or wrong symmetries fail."""
     with pytest.raises(NetworkError, match=r"nearest to b = .* away.*units of b"):
         lattice_coordinates(np.array([[0.5, 0.5, 0]]), "sc", 1e-9)

@@ -40,7 +40,7 @@ NETWORKS = {
 }
 
 
-def told(net: DislocationNetwork) -> list[tuple[object, ...]]:
+def properties_of(net: DislocationNetwork) -> list[tuple[object, ...]]:
     """Properties that do not depend on the format: b, length and ends of each line."""
     return sorted(
         (tuple(round(float(x), 9) for x in one.burgers), round(one.length, 9), one.ends)
@@ -50,12 +50,12 @@ def told(net: DislocationNetwork) -> list[tuple[object, ...]]:
 
 @pytest.mark.parametrize("kind", [".json", ".ca"])
 @pytest.mark.parametrize("name", NETWORKS)
-def test_what_is_written_reads_back(tmp_path: Path, name: str, kind: str) -> None:
+def test_written_lines_read_back(tmp_path: Path, name: str, kind: str) -> None:
     """Lines, junctions, box and Nye tensor are the same."""
     net = NETWORKS[name]()
     net.save(tmp_path / f"a{kind}")
     back = DislocationNetwork.read(tmp_path / f"a{kind}")
-    assert told(back) == told(net)
+    assert properties_of(back) == properties_of(net)
     assert len(back.junctions) == len(net.junctions)
     assert np.array_equal(back.box.vectors, net.box.vectors)
     assert np.array_equal(back.box.periodic, net.box.periodic)

@@ -53,7 +53,7 @@ def test_pinned_and_surface_nodes(small):
     assert str(violation) == "node (0, 0) (pinned): b out minus b in = (0, 0, 1)"
 
 
-def test_what_is_written_reads_back_to_the_last_digit(tmp_path):
+def test_written_lines_read_back_to_the_last_digit(tmp_path):
     """Positions, lines, b, images, constraints and box; saving twice gives the same bytes."""
     lines = rings(15, seed=3, size=7.3)
     net = DislocationNetwork.of_arrays(lines)

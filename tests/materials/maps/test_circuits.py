@@ -41,13 +41,13 @@ def test_every_pixel_is_left_as_often_as_it_is_reached():
 
 
 @pytest.mark.parametrize("made", [list, tuple, np.array])
-def test_cells_as_truth_values_are_cells_once_round(made):
+def test_cells_may_be_truth_values(made):
     """Truth values work the same in lists, tuples and arrays."""
     rows = [[True, False], [True, True]]
     assert chain(Circuit.of_cells(made(rows))) == chain(Circuit.of_cells([[1, 0], [1, 1]]))
 
 
-def test_windings_are_those_of_the_loop():
+def test_windings_agree_with_the_loop():
     """Windings agree with Loop.winding at each point, for a curve that winds twice around some."""
     loop = Loop.spline([[1, 1], [5, 1], [5, 4], [2, 4], [2, 2], [4, 2], [4, 5], [1, 5]])
     xs, ys = np.arange(0.25, 6, 0.7), np.arange(0.3, 6, 0.6)

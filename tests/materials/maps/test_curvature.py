@@ -58,7 +58,7 @@ def test_the_density_of_a_known_bend():
     assert made.frame(0).gnd_density(0.25e-3)[0].max() < 1e-2
 
 
-def test_the_nye_tensor_is_that_of_the_coframe():
+def test_the_nye_tensor_agrees_with_the_coframe():
     """For lines across the map, curvature and the curl of the coframe agree to first order."""
     kappa = 1e-3 * np.array([[1.0, -2.0], [0.5, 3.0], [4.0, -1.5]])
     made = bent(kappa)
@@ -69,7 +69,7 @@ def test_the_nye_tensor_is_that_of_the_coframe():
     assert made.curvature.nye[4, 5, :, 2] == pytest.approx(specimen, rel=2e-2, abs=1e-5)
 
 
-def test_noise_alone_reaches_its_floor():
+def test_a_straight_crystal_reaches_the_noise_level():
     """The root mean square of the density of a straight crystal is the reported floor."""
     made = bent(np.zeros((3, 2)), shape=(40, 50), noise=1e-3)
     density, floor = made.gnd_density(0.25e-3)
@@ -79,7 +79,7 @@ def test_noise_alone_reaches_its_floor():
     assert floor[0, 0] > 1.9 * floor[5, 5]
 
 
-def test_walls_are_no_curvature():
+def test_walls_add_no_curvature():
     """Neighbours across a wall do not count; a pixel without any neighbour has no density."""
     angles = np.zeros((5, 6, 3))
     angles[:, 3:, 0] = 20.0

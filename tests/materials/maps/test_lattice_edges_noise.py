@@ -39,7 +39,7 @@ def test_given_noise():
     assert np.sqrt(np.diag(three)) == pytest.approx(np.radians([1, 2, 3]))
 
 
-def test_told_covariance_against_scatter():
+def test_reported_covariance_is_the_scatter():
     """200 seeds of anisotropic noise: each component of b scatters as its reported covariance."""
     shape, found = (9, 9), []
     rng = np.random.default_rng(11)

@@ -59,7 +59,7 @@ def write(folder, lines, name):
 @pytest.mark.parametrize(
     ("lines", "name"), [(ctf(), "a.ctf"), (ang(), "a.ang"), (ctf(mark=","), "a.CTF")]
 )
-def test_what_is_written_is_read(tmp_path, lines, name):
+def test_written_maps_read_back(tmp_path, lines, name):
     """Angles, steps, phase and lattice read back, with decimal points and with commas."""
     found = read_map_file(write(tmp_path, lines, name))
     assert np.degrees(found.euler) == pytest.approx(ANGLES, abs=1e-9)
@@ -158,7 +158,7 @@ def test_damaged_files_are_refused(tmp_path, name):
     assert str(caught.value).startswith(name)
 
 
-def test_a_user_may_say_the_symmetry(tmp_path):
+def test_a_user_may_give_the_symmetry(tmp_path):
     """A given symmetry is used if the file has none."""
     path = write(tmp_path, ctf(laue=44), "a.ctf")
     assert OrientationMap.read(path, laue={1: "m-3m"}).phases[1].laue == "m-3m"

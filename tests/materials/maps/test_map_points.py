@@ -36,7 +36,7 @@ def of_points(found, gaps=()):
 
 @pytest.mark.parametrize("gaps", [(0,), (8, 9, 20), (41,), (3, 41), (0, 7, 14, 15, 16, 17, 18)])
 @pytest.mark.parametrize("make", [ang, ctf])
-def test_points_that_are_left_out(tmp_path: Path, gaps, make):
+def test_omitted_points_have_no_orientation(tmp_path: Path, gaps, make):
     """Omitted points are pixels without an orientation; a file that ends early is refused."""
     head = HEAD if make is ang else 15
     path = write(tmp_path, without(make(ANGLES), *gaps, head=head), f"a.{make.__name__}")
@@ -90,7 +90,7 @@ def test_a_step_that_is_rounded_in_the_header(tmp_path: Path):
 
 @pytest.mark.parametrize("even", [6, 7, 8])
 @pytest.mark.parametrize("gaps", [(), (0,), (7, 20), (5, 6)])
-def test_hexagonal_grids_with_points_left_out(tmp_path: Path, even: int, gaps):
+def test_hexagonal_grids_with_omitted_points(tmp_path: Path, even: int, gaps):
     """The x coordinates show which rows are shifted."""
     wide = bent((6, 8), 0.5)
     whole = ang(wide[:, :7] if even < 8 else wide, grid="HexGrid", even=even)

@@ -243,7 +243,7 @@ def curved(shape, shift, bend):
 
 
 @pytest.mark.parametrize("shift", [0.0, 0.5, -0.5])
-def test_the_error_of_trapezoids_is_told(shift):
+def test_the_error_of_trapezoids_is_reported(shift):
     """The reported error of trapezoids is their difference from Gauss quadrature, without noise."""
     q, height = curved((30, 40), shift, 1e-5)
     phases = {1: NICKEL}
@@ -276,7 +276,7 @@ def test_the_error_of_trapezoids_is_told(shift):
     assert np.isfinite(squares.systematic_error[squares.known]).all()
 
 
-def test_noise_is_no_error_of_trapezoids():
+def test_noise_adds_nothing_to_the_trapezoid_error():
     """With given noise the trapezoid error is small, and both errors are reported separately."""
     rng = np.random.default_rng(2)
     turns = np.radians(0.3) * rng.standard_normal((900, 3))
@@ -287,7 +287,7 @@ def test_noise_is_no_error_of_trapezoids():
     assert np.median(found.significance) == pytest.approx(np.sqrt(3), rel=0.2)
 
 
-def test_edges_of_grains_tell_no_error():
+def test_edges_of_grains_add_no_error():
     """At grain edges the bend of one side serves for both, so the trapezoid error is unchanged."""
     q, _ = curved((12, 30), 0.0, 1e-5)
     split = Rotation.from_euler("ZXZ", [20, 20, 0], degrees=True) * Rotation.from_quat(
@@ -427,7 +427,7 @@ BAD = {
     "threshold: expected a positive number": {"threshold": -1},
     "sigma: expected standard deviations of 0 or more, got -0.1": {"sigma": -0.1},
     "sigma: expected 3 numbers": {"sigma": [0.1, 0.2]},
-    "unit: 'inch' is not known": {"unit": "inch"},
+    "unit: expected a known name, got 'inch'": {"unit": "inch"},
     "phase 1: expected a Phase": {"phases": {1: "m-3m"}},
 }
 

@@ -34,7 +34,7 @@ def test_lattices():
     assert np.degrees(np.arccos(cosines)) == pytest.approx([94.3, 116.6, 87.7])
 
 
-def test_what_is_no_lattice():
+def test_bad_lattices_are_refused():
     """Angles that close no cell, negative lengths and missing constants are refused."""
     with pytest.raises(OrientationError, match="expected angles of a cell with a volume"):
         Phase("a", "-1", (1, 1, 1), (30, 30, 170))
@@ -52,7 +52,7 @@ FLAT = [(60, 60, 120), (30, 30, 60), (120, 120, 120), (80, 50, 130), (40.1, 50.2
 
 
 @pytest.mark.parametrize("angles", FLAT)
-def test_edges_in_one_plane_are_no_lattice(angles):
+def test_edges_in_one_plane_are_refused(angles):
     """Angles of a flat cell are refused, also if rounding makes its volume nonzero."""
     with pytest.raises(OrientationError, match="expected angles of a cell with a volume"):
         Phase("flat", "-1", (3, 4, 5), angles)
@@ -83,7 +83,7 @@ def test_a_lattice_without_the_symmetry_of_its_group():
 @pytest.mark.parametrize(
     ("edge", "angle", "fits"), [(1.24, 90, True), (1.26, 90, False), (1, 83, True), (1, 75, False)]
 )
-def test_what_is_nearer_to_a_lattice_vector_than_to_none_is_one(edge, angle, fits):
+def test_vectors_near_a_lattice_vector_match_it(edge, angle, fits):
     """A cube stretched along one edge or sheared fits up to a quarter of an edge."""
     phase = Phase("drawn", "m-3m", (1, 1, edge), (90, 90, angle))
     if fits:

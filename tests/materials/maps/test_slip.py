@@ -74,7 +74,7 @@ def test_densities_make_up_b(phase, structure):
     assert sum(one.total for one in more) <= length * (1 + 1e-6)
 
 
-def test_what_is_no_slip_system():
+def test_bad_slip_systems_are_refused():
     """A vector out of the plane, wrong indices, an unknown structure and too few families fail."""
     with pytest.raises(OrientationError, match=r"which is not in it. Give u, v, w with h u \+ k v"):
         SlipFamily.of(IRON, (1, 1, 0), (1, 1, 0))

@@ -24,7 +24,7 @@ def random_quaternions(count, seed):
 
 
 @pytest.mark.parametrize("name", sorted(SCIPY))
-def test_groups_are_those_of_scipy(name):
+def test_groups_agree_with_scipy(name):
     """The same rotations, generated from at most two generators."""
     ours = laue_group(name).quaternions
     theirs = np.roll(Rotation.create_group(SCIPY[name]).as_quat(), 1, axis=-1)
@@ -67,7 +67,7 @@ def test_disorientation_is_the_smallest_of_all(name):
     assert group.disorientation(*moved) == pytest.approx(found, abs=1e-9)
 
 
-def test_cubic_axes_lie_in_the_standard_triangle():
+def test_cubic_axes_are_in_the_standard_triangle():
     """Components satisfy z >= x >= y >= 0; no angle exceeds 62.8 degrees (Mackenzie 1958)."""
     found = laue_group("m-3m").disorientation(
         random_quaternions(2000, 4), random_quaternions(2000, 5)
@@ -81,5 +81,5 @@ def test_cubic_axes_lie_in_the_standard_triangle():
 
 def test_unknown_group():
     """The message lists the known groups."""
-    with pytest.raises(OrientationError, match="'m3m' is not known.*m-3m"):
+    with pytest.raises(OrientationError, match="a known name, got 'm3m'.*m-3m"):
         laue_group("m3m")

@@ -4,7 +4,7 @@ from functools import cache
 
 import sympy as sp
 
-from geomtorsion.loops import Loop, burgers_vector
+from geomtorsion.loops import Loop, exact_burgers_vector
 from geomtorsion.spaces import load
 from geomtorsion.teaching.exercises.authoring import (
     Domain,
@@ -32,7 +32,7 @@ def make(draw: Draw, text: Texts) -> Variant:
 
     @cache
     def vector(loop: Loop) -> dict[tuple[int, ...], sp.Expr]:
-        components = burgers_vector(frame, loop, exact=True).vector
+        components = exact_burgers_vector(frame, loop).vector
         return {(k,): value for k, value in enumerate(components)}
 
     return Variant(
