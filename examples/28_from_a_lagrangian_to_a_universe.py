@@ -38,7 +38,7 @@ def solved(
     drift = max(solution.drift.values())
     size = float(solution["a"][-1])
     print(f"{name:20} a({last:g}) = {size:.10f}  error {solution.error:.1e}  drift {drift:.1e}")
-    assert drift <= max(solution.error, 1e-12)
+    assert drift <= solution.error
     return size
 
 

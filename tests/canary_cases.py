@@ -353,6 +353,7 @@ def public_methods() -> list[Case]:
             name="a",
         ),
         _of("Frame.quantity", PLANE.quantity, name="ricci"),
+        _of("Space.quantity", spaces.load("s2").quantity, name="ricci"),
         _of("Frame.plan", PLANE.plan, name="ricci"),
         _of("Frame.read", PLANE.read, entries=[("entry", X)]),
         _of("Tensor.at", PLANE.metric.at, point={"x": 1, "y": 2}),

@@ -169,6 +169,17 @@ class Oracle:
         )
 
     @quantity
+    def superpotential(self) -> np.ndarray:
+        """d(torsion_scalar) / dT_abc at [a, b, c], the last index lowered."""
+        down, up = self.torsion_lowered, self.inverse_metric
+        raised = np.einsum("abc,ai,bj,ck->ijk", down, up, up, up, optimize=True)
+        trace = np.einsum("a,ab,ck->bck", self.torsion_vector, up, up)
+        swapped = raised.transpose(2, 1, 0) - raised.transpose(1, 2, 0)
+        return (raised + swapped) / 2 @ self.metric - (
+            trace - trace.transpose(1, 0, 2)
+        ) @ self.metric
+
+    @quantity
     def contortion(self) -> np.ndarray:
         """Gamma - Gamma_bar: contortion where the connection is metric."""
         return self.gamma - self.christoffel

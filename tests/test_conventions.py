@@ -202,7 +202,7 @@ def test_conversions_are_their_own_inverse_and_names_are_known() -> None:
     assert len(names) == len(set(names)) > 10
     for name in names:
         assert burgers(burgers([1, -2, 3], name), name).tolist() == [1, -2, 3]
-    with pytest.raises(UnknownNameError, match="'FS-RH' is not known. .*FS/RH"):
+    with pytest.raises(UnknownNameError, match="a known name, got 'FS-RH'. .*FS/RH"):
         gt.conventions.burgers([1], "FS-RH")
     for wrong in ("abc", ["a"], None):
         with pytest.raises(ArgumentError, match="vector: "):

@@ -207,7 +207,7 @@ SLIPS = [
     (
         lambda: gt.burgers_vectors(SO3, [PLACE], 0.1, plane=("phi1", "phi4")),
         LoopError,
-        "'phi4' is not known. Did you mean phi",
+        "got 'phi4'. Did you mean phi",
     ),
     (lambda: gt.autoparralel, AttributeError, r"Did you mean autoparallel\?"),
     (lambda: POLAR.torsion, AttributeError, r"mean gt.cartan\(frame\).torsion\?"),
@@ -224,6 +224,11 @@ SLIPS = [
     (lambda: gt.solve(CURVE, 1, method="RK45"), ArgumentError, r"mean engine=RungeKutta\(\)\?"),
     (lambda: gt.solve(CURVE, 1, acuracy=1e-3), ArgumentError, r"Did you mean accuracy\?"),
     (lambda: gt.geodesic(POLAR, [1, 0], velocty=[1, 0]), ArgumentError, r"mean velocity\?"),
+    (
+        lambda: gt.burgers_vector(SO3, LOOP, exact=True),
+        ArgumentError,
+        r"mean exact_burgers_vector\(frame, loop\)",
+    ),
     (lambda: gt.burgers_vector(SO3, LOOP, tol=1e-8), ArgumentError, "mean accuracy=1e-8"),
     (lambda: gt.develop("so3", LOOP, conection=1), ArgumentError, r"mean connection\?"),
 ]

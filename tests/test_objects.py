@@ -113,7 +113,7 @@ def test_frames_with_other_content_are_unequal(name: str) -> None:
     other = DIFFERENT[name]
     assert other != F
     assert other.metric != F.metric
-    with pytest.raises(TensorIndexError, match="expected tensors of one frame"):
+    with pytest.raises(TensorIndexError, match="expected a tensor over this frame"):
         _ = other.metric + F.metric
 
 
@@ -241,7 +241,11 @@ REFUSED = [
     ("b * b", TypeError, "unsupported operand"),
     ("b + 'b'", TypeError, "unsupported operand"),
     ("b * float('nan')", TypeError, "unsupported operand"),
-    ("gt.contract('ab,bc->ac', F.metric, DIFFERENT['eta'].inverse_metric)", ShapeError, "frames"),
+    (
+        "gt.contract('ab,bc->ac', F.metric, DIFFERENT['eta'].inverse_metric)",
+        ShapeError,
+        "this frame",
+    ),
 ]
 
 

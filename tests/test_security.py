@@ -440,6 +440,7 @@ COMMANDS = {
     "curve": ["s2", "--t", "0.1", "--accuracy", "1e-6"],
     "accuracy": ["s2", "--t", "0.1"],
     "burgers": ["s2", "--circle", "1,0:0.1", "--set", "R=1"],
+    "circuit": ["none.ctf", "--loop", "circle 1,1:1", "--laue", "1=m-3m"],
     "map": ["none.ctf", "--circle", "1,1:1", "--laue", "1=m-3m"],
     "stress": ["none.data", "--elastic", "isotropic 1 0.3"],
     "run": ["euler_top", "--t", "0.1"],

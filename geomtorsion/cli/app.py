@@ -27,6 +27,7 @@ class Commands(LazyGroup):
         "fit": "Fit parameters and the start of a motion to recorded data.",
         "price": "Measure what digits and certainty cost, of a motion, a loop or a scene.",
         "burgers": "Compute the Burgers vectors of loops: the gaps by which they fail to close.",
+        "circuit": "Compute the Burgers vectors of circuits through measured data.",
         "map": "Map the Burgers vector per area of a measured field, and compare it with noise.",
         "crystal": "Find the dislocation lines of a crystal, with their Burgers vectors.",
         "network": "Read a dislocation network, and check that b is conserved at its nodes.",
@@ -51,7 +52,7 @@ class Commands(LazyGroup):
             "paper",
         ),
         "Motions": ("curve", "fit", "run", "scenes", "price"),
-        "Defects and data": ("burgers", "map", "crystal", "network", "stress"),
+        "Defects and data": ("burgers", "circuit", "map", "crystal", "network", "stress"),
         "Teaching": ("lab", "exercises"),
     }  # fmt: skip
     limited = frozenset(summaries) - {"spaces", "network", "scenes", "lab", "exercises"}

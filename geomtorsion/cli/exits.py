@@ -145,8 +145,8 @@ def in_options(message: str) -> str:
 
     Examples
     --------
-    >>> in_options("the frame contains b: give values, parameters={'b': ...}.")
-    'the frame contains b: give values, --set b=1.'
+    >>> in_options("parameters: expected a value for b, got none. Give parameters={'b': ...}.")
+    'parameters: expected a value for b, got none. Give --set b=1.'
     >>> in_options("Name another file, or give overwrite=True.")
     'Name another file, or give --overwrite.'
     >>> in_options("coframe[1, 0]: this bracket is never closed")

@@ -100,6 +100,14 @@ BasisOption = Annotated[
 ]
 
 
+Language = Annotated[
+    str,
+    option(
+        metavar="NAME|DIR", text="Language of the texts: en, de, or a folder of translated files."
+    ),
+]
+
+
 # -- sources of a command -------------------------------------------------------------------------
 
 SpaceOrFile = Annotated[
@@ -133,14 +141,6 @@ Priced = Annotated[
         "SPACE|SCENE|FILE",
         "A shipped space or scene, a file of either, or measured data (.npz, .csv, .ctf, ...).",
         lambda: (*_spaces(), *_scenes()),
-    ),
-]
-SpaceOrMeasured = Annotated[
-    str,
-    argument(
-        "SPACE|FILE",
-        "A shipped space, a tetrad file (TOML), or measured data (.npz, .csv, .ctf, ...).",
-        _spaces,
     ),
 ]
 MeasuredFile = Annotated[

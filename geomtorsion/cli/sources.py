@@ -12,6 +12,7 @@ import numpy as np
 
 from geomtorsion import spaces
 from geomtorsion.errors import (
+    FileFormatError,
     GeomtorsionError,
     GridError,
     ImageError,
@@ -20,7 +21,7 @@ from geomtorsion.errors import (
 )
 from geomtorsion.geometry import Frame
 from geomtorsion.materials import Source
-from geomtorsion.materials.readers import open_source
+from geomtorsion.materials.readers import is_source, open_source
 from geomtorsion.spaces import Space, read_file
 from geomtorsion.support.checks import shown
 from geomtorsion.support.files import UNSIGNED, plain_float
@@ -52,6 +53,11 @@ def shipped_or_file(
 
 def open_space(source: str) -> Space:
     """The shipped space of this name, or the space in this file."""
+    if source not in spaces.names() and is_source(source):
+        raise FileFormatError(
+            f"{source}: expected a space or a tetrad file, got measured data. Use `geomtorsion "
+            "circuit FILE --loop 'circle 20,30:8'`, or map, price or stress."
+        )
     return shipped_or_file(source, spaces.names(), spaces.load, read_file)
 
 
@@ -76,6 +82,11 @@ class Reading:
 
 def opened(source: str, reading: Reading) -> Source:
     """The source in a file; errors about an option name it as typed."""
+    if source in spaces.names() and not Path(source).exists():
+        raise FileFormatError(
+            f"{source}: expected a file of measured data, got a shipped space. Use `geomtorsion "
+            f"burgers {source} --circle CENTRE:RADIUS` for its loops."
+        )
     value = None if reading.sigma is None else sigma_of(reading.sigma)
     try:
         return open_source(

@@ -1,4 +1,8 @@
-"""Curves: geodesics, autoparallels and quantities carried along them, over an atlas."""
+"""Curves: geodesics, autoparallels and quantities carried along them, over an atlas.
+
+`problem` and `readout` import each other: a problem calls the functions that read its states, and
+these take a problem. At run time only `problem` imports `readout`; the other import is for types.
+"""
 
 from geomtorsion.curves.atlas import Atlas, Chart, TransitionMap
 from geomtorsion.curves.constructors import (

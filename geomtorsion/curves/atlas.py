@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -23,7 +23,7 @@ from geomtorsion.errors import (
 from geomtorsion.exact import Element, Field
 from geomtorsion.exact.tower import Tower
 from geomtorsion.geometry.domain_edges import Edge
-from geomtorsion.ode.numbers import Real, mpf
+from geomtorsion.ode.numbers import Numbers, Real, mpf
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.copies import comparable, content_hash, equal_content, only_fields
@@ -98,19 +98,16 @@ class ElementMatrix:
         return matrix
 
     def applied(self, point: Mapping[str, Real | np.ndarray], vectors: np.ndarray) -> np.ndarray:
-        """The matrix at many points times a vector at each: shapes (columns, m), (rows, m)."""
-        result = np.zeros((self.shape[0], vectors.shape[1]))
+        """The matrix at points times a vector at each: shapes (columns, ...), (rows, ...)."""
+        result = np.zeros((self.shape[0], *vectors.shape[1:]))
         # Entries are infinite where a chart ends; the caller checks the result.
         with np.errstate(all="ignore"):
             for (i, j), number in zip(self.entries, self.values(point), strict=True):
                 result[i] += number * vectors[j]
         return result
 
-    def precisely(self, point: Mapping[str, Real], vector: Sequence[Real], bits: int) -> list[Real]:
+    def precisely(self, point: Mapping[str, Real], vector: Numbers, bits: int) -> list[Real]:
         """The matrix at one point times a vector, in numbers of the given precision."""
-        if bits <= 53:
-            column = np.array([[float(x)] for x in vector])
-            return self.applied(point, column)[:, 0].tolist()
         numbers = {name: mpf(x, bits) for name, x in point.items()}
         factors = [mpf(x, bits) for x in vector]
         shared: dict[str, object] = {}
@@ -241,7 +238,14 @@ class Chart:
         }
         return ElementMatrix(entries, (len(self.edges), len(self.coordinates)))
 
-    def edge_rates(self, point: Mapping[str, float], velocities: Sequence[Real]) -> np.ndarray:
+    @cached_property
+    def _edges_with_slopes(self) -> ElementMatrix:
+        """A column for the edges beside those of their slopes: both in one evaluation."""
+        edges = {(k, len(self.coordinates)): edge.element for k, edge in enumerate(self.edges)}
+        shape = (len(edges), len(self.coordinates) + 1)
+        return ElementMatrix({**edges, **self._edge_slopes.entries}, shape)
+
+    def edge_rates(self, point: Mapping[str, float], velocities: Numbers) -> np.ndarray:
         """How fast the values of all edges change along a motion with frame velocities u^i."""
         column = np.array([[float(u)] for u in velocities])
         speeds = self.frame_vectors.applied(point, column)
@@ -251,12 +255,11 @@ class Chart:
         self, point: Mapping[str, Real | np.ndarray], changes: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """All edges at many points, and how far changes of coordinates, shape (n, m), move them."""
-        values = self._edge_graph.numpy()(*(point[name] for name in self._edge_graph.arguments))
-        reach = np.zeros((len(self.edges), changes.shape[1]))
-        slopes = self._edge_slopes
-        for (k, mu), slope in zip(slopes.entries, slopes.values(point), strict=True):
-            reach[k] += np.abs(slope) * changes[mu]
-        return np.broadcast_to(values, reach.shape), reach
+        values, count = self._edges_with_slopes.values(point), len(self.edges)
+        reach = np.zeros((count, changes.shape[1]))
+        for (k, mu), slope in zip(self._edge_slopes.entries, np.abs(values[count:]), strict=True):
+            reach[k] += slope * changes[mu]
+        return np.broadcast_to(values[:count], reach.shape), reach
 
     def distance(self, point: Mapping[str, float]) -> float:
         """The edge at a point in units of its margin; infinite where there is none."""
@@ -432,7 +435,7 @@ class TransitionMap:
         }
 
     def precisely(
-        self, values: Sequence[Real], parameters: Mapping[Any, Real], bits: int
+        self, values: Numbers, parameters: Mapping[Any, Real], bits: int
     ) -> list[mpmath.mpf]:
         """Target coordinates of one point as mpmath numbers of a precision; see `__call__`."""
         checks.count(bits, "bits", ArgumentError, 2)
@@ -458,8 +461,8 @@ GAIN = 1.5
 class MovingPoint(NamedTuple):
     """Coordinates, velocities u^i in units of the speed, and carried quantities."""
 
-    coordinates: list[Real]
-    velocities: list[Real]
+    coordinates: Numbers
+    velocities: Numbers
     carried: list[Real]
 
     @property
@@ -571,6 +574,11 @@ class Atlas:
             "atlas."
         )
 
+    def angles(self, sources: Iterable[str], target: str) -> list[int]:
+        """Coordinates of a chart that the maps from some others give up to whole turns."""
+        routes = [self.route(source, target) for source in sources]
+        return sorted({k for route in routes if route for k in route[-1].angles})
+
     def same_frame(self, source: str, target: str) -> bool:
         """Whether two charts have the same frame vectors."""
         return self.chart(source).keeps_frame and self.chart(target).keeps_frame
@@ -585,6 +593,9 @@ class Atlas:
     ) -> MovingPoint:
         """Position and velocity in another chart, as mpmath numbers above 53 bits.
 
+        Up to 53 bits coordinates and velocities may be arrays of many points, shapes
+        (coordinates, m) and (n, m).
+
         Raises
         ------
         ChartEdgeError
@@ -592,30 +603,31 @@ class Atlas:
         """
         if source == target:
             return point
-        coordinates, velocities, carried = point
+        q, u, carried = point
         numbers = dict(parameters)
+        if bits <= 53:
+            q, u = (np.asarray(row, dtype=float) for row in (q, u))
         turning = not self.same_frame(source, target)
-        rates: list[Real] = []
+
+        def turned(matrix: ElementMatrix, chart: str) -> Numbers:
+            place = dict(zip(self.chart(chart).names, q, strict=True)) | numbers
+            if bits <= 53:
+                return matrix.applied(place, np.asarray(u))
+            return matrix.precisely(place, u, bits)
+
         if turning:
-            chart = self.chart(source)
-            place = dict(zip(chart.names, coordinates, strict=True)) | numbers
-            rates = chart.frame_vectors.precisely(place, velocities, bits)
+            u = turned(self.chart(source).frame_vectors, source)
         for change in self.route(source, target):
-            here = self.chart(change.source)
             if turning:
-                place = dict(zip(here.names, coordinates, strict=True)) | numbers
-                rates = change.slopes.precisely(place, rates, bits)
-            if bits > 53:
-                coordinates = list(change.precisely(coordinates, numbers, bits))
-            else:
-                coordinates = change([float(x) for x in coordinates], numbers).tolist()
-        if not np.isfinite([float(x) for x in coordinates]).all():
-            raise ChartEdgeError(f"chart {target!r} does not reach this point")
+                u = turned(change.slopes, change.source)
+            q = change(q, numbers) if bits <= 53 else change.precisely(q, numbers, bits)
+        finite = np.isfinite(np.asarray(q, dtype=float)).all(axis=0)
+        if not finite.all():
+            places = np.asarray(point.coordinates, dtype=float)
+            raise not_covered(places.reshape(len(places), -1)[:, np.argmin(finite)], source, target)
         if turning:
-            chart = self.chart(target)
-            place = dict(zip(chart.names, coordinates, strict=True)) | numbers
-            velocities = chart.coframe.precisely(place, rates, bits)
-        return MovingPoint(coordinates, list(velocities), carried)
+            u = turned(self.chart(target).coframe, target)
+        return MovingPoint(q, u, carried)
 
     def best_chart(
         self,
@@ -656,6 +668,15 @@ class Atlas:
             slowest = min(speed for _, speed in far)
             return next(name for name, speed in far if speed <= 2 * GAIN * slowest)
         return best if starting or score > GAIN else None
+
+
+def not_covered(place: Iterable[Real], source: str, target: str) -> ChartEdgeError:
+    """The error for a place that a chart does not reach."""
+    numbers = ", ".join(f"{float(x):.6g}" for x in place)
+    return ChartEdgeError(
+        f"the motion passes ({numbers}) in chart {source!r}, which chart {target!r} does not "
+        f"reach. Use solution.in_chart({source!r})."
+    )
 
 
 def _same(value: Any) -> Any:

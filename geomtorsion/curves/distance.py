@@ -107,8 +107,7 @@ def _gaps(
 
 def angles_of(problem: CurveProblem, chart: str) -> list[int]:
     """Coordinates of a chart that count modulo 2 pi, according to maps into it or its domain."""
-    routes = [problem.atlas.route(name, chart) for name in problem.atlas.names if name != chart]
-    angles = {k for route in routes if route for k in route[-1].angles}
+    angles = set(problem.atlas.angles(problem.atlas.names, chart))
     frame = problem.atlas.chart(chart).frame
     if frame is not None:
         angles |= {k for k, symbol in enumerate(frame.coordinates) if is_angle(frame, symbol)}

@@ -362,7 +362,7 @@ class Equations:
         return table | {name: sp.S.Zero for name in self.velocities if name not in table}
 
     def numbers(
-        self, parameters: Mapping[str, Number], velocities: Sequence[Number]
+        self, parameters: Mapping[str, Number], velocities: Iterable[Number]
     ) -> list[Number | Fraction]:
         """Parameter values in order: space, law, constant velocities."""
         table: dict[str, Number | Fraction] = {**parameters, **self.constants}

@@ -10,12 +10,13 @@ import numpy as np
 
 from geomtorsion.curves.constructors import autoparallel
 from geomtorsion.curves.problem import CurveProblem, checked_start
-from geomtorsion.curves.search import STALE, Followed, Hit, Search, reach_of
-from geomtorsion.curves.shooting import ROUNDING, Line, Shooter, lengths_of
+from geomtorsion.curves.search import Followed, Search, reach_of
+from geomtorsion.curves.shooting import ROUNDING, Line, Shooter
 from geomtorsion.errors import EndpointError, GeomtorsionError
 from geomtorsion.geometry import Connection
 from geomtorsion.geometry.connections import ConnectionLike, as_connection
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
+from geomtorsion.ode.newton import STALE, Hit, lengths_of
 from geomtorsion.ode.numbers import Numbers, checked_accuracy, checked_numbers
 from geomtorsion.ode.solution import Solution
 from geomtorsion.ode.solve import engines, solve
@@ -167,7 +168,7 @@ class _Choice:
 
     def from_guess(self, first: np.ndarray, guess: Numbers) -> LogMap:
         """The motion that Newton's iteration reaches from a guess."""
-        hit = self.search.hit(self.search.aim, first) if first.any() else None
+        hit = self.search.newton.hit(self.search.aim, first) if first.any() else None
         answer = None if hit is None else self.answer(hit, "the motion nearest to the guess")
         if answer is None:
             raise EndpointError(
@@ -202,7 +203,7 @@ class _Choice:
         # Among equal motions the first is kept, which took the fewest differences of coordinates.
         hits = sorted(self.search.apart(hits), key=lambda hit: hit.length)
         if not hits:
-            near = self.search.near_conjugate
+            near = self.search.newton.flat
             reason = (
                 "The end is conjugate to the start, or so near to a conjugate point that errors of "
                 f"the motions hide the direction (at a length of {lengths_of(near[-1]):.9g})"
@@ -248,7 +249,7 @@ class _Choice:
         length = best.length
         for hit in others:
             longer = hit.length - length
-            if longer <= 4 * self.search.allowed(best.vector, self.search.aim):
+            if longer <= 4 * self.search.newton.allowed(best.vector, self.search.aim):
                 one, two = (self.search.shooter.velocity(x.vector).round(6) for x in (best, hit))
                 raise EndpointError(
                     f"expected one shortest motion {self.where}, got no unique answer: at least "
@@ -268,7 +269,9 @@ class _Choice:
             )
         if answer.conjugate and self.search.shooter.is_definite and self.is_geodesic:
             # Beyond an antipode the shorter motion leaves the start in the opposite direction.
-            back = self.search.hit(self.search.aim, found.vector * (1 - 2 * answer.conjugate[0]))
+            back = self.search.newton.hit(
+                self.search.aim, found.vector * (1 - 2 * answer.conjugate[0])
+            )
             if back is not None and back.length < found.length:
                 return self._answered(back, guarantee)
             raise EndpointError(
@@ -292,7 +295,7 @@ class _Choice:
             ) from None
         place = solution.in_chart(self.search.aim.label)[-1].astype(float)
         shot = shooter.measured(found.vector, self.search.aim.label, place, self.search.aim)
-        if shot.size > 10 * self.search.allowed(found.vector, self.search.aim):
+        if shot.size > 10 * self.search.newton.allowed(found.vector, self.search.aim):
             return None
         conjugate = self.search.conjugate_parts(found.vector)
         if not conjugate and found.vector.any():

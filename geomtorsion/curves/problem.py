@@ -40,7 +40,6 @@ from geomtorsion.geometry.domain_edges import Edge
 from geomtorsion.geometry.evaluation import sign_of
 from geomtorsion.geometry.relations import broken_relations
 from geomtorsion.ode.derivatives import term_slopes
-from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment, Term
 from geomtorsion.ode.numbers import (
@@ -470,7 +469,7 @@ class CurveProblem:
         return self._systems[label]
 
     def _follower(
-        self, label: str, velocities: Sequence[Real], precision: int, perturbation: float
+        self, label: str, velocities: Numbers, precision: int, perturbation: float
     ) -> Callable[[float, State], Stage | None]:
         """The stage after a chart: the motion in the next one."""
 
@@ -503,27 +502,23 @@ class CurveProblem:
 
         return ending
 
-    def _taken_apart(self, label: str, state: State, velocities: Sequence[Real]) -> MovingPoint:
+    def _taken_apart(self, label: str, state: State, velocities: Numbers) -> MovingPoint:
         """Coordinates, velocities and carried quantities, from a vector of states."""
         equations, values = self.equations(label), list(state)
         width, n = equations.width, len(velocities)
         if equations.moves:
             return MovingPoint(values[:width], values[width : width + n], values[width + n :])
-        return MovingPoint(values[:width], list(velocities), values[width:])
+        return MovingPoint(values[:width], velocities, values[width:])
 
     def rows(self, segment: Segment, states: np.ndarray, label: str) -> np.ndarray:
         """States of a segment in another chart, angles as the maps give them."""
         if segment.label == label:
             return states
-        velocities = self._own_velocities(segment)
         bits = precision_of(states)
-        rows = []
-        for row in states:
-            point = self._taken_apart(segment.label, row, velocities)
-            there = self.atlas.moved(segment.label, label, point, self.parameters, bits)
-            moving = there.velocities if self.equations(label).moves else []
-            rows.append(Taylor(bits).array([*there.coordinates, *moving, *there.carried]))
-        return np.array(rows)
+        q, u, carried = readout.taken_apart(self, [(segment, states)], bits)
+        q, u = readout.mapped(self, segment.label, label, q, u, bits)
+        moving = [u] if self.equations(label).moves else []
+        return np.concatenate([q, *moving, carried], axis=1)
 
     def _own_velocities(self, segment: Segment) -> list[Real]:
         """u^i of a segment where they are constant (in units of the time), else zeros."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import mpmath
 import numpy as np
 
-from geomtorsion.curves.atlas import MovingPoint
+from geomtorsion.curves.atlas import MovingPoint, not_covered
 from geomtorsion.errors import ChartEdgeError, ShapeError, StartError
 from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.error_estimate import NOISE, alike
@@ -31,8 +31,7 @@ def moment(
     bits: int,
 ) -> Moment:
     """Everything at the times of some pieces, in the home chart and frame."""
-    parts = [_at_home(problem, segment, states, bits) for segment, states in pieces]
-    q, v, u, w = (np.concatenate(values) for values in zip(*parts, strict=True))
+    q, v, u, w = _at_home(problem, pieces, bits)
     whole = {"coordinates": q, "velocity": v, "frame_velocity": u, "transported": w}
     values: dict[str, np.ndarray] = {}
     equations = problem.equations(problem.charts[0])
@@ -57,50 +56,55 @@ def gaps(
     if problem.start is None or not count:
         return []
     try:
-        here, there = [_read(problem, x, count, doubles=accuracy > NOISE * EPS) for x in (one, two)]
+        (q, v, u), (q2, v2, u2) = _read(problem, one, two, count, doubles=accuracy > NOISE * EPS)
     except ChartEdgeError:
         return []
-    (q, v, u), (q2, v2, u2) = here, there
     pairs = [(v, v2)]
     if set(one.labels) != {problem.atlas.home}:
-        pairs += [(u, u2), *_coordinate_pairs(problem, q, q2)]
+        q2 = _turned_alike(problem, q, q2)
+        groups = map(list, problem.atlas.chart(problem.atlas.home).groups)
+        pairs += [(u, u2), *((q[:, group], q2[:, group]) for group in groups)]
+    first, second = (np.concatenate(columns, axis=1) for columns in zip(*pairs, strict=True))
+    starts = np.cumsum([0, *(a.shape[1] for a, _ in pairs[:-1])])
+    differences, sizes = (
+        np.maximum.reduceat(np.abs(x).astype(float), starts, axis=1)
+        for x in (first - alike(first, second), first)
+    )
     inside = ~_at_edge(problem, q, accuracy)
-    differences = []
-    for a, b in pairs:
-        gap, size = (np.abs(x).astype(float).max(axis=1) for x in (a - alike(a, b), a))
-        differences.append((np.where(inside, gap, 0.0), float(size[inside].max(initial=0.0))))
-    return differences
+    differences[~inside] = 0.0
+    return list(zip(differences.T, sizes[inside].max(axis=0, initial=0.0).tolist(), strict=True))
 
 
 def _read(
-    problem: CurveProblem, trajectory: Trajectory, count: int, *, doubles: bool
-) -> list[np.ndarray]:
-    """(q, q', u) at the first samples, in the home chart."""
-    bits = 53 if doubles else trajectory.engine.precision
-    parts = [
-        _at_home(problem, x, x.states.astype(float) if doubles else x.states, bits)[:3]
-        for x in trajectory.segments
-        if x.count
-    ]
-    return [np.concatenate(values)[:count] for values in zip(*parts, strict=True)]
+    problem: CurveProblem, one: Trajectory, two: Trajectory, count: int, *, doubles: bool
+) -> list[tuple[np.ndarray, ...]]:
+    """(q, q', u) of two trajectories at the first samples, in the home chart."""
+    runs = []
+    for trajectory in (one, two):
+        pieces, left = [], count
+        for segment in trajectory.segments:
+            states = segment.states[:left]
+            if len(states):
+                pieces.append((segment, states.astype(float) if doubles else states))
+            left -= len(states)
+        runs.append(pieces)
+    bits = [53, 53] if doubles else [x.engine.precision for x in (one, two)]
+    if bits[0] != bits[1]:
+        return [_at_home(problem, *run)[:3] for run in zip(runs, bits, strict=True)]
+    both = _at_home(problem, runs[0] + runs[1], bits[0])[:3]
+    return [tuple(x[:count] for x in both), tuple(x[count:] for x in both)]
 
 
-def _coordinate_pairs(
-    problem: CurveProblem, one: np.ndarray, two: np.ndarray
-) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Coordinates at home of the same places in two runs, by groups.
+def _turned_alike(problem: CurveProblem, one: np.ndarray, two: np.ndarray) -> np.ndarray:
+    """Coordinates at home in a second run, angles turned to the nearest of the first run.
 
-    Angles that another chart gives are turned to the nearest of the first run: where they are cut,
-    half a turn from the start, either side is right.
+    Only angles that another chart gives: where they are cut, half a turn from the start, either
+    side is right.
     """
     atlas, two = problem.atlas, alike(one, two).copy()
-    routes = [atlas.route(name, atlas.home) for name in problem.charts]
-    for k in sorted({k for route in routes if route for k in route[-1].angles}):
-        turns = np.round((two[..., k] - one[..., k]).astype(float) / (2 * np.pi))
-        if np.any(turns):
-            _turn_back(two, k, turns)
-    groups = map(list, atlas.chart(atlas.home).groups)
-    return [(one[..., group], two[..., group]) for group in groups]
+    angles = atlas.angles(problem.charts, atlas.home)
+    gaps = (two[..., angles] - one[..., angles]).astype(float)
+    return _turned_back(two, angles, gaps)
 
 
 def _at_edge(problem: CurveProblem, q: np.ndarray, accuracy: float) -> np.ndarray:
@@ -151,39 +155,61 @@ def _mapped(problem: CurveProblem, source: str, target: str, q: np.ndarray) -> n
 
 
 def _at_home(
-    problem: CurveProblem, segment: Segment, states: np.ndarray, bits: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """(q, q', u, carried) of one segment in the home chart and frame."""
-    equations, n = problem.equations(segment.label), problem.frame.dimension
-    width, unit = equations.width, problem.time_unit
-    u, carried = _velocities(problem, segment, states, bits)
-    if equations.moves:
-        carried = states[:, width + n :].copy()
-    for k, power in enumerate(problem.carried.speed_powers if problem.carried else ()):
+    problem: CurveProblem, pieces: Sequence[tuple[Segment, np.ndarray]], bits: int
+) -> tuple[np.ndarray, ...]:
+    """(q, q', u, carried) of states of some segments in the home chart and frame, in order.
+
+    All states of one chart are read at once.
+    """
+    labels = [segment.label for segment, _ in pieces]
+    by_chart = [[k for k, x in enumerate(labels) if x == one] for one in dict.fromkeys(labels)]
+    parts = [_chart_at_home(problem, [pieces[k] for k in some], bits) for some in by_chart]
+    if len(parts) == 1:
+        return parts[0]
+    ends = np.cumsum([len(states) for _, states in pieces])
+    places = np.split(np.arange(ends[-1]), ends[:-1])
+    order = np.argsort(np.concatenate([places[k] for some in by_chart for k in some]))
+    return tuple(np.concatenate(values)[order] for values in zip(*parts, strict=True))
+
+
+def _chart_at_home(
+    problem: CurveProblem, pieces: Sequence[tuple[Segment, np.ndarray]], bits: int
+) -> tuple[np.ndarray, ...]:
+    """The same of segments in one chart."""
+    label, home = pieces[0][0].label, problem.atlas.home
+    unit = problem.time_unit
+    q, u, carried = taken_apart(problem, pieces, bits)
+    u = multiplied(u, unit)
+    powers = problem.carried.speed_powers if problem.carried else ()
+    if any(powers):
+        carried = carried.copy()
+    for k, power in enumerate(powers):
         if power:
             carried[:, [k]] = multiplied(carried[:, [k]], unit)
-    if not width:
-        empty = np.empty((len(states), 0))
+    if not q.shape[1]:
+        empty = np.empty((len(u), 0))
         return empty, empty, u, carried
-    target = problem.atlas.home
-    q = states[:, :width]
-    if segment.label != target:
-        q, u = converted(problem, segment.label, target, q, u, bits)
+    if label != home:
+        q, u = converted(problem, label, home, q, u, bits)
     return q, coordinate_velocities(problem, q, u, bits), u, carried
 
 
-def _velocities(
-    problem: CurveProblem, segment: Segment, states: np.ndarray, bits: int = 53
-) -> tuple[np.ndarray, np.ndarray]:
-    """u^i of a segment in its own frame, and the states behind the coordinates."""
-    equations, n = problem.equations(segment.label), problem.frame.dimension
-    width, unit = equations.width, problem.time_unit
+def taken_apart(
+    problem: CurveProblem, pieces: Sequence[tuple[Segment, np.ndarray]], bits: int = 53
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Coordinates, u^i in units of the time and carried quantities of segments in one chart."""
+    equations, n = problem.equations(pieces[0][0].label), problem.frame.dimension
+    width = equations.width
+    blocks = [states for _, states in pieces]
+    states = blocks[0] if len(blocks) == 1 else np.concatenate(blocks)
     if equations.moves:
-        return multiplied(states[:, width : width + n], unit), states[:, width + n :]
-    table = dict(zip(equations.parameters, segment.stage.parameters, strict=True))
-    values = Taylor(bits).array([table[name] for name in equations.velocities])
-    rows = np.array([values] * len(states), dtype=values.dtype)
-    return multiplied(rows.reshape(len(states), n), unit), states[:, width:].copy()
+        return states[:, :width], states[:, width : width + n], states[:, width + n :]
+    numbers = Taylor(bits)
+    places = [equations.parameters.index(name) for name in equations.velocities]
+    own = [numbers.array([one.stage.parameters[k] for k in places]) for one, _ in pieces]
+    table = own[0].reshape(1, n) if len(own) == 1 else np.array(own, dtype=own[0].dtype)
+    segments = np.repeat(np.arange(len(pieces)), [len(block) for block in blocks])
+    return states[:, :width], table[segments], states[:, width:]
 
 
 def converted(
@@ -191,37 +217,30 @@ def converted(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Coordinates and frame velocities of many points in another chart.
 
-    Numbers have the type in which an engine of this precision calculates.
+    Numbers have the type in which an engine of this precision calculates. Angles of the home chart
+    are shifted to within half a turn of the start.
     """
-    if bits == 53:
-        q, u = np.asarray(q, dtype=float), np.asarray(u, dtype=float)
-    if bits > 53 or not problem.atlas.same_frame(source, target):
-        numbers = problem.parameters
-        points = []
-        for a, b in zip(q, u, strict=True):
-            point = MovingPoint(list(a), list(b), [])
-            try:
-                points.append(problem.atlas.moved(source, target, point, numbers, bits))
-            except ArithmeticError:
-                raise _not_covered(a, source, target) from None
-        there = _long_rows([point.coordinates for point in points], bits)
-        turned = _long_rows([point.velocities for point in points], bits)
-    else:
-        there, turned = _mapped(problem, source, target, q), u
-    finite = np.isfinite(there.astype(float))
-    if not finite.all():
-        bad = int(np.argmin(finite.all(axis=1)))
-        raise _not_covered(q[bad], source, target)
+    there, turned = mapped(problem, source, target, q, u, bits)
     return _turned(problem, source, target, there), turned
 
 
-def _not_covered(place: np.ndarray, source: str, target: str) -> ChartEdgeError:
-    """The error for a place that a chart does not reach."""
-    numbers = ", ".join(f"{float(x):.6g}" for x in place)
-    return ChartEdgeError(
-        f"the motion passes ({numbers}) in chart {source!r}, which chart {target!r} does not "
-        f"reach. Use solution.in_chart({source!r})."
-    )
+def mapped(
+    problem: CurveProblem, source: str, target: str, q: np.ndarray, u: np.ndarray, bits: int = 53
+) -> tuple[np.ndarray, np.ndarray]:
+    """The same with angles as the maps give them."""
+    atlas, numbers = problem.atlas, problem.parameters
+    if bits == 53:
+        many = atlas.moved(source, target, MovingPoint(q.T, u.T, []), numbers, bits)
+        return np.asarray(many.coordinates).T, np.asarray(many.velocities).T
+    points = []
+    for a, b in zip(q, u, strict=True):
+        try:
+            point = MovingPoint(list(a), list(b), [])
+            points.append(atlas.moved(source, target, point, numbers, bits))
+        except ArithmeticError:
+            raise not_covered(a, source, target) from None
+    there = _long_rows([point.coordinates for point in points], bits)
+    return there, _long_rows([point.velocities for point in points], bits)
 
 
 def _turned(problem: CurveProblem, source: str, target: str, q: np.ndarray) -> np.ndarray:
@@ -229,32 +248,34 @@ def _turned(problem: CurveProblem, source: str, target: str, q: np.ndarray) -> n
     route = problem.atlas.route(source, target)
     if target != problem.atlas.home or problem.start is None or not route:
         return q
-    q = q.copy()
-    for k in route[-1].angles:
-        centre = float(problem.start[k])
-        _turn_back(q, k, np.round((q[:, k].astype(float) - centre) / (2 * np.pi)))
-    return q
+    angles = list(route[-1].angles)
+    centre = np.array([float(problem.start[k]) for k in angles])
+    return _turned_back(q.copy(), angles, q[:, angles].astype(float) - centre)
 
 
 def continued(problem: CurveProblem, chart: str, q: np.ndarray) -> np.ndarray:
     """Points of a curve, shape (m, n), with angles that pass a full turn without a jump."""
-    atlas, q = problem.atlas, q.copy()
-    routes = [atlas.route(name, chart) for name in atlas.makers]
-    for k in sorted({k for route in routes if route for k in route[-1].angles}):
-        angles = q[:, k].astype(float)
-        _turn_back(q, k, np.round((angles - np.unwrap(angles)) / (2 * np.pi)))
-    return q
+    places = problem.atlas.angles(problem.atlas.makers, chart)
+    angles = q[:, places].astype(float)
+    return _turned_back(q.copy(), places, angles - np.unwrap(angles, axis=0))
 
 
-def _turn_back(q: np.ndarray, k: int, turns: np.ndarray) -> None:
-    """Subtract whole turns from column k of points, in their precision."""
+def _turned_back(q: np.ndarray, places: list[int], gaps: np.ndarray) -> np.ndarray:
+    """Points, in place, whose angles are turned back by the whole turns in some gaps.
+
+    gaps: in radians, shape (..., angles).
+    """
+    turns = np.round(gaps / (2 * np.pi))
+    if not turns.any():
+        return q
     bits = precision_of(q)
     if bits == 53:
-        q[..., k] -= 2 * np.pi * turns
-        return
+        q[..., places] -= 2 * np.pi * turns
+        return q
     with working_precision(2 * bits):
-        shifts = [2 * mpmath.pi * int(turn) for turn in turns]
-    q[..., k] -= Taylor(bits).array(shifts)
+        for k, column in zip(places, turns.T, strict=True):
+            q[..., k] -= Taylor(bits).array([2 * mpmath.pi * int(turn) for turn in column])
+    return q
 
 
 def _long_rows(rows: Sequence[Sequence[Real]], bits: int) -> np.ndarray:
@@ -299,10 +320,9 @@ def at_times(
 
 def _placed(problem: CurveProblem, segment: Segment, states: np.ndarray, name: str) -> np.ndarray:
     """Coordinates of states of a segment in a chart."""
-    q = states[:, : problem.equations(segment.label).width]
+    q, u, _ = taken_apart(problem, [(segment, states)])
     if segment.label == name:
         return q
-    u, _ = _velocities(problem, segment, states)
     return converted(problem, segment.label, name, q, u)[0]
 
 
@@ -402,7 +422,10 @@ def member_gaps(
     except ChartEdgeError:
         return []
     q, q2 = here["coordinates"], there["coordinates"]
-    pairs = [(here["frame_velocity"], there["frame_velocity"]), *_coordinate_pairs(problem, q, q2)]
+    q2 = _turned_alike(problem, q, q2)
+    groups = map(list, problem.atlas.chart(home).groups)
+    pairs = [(here["frame_velocity"], there["frame_velocity"])]
+    pairs += [(q[..., group], q2[..., group]) for group in groups]
     inside = ~np.array([_at_edge(problem, rows, accuracy) for rows in q])[..., None]
     return [(np.where(inside, a, 0.0), np.where(inside, b, 0.0)) for a, b in pairs]
 

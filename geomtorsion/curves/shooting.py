@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import NamedTuple
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from geomtorsion.curves.problem import CurveProblem
 from geomtorsion.errors import ChartEdgeError
 from geomtorsion.geometry import Frame
 from geomtorsion.ode.engines import Engine
-from geomtorsion.ode.system import WorkLimitError
+from geomtorsion.ode.newton import Shot, lengths_of
 from geomtorsion.ode.trajectory import integrate
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.checks import check_room
@@ -43,18 +42,6 @@ class Aim:
     names: np.ndarray
     frames: np.ndarray
     rounding: float
-
-
-class Shot(NamedTuple):
-    """A motion of unit time and its miss: components in the weighted frame at the target.
-
-    name: from which name of the target the miss is measured.
-    """
-
-    vector: np.ndarray
-    gap: np.ndarray
-    size: float
-    name: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,14 +72,6 @@ def _shares(nodes: np.ndarray | np.floating) -> tuple[np.ndarray, np.ndarray]:
     """Shares of the start and of the end of a line in its points; both keep all digits."""
     exponent = np.pi * np.sinh(nodes)
     return 1 / (1 + np.exp(exponent)), 1 / (1 + np.exp(-exponent))
-
-
-def lengths_of(rows: np.ndarray) -> np.ndarray:
-    """Euclidean lengths of rows, without underflow or overflow; infinite where not a number."""
-    largest = np.abs(rows).max(axis=-1, keepdims=True)
-    scale = np.where((largest > 0) & np.isfinite(largest), largest, 1.0)
-    norms = np.linalg.norm(rows / scale, axis=-1) * scale[..., 0]
-    return np.where(np.isfinite(norms), norms, np.inf)
 
 
 def weights_of(frame: Frame) -> np.ndarray:
@@ -401,14 +380,3 @@ def _turned(place: np.ndarray, turning: Sequence[int], turns: np.ndarray) -> np.
     turned = place.copy()
     turned[list(turning)] += TURN * turns
     return turned
-
-
-def tried(action, *given):
-    """The result of an action, or None where a motion or a frame ends, or takes too many steps.
-
-    An engine that cannot follow the motions at all is an error of its own.
-    """
-    try:
-        return action(*given)
-    except (ArithmeticError, WorkLimitError, np.linalg.LinAlgError):
-        return None

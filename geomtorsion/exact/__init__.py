@@ -1,4 +1,9 @@
-"""Exact scalars: read, differentiate, decide zero, write."""
+"""Exact scalars: read, differentiate, decide zero, write.
+
+Five files import each other, because an element holds its field and a field makes elements. At run
+time the imports point one way: tower, kept, element, limits, with generators below tower. The
+imports in the other direction are only for types.
+"""
 
 from geomtorsion.exact import limits, names, syntax, tokens, units
 from geomtorsion.exact.element import Certainty, Element

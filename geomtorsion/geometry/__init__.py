@@ -1,6 +1,13 @@
-"""Geometry: symbols in, tensors out."""
+"""Geometry: symbols in, tensors out.
 
-from geomtorsion.geometry import connections, notation, validation
+Many files here import each other, because a tensor holds its frame, while a frame makes its own
+tensors and returns each quantity by name: forms, connections, curvature. `Frame`, `Tensor` and
+`Connection` are the interface; most of their methods are one call of a function in another file.
+The imports at the top of these files, which run, form no ring: connection is above frame, and frame
+above tensor. The other imports are for types, or within a method that needs a file above its own.
+"""
+
+from geomtorsion.geometry import connections, notation, quantities, validation
 from geomtorsion.geometry.brackets import Brackets
 from geomtorsion.geometry.components import antisymmetric, symmetric
 from geomtorsion.geometry.connection import Connection
@@ -26,7 +33,7 @@ from geomtorsion.geometry.identity import IdentityCheck, identities
 from geomtorsion.geometry.integrability import Integrability, ParallelVolume
 from geomtorsion.geometry.lie_algebra import LieAlgebra
 from geomtorsion.geometry.lie_derivative import lie, lie_bracket
-from geomtorsion.geometry.quantities import DependencyGraph
+from geomtorsion.geometry.plan import DependencyGraph
 from geomtorsion.geometry.surfaces import Surface, surface
 from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.geometry.torsion import Torsion
@@ -64,6 +71,7 @@ __all__ = [
     "lie",
     "lie_bracket",
     "notation",
+    "quantities",
     "surface",
     "symmetric",
     "validation",

@@ -17,7 +17,7 @@ from geomtorsion.errors import (
 )
 from geomtorsion.exact import Element
 from geomtorsion.geometry.components import Index, common
-from geomtorsion.geometry.homes import at_home
+from geomtorsion.geometry.homes import at_home, over_frame
 from geomtorsion.geometry.indexing import vanishes
 from geomtorsion.support import checks
 
@@ -33,12 +33,7 @@ def combined(first: Tensor, second: Tensor | Scalar, sign: int) -> Tensor:
                 f"{first.label}: expected a tensor to add, got {checks.shown(second)}."
             )
         second = first.frame.scalar(second, "t", "")
-    home = at_home(first.frame, second)
-    if home is None:
-        raise TensorIndexError(
-            f"{first.label} and {second.label}: expected tensors of one frame, got tensors of two. "
-            "Build both on the same frame."
-        )
+    home = over_frame(first.frame, second, second.label, TensorIndexError)
     if second.slots != first.slots:
         raise TensorIndexError(
             f"{first.label} and {second.label}: expected equal slots, got {first.slots!r} and "
@@ -176,10 +171,4 @@ def _is_scalar(value: object) -> bool:
 
 def _own_element(tensor: Tensor, scalar: Tensor) -> Element:
     """The value of a tensor of rank 0 that belongs to the same frame."""
-    home = at_home(tensor.frame, scalar)
-    if home is None:
-        raise TensorIndexError(
-            f"{tensor.label} and {scalar.label}: expected tensors of one frame, got tensors of "
-            "two. Build both on the same frame."
-        )
-    return home.element()
+    return over_frame(tensor.frame, scalar, scalar.label, TensorIndexError).element()

@@ -68,18 +68,12 @@ def coordinate_map(frame: Frame, new: object, old: object, count: int | None = N
         table = {str(key): value for key, value in old.items()}
     else:
         listed = checks.entries(old, "old coordinates", CoordinateError)
-        if len(listed) != frame.dimension:
-            raise ShapeError(
-                f"old coordinates: expected {frame.dimension} expressions, one for each of "
-                f"{', '.join(by_name)}, got {len(listed)}."
-            )
+        each = f"coordinates {', '.join(by_name)}"
+        checks.check_one_each(listed, frame.dimension, each, "old coordinates", ShapeError)
         table = dict(zip(by_name, listed, strict=True))
+    kind = "names of coordinates"
     for name in table:
-        if name not in by_name:
-            raise CoordinateError(
-                f"old coordinates: expected names of coordinates, got {name}. "
-                f"{checks.did_you_mean(name, list(by_name))}There are {', '.join(by_name)}."
-            )
+        checks.known_name(name, by_name, "old coordinates", CoordinateError, expected=kind)
     plain = [one for one in table.values() if isinstance(one, sp.Basic)]
     candidates = [*validation.free_symbols(plain), *frame.field.symbols]
     # A name that the expressions use is the symbol with its assumptions.

@@ -24,7 +24,7 @@ from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.frame_matrices import is_dense, parallel_rows
 from geomtorsion.geometry.holonomy import HolonomyAlgebra, holonomy
-from geomtorsion.geometry.homes import at_home
+from geomtorsion.geometry.homes import over_frame
 from geomtorsion.geometry.notation import ComponentTable, Names, Where
 from geomtorsion.geometry.parts import nonmetricity_parts
 from geomtorsion.geometry.substitution import Values
@@ -269,13 +269,7 @@ class Connection:
         True
         """
         frame = self.frame
-        instance(tensor, Tensor, "tensor")
-        home = at_home(frame, tensor)
-        if home is None:
-            raise ShapeError(
-                "expected a tensor over the frame of the connection, got one over another frame. "
-                "Build it over this frame."
-            )
+        home = over_frame(frame, instance(tensor, Tensor, "tensor"), "tensor", ShapeError)
         if tensor.anchored:
             raise TensorIndexError(
                 f"{tensor.label}: expected a tensor in all its indices, got other components."

@@ -16,7 +16,7 @@ from geomtorsion.geometry.derived import derived
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.frame_matrices import parallel_rows
 from geomtorsion.geometry.from_arrays import tensor_from_array
-from geomtorsion.geometry.homes import at_home
+from geomtorsion.geometry.homes import at_home, over_frame
 from geomtorsion.geometry.tensor import Scalar, Source, Tensor
 from geomtorsion.geometry.torsion import Torsion
 from geomtorsion.support import checks
@@ -431,12 +431,7 @@ def blend(first: ConnectionLike, second: ConnectionLike, share: Scalar = HALF) -
     s/r
     """
     first, second = as_connection(first, "first"), as_connection(second, "second")
-    second_here = at_home(first.frame, second)
-    if second_here is None:
-        raise ShapeError(
-            "expected connections over one frame, got different frames. Build both over the same "
-            "frame."
-        )
+    second_here = over_frame(first.frame, second, "second", ShapeError)
     (weight,) = first.frame.read([("share", share)])
     # One difference and one product a component; (1 - s) A + s B would take two products.
     mixed = first.coefficients + (second_here.coefficients - first.coefficients) * weight
@@ -463,12 +458,7 @@ def _with_slots(frame: Frame, values: object, what: str, slots: str = "ddu") -> 
 
 def _given(frame: Frame, tensor: Tensor, slots: str, what: str) -> Tensor:
     """A tensor handed in for an array: the same frame and the right slots."""
-    home = at_home(frame, tensor)
-    if home is None:
-        raise ShapeError(
-            f"{what}: expected a tensor over this frame, got one over another frame. Build it over "
-            "this frame."
-        )
+    home = over_frame(frame, tensor, what, ShapeError)
     if tensor.slots != slots:
         raise TensorIndexError(
             f"{what}: expected slots {slots!r}, got {tensor.slots!r}. Use raised, lowered, "

@@ -26,7 +26,6 @@ ADVICE = (
     "Give numbers of legs, (0, 1), or one-forms that vanish on the permitted velocities, "
     '["cos(theta)*dy - sin(theta)*dx"].'
 )
-EXPECTED = f"{{subject}}: expected a list, got {{value}}. {ADVICE}"
 
 
 def constrained(
@@ -86,9 +85,9 @@ def constrained(
     (True, (0, 1), not integrable: T_12^3 = 1/sqrt(I))
     """
     frame = frame_of(space, "space")
-    items = checks.entries(allowed, "allowed", ConstraintError, message=EXPECTED)
+    items = checks.entries(allowed, "allowed", ConstraintError, remedy=ADVICE)
     if not items:
-        raise ConstraintError(EXPECTED.format(subject="allowed", value="an empty list"))
+        checks.refuse(ConstraintError, "allowed", "a list", items, ADVICE)
     numbers = [checks.whole(item) for item in items]
     if None not in numbers:
         return _over_legs(frame, tuple(_leg(frame, number) for number in items))
@@ -99,13 +98,9 @@ def constrained(
 
 def _leg(frame: Frame, value: object) -> int:
     """Number of a leg."""
-    number = checks.whole(value)
-    if number is None or not 0 <= number < frame.dimension:
-        raise TensorIndexError(
-            f"allowed: expected numbers of legs from 0 to {frame.dimension - 1}, got "
-            f"{checks.shown(value)}. Legs count from 0, as the rows of the coframe do."
-        )
-    return number
+    last, remedy = frame.dimension - 1, "Legs count from 0, as the rows of the coframe do."
+    wanted = f"numbers of legs from 0 to {last}"
+    return checks.count(value, "allowed", TensorIndexError, 0, last, expected=wanted, remedy=remedy)
 
 
 @derived
@@ -166,12 +161,9 @@ def _row(frame: Frame, number: int, item: object, parameters: Sequence[sp.Symbol
         if isinstance(item, str):
             coefficients = _differentials(frame, where, item, parameters)
         else:
-            coefficients = checks.entries(item, where, ConstraintError, message=EXPECTED)
-        if len(coefficients) != n:
-            raise ConstraintError(
-                f"{where}: expected {n} components, one for each coordinate, got "
-                f"{len(coefficients)}."
-            )
+            coefficients = checks.entries(item, where, ConstraintError, remedy=ADVICE)
+        parts = f"{where}: components"
+        checks.check_one_each(coefficients, n, "coordinates", parts, ConstraintError)
         named = [(f"{where}[{mu}]", value) for mu, value in enumerate(coefficients)]
         row = {mu: value for mu, value in enumerate(frame.read(named)) if not value.is_zero}
     if not row:

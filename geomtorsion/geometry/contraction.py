@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from geomtorsion.errors import ShapeError, TensorIndexError
 from geomtorsion.geometry.components import Symmetry, effective, joined
-from geomtorsion.geometry.homes import at_home
+from geomtorsion.geometry.homes import over_frame
 from geomtorsion.geometry.index_types import KINDS, POSITIONS
 from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.support.checks import shown, text
@@ -52,13 +52,8 @@ def contract(letters: str, *tensors: Tensor) -> Tensor:
     {(0, 0): 1, (1, 1): 1}
     """
     groups, result_letters = _parse(letters, tensors)
-    frame, handed = tensors[0].frame, len(tensors)
-    homes = [at_home(frame, tensor) for tensor in tensors]
-    tensors = tuple(tensor for tensor in homes if tensor is not None)
-    if len(tensors) < handed:
-        raise ShapeError(
-            "expected tensors over one frame, got different frames. Build all over the same frame."
-        )
+    frame = tensors[0].frame
+    tensors = tuple(over_frame(frame, tensor, tensor.label, ShapeError) for tensor in tensors)
     slots = _check(letters, groups, result_letters, tensors)
     field = frame.field
     current, current_letters = tensors[0].components, groups[0]

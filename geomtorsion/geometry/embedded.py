@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import sympy as sp
 
@@ -15,7 +16,9 @@ from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.geometry.validation import Coordinates, signs_or_rows
 from geomtorsion.support import checks
 
-ROWS = "{subject}: expected rows of entries, got {value}. Give nested lists."
+_entries = partial(
+    checks.entries, error=CoframeError, expected="rows of entries", remedy="Give nested lists."
+)
 
 
 def embedded(
@@ -75,9 +78,9 @@ def embedded(
     entries = [
         [
             checks.expression(x, f"rows[{i}, {mu}]")
-            for mu, x in enumerate(checks.entries(row, f"rows[{i}]", CoframeError, message=ROWS))
+            for mu, x in enumerate(_entries(row, f"rows[{i}]"))
         ]
-        for i, row in enumerate(checks.entries(rows, "rows", CoframeError, message=ROWS))
+        for i, row in enumerate(_entries(rows, "rows"))
     ]
     lengths = {len(row) for row in entries}
     if len(lengths) != 1 or lengths == {0}:

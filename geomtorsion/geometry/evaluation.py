@@ -184,11 +184,8 @@ def _named_values(tensor: Tensor, point: Point) -> dict[sp.Expr, Number]:
     named = {key: number for key, number in entries.items() if isinstance(key, (str, sp.Symbol))}
     values = {key: number for key, number in entries.items() if key not in named}
     for name, number in checks.by_name(named, "point", CoordinateError).items():
-        if name not in symbols:
-            raise CoordinateError(
-                "point: expected coordinates and parameters of this frame, got "
-                f"{checks.cut(name)}. Known are {', '.join(symbols)}."
-            )
+        kind = "coordinates and parameters of this frame"
+        checks.known_name(name, symbols, "point", CoordinateError, expected=kind)
         symbol = symbols[name]
         try:
             checks.check_declared(symbol, number)

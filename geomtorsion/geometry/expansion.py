@@ -20,23 +20,17 @@ from geomtorsion.support import checks
 def small_parameter(frame: Frame, symbol: object) -> sp.Symbol:
     """The parameter of a frame that is meant by a symbol or name."""
     symbols = {one.name: one for one in frame.parameters}
-    name = str(symbol) if isinstance(symbol, str | sp.Symbol) else None
-    if name is None:
-        raise ArgumentError(
-            f"symbol: expected a parameter of the frame, got {checks.shown(symbol)}. Give its "
-            "symbol or name."
-        )
+    name, kind = checks.plain(symbol), "a parameter of the frame"
+    if not isinstance(name, sp.Symbol):
+        remedy = "Give its symbol or name."
+        name = checks.text(name, "symbol", ArgumentError, expected=kind, remedy=remedy)
+    name = str(name)
     if name in {one.name for one in frame.coordinates}:
         raise CoordinateError(
             f"symbol: expected a parameter of the frame, got the coordinate {name}. For a series "
             "in a coordinate use tensor.series."
         )
-    if name not in symbols:
-        raise UnknownNameError(
-            f"symbol: expected a parameter of the frame, got {name}. "
-            f"{checks.did_you_mean(name, list(symbols))}There are {', '.join(symbols) or 'none'}."
-        )
-    return symbols[name]
+    return symbols[checks.known_name(name, symbols, "symbol", UnknownNameError, expected=kind)]
 
 
 @derived

@@ -21,7 +21,7 @@ from geomtorsion.geometry.components import (
     shifted,
 )
 from geomtorsion.geometry.frame import Frame
-from geomtorsion.geometry.homes import at_home
+from geomtorsion.geometry.homes import at_home, over_frame
 from geomtorsion.geometry.lie_derivative import lie, vector
 from geomtorsion.geometry.tensor import Scalar, Tensor
 from geomtorsion.support import checks
@@ -157,13 +157,7 @@ class Form:
     def _sorted(self, index: Sequence[object]) -> tuple[int, Index]:
         """Sign and increasing order of an index; sign 0 where a form index is repeated."""
         n, head = self.frame.dimension, len(self.values)
-        numbers = [checks.whole(k) for k in index]
-        place = tuple(k for k in numbers if k is not None and 0 <= k < n)
-        if not len(place) == len(numbers) == head + self.degree:
-            raise TensorIndexError(
-                f"{self.symbol}: expected {head + self.degree} whole numbers from 0 to {n - 1}, "
-                f"got [{', '.join(map(checks.shown, index))}]. Give one for each index."
-            )
+        place = checks.indices(index, head + self.degree, n, self.symbol, TensorIndexError)
         tail = place[head:]
         if len(set(tail)) < len(tail):
             return 0, place
@@ -209,26 +203,15 @@ class Form:
         >>> cartan(Frame([r, phi], [[1, 0], [0, r]])).torsion_form().part(1)
         dr ^ dphi
         """
-        n = self.frame.dimension
-        numbers = [checks.whole(k) for k in index]
-        if len(index) != len(self.values) or any(k is None or not 0 <= k < n for k in numbers):
-            raise TensorIndexError(
-                f"{self.symbol}: expected {len(self.values)} value indices from 0 to {n - 1}, got "
-                f"[{', '.join(map(checks.shown, index))}]. Give one for each letter of `values`."
-            )
+        n, length = self.frame.dimension, len(self.values)
+        checks.indices(index, length, n, f"{self.symbol}: values", TensorIndexError)
         return Form(self.frame, self.degree, lambda place: self.element(*index, *place))
 
     # -- algebra ---------------------------------------------------------------------------------
 
     def _same(self, other: object, what: str) -> Form:
         """Another form over the same frame."""
-        form = at_home(self.frame, checks.instance(other, Form, what))
-        if form is None:
-            raise ShapeError(
-                f"{what}: expected a form over the same frame, got one over another frame. Build "
-                "both over one."
-            )
-        return form
+        return over_frame(self.frame, checks.instance(other, Form, what), what, ShapeError)
 
     def _combined(self, other: object, sign: int) -> Form:
         two = self._same(other, "other form")

@@ -33,7 +33,7 @@ from geomtorsion.support.hints import attribute_hints
 
 if TYPE_CHECKING:
     from geomtorsion.geometry.forms import Form
-    from geomtorsion.geometry.quantities import DependencyGraph
+    from geomtorsion.geometry.plan import DependencyGraph
 
 Elements = dict[tuple[int, int], Element]
 Plain = tuple[str, validation.Matrix] | tuple[Callable[..., "Frame"], tuple[object, ...]]
@@ -406,7 +406,7 @@ class Frame:
     # -- named quantities -----------------------------------------------------------------------
 
     def quantity(self, name: str) -> Tensor:
-        """A named quantity of this frame (see `quantities`); only what it needs is computed.
+        """A named quantity of this frame, of `geometry.quantities`; only its needs are computed.
 
         Raises
         ------
@@ -421,15 +421,15 @@ class Frame:
         >>> frame.quantity("scalar_curvature")[()]
         2
         """
-        # The table of quantities is made of frames, so that the two files import each other.
-        from geomtorsion.geometry.quantities import known_quantity
+        # A plan is one of a frame, so that the two files import each other.
+        from geomtorsion.geometry.plan import frame_quantity
 
-        return known_quantity(name).make(self)
+        return frame_quantity(self, name)
 
     def plan(self, name: str) -> DependencyGraph:
         """Steps that compute a named quantity, in order, and the quantities they omit."""
         # See quantity.
-        from geomtorsion.geometry.quantities import DependencyGraph
+        from geomtorsion.geometry.plan import DependencyGraph
 
         return DependencyGraph(self, name)
 

@@ -71,14 +71,15 @@ def checked_constants(constants: object) -> list[list[list[sp.Expr]]]:
     """C_ij^k as nested lists; antisymmetric and satisfying the Jacobi identity, both exactly."""
     if isinstance(constants, Mapping):
         constants = _dense(constants)
-    needed = "{subject}: expected C_ij^k of shape (n, n, n), axes (i, j, k), got {value}."
-    rows = checks.entries(constants, "structure constants", StructureConstantError, message=needed)
+    shape = "C_ij^k of shape (n, n, n), axes (i, j, k)"
+    error = StructureConstantError
+    rows = checks.entries(constants, "structure constants", error, expected=shape)
     n = len(rows)
     table = [[_listed(line) for line in _listed(b)] for b in rows]
     if n == 0 or any(len(b) != n or any(len(line) != n for line in b) for b in table):
         raise StructureConstantError(
-            f"structure constants: expected C_ij^k of shape (n, n, n), axes (i, j, k), got {n} "
-            f"blocks, not all of {n} lines with {n} entries. Give nested lists C[i][j][k]."
+            f"structure constants: expected {shape}, got {n} blocks, not all of {n} lines with {n} "
+            "entries. Give nested lists C[i][j][k]."
         )
     places = list(product(range(n), repeat=3))
     named = [(f"structure constants[{i}, {j}, {k}]", table[i][j][k]) for i, j, k in places]
@@ -113,11 +114,7 @@ def _symbols(coordinates: Sequence[sp.Symbol] | str | None, n: int) -> list[sp.S
     if coordinates is None:
         return [sp.Symbol(f"x{k + 1}") for k in range(n)]
     symbols = named_symbols(coordinates)
-    if len(symbols) != n:
-        raise ShapeError(
-            f"coordinates: expected {n}, the dimension of the structure constants, got "
-            f"{len(symbols)}."
-        )
+    checks.check_one_each(symbols, n, "legs", "coordinates", ShapeError)
     return symbols
 
 

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 from weakref import WeakValueDictionary
 
+from geomtorsion.errors import GeomtorsionError
 from geomtorsion.exact import Element, TruncatedField
 
 if TYPE_CHECKING:
@@ -49,6 +50,24 @@ def at_home(frame: Frame, value: R) -> R | None:
     if copy is None and value.frame == frame:
         copy = copies[id(frame)] = value._carried(frame)
     return copy
+
+
+def over_frame(frame: Frame, value: R, subject: str, error: type[GeomtorsionError]) -> R:
+    """A tensor, form or connection with its components in the field of this frame.
+
+    Raises
+    ------
+    GeomtorsionError
+        Its own frame is not equal to this one; the class is `error`.
+    """
+    home = at_home(frame, value)
+    if home is None:
+        kind = type(value).__name__.lower()
+        raise error(
+            f"{subject}: expected a {kind} over this frame, got one over another frame. Build both "
+            "over one frame."
+        )
+    return home
 
 
 def are_equal(one: Frame, two: Frame) -> bool:

@@ -141,11 +141,7 @@ class LieAlgebra:
         read = []
         for name, vector in (("first", first), ("second", second)):
             entries = checks.entries(vector, name, ArgumentError)
-            if not isinstance(entries, list | tuple) or len(entries) != self.dimension:
-                raise ShapeError(
-                    f"{name}: expected {self.dimension} components, one for each basis element, "
-                    f"got {checks.shown(vector)}."
-                )
+            checks.check_one_each(entries, self.dimension, "basis elements", name, ShapeError)
             read.append(self.exact.field.read_all([(name, x) for x in entries]))
         return tuple(x.sympy for x in self.exact.bracket(*read))
 

@@ -10,7 +10,7 @@ from geomtorsion.geometry.components import Index, symmetric
 from geomtorsion.geometry.connection import Connection
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.from_arrays import tensor_from_array
-from geomtorsion.geometry.homes import at_home
+from geomtorsion.geometry.homes import over_frame
 from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.support import checks
 
@@ -30,12 +30,7 @@ def vector(frame: Frame, values: object, name: str = "vector") -> Tensor:
     """
     if not isinstance(values, Tensor):
         return tensor_from_array(frame, "u", values, name)
-    home = at_home(frame, values)
-    if home is None:
-        raise ShapeError(
-            f"{name}: expected a vector over the same frame, got one over another frame. Build "
-            "both over the same frame."
-        )
+    home = over_frame(frame, values, name, ShapeError)
     if len(values.slots) != 1:
         raise TensorIndexError(
             f"{name}: expected a tensor with one index, got slots {values.slots!r}. Give a vector."

@@ -443,20 +443,16 @@ def _fixed(tensor: Tensor, names: tuple[str, ...], where: Where | None) -> dict[
     coordinates = [symbol.name for symbol in tensor.frame.coordinates]
     fixed = {}
     for key, value in checks.table(where, "where").items():
-        rank, place = len(tensor.slots), checks.whole(key)
-        if place is None or not 0 <= place < rank:
-            raise TensorIndexError(
-                f"where: expected an index of {tensor.label} from 0 to {rank - 1}, got "
-                f"{checks.shown(key)}. Give {{index: its value}}, such as {{0: 'r'}}."
-            )
+        last, remedy = len(tensor.slots) - 1, "Give {index: its value}, such as {0: 'r'}."
+        wanted = f"an index of {tensor.label} from 0 to {last}"
+        place = checks.count(
+            key, "where", TensorIndexError, 0, last, expected=wanted, remedy=remedy
+        )
         labels = next((list_ for list_ in (names, coordinates) if value in list_), None)
-        number = checks.whole(value)
-        if labels is not None and isinstance(value, str):
-            number = labels.index(value)
-        if number is None or not 0 <= number < len(names):
-            raise TensorIndexError(
-                f"where[{place}]: expected a whole number from 0 to {len(names) - 1}, or one of "
-                f"{', '.join(names)}, got {checks.shown(value)}."
-            )
-        fixed[place] = number
+        number = labels.index(value) if labels is not None and isinstance(value, str) else value
+        last = len(names) - 1
+        wanted = f"a whole number from 0 to {last}, or one of {', '.join(names)}"
+        fixed[place] = checks.count(
+            number, f"where[{place}]", TensorIndexError, 0, last, expected=wanted
+        )
     return fixed

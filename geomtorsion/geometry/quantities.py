@@ -1,327 +1,317 @@
-"""Quantities: by name, with the dependencies of each and the computation that a request starts."""
+"""Quantities: one table of all named tensors, as plain data for every layer above.
+
+A new quantity is a property of a frame, a connection, its torsion or its curvature, and a row here.
+`Frame.quantity`, plans, reports, commands, the page and known answers of spaces read this table.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from time import perf_counter
-from typing import TYPE_CHECKING, ClassVar
+from typing import Literal
 
 from geomtorsion.errors import UnknownNameError
-from geomtorsion.geometry import frame_matrices
-from geomtorsion.geometry.components import effective, orbits
-from geomtorsion.geometry.connections import cartan, levi_civita
-from geomtorsion.geometry.frame import Frame
-from geomtorsion.geometry.tensor import Tensor
-from geomtorsion.support.caching import cached_property
 from geomtorsion.support.checks import close_names, shown
-from geomtorsion.support.displays import Plot, drawn_by, figure_by
-from geomtorsion.support.exclusive import exclusive
 
-if TYPE_CHECKING:
-    import networkx as nx
+FRAME, TORSION, CONNECTIONS, CURVATURE = "Frame and metric", "Torsion", "Connections", "Curvature"
+CONNECTION = "The space's own connection"
+SECTIONS = (FRAME, TORSION, CONNECTIONS, CURVATURE, CONNECTION)
+_BAR_GAMMA, _BAR_R = "Γ\u0304", "R\u0304"
 
 
-@dataclass(frozen=True)
-class Quantity:
-    """A node of the derivation graph.
+@dataclass(frozen=True, kw_only=True)
+class Entry:
+    """A row of the table: how a tensor is called, drawn and computed.
 
-    name, meaning: its name in requests, and its definition.
-    needs: names of the quantities it is computed from.
-    make: frame -> tensor, nothing computed yet.
-    products: n -> upper bound of the number of products in one component.
+    Fields
+    ------
+    name, title
+        Its name in requests, and its usual name.
+    symbol
+        Its letter, perhaps with a combining accent.
+    equation
+        Its definition in one line; indices as in the conventions.
+    section
+        The heading under which it is shown.
+    of, attribute
+        The object that has it (the frame, its Cartan or Levi-Civita connection, or the connection
+        of a space), and the property of this object. Empty for field equations.
+    in_frame
+        Whether all indices are moved to the frame.
+    needs
+        Names of the quantities from which it is computed: the edges of a plan.
+    needs_if_dense
+        The same for a dense coframe, if shorter: from the anholonomy, in the frame.
+    products
+        n -> upper bound of the number of products in one component.
+    reported
+        Whether a report shows it.
+    page
+        Whether the page of typed tetrads shows it, or only offers it.
     """
 
     name: str
-    meaning: str
-    needs: tuple[str, ...]
-    make: Callable[[Frame], Tensor]
-    products: Callable[[int], int]
+    title: str
+    symbol: str
+    equation: str
+    section: str
+    of: Literal["", "frame", "cartan", "levi_civita", "connection"] = ""
+    attribute: str = ""
+    in_frame: bool = False
+    needs: tuple[str, ...] = ()
+    needs_if_dense: tuple[str, ...] = ()
+    products: Callable[[int], int] = lambda n: 0
+    reported: bool = True
+    page: Literal["", "shown", "offered"] = ""
 
 
-def _table() -> tuple[Quantity, ...]:
-    """All quantities, each after those it needs."""
+TABLE: tuple[Entry, ...] = (
+    Entry(
+        name="coframe", title="Coframe", symbol="e", equation="dΦ^i = e^i_a dq^a",
+        section=FRAME, of="frame", attribute="coframe",
+    ),
+    Entry(
+        name="metric", title="Metric", symbol="g", equation="g_{ab} = e^i_a η_{ij} e^j_b",
+        section=FRAME, of="frame", attribute="metric",
+        needs=("coframe",), products=lambda n: n, page="shown",
+    ),
+    Entry(
+        name="inverse_metric", title="Inverse metric", symbol="g",
+        equation="g^{ab} g_{bc} = δ^a_c",
+        section=FRAME, of="frame", attribute="inverse_metric",
+        needs=("metric",), products=lambda n: n,
+    ),
+    Entry(
+        name="legs", title="Legs", symbol="E", equation="e^i_a E_j^a = δ^i_j",
+        section=FRAME, of="frame", attribute="legs",
+        needs=("coframe",), products=lambda n: n,
+    ),
+    Entry(
+        name="determinant", title="Determinant of the coframe", symbol="e",
+        equation="e = det e^i_a",
+        section=FRAME, of="frame", attribute="determinant",
+        needs=("coframe",), products=lambda n: n,
+    ),
+    Entry(
+        name="anholonomy", title="Object of anholonomy", symbol="C",
+        equation="de^k = (1/2) C_{ij}^k e^i ∧ e^j",
+        section=TORSION, of="frame", attribute="anholonomy",
+        needs=("coframe", "legs"), products=lambda n: n * n, page="offered",
+    ),
+    Entry(
+        name="torsion", title="Torsion", symbol="S",
+        equation="S_{ab}^c = (Γ_{ab}^c - Γ_{ba}^c)/2",
+        section=TORSION, of="cartan", attribute="torsion.S",
+        needs=("torsion_T",), page="shown",
+    ),
+    Entry(
+        name="torsion_T", title="Torsion without the half", symbol="T",
+        equation="T_{ab}^c = 2 S_{ab}^c",
+        section=TORSION, of="cartan", attribute="torsion.T",
+        needs=("cartan_connection",), reported=False,
+    ),
+    Entry(
+        name="torsion_vector", title="Torsion vector", symbol="v", equation="v_a = T_{ab}^b",
+        section=TORSION, of="cartan", attribute="torsion.vector",
+        needs=("torsion_T",), page="offered",
+    ),
+    Entry(
+        name="torsion_axial", title="Axial torsion", symbol="A", equation="A_{abc} = T_{[abc]}",
+        section=TORSION, of="cartan", attribute="torsion.axial",
+        needs=("torsion_T", "metric"), products=lambda n: n, page="offered",
+    ),
+    Entry(
+        name="torsion_tensor", title="Tensor part of the torsion", symbol="q",
+        equation="q_{abc} = T_{abc} - A_{abc} - (v_a g_{bc} - v_b g_{ac})/(n - 1)",
+        section=TORSION, of="cartan", attribute="torsion.tensor",
+        needs=("torsion_T", "torsion_vector", "torsion_axial", "metric"),
+        products=lambda n: n + 2,
+    ),
+    Entry(
+        name="torsion_scalar", title="Torsion scalar", symbol="T",
+        equation="T = T_{abc} T^{abc}/4 + T_{abc} T^{cba}/2 - v_a v^a",
+        section=TORSION, of="cartan", attribute="torsion.scalar",
+        needs=("anholonomy",), products=lambda n: 3 * n**3,
+    ),
+    Entry(
+        name="superpotential", title="Superpotential of the torsion", symbol="P",
+        equation="P^{ab}_c = (T^{ab}_c + T_c^{ba} - T_c^{ab})/2 - v^a δ^b_c + v^b δ^a_c",
+        section=TORSION, of="cartan", attribute="torsion.superpotential",
+        needs=("torsion_T", "torsion_vector", "metric", "inverse_metric"),
+        products=lambda n: 4 * n, reported=False, page="offered",
+    ),
+    Entry(
+        name="torsion_force", title="Torsion force", symbol="f",
+        equation="f^c = 2 S_a^c_b q'^a q'^b",
+        section=TORSION, of="cartan", attribute="torsion.force_coefficients",
+        needs=("torsion", "metric", "inverse_metric"), products=lambda n: 2 * n,
+        reported=False, page="offered",
+    ),
+    Entry(
+        name="cartan_connection", title="Cartan connection", symbol="Γ",
+        equation="Γ_{ab}^c = E_i^c ∂_a e^i_b",
+        section=CONNECTIONS, of="cartan", attribute="coefficients",
+        needs=("coframe", "legs"), products=lambda n: n, page="shown",
+    ),
+    Entry(
+        name="christoffel", title="Levi-Civita connection", symbol=_BAR_GAMMA,
+        equation=f"{_BAR_GAMMA}_{{ab}}^c = "
+        "g^{ce} (∂_a g_{be} + ∂_b g_{ae} - ∂_e g_{ab})/2",
+        section=CONNECTIONS, of="levi_civita", attribute="coefficients",
+        needs=("metric", "inverse_metric"), products=lambda n: n, page="shown",
+    ),
+    Entry(
+        name="contortion", title="Contortion", symbol="K",
+        equation=f"K_{{ab}}^c = Γ_{{ab}}^c - {_BAR_GAMMA}_{{ab}}^c",
+        section=CONNECTIONS, of="cartan", attribute="contortion",
+        needs=("cartan_connection", "christoffel"),
+        needs_if_dense=("anholonomy", "coframe", "legs"), page="shown",
+    ),
+    Entry(
+        name="spin_connection", title="Spin connection of the metric", symbol="ω",
+        equation="ω_{ai}^j = e^j_b D_a E_i^b",
+        section=CONNECTIONS, of="levi_civita", attribute="spin_connection",
+        needs=("coframe", "legs", "christoffel"), products=lambda n: 2 * n,
+    ),
+    Entry(
+        name="cartan_curvature", title="Curvature of the Cartan connection", symbol="R",
+        equation="R_{abc}^d = ∂_a Γ_{bc}^d - ∂_b Γ_{ac}^d - Γ_{ac}^e Γ_{be}^d + Γ_{bc}^e Γ_{ae}^d",
+        section=CURVATURE, of="cartan", attribute="curvature.riemann",
+        needs=("cartan_connection", "coframe"), products=lambda n: 2 * n, page="shown",
+    ),
+    Entry(
+        name="riemann", title="Riemann tensor", symbol=_BAR_R,
+        equation=f"as for the Cartan connection, with {_BAR_GAMMA}",
+        section=CURVATURE, of="levi_civita", attribute="curvature.riemann",
+        needs=("metric", "christoffel"), needs_if_dense=("riemann_frame", "coframe"),
+        products=lambda n: 2 * n, page="shown",
+    ),
+    Entry(
+        name="riemann_frame", title="Riemann tensor in the frame", symbol=_BAR_R,
+        equation=f"{_BAR_R}_{{ijkl}} = E_i^a E_j^b E_k^c E_l^d {_BAR_R}_{{abcd}}",
+        section=CURVATURE, of="levi_civita", attribute="curvature.lower", in_frame=True,
+        needs=("riemann", "legs"), needs_if_dense=("anholonomy", "legs"),
+        products=lambda n: n, reported=False,
+    ),
+    Entry(
+        name="ricci", title="Ricci tensor", symbol=_BAR_R,
+        equation=f"{_BAR_R}_{{bc}} = {_BAR_R}_{{abc}}^a",
+        section=CURVATURE, of="levi_civita", attribute="curvature.ricci",
+        needs=("riemann", "inverse_metric"), needs_if_dense=("riemann_frame", "coframe"),
+        products=lambda n: n * n, page="shown",
+    ),
+    Entry(
+        name="scalar_curvature", title="Scalar curvature", symbol=_BAR_R,
+        equation=f"{_BAR_R} = g^{{ab}} {_BAR_R}_{{ab}}",
+        section=CURVATURE, of="levi_civita", attribute="curvature.scalar",
+        needs=("ricci", "inverse_metric"), needs_if_dense=("anholonomy", "legs"),
+        products=lambda n: n * n, page="shown",
+    ),
+    Entry(
+        name="einstein", title="Einstein tensor", symbol="G",
+        equation=f"G_{{ab}} = {_BAR_R}_{{ab}} - g_{{ab}} {_BAR_R}/2",
+        section=CURVATURE, of="levi_civita", attribute="curvature.einstein",
+        needs=("ricci", "scalar_curvature", "metric"), products=lambda n: 1, page="offered",
+    ),
+    Entry(
+        name="weyl", title="Weyl tensor", symbol="C",
+        equation="the part of the curvature without traces",
+        section=CURVATURE, of="levi_civita", attribute="curvature.weyl",
+        needs=("riemann", "ricci", "scalar_curvature", "metric"), products=lambda n: 6,
+        page="offered",
+    ),
+    Entry(
+        name="schouten", title="Schouten tensor", symbol="P",
+        equation=f"P_{{ab}} = ({_BAR_R}_{{ab}} - g_{{ab}} {_BAR_R}/(2(n - 1)))/(n - 2)",
+        section=CURVATURE, of="levi_civita", attribute="curvature.schouten",
+        needs=("ricci", "scalar_curvature", "metric"), products=lambda n: 1, reported=False,
+    ),
+    Entry(
+        name="cotton", title="Cotton tensor", symbol="C",
+        equation="C_{abc} = D_a P_{bc} - D_b P_{ac}",
+        section=CURVATURE, of="levi_civita", attribute="curvature.cotton",
+        needs=("schouten", "christoffel"), products=lambda n: 4 * n, reported=False,
+    ),
+    Entry(
+        name="kretschmann", title="Kretschmann scalar", symbol="K",
+        equation=f"K = {_BAR_R}_{{abcd}} {_BAR_R}^{{abcd}}",
+        section=CURVATURE, of="levi_civita", attribute="curvature.kretschmann",
+        needs=("riemann", "inverse_metric"), needs_if_dense=("riemann_frame",),
+        products=lambda n: n**4, page="offered",
+    ),
+    Entry(
+        name="connection", title="Connection", symbol="Γ",
+        equation="D_a v^c = ∂_a v^c + Γ_{ab}^c v^b",
+        section=CONNECTION, of="connection", attribute="coefficients",
+    ),
+    Entry(
+        name="connection_torsion", title="Torsion of the connection", symbol="S",
+        equation="S_{ab}^c = (Γ_{ab}^c - Γ_{ba}^c)/2",
+        section=CONNECTION, of="connection", attribute="torsion.S",
+    ),
+    Entry(
+        name="connection_contortion", title="Contortion of the connection", symbol="K",
+        equation="K_{ab}^c = S_{ab}^c - S_b^c_a + S^c_{ab}",
+        section=CONNECTION, of="connection", attribute="contortion",
+    ),
+    Entry(
+        name="connection_nonmetricity", title="Nonmetricity", symbol="Q",
+        equation="Q_{abc} = D_a g_{bc}",
+        section=CONNECTION, of="connection", attribute="nonmetricity",
+    ),
+    Entry(
+        name="connection_curvature", title="Curvature of the connection", symbol="R",
+        equation="R_{abc}^d = ∂_a Γ_{bc}^d - ∂_b Γ_{ac}^d - Γ_{ac}^e Γ_{be}^d + Γ_{bc}^e Γ_{ae}^d",
+        section=CONNECTION, of="connection", attribute="curvature.riemann",
+    ),
+    Entry(
+        name="connection_ricci", title="Ricci tensor of the connection", symbol="R",
+        equation="R_{bc} = R_{abc}^a",
+        section=CONNECTION, of="connection", attribute="curvature.ricci",
+    ),
+    Entry(
+        name="connection_scalar", title="Curvature scalar of the connection", symbol="R",
+        equation="R = g^{ab} R_{ab}",
+        section=CONNECTION, of="connection", attribute="curvature.scalar",
+    ),
+)  # fmt: skip
+QUANTITIES = {one.name: one for one in TABLE}
+# The quantities that a frame determines, by name.
+FRAME_QUANTITIES = {one.name: one for one in TABLE if one.of != "connection"}
 
-    def torsion(part: str) -> Callable[[Frame], Tensor]:
-        return lambda frame: getattr(cartan(frame).torsion, part)
 
-    def bar(part: str) -> Callable[[Frame], Tensor]:
-        return lambda frame: getattr(levi_civita(frame).curvature, part)
+def entry(name: str) -> Entry:
+    """The row of a quantity.
 
-    q = Quantity
-    return (
-        q("coframe", "e^i_mu", (), lambda f: f.coframe, lambda n: 0),
-        q("metric", "g_ab", ("coframe",), lambda f: f.metric, lambda n: n),
-        q("inverse_metric", "g^ab", ("metric",), lambda f: f.inverse_metric, lambda n: n),
-        q("legs", "E_i^mu", ("coframe",), lambda f: f.legs, lambda n: n),
-        q("determinant", "det e", ("coframe",), lambda f: f.determinant, lambda n: n),
-        q("anholonomy", "C_ij^k", ("coframe", "legs"), lambda f: f.anholonomy, lambda n: n * n),
-        q(
-            "cartan_connection",
-            "Gamma_ab^c with parallel legs",
-            ("coframe", "legs"),
-            lambda f: cartan(f).coefficients,
-            lambda n: n,
-        ),
-        q(
-            "christoffel",
-            "Gamma_bar_ab^c of the metric",
-            ("metric", "inverse_metric"),
-            lambda f: levi_civita(f).coefficients,
-            lambda n: n,
-        ),
-        q("torsion_T", "T = 2S", ("cartan_connection",), torsion("T"), lambda n: 0),
-        q("torsion", "S_ab^c", ("torsion_T",), torsion("S"), lambda n: 0),
-        q("torsion_vector", "T_ab^b", ("torsion_T",), torsion("vector"), lambda n: 0),
-        q("torsion_axial", "T_[abc]", ("torsion_T", "metric"), torsion("axial"), lambda n: n),
-        q(
-            "torsion_tensor",
-            "T without vector and axial part",
-            ("torsion_T", "torsion_vector", "torsion_axial", "metric"),
-            torsion("tensor"),
-            lambda n: n + 2,
-        ),
-        q("torsion_scalar", "T_scalar", ("anholonomy",), torsion("scalar"), lambda n: 3 * n**3),
-        q(
-            "torsion_force",
-            "S_a^c_b + S_b^c_a",
-            ("torsion", "metric", "inverse_metric"),
-            torsion("force_coefficients"),
-            lambda n: 2 * n,
-        ),
-        q(
-            "contortion",
-            "K_ab^c = Gamma - Gamma_bar",
-            ("cartan_connection", "christoffel"),
-            lambda f: cartan(f).contortion,
-            lambda n: 0,
-        ),
-        q(
-            "cartan_curvature",
-            "curvature of the Cartan connection",
-            ("cartan_connection", "coframe"),
-            lambda f: cartan(f).curvature.riemann,
-            lambda n: 2 * n,
-        ),
-        q(
-            "spin_connection",
-            "omega_ai^j of the metric",
-            ("coframe", "legs", "christoffel"),
-            lambda f: levi_civita(f).spin_connection,
-            lambda n: 2 * n,
-        ),
-        q("riemann", "R_mnl^k", ("metric", "christoffel"), bar("riemann"), lambda n: 2 * n),
-        q(
-            "riemann_frame",
-            "R_mnlk in the frame",
-            ("riemann", "legs"),
-            lambda f: levi_civita(f).curvature.lower.in_frame(),
-            lambda n: n,
-        ),
-        q("ricci", "R_nl", ("riemann", "inverse_metric"), bar("ricci"), lambda n: n * n),
-        q(
-            "scalar_curvature",
-            "g^nl R_nl",
-            ("ricci", "inverse_metric"),
-            bar("scalar"),
-            lambda n: n * n,
-        ),
-        q(
-            "einstein",
-            "R_nl - g_nl R / 2",
-            ("ricci", "scalar_curvature", "metric"),
-            bar("einstein"),
-            lambda n: 1,
-        ),
-        q(
-            "weyl",
-            "trace-free part of Riemann",
-            ("riemann", "ricci", "scalar_curvature", "metric"),
-            bar("weyl"),
-            lambda n: 6,
-        ),
-        q(
-            "schouten",
-            "(R_ab - R g_ab / (2 (n - 1))) / (n - 2)",
-            ("ricci", "scalar_curvature", "metric"),
-            bar("schouten"),
-            lambda n: 1,
-        ),
-        q(
-            "cotton",
-            "D_a P_bc - D_b P_ac of the Schouten tensor",
-            ("schouten", "christoffel"),
-            bar("cotton"),
-            lambda n: 4 * n,
-        ),
-        q(
-            "kretschmann",
-            "R_mnlk R^mnlk",
-            ("riemann", "inverse_metric"),
-            bar("kretschmann"),
-            lambda n: n**4,
-        ),
-    )
-
-
-QUANTITIES = {quantity.name: quantity for quantity in _table()}
-
-
-def known_quantity(name: str) -> Quantity:
-    """The node of this name, or an error that lists near ones."""
-    if isinstance(name, str) and name in QUANTITIES:
-        return QUANTITIES[name]
-    near = close_names(name, QUANTITIES, most=3, cutoff=0.5) if isinstance(name, str) else []
-    hint = f"Did you mean {' or '.join(near)}?" if near else f"Known are {', '.join(QUANTITIES)}."
-    raise UnknownNameError(f"there is no quantity called {shown(name)}. {hint}")
-
-
-# For a dense coframe these come from the anholonomy, in the frame.
-_IN_FRAME = {
-    "contortion": ("anholonomy", "coframe", "legs"),
-    "riemann_frame": ("anholonomy", "legs"),
-    "riemann": ("riemann_frame", "coframe"),
-    "ricci": ("riemann_frame", "coframe"),
-    "scalar_curvature": ("anholonomy", "legs"),
-    "kretschmann": ("riemann_frame",),
-}
-
-
-def needs(frame: Frame, name: str) -> tuple[str, ...]:
-    """Direct dependencies of a quantity of this frame."""
-    if "metric" in frame.given:
-        if name == "metric":
-            return ()
-        if name == "coframe":
-            return ("metric",)
-        if name in ("legs", "cartan_connection"):
-            return ("metric", "inverse_metric", *(["coframe"] if name == "legs" else []))
-        if name == "cartan_curvature":
-            return ("cartan_connection",)
-    if name == "legs" and "legs" in frame.given:
-        return ()
-    if name == "coframe" and "legs" in frame.given:
-        return ("legs",)
-    if name in _IN_FRAME and frame_matrices.is_dense(frame):
-        return _IN_FRAME[name]
-    if name == "legs" and frame_matrices.goes_through_metric(frame):
-        return ("coframe", "inverse_metric")
-    if name == "inverse_metric" and not frame_matrices.inverts_metric(frame):
-        return ("legs",)
-    return QUANTITIES[name].needs
-
-
-@dataclass(frozen=True)
-class Step:
-    """One step of a plan.
-
-    name, meaning: the quantity.
-    components: how many independent components it has.
-    products: an upper bound of the products to be formed, zeros not yet skipped.
-    """
-
-    name: str
-    meaning: str
-    components: int
-    products: int
-
-
-@exclusive
-@dataclass(frozen=True, eq=False, repr=False)
-class DependencyGraph:
-    """Computation of one quantity: its ancestors in the derivation graph, and no others.
-
-    frame: the frame that computes it.
-    name: the requested quantity.
+    Raises
+    ------
+    UnknownNameError
+        No quantity has this name; the message lists near ones.
 
     Examples
     --------
-    >>> import sympy as sp
-    >>> from geomtorsion.geometry import Frame
-    >>> theta, phi = sp.symbols("theta phi")
-    >>> plan = Frame([theta, phi], [[1, 0], [0, sp.sin(theta)]]).plan("ricci")
-    >>> [step.name for step in plan.steps]
-    ['coframe', 'metric', 'inverse_metric', 'christoffel', 'riemann', 'ricci']
-    >>> "torsion" in plan.left_out
+    >>> entry("ricci").title
+    'Ricci tensor'
+    >>> entry("rici")
+    Traceback (most recent call last):
+    geomtorsion.errors.UnknownNameError: expected the name of a quantity, got 'rici'. Did ...
+    """
+    text = name if isinstance(name, str) else ""
+    if text in QUANTITIES:
+        return QUANTITIES[text]
+    near = close_names(text.lower().replace("-", "_"), QUANTITIES, 3, 0.5)
+    hint = f"Did you mean {' or '.join(near)}?" if near else f"There are: {', '.join(QUANTITIES)}."
+    raise UnknownNameError(f"expected the name of a quantity, got {shown(name)}. {hint}")
+
+
+def entries(names: Iterable[str] = ()) -> tuple[Entry, ...]:
+    """Rows of these quantities in the given order; of all in a report if none is given.
+
+    Examples
+    --------
+    >>> [chosen.name for chosen in entries(["ricci", "torsion"])]
+    ['ricci', 'torsion']
+    >>> len(entries()) > 15
     True
     """
-
-    frame: Frame
-    name: str
-
-    def __post_init__(self) -> None:
-        """Refuse a name that is not a quantity."""
-        known_quantity(self.name)
-
-    @cached_property
-    def graph(self) -> nx.DiGraph[str]:
-        """Ancestors of the quantity, edges from each quantity to those that need it."""
-        # networkx is slow to load, and few who import geomtorsion need it.
-        import networkx as nx
-
-        graph = nx.DiGraph()
-        waiting = [self.name]
-        graph.add_node(self.name)
-        while waiting:
-            name = waiting.pop()
-            for needed in needs(self.frame, name):
-                if needed not in graph:
-                    waiting.append(needed)
-                graph.add_edge(needed, name)
-        return graph
-
-    @cached_property
-    def steps(self) -> tuple[Step, ...]:
-        """The computation in order, each step after those it needs."""
-        # See graph.
-        import networkx as nx
-
-        places = {name: place for place, name in enumerate(QUANTITIES)}
-        ordered = nx.lexicographical_topological_sort(self.graph, key=places.__getitem__)
-        return tuple(self._step(name) for name in ordered)
-
-    def _step(self, name: str) -> Step:
-        """A step with its cost."""
-        node, n = QUANTITIES[name], self.frame.dimension
-        tensor = node.make(self.frame)
-        symmetry = effective(tensor.symmetry, tensor.slots)
-        count = len(orbits(len(tensor.slots), n, symmetry).representatives)
-        return Step(name, node.meaning, count, count * node.products(n))
-
-    @property
-    def left_out(self) -> tuple[str, ...]:
-        """Names of the quantities that are not computed."""
-        return tuple(name for name in QUANTITIES if name not in self.graph)
-
-    def run(self) -> dict[str, float]:
-        """Compute every step in order; seconds spent on each."""
-        spent = {}
-        for step in self.steps:
-            start = perf_counter()
-            _ = QUANTITIES[step.name].make(self.frame).components.independent
-            spent[step.name] = perf_counter() - start
-        return spent
-
-    def to_dot(self) -> str:
-        """The graph in the DOT language, for drawing."""
-        lines = [f'digraph "{self.name}" {{', "  rankdir=LR;", "  node [shape=box];"]
-        lines += [f'  {s.name} [label="{s.name}\\n{s.meaning}"];' for s in self.steps]
-        lines += [f"  {first} -> {second};" for first, second in self.graph.edges]
-        return "\n".join([*lines, "}"])
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.frame, self.name)
-
-    def __repr__(self) -> str:
-        return str(self)
-
-    _repr_html_ = drawn_by("notebook_pictures", "plan_html")
-    plot: ClassVar[Plot] = figure_by("notebook_pictures", "draw_plan")
-
-    def __str__(self) -> str:
-        heading = f"{'step':<20}{'components':>11}{'products at most':>18}  what it is"
-        lines = [
-            f"{step.name:<20}{step.components:>11}{step.products:>18}  {step.meaning}"
-            for step in self.steps
-        ]
-        return "\n".join([heading, *lines, f"omitted: {', '.join(self.left_out)}"])
+    return tuple(map(entry, names)) or tuple(one for one in TABLE if one.reported)

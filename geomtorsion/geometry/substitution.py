@@ -139,10 +139,8 @@ def _parameter(
 ) -> sp.Symbol:
     """The parameter that is meant."""
     if not isinstance(key, sp.Symbol):
-        raise ArgumentError(
-            "values: expected a parameter or an unknown function such as a(t) as a key, got "
-            f"{checks.shown(given)}."
-        )
+        kind = "a parameter or an unknown function such as a(t) as a key"
+        checks.refuse(ArgumentError, "values", kind, given)
     symbol = counted_as([key], [*coordinates, *parameters]).get(key, key)
     if symbol in coordinates:
         raise CoordinateError(
@@ -150,11 +148,8 @@ def _parameter(
             f"at a point use tensor.at(...), for a limit tensor.limit({symbol}, ...)."
         )
     if symbol not in parameters:
-        names = [one.name for one in parameters]
-        raise UnknownNameError(
-            f"values: expected a parameter, got {symbol}. "
-            f"{checks.did_you_mean(symbol.name, names)}Parameters: {', '.join(names) or 'none'}."
-        )
+        others = [one.name for one in parameters if one.name != symbol.name]
+        checks.known_name(symbol, others, "values", UnknownNameError, expected="a parameter")
     return symbol
 
 
@@ -183,11 +178,8 @@ def _function(
     """Value of an unknown function in terms of its arguments."""
     arguments = key.args
     if key.func not in known:
-        names = sorted(str(one) for one in known)
-        raise UnknownNameError(
-            f"values: expected an unknown function of this tensor, got {key.func}. "
-            f"{checks.did_you_mean(str(key.func), names)}Functions: {', '.join(names) or 'none'}."
-        )
+        names, kind = sorted(str(one) for one in known), "an unknown function of this tensor"
+        checks.known_name(str(key.func), names, "values", UnknownNameError, expected=kind)
     if len(set(arguments)) < len(arguments) or not all(isinstance(x, sp.Symbol) for x in arguments):
         raise ArgumentError(
             f"values: expected different symbols as arguments, got {key}. Write it as a(t)."
@@ -214,20 +206,16 @@ def approaches(
     """
     names = {one.name: one for one in exact.symbols}
     key = _read(symbol, names, "symbol")
+    kind = "a coordinate or a parameter"
     if not isinstance(key, sp.Symbol):
-        raise ArgumentError(
-            f"symbol: expected a coordinate or a parameter, got {checks.shown(symbol)}."
-        )
+        checks.refuse(ArgumentError, "symbol", kind, symbol)
     moving = counted_as([key], exact.symbols).get(key, key)
     if moving not in exact.symbols:
-        raise UnknownNameError(
-            f"symbol: expected a coordinate or a parameter, got {moving}. "
-            f"{checks.did_you_mean(moving.name, list(names))}There are {', '.join(names)}."
-        )
+        others = [name for name in names if name != moving.name]
+        checks.known_name(moving, others, "symbol", UnknownNameError, expected=kind)
     if not isinstance(side, str | None) or side not in _SIDES:
-        raise ArgumentError(
-            f"side: expected '+' (from above), '-' (from below) or None, got {checks.shown(side)}."
-        )
+        sides = "'+' (from above), '-' (from below) or None"
+        checks.refuse(ArgumentError, "side", sides, side)
     target = _target(point, names)
     target = target.xreplace(counted_as(target.free_symbols, exact.symbols))
     if moving in target.free_symbols or target.has(sp.nan, sp.zoo):

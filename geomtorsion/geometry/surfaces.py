@@ -17,7 +17,7 @@ from geomtorsion.geometry.evaluation import sample_point
 from geomtorsion.geometry.expansion import again, whole_of
 from geomtorsion.geometry.forms import Form
 from geomtorsion.geometry.frame import Frame
-from geomtorsion.geometry.homes import at_home
+from geomtorsion.geometry.homes import over_frame
 from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.geometry.validation import with_generic_functions
 from geomtorsion.support import checks
@@ -75,11 +75,8 @@ def surface(
             f"coordinates: expected fewer than {frame.dimension} for a surface, got "
             f"{len(way.new)}. For as many use frame.in_coordinates."
         )
-    if orientation not in (1, -1):
-        raise ShapeError(
-            f"orientation: expected 1 or -1, got {checks.shown(orientation)}. Give the side of the "
-            "normal."
-        )
+    remedy = "Give the side of the normal."
+    orientation = checks.choice(orientation, (1, -1), "orientation", ShapeError, remedy=remedy)
     return Surface(frame, way, tuple(moved_domain(frame, way, domain)), orientation)
 
 
@@ -168,13 +165,8 @@ class Surface:
                     "form.part(index)."
                 )
             return Form.of(self.pullback(field.tensor))
-        checks.instance(field, Tensor, "field")
-        home = at_home(self.ambient, field)
-        if home is None:
-            raise ShapeError(
-                "field: expected a tensor over the frame of the space, got one over another frame."
-                " Build it over surface.ambient."
-            )
+        tensor = checks.instance(field, Tensor, "field")
+        home = over_frame(self.ambient, tensor, "field", ShapeError)
         if set(field.slots) - set("dD"):
             raise TensorIndexError(
                 f"{field.label}: expected lower indices for a pullback, got slots "

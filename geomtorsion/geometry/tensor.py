@@ -159,16 +159,8 @@ class Tensor:
 
     def _checked(self, index: Sequence[SupportsIndex]) -> Index:
         """An index tuple of the right length and range."""
-        n = self.frame.dimension
-        numbers = [k if type(k) is int else checks.whole(k) for k in index]
-        place = tuple([k for k in numbers if k is not None and 0 <= k < n])
-        if not len(place) == len(numbers) == len(self.slots):
-            came = ", ".join(map(checks.shown, index))
-            raise TensorIndexError(
-                f"{self.label}[{came}]: expected {len(self.slots)} whole numbers from 0 to "
-                f"{n - 1}, one for each index."
-            )
-        return place
+        rank, n = len(self.slots), self.frame.dimension
+        return checks.indices(index, rank, n, self.label, TensorIndexError)
 
     def nonzero(self) -> dict[Index, sp.Expr]:
         """All components that are known not to vanish: index -> sympy expression."""
@@ -347,13 +339,9 @@ class Tensor:
         """A valid position of an index, or None."""
         if k is None:
             return None
-        place = checks.whole(k)
-        if place is None or not 0 <= place < len(self.slots):
-            raise TensorIndexError(
-                f"{self.label} has no index {checks.shown(k)}: it has {len(self.slots)}, "
-                "counted from 0."
-            )
-        return place
+        last = len(self.slots) - 1
+        wanted = f"the number of an index from 0 to {last}" if self.slots else "no index"
+        return checks.count(k, self.label, TensorIndexError, 0, last, expected=wanted)
 
     # -- arithmetic ----------------------------------------------------------------------------
 

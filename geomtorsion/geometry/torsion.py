@@ -149,6 +149,32 @@ class Torsion:
         return frame.scalar(rule, "T", "torsion scalar")
 
     @cached_property
+    def superpotential(self) -> Tensor:
+        """P^ab_c = (T^ab_c + T_c^ba - T_c^ab) / 2 - v^a delta^b_c + v^b delta^a_c, slots uud.
+
+        The derivative of the torsion scalar by T_ab^c, so that scalar = T_ab^c P^ab_c / 2. Other
+        authors call it S_c^ab.
+        """
+        frame = self.connection.frame
+        upper = self.T.raised().lowered(2).components.get
+        swapped = self.T.lowered(2).raised(1).raised(2).components.get
+        vector, zero = self.vector.raised().components.get, frame.field.zero
+
+        def rule(index: Index) -> Element:
+            a, b, c = index
+            return frame.field.sum(
+                [
+                    (HALF, upper((a, b, c))),
+                    (HALF, swapped((c, b, a))),
+                    (-HALF, swapped((c, a, b))),
+                    (-1, vector((a,)) if b == c else zero),
+                    (1, vector((b,)) if a == c else zero),
+                ]
+            )
+
+        return Tensor(frame, "uud", rule, antisymmetric(3), "P", "superpotential")
+
+    @cached_property
     def force_coefficients(self) -> Tensor:
         """S_a^c_b + S_b^c_a, slots ddu, symmetric: the force is this, times q'^a q'^b."""
         frame = self.connection.frame

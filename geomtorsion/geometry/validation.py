@@ -122,15 +122,16 @@ def names_of(coordinates: object, parameters: object, values: Iterable) -> dict[
 def matrix_entries(values: object, name: str) -> tuple[int, Matrix]:
     """Size and non-zero entries of a square matrix given as nested lists or a sympy matrix."""
     refusal = REFUSALS.get(name, CoframeError)
-    needed = "{subject}: expected rows of entries, got {value}. Give nested lists."
+    kind, remedy = "rows of entries", "Give nested lists."
+    entries = partial(checks.entries, error=refusal, expected=kind, remedy=remedy)
     rows = [
-        checks.entries(row, f"{name}[{i}]", refusal, message=needed)
+        entries(row, f"{name}[{i}]")
         if isinstance(row, Iterable)
         and not isinstance(row, str | sp.Basic)
         # A tensor of rank 0 is one expression.
         and getattr(row, "ndim", 1) > 0
         else [row]
-        for i, row in enumerate(checks.entries(values, name, refusal, message=needed))
+        for i, row in enumerate(entries(values, name))
     ]
     n = len(rows)
     for i, row in enumerate(rows):
@@ -162,10 +163,7 @@ def coordinate_symbols(
     Names given as text become the symbol of that name that occurs in the entries.
     """
     symbols = named_symbols(coordinates, free)
-    if len(symbols) != n:
-        raise ShapeError(
-            f"coordinates: expected {n}, one for each column of the matrix, got {len(symbols)}."
-        )
+    checks.check_one_each(symbols, n, "columns of the matrix", "coordinates", ShapeError)
     names = [symbol.name for symbol in symbols]
     repeated = sorted({name for name in names if names.count(name) > 1})
     if repeated:
@@ -183,18 +181,15 @@ def named_symbols(
     for symbol in known:
         by_name.setdefault(symbol.name, set()).add(symbol)
     listed = names.replace(",", " ").split() if isinstance(names, str) else names
-    needed = "{subject}: expected symbols or names, got {value}."
     symbols = []
-    for item in checks.entries(listed, f"{what}s", CoordinateError, message=needed):
+    for item in checks.entries(listed, f"{what}s", CoordinateError, expected="symbols or names"):
         symbol: Any = item
         if isinstance(item, str):
             candidates = by_name.get(item, {sp.Symbol(item)})
             counted_as(candidates)
             (symbol,) = candidates
         if not isinstance(symbol, sp.Symbol):
-            raise CoordinateError(
-                f"{what}: expected a symbol, got {checks.shown(item)}. Give sympy symbols or names."
-            )
+            checks.refuse(CoordinateError, what, "a symbol", item, "Give sympy symbols or names.")
         symbols.append(symbol)
     return symbols
 
@@ -240,11 +235,8 @@ def signs_or_rows(signature: object) -> list[Any]:
     """A signature as a list, of signs or of rows of a matrix; "-+++" is a list of signs."""
     if isinstance(signature, str) and signature and not set(signature) - set(SIGNS):
         return [SIGNS[sign] for sign in signature]
-    message = (
-        '{subject}: expected signs or a matrix, got {value}. Write (-1, 1, 1, 1), "-+++", or a '
-        "constant symmetric matrix."
-    )
-    return checks.entries(signature, "signature", SignatureError, message=message)
+    kind, remedy = "signs or a matrix", 'Write (-1, 1, 1, 1), "-+++", or a symmetric matrix.'
+    return checks.entries(signature, "signature", SignatureError, expected=kind, remedy=remedy)
 
 
 def signature_entries(signature: object, n: int) -> Matrix:
@@ -261,10 +253,7 @@ def signature_entries(signature: object, n: int) -> Matrix:
                 "signs, or a constant symmetric matrix."
             )
         size, entries = len(rows), {(i, i): checks.expression(x) for i, x in enumerate(rows)}
-    if size != n:
-        raise SignatureError(
-            f"signature: expected {n} entries, one for each row of the frame, got {size}."
-        )
+    checks.check_one_each(range(size), n, "rows of the frame", "signature", SignatureError)
     for i, j in combinations(range(n), 2):
         if entries.get((i, j), 0) != entries.get((j, i), 0):
             raise SignatureError(
@@ -378,11 +367,11 @@ def domain_relations(
         return ()
     if isinstance(domain, str):
         domain = domain.split(",")
-    relations = "{subject}: expected relations, got {value}. Give r > 2*M, 0 < theta."
+    kind, remedy, error = "relations", "Give r > 2*M, 0 < theta.", CoordinateError
     items = (
         [domain]
         if isinstance(domain, sp.Basic | bool)
-        else checks.entries(domain, "domain", CoordinateError, message=relations)
+        else checks.entries(domain, "domain", error, expected=kind, remedy=remedy)
     )
     conditions: list[sp.Basic] = []
     item: Any
@@ -396,10 +385,7 @@ def domain_relations(
             if part is True or part == sp.true:
                 continue
             if not isinstance(part, sp.core.relational.Relational):
-                raise CoordinateError(
-                    f"domain: expected a relation, got {checks.shown(part)}. Give relations such "
-                    "as r > 2*M, 0 < theta."
-                )
+                checks.refuse(CoordinateError, "domain", "a relation", part, remedy)
             conditions.append(part)
     return tuple(conditions)
 

@@ -1,5 +1,6 @@
 """Gravity: a Lagrangian of torsion, curvature and nonmetricity in, field equations out."""
 
+from geomtorsion.gravity.boundary import Shooting, shoot
 from geomtorsion.gravity.equations import FieldEquations, equations
 from geomtorsion.gravity.fluids import fluid, torsion_from_spin, weyssenhoff
 from geomtorsion.gravity.hypermomentum import hypermomentum
@@ -42,6 +43,7 @@ __all__ = [
     "Model",
     "NewmanPenrose",
     "Reduction",
+    "Shooting",
     "Symmetries",
     "Translation",
     "einstein_cartan",
@@ -68,6 +70,7 @@ __all__ = [
     "read_model",
     "read_theory",
     "scalar_field",
+    "shoot",
     "solve",
     "statistical",
     "stegr",

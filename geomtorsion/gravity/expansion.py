@@ -72,8 +72,8 @@ class Expansion:
         names = [one.name for one in symbols] + [*numbers, jets.variable.name]
         self._numbers = [balls.exact_ball(value) for value in numbers.values()]
         slopes = [one.diff(symbol) for one in equations for symbol in symbols]
-        self._values = balls.BallCode(graph(names, list(equations)))
-        self._slopes = balls.BallCode(graph(names, slopes))
+        self._values = balls.BallCode(graph(names, list(equations), factor=False))
+        self._slopes = balls.BallCode(graph(names, slopes, factor=False))
         self._count = len(equations)
         # Function -> order -> coefficient, as far as they are determined.
         self.rows: list[dict[int, arb]] = [{} for _ in self.functions]
@@ -177,11 +177,8 @@ class Expansion:
         rows: dict[Power, Row] = {}
         for j, limit in enumerate(limits):
             for m in range(limit):
-                here, there = (self._row(table[j], m, terms) for table in (plain, moved))
-                value = balls.coefficient(values[j], m)
-                same = here.keys() == there.keys() and all(
-                    (here[term] - there[term]).contains(0) for term in here
-                )
+                here, value = self._row(plain[j], m, terms), balls.coefficient(values[j], m)
+                same = moved is plain or _agree(here, self._row(moved[j], m, terms))
                 if same and (here or not value.contains(0)):
                     rows[m, j] = here, value
         return rows
@@ -307,6 +304,11 @@ def _interpolated(values: Sequence[arb]) -> list[sp.Expr] | None:
         total += basis * difference
         basis = basis * arb_poly([-_FIRST - n, 1]) * (arb(1) / (n + 1))
     return [sp.S.Zero if x.contains(0) else _float(x) for x in total.coeffs()]
+
+
+def _agree(one: Mapping[Term, arb], two: Mapping[Term, arb]) -> bool:
+    """Whether factors of the same terms may be equal."""
+    return one.keys() == two.keys() and all((one[x] - two[x]).contains(0) for x in one)
 
 
 def _reduced(one: Row, term: Term, row: Mapping[Term, arb], value: arb) -> Row:

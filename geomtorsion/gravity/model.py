@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from os import PathLike
 from typing import Any
 
 from geomtorsion.errors import FileFormatError
 from geomtorsion.geometry import Connection, Frame, cartan, from_torsion, levi_civita
+from geomtorsion.gravity.boundary import Shooting, shoot
 from geomtorsion.gravity.equations import FieldEquations, equations
 from geomtorsion.gravity.fluids import Fluid, fluid
 from geomtorsion.gravity.invariance import invariant_connection, invariant_torsion
@@ -28,8 +29,8 @@ CONNECTIONS: dict[str, Callable[[Frame], Connection]] = {
     "invariant-torsion": lambda frame: from_torsion(frame, invariant_torsion(frame)),
 }
 TEXTS = ("lagrangian", "connection", "constants", "scalar", "end")
-TABLES = ("start", "parameters", "near", "outputs", "fluid", "invariants")
-KEYS = (*TEXTS, *TABLES, "potential", "conditions", "origin")
+TABLES = ("start", "parameters", "near", "outputs", "boundary", "fluid", "invariants")
+KEYS = (*TEXTS, *TABLES, "potential", "conditions", "free", "origin")
 FLUID = ("density", "pressure")
 
 
@@ -40,6 +41,7 @@ class Model:
     space: with unknown functions. equations: of the theory. conditions: further equations.
     start, parameters, near, origin, outputs: as for `gravity.solve`.
     end: an expression at whose fall through zero the solution ends, or "".
+    boundary, free: values demanded elsewhere, as for `gravity.shoot`; empty without any.
     """
 
     space: Space
@@ -51,6 +53,8 @@ class Model:
     outputs: Mapping[str, object]
     origin: object = 0
     end: str = ""
+    boundary: Mapping[str, object] = field(default_factory=dict)
+    free: Sequence[str] = ()
 
     def __repr__(self) -> str:
         return f"{self.space.name}: {self.equations!r}"
@@ -67,18 +71,30 @@ class Model:
         GravityError, StartError
             as for `gravity.solve`.
         """
-        return solve(
-            self.reduce(variable),
-            variable,
-            last,
-            self.start,
-            self.parameters,
-            near=self.near,
-            origin=self.origin,
-            outputs=self.outputs,
-            events=[When(self.end)] if self.end else [],
-            accuracy=accuracy,
-        )
+        return solve(self.reduce(variable), variable, last, **self._numbers(accuracy))
+
+    def shoot(self, variable: str, last: object, accuracy: float = 1e-10) -> Shooting:
+        """The solution that has the boundary values of the file at the last value of the variable.
+
+        Raises
+        ------
+        GravityError, StartError, EndpointError
+            as for `gravity.shoot`.
+        """
+        demands = {"boundary": self.boundary, "free": self.free}
+        return shoot(self.reduce(variable), variable, last, **self._numbers(accuracy), **demands)
+
+    def _numbers(self, accuracy: float) -> dict[str, Any]:
+        """The start and what belongs to it, as arguments."""
+        return {
+            "start": self.start,
+            "parameters": self.parameters,
+            "near": self.near,
+            "origin": self.origin,
+            "outputs": self.outputs,
+            "events": [When(self.end)] if self.end else [],
+            "accuracy": accuracy,
+        }
 
 
 def read_model(path: str | PathLike[str]) -> Model:
@@ -104,6 +120,9 @@ def read_model(path: str | PathLike[str]) -> Model:
         Tables as for `gravity.solve`; origin: the value of the variable at the start.
     end
         An expression at whose fall through zero the solution ends.
+    boundary, free
+        Values demanded at the end or at infinity, {"phi(oo)" = 0}, and the names of the numbers of
+        the start or the parameters that follow from them, ["A"]; as for `gravity.shoot`.
 
     Raises
     ------
@@ -154,7 +173,7 @@ def read_model(path: str | PathLike[str]) -> Model:
         constants=constants,
         invariants=invariants_of(file, table),
     )
-    named = {name: _numbers(table.get(name, {})) for name in TABLES[:4]}
+    named = {name: _numbers(table.get(name, {})) for name in TABLES[:5]}
     return Model(
         space,
         theory,
@@ -162,6 +181,7 @@ def read_model(path: str | PathLike[str]) -> Model:
         **named,
         origin=_number(table.get("origin", 0)),
         end=str(table.get("end", "")),
+        free=tuple(table.get("free", ())),
     )
 
 

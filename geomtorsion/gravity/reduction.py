@@ -134,7 +134,7 @@ class Reduction:
         return tuple(sorted({x.name for x in symbols} - {*self.states, self.variable}))
 
     @property
-    def _constants(self) -> list[str]:
+    def constants(self) -> list[str]:
         """Names of all constants of the theory, also of those that drop out of the equations."""
         return [one.name for one in self.jets.field.symbols if one not in self.jets.symbols]
 
@@ -205,7 +205,7 @@ class Reduction:
         origin: object,
     ) -> tuple[dict[str, sp.Expr], dict[str, sp.Expr], dict[str, sp.Expr], sp.Expr, Centre | None]:
         """Numbers of parameters, start and rough values, the origin, and the centre there."""
-        known = numbers_of(parameters or {}, self._constants, "parameters")
+        known = numbers_of(parameters or {}, self.constants, "parameters")
         (place,) = numbers_of({"origin": origin}, ("origin",), "origin").values()
         centre = Centre(self.jets, self.eliminated, place) if self._has_pole(place, start) else None
         names = self.states if centre is None else centre.names
@@ -260,32 +260,61 @@ class Reduction:
         """
         place, full = self.begin(start, parameters, near=near, origin=origin)
         rates, invariants, time = self.rates, self.invariants, self.variable
-        every = {**self.outputs, **self._read_outputs(outputs or {})}
+        every = {**self.outputs, **self.read(outputs or {}, "output")}
+        numbers: dict[str, object] = {x: (parameters or {})[x] for x in self.parameters}
         if place:
             taken = {*rates, *self.parameters, *every}
             time = next(x for x in ("s", "way", "way_s") if x not in taken)
-            # Real like all symbols of an ODE.
-            here = sp.Symbol(time, real=True) + place
+            # Real like all symbols of an ODE. A parameter, so that the place may change.
+            here = sp.Symbol(time, real=True) + sp.Symbol(self.place_name, real=True)
+            numbers[self.place_name] = place
             rates, invariants = self._moved(rates, here), self._moved(invariants, here)
             every = {**self._moved(every, here), self.variable: here}
         return ODE.of(
             rates,
             full,
-            parameters={name: (parameters or {})[name] for name in self.parameters},
+            parameters=numbers,
             invariants=invariants,
             outputs=every,
             time=time,
             events=events,
         )
 
-    def _read_outputs(self, outputs: Mapping[str, object]) -> dict[str, sp.Expr]:
-        """Expressions over states and the variable, with outputs replaced by their values."""
+    @property
+    def place_name(self) -> str:
+        """The parameter of an `ODE` that is the value of the variable at time zero, such as r_0."""
+        name = f"{self.variable}_0"
+        while name in {*self.states, *self.outputs, *self.parameters}:
+            name += "0"
+        return name
+
+    def read(self, expressions: Mapping[str, object], subject: str) -> dict[str, sp.Expr]:
+        """Expressions over states and the variable, with outputs replaced by their values.
+
+        expressions: name -> text, over states, outputs, parameters and the variable, or sympy.
+
+        Raises
+        ------
+        ExpressionError
+            an expression cannot be read, or contains a name without a meaning.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> import geomtorsion as gt
+        >>> t, x, y, z = sp.symbols("t x y z")
+        >>> a = sp.Function("a")(t)
+        >>> cosmos = gt.Frame([t, x, y, z], sp.diag(1, a, a, a), (-1, 1, 1, 1))
+        >>> reduced = gt.gravity.equations(gt.levi_civita(cosmos), "R - 2*Lambda").reduce("t")
+        >>> reduced.read({"H": "a_1/a"}, "output")
+        {'H': a_1/a}
+        """
         symbols = {x.name: x for x in (self.jets.variable, *self.jets.symbols)}
         symbols |= {name: sp.Symbol(name, real=True) for name in self.parameters}
         table = {sp.Symbol(name, real=True): value for name, value in self.outputs.items()}
         result = {}
-        for name, value in checks.by_name(outputs, "outputs", GravityError).items():
-            where = f"output {name}"
+        for name, value in checks.by_name(expressions, f"{subject}s", GravityError).items():
+            where = f"{subject} {name}"
             read = partial(parse_expression, symbols=symbols, where=where, decimals=True)
             result[name] = checks.expression(value, where, GravityError, read=read).xreplace(table)
         return result

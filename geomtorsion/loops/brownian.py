@@ -301,12 +301,8 @@ class Diffusion:
         }
         refuse_unknown(self.connection.frame, values)
         numeric = Diffusion(self.connection.subs(values)) if values else self
-        missing = [symbol.name for symbol in numeric.connection.frame.parameters]
-        if missing:
-            raise MissingValueError(
-                f"parameters: expected values for {', '.join(missing)}, got none. Give "
-                f"parameters={{{missing[0]!r}: ...}}."
-            )
+        names = [symbol.name for symbol in self.connection.frame.parameters]
+        checks.check_values(names, values, "parameters", MissingValueError, validation.VALUES)
         return numeric
 
     @cached_property

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from functools import partial
-from typing import Literal, overload
 
 import numpy as np
 
@@ -14,7 +13,6 @@ from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.loops.arcs import Parameters, Part
 from geomtorsion.loops.defects import lines_alone
 from geomtorsion.loops.domain import refuse_outside
-from geomtorsion.loops.exact_integral import ExactBurgersVector, exact_burgers_vector
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.hidden_flux import hidden_flux
 from geomtorsion.loops.integrals import (
@@ -26,7 +24,7 @@ from geomtorsion.loops.integrals import (
 )
 from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.poles import refuse_poles
-from geomtorsion.loops.protocols import HasBurgers, Result_co
+from geomtorsion.loops.protocols import HasBurgers
 from geomtorsion.loops.result import BurgersVector, Check
 from geomtorsion.loops.validation import check_accuracy
 from geomtorsion.loops.values import with_numbers
@@ -39,51 +37,20 @@ from geomtorsion.support.outgoing import size_text
 ACCURACY = 1e-12
 
 
-@overload
+@argument_hints(
+    tol="accuracy=1e-8",
+    rtol="accuracy=1e-8",
+    values="parameters={name: number}",
+    exact="exact_burgers_vector(frame, loop)",
+)
 def burgers_vector(
     frame: FrameLike,
-    loop: Loop,
-    accuracy: float = ...,
-    *,
-    parameters: Parameters | None = ...,
-    exact: Literal[False] = ...,
-    seconds: float | None = ...,
-) -> BurgersVector: ...
-
-
-@overload
-def burgers_vector(
-    frame: HasBurgers[Result_co],
-    loop: Loop,
-    accuracy: float = ...,
-    *,
-    parameters: Parameters | None = ...,
-    exact: Literal[False] = ...,
-    seconds: float | None = ...,
-) -> Result_co: ...
-
-
-@overload
-def burgers_vector(
-    frame: FrameLike,
-    loop: Loop,
-    accuracy: float = ...,
-    *,
-    parameters: Parameters | None = ...,
-    exact: Literal[True],
-) -> ExactBurgersVector: ...
-
-
-@argument_hints(tol="accuracy=1e-8", rtol="accuracy=1e-8", values="parameters={name: number}")
-def burgers_vector(
-    frame: FrameLike | HasBurgers[object],
     loop: Loop,
     accuracy: float = ACCURACY,
     *,
     parameters: Parameters | None = None,
-    exact: bool = False,
     seconds: float | None = None,
-) -> object:
+) -> BurgersVector:
     """Burgers vector of a loop: the gap in the frame of a loop that closes in the coordinates.
 
     Equation
@@ -101,16 +68,12 @@ def burgers_vector(
     Parameters
     ----------
     frame
-        A frame, a space, or the name of a shipped one; or a frame sampled on a grid or at
-        scattered points, whose spacing determines the error (see `SampledFrame.burgers`): then
-        only the loop is a parameter.
+        A frame, a space, or the name of a shipped one. Measured data have a method for their
+        loops, such as `SampledFrame.burgers`, because their spacing determines the error.
     accuracy
         Wanted relative error of the vector (largest component); `reached` reports success.
     parameters
         Values of the parameters of frame and loop, {symbol or name: number}.
-    exact
-        Give a closed form instead of numbers, in which parameters without a value stay symbols;
-        see `exact_burgers_vector`. It has no accuracy.
     seconds
         Processor time instead of an accuracy, as in `solve`: `accuracy` of the result names the
         accuracy that this time buys.
@@ -132,7 +95,7 @@ def burgers_vector(
     AccuracyError
         Even an accuracy of 1e-2 takes longer than `seconds`.
     ArgumentError
-        A frame known by numbers gets parameters; or seconds come with an accuracy or with exact.
+        The frame is measured data; or seconds come with an accuracy.
     MissingValueError
         A parameter has no value.
     CoordinateError
@@ -153,24 +116,20 @@ def burgers_vector(
     (array([0.00000000e+00, 0.00000000e+00, 6.28318531e-18]), 'flux', True)
     """
     if isinstance(frame, HasBurgers):
-        if exact or parameters or seconds is not None:
-            raise ArgumentError(
-                "frame: a frame known by numbers has neither closed forms nor parameters, and its "
-                "spacing determines the error. Omit exact, parameters and seconds, or give a Frame."
-            )
-        return frame.burgers(checks.instance(loop, Loop, "loop"))
+        raise ArgumentError(
+            "frame: expected a frame given by formulas, got measured data, which have a method for "
+            "their loops. Use data.burgers(loop)."
+        )
     frame = as_frame(frame)
     check_loop(loop, frame.dimension)
     if seconds is not None:
-        if exact or accuracy != ACCURACY:
+        if accuracy != ACCURACY:
             raise ArgumentError(
-                "seconds: expected neither an accuracy nor exact=True, because seconds choose the "
-                f"accuracy; got accuracy={checks.shown(accuracy)}, exact={exact}. Give one of them."
+                "seconds: expected no accuracy, because seconds choose it; got "
+                f"accuracy={checks.shown(accuracy)}. Give one of them."
             )
         run = partial(burgers_vector, frame, loop, parameters=parameters)
         accuracy = affordable(run, seconds, "a shorter loop")
-    if exact:
-        return exact_burgers_vector(frame, loop, parameters=parameters)
     check_accuracy(accuracy)
 
     start = time.perf_counter()

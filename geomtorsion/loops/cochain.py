@@ -384,14 +384,14 @@ class Cochain:
         """Chains as a sparse matrix of whole numbers."""
         count, name = len(self.values), NAMES[self.degree]
         if isinstance(chains, Mapping):
-            numbers = [checks.whole(k) for k in chains]
-            for k, number in zip(chains, numbers, strict=True):
-                if number is None or not 0 <= number < count:
-                    raise NetworkError(
-                        f"chain: expected numbers of {name}s from 0 to {count - 1}, got "
-                        f"{checks.shown(k)}."
-                    )
-            columns = np.array(numbers, dtype=np.int64)
+            wanted = f"numbers of {name}s from 0 to {count - 1}"
+            columns = np.array(
+                [
+                    checks.count(k, "chain", NetworkError, 0, count - 1, expected=wanted)
+                    for k in chains
+                ],
+                dtype=np.int64,
+            )
             signs = np.array(list(chains.values()))
             if not signs.size:
                 signs = np.zeros(0, dtype=np.int64)

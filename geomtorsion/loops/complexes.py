@@ -11,9 +11,10 @@ import numpy as np
 import scipy  # loads its parts on first use
 
 from geomtorsion.errors import NetworkError
-from geomtorsion.loops.validation import listed, once_round, whole
+from geomtorsion.loops.validation import listed, once_round
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
+from geomtorsion.support.checks import whole_array
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -53,7 +54,7 @@ class Complex:
 
     def __post_init__(self) -> None:
         """Check that every boundary is closed, exactly."""
-        pairs = whole(self.pairs, "pairs", 2)
+        pairs = whole_array(self.pairs, "pairs", NetworkError, 2)
         checks.count(self.nodes, "nodes", NetworkError)
         object.__setattr__(self, "pairs", pairs)
         if len(pairs) and (pairs.min() < 0 or pairs.max() >= self.nodes):
@@ -61,20 +62,15 @@ class Complex:
                 f"edges: expected node numbers from 0 to {self.nodes - 1}, got "
                 f"{pairs.min()} to {pairs.max()}."
             )
-        images = whole(self.images, "images")
-        if len(images) != len(pairs):
-            raise NetworkError(
-                f"images: expected one row for each of {len(pairs)} edges, got {len(images)}. "
-                "Each row counts the periods from the first node of an edge to the second."
-            )
+        images = whole_array(self.images, "images", NetworkError)
+        remedy = "Each row counts the periods from the first node of an edge to the second."
+        checks.check_one_each(images, len(pairs), "edges", "images", NetworkError, remedy)
         object.__setattr__(self, "images", images)
         # A range of numbers stays a range: a list of a million names is made only on request.
         labels = self.labels if isinstance(self.labels, range) else listed(self.labels, "labels")
         object.__setattr__(self, "labels", labels)
-        if labels and len(labels) != self.nodes:
-            raise NetworkError(
-                f"labels: expected one for each of {self.nodes} nodes, got {len(labels)}."
-            )
+        if labels:
+            checks.check_one_each(labels, self.nodes, "nodes", "labels", NetworkError)
         for table, name in zip(self._up, ("faces", "cells"), strict=True):
             _check_table(table, name)
         if self.faces is not None:
@@ -116,10 +112,12 @@ class Complex:
         labels: Sequence[Hashable] = (),
     ) -> Complex:
         """A graph. nodes: as many as the pairs name, if not given."""
-        ends = whole(pairs, "pairs", 2)
+        ends = whole_array(pairs, "pairs", NetworkError, 2)
         node_count = int(ends.max(initial=-1)) + 1
         count = node_count if nodes is None else checks.count(nodes, "nodes", NetworkError)
-        offsets = _no_images(ends) if images is None else whole(images, "images")
+        offsets = (
+            _no_images(ends) if images is None else whole_array(images, "images", NetworkError)
+        )
         return cls(count, ends, offsets, labels=labels)
 
     @classmethod
@@ -135,7 +133,7 @@ class Complex:
         >>> Complex.of_simplices([[0, 1, 2, 3]])
         Complex(4 nodes, 6 edges, 4 faces, 1 cell)
         """
-        corners = whole(simplices, "simplices")
+        corners = whole_array(simplices, "simplices", NetworkError)
         count = corners.shape[1]
         if count not in (3, 4):
             raise NetworkError(f"simplices: expected 3 or 4 corners each, got {count}.")
@@ -171,15 +169,7 @@ class Complex:
         """
         axes = enumerate(listed(shape, "shape"))
         sizes = tuple(checks.count(n, f"shape[{k}]", NetworkError) for k, n in axes)
-        every = isinstance(periodic, bool)
-        around = [periodic] * len(sizes) if every else listed(periodic, "periodic")
-        around = [checks.flag(x, "periodic", NetworkError) for x in around]
-        if len(around) != len(sizes):
-            raise NetworkError(
-                f"periodic: expected one truth value for each of {len(sizes)} axes, got "
-                f"{len(around)}."
-            )
-        return _grid(cls, sizes, around)
+        return _grid(cls, sizes, checks.flags(periodic, len(sizes), "periodic", NetworkError))
 
     def with_faces(self, cycles: Sequence[Sequence[Hashable]] | np.ndarray) -> Complex:
         """The same graph with faces, each a cycle of nodes in order.
@@ -191,7 +181,7 @@ class Complex:
         """
         rows: list[np.ndarray] = []
         if isinstance(cycles, np.ndarray):
-            corners = whole(cycles, "cycles")
+            corners = whole_array(cycles, "cycles", NetworkError)
             owner = np.repeat(np.arange(len(corners)), corners.shape[1])
             starts, ends = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
             count = len(corners)
@@ -388,7 +378,7 @@ def _parity(order: np.ndarray) -> np.ndarray:
     return sign
 
 
-def _grid(kind: type[Complex], sizes: tuple[int, ...], around: list[bool]) -> Complex:
+def _grid(kind: type[Complex], sizes: tuple[int, ...], around: Sequence[bool]) -> Complex:
     """The complex of a grid; see Complex.grid."""
     number = np.arange(int(np.prod(sizes))).reshape(sizes)
     axes = range(len(sizes))

@@ -59,15 +59,13 @@ def parametric(
         parameter if isinstance(parameter, sp.Symbol) else sp.Symbol(_name(parameter), real=True)
     )
     names = {**(symbols or {}), str(symbol): symbol}
-    if not checks.is_list(expressions) or len(expressions) < 2:
-        raise LoopError(
-            "curve: expected at least two expressions, one per coordinate, got "
-            f"{checks.shown(expressions)}."
-        )
-    read = tuple(_read(x, names, f"curve[{k}]") for k, x in enumerate(expressions))
-    if not checks.is_list(interval) or len(interval) != 2:
-        raise LoopError(f"interval: expected two bounds, got {checks.shown(interval)}.")
-    start, end = (_read(x, dict(symbols or {}), "interval") for x in interval)
+    several = "two expressions or more, one for each coordinate"
+    listed = checks.entries(expressions, "curve", LoopError, expected=several)
+    if len(listed) < 2:
+        checks.refuse(LoopError, "curve", several, expressions)
+    read = tuple(_read(x, names, f"curve[{k}]") for k, x in enumerate(listed))
+    bounds = checks.entries(interval, "interval", LoopError, 2, expected="two bounds")
+    start, end = (_read(x, dict(symbols or {}), "interval") for x in bounds)
     declared = (symbol, *(symbols or {}).values())
     twins = counted_as(free_symbols([*read, start, end]), declared, LoopError)
     read = tuple(x.xreplace(twins) for x in read)
@@ -153,10 +151,10 @@ def symbolic_ellipse(
 
 def _name(parameter: str | sp.Symbol) -> str:
     """The name of the parameter."""
-    if not isinstance(parameter, str) or not parameter.isidentifier():
-        came = checks.shown(parameter)
-        raise LoopError(f"parameter: expected a name or a symbol, got {came}.")
-    return parameter
+    name = checks.text(parameter, "parameter", LoopError, expected="a name or a symbol")
+    if not name.isidentifier():
+        checks.refuse(LoopError, "parameter", "a name or a symbol", name)
+    return name
 
 
 def _read(value: object, names: Mapping[str, sp.Symbol], where: str) -> sp.Expr:
@@ -288,8 +286,7 @@ def circle(centre: Point, radius: Number, plane: Plane) -> Part:
 
 def ellipse(centre: Point, axes: Sequence[Number], plane: Plane) -> Part:
     """Ellipse with two semi-axes along two directions; see Loop.ellipse."""
-    if not checks.is_list(axes) or len(axes) != 2:
-        raise LoopError(f"axes: expected two semi-axes, got {axes!r}.")
+    axes = checks.entries(axes, "axes", LoopError, 2, expected="two semi-axes")
     if validation.is_symbolic(centre, axes):
         return symbolic_ellipse(centre, axes, plane, validation.exact_rows)
     place = validation.vector(centre, "centre")
@@ -335,8 +332,7 @@ def plaquette(corner: Point, steps: Sequence[Number], plane: Plane) -> Part:
     """Parallelogram from a corner; see Loop.plaquette."""
     place = validation.vector(corner, "corner")
     first, second = validation.rows(plane, len(place))
-    if not checks.is_list(steps) or len(steps) != 2:
-        raise LoopError(f"steps: expected two steps, got {steps!r}.")
+    steps = checks.entries(steps, "steps", LoopError, 2, expected="two steps")
     a, b = (validation.number(step, f"steps[{k}]") for k, step in enumerate(steps))
     if not (a and b):
         raise LoopError(f"steps: expected two steps that are not zero, got {tuple(steps)!r}.")
@@ -403,13 +399,10 @@ def _offsets(
     points: Sequence[Point] | np.ndarray, centre: Point | None, size: Number, where: str, what: str
 ) -> tuple[tuple[float, ...], float, np.ndarray, tuple[tuple[Number, ...], Number] | None]:
     """Centre, size and offsets of points, closed and without neighbours that coincide."""
-    if not checks.is_list(points):
-        raise LoopError(f"{where}: expected a list of points, got {points!r}.")
-    if len(points) == 0:
-        raise LoopError(f"{where}: expected at least three points, got none.")
-    dimension = len(points[0]) if checks.is_list(points[0]) else None
+    corners = checks.entries(points, where, LoopError, expected="a list of points")
+    dimension = len(corners[0]) if corners and checks.is_list(corners[0]) else None
     rows = np.array(
-        [validation.vector(row, f"{where}[{k}]", dimension) for k, row in enumerate(points)]
+        [validation.vector(row, f"{where}[{k}]", dimension) for k, row in enumerate(corners)]
     )
     if len(rows) > 3 and (rows[0] == rows[-1]).all():
         rows = rows[:-1]

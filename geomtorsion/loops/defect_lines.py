@@ -295,9 +295,8 @@ def dispiration(alpha: Number | str, b: Number | str) -> Frame:
 
 def _exact(row: Exact, length: int, where: str) -> tuple[sp.Expr, ...]:
     """A row of exact numbers or expressions."""
-    if not checks.is_list(row) or len(row) != length:
-        raise ShapeError(f"{where}: expected {length} numbers, got {checks.shown(row)}.")
-    return tuple(_expression(value, f"{where}[{k}]") for k, value in enumerate(row))
+    listed = checks.entries(row, where, ShapeError, length, expected=f"{length} numbers")
+    return tuple(_expression(value, f"{where}[{k}]") for k, value in enumerate(listed))
 
 
 def _expression(value: object, where: str) -> sp.Expr:

@@ -262,7 +262,7 @@ def develop(
     if isinstance(connection, HasBurgers):
         raise ArgumentError(
             "connection: expected a Connection, got samples of a frame, whose legs count as "
-            "parallel: their development is the Burgers vector. Use burgers_vector(grid, loop)."
+            "parallel: their development is the Burgers vector. Use data.burgers(loop)."
         )
     connection = as_connection(connection)
     frame = connection.frame

@@ -12,7 +12,7 @@ from geomtorsion.geometry.derived import derived
 from geomtorsion.geometry.domain_edges import Edge, domain_edges
 from geomtorsion.loops.arcs import Arc, Parameters, Part, shown
 from geomtorsion.loops.forms import Poles, parameter_values
-from geomtorsion.loops.poles import SAMPLES
+from geomtorsion.loops.poles import arc_samples
 from geomtorsion.loops.quadrature import NARROWEST
 from geomtorsion.support import checks
 
@@ -92,11 +92,24 @@ def refuse_numbers_outside(frame: Frame, parts: Sequence[Part]) -> None:
 
 def _refuse_parts(edges: Poles, parts: Sequence[Part]) -> None:
     for part in parts:
-        for arc in part.arcs:
-            s = np.linspace(0, 1, max(SAMPLES, 4 * arc.waves + 1))
-            rows = edges.values(part.points(arc, s)[0])
-            for k, row in enumerate(np.real(rows)):
-                _refuse(edges, k, part, arc, s, row)
+        # As close as the places of a closer look, so that a dip shows by those beside it.
+        for owner, s, points in arc_samples(part, closer=4):
+            rows = np.real(edges.values(points))
+            inside = rows > 0
+            if not inside.all():
+                row = rows[int(np.argmin(inside.all(axis=1)))]
+                worst = int(np.argmin(np.where(np.isfinite(row), row, -np.inf)))
+                refuse_points(edges, points[:, worst : worst + 1])
+            for k, place, j in np.argwhere(_dips(rows.reshape(-1, len(owner), len(s)))).tolist():
+                ends = s[max(j - 1, 0)], s[min(j + 1, len(s) - 1)]
+                _refuse_dip(edges, k, part, part.arcs[owner[place]], *ends)
+
+
+def _dips(rows: np.ndarray) -> np.ndarray:
+    """Where values along the last axis are smallest, and below half of a value beside them."""
+    before = np.concatenate((rows[..., :1], rows[..., :-1]), axis=-1)
+    after = np.concatenate((rows[..., 1:], rows[..., -1:]), axis=-1)
+    return (rows <= np.minimum(before, after)) & (2 * rows < np.maximum(before, after))
 
 
 def refuse_points(edges: Poles, points: np.ndarray, owner: str = "a loop") -> None:
@@ -111,22 +124,15 @@ def refuse_points(edges: Poles, points: np.ndarray, owner: str = "a loop") -> No
         )
 
 
-def _refuse(edges: Poles, k: int, part: Part, arc: Arc, s: np.ndarray, row: np.ndarray) -> None:
-    """Refuse an arc on which one edge is not positive, at its samples or at a dip between them."""
-    worst = int(np.argmin(np.where(np.isfinite(row), row, -np.inf)))
-    if not row[worst] > 0:
-        refuse_points(edges, part.points(arc, s[worst : worst + 1])[0])
-        return
-    padded = np.concatenate(([np.inf], row, [np.inf]))
-    for j in np.flatnonzero((row <= padded[:-2]) & (row <= padded[2:])):
-        low, high = s[max(j - 1, 0)], s[min(j + 1, len(s) - 1)]
-        while high - low > NARROWEST:
-            near = np.linspace(low, high, 9)
-            points = part.points(arc, near)[0]
-            refuse_points(edges, points)
-            values = np.real(edges.values(points)[k])
-            best = int(values.argmin())
-            if 2 * values[best] > values.max():
-                # So flat a dip does not reach zero.
-                break
-            low, high = near[max(best - 1, 0)], near[min(best + 1, 8)]
+def _refuse_dip(edges: Poles, k: int, part: Part, arc: Arc, low: float, high: float) -> None:
+    """Refuse an arc on which one edge has a zero between two values of s."""
+    while high - low > NARROWEST:
+        near = np.linspace(low, high, 9)
+        points = part.points(arc, near)[0]
+        refuse_points(edges, points)
+        values = np.real(edges.values(points)[k])
+        best = int(values.argmin())
+        if 2 * values[best] > values.max():
+            # So flat a dip does not reach zero.
+            break
+        low, high = near[max(best - 1, 0)], near[min(best + 1, 8)]

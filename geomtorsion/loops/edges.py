@@ -80,22 +80,16 @@ def edge_list(graph: nx.Graph[Hashable] | EdgeList, position: str, dimension: in
         There are no edges, a node has no usable position, or an edge no length.
     """
     if isinstance(graph, EdgeList):
-        positions = checks.array(graph.positions, "positions", NetworkError, infinite=None)
-        pairs = np.asarray(graph.pairs)
+        shape = (None, dimension)
+        positions = checks.array(
+            graph.positions, "positions", NetworkError, shape=shape, infinite=None
+        )
+        pairs = checks.whole_array(graph.pairs, "edges", NetworkError, 2)
         labels: Sequence[Hashable] = graph.labels or range(len(positions))
     else:
         positions, pairs, labels = _of_graph(graph, position, dimension)
-    if positions.ndim != 2 or positions.shape[1] != dimension:
-        raise NetworkError(
-            f"expected positions of shape (nodes, {dimension}), got {positions.shape}."
-        )
     if not len(pairs):
         raise NetworkError("the network has no edges: there is nothing to integrate along.")
-    if pairs.ndim != 2 or pairs.shape[1] != 2 or not np.issubdtype(pairs.dtype, np.integer):
-        raise NetworkError(
-            f"edges: expected whole numbers of shape (edges, 2), got {pairs.dtype} of shape "
-            f"{pairs.shape}."
-        )
     if pairs.min() < 0 or pairs.max() >= len(positions):
         raise NetworkError(
             f"edges: expected node numbers from 0 to {len(positions) - 1}, got "

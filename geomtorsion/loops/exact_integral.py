@@ -231,11 +231,12 @@ class ExactBurgersVector:
             The closed form has no finite value there.
         """
         names = checks.by_name(values, "values", LoopError)
-        table = {}
-        for symbol in sp.Tuple(*self.vector).free_symbols:
-            if symbol.name not in names:
-                raise MissingValueError(f"{symbol} has no value: give {{{symbol.name!r}: ...}}.")
-            table[symbol] = exact_number(names[symbol.name])
+        symbols = sp.Tuple(*self.vector).free_symbols
+        remedy = "Give {'{missing}': ...}."
+        checks.check_values(
+            sorted(s.name for s in symbols), names, "values", MissingValueError, remedy
+        )
+        table = {symbol: exact_number(names[symbol.name]) for symbol in symbols}
         numbers = [complex(x.subs(table).evalf(17)) for x in self.vector]
         if not np.isfinite(numbers).all():
             where = ", ".join(f"{symbol} = {value}" for symbol, value in table.items())

@@ -24,6 +24,7 @@ from geomtorsion.loops.arcs import Parameters, shown
 from geomtorsion.loops.chains import pairs_of
 from geomtorsion.loops.defect_lines import Lines
 from geomtorsion.loops.quadrature import ROUNDING
+from geomtorsion.loops.validation import VALUES
 from geomtorsion.support import checks
 from geomtorsion.support.precision import EXACT_BITS
 
@@ -350,12 +351,8 @@ def parameter_values(
     for symbol in frame.field.symbols:
         if symbol.name in table:
             checks.check_declared(symbol, table[symbol.name])
-    missing = [symbol.name for symbol in wanted if symbol.name not in table]
-    if missing:
-        raise MissingValueError(
-            f"the frame contains {', '.join(missing)}: give values, "
-            f"parameters={{{', '.join(f'{name!r}: ...' for name in missing)}}}."
-        )
+    names = [symbol.name for symbol in wanted]
+    checks.check_values(names, table, "parameters", MissingValueError, VALUES)
     return tuple(numbers[symbol.name] for symbol in wanted)
 
 
@@ -368,12 +365,9 @@ def refuse_unknown(frame: Frame, names: Iterable[str]) -> None:
         A name is not; the message lists the parameters.
     """
     symbol_names = [s.name for s in frame.field.symbols if s not in frame.coordinates]
+    kind = "a parameter of this frame"
     for name in names:
-        if name not in symbol_names:
-            raise UnknownNameError(
-                f"{name} is not a parameter of this frame. Parameters are: "
-                f"{', '.join(symbol_names) or 'none'}."
-            )
+        checks.known_name(name, symbol_names, "parameters", UnknownNameError, expected=kind)
 
 
 def _number(value: object, name: str) -> float | complex:

@@ -13,6 +13,7 @@ from geomtorsion.loops import constructors, validation
 from geomtorsion.loops.arcs import Arc, Number, Parameters, Part, Plane, Point, shown
 from geomtorsion.loops.chains import pairs_of
 from geomtorsion.loops.quadrature import integrate
+from geomtorsion.loops.validation import VALUES
 from geomtorsion.loops.winding import turns_round
 from geomtorsion.support import checks
 from geomtorsion.support.displays import Plot, drawn_by, figure_by
@@ -318,7 +319,7 @@ class Loop:
         """
         turns = checks.whole(count)
         if not turns:
-            raise LoopError(f"expected a whole number of turns other than 0, got {count!r}.")
+            checks.refuse(LoopError, "count", "a whole number of turns other than 0", count)
         if turns < 0:
             return self.reversed().times(-turns)
         name = f"{self.name} {turns} times" if turns > 1 else self.name
@@ -349,11 +350,8 @@ class Loop:
         3.14159265359
         """
         loop = filled(self, values)
-        if missing := sorted(symbol.name for symbol in loop.symbols):
-            raise MissingValueError(
-                f"the loop contains {', '.join(missing)}: give values, "
-                f"parameters={{{', '.join(f'{name!r}: ...' for name in missing)}}}."
-            )
+        names = sorted(symbol.name for symbol in loop.symbols)
+        checks.check_values(names, (), "loop", MissingValueError, VALUES)
         return loop
 
     # -- what it is -----------------------------------------------------------------------------

@@ -14,6 +14,7 @@ import sympy as sp
 from geomtorsion.errors import FileFormatError, GeomtorsionError
 from geomtorsion.exact import parse_expression
 from geomtorsion.loops.loop import Loop
+from geomtorsion.loops.validation import TWO_SIDES
 from geomtorsion.support import checks
 from geomtorsion.support.files import plain_float, read_json_text, read_text
 
@@ -58,7 +59,7 @@ def loop_from_data(frame: Frame, data: Any, where: str = "loop") -> Loop:
     >>> loop.size, loop.winding([0, 0])
     (0.5, 2)
     """
-    _check_keys(data, (*KINDS, *COMMON), where)
+    data = _keyed(data, (*KINDS, *COMMON), where)
     kinds = [key for key in data if key in KINDS]
     if len(kinds) != 1:
         came = " and ".join(kinds) or "none"
@@ -66,15 +67,11 @@ def loop_from_data(frame: Frame, data: Any, where: str = "loop") -> Loop:
     (kind,) = kinds
     inner, place = data[kind], f"{where}: {kind}"
     needed, others = KINDS[kind]
-    _check_keys(inner, (*needed, *others), place)
-    for key in needed:
-        if key not in inner:
-            raise FileFormatError(f"{place}: the key {key!r} is missing.")
+    inner = _keyed(inner, (*needed, *others), place)
+    checks.check_values(needed, inner, place, FileFormatError, "Add the key {missing}.")
     values = {key: _value(frame, key, value, place) for key, value in inner.items()}
     name = data.get("name", kind)
-    if not isinstance(name, str):
-        came = checks.shown(name)
-        raise FileFormatError(f"{where}: name: expected text, got {came}.")
+    checks.text(name, f"{where}: name", FileFormatError)
     maker = {"curve": Loop.parametric}.get(kind) or getattr(Loop, kind)
     try:
         loop = maker(**values, name=name)
@@ -83,13 +80,9 @@ def loop_from_data(frame: Frame, data: Any, where: str = "loop") -> Loop:
         raise type(error)(f"{where}: {error}") from None
 
 
-def _check_keys(data: object, known: Sequence[str], where: str) -> None:
-    """Refuse values that are not mappings, and unknown keys."""
-    if not isinstance(data, Mapping):
-        came = checks.shown(data)
-        raise FileFormatError(f"{where}: expected a mapping, got {came}.")
-    message = "{subject}: unknown key {value}. {hint}Known are {known}."
-    checks.known_keys(data, known, where, FileFormatError, message=message)
+def _keyed(data: object, known: Sequence[str], where: str) -> dict[str, Any]:
+    """A mapping with known keys."""
+    return checks.known_keys(data, known, where, FileFormatError, expected="a known key")
 
 
 def _value(frame: Frame, key: str, value: Any, where: str) -> Any:
@@ -110,22 +103,18 @@ def _value(frame: Frame, key: str, value: Any, where: str) -> Any:
 
 def plane_of(frame: Frame, value: object, where: str) -> tuple[Any, Any]:
     """Two coordinates, by number or name, or two vectors."""
-    if not isinstance(value, list | tuple) or len(value) != 2:
-        raise FileFormatError(
-            f"{where}: plane: expected two coordinates or two vectors, got {checks.shown(value)}."
-        )
+    subject = f"{where}: plane"
     names = [symbol.name for symbol in frame.coordinates]
     sides = []
-    for side in value:
-        if isinstance(side, str) and side in names:
-            sides.append(names.index(side))
-        elif isinstance(side, str) and not side.isdigit():
-            raise FileFormatError(
-                f"{where}: plane: {checks.shown(side)} is not a coordinate; they are "
-                f"{', '.join(names)}."
-            )
+    for side in checks.entries(value, subject, FileFormatError, 2, expected=TWO_SIDES):
+        if not isinstance(side, str):
+            sides.append(_numbers(side, subject))
+        elif side.isdigit() and side not in names:
+            sides.append(int(side))
         else:
-            sides.append(int(side) if isinstance(side, str) else _numbers(side, f"{where}: plane"))
+            kind = "a coordinate"
+            name = checks.known_name(side, names, subject, FileFormatError, expected=kind)
+            sides.append(names.index(name))
     return sides[0], sides[1]
 
 
@@ -217,11 +206,10 @@ def loops_from_json(frame: Frame, text: str, where: str = "loops") -> LoopFile:
         raise FileFormatError(
             f'{where}: expected a list of loops or {{"loops": [...]}} with at least one.'
         )
-    _check_keys(data, TOP_KEYS, where)
-    parameters: Any = data.get("parameters", {})
+    _keyed(data, TOP_KEYS, where)
+    subject = f"{where}: parameters"
+    parameters = checks.instance(data.get("parameters", {}), dict, subject, FileFormatError)
     accuracy: Any = data.get("accuracy")
-    if not isinstance(parameters, dict):
-        raise FileFormatError(f"{where}: parameters: expected names and values.")
     if accuracy is not None:
         checks.number(accuracy, f"{where}: accuracy", FileFormatError)
     return LoopFile(

@@ -202,10 +202,9 @@ def burgers_map(
     ((11, 11), np.int64(1), array([0., 0., 3.]))
     """
     frame = as_frame(frame)
-    is_array = isinstance(edges, np.ndarray) and edges.ndim > 0
-    if not (is_array or isinstance(edges, list | tuple)) or len(edges) != 2:
-        raise LoopError("edges: expected two arrays, one for each direction of the plane.")
-    lines = [_array(side, f"edges[{k}]", 1) for k, side in enumerate(edges)]
+    two = "two arrays, one for each direction of the plane"
+    sides = checks.entries(edges, "edges", LoopError, 2, expected=two)
+    lines = [_array(side, f"edges[{k}]", 1) for k, side in enumerate(sides)]
     for k, side in enumerate(lines):
         if len(side) < 2 or not (np.diff(side) > 0).all():
             raise LoopError(f"edges[{k}]: expected at least two increasing numbers.")
@@ -435,13 +434,7 @@ def _sent(frame: Frame, *rest: Any) -> tuple[_Values, int]:
 
 def _array(values: object, where: str, rank: int | None = None) -> np.ndarray:
     """An array of finite floats of a given rank; without one, a number or a list of them."""
-    result = checks.array(
-        values,
-        where,
-        LoopError,
-        message="{subject}: expected an array of numbers.",
-        infinite="{subject}{place}: {value} is not finite.",
-    )
+    result = checks.array(values, where, LoopError)
     if rank is not None and result.ndim != rank:
         raise LoopError(f"{where}: expected {rank} axes, got shape {result.shape}.")
     if rank is None and result.ndim > 1:

@@ -19,6 +19,7 @@ from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.node_rule import NodeRule, node_rule
 from geomtorsion.loops.protocols import HasEdges
 from geomtorsion.loops.spanning_forest import Forest
+from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 
 if TYPE_CHECKING:
@@ -156,10 +157,8 @@ class Network:
         LimitError
             The network is too large to list its cycles; the message states the limit.
         """
-        if basis == "minimum":
+        if checks.choice(basis, ("fundamental", "minimum"), "basis", NetworkError) == "minimum":
             return self._minimum_cycles()
-        if basis != "fundamental":
-            raise NetworkError(f"basis: expected 'fundamental' or 'minimum', got {basis!r}.")
         if self.cycle_count > MOST_LISTED:
             raise LimitError(
                 f"{self.cycle_count} cycles are too many to list; the limit is {MOST_LISTED}. "

@@ -117,8 +117,7 @@ def develop_period(
     names = {symbol.name: k for k, symbol in enumerate(frame.coordinates)}
     lengths: dict[int, float] = {}
     for name, value in checks.by_name(periods, "periods", LoopError).items():
-        if name not in names:
-            raise LoopError(f"periods: {name} is not a coordinate; they are {', '.join(names)}.")
+        checks.known_name(name, names, "periods", LoopError, expected="a coordinate")
         period = number(value, f"period of {name}")
         if not period:
             raise LoopError(f"periods: expected the change of {name} in one turn, got 0.")

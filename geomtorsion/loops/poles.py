@@ -53,19 +53,27 @@ def refuse_poles(poles: Poles | None, part: Part) -> tuple[tuple[int, float], ..
     if poles is None:
         return ()
     cuts: list[tuple[int, float]] = []
-    counts = [max(SAMPLES, 4 * arc.waves + 1) for arc in part.arcs]
+    for owner, s, points in arc_samples(part):
+        values = poles.values(points).reshape(-1, len(owner), len(s))
+        # Most arcs are far from all poles, and need no closer look.
+        for j, k in np.argwhere(_steep(values).T).tolist():
+            cuts += _cuts(poles, part, int(owner[j]), k, s, values[k, j])
+    return tuple(cuts)
+
+
+def arc_samples(part: Part, closer: int = 1) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """Arcs by number, s on each, and points of shape (n, arcs * len(s)), as many as fit at once.
+
+    closer: into how many parts each interval of the coarsest rule is divided.
+    """
+    counts = [closer * (max(SAMPLES, 4 * arc.waves + 1) - 1) + 1 for arc in part.arcs]
     for count in sorted(set(counts)):
         s = np.linspace(0, 1, count)
         alike = np.array([k for k, own in enumerate(counts) if own == count])
         for begin in range(0, len(alike), max(1, PIECE // count)):
             owner = alike[begin : begin + max(1, PIECE // count)]
             offsets, _ = at_arcs(part.arcs, owner, np.broadcast_to(s, (len(owner), count)))
-            points = np.array(part.centre)[:, None] + part.size * offsets
-            values = poles.values(points).reshape(-1, len(owner), count)
-            # Most arcs are far from all poles, and need no closer look.
-            for j, k in np.argwhere(_steep(values).T).tolist():
-                cuts += _cuts(poles, part, int(owner[j]), k, s, values[k, j])
-    return tuple(cuts)
+            yield owner, s, np.array(part.centre)[:, None] + part.size * offsets
 
 
 def _cuts(

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol, TypeVar, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
 from geomtorsion.loops.edges import EdgeIntegrals
 from geomtorsion.loops.loop import Loop
 
-Result_co = TypeVar("Result_co", covariant=True)
-
 
 @runtime_checkable
-class HasBurgers(Protocol[Result_co]):
-    """A frame known by numbers that closes loops by itself, such as a `SampledFrame`."""
+class HasBurgers(Protocol):
+    """Measured data that close loops by themselves, such as a `SampledFrame`."""
 
-    def burgers(self, circuit: Loop, /) -> Result_co:
+    def burgers(self, circuit: Loop, /) -> object:
         """The Burgers vector of a loop, in the class of results of this source."""
         ...
 

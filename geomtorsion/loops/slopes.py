@@ -56,13 +56,9 @@ def burgers_derivatives(
     """
     frame = as_frame(frame)
     names = [symbol.name for symbol in frame.parameters]
-    table = {}
+    table, kind = {}, "parameters of the frame"
     for name in checks.entries(by, "by"):
-        if name not in names:
-            raise UnknownNameError(
-                f"by: expected parameters of the frame, got {checks.shown(name)}. There are "
-                f"{', '.join(names) or 'none'}."
-            )
+        checks.known_name(name, names, "by", UnknownNameError, expected=kind)
         table[name] = burgers_vector(slope(frame, name), loop, accuracy, parameters=parameters)
     return table
 

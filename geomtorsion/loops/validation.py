@@ -14,6 +14,9 @@ from geomtorsion.support import checks
 
 # What a number of a user is taken for: `exact_number`, or `dyadic_number`.
 Reading = Callable[[Any], sp.Expr]
+# What the sides of a plane may be, and what to do about parameters without values.
+TWO_SIDES = "two coordinates such as (0, 1) or two vectors"
+VALUES = "Give parameters={'{missing}': ...}."
 
 
 def number(value: Number, where: str) -> float:
@@ -34,23 +37,17 @@ def exact_input(value: Number, where: str) -> Number:
 def length(value: Number, where: str) -> float:
     """A positive finite float."""
     number(value, where)
-    message = (
-        "{subject}: expected a positive length, got {value}. "
-        "A loop without length encloses nothing."
-    )
-    return checks.positive(value, where, LoopError, message=message)
+    remedy = "A loop without length encloses nothing."
+    return checks.positive(value, where, LoopError, expected="a positive length", remedy=remedy)
 
 
 def vector(values: Any, where: str, dimension: int | None = None) -> tuple[float, ...]:
     """A tuple of finite floats, of a given length."""
-    if not checks.is_list(values):
-        raise LoopError(f"{where}: expected a list of coordinates, got {checks.shown(values)}.")
-    result = tuple(number(x, f"{where}[{k}]") for k, x in enumerate(values))
-    if dimension is not None and len(result) != dimension:
-        raise LoopError(f"{where}: expected {dimension} numbers, got {len(result)}.")
-    if len(result) < 2:
-        raise LoopError(f"{where}: expected at least two coordinates, got {checks.shown(values)}.")
-    return result
+    wanted = "two coordinates or more" if dimension is None else f"{dimension} coordinates"
+    listed = checks.entries(values, where, LoopError, dimension, expected=wanted)
+    if len(listed) < 2:
+        checks.refuse(LoopError, where, "two coordinates or more", values)
+    return tuple(number(x, f"{where}[{k}]") for k, x in enumerate(listed))
 
 
 def check_accuracy(accuracy: float, least: float = float(np.finfo(float).resolution)) -> None:
@@ -80,12 +77,8 @@ def rows(plane: Plane, dimension: int, names: Sequence[str] = ()) -> tuple[np.nd
 
     names: of the coordinates, where a frame has them.
     """
-    if not checks.is_list(plane) or len(plane) != 2:
-        raise LoopError(
-            "plane: expected two coordinates such as (0, 1) or two vectors, got "
-            f"{checks.shown(plane)}."
-        )
-    directions = [_direction(side, dimension, names) for side in plane]
+    sides = checks.entries(plane, "plane", LoopError, 2, expected=TWO_SIDES)
+    directions = [_direction(side, dimension, names) for side in sides]
     first, second = (np.array(direction) for direction in directions)
     gram = np.dot(first, second) ** 2 / (np.dot(first, first) * np.dot(second, second) or 1.0)
     if gram > 1 - 1e-14 or not first.any() or not second.any():
@@ -97,24 +90,18 @@ def rows(plane: Plane, dimension: int, names: Sequence[str] = ()) -> tuple[np.nd
 
 def _direction(side: Any, dimension: int, names: Sequence[str]) -> tuple[float, ...]:
     """A unit vector along a coordinate, or the vector that was given."""
-    number = checks.whole(side)
     if isinstance(side, str | sp.Symbol):
         if not names:
             raise LoopError(
                 f"plane: expected coordinate numbers or vectors, got {checks.shown(side)}. A loop "
                 "has no names of coordinates: count them from 0."
             )
-        number = names.index(checks.known_name(str(side), names, "plane", LoopError))
-    if number is not None:
-        if not 0 <= number < dimension:
-            raise LoopError(
-                f"plane: there is no coordinate {number}; there are {dimension}, counted from 0."
-            )
-        return tuple(float(k == number) for k in range(dimension))
-    if not checks.is_list(side):
-        came = checks.shown(side)
-        raise LoopError(f"plane: expected coordinate numbers or vectors, got {came}.")
-    return vector(side, "plane", dimension)
+        side = names.index(checks.known_name(str(side), names, "plane", LoopError))
+    if checks.is_list(side):
+        return vector(side, "plane", dimension)
+    wanted = f"coordinate numbers from 0 to {dimension - 1}, or vectors"
+    number = checks.count(side, "plane", LoopError, 0, dimension - 1, expected=wanted)
+    return tuple(float(k == number) for k in range(dimension))
 
 
 def orthonormal(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -163,30 +150,6 @@ def exact_multiples(
 LARGEST_WHOLE = np.iinfo(np.int64).max // 2
 
 
-def whole(values: object, subject: str, columns: int | None = None) -> np.ndarray:
-    """An array of whole numbers with two axes, as int64.
-
-    Raises
-    ------
-    NetworkError
-        It is none, or has another number of columns.
-    """
-    try:
-        table = checks.unmasked(values)
-    except (TypeError, ValueError):
-        table = np.empty(0, dtype=object)
-    if not table.size and table.dtype.kind == "f":
-        table = table.reshape(len(table), columns or 0).astype(np.int64)
-    fits = table.ndim == 2 and columns in (None, table.shape[-1])
-    if not fits or table.dtype.kind not in "iu":
-        column_text = "any" if columns is None else columns
-        raise NetworkError(
-            f"{subject}: expected whole numbers of shape (any, {column_text}), got "
-            f"{table.dtype} of shape {table.shape}."
-        )
-    return table.astype(np.int64, copy=False)
-
-
 def listed(values: object, subject: str) -> list[Any]:
     """The entries of a list, tuple, array or text."""
     return (
@@ -208,7 +171,6 @@ def once_round(values: object, subject: str) -> list[Any]:
 
 def value_rows(values: object, name: str, count: int) -> np.ndarray:
     """Rows of whole numbers or of finite floats."""
-    message = "{subject}: expected an array of real numbers, got {value}."
     table = checks.unmasked(values) if isinstance(values, np.ndarray) else None
     if table is None or table.dtype.kind not in "iuf":
         try:
@@ -216,7 +178,7 @@ def value_rows(values: object, name: str, count: int) -> np.ndarray:
         except (TypeError, ValueError):
             table = np.array(None)
         if table.dtype.kind not in "iu":
-            table = checks.array(values, "values", NetworkError, message=message)
+            table = checks.array(values, "values", NetworkError)
     if table.ndim == 1:
         table = table[:, None]
     if table.ndim != 2 or len(table) != count:

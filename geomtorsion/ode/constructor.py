@@ -355,14 +355,7 @@ def check_many_lengths(
 
 def _array(what: str, values: object) -> np.ndarray:
     """Finite numbers."""
-    return checks.array(
-        values,
-        what,
-        StartError,
-        shape_error=ShapeError,
-        message="{subject}: expected numbers, got {value}.",
-        infinite="{subject}: a number is not finite.",
-    )
+    return checks.array(values, what, StartError, shape_error=ShapeError)
 
 
 def _hint(name: str, known: Sequence[str]) -> str:

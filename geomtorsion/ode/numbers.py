@@ -25,17 +25,7 @@ Numbers: TypeAlias = Sequence[Real] | np.ndarray
 
 def checked_numbers(values: object, wanted: int, what: str) -> tuple[Any, ...]:
     """So many finite real numbers, kept as they came (fractions and sympy numbers too)."""
-    return checks.numbers(
-        values,
-        wanted,
-        what,
-        StartError,
-        shape_error=ShapeError,
-        listed=f"{{subject}}: expected a list of {wanted} numbers, got {{value}}.",
-        counted=f"{{subject}}: expected {wanted} numbers, got {{came}}.",
-        message="{subject} = {value} is not a real number.",
-        infinite="{subject} = {value} is not finite. Give finite numbers.",
-    )
+    return checks.numbers(values, wanted, what, StartError, shape_error=ShapeError)
 
 
 def mpf(value: Real, precision: int) -> mpmath.mpf:
@@ -167,7 +157,7 @@ def _samples(last: float) -> np.ndarray:
     return grid
 
 
-TIMES = "t = {value}: expected a number or a list of numbers."
+TIMES = "a number or a list of numbers"
 
 
 def checked_times(t: object) -> tuple[np.ndarray, np.ndarray]:
@@ -186,7 +176,7 @@ def checked_times(t: object) -> tuple[np.ndarray, np.ndarray]:
         # An array may show one number very often; it is looked at before it is copied.
         check_memory(t.size, 1)
     # A copy: what becomes of an array later is its owner's business.
-    times = np.array(checks.array(t, "t", TimeError, message=TIMES, infinite=None))
+    times = np.array(checks.array(t, "t", TimeError, expected=TIMES, infinite=None))
     if times.size == 0 or times.ndim != 1:
         raise TimeError(f"t: expected a number or a list of times, got shape {times.shape}.")
     if not np.isfinite(times).all():
@@ -215,7 +205,7 @@ def checked_times(t: object) -> tuple[np.ndarray, np.ndarray]:
 
 def times_between(t: object) -> np.ndarray:
     """Times at which a solution is requested, of any shape, in any order."""
-    times = checks.array(t, "t", TimeError, message=TIMES, infinite=None)
+    times = checks.array(t, "t", TimeError, expected=TIMES, infinite=None)
     if not times.size:
         raise TimeError(f"t: expected a number or a list of times, got shape {times.shape}.")
     return times

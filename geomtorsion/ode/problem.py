@@ -32,7 +32,7 @@ from geomtorsion.support.caching import cached_property
 from geomtorsion.support.copies import content_hash, equal_content, only_fields
 from geomtorsion.support.displays import drawn_by, latex_of
 from geomtorsion.support.hints import attribute_hints
-from geomtorsion.support.precision import working_precision
+from geomtorsion.support.precision import HALF, working_precision
 
 
 @attribute_hints(solve="gt.solve(problem, times)")
@@ -578,9 +578,11 @@ class ODE:
         return self.changes(times.astype(float), np.asarray(states).astype(float))
 
     def changes(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
-        """Change of each invariant since the start, shape (m,), relative to the size of its terms.
+        """Change of each invariant since the start, shape (m,).
 
-        After an event the count restarts, because a push may change an invariant.
+        Relative to the size of its terms, or to its change where states changed by their whole
+        size, if that is larger. So errors of states explain at most as large a change. After an
+        event the count restarts, because a push may change an invariant.
         """
         if not self.invariants or not len(times):
             return {}
@@ -590,17 +592,25 @@ class ODE:
         at = np.concatenate(([0.0] * before, times))
         start = np.array([[float(x) for x in self.start]] * before).reshape(before, self.size)
         arguments = self.arguments(at, np.concatenate((start, states[:, : self.size])))
+        function = self.term_graphs[1].numpy()
         values, sizes = (
-            np.asarray(x) for x in (
-                self.term_graphs[1].numpy()(*arguments), self.term_graphs[1].sizes(*arguments)
-            )
-        )  # fmt: skip
+            np.asarray(x) for x in (function(*arguments), self.term_graphs[1].sizes(*arguments))
+        )
+        weights = np.zeros_like(values)
+        for group in self.first_stage(53, 0.0).groups:
+            extent = max(float(np.abs(arguments[k]).max()) for k in group)
+            for k in group:
+                moved = [*arguments[:k], arguments[k] + HALF * extent, *arguments[k + 1 :]]
+                with np.errstate(all="ignore"):
+                    change = np.abs(np.asarray(function(*moved)) - values) / HALF
+                weights += np.where(np.isfinite(change), change, 0.0)
         interval = np.searchsorted(moments, at, "right")
         first = np.searchsorted(interval, interval)
         scales = {name: rows for name, rows, _ in _cut(self.invariants, sizes)}
+        moves = {name: rows for name, rows, _ in _cut(self.invariants, weights)}
         table = {}
         for name, rows, _ in _cut(self.invariants, values):
-            size = float(np.abs(scales[name]).max())
+            size = max(float(np.abs(scales[name]).max()), float(moves[name].max()))
             change = np.abs(rows - rows[:, first]).max(axis=0)[before:]
             table[name] = change / size if size else change
         return table

@@ -40,6 +40,8 @@ class Changes:
     def __init__(self, part: float, every: int, passed: int, first: int, clock: int | None) -> None:
         self._part, self._every, self._steps = part, every, passed
         self._first, self._clock = first, clock
+        self._block, self._parts = -1, np.empty((0, 0))
+        self._moved = False
 
     def due(self) -> bool:
         """Count a step; whether the state is changed after it."""
@@ -48,32 +50,44 @@ class Changes:
 
     def made(self, state: np.ndarray, start: np.ndarray) -> np.ndarray:
         """The changed state; a component that is as at the start has not been rounded: it stays."""
-        number = self._first + self._steps // self._every
-        parts = self._part * random_parts(number, len(state))
-        parts[state == start] = 0.0
-        if self._clock is not None:
-            parts[self._clock] = 0.0
-        kind = state.dtype.type
-        return state + state * np.array([kind(x) for x in parts.tolist()], dtype=state.dtype)
+        block, place = divmod(self._steps // self._every, PLACES)
+        if block != self._block:
+            numbers = random_parts(self._first + block * PLACES, len(state))
+            self._block, self._parts = block, self._part * numbers
+            if self._clock is not None:
+                self._parts[:, self._clock] = 0.0
+        parts = self._parts[place]
+        if state.dtype != parts.dtype:
+            kind = state.dtype.type
+            parts = np.array([kind(x) for x in parts.tolist()], dtype=state.dtype)
+        change = parts * state
+        if not self._moved:
+            # Later each component has been rounded, even one that comes back.
+            same = state == start
+            self._moved = not same.any()
+            change[same] = 0.0
+        return state + change
 
 
-@lru_cache(maxsize=1024)
-def random_parts(number: int, size: int) -> np.ndarray:
+@lru_cache(maxsize=64)
+def random_parts(first: int, size: int) -> np.ndarray:
     """One and the golden section in turn, with signs that look random: roundings add up as these.
 
-    The same in each call. number: of the place on the way.
+    Rows of so many for PLACES places on the way, the same in each call. first: number of the first.
 
     Examples
     --------
-    >>> np.sign(random_parts(0, 4)).tolist(), np.sign(random_parts(1, 4)).tolist()
-    ([-1.0, 1.0, -1.0, 1.0], [1.0, -1.0, 1.0, -1.0])
+    >>> parts = random_parts(0, 4)
+    >>> parts.shape, np.sign(parts[:2]).tolist()
+    ((64, 4), [[-1.0, 1.0, -1.0, 1.0], [1.0, -1.0, 1.0, -1.0]])
     """
-    parts = []
-    for k in range(size):
-        # Bits are mixed by the last steps of MurmurHash3.
-        bits = (number * 64 + k + 1) * 0x9E3779B9 & 0xFFFFFFFF
-        bits = (bits ^ bits >> 16) * 0x85EBCA6B & 0xFFFFFFFF
-        bits = (bits ^ bits >> 13) * 0xC2B2AE35 & 0xFFFFFFFF
-        size_of_part = GOLDEN if k % 2 else 1.0
-        parts.append(size_of_part if (bits ^ bits >> 16) & 1 else -size_of_part)
-    return np.array(parts)
+    numbers = np.arange(first, first + PLACES, dtype=np.uint64)[:, None]
+    columns = np.arange(1, size + 1, dtype=np.uint64)
+    # Bits are mixed by the last steps of MurmurHash3.
+    low, wide = np.uint64(0xFFFFFFFF), np.uint64(64)
+    bits = (numbers * wide + columns) * np.uint64(0x9E3779B9) & low
+    for shift, factor in ((16, 0x85EBCA6B), (13, 0xC2B2AE35)):
+        bits = (bits ^ bits >> np.uint64(shift)) * np.uint64(factor) & low
+    is_positive = (bits ^ bits >> np.uint64(16)) & np.uint64(1) == 1
+    sizes = np.where(columns % 2 == 1, 1.0, GOLDEN)
+    return np.where(is_positive, sizes, -sizes)

@@ -495,6 +495,10 @@ class Solution:
     def drift(self) -> Mapping[str, float]:
         """For each known invariant its largest change, relative to the size of its terms.
 
+        For first-order equations its size is at least what it would change by if all states changed
+        by their whole size, as `error` counts them: errors of the states explain a drift up to
+        `error`, whatever the powers in an invariant are.
+
         The start always counts. After an event at a given time the count restarts, because a push
         may change an invariant.
         """

@@ -107,13 +107,7 @@ def number(value: Any, what: str) -> Real:
         value = value.sympy
     if isinstance(value, sp.Rational):
         value = Fraction(int(value.p), int(value.q))
-    return checks.exact_number(
-        value,
-        what,
-        StartError,
-        message="{subject} = {value} is not a number; give a finite real number.",
-        infinite="{subject} = {value} is not finite; give a finite real number.",
-    )
+    return checks.exact_number(value, what, StartError)
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,11 @@ from typing import Any
 import sympy
 
 from geomtorsion.exact import Element
+from geomtorsion.geometry.quantities import Entry
 from geomtorsion.gravity import FieldEquations
 from geomtorsion.pictures.formula import mathml
 from geomtorsion.pictures.latex import latex_label, latex_marks, latex_name, latex_text
-from geomtorsion.pictures.quantities import Entry, Quantity
+from geomtorsion.pictures.quantities import Quantity
 from geomtorsion.pictures.sections import section
 from geomtorsion.pictures.text import plain_text
 from geomtorsion.support.outgoing import html_text
@@ -19,19 +20,20 @@ from geomtorsion.support.outgoing import html_text
 TITLE = "Field equations"
 ENTRIES = {
     "E": Entry(
-        "coframe_equation", "Coframe equation", "E", "E", "E_i^n = (1/e) δ(e L)/δe^i_n", TITLE
+        name="coframe_equation", title="Coframe equation", symbol="E",
+        equation="E_i^n = (1/e) δ(e L)/δe^i_n", section=TITLE,
     ),
     "E_[ij]": Entry(
-        "antisymmetric_equation", "Antisymmetric part of the coframe equation", "E\u0303",
-        r"\tilde{E}", "E\u0303_ij = E_[ij]", TITLE,
+        name="antisymmetric_equation", title="Antisymmetric part of the coframe equation",
+        symbol="E\u0303", equation="E\u0303_ij = E_[ij]", section=TITLE,
     ),
     "C": Entry(
-        "connection_equation", "Connection equation", "C", "C",
-        "C^{ni}_j = (1/e) δ(e L)/δω_{ni}^j", TITLE,
+        name="connection_equation", title="Connection equation", symbol="C",
+        equation="C^{ni}_j = (1/e) δ(e L)/δω_{ni}^j", section=TITLE,
     ),
     "M": Entry(
-        "metric_equation", "Metric equation", "M", "M",
-        "2 M_ij = E_ji + (1/e) D_n (e C^n_ij)", TITLE,
+        name="metric_equation", title="Metric equation", symbol="M",
+        equation="2 M_ij = E_ji + (1/e) D_n (e C^n_ij)", section=TITLE,
     ),
 }  # fmt: skip
 

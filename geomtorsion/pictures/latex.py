@@ -26,6 +26,7 @@ _NAMES = {
 }  # fmt: skip
 _NAME = re.compile("|".join(_NAMES))
 _ACCENTS = {"\u0304": "bar", "\u0303": "tilde"}
+_COMMANDS = {letter: f"\\{name}" for name, letter in GREEK.items()}
 _ACCENTED = re.compile(f"(.)([{''.join(_ACCENTS)}])")
 _WORD = r"\b[A-Za-z][a-z]+(?![_^\w])"
 _WORDS = re.compile(rf" ?{_WORD}(?:[ ,]+{_WORD})* ?")
@@ -111,6 +112,19 @@ def _staggered(marks: str) -> str:
         for sign, braced, bare in _MARKS.findall(marks)
     ]
     return "{}".join(written)
+
+
+def latex_symbol(symbol: str) -> str:
+    r"""A letter, perhaps with a combining accent, in LaTeX.
+
+    Examples
+    --------
+    >>> latex_symbol("ω"), latex_symbol("Γ\u0304"), latex_symbol("E\u0303")
+    ('\\omega', '\\bar\\Gamma', '\\tilde E')
+    """
+    letter = _COMMANDS.get(symbol[0], symbol[0])
+    accents = "".join(f"\\{_ACCENTS[mark]}" for mark in symbol[1:])
+    return f"{accents} {letter}" if accents and letter.isalpha() else f"{accents}{letter}"
 
 
 def latex_matrix(rows: Sequence[Sequence[str]]) -> str:

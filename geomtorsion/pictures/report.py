@@ -16,6 +16,7 @@ import sympy as sp
 from sympy.core.relational import Relational
 
 from geomtorsion.errors import GeomtorsionError, StartError
+from geomtorsion.geometry.quantities import SECTIONS
 from geomtorsion.loops import BurgersVector, Loop, burgers_vector
 from geomtorsion.ode import RungeKutta
 from geomtorsion.pictures.curve_files import Draw, curve_pictures
@@ -27,7 +28,7 @@ from geomtorsion.pictures.field_equations import (
 from geomtorsion.pictures.formula import FONT_SOURCE, expression_mathml, font_face, mathml
 from geomtorsion.pictures.latex import equation_latex, latex_matrix, latex_name, latex_text
 from geomtorsion.pictures.loops import draw_closure
-from geomtorsion.pictures.quantities import SECTIONS, chosen_quantities, geometry_data
+from geomtorsion.pictures.quantities import chosen_quantities, geometry_data
 from geomtorsion.pictures.sections import section
 from geomtorsion.pictures.style import STYLE, can_draw, svg_text
 from geomtorsion.pictures.text import greek_words

@@ -15,6 +15,7 @@ from geomtorsion.pictures.latex import (
     latex_label,
     latex_marks,
     latex_matrix,
+    latex_symbol,
     latex_text,
 )
 from geomtorsion.pictures.style import STYLE
@@ -43,7 +44,7 @@ def _displayed(latex: str) -> str:
 
 def _body(quantity: Quantity) -> str:
     slots = quantity.tensor.slots
-    label = latex_label(quantity.entry.latex, quantity.letters, slots)
+    label = latex_label(latex_symbol(quantity.entry.symbol), quantity.letters, slots)
     if not quantity.independent:
         return f'<div class="zero">{_displayed(f"{label} = 0")}</div>'
     if not slots:
@@ -79,7 +80,9 @@ def _listed(quantity: Quantity) -> str:
     narrow = all(_width(quantity, value) <= STYLE.third for value in quantity.independent.values())
     columns = "components" if narrow else "components two"
     for index, value in quantity.independent.items():
-        label = latex_label(quantity.entry.latex, latex_marks(tensor, index), tensor.slots)
+        label = latex_label(
+            latex_symbol(quantity.entry.symbol), latex_marks(tensor, index), tensor.slots
+        )
         wide = " wide" if _width(quantity, value) > STYLE.half else ""
         formula = mathml(f"{label} = {latex_text(quantity.written(value))}", tall=True)
         lines.append(f'<div class="scroll{wide}">{formula}</div>')
@@ -103,7 +106,11 @@ def _undecided(quantity: Quantity) -> str:
         return ""
     tensor = quantity.tensor
     labels = ", ".join(
-        mathml(latex_label(quantity.entry.latex, latex_marks(tensor, index), tensor.slots))
+        mathml(
+            latex_label(
+                latex_symbol(quantity.entry.symbol), latex_marks(tensor, index), tensor.slots
+            )
+        )
         for index in quantity.undecided
     )
     return f'<p class="note">Undecided whether zero: {labels}.</p>'
@@ -115,11 +122,11 @@ def aligned(chosen: Quantity, *, every: bool = False) -> str:
     components = chosen.nonzero if every else chosen.independent
     lines, write = [], TexPrinter().doprint
     for index, element in components.items():
-        left = latex_label(entry.latex, latex_marks(tensor, index), tensor.slots)
+        left = latex_label(latex_symbol(entry.symbol), latex_marks(tensor, index), tensor.slots)
         mark = rf"\quad\text{{{OPEN}}}" if index in chosen.undecided else ""
         lines.append(f"  {left} &= {write(chosen.written(element))}{mark}")
     if not lines:
-        lines = [f"  {latex_label(entry.latex, chosen.letters, tensor.slots)} &= 0"]
+        lines = [f"  {latex_label(latex_symbol(entry.symbol), chosen.letters, tensor.slots)} &= 0"]
     body = " \\\\\n".join(lines)
     return f"% {entry.title}\n\\begin{{align*}}\n{body}\n\\end{{align*}}"
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from geomtorsion.geometry import cartan, identities, levi_civita
-from geomtorsion.pictures.quantities import entry
+from geomtorsion.geometry.quantities import entry
 from geomtorsion.spaces import disagreements
 
 if TYPE_CHECKING:

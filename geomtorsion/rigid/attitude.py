@@ -410,10 +410,4 @@ def _array(values: ArrayLike, shape: tuple[int, ...], name: str) -> Array:
 
 def _numbers(values: object, shape: tuple[int, ...], name: str, wanted: str) -> Array:
     """Finite numbers of this shape, as part of a start."""
-    needed = f"{{subject}} = {{value}}: expected {wanted}."
-    array = checks.array(
-        values, name, StartError, shape=shape, message=needed, shaped=needed, infinite=None
-    )
-    if not np.isfinite(array).all():
-        raise StartError(f"{name}: expected finite numbers, got {checks.shown(values)}.")
-    return array
+    return checks.array(values, name, StartError, shape=shape, expected=wanted)

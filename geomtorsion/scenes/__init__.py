@@ -1,4 +1,9 @@
-"""Scenes: rigid bodies with exactly the states and effects that the question needs."""
+"""Scenes: rigid bodies with exactly the states and effects that the question needs.
+
+Seven files import each other, because a `Scene` is the interface: its methods solve, sweep, draw
+and compare, each by a function in another file that takes a scene. At run time the imports point
+one way: scene, sweep, solve, result. The imports in the other direction are only for types.
+"""
 
 from geomtorsion.scenes import effects
 from geomtorsion.scenes.body import Body

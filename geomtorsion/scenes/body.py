@@ -172,9 +172,7 @@ class Body:
 
 def positive(value: Number, name: str, unit: str) -> Number:
     """A positive finite number, unchanged."""
-    needed = f"{{subject}} = {{value}}: expected a positive number ({unit})."
-    none = f"{{subject}} = {{value}} is not a number; give it in {unit}."
-    checks.positive(value, name, BodyError, message=needed, number_message=none, infinite=needed)
+    checks.positive(value, name, BodyError, expected=f"a positive number ({unit})")
     return value
 
 
@@ -187,12 +185,8 @@ def checked_moments(moments: object) -> tuple[Number, ...]:
 
 def checked_tensor(inertia: Any) -> tuple[tuple[Number, ...], ...]:
     """A symmetric 3 x 3 tensor, positive, that some body can have."""
-    nine = "{subject} = {value}: expected 3 rows of 3 numbers (kg m^2)."
-    matrix = checks.array(
-        inertia, "inertia", BodyError, shape=(3, 3), message=nine, shaped=nine, infinite=None
-    )
-    if not np.isfinite(matrix).all():
-        raise BodyError(f"inertia: expected finite numbers, got {matrix.tolist()}.")
+    nine = "3 rows of 3 numbers (kg m^2)"
+    matrix = checks.array(inertia, "inertia", BodyError, shape=(3, 3), expected=nine)
     if np.abs(matrix - matrix.T).max() > CALCULATED * np.abs(matrix).max():
         i, j = np.unravel_index(int(np.abs(matrix - matrix.T).argmax()), (3, 3))
         raise BodyError(
@@ -271,17 +265,16 @@ def point_masses(
         listed = [(m, tuple(place)) for m, place in masses]
     except (TypeError, ValueError):
         raise BodyError(
-            f"points = {masses!r}: expected a list of (mass, (x, y, z)), in kg and m."
+            f"points: expected a list of (mass, (x, y, z)), in kg and m, got "
+            f"{checks.shown(masses)}."
         ) from None
-    if not listed or any(len(place) != 3 for _, place in listed):
-        raise BodyError("points: expected at least one (mass, (x, y, z)), each with 3 numbers.")
+    if not listed:
+        raise BodyError("points: expected at least one (mass, (x, y, z)), got none.")
     weights = [_exact(positive(m, f"mass {k}", "kg")) for k, (m, _) in enumerate(listed)]
-    message = "points: expected finite numbers ({subject} = {value})."
     places = [
-        [_exact(checks.exact_number(x, f"place {k}", BodyError, message=message, infinite=message))
-         for x in place]
+        [_exact(x) for x in checks.numbers(place, 3, f"place {k}", BodyError)]
         for k, (_, place) in enumerate(listed)
-    ]  # fmt: skip
+    ]
     # In fractions, so that a plate or a line is recognised exactly.
     total = sum(weights, Fraction(0))
     centre = [sum((m * p[k] for m, p in zip(weights, places, strict=True)), Fraction(0)) / total
@@ -315,11 +308,7 @@ def _three(values: Sequence[Number], name: str) -> list[Fraction]:
 
 def _positives(values: object, name: str, three: str, unit: str) -> tuple[Number, ...]:
     """Three positive numbers, unchanged."""
-    needed = f"{{subject}} = {{value}}: expected {three} ({unit})."
-    none = f"{{subject}} = {{value}} is not a number; give it in {unit}."
-    numbers = checks.numbers(
-        values, 3, name, BodyError, listed=needed, counted=needed, message=none, infinite=none
-    )
+    numbers = checks.numbers(values, 3, name, BodyError, expected=f"{three} ({unit})")
     for k, value in enumerate(numbers):
         positive(value, f"{name}[{k}]", unit)
     return numbers
@@ -359,10 +348,4 @@ def exact(value: object, name: str) -> sp.Expr:
     SceneError
         It is not a finite real number.
     """
-    return checks.rational(
-        value,
-        name,
-        SceneError,
-        message="{subject} = {value} is not a number.",
-        infinite="{subject} = {value}: expected a finite number.",
-    )
+    return checks.rational(value, name, SceneError)

@@ -208,8 +208,7 @@ class Scene:
         checked_times(self.t)
         if isinstance(self.t, Iterable) and checks.real(self.t) is None:
             object.__setattr__(self, "t", tuple(float(x) for x in self.t))
-        whole = "{subject} = {value}: expected a whole number from 2 on."
-        samples = checks.count(self.samples, "samples", SceneError, 2, message=whole)
+        samples = checks.count(self.samples, "samples", SceneError, 2)
         object.__setattr__(self, "samples", samples)
         # Before there are equations: every body has six numbers and their rates.
         check_memory(self.samples, 12)

@@ -96,14 +96,4 @@ class State:
 
 def _three(values: Sequence[Number], name: str, unit: str) -> tuple[Number, ...]:
     """Three finite numbers, as they came."""
-    three = f"{{subject}} = {{value}}: expected three numbers ({unit})."
-    return checks.numbers(
-        values,
-        3,
-        name,
-        StartError,
-        listed=three,
-        counted=three,
-        message="start: {subject} = {value} is not a number.",
-        infinite="start: {subject} = {value}: expected a finite number.",
-    )
+    return checks.numbers(values, 3, name, StartError, expected=f"three numbers ({unit})")

@@ -270,9 +270,9 @@ def sweep(
 
 def _column(path: str, column: Iterable[Number | Sequence[Number]]) -> np.ndarray:
     """Values of a path: numbers, or vectors of equal length."""
-    message = "{subject}: expected a list of numbers, or of vectors of equal length, got {value}."
+    lists = "a list of numbers, or of vectors of equal length"
     items = list(column) if isinstance(column, Iterable) and not isinstance(column, str) else "none"
-    return checks.array(items, path, SceneError, message=message, infinite=None)
+    return checks.array(items, path, SceneError, expected=lists, infinite=None)
 
 
 def _plain(value: np.ndarray) -> Values:

@@ -3,9 +3,9 @@
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from geomtorsion.spaces.checking import CONNECTION_QUANTITIES, disagreements
+from geomtorsion.spaces.checking import disagreements
 from geomtorsion.spaces.files import read_file
-from geomtorsion.spaces.registry import SPACES, load, names, shipped_space, titles
+from geomtorsion.spaces.registry import load, names, shipped_space, titles
 from geomtorsion.spaces.space import KnownAnswer, Space
 
 if TYPE_CHECKING:
@@ -21,8 +21,6 @@ _LATER = {
 }  # fmt: skip
 
 __all__ = [
-    "CONNECTION_QUANTITIES",
-    "SPACES",
     "Identification",
     "Identified",
     "KnownAnswer",

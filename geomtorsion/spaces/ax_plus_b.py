@@ -6,14 +6,13 @@ from geomtorsion.geometry import Frame
 from geomtorsion.spaces.space import KnownAnswer, Space, antisymmetric, box, diagonal
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """Coframe (da/a, db/a), a > 0."""
     a, b = symbols("a b", real=True)
     half = Rational(1, 2)
     frame = Frame((a, b), [[1 / a, 0], [0, 1 / a]], domain=box({a: (0, oo)}), name=name)
     return Space(
         name,
-        title,
         story=(
             "Zoom and shift: the smallest group that does not commute, home of wavelets.\n"
             "Its metric is the hyperbolic plane; its torsion expresses [zoom, shift] = shift."

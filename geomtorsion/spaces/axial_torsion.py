@@ -6,7 +6,7 @@ from geomtorsion.geometry import Frame, from_contortion
 from geomtorsion.spaces.space import KnownAnswer, Space, alternating, diagonal
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """The Cartesian coframe and the connection with contortion K_ab^c = lambda eps_abc."""
     x, y, z = symbols("x y z", real=True)
     pitch = Symbol("lambda", positive=True)
@@ -24,7 +24,6 @@ def space(name: str, title: str) -> Space:
     }
     return Space(
         name,
-        title,
         story=(
             "A traveller on a straight path rotates about it at a constant rate.\n"
             "Autoparallels are straight lines; vectors transported along them rotate."

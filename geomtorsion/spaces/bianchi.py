@@ -117,7 +117,7 @@ def structure_constants(n: tuple[int, int, int], a: Expr | int) -> list[list[lis
     ]
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """The type of this name."""
     kind = TYPES[name]
     constants = structure_constants(kind.n, kind.a)
@@ -136,7 +136,6 @@ def space(name: str, title: str) -> Space:
     scalar = -6 * expression(kind.a) ** 2 - squares + half * trace**2
     return Space(
         name,
-        title,
         story=kind.story,
         source="G. F. R. Ellis, M. A. H. MacCallum, Commun. Math. Phys. 12 (1969) 108",
         frame=frame,

@@ -2,25 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from sympy import Expr
 
-from geomtorsion.errors import UnknownNameError
 from geomtorsion.exact import parse_expression
-from geomtorsion.geometry import Connection, Frame, Tensor
+from geomtorsion.geometry import Frame, Tensor
 from geomtorsion.spaces.space import Closed, Index, KnownAnswer, Space
-
-CONNECTION_QUANTITIES: Mapping[str, Callable[[Connection], Tensor]] = {
-    "connection": lambda connection: connection.coefficients,
-    "connection_torsion": lambda connection: connection.torsion.S,
-    "connection_contortion": lambda connection: connection.contortion,
-    "connection_nonmetricity": lambda connection: connection.nonmetricity,
-    "connection_curvature": lambda connection: connection.curvature.riemann,
-    "connection_ricci": lambda connection: connection.curvature.ricci,
-    "connection_scalar": lambda connection: connection.curvature.scalar,
-}
 
 
 @dataclass(frozen=True)
@@ -94,17 +83,7 @@ def computed(space: Space, answer: KnownAnswer) -> Tensor:
     >>> computed(space, KnownAnswer("torsion_scalar", 0))[()]
     1/2
     """
-    maker = CONNECTION_QUANTITIES.get(answer.quantity)
-    if maker is None:
-        tensor = space.frame.quantity(answer.quantity)
-    elif space.connection is None:
-        raise UnknownNameError(
-            f"{answer.quantity}: expected a space with its own connection, got {space.name}, which "
-            "only has the connections of its frame. Name a quantity of the frame, or give the "
-            "space a connection."
-        )
-    else:
-        tensor = maker(space.connection)
+    tensor = space.quantity(answer.quantity)
     if answer.basis == "frame":
         return tensor.in_frame()
     return tensor.in_coordinates() if answer.basis == "coordinate" else tensor

@@ -16,16 +16,16 @@ NOTES = (
 )
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """The body of this name."""
     return {
         "chaplygin_sleigh": _sleigh,
         "rolling_disc": _disc,
         "wheeled_robot": _robot,
-    }[name](name, title)
+    }[name](name)
 
 
-def _sleigh(name: str, title: str) -> Space:
+def _sleigh(name: str) -> Space:
     """A board on a blade, whose centre of mass is a distance a in front of the blade."""
     m, inertia, a = symbols("m I a", positive=True)
     side, ahead, whole = -m * a * sin(theta), m * a * cos(theta), inertia + m * a**2
@@ -38,7 +38,6 @@ def _sleigh(name: str, title: str) -> Space:
     }
     return _space(
         name,
-        title,
         constrained(energy, [NO_SLIDING]),
         antisymmetric(torsion),
         story=(
@@ -51,7 +50,7 @@ def _sleigh(name: str, title: str) -> Space:
     )
 
 
-def _disc(name: str, title: str) -> Space:
+def _disc(name: str) -> Space:
     """An upright disc: phi is the angle of rolling, theta the direction of its track."""
     m, steering, rolling, radius = symbols("m J I R", positive=True)
     energy = Frame.from_metric(
@@ -65,7 +64,6 @@ def _disc(name: str, title: str) -> Space:
     torsion = {(0, 1, 3): HALF * twist, (1, 3, 0): HALF * twist}
     return _space(
         name,
-        title,
         bound,
         antisymmetric(torsion),
         story=(
@@ -81,13 +79,12 @@ def _disc(name: str, title: str) -> Space:
     )  # fmt: skip
 
 
-def _robot(name: str, title: str) -> Space:
+def _robot(name: str) -> Space:
     """A robot with two wheels on one axle: it drives along theta and turns in place."""
     energy = Frame((x, y, theta), [[1, 0, 0], [0, 1, 0], [0, 0, 1]], name=name)
     torsion = {(0, 1, 2): HALF, (1, 2, 0): HALF}
     return _space(
         name,
-        title,
         constrained(energy, [NO_SLIDING]),
         antisymmetric(torsion),
         story=(
@@ -102,7 +99,6 @@ def _robot(name: str, title: str) -> Space:
 
 def _space(
     name: str,
-    title: str,
     bound: Connection,
     torsion: Table,
     story: str,
@@ -111,7 +107,6 @@ def _space(
 ) -> Space:
     return Space(
         name,
-        title,
         story=story,
         source=source,
         frame=bound.frame,

@@ -10,7 +10,7 @@ from geomtorsion.spaces.embedding import orbit_embedding
 from geomtorsion.spaces.space import KnownAnswer, Space, antisymmetric, box, diagonal
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """Coframe (sqrt(f) dt, dr/sqrt(f), r dtheta, r sin(theta) dphi), f = 1 - r^2 / L^2."""
     t, r, theta, phi = symbols("t r theta phi", real=True)
     length = Symbol("L", positive=True)
@@ -33,7 +33,6 @@ def space(name: str, title: str) -> Space:
     }
     return Space(
         name,
-        title,
         story=(
             "The visible part of an empty universe that expands for ever.\n"
             "Constant curvature 1/L^2; an observer at rest at r is pushed outwards by T_01^0."

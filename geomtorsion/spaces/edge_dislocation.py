@@ -6,7 +6,7 @@ from geomtorsion.geometry import Frame
 from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, box, matrix
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """Coframe dx^i + du^i with the displacement u of a Burgers vector b along x."""
     x, y, z = symbols("x y z", real=True)
     b = Symbol("b", positive=True)
@@ -18,7 +18,6 @@ def space(name: str, title: str) -> Space:
         f = scale / square
         return Space(
             name,
-            title,
             story=(
                 "An extra half plane of atoms ends on the z axis: walks around it miss b along x.\n"
                 "Torsion vanishes off the axis, and yet no loop around it closes."
@@ -68,7 +67,6 @@ def space(name: str, title: str) -> Space:
     (xx, xy), (yx, yy) = distortion
     return Space(
         name,
-        title,
         story=(
             "The edge dislocation as an isotropic elastic body carries it, Poisson ratio nu.\n"
             "A loop sees the same b as the topological one: stress moves atoms, not the count."

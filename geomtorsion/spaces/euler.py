@@ -93,7 +93,7 @@ def _zyx() -> Convention:
 CONVENTIONS = {"so3_zxz": _zxz, "so3_xyz": _xyz, "so3_zyx": _zyx}
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """The convention of this name, with the answers that all of them share."""
     convention = CONVENTIONS[name]()
     half = Rational(1, 2)
@@ -102,7 +102,6 @@ def space(name: str, title: str) -> Space:
     )
     return Space(
         name,
-        title,
         story=convention.story,
         source=convention.source,
         frame=frame,

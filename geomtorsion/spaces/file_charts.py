@@ -108,7 +108,7 @@ def _chart(
     each = range(frame.dimension)
     rows = array(words, f"{place}.coframe", table["coframe"], 2, frame.dimension)
     keeps = table.get("keeps_frame", False)
-    flag(keeps, f"{words.file}: {place}.keeps_frame", FileFormatError, message=FLAG)
+    flag(keeps, f"{words.file}: {place}.keeps_frame", FileFormatError, expected=FLAG)
     eta = [[frame.eta[i, j] for j in each] for i in each]
     chart_frame = Frame(words.coordinates, rows, eta, parameters=words.parameters, name=name)
     return Chart.of(chart_frame, name, keeps_frame=keeps, **_edge(words, table, f"{place}."))

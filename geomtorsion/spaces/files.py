@@ -189,7 +189,9 @@ def _frame(words: Vocabulary, data: Mapping[str, object], shape: str, name: str)
     """The frame in whichever of the four ways it is given."""
     file, n = words.file, len(words.coordinates)
     signature = _signature(words, data)
-    is_complex = flag(data.get("complex", False), f"{file}: complex", FileFormatError, message=FLAG)
+    is_complex = flag(
+        data.get("complex", False), f"{file}: complex", FileFormatError, expected=FLAG
+    )
     domain = words.relations(data["domain"], "domain") if "domain" in data else None
     if shape == "structure_constants":
         _without(file, data, shape, "complex", "domain")

@@ -32,7 +32,7 @@ MOTIONS = {
 }
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """The frame (scale_k dq_k) of the coordinates of this name."""
     coordinates, scales, domain, torsion, scalar = _table(name)
     frame = Frame(
@@ -44,7 +44,6 @@ def space(name: str, title: str) -> Space:
     halved = {index: value / 2 for index, value in torsion.items()}
     return Space(
         name,
-        title,
         story=STORIES[name],
         source="P. M. Morse, H. Feshbach, Methods of Theoretical Physics I, section 1.3 "
         "(scale factors)",

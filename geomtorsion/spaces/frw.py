@@ -9,12 +9,12 @@ from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, antisymmet
 SOURCE = "C. W. Misner, K. S. Thorne, J. A. Wheeler, Gravitation (1973), chapter 27"
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """Comoving tetrads: spherical with curvature k, or Cartesian and flat."""
-    return _flat(name, title) if name == "frw_flat" else _curved(name, title)
+    return _flat(name) if name == "frw_flat" else _curved(name)
 
 
-def _curved(name: str, title: str) -> Space:
+def _curved(name: str) -> Space:
     """Coframe (dt, a dr / sqrt(1 - k r^2), a r dtheta, a r sin(theta) dphi)."""
     t, r, theta, phi = symbols("t r theta phi", real=True)
     k = Symbol("k", real=True)
@@ -37,7 +37,6 @@ def _curved(name: str, title: str) -> Space:
     pressure = -2 * a.diff(t, 2) / a - (rate**2 + k) / a**2
     return Space(
         name,
-        title,
         story=(
             "A universe that looks the same everywhere, with a scale factor left unknown.\n"
             "Friedmann's equations are its Einstein tensor; the torsion T_0j^j is Hubble's rate."
@@ -66,7 +65,7 @@ def _curved(name: str, title: str) -> Space:
     )
 
 
-def _flat(name: str, title: str) -> Space:
+def _flat(name: str) -> Space:
     """Coframe (dt, a dx, a dy, a dz)."""
     t, x, y, z = symbols("t x y z", real=True)
     a = Function("a")(t)
@@ -82,7 +81,6 @@ def _flat(name: str, title: str) -> Space:
     pressure = -2 * a.diff(t, 2) / a - hubble**2
     return Space(
         name,
-        title,
         story=(
             "The flat expanding universe, legs along x, y, z: teleparallel cosmology.\n"
             "The torsion scalar is six times the square of Hubble's rate, with nothing added."

@@ -6,7 +6,7 @@ from geomtorsion.geometry import Frame
 from geomtorsion.spaces.space import KnownAnswer, Space, antisymmetric
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """Coframe a (dt + exp(x) dy), a dx, a exp(x) dy / sqrt(2), a dz."""
     t, x, y, z = symbols("t x y z", real=True)
     a = Symbol("a", positive=True)
@@ -19,7 +19,6 @@ def space(name: str, title: str) -> Space:
     )
     return Space(
         name,
-        title,
         story=(
             "A universe of dust that turns about every one of its points, with loops in time.\n"
             "A group manifold: in this frame its torsion and its curvature are constant numbers."

@@ -6,14 +6,13 @@ from geomtorsion.geometry import Frame
 from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, antisymmetric, diagonal
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """Coframe (dx, dy, dz - x dy)."""
     x, y, z = symbols("x y z", real=True)
     half = Rational(1, 2)
     frame = Frame((x, y, z), [[1, 0, 0], [0, 1, 0], [0, -x, 1]], name=name)
     return Space(
         name,
-        title,
         story=(
             "Position, momentum and phase: walks around loops in the plane end higher or lower.\n"
             "A constant density of screw dislocations: the torsion is uniform and points along z."

@@ -38,7 +38,7 @@ Values = Sequence[Any]
 Numbers = Mapping[str, Any]
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """Carter's tetrad in Boyer-Lindquist coordinates."""
     t, r, theta, phi = symbols("t r theta phi", real=True)
     mass, a = symbols("M a", positive=True)
@@ -64,7 +64,6 @@ def space(name: str, title: str) -> Space:
     half = Rational(1, 2)
     return Space(
         name,
-        title,
         story=(
             "The rotating black hole, seen by observers for whom light goes in and out evenly.\n"
             "Ricci flat for every mass and spin: a zero that is hard to see and easy to get wrong."

@@ -6,7 +6,7 @@ from geomtorsion.geometry import Frame, Tensor, from_torsion
 from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, antisymmetric, box
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """Carter's tetrad of Kerr-de Sitter, and its metric connection with torsion."""
     t, r, theta, phi = symbols("t r theta phi", real=True)
     mass, spin = symbols("m j", positive=True)
@@ -46,7 +46,6 @@ def space(name: str, title: str) -> Space:
     torsion = Tensor(frame, "DDU", antisymmetric(halves))
     return Space(
         name,
-        title,
         story=(
             "Kerr-de Sitter space with torsion that the mass makes: it solves the equations\n"
             "of gauge theories of the Poincare group, for a family of quadratic Lagrangians."

@@ -6,7 +6,7 @@ from geomtorsion.geometry import Frame
 from geomtorsion.spaces.space import KnownAnswer, Space, antisymmetric, box, matrix
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """Legs (l, n, m, conjugate m) with l.n = -1, m.m* = 1; coframe: their dual one-forms."""
     t, r, theta, phi = symbols("t r theta phi", real=True)
     mass, a = symbols("M a", positive=True)
@@ -35,7 +35,6 @@ def space(name: str, title: str) -> Space:
     psi2 = -mass / (r - I * a * c) ** 3
     return Space(
         name,
-        title,
         story=(
             "Kerr along its two families of principal light rays: the frame of wave equations.\n"
             "Complex legs and an off-diagonal eta; all of the curvature is one number, Psi_2."

@@ -13,7 +13,7 @@ from geomtorsion.spaces.space import (
 )
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """Carter's tetrad in Boyer-Lindquist coordinates."""
     t, r, theta, phi = symbols("t r theta phi", real=True)
     mass, a, charge = symbols("M a q", positive=True)
@@ -38,7 +38,6 @@ def space(name: str, title: str) -> Space:
     energy = charge**2 / sigma**2
     return Space(
         name,
-        title,
         story=(
             "The most general black hole of Einstein and Maxwell: mass, spin and charge.\n"
             "In Carter's legs its field has the energy of two parallel plates, q^2/Sigma^2."

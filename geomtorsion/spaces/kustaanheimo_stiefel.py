@@ -7,7 +7,7 @@ from geomtorsion.spaces.embedding import Embedding
 from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, antisymmetric, diagonal
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """Coframe 2 A(q) dq with A A^T = q^2: dx, dy, dz and a fourth form that is not closed."""
     q1, q2, q3, q4 = q = symbols("q1 q2 q3 q4", real=True)
     rows = Matrix([[q3, q4, q1, q2], [q4, -q3, -q2, q1], [q1, q2, -q3, -q4], [q2, -q1, q4, -q3]])
@@ -17,7 +17,6 @@ def space(name: str, title: str) -> Space:
     torsion = {(*pair, c): -fourth[c] / square for pair in ((0, 1), (2, 3)) for c in range(4)}
     return Space(
         name,
-        title,
         story=(
             "A point and an angle: three forms are dx, dy and dz, and the fourth is not closed.\n"
             "In pseudo-time s, dt = r ds, an orbit around the sun is an oscillation of q."

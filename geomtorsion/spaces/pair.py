@@ -270,8 +270,7 @@ def refuse_unknown_functions(space: Space) -> None:
 
 def _times(t: float, samples: int) -> np.ndarray:
     """Evenly spaced times from 0 on."""
-    message = "samples: expected a whole number from 2 on, got {value}."
-    samples = checks.count(samples, "samples", StartError, 2, message=message)
+    samples = checks.count(samples, "samples", StartError, 2)
     if t == 0:
         raise StartError("t: expected a time other than 0, got 0. Give t > 0 or t < 0.")
     check_memory(samples, 2)

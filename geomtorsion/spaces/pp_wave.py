@@ -6,7 +6,7 @@ from geomtorsion.geometry import Frame
 from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, antisymmetric, matrix
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """Coframe (du, dv + H du/2, dx, dy) with ds^2 = 2 e^0 e^1 + dx^2 + dy^2."""
     u, v, x, y = symbols("u v x y", real=True)
     profile = Function("H")(u, x, y)
@@ -20,7 +20,6 @@ def space(name: str, title: str) -> Space:
     torsion = {(2, 0, 1): profile.diff(x) / 4, (3, 0, 1): profile.diff(y) / 4}
     return Space(
         name,
-        title,
         story=(
             "A wave with flat fronts and a profile H(u, x, y) left unknown (Brinkmann 1925).\n"
             "It is empty space where H is harmonic in x and y; all its scalar invariants vanish."

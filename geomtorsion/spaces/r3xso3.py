@@ -10,7 +10,7 @@ from geomtorsion.spaces.rotations import ZYZ, angle_atlas, angle_embedding
 from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, antisymmetric, box, diagonal
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """Coordinates (phi, x); coframe (dPhi, dX) with dX = R^T dx, R = Rz(phi3) Ry(phi2) Rz(phi1)."""
     phi1, phi2, phi3 = phi = symbols("phi1 phi2 phi3", real=True)
     x = symbols("x1 x2 x3", real=True)
@@ -35,7 +35,6 @@ def space(name: str, title: str) -> Space:
     carries = {(k, 3 + j, 3 + i): -half * LeviCivita(k, j, i) for k, j, i in permutations(range(3))}
     return Space(
         name,
-        title,
         story=(
             "A free rigid body: angular velocity and velocity, both read off in the body.\n"
             "Autoparallels are screws, geodesics are flights: here the torsion force is real."

@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import cache
 from importlib import import_module
 from os import PathLike
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.spaces.files import read_file
@@ -17,92 +17,93 @@ if TYPE_CHECKING:
     from geomtorsion.spaces.embedding import Embedding
     from geomtorsion.spaces.space import Space
 
-# name, module of this package, what it is
-SPACES: tuple[tuple[str, str, str], ...] = (
-    ("so3", "so3", "rotations, z-y-z Euler angles, body-fixed frame (the paper's)"),
-    ("so3_right", "so3_right", "rotations, z-y-z Euler angles, space-fixed frame"),
-    ("so3_zxz", "euler", "rotations, z-x-z Euler angles, body-fixed frame"),
-    ("so3_xyz", "euler", "rotations, x-y-z Cardan angles, body-fixed frame"),
-    ("so3_zyx", "euler", "rotations, yaw-pitch-roll angles, body-fixed frame"),
-    ("so3_quaternion", "so3_quaternion", "rotations, three components of a unit quaternion"),
-    ("so3_rodrigues", "so3_rodrigues", "rotations, Rodrigues (Gibbs) vector"),
-    ("so3_axis_angle", "so3_axis_angle", "rotations, angle about an axis"),
-    ("r3xso3", "r3xso3", "rotations and translations of a rigid body, body-fixed frame"),
-    ("flat_polar", "flat", "the plane, orthonormal polar frame"),
-    ("flat_cylindrical", "flat", "flat space, orthonormal cylindrical frame"),
-    ("flat_spherical", "flat", "flat space, orthonormal spherical frame"),
-    ("s2", "s2", "the sphere of radius R, compass frame"),
-    ("s3", "s3", "the unit three-sphere, Hopf coordinates, left-invariant frame"),
-    ("s7", "s7", "the unit seven-sphere, octonionic parallelism"),
-    ("heisenberg", "heisenberg", "the Heisenberg group (Nil)"),
-    ("sol", "sol", "the solvable group Sol"),
-    ("sl2r", "sl2r", "SL(2,R), Riemannian left-invariant metric"),
-    ("ads3", "sl2r", "SL(2,R) with its Killing form: anti-de Sitter space in three dimensions"),
-    ("ax_plus_b", "ax_plus_b", "the group of maps x -> a x + b"),
-    ("bianchi_i", "bianchi", "Bianchi type I: translations"),
-    ("bianchi_ii", "bianchi", "Bianchi type II: Heisenberg algebra"),
-    ("bianchi_iii", "bianchi", "Bianchi type III: ax + b times a line"),
-    ("bianchi_iv", "bianchi", "Bianchi type IV"),
-    ("bianchi_v", "bianchi", "Bianchi type V: hyperbolic space"),
-    ("bianchi_vi_0", "bianchi", "Bianchi type VI_0: motions of the Minkowski plane"),
-    ("bianchi_vi_h", "bianchi", "Bianchi type VI_h, h = -a^2"),
-    ("bianchi_vii_0", "bianchi", "Bianchi type VII_0: motions of the Euclidean plane"),
-    ("bianchi_vii_h", "bianchi", "Bianchi type VII_h, h = a^2"),
-    ("bianchi_viii", "bianchi", "Bianchi type VIII: algebra of SL(2,R)"),
-    ("bianchi_ix", "bianchi", "Bianchi type IX: algebra of the rotations"),
-    ("chaplygin_sleigh", "constrained_bodies", "a sledge on a blade, which cannot slip sideways"),
-    ("rolling_disc", "constrained_bodies", "an upright disc that rolls without slipping"),
-    ("wheeled_robot", "constrained_bodies", "a robot that drives and turns, never sideways"),
-    (
-        "kustaanheimo_stiefel",
+
+class Shipped(NamedTuple):
+    """A shipped space: its name, what it is, and its module if named otherwise."""
+
+    name: str
+    title: str
+    module: str = ""
+
+
+SPACES: tuple[Shipped, ...] = (
+    Shipped("so3", "rotations, z-y-z Euler angles, body-fixed frame (the paper's)"),
+    Shipped("so3_right", "rotations, z-y-z Euler angles, space-fixed frame"),
+    Shipped("so3_zxz", "rotations, z-x-z Euler angles, body-fixed frame", "euler"),
+    Shipped("so3_xyz", "rotations, x-y-z Cardan angles, body-fixed frame", "euler"),
+    Shipped("so3_zyx", "rotations, yaw-pitch-roll angles, body-fixed frame", "euler"),
+    Shipped("so3_quaternion", "rotations, three components of a unit quaternion"),
+    Shipped("so3_rodrigues", "rotations, Rodrigues (Gibbs) vector"),
+    Shipped("so3_axis_angle", "rotations, angle about an axis"),
+    Shipped("r3xso3", "rotations and translations of a rigid body, body-fixed frame"),
+    Shipped("flat_polar", "the plane, orthonormal polar frame", "flat"),
+    Shipped("flat_cylindrical", "flat space, orthonormal cylindrical frame", "flat"),
+    Shipped("flat_spherical", "flat space, orthonormal spherical frame", "flat"),
+    Shipped("s2", "the sphere of radius R, compass frame"),
+    Shipped("s3", "the unit three-sphere, Hopf coordinates, left-invariant frame"),
+    Shipped("s7", "the unit seven-sphere, octonionic parallelism"),
+    Shipped("heisenberg", "the Heisenberg group (Nil)"),
+    Shipped("sol", "the solvable group Sol"),
+    Shipped("sl2r", "SL(2,R), Riemannian left-invariant metric"),
+    Shipped(
+        "ads3", "SL(2,R) with its Killing form: anti-de Sitter space in three dimensions", "sl2r"
+    ),
+    Shipped("ax_plus_b", "the group of maps x -> a x + b"),
+    Shipped("bianchi_i", "Bianchi type I: translations", "bianchi"),
+    Shipped("bianchi_ii", "Bianchi type II: Heisenberg algebra", "bianchi"),
+    Shipped("bianchi_iii", "Bianchi type III: ax + b times a line", "bianchi"),
+    Shipped("bianchi_iv", "Bianchi type IV", "bianchi"),
+    Shipped("bianchi_v", "Bianchi type V: hyperbolic space", "bianchi"),
+    Shipped("bianchi_vi_0", "Bianchi type VI_0: motions of the Minkowski plane", "bianchi"),
+    Shipped("bianchi_vi_h", "Bianchi type VI_h, h = -a^2", "bianchi"),
+    Shipped("bianchi_vii_0", "Bianchi type VII_0: motions of the Euclidean plane", "bianchi"),
+    Shipped("bianchi_vii_h", "Bianchi type VII_h, h = a^2", "bianchi"),
+    Shipped("bianchi_viii", "Bianchi type VIII: algebra of SL(2,R)", "bianchi"),
+    Shipped("bianchi_ix", "Bianchi type IX: algebra of the rotations", "bianchi"),
+    Shipped(
+        "chaplygin_sleigh", "a sledge on a blade, which cannot slip sideways", "constrained_bodies"
+    ),
+    Shipped("rolling_disc", "an upright disc that rolls without slipping", "constrained_bodies"),
+    Shipped("wheeled_robot", "a robot that drives and turns, never sideways", "constrained_bodies"),
+    Shipped(
         "kustaanheimo_stiefel",
         "the map from four dimensions to three that makes Kepler an oscillator",
     ),
-    ("twisted_bar", "twisted_bar", "a crystal whose lattice turns steadily along z"),
-    ("screw_dislocation", "screw_dislocation", "screw dislocation along z"),
-    ("screw_core", "screw_dislocation", "screw dislocation with a smooth core"),
-    ("edge_dislocation", "edge_dislocation", "edge dislocation along z, Burgers vector along x"),
-    ("edge_dislocation_elastic", "edge_dislocation", "edge dislocation in elastic equilibrium"),
-    (
-        "wedge_disclination",
-        "wedge_disclination",
-        "wedge disclination, torsion-free multivalued frame",
+    Shipped("twisted_bar", "a crystal whose lattice turns steadily along z"),
+    Shipped("screw_dislocation", "screw dislocation along z"),
+    Shipped("screw_core", "screw dislocation with a smooth core", "screw_dislocation"),
+    Shipped("edge_dislocation", "edge dislocation along z, Burgers vector along x"),
+    Shipped(
+        "edge_dislocation_elastic", "edge dislocation in elastic equilibrium", "edge_dislocation"
     ),
-    (
+    Shipped("wedge_disclination", "wedge disclination, torsion-free multivalued frame"),
+    Shipped(
         "wedge_disclination_periodic",
-        "wedge_disclination",
         "wedge disclination, single-valued frame",
+        "wedge_disclination",
     ),
-    ("axial_torsion", "axial_torsion", "flat space with constant axial torsion"),
-    ("schwarzschild", "schwarzschild", "black hole, static diagonal tetrad"),
-    (
-        "schwarzschild_isotropic",
-        "schwarzschild_isotropic",
-        "black hole, isotropic Cartesian tetrad",
-    ),
-    (
+    Shipped("axial_torsion", "flat space with constant axial torsion"),
+    Shipped("schwarzschild", "black hole, static diagonal tetrad"),
+    Shipped("schwarzschild_isotropic", "black hole, isotropic Cartesian tetrad"),
+    Shipped(
         "schwarzschild_cartesian",
-        "schwarzschild_tetrads",
         "black hole, spherical coordinates, tetrad that tends to Cartesian",
+        "schwarzschild_tetrads",
     ),
-    ("schwarzschild_falling", "schwarzschild_tetrads", "black hole, tetrad in free fall"),
-    ("kerr", "kerr", "rotating black hole, Carter tetrad"),
-    ("kerr_kinnersley", "kerr_kinnersley", "rotating black hole, Kinnersley null tetrad"),
-    ("kerr_newman", "kerr_newman", "charged rotating black hole, Carter tetrad"),
-    ("taub_nut", "taub_nut", "mass with a gravitational magnetic charge, static tetrad"),
-    ("pp_wave", "pp_wave", "gravitational wave with flat fronts, unknown profile, null tetrad"),
-    ("frw", "frw", "expanding universe, unknown a(t), curvature k"),
-    ("frw_flat", "frw", "flat expanding universe, Cartesian tetrad"),
-    ("frw_closed", "teleparallel_cosmos", "closed universe, left-invariant tetrad"),
-    ("frw_open", "teleparallel_cosmos", "open universe, tetrad of flat space-time"),
-    ("torsion_bounce", "torsion_bounce", "universe of dust with spin, which bounces by torsion"),
-    ("de_sitter", "de_sitter", "de Sitter space, static patch"),
-    ("goedel", "goedel", "Goedel's rotating universe"),
-    (
-        "kerr_de_sitter_torsion",
-        "kerr_de_sitter_torsion",
-        "rotating black hole with torsion, of Poincare gauge theory",
-    ),
+    Shipped("schwarzschild_falling", "black hole, tetrad in free fall", "schwarzschild_tetrads"),
+    Shipped("kerr", "rotating black hole, Carter tetrad"),
+    Shipped("kerr_kinnersley", "rotating black hole, Kinnersley null tetrad"),
+    Shipped("kerr_newman", "charged rotating black hole, Carter tetrad"),
+    Shipped("taub_nut", "mass with a gravitational magnetic charge, static tetrad"),
+    Shipped("pp_wave", "gravitational wave with flat fronts, unknown profile, null tetrad"),
+    Shipped("frw", "expanding universe, unknown a(t), curvature k"),
+    Shipped("frw_flat", "flat expanding universe, Cartesian tetrad", "frw"),
+    Shipped("frw_closed", "closed universe, left-invariant tetrad", "teleparallel_cosmos"),
+    Shipped("frw_open", "open universe, tetrad of flat space-time", "teleparallel_cosmos"),
+    Shipped("torsion_bounce", "universe of dust with spin, which bounces by torsion"),
+    Shipped("de_sitter", "de Sitter space, static patch"),
+    Shipped("goedel", "Goedel's rotating universe"),
+    Shipped("kerr_de_sitter_torsion", "rotating black hole with torsion, of Poincare gauge theory"),
 )
 
 
@@ -114,7 +115,7 @@ def names() -> tuple[str, ...]:
     >>> names()[0]
     'so3'
     """
-    return tuple(name for name, _, _ in SPACES)
+    return tuple(one.name for one in SPACES)
 
 
 def titles() -> dict[str, str]:
@@ -125,7 +126,7 @@ def titles() -> dict[str, str]:
     >>> titles()["kerr"]
     'rotating black hole, Carter tetrad'
     """
-    return {name: title for name, _, title in SPACES}
+    return {one.name: one.title for one in SPACES}
 
 
 def load(name: str | PathLike[str]) -> Space:
@@ -147,9 +148,10 @@ def load(name: str | PathLike[str]) -> Space:
     """
     if isinstance(name, PathLike) or (isinstance(name, str) and name.endswith(".toml")):
         return read_file(name)
-    for key, module, title in SPACES:
-        if isinstance(name, str) and key == name:
-            return _with_charts(import_module(f"geomtorsion.spaces.{module}").space(name, title))
+    for one in SPACES:
+        if isinstance(name, str) and one.name == name:
+            module = import_module(f"geomtorsion.spaces.{one.module or one.name}")
+            return _with_charts(replace(module.space(one.name), title=one.title))
     text = name.lower().replace("-", "_") if isinstance(name, str) else ""
     near = close_names(text, names(), most=5, cutoff=0.4)
     hint = f"Near: {', '.join(near)}." if near else "None is near."

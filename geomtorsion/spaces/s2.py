@@ -10,7 +10,7 @@ from geomtorsion.spaces.embedding import Embedding
 from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, antisymmetric, box, diagonal
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """Coframe (R dtheta, R sin(theta) dphi) on the sphere of radius R."""
     theta, phi = symbols("theta phi", real=True)
     radius = Symbol("R", positive=True)
@@ -24,7 +24,6 @@ def space(name: str, title: str) -> Space:
     slope = cos(theta) / (radius * sin(theta))
     return Space(
         name,
-        title,
         story=(
             "Steering by compass: straight on means constant bearing, a loxodrome on the map.\n"
             "The compass frame is flat and has torsion; the sphere's own connection is the reverse."

@@ -12,7 +12,7 @@ from geomtorsion.spaces.rotations import QUATERNION, QuaternionMap, quaternion_a
 from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, alternating, box, diagonal
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """q = exp(i xi1) cos(eta) + j exp(-i xi2) sin(eta); coframe: the i, j, k parts of q* dq."""
     eta, xi1, xi2 = symbols("eta xi1 xi2", real=True)
     turn = xi1 - xi2
@@ -29,7 +29,6 @@ def space(name: str, title: str) -> Space:
     )
     return Space(
         name,
-        title,
         story=(
             "The unit quaternions: twice around a rotation, with circles of Hopf as coordinates.\n"
             "Parallel lines here are Clifford's: equidistant great circles that wind about another."

@@ -44,7 +44,7 @@ def product(left: list[Expr], right: list[Expr]) -> list[Expr]:
     return result
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """Point p = (1 + x)^2 / (1 + x.x) for an imaginary octonion x; coframe Im(conj(p) dp)."""
     x = symbols("x1:8", real=True)
     square = sum(component**2 for component in x)
@@ -66,7 +66,6 @@ def space(name: str, title: str) -> Space:
     frame = Frame(x, coframe, name=name)
     return Space(
         name,
-        title,
         story=(
             "The only sphere beyond S^3 that has a parallelism: the octonions comb it.\n"
             "Its torsion is totally antisymmetric but not constant: octonions do not associate."

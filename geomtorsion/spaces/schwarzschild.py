@@ -16,7 +16,7 @@ from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, antisymmet
 INNER = sp.symbols("T x_ y_ z_", real=True)
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """Coframe (sqrt(f) dt, dr/sqrt(f), r dtheta, r sin(theta) dphi), f = 1 - 2 M / r."""
     t, r, theta, phi = symbols("t r theta phi", real=True)
     mass = Symbol("M", positive=True)
@@ -39,7 +39,6 @@ def space(name: str, title: str) -> Space:
     }
     return Space(
         name,
-        title,
         story=(
             "The field outside a spherical star, with rods and clocks at rest.\n"
             "Ricci flat: curvature causes only tides; the torsion T_10^0 is the felt weight."

@@ -10,7 +10,7 @@ from geomtorsion.spaces.schwarzschild import INNER, through_the_horizon
 from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, antisymmetric, diagonal
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """Coframe (h dt, w dx, w dy, w dz), w = (1 + M/2s)^2, h = (1 - M/2s)/(1 + M/2s)."""
     t, x, y, z = symbols("t x y z", real=True)
     place = (x, y, z)
@@ -35,7 +35,6 @@ def space(name: str, title: str) -> Space:
                 torsion[k, j, j] = -mass * along / (2 * s**3 * outer**3)
     return Space(
         name,
-        title,
         story=(
             "The same black hole with legs along x, y, z, which agree with flat space far away.\n"
             "A proper tetrad: gravity causes all of its torsion, which vanishes with the mass."

@@ -21,12 +21,12 @@ HALF = Rational(1, 2)
 KRETSCHMANN = 48 * MASS**2 / R**6
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """Legs along x, y, z over spherical coordinates, or legs that fall from rest at infinity."""
-    return _cartesian(name, title) if name == "schwarzschild_cartesian" else _falling(name, title)
+    return _cartesian(name) if name == "schwarzschild_cartesian" else _falling(name)
 
 
-def _cartesian(name: str, title: str) -> Space:
+def _cartesian(name: str) -> Space:
     """Coframe (h dt, n^a dr/h + r dn^a), h = sqrt(1 - 2M/r), n the direction from the centre."""
     h = sqrt(1 - 2 * MASS / R)
     n = (sin(THETA) * cos(PHI), sin(THETA) * sin(PHI), cos(THETA))
@@ -46,7 +46,6 @@ def _cartesian(name: str, title: str) -> Space:
                 torsion[b + 1, c + 1, c + 1] = HALF * (h - 1) / R * n[b]
     return Space(
         name,
-        title,
         story=(
             "The black hole with legs that tend to those along x, y, z, in spherical coordinates.\n"
             "In this frame the energy of Moeller and Maluf in a sphere is r (1 - sqrt(1 - 2M/r))."
@@ -83,7 +82,7 @@ def _with_diagonal_legs(frame: Frame) -> Atlas:
     return around_the_centre(frame, legs)
 
 
-def _falling(name: str, title: str) -> Space:
+def _falling(name: str) -> Space:
     """Coframe (dt, dr + w dt, r dtheta, r sin(theta) dphi), w = sqrt(2M/r)."""
     w = sqrt(2 * MASS / R)
     frame = Frame(
@@ -99,7 +98,6 @@ def _falling(name: str, title: str) -> Space:
         torsion |= {(1, k, k): HALF / R, (0, k, k): -HALF * w / R}
     return Space(
         name,
-        title,
         story=(
             "The black hole of observers who fall from rest: Painleve's and Gullstrand's time.\n"
             "Nothing happens at the horizon, and every slice of constant time is flat space."

@@ -8,7 +8,7 @@ from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, antisymmet
 SOURCE = "H. Kleinert, Gauge Fields in Condensed Matter, vol. II: Stresses and Defects (1989)"
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """Coframe (dx, dy, dz + f (x dy - y dx)), f = b / (2 pi (x^2 + y^2 + core^2))."""
     x, y, z = symbols("x y z", real=True)
     b = Symbol("b", positive=True)
@@ -39,7 +39,6 @@ def space(name: str, title: str) -> Space:
         density = b * core**2 / (pi * square**2)
         return Space(
             name,
-            title,
             story=(
                 "A screw dislocation whose Burgers vector is spread over a core of radius c.\n"
                 "Smooth everywhere: loop integral and flux of torsion can both be taken, and agree."
@@ -58,7 +57,6 @@ def space(name: str, title: str) -> Space:
         )
     return Space(
         name,
-        title,
         story=(
             "A walk once around the axis ends one step b higher: a spiral staircase.\n"
             "Torsion and curvature vanish off the axis; all of the Burgers vector sits on the line."

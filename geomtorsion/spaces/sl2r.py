@@ -8,7 +8,7 @@ from geomtorsion.spaces.space import KnownAnswer, Space, alternating, antisymmet
 HALF = Rational(1, 2)
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """Iwasawa coordinates: [[1, x], [0, 1]] diag(sqrt(y), 1/sqrt(y)) rotation(-phi / 2)."""
     x, y, phi = symbols("x y phi", real=True)
     frame = Frame(
@@ -34,7 +34,6 @@ def space(name: str, title: str) -> Space:
     if name == "ads3":
         return Space(
             name,
-            title,
             story=(
                 "Anti-de Sitter space in three dimensions: a group with its Killing form.\n"
                 "Torsion and curvature are as on so3, with one sign of the metric turned over."
@@ -56,7 +55,6 @@ def space(name: str, title: str) -> Space:
         )
     return Space(
         name,
-        title,
         story=(
             "Unit tangent vectors of the hyperbolic plane: where you are and where you look.\n"
             "A loop in the plane turns the view by its area: that is the torsion along phi."

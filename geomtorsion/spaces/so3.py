@@ -19,7 +19,7 @@ from geomtorsion.spaces.space import (
 )
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """Attitude Rz(phi3) Ry(phi2) Rz(phi1), body to space; coframe: the body's angular velocity."""
     phi1, phi2, phi3 = symbols("phi1 phi2 phi3", real=True)
     c1, s1, c2, s2 = cos(phi1), sin(phi1), cos(phi2), sin(phi2)
@@ -59,7 +59,6 @@ def space(name: str, title: str) -> Space:
     )
     return Space(
         name,
-        title,
         story=(
             "A rigid body turning about a fixed point: the coframe is its angular velocity.\n"
             "Its torsion is the gyroscopic term of Euler's equations; its metric is a sphere S^3."

@@ -12,7 +12,7 @@ from geomtorsion.spaces.rotations import QUATERNION, QuaternionMap, quaternion_a
 from geomtorsion.spaces.space import KnownAnswer, Space, alternating, box, diagonal
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """Rotation by chi about n(theta, phi): n dchi + sin(chi) dn - (1 - cos(chi)) n x dn."""
     chi, theta, phi = q = symbols("chi theta phi", real=True)
     axis = Matrix([sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)])
@@ -30,7 +30,6 @@ def space(name: str, title: str) -> Space:
     stretch = 2 * (1 - cos(chi))
     return Space(
         name,
-        title,
         story=(
             "The exponential map of the rotation group, its argument in spherical coordinates.\n"
             "Straight lines through the origin are the rotations about one axis, at all speeds."

@@ -12,7 +12,7 @@ from geomtorsion.spaces.rotations import QUATERNION, QuaternionMap, quaternion_a
 from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, alternating, diagonal
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """q = q0 + i q1 + j q2 + k q3 with q0 = sqrt(1 - q1^2 - q2^2 - q3^2); 2 Im(q* dq)."""
     q1, q2, q3 = q = symbols("q1 q2 q3", real=True)
     q0 = sqrt(1 - q1**2 - q2**2 - q3**2)
@@ -31,7 +31,6 @@ def space(name: str, title: str) -> Space:
     metric = {(i, j): 4 * (unit[i, j] + q[i] * q[j] / q0**2) for i in range(3) for j in range(3)}
     return Space(
         name,
-        title,
         story=(
             "Half of the unit quaternions as a chart: free of gimbal lock up to a half turn.\n"
             "It has neither angles nor sines; the frame has the torsion of so3."

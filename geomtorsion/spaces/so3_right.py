@@ -9,7 +9,7 @@ from geomtorsion.spaces.rotations import ZYZ, angle_atlas, angle_embedding
 from geomtorsion.spaces.space import KnownAnswer, Space, alternating, box, diagonal, matrix
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """The attitude of so3; coframe: the angular velocity seen from space."""
     phi1, phi2, phi3 = symbols("phi1 phi2 phi3", real=True)
     c2, s2, c3, s3 = cos(phi2), sin(phi2), cos(phi3), sin(phi3)
@@ -22,7 +22,6 @@ def space(name: str, title: str) -> Space:
     )
     return Space(
         name,
-        title,
         story=(
             "The same rotations and the same metric as so3, but legs that stay fixed in space.\n"
             "The torsion has the opposite sign: right-invariant fields have opposite commutators."

@@ -11,7 +11,7 @@ from geomtorsion.spaces.rotations import QUATERNION, QuaternionMap, quaternion_a
 from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, alternating, diagonal
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """g = axis * tan(angle / 2); coframe 2 (1 - [g]x) / (1 + g.g)."""
     g1, g2, g3 = g = symbols("g1 g2 g3", real=True)
     square = g1**2 + g2**2 + g3**2
@@ -30,7 +30,6 @@ def space(name: str, title: str) -> Space:
     }
     return Space(
         name,
-        title,
         story=(
             "Cayley's map from vectors to rotations: a chart in which everything is rational.\n"
             "Rotations by a half turn are at infinity; the frame has the torsion of so3."

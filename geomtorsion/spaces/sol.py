@@ -6,14 +6,13 @@ from geomtorsion.geometry import Frame
 from geomtorsion.spaces.space import KnownAnswer, Space, antisymmetric, diagonal
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """Coframe (exp(z) dx, exp(-z) dy, dz)."""
     x, y, z = symbols("x y z", real=True)
     half = Rational(1, 2)
     frame = Frame((x, y, z), [[exp(z), 0, 0], [0, exp(-z), 0], [0, 0, 1]], name=name)
     return Space(
         name,
-        title,
         story=(
             "Going up stretches one direction and squeezes the other: the least symmetric of the\n"
             "eight geometries. Its torsion is a shear, without vector and without axial part."

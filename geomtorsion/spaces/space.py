@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from itertools import permutations
 from typing import TYPE_CHECKING
 
@@ -11,7 +11,9 @@ import sympy
 from sympy import Basic, Expr, Integer, Symbol
 from sympy.combinatorics.permutations import Permutation
 
-from geomtorsion.geometry import Connection, Frame, cartan
+from geomtorsion.errors import UnknownNameError
+from geomtorsion.geometry import Connection, Frame, Tensor, cartan, quantities
+from geomtorsion.geometry.plan import property_of
 from geomtorsion.support.checks import expression
 from geomtorsion.support.copies import content_hash, equal_content
 from geomtorsion.support.displays import drawn_by
@@ -35,8 +37,7 @@ class KnownAnswer:
     Fields
     ------
     quantity
-        A name that `Frame.quantity` knows, or, for a space with a connection of its own, one of
-        `geomtorsion.spaces.checking.CONNECTION_QUANTITIES`.
+        A name in the table `geomtorsion.geometry.quantities`, as `Space.quantity` takes it.
     components
         Index tuple (counted from 0, in the order of the quantity's slots) -> closed form; for a
         scalar the closed form itself.
@@ -100,7 +101,8 @@ class Space:
     Fields
     ------
     name, title
-        The key by which it is loaded, and a one-line title.
+        The key by which it is loaded, and a one-line title; shipped spaces have it from the
+        registry.
     story
         Two lines: what the space is used for, and what its torsion is like.
     source
@@ -130,9 +132,10 @@ class Space:
     """
 
     name: str
-    title: str
-    story: str
-    source: str
+    title: str = ""
+    story: str = ""
+    source: str = ""
+    _: KW_ONLY
     frame: Frame
     known: tuple[KnownAnswer, ...] = ()
     group: str = ""
@@ -160,6 +163,32 @@ class Space:
         'Cartan connection'
         """
         return cartan(self.frame) if self.connection is None else self.connection
+
+    def quantity(self, name: str) -> Tensor:
+        """A named quantity of the frame, or of the space's own connection; see `Frame.quantity`.
+
+        Raises
+        ------
+        UnknownNameError
+            No quantity has this name (the message lists near ones), or it needs a connection that
+            the space does not have.
+
+        Examples
+        --------
+        >>> from geomtorsion.spaces import load
+        >>> load("axial_torsion").quantity("connection_scalar")[()]
+        -6*lambda**2
+        """
+        row = quantities.entry(name)
+        if row.of != "connection":
+            return self.frame.quantity(name)
+        if self.connection is None:
+            raise UnknownNameError(
+                f"{name}: expected a space with its own connection, got {self.name}, which only "
+                "has the connections of its frame. Use cartan_connection, christoffel or another "
+                "quantity of the frame, or give the space a connection."
+            )
+        return property_of(self.connection, row)
 
     def __repr__(self) -> str:
         lines = [f"{self.name}: {self.title}", self.story, f"source: {self.source}"]

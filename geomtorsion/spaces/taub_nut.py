@@ -6,7 +6,7 @@ from geomtorsion.geometry import Frame
 from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, antisymmetric, box
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """Coframe (f (dt + 2l cos(theta) dphi), dr/f, s dtheta, s sin(theta) dphi), s^2 = r^2 + l^2."""
     t, r, theta, phi = symbols("t r theta phi", real=True)
     mass, nut = symbols("M l", positive=True)
@@ -37,7 +37,6 @@ def space(name: str, title: str) -> Space:
     }
     return Space(
         name,
-        title,
         story=(
             "A mass with a gravitational magnetic charge l: space turns around every direction.\n"
             "The charge is the axial torsion of the static legs: T_23^0 is proportional to it."

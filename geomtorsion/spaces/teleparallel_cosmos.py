@@ -14,9 +14,9 @@ HALF = Rational(1, 2)
 SOURCE = "M. Hohmann, L. Jaerv, M. Krssak, C. Pfeifer, Phys. Rev. D 100 (2019) 084002"
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """A closed universe in left-invariant legs, an open one in legs of Minkowski space."""
-    return _closed(name, title) if name == "frw_closed" else _open(name, title)
+    return _closed(name) if name == "frw_closed" else _open(name)
 
 
 def _einstein(k: int) -> dict[tuple[int, ...], Expr]:
@@ -26,7 +26,7 @@ def _einstein(k: int) -> dict[tuple[int, ...], Expr]:
     return diagonal([density, pressure, pressure, pressure])
 
 
-def _closed(name: str, title: str) -> Space:
+def _closed(name: str) -> Space:
     """Coframe (dt, a sigma^i / 2), sigma^i the left-invariant forms of the three-sphere."""
     s = SCALE / 2
     frame = Frame(
@@ -47,7 +47,6 @@ def _closed(name: str, title: str) -> Space:
             torsion[i, j, k] = LeviCivita(i, j, k) / SCALE
     return Space(
         name,
-        title,
         story=(
             "The closed universe in legs that left translations of the three-sphere keep.\n"
             "Every f(T) theory accepts it: the antisymmetric part of the field equations is zero."
@@ -66,7 +65,7 @@ def _closed(name: str, title: str) -> Space:
     )
 
 
-def _open(name: str, title: str) -> Space:
+def _open(name: str) -> Space:
     """Coframe X^A dt + a dX^A, X on the hyperboloid X.X = -1 of Minkowski space."""
     n = (sin(THETA) * cos(PHI), sin(THETA) * sin(PHI), cos(THETA))
     place = (cosh(CHI), *(sinh(CHI) * x for x in n))
@@ -87,7 +86,6 @@ def _open(name: str, title: str) -> Space:
     }
     return Space(
         name,
-        title,
         story=(
             "The open universe in the legs of flat space-time, taken along as the cosmos expands.\n"
             "For a = t it is Milne's universe, flat and without torsion; f(T) theories accept it."

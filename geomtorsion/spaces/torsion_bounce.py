@@ -6,7 +6,7 @@ from geomtorsion.geometry import Frame, Tensor, from_torsion
 from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, antisymmetric
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """Coframe (dt, a dx, a dy, a dz) with a^3 = kappa s0^2/(4 rho0) + 3 kappa rho0 t^2/4."""
     t, x, y, z = symbols("t x y z", real=True)
     kappa, density, spin = symbols("kappa rho0 s0", positive=True)
@@ -25,7 +25,6 @@ def space(name: str, title: str) -> Space:
     rate = hubble.diff(t)
     return Space(
         name,
-        title,
         story=(
             "Dust whose particles spin along z makes torsion, T_12^0 = kappa s, which repels.\n"
             "Instead of a singularity the universe has a smallest size, a^3 = kappa s0^2/(4 rho0)."

@@ -6,7 +6,7 @@ from geomtorsion.geometry import Frame
 from geomtorsion.spaces.space import KnownAnswer, Space, alternating, antisymmetric, diagonal
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """The Cartesian coframe turned about z by the angle kappa z."""
     x, y, z = symbols("x y z", real=True)
     kappa = Symbol("kappa", positive=True)
@@ -14,7 +14,6 @@ def space(name: str, title: str) -> Space:
     frame = Frame((x, y, z), [[c, s, 0], [-s, c, 0], [0, 0, 1]], parameters=(kappa,), name=name)
     return Space(
         name,
-        title,
         story=(
             "A twisted whisker or a cholesteric: lattice planes that turn as one climbs.\n"
             "Space stays flat; the torsion counts the screw dislocations that the twist needs."

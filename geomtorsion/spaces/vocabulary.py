@@ -21,7 +21,7 @@ ASSUMPTIONS = (
 _NAME = re.compile(r"[^\W0-9]\w*")
 
 # As TOML writes them.
-FLAG = "{subject}: expected true or false, got {value}."
+FLAG = "true or false"
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, antisymmet
 SOURCE = "M. O. Katanaev, Geometric theory of defects, Phys. Usp. 48 (2005) 675"
 
 
-def space(name: str, title: str) -> Space:
+def space(name: str) -> Space:
     """d(r cos(alpha phi)), d(r sin(alpha phi)), dz; or the same legs turned back to be periodic."""
     r, phi, z = symbols("r phi z", real=True)
     alpha = Symbol("alpha", positive=True)
@@ -33,7 +33,6 @@ def space(name: str, title: str) -> Space:
     if closed:
         return Space(
             name,
-            title,
             story=(
                 "Cut out a wedge and glue: a cone, flat except for its tip, a cosmic string.\n"
                 "The lattice has neither torsion nor curvature but comes back turned by 2 pi alpha."
@@ -52,7 +51,6 @@ def space(name: str, title: str) -> Space:
     excess = (1 - alpha) / (alpha * r)
     return Space(
         name,
-        title,
         story=(
             "The cone of the wedge disclination with legs that come back to themselves.\n"
             "The price is torsion: the disclination appears as a cloud of dislocations about it."

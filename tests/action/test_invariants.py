@@ -9,7 +9,7 @@ import sympy as sp
 import geomtorsion as gt
 from geomtorsion import spaces
 from geomtorsion.action.ansatz import ansatz_functions, fitting_functions, right_invariant
-from geomtorsion.action.relations import depends, relations
+from geomtorsion.action.invariants import depends, relations
 from geomtorsion.exact import Field
 from tests.action.test_equations import FLIGHT, MASS, MOMENTS, SPIN, U
 

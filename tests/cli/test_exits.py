@@ -113,7 +113,7 @@ def test_a_program_that_imports_the_package_gets_its_interrupt():
         (["map", "field.npz"], "map.csv"),
         (["map", "field.npy", "--blocks", "30"], "map.zarr"),
         pytest.param(
-            ["burgers", "field.npz", "--loop", "circle 20,20:9"],
+            ["circuit", "field.npz", "--loop", "circle 20,20:9"],
             "circuits.png",
             marks=pytest.mark.slow,
         ),

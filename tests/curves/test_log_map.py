@@ -82,7 +82,7 @@ def test_an_engine_without_series_names_the_reason():
         log_map(surface, [0.5, 0.0], [1.0, 0.3], engine=Taylor())
 
 
-SEARCH = import_module("geomtorsion.curves.search")
+NEWTON = import_module("geomtorsion.ode.newton")
 SHOOTING = import_module("geomtorsion.curves.shooting")
 SPHERE = levi_civita(load("s2").frame), [1.5, 0.0], [1.6, 3.0], {"R": 1}
 R, PHI = sp.symbols("r phi", real=True)
@@ -122,13 +122,13 @@ def test_how_many_shots_there_are(monkeypatch):
 def test_slopes_are_used_again_where_they_lead_closer_quickly(monkeypatch):
     """Slopes are reused while the miss falls quickly: this is cheaper than new ones each time."""
     again, found = ends(PLANE, [-3.0, 0.1], monkeypatch)
-    monkeypatch.setattr(SEARCH, "STALE", 0.0)
+    monkeypatch.setattr(NEWTON, "STALE", 0.0)
     anew, same = ends(PLANE, [-3.0, 0.1], monkeypatch)
     assert found is not None
     assert same is not None
     assert same.vector == pytest.approx(found.vector, abs=1e-8)
     assert again < anew
-    monkeypatch.setattr(SEARCH, "STALE", 1.0)
+    monkeypatch.setattr(NEWTON, "STALE", 1.0)
     assert ends(PLANE, [-3.0, 0.1], monkeypatch)[1] is None
 
 

@@ -110,5 +110,5 @@ def test_indices_of_other_kinds():
     for bad in bads:
         with pytest.raises(TensorIndexError, match="expected up to 2 indices, each a whole number"):
             POLAR.legs[bad, 0]
-        with pytest.raises(TensorIndexError, match="has no index"):
+        with pytest.raises(TensorIndexError, match="expected the number of an index from 0 to 1"):
             POLAR.metric.raised(bad)

@@ -142,7 +142,10 @@ REFUSALS = [
     (lambda: PLANE.in_coordinates([r], {x: r, y: r}), "expected 2, got 1"),
     (lambda: PLANE.in_coordinates([r, phi], {x: r}), "an expression for y"),
     (lambda: PLANE.in_coordinates([r, phi], {"z": r}), "names of coordinates"),
-    (lambda: PLANE.in_coordinates([r, phi], [r]), "expected 2 expressions"),
+    (
+        lambda: PLANE.in_coordinates([r, phi], [r]),
+        "one for each of 2 coordinates x, y, got 1",
+    ),
     (lambda: PLANE.in_coordinates([r, phi], [r, r]), "singular"),
     (lambda: PLANE.in_coordinates([r, r], [r, r]), "repeated"),
     (lambda: PLANE.in_coordinates([r, phi], ["r*q", "phi"]), "q is neither"),

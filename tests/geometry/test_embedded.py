@@ -110,7 +110,11 @@ def test_autoparallel_against_its_own_equations():
         (lambda: gt.embedded([x, y], 3), CoframeError, "rows: expected rows of entries, got 3"),
         (lambda: gt.embedded([x, y], [1, 2]), CoframeError, r"rows\[0\]: expected rows"),
         (lambda: gt.embedded([x, y], [["x", 0], [0, 1]]), ExpressionError, r"rows\[0, 0\]"),
-        (lambda: gt.embedded([x], [[1, 0], [0, 1], [0, x]]), ShapeError, "expected 2"),
+        (
+            lambda: gt.embedded([x], [[1, 0], [0, 1], [0, x]]),
+            ShapeError,
+            "one for each of 2",
+        ),
         (lambda: gt.embedded([x, y], [[1, 1]] * 3), MetricError, "degenerate"),
         (
             lambda: gt.embedded([x, y], [[1, 0], [0, 1], [0, x]], (1, 1)),

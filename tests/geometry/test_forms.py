@@ -118,11 +118,11 @@ REFUSALS = [
     (lambda: gt.Form(SPACE, 1, {0: 1}).D(gt.cartan(BALL)), "over one frame"),
     (lambda: gt.Form(SPACE, 1, {0: 1}).interior([1, 2]), "3 entries"),
     (lambda: gt.Form(SPACE, 2, {(0, 1): x}).wedge(gt.Form(SPACE, 2, {(0, 1): 1})).star, "degree 4"),
-    (lambda: gt.cartan(SPACE).torsion_form(0, 1), "1 value indices"),
+    (lambda: gt.cartan(SPACE).torsion_form(0, 1), "values: expected 1 whole numbers from 0 to 2"),
     (lambda: gt.cartan(SPACE).torsion_form(3), "from 0 to 2"),
     (lambda: gt.lie([1, 0, 0], gt.cartan(SPACE).coefficients), "connection"),
     (lambda: gt.lie([1, 0, 0], 3), "expected a tensor"),
-    (lambda: gt.lie(BALL.vector([1, 0, 0]), SPACE), "over the same frame"),
+    (lambda: gt.lie(BALL.vector([1, 0, 0]), SPACE), "xi: expected a tensor over this frame"),
     (lambda: gt.lie(SPACE.metric, SPACE), "one index"),
     (
         lambda: gt.levi_civita(gt.spaces.load("s2").frame).curvature.schouten[0, 0],

@@ -235,7 +235,10 @@ REFUSALS = [
     (lambda: gt.LieAlgebra({(0, 1, 2): 1, (0, 2, 2): 1, (1, 2, 0): 1}), "Jacobi"),
     (lambda: gt.LieAlgebra([[[0, 0], [1, 0]], [[1, 0], [0, 0]]]), "antisymmetric"),
     (lambda: gt.LieAlgebra("so(3)"), "structure constants"),
-    (lambda: gt.LieAlgebra({(0, 1, 1): 1}).bracket([1], [1, 0]), "expected 2 components"),
+    (
+        lambda: gt.LieAlgebra({(0, 1, 1): 1}).bracket([1], [1, 0]),
+        "one for each of 2 basis",
+    ),
     (lambda: gt.LieAlgebra({(0, 1, 1): 1}).bracket(3, [1, 0]), "first"),  # pyright: ignore[reportArgumentType]
 ]
 

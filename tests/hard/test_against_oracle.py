@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import geomtorsion as gt
-from geomtorsion.geometry.quantities import QUANTITIES
+from geomtorsion.geometry.quantities import FRAME_QUANTITIES
 from tests.differences import DIGITS, agrees
 from tests.hard.support import numbers, oracle_of, quick, values_at
 from tests.strategies import COORDINATES, F, coframes, k
@@ -33,6 +33,7 @@ OF_FRAME = {
     "torsion_axial": "torsion_axial",
     "torsion_tensor": "torsion_tensor",
     "torsion_scalar": "torsion_scalar",
+    "superpotential": "superpotential",
     "torsion_force": "force_coefficients",
     "spin_connection": "metric_spin_connection",
     "contortion": "contortion",
@@ -89,7 +90,7 @@ def test_every_space_and_quantity_is_compared():
     """The comparison covers all spaces and every named quantity."""
     assert len(gt.spaces.names()) >= 30
     # Cotton's tensor takes third differences: tests/geometry/test_forms compares it.
-    assert OF_FRAME.keys() | {"cotton"} == QUANTITIES.keys()
+    assert OF_FRAME.keys() | {"cotton"} == FRAME_QUANTITIES.keys()
 
 
 @quick

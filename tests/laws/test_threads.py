@@ -21,7 +21,7 @@ from sympy.core.function import AppliedUndef
 import geomtorsion as gt
 from geomtorsion import gravity
 from geomtorsion.exact import Element
-from geomtorsion.geometry.quantities import QUANTITIES
+from geomtorsion.geometry.quantities import FRAME_QUANTITIES
 
 THREADS = 8
 # A thread that needs a result for longer than this waits for another that waits for it.
@@ -241,7 +241,9 @@ def questions(name: str, shared: Shared) -> dict[str, Question]:
         looks["written"] = written
         others = MORE | (MOTIONS if shared.start else {})
         others |= {"burgers": burgers} if shared.loop else {}
-    tensors = {f"{q} {how}": of_tensor(look, q) for q in QUANTITIES for how, look in looks.items()}
+    tensors = {
+        f"{q} {how}": of_tensor(look, q) for q in FRAME_QUANTITIES for how, look in looks.items()
+    }
     return {**tensors, **others}
 
 

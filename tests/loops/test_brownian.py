@@ -189,7 +189,7 @@ REFUSALS = (
     (lambda: ensemble(steps=5), "even number, got 5"),
     (lambda: ensemble(seed=-1), "whole number"),
     (lambda: ensemble(members=10**9), "GB of memory"),
-    (lambda: ensemble(parameters={}), "expected values for R"),
+    (lambda: ensemble(parameters={}), "expected a value for R, got none"),
     (lambda: ensemble(parameters={"R": 1, "Q": 2}), "Q"),
     (lambda: ensemble(start=[0, 0]), "no finite position"),
     (lambda: MOTION.generator("cos(rho)"), "rho"),

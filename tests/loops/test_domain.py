@@ -21,6 +21,8 @@ t = sp.Symbol("t", real=True)
 R = sp.Symbol("R", positive=True)
 x, y = sp.symbols("x y", real=True)
 DIP = gt.Loop.parametric([2 - 2.0001 * sp.sin(t) ** 31, sp.cos(t)], t, (0, 2 * sp.pi))
+# Positive at all points at which loops are looked at first.
+BETWEEN = gt.Loop.parametric([2 - 2.0001 * sp.sin(t - 0.3) ** 31, sp.cos(t)], t, (0, 2 * sp.pi))
 OUTSIDE = {
     "circle": gt.Loop.circle([0, 0], 0.2),
     "ellipse": gt.Loop.ellipse([1, 0], [1.5, 0.2]),
@@ -30,6 +32,7 @@ OUTSIDE = {
     "spline": gt.Loop.spline([[1, 0], [2, 0], [-1, 1]]),
     "parametrised": gt.Loop.parametric([sp.cos(t), sp.sin(t)], t, (0, 2 * sp.pi)),
     "narrow dip": DIP,
+    "dip between samples": BETWEEN,
     "negative side": gt.Loop.circle([-2, 0], 0.5),
     "second part": gt.Loop.circle([2, 0], 1).then(gt.Loop.polygon([[3, 0], [-1, 0], [-1, 1]])),
 }
@@ -46,14 +49,14 @@ def test_loops_outside_are_refused(name: str) -> None:
         gt.develop(CONNECTION, loop)
     if name in ("circle", "polygon", "parametrised"):
         with pytest.raises(ChartEdgeError, match=WORDS):
-            gt.burgers_vector(POLAR, loop, exact=True)
+            gt.exact_burgers_vector(POLAR, loop)
 
 
 def test_no_circle_about_the_edge_has_a_closed_form() -> None:
     """A circle of any radius about r = 0 is refused; one of a fixed radius inside is not."""
     with pytest.raises(ChartEdgeError, match=WORDS):
-        gt.burgers_vector(POLAR, gt.Loop.circle([0, 0], R), exact=True)
-    inside = gt.burgers_vector(POLAR, gt.Loop.circle([3, 0], 1), exact=True)
+        gt.exact_burgers_vector(POLAR, gt.Loop.circle([0, 0], R))
+    inside = gt.exact_burgers_vector(POLAR, gt.Loop.circle([3, 0], 1))
     assert [float(v) for v in inside.vector] == pytest.approx([0, np.pi])
 
 

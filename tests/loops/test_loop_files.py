@@ -67,25 +67,25 @@ JSON = [
     ("{}", "expected a list of loops"),
     ("[]", "at least one"),
     ("3", "a list of loops"),
-    ('[{"circl": {}}]', "unknown key 'circl'. Did you mean circle"),
-    ('[{"circle": {"centre": [0, 0]}}]', "the key 'radius' is missing"),
+    ('[{"circl": {}}]', "expected a known key, got 'circl'. Did you mean circle"),
+    ('[{"circle": {"centre": [0, 0]}}]', "expected a value for radius, got none. Add the key"),
     ('[{"circle": {"centre": [0, 0], "radius": NaN}}]', "NaN is not a number"),
     ('[{"circle": {"centre": [0, 0], "radius": true}}]', "expected a number, got True"),
     ('[{"circle": {"centre": [0, null], "radius": 1}}]', r"centre\[1\]: expected a number"),
     (
         '[{"circle": {"centre": [0, 0], "radius": 1, "plane": ["x", "q"]}}]',
-        "'q' is not a coordinate",
+        "expected a coordinate, got 'q'",
     ),
     (
         '[{"circle": {"centre": [0, 0], "radius": 1, "plane": "xy"}}]',
         "plane: expected two coordinates",
     ),
-    ('[{"circle": 3}]', "expected a mapping"),
-    ("[3]", "expected a mapping"),
+    ('[{"circle": 3}]', "expected names with values, got 3"),
+    ("[3]", "expected names with values, got 3"),
     ('[{"times": 3}]', "exactly one of .* got none"),
     ('[{"circle": {"centre": [0, 0], "radius": 1}, "name": 3}]', "name: expected text"),
-    ('{"loops": [1], "q": 3}', "unknown key 'q'"),
-    ('{"loops": [1], "parameters": 3}', "parameters: expected names and values"),
+    ('{"loops": [1], "q": 3}', "expected a known key, got 'q'"),
+    ('{"loops": [1], "parameters": 3}', "parameters: expected a dict, got 3"),
     ('{"loops": [1], "accuracy": "x"}', "accuracy: expected a number"),
     ("[" * 100000, "nested too deeply|expected JSON"),
 ]
@@ -125,7 +125,7 @@ CSV = [
     ("x,y,radius\n0,0,-1\n", "line 2: radius: expected a positive length"),
     ("x,y,radius\n0,0,nan\n", "a finite number"),
     ("loop,x,y\na,0,0\na,1,1\n", "loop a: vertices: expected at least three"),
-    ("x,y,radius,plane\n0,0,1,x z\n", "'z' is not a coordinate"),
+    ("x,y,radius,plane\n0,0,1,x z\n", "expected a coordinate, got 'z'"),
 ]
 
 
@@ -154,7 +154,7 @@ def test_curves_in_files_may_have_periods() -> None:
     loop = loop_from_data(polar, {"curve": {**curve, "periods": {"phi": "2*pi"}}})
     assert loop.gap.tolist() == [0, 2 * np.pi]
     assert burgers_vector(polar, loop).vector == pytest.approx([0, 4 * np.pi])
-    for periods, message in (({"q": 1}, "periods: 'q' is not known"), ("phi", "periods")):
+    for periods, message in (({"q": 1}, "expected a known name, got 'q'"), ("phi", "periods")):
         with pytest.raises(FileFormatError, match=message):
             loop_from_data(polar, {"curve": {**curve, "periods": periods}})
     with pytest.raises(LoopError, match="does not close"):

@@ -67,7 +67,7 @@ def test_paths_that_do_not_close_are_refused():
         develop_period(frame, [[1, 0], [1, 6]], ROUND)
     with pytest.raises(LoopError, match=r"misses its start .* by \(1, 0\)"):
         develop_period(frame, [[1, 0], [2, TURN]], ROUND)
-    with pytest.raises(LoopError, match="psi is not a coordinate"):
+    with pytest.raises(LoopError, match="periods: expected a coordinate, got 'psi'"):
         develop_period(frame, [[1, 0], [1, TURN]], {"psi": TURN})
     with pytest.raises(LoopError, match="expected the change of phi in one turn"):
         develop_period(frame, [[1, 0], [1, TURN]], {"phi": 0})

@@ -8,7 +8,7 @@ from geomtorsion import scenes
 from geomtorsion.errors import LimitError, TimeError
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.ode import ODE, RungeKutta, solve, solve_many
-from geomtorsion.support import checks
+from geomtorsion.support.checks import lists
 
 SWING = ODE.of({"x": "v", "v": "-x"}, [1, 0])
 PLANE = gt.Frame("x y", [[1, 0], [0, 1]])
@@ -36,7 +36,7 @@ def test_what_would_fill_the_memory_is_refused(call, says):
 
 def test_one_motion_at_many_times(monkeypatch):
     """A number of times on each side of the limit, which the test lowers to save time."""
-    monkeypatch.setattr(checks, "LARGEST_ARRAYS", 3_200_000)
+    monkeypatch.setattr(lists, "LARGEST_ARRAYS", 3_200_000)
     times = np.linspace(0, 1, 100_000)
     assert len(solve(SWING, times, 1e-6, RungeKutta()).times) == 100_000
     with pytest.raises(LimitError, match="t: 100,002 times of 2 states would take 0.0032 GB"):

@@ -13,6 +13,7 @@ from hypothesis import given
 
 from geomtorsion import spaces
 from geomtorsion.errors import ExpressionError
+from geomtorsion.geometry.quantities import TABLE
 from geomtorsion.pictures import formula
 from geomtorsion.pictures.formula import (
     LETTERS,
@@ -21,7 +22,6 @@ from geomtorsion.pictures.formula import (
     mathml,
 )
 from geomtorsion.pictures.latex import equation_latex, latex_label, latex_name, text_label
-from geomtorsion.pictures.quantities import CATALOGUE
 from geomtorsion.pictures.report import write_report
 from geomtorsion.pictures.text import greek_name
 from geomtorsion.teaching.exercises.sheets import write_sheet
@@ -117,7 +117,7 @@ def test_names_are_escaped():
         assert "<script>" not in parsed_text(sympy.Function(name)(r))
 
 
-@pytest.mark.parametrize("entry", CATALOGUE, ids=lambda entry: entry.name)
+@pytest.mark.parametrize("entry", TABLE, ids=lambda entry: entry.name)
 def test_equations_are_well_formed(entry):
     """Each definition becomes markup, with each index in its own column."""
     root = parsed(mathml(equation_latex(entry.equation)))

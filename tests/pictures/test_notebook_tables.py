@@ -103,7 +103,7 @@ def test_what_users_type_is_escaped():
     x, y = sp.Symbol(EVIL), sp.Symbol("y")
     function = sp.Function(EVIL)
     frame = gt.Frame([x, y], [[1, 0], [x, function(y)]], name=EVIL)
-    space = gt.spaces.Space(EVIL, EVIL, EVIL, EVIL, frame, notes=EVIL)
+    space = gt.spaces.Space(EVIL, EVIL, EVIL, EVIL, frame=frame, notes=EVIL)
     shown = [
         frame, frame.metric, frame.legs, gt.cartan(frame), gt.levi_civita(frame).curvature,
         gt.cartan(frame).torsion, frame.metric.table([EVIL, f"{EVIL}2"]), space,

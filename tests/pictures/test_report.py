@@ -8,14 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from geomtorsion.pictures.quantities import CATALOGUE, CONNECTION
+from geomtorsion.geometry.quantities import TABLE
 from geomtorsion.pictures.report import widest_gap, write_report
 from geomtorsion.spaces import load, read_file
 from tests.pictures.test_formula import parsed
 
 DATA = Path(__file__).parent.parent / "data"
 VOID = {"meta", "br", "link", "img", "hr", "input"}
-SHOWN = [entry for entry in CATALOGUE if entry.section and entry.section != CONNECTION]
+SHOWN = [entry for entry in TABLE if entry.reported and entry.of != "connection"]
 
 
 class Structure(HTMLParser):

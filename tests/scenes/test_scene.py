@@ -295,7 +295,7 @@ def test_replacing_an_attitude_or_inertia():
 def test_whole_numbers_of_numpy_and_numbers_that_are_too_small():
     """samples may come from NumPy; zero repeats are refused with an error of ours."""
     assert len(TOP.with_values(samples=np.int64(5)).times) == 5
-    with pytest.raises(SceneError, match="samples = True: expected a whole number from 2 on"):
+    with pytest.raises(SceneError, match="samples: expected a whole number from 2 on, got True"):
         TOP.with_values(samples=True)
     with pytest.raises(SceneError, match="repeats: expected a whole number from 1 on"):
         TOP.cost(repeats=0)

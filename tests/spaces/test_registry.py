@@ -44,37 +44,37 @@ def test_all_spaces_are_listed_once() -> None:
 
 
 def test_every_module_of_the_registry_exists_and_has_a_maker() -> None:
-    """A line without a file, or a file without `space(name, title)`, is found without importing."""
-    for module in {module for _, module, _ in SPACES}:
+    """A line without a file, or a file without `space(name)`, is found without importing."""
+    for module in {one.module or one.name for one in SPACES}:
         spec = util.find_spec(f"geomtorsion.spaces.{module}")
         assert spec is not None, module
         assert spec.origin is not None
         tree = ast.parse(Path(spec.origin).read_text(encoding="utf-8"))
         makers = [n for n in tree.body if isinstance(n, ast.FunctionDef) and n.name == "space"]
-        assert [[a.arg for a in maker.args.args] for maker in makers] == [["name", "title"]], module
+        assert [[a.arg for a in maker.args.args] for maker in makers] == [["name"]], module
 
 
 def test_every_file_that_makes_a_space_is_in_the_registry() -> None:
     """Every file that makes a space is listed; otherwise it would never be checked."""
-    listed = {module for _, module, _ in SPACES}
+    listed = {one.module or one.name for one in SPACES}
     spec = util.find_spec("geomtorsion.spaces")
     assert spec is not None
     assert spec.origin is not None
     for path in Path(spec.origin).parent.glob("*.py"):
-        makes = "def space(name: str, title: str)" in path.read_text(encoding="utf-8")
+        makes = "def space(name: str)" in path.read_text(encoding="utf-8")
         assert makes == (path.stem in listed), path.stem
 
 
 def test_names_import_no_space() -> None:
     """Listing loads none of the spaces."""
     code = "import geomtorsion.spaces as s; s.names(); s.titles()"
-    modules = {module for _, module, _ in SPACES}
+    modules = {one.module or one.name for one in SPACES}
     assert imported_after(code) & modules == set()
 
 
 def test_loading_imports_only_that_space() -> None:
     """Loading one space loads no other, and no part of scipy, which takes as long as the rest."""
-    modules = {module for _, module, _ in SPACES}
+    modules = {one.module or one.name for one in SPACES}
     loaded = imported_after("import geomtorsion.spaces as s; s.load('kerr')")
     assert loaded & modules == {"kerr"}
     assert "geomtorsion.curves.atlas" in loaded

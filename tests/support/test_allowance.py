@@ -301,7 +301,7 @@ def test_in_a_process(tmp_path):
     done = subprocess.run(
         [sys.executable, str(file)],
         capture_output=True, text=True, timeout=100, check=False,
-        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])},
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])},
     )  # fmt: skip
     assert done.returncode == 1
     assert "AllowanceError" in done.stderr.splitlines()[-1]

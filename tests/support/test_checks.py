@@ -101,8 +101,8 @@ def test_infinite_numbers(value):
     """A number that is not finite has a message of its own."""
     with pytest.raises(LoopError, match="t: expected a finite number, got "):
         checks.number(value, "t", LoopError)
-    with pytest.raises(StartError, match="endless t"):
-        checks.exact_number(value, "t", StartError, infinite="endless {subject}")
+    with pytest.raises(StartError, match=r"t: expected a time, got .* Give another\.$"):
+        checks.exact_number(value, "t", StartError, expected="a time", remedy="Give another.")
     with pytest.raises(LoopError, match="finite"):
         checks.rational(value, "t", LoopError)
 
@@ -185,15 +185,18 @@ def test_lists_of_numbers():
     assert type(kept[2]) is float
     assert checks.numbers(np.eye(2)[0], None, "u", StartError) == (1, 0)
     for values in ("12", {1: 2}, 3, None, np.array(1.0)):
-        with pytest.raises(ShapeError, match=r"u: expected a list of numbers, got .*"):
+        with pytest.raises(ShapeError, match=r"u: expected a list of 2 numbers, got .*"):
             checks.numbers(values, 2, "u", StartError, shape_error=ShapeError)
     with pytest.raises(ShapeError, match="u: expected 2 numbers, got 3"):
         checks.numbers([1, 2, 3], 2, "u", StartError, shape_error=ShapeError)
     for wrong in ([1, "2"], [1, [2]], [1, None], [[1], 2], [1, np.array([2])]):
         with pytest.raises(StartError, match=r"u\[[01]\]: expected a number"):
             checks.numbers(wrong, 2, "u", StartError, shape_error=ShapeError)
-    with pytest.raises(StartError, match=r"u\[1\] is not finite"):
-        checks.numbers([1, np.nan], 2, "u", StartError, infinite="{subject} is not finite")
+    with pytest.raises(StartError, match=r"u\[1\]: expected a finite number, got nan"):
+        checks.numbers([1, np.nan], 2, "u", StartError)
+    two = {"expected": "two numbers", "remedy": "Give both."}
+    with pytest.raises(StartError, match=r"u: expected two numbers, got \[1, 2, 3\]\. Give both\."):
+        checks.numbers([1, 2, 3], 2, "u", StartError, **two)
 
 
 def test_arrays():
@@ -217,12 +220,15 @@ def test_names():
     """Known names pass as text or symbol; messages offer similar names and cut long ones."""
     assert checks.known_name("a", ["a", "b"], "p", StartError) == "a"
     assert checks.known_name(sp.Symbol("a"), ["a", "b"], "p", StartError) == "a"
-    with pytest.raises(StartError, match=r"'omgea' .*Did you mean omega\? Known are omega, b\."):
+    near = r"'omgea'\. Did you mean omega\? There are omega, b\."
+    with pytest.raises(StartError, match=f"^p: expected a known name, got {near}$"):
         checks.known_name("omgea", ["omega", "b"], "p", StartError)
-    with pytest.raises(StartError, match="no parameter omgea"):
-        checks.known_name("omgea", [], "p", StartError, message="no parameter {name}")
+    with pytest.raises(
+        StartError, match=r"^expected a rate, got 'omgea'. There are none. Add it.$"
+    ):
+        checks.known_name("omgea", [], "", StartError, expected="a rate", remedy="Add it.")
     for value in (1, None, ["a"], {"a": 1}.keys()):
-        with pytest.raises(StartError, match="is not known"):
+        with pytest.raises(StartError, match="p: expected a known name, got "):
             checks.known_name(value, ["a"], "p", StartError)
     with pytest.raises(StartError) as caught:
         checks.known_name("a" * 10**6, ["a"], "p", StartError)
@@ -232,7 +238,7 @@ def test_names():
 def test_keys():
     """A table with known keys is accepted; anything else is refused."""
     assert checks.known_keys({"a": 1, X: 2}, ["a", "x"], "p", StartError) == {"a": 1, "x": 2}
-    with pytest.raises(StartError, match="p: 'c' is not known"):
+    with pytest.raises(StartError, match="p: expected a known name, got 'c'"):
         checks.known_keys({"c": 1}, ["a"], "p", StartError)
     for value in ("a", [("a", 1)], None, 3):
         with pytest.raises(StartError, match="p: expected names with values"):
@@ -336,3 +342,67 @@ def test_large_whole_numbers_keep_their_last_digit():
 def test_zero_is_where_other_numbers_end():
     """Zero is accepted for a nonzero symbol, as for a positive one."""
     checks.check_declared(sp.Symbol("n", nonzero=True), 0)
+
+
+REFUSED = {
+    "too many entries": (
+        lambda: checks.entries([1, 2, 3], "axes", LoopError, 2, expected="two semi-axes"),
+        r"axes: expected two semi-axes, got \[1, 2, 3\]\.",
+    ),
+    "a set": (lambda: checks.entries({1}, "axes", LoopError), r"a list, got \{1\}\. Put it"),
+    "a word for flags": (
+        lambda: checks.flags("yes", 2, "periodic", LoopError, remedy="Give two."),
+        r"periodic: expected 2 truth values, got 'yes'\. Give two\.",
+    ),
+    "a two among flags": (lambda: checks.flags([1, 2], 2, "p", LoopError), "2 truth values"),
+    "arrays as flags": (lambda: checks.flags([[1], 0], 2, "p", LoopError), "2 truth values"),
+    "fractions": (
+        lambda: checks.whole_array([[0.5, 1]], "pairs", LoopError, 2),
+        r"pairs: expected whole numbers of shape \(any, 2\), got float64 of shape \(1, 2\)\.",
+    ),
+    "three columns": (
+        lambda: checks.whole_array([[0, 1, 2]], "pairs", LoopError, 2),
+        r"whole numbers of shape \(any, 2\), got int64 of shape \(1, 3\)",
+    ),
+    "a negative length": (
+        lambda: checks.not_negative(-1, "core", LoopError, remedy="Give a length."),
+        r"core: expected 0 or a positive number, got -1\. Give a length\.",
+    ),
+    "an endless length": (lambda: checks.not_negative(np.inf, "core", LoopError), "got inf"),
+    "no length": (lambda: checks.not_negative("1", "core", LoopError), "got '1'"),
+    "too few": (
+        lambda: checks.check_one_each("ab", 3, "atoms", "species", LoopError, "Give three."),
+        r"species: expected one for each of 3 atoms, got 2\. Give three\.",
+    ),
+    "no value": (
+        lambda: checks.check_values("abc", {"a": 1}, "at", LoopError, "Give {missing}."),
+        r"at: expected a value for b, c, got none\. Give b\.",
+    ),
+    "a truth value as a number": (
+        lambda: checks.choice(True, (1, -1), "side", LoopError),
+        "side: expected one of 1, -1, got True",
+    ),
+    "an array as a choice": (
+        lambda: checks.choice(np.array([1, 2]), (1, -1), "side", LoopError),
+        "side: expected one of 1, -1, got array",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_refusals(case):
+    """Each converter refuses in one form: what is expected, what it got, what to do."""
+    call, words = REFUSED[case]
+    with pytest.raises(LoopError, match=words):
+        call()
+
+
+def test_several_values():
+    """Lists of a length, truth values, whole arrays and choices pass in one type."""
+    assert checks.entries((1, 2), "axes", LoopError, 2) == [1, 2]
+    assert checks.flags(np.array([True, False]), 2, "periodic", LoopError) == (True, False)
+    assert checks.flags(np.True_, 2, "periodic", LoopError) == (True, True)
+    assert checks.whole_array([], "pairs", LoopError, 2).shape == (0, 2)
+    assert checks.not_negative(0, "core", LoopError) == 0.0
+    assert checks.choice(sp.Integer(-1), (1, -1), "side", LoopError) == -1
+    checks.check_values("ab", {"a": 1, "b": 2}, "at", LoopError, "")

@@ -15,7 +15,7 @@ import geomtorsion as gt
 from tests.copied import answers, things
 from tests.public_values import values
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")
@@ -92,6 +92,8 @@ def test_dask_sends_them(originals, many, monkeypatch):
     options = {"n_workers": 1, "threads_per_worker": 1, "dashboard_address": None}
     with distributed.Client(processes=True, **options) as client:
         found = client.map(there_and_back, list(made), list(made.values()), pure=False)
+        # A worker that cannot read what it is sent would be waited for without end.
+        distributed.wait(found, timeout=300)
         check_sent(originals, made, client.gather(found))
 
 

@@ -286,6 +286,25 @@ def stars() -> Any:
     return figure
 
 
+def boson_stars() -> Any:
+    """The fields of two boson stars, which vanish at infinity."""
+    script = example("35_a_star_that_ends_nowhere")
+    reduced = script["star"]()
+    figure = new_figure(5.6, 4.2)
+    axes = figure.add_subplot()
+    for series, centre in zip(SERIES, (0.271, 0.15), strict=False):
+        solution = script["shot"](reduced, centre).solution
+        mass = float(solution["M"][-1])
+        field = solution["phi"] / np.sqrt(2)
+        axes.plot(solution["r"], field, **series.line, label=f"mass {mass:.3f}")
+    axes.set_xlabel("radius")
+    axes.set_ylabel(r"$\sqrt{4\pi G}\,\varphi$")
+    axes.set_xlim(0, 15)
+    quiet(axes)
+    legend(figure, axes)
+    return figure
+
+
 DRAWINGS: dict[str, Callable[[], Any]] = {
     "01_any_tetrad": plan,
     "02_paper_so3": closure,
@@ -312,6 +331,7 @@ DRAWINGS: dict[str, Callable[[], Any]] = {
     "30_symmetries_and_holonomy": motions,
     "28_from_a_lagrangian_to_a_universe": universes,
     "29_mass_and_radius_of_stars": stars,
+    "35_a_star_that_ends_nowhere": boson_stars,
 }
 
 if __name__ == "__main__":

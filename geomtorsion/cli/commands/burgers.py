@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -12,36 +11,14 @@ import sympy as sp
 import typer
 
 from geomtorsion.cli.exits import ExitCode
-from geomtorsion.cli.options import (
-    Form,
-    MeasuredLaue,
-    MeasuredOrder,
-    MeasuredPixel,
-    MeasuredResolution,
-    MeasuredSigma,
-    MeasuredSlip,
-    MeasuredSpots,
-    MeasuredThreshold,
-    Proved,
-    SpaceOrMeasured,
-    directory,
-    option,
-)
-from geomtorsion.cli.results import show_burgers
-from geomtorsion.cli.sources import Reading, identity_frame, open_space, opened
+from geomtorsion.cli.loops import LoopFiles, Texts, files_of_loops, named_loop, typed_loop
+from geomtorsion.cli.options import Form, Proved, SpaceOrFile, directory, option
+from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working
 from geomtorsion.errors import GeomtorsionError, LoopError, MissingExtraError, MissingValueError
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import BurgersVector, Loop, burgers_vector, exact_burgers_vector
-from geomtorsion.loops.loop_files import (
-    KINDS,
-    LoopFile,
-    loop_from_data,
-    loops_from_json,
-    number_of,
-    read_loops,
-)
-from geomtorsion.materials.readers import is_source
+from geomtorsion.loops.loop_files import LoopFile, number_of
 from geomtorsion.pictures.loops import draw_closure
 from geomtorsion.pictures.style import save
 from geomtorsion.proofs import prove
@@ -50,21 +27,11 @@ from geomtorsion.support.files import write_text
 from geomtorsion.support.outgoing import number_text, size_text
 
 MOST_PICTURES = 12
-WHOLE_TURN = "0,2*pi"
-# Keys of a loop file that apply to a frame given by formulas, not to a measured field.
-ONLY_FORMULAS = ("parameters", "accuracy")
-# Kinds of loops whose fields are separated by colons, and what the fields are called.
-FIELDS = {
-    "circle": ("centre", "radius", "plane"),
-    "ellipse": ("centre", "axes", "plane"),
-    "plaquette": ("corner", "steps", "plane"),
-}
-Texts = list[str]
 Values = dict[str, "float | sp.Expr"]
 
 
 def burgers(
-    source: SpaceOrMeasured,
+    source: SpaceOrFile,
     circle: Annotated[
         Texts, option(metavar="CENTRE:RADIUS[:PLANE]", text="A circle: 0.3,1,0.2:1e-8:phi1,phi2")
     ] = [],
@@ -83,31 +50,20 @@ def burgers(
     spline: Annotated[
         Texts, option(metavar="POINT;POINT;...", text="A spline through points.")
     ] = [],
-    any_kind: Annotated[
+    loop: Annotated[
         Texts,
         option("--loop", metavar="'KIND TEXT'", text="A loop of any kind above: 'circle 20,30:8'."),
     ] = [],
     interval: Annotated[
         str | None, option(metavar="START,END", text="Bounds of s in --curve; default: 0,2*pi.")
     ] = None,
-    loops: Annotated[
-        list[Path],
-        option(metavar="FILE", text="Loops from a JSON or CSV file; - for JSON on standard input."),
-    ] = [],
+    loops: LoopFiles = [],
     values: Annotated[
         Texts, option("--set", metavar="NAME=VALUE", text="Value of a parameter; may be repeated.")
     ] = [],
     accuracy: Annotated[
         float | None, option(metavar="X", text="Requested relative error; default: 1e-12.")
     ] = None,
-    sigma: MeasuredSigma = None,
-    threshold: MeasuredThreshold = None,
-    order: MeasuredOrder = None,
-    laue: MeasuredLaue = None,
-    slip: MeasuredSlip = None,
-    pixel: MeasuredPixel = None,
-    spots: MeasuredSpots = None,
-    resolution: MeasuredResolution = None,
     exact: Annotated[
         bool, typer.Option("--exact", help="Compute a closed form instead of numbers.")
     ] = False,
@@ -124,7 +80,7 @@ def burgers(
 
     Components are along the legs of the frame. Numbers may be 0.3 or pi/2; PLANE is two coordinates
     (default: the first two). If one of several loops fails, its entry reports the error, and the
-    command ends with 1.
+    command ends with 1. `geomtorsion circuit` does the same for measured data.
 
     \b
     Examples:
@@ -133,34 +89,17 @@ def burgers(
       geomtorsion burgers heisenberg --curve 'cos(s);sin(2*s);0' --exact
       geomtorsion burgers screw_dislocation --set b=1 --circle 1,0,0:1.000001 --proved
       geomtorsion burgers so3 --loops loops.json --format json | jq .results
-      geomtorsion burgers map.ctf --loop "circle 20,30:8" -o out
-      geomtorsion burgers lattice.tif --pixel 0.032nm --loop "circle 4,4:2.5"
     """
-    measured = is_source(source)
-    field, name = None, source
-    reading = Reading(sigma, threshold, order, tuple(laue or ()), slip, pixel, spots, resolution)
-    if measured:
-        given_here = {"--set": values, "--accuracy": accuracy, "--exact": exact, "--proved": proved}
-        refuse_options(given_here, measured)
-        with working(Path(source).name):
-            field = opened(source, reading)
-        frame = identity_frame(field.names)
-    else:
-        refuse_options(reading.given, measured)
-        space = open_space(source)
-        frame, name = space.frame, space.name
+    space = open_space(source)
+    frame, name = space.frame, space.name
     shapes = {
         "circle": circle, "ellipse": ellipse, "polygon": polygon,
         "plaquette": plaquette, "curve": curve, "spline": spline,
     }  # fmt: skip
-    refuse_interval(interval, curve, any_kind)
-    files = [(path, _read(frame, path)) for path in loops]
-    for path, read in files:
-        if measured:
-            named = {f"--loops {path}: {key}": getattr(read, key) for key in ONLY_FORMULAS}
-            refuse_options(named, measured)
-    all_loops = [loop for _, read in files for loop in read.loops]
-    accuracy, parameters = _shared(files, accuracy, exact_assignments(values))
+    _refuse_interval(interval, curve, loop)
+    files = files_of_loops(frame, loops)
+    all_loops = [one for _, read in files for one in read.loops]
+    accuracy, parameters = _shared(files, accuracy, _exact_assignments(values))
     if exact and accuracy is not None:
         raise LoopError(
             f"accuracy {accuracy}: expected numbers, got --exact, a closed form without an error. "
@@ -170,31 +109,29 @@ def burgers(
         raise LoopError(
             "--proved: expected numbers, got --exact, a closed form. Omit one of the two."
         )
-    all_loops += _described(frame, shapes, interval)
-    all_loops += (named_loop(frame, text, interval) for text in any_kind)
+    for kind, texts in shapes.items():
+        all_loops += (typed_loop(frame, kind, text, interval) for text in texts)
+    all_loops += (named_loop(frame, text, interval) for text in loop)
     if not all_loops:
         raise typer.BadParameter(
             "expected a loop, got none. Use --circle, --polygon, ... or --loops FILE."
         )
-    if field is not None:
-        show_burgers(field, all_loops, output, plain=form is Form.json)
-        return
     results: list[dict[str, Any]] = []
     vectors: list[BurgersVector | None] = []
     complete = True
     with working(f"{name}: {len(all_loops)} loops") as progress:
         try:
-            for k, loop in enumerate(all_loops, 1):
+            for k, one in enumerate(all_loops, 1):
                 progress(f"loop {k}")
                 try:
-                    result, vector = _solved(frame, loop, accuracy, parameters, exact)
+                    result, vector = _solved(frame, one, accuracy, parameters, exact)
                     if vector is not None and proved:
                         result |= {"proof": prove(vector).to_json()}
                 except GeomtorsionError as error:
                     if len(all_loops) == 1 or isinstance(error, MissingValueError):
                         raise
                     kind = type(error).__name__
-                    result, vector = {"loop": loop.name, "failed": str(error), "kind": kind}, None
+                    result, vector = {"loop": one.name, "failed": str(error), "kind": kind}, None
                 results.append(result)
                 vectors.append(vector)
         except KeyboardInterrupt:
@@ -218,7 +155,7 @@ def burgers(
         raise typer.Exit(ExitCode.failed)
 
 
-def exact_assignments(texts: Iterable[str]) -> Values:
+def _exact_assignments(texts: Iterable[str]) -> Values:
     """Values of parameters from NAME=VALUE, kept exact where they are written so."""
     values: Values = {}
     for text in texts:
@@ -227,13 +164,6 @@ def exact_assignments(texts: Iterable[str]) -> Values:
             raise LoopError(f"--set: expected NAME=VALUE, got {cut(text)}. Write --set R=1.5.")
         values[name.strip()] = number_of(value.strip(), f"--set {name.strip()}")
     return values
-
-
-def _read(frame: Frame, path: Path) -> LoopFile:
-    """Loops of a file, or of standard input."""
-    if str(path) == "-":
-        return loops_from_json(frame, sys.stdin.read(), "standard input")
-    return read_loops(frame, path)
 
 
 def _shared(
@@ -261,69 +191,13 @@ def _shared(
     return accuracy, {switch.removeprefix("--set "): value for switch, value in shared.items()}
 
 
-def _described(frame: Frame, given: Mapping[str, Texts], interval: str | None) -> Iterator[Loop]:
-    """Loops given on the command line."""
-    for kind, texts in given.items():
-        for text in texts:
-            yield loop_from_data(frame, loop_data(kind, text, interval), f"--{kind} {cut(text)}")
-
-
-def named_loop(frame: Frame, text: str, interval: str | None) -> Loop:
-    """The loop that `--loop "KIND TEXT"` means."""
-    kind, _, rest = text.strip().partition(" ")
-    if kind not in KINDS or not rest.strip():
-        raise LoopError(
-            f"--loop: expected one of {', '.join(KINDS)} and its numbers, got {cut(text)}. Write "
-            "--loop 'circle 20,30:8'."
-        )
-    typed = f"--loop {cut(text)}"
-    return loop_from_data(frame, loop_data(kind, rest.strip(), interval, typed), typed)
-
-
-def refuse_options(given: Mapping[str, object], measured: bool) -> None:
-    """Refuse options that belong to the other kind of source."""
-    for name, value in given.items():
-        if value is not None and value is not False and value not in ([], {}):
-            kinds = ["a measured field", "a space given by formulas"]
-            this, owner = kinds if not measured else kinds[::-1]
-            raise LoopError(f"{name}: expected {this}, got {owner}. Omit it.")
-
-
-def refuse_interval(interval: str | None, curves: Texts, others: Texts) -> None:
+def _refuse_interval(interval: str | None, curves: Texts, others: Texts) -> None:
     """Refuse bounds of a curve if no curve is requested."""
     if interval is not None and not curves and not any(x.split()[:1] == ["curve"] for x in others):
         raise LoopError(
             f"--interval {cut(interval)}: expected a --curve in s, got none. Omit it, or "
             "give --curve 'EXPR;EXPR;...'. Loops in a file have their own intervals."
         )
-
-
-def loop_data(kind: str, text: str, interval: str | None, option: str = "") -> dict[str, Any]:
-    """The loop that `--kind TEXT` means, as `loop_from_data` takes it.
-
-    option: how it was typed, for messages, if not so.
-    """
-    inner: dict[str, Any]
-    if kind in FIELDS:
-        keys, fields = FIELDS[kind], _split(text, ":")
-        if not 2 <= len(fields) <= 3:
-            pattern = f"{keys[0].upper()}:{keys[1].upper()}[:PLANE]"
-            typed = option or f"--{kind} {cut(text)}"
-            came = "1 part" if len(fields) == 1 else f"{len(fields)} parts"
-            raise LoopError(f"{typed}: expected {pattern}, got {came}. Separate parts with colons.")
-        inner = {key: _split(field, ",") for key, field in zip(keys, fields, strict=False)}
-        if kind == "circle":
-            inner["radius"] = fields[1]
-    elif kind == "curve":
-        inner = {"expressions": _split(text, ";"), "interval": _split(interval or WHOLE_TURN, ",")}
-    else:
-        points = [_split(point, ",") for point in text.split(";") if point.strip()]
-        inner = {"points" if kind == "spline" else "vertices": points}
-    return {kind: inner, "name": f"{kind} {cut(text)}"}
-
-
-def _split(text: str, separator: str) -> list[str]:
-    return [part.strip() for part in text.split(separator)]
 
 
 def _solved(

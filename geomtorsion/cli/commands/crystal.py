@@ -5,33 +5,35 @@ from __future__ import annotations
 import csv
 import json
 from collections.abc import Callable
+from itertools import product
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 import typer
 
-from geomtorsion.cli.crystal_page import crystal_page
 from geomtorsion.cli.exits import resumable
 from geomtorsion.cli.options import Form, argument, directory, option
 from geomtorsion.cli.terminal import some_rows
 from geomtorsion.conventions import burgers
 from geomtorsion.errors import CheckpointError, CrystalError, GeomtorsionError, MissingExtraError
 from geomtorsion.materials.crystals import LATTICES
-from geomtorsion.materials.crystals.atom_arrays import is_atom_array
+from geomtorsion.materials.crystals.atom_files import is_atom_array
 from geomtorsion.materials.crystals.reports import Json, followed
 from geomtorsion.materials.crystals.trajectories import Wanted, forget, is_begun, reports
 from geomtorsion.materials.lines import DislocationNetwork
 from geomtorsion.pictures.network import draw_lines
-from geomtorsion.pictures.style import save
+from geomtorsion.pictures.style import SERIES, Stroke, save
 from geomtorsion.support.checks import cut, shown
 from geomtorsion.support.files import check_resumption, plain_float, write_text, written
 from geomtorsion.support.outgoing import csv_cell
 from geomtorsion.support.progress import bar
+from geomtorsion.teaching.lab.turning import Curve, Film, turnable
 
 FRAMES = "frames"
 # Words for regions that are not a lattice.
 _REGIONS = {"wall": "in walls", "none": "without a lattice"}
+_EDGE = Stroke("#9aa0a8", "-", 1.0, "")
 
 
 def crystal(
@@ -369,7 +371,7 @@ def _save(document: Json, net: DislocationNetwork, folder: Path) -> None:
     paths = [folder / "crystal.json", folder / "crystal.html"]
     write_text(paths[0], json.dumps(document, indent=1) + "\n")
     title = name if len(frames) == 1 else f"{name}, frame {frames[-1]['frame']}"
-    write_text(paths[1], crystal_page(frames[-1], title))
+    write_text(paths[1], _page(frames[-1], title))
     if len(frames) > 1:
         paths.append(folder / "tracks.csv")
         _write_tracks(frames, paths[-1])
@@ -389,6 +391,42 @@ def _save(document: Json, net: DislocationNetwork, folder: Path) -> None:
     for text in left_out:
         typer.echo(text, err=True)
     typer.echo(f"wrote {', '.join(map(str, paths))}", err=True)
+
+
+def _page(report: Json, title: str) -> str:
+    """The lines of a report in their cell, coloured by family, as an HTML document.
+
+    Each line is drawn from its first point on, out of the cell where it leads there.
+    """
+    curves = [Curve(side, _EDGE, thin=True) for side in _sides(report)]
+    families = sorted({line["family"] for line in report["lines"]})
+    labelled: set[str] = set()
+    for line in report["lines"]:
+        stroke = SERIES[families.index(line["family"]) % len(SERIES)]
+        label = "" if line["family"] in labelled else f"b = {line['family']}"
+        labelled.add(line["family"])
+        tip = f"({', '.join(line['burgers_lattice'])})"
+        curves.append(Curve(line["path"], stroke, label, tip))
+    count = len(report["lines"])
+    note = f"{count} line{'s' * (count != 1)}; point at a line to see its b in lattice constants."
+    return turnable(Film("crystal", title, ("x", "y", "z"), tuple(curves), equal=True, note=note))
+
+
+def _sides(report: Json) -> list[list[list[float]]]:
+    """The edges of the cell, or of the box about all lines where nothing is periodic."""
+    corners = np.array(list(product((0.0, 1.0), repeat=3)))
+    if report["cell"] is not None:
+        places = corners @ np.array(report["cell"])
+    else:
+        points = np.array([x for line in report["lines"] for x in line["path"]] or [[0, 0, 0]])
+        low, high = points.min(axis=0), points.max(axis=0)
+        places = low + corners * (high - low)
+    return [
+        [places[a].tolist(), places[b].tolist()]
+        for a in range(8)
+        for b in range(a)
+        if (corners[a] != corners[b]).sum() == 1
+    ]
 
 
 def _write_tracks(frames: list[Json], path: Path) -> None:

@@ -5,6 +5,7 @@ Separate from the list of exercises, which needs none of these imports.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,52 +13,70 @@ from typing import Annotated, Any
 import typer
 
 from geomtorsion.cli.exits import ExitCode
-from geomtorsion.cli.options import Number, Seed, argument, directory, option, say_written
+from geomtorsion.cli.options import Language, Number, Seed, argument, directory, option, say_written
 from geomtorsion.cli.terminal import shows_greek, working, wrapped
 from geomtorsion.cli.values import parts
 from geomtorsion.errors import FileFormatError
 from geomtorsion.support.checks import cut, shown
 from geomtorsion.support.progress import bar
-from geomtorsion.teaching.exercises import exports, grading, load
+from geomtorsion.teaching.exercises import Exercise, exports, grading, load
 from geomtorsion.teaching.exercises.examiner import Examiner
 from geomtorsion.teaching.exercises.grading import loaded, read_submission
 from geomtorsion.teaching.exercises.limits import MOST
 from geomtorsion.teaching.exercises.prose import text_of
 from geomtorsion.teaching.exercises.question import how_to_answer
-from geomtorsion.teaching.exercises.registry import CHAPTERS
+from geomtorsion.teaching.exercises.registry import chapters
 from geomtorsion.teaching.exercises.sheets import write_sheet
 from geomtorsion.teaching.exercises.verdict import TITLES, Verdict
+from geomtorsion.teaching.texts import ENGLISH, language_name, texts
 
 
-def show(number: Number, seed: Seed = 0) -> None:
+def show(number: Number, seed: Seed = 0, language: Language = ENGLISH) -> None:
     """Show the text and the questions of an exercise.
 
     \b
     Examples:
       geomtorsion exercises show 3.2
       geomtorsion exercises show 3.2 --seed 7
+      geomtorsion exercises show 1.1 --language de
     """
-    exercise = load(number, seed)
+    exercise = load(number, seed, language)
     typer.echo(typer.style(f"{exercise.number}  {exercise.title}", bold=True))
     typer.echo(f"{exercise.chapter}; {exercise.level}; seed {exercise.seed}\n")
+    _say_note(exercise)
     typer.echo(wrapped(text_of(exercise.statement)))
+    words = texts("sheets", "sheet", exercise.language)
     for question in exercise.questions:
         typer.echo()
         name = typer.style(question.name, bold=True)
         points = f" ({question.points} points)" if question.points > 1 else ""
         typer.echo(f"{name}{points}: " + wrapped(text_of(question.prompt), len(question.name) + 2))
-        typer.echo(wrapped(f"  Answer: {text_of(how_to_answer(question, options=False))}"))
+        how = words("answer", how=how_to_answer(question, options=False))
+        typer.echo(wrapped(f"  {text_of(how)}"))
         for key, meaning in question.options.items():
             typer.echo(f"    {key}: {meaning}")
-    again = f" --seed {seed}" if seed else ""
+    again = _again(exercise)
     hints = len(exercise.hints)
     typer.echo(f"\n{hints} hints: `geomtorsion exercises hint {number}{again}`.")
+
+
+def _say_note(exercise: Exercise) -> None:
+    """The note that the text is English, if it is not translated."""
+    if exercise.note:
+        typer.echo(f"{wrapped(exercise.note)}\n")
+
+
+def _again(exercise: Exercise) -> str:
+    """Options that choose this exercise in another command."""
+    seed = f" --seed {exercise.seed}" if exercise.seed else ""
+    return seed + (f" --language {exercise.language}" if exercise.language != ENGLISH else "")
 
 
 def hint(
     number: Number,
     seed: Seed = 0,
     step: Annotated[int, typer.Option(metavar="K", min=1, help="Show hints up to this one.")] = 1,
+    language: Language = ENGLISH,
 ) -> None:
     """Give hints, one step at a time.
 
@@ -66,16 +85,17 @@ def hint(
       geomtorsion exercises hint 3.2
       geomtorsion exercises hint 3.2 --step 2
     """
-    exercise = load(number, seed)
+    exercise = load(number, seed, language)
+    _say_note(exercise)
     for place, text in enumerate(exercise.hints[:step], 1):
         typer.echo(wrapped(f"{place}. {text_of(text)}"))
     # Hints are shown one by one: the next one is requested by its number.
     if step < len(exercise.hints):
-        again = f" --seed {seed}" if seed else ""
+        again = _again(exercise)
         typer.echo(f"Next: `geomtorsion exercises hint {number}{again} --step {step + 1}`.")
 
 
-def solution(number: Number, seed: Seed = 0) -> None:
+def solution(number: Number, seed: Seed = 0, language: Language = ENGLISH) -> None:
     """Solve an exercise step by step, for the teacher.
 
     \b
@@ -83,8 +103,10 @@ def solution(number: Number, seed: Seed = 0) -> None:
       geomtorsion exercises solution 3.2
       geomtorsion exercises solution 3.2 --seed 7
     """
-    exercise = load(number, seed)
+    exercise = load(number, seed, language)
     typer.echo(typer.style(f"{exercise.number}  {exercise.title}, seed {seed}", bold=True))
+    if exercise.note:
+        typer.echo(wrapped(exercise.note))
     for place, step in enumerate(exercise.worked, 1):
         typer.echo(f"\n{place}. " + wrapped(text_of(step.text), 3))
     typer.echo("\nAnswers, as they are checked:")
@@ -113,6 +135,7 @@ def check(
     seconds: Annotated[
         float, typer.Option(metavar="S", min=0.1, help="Longest time for the check.")
     ] = 20.0,
+    language: Language = ENGLISH,
 ) -> None:
     """Check answers, and name the likely mistake; ends with 1 if one is wrong.
 
@@ -134,8 +157,8 @@ def check(
     else:
         submission = _from_words([q.name for q in load(number, seed or 0).questions], answers or [])
     with Examiner(seconds) as examiner:
-        verdict = examiner.check(number, submission, seed or 0)
-    _say(verdict)
+        verdict = examiner.check(number, submission, seed or 0, language)
+    _say(verdict, TITLES.of(language_name(language)))
     if not verdict.right:
         raise typer.Exit(ExitCode.failed)
 
@@ -177,13 +200,13 @@ def _from_words(names: list[str], words: list[str]) -> Answers:
 SIGNS = {"right": ("✓", typer.colors.GREEN), "wrong": ("✗", typer.colors.RED)}
 
 
-def _say(verdict: Verdict) -> None:
+def _say(verdict: Verdict, titles: Mapping[str, str]) -> None:
     """The verdict in colours, and in signs where the terminal has them."""
     for question in verdict.questions:
         sign, colour = SIGNS.get(question.state, ("?", typer.colors.YELLOW))
         if not shows_greek():
             sign = question.state
-        kind = f" [{TITLES[question.diagnosis]}]" if question.diagnosis else ""
+        kind = f" [{titles[question.diagnosis]}]" if question.diagnosis else ""
         text = question.message.removeprefix(f"{question.name}: ")
         message = text if "\n" in text else text_of(text)
         lead = f"{sign} {question.name}{kind}: "
@@ -205,6 +228,7 @@ def sheet(
     chapter: Annotated[str, argument("CHAPTER", "1 to 7, or all.")],
     output: Annotated[Path, directory("Directory of the files, created if missing.")],
     seed: Annotated[int, typer.Option(metavar="N", help="Number of the variant.")] = 0,
+    language: Language = ENGLISH,
 ) -> None:
     """Write a chapter for students, and its solutions for the teacher.
 
@@ -215,11 +239,12 @@ def sheet(
     Examples:
       geomtorsion exercises sheet 2 -o sheets
       geomtorsion exercises sheet all -o sheets --seed 7
+      geomtorsion exercises sheet 1 -o sheets --language de
     """
-    chapters = [number for number, _ in CHAPTERS] if chapter == "all" else [chapter]
+    numbers = list(chapters(language)) if chapter == "all" else [chapter]
     with working("exercises") as progress:
-        for number in chapters:
-            say_written(write_sheet(number, output, seed, progress))
+        for number in numbers:
+            say_written(write_sheet(number, output, seed, progress, language))
 
 
 class Format(StrEnum):
@@ -240,6 +265,7 @@ def export(
         str | None,
         option(metavar="N,...", text="Variants; default: 0,1,2 for moodle, 0 for nbgrader."),
     ] = None,
+    language: Language = ENGLISH,
 ) -> None:
     """Write exercises for Moodle (STACK) or nbgrader.
 
@@ -259,7 +285,12 @@ def export(
     variants: list[Any] | None = None if seeds is None else list(map(_seed, parts(seeds)))
     with working("exercises") as progress:
         done = exports.export(
-            "stack" if to == Format.moodle else to.value, output, numbers, variants, progress
+            "stack" if to == Format.moodle else to.value,
+            output,
+            numbers,
+            variants,
+            progress,
+            language,
         )
     count = len(done.files)
     typer.echo(f"wrote {'1 file' if count == 1 else f'{count} files'} to {output}")

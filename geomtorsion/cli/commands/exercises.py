@@ -7,7 +7,10 @@ from typing import ClassVar
 import typer
 
 from geomtorsion.cli.lazy import SETTINGS, LazyGroup
-from geomtorsion.teaching.exercises.registry import CHAPTERS, EXERCISES
+from geomtorsion.cli.options import Language
+from geomtorsion.errors import ArgumentError
+from geomtorsion.teaching.exercises.registry import EXERCISES, chapters, titles
+from geomtorsion.teaching.texts import ENGLISH
 
 
 class ExerciseCommands(LazyGroup):
@@ -35,7 +38,7 @@ exercises = typer.Typer(
 
 
 @exercises.callback()
-def overview(context: typer.Context) -> None:
+def overview(context: typer.Context, language: Language = ENGLISH) -> None:
     """List, show, check and grade exercises.
 
     Without a command, all exercises are listed by chapter. Answers are checked exactly, and the
@@ -44,17 +47,24 @@ def overview(context: typer.Context) -> None:
     \b
     Examples:
       geomtorsion exercises
+      geomtorsion exercises --language de
       geomtorsion exercises show 3.2 --seed 7
       geomtorsion exercises check 3.2 "cos(phi2)/sin(phi2)"
       geomtorsion exercises export --to moodle -o moodle
       geomtorsion exercises grade answers -o marks.csv
     """
     if context.invoked_subcommand is not None:
+        if language != ENGLISH:
+            raise ArgumentError(
+                f"--language: expected it behind the command, got it before it. Write `geomtorsion "
+                f"exercises {context.invoked_subcommand} ... --language {language}`."
+            )
         return
-    for chapter, title in CHAPTERS:
+    named = titles(language)
+    for chapter, title in chapters(language).items():
         typer.echo(typer.style(f"{chapter}  {title}", bold=True))
-        for number, _, name, level in EXERCISES:
+        for number, _, level in EXERCISES:
             if number.startswith(f"{chapter}."):
                 mark = "" if level == "exercise" else f"  ({level})"
-                typer.echo(f"  {number}  {name}{mark}")
+                typer.echo(f"  {number}  {named[number]}{mark}")
     typer.echo("\n`geomtorsion exercises show 1.1` shows one of them.")

@@ -80,7 +80,8 @@ def gravity(
 
     A tetrad file with a table [theory] has its own Lagrangian, matter and start. With --solve, its
     equations are reduced to first-order equations and solved: the command shows these, the
-    solution with its error, and the drift of the constraints.
+    solution with its error, and the drift of the constraints. With a table of boundary values in
+    the file it also shows the free numbers of the start that lead to them.
 
     \b
     Examples:
@@ -151,7 +152,12 @@ def _solve(
             )
         reduction = model.reduce(variable.strip())
         step("solution")
-        solution = model.solve(reduction.variable, end, accuracy)
+        shooting = None
+        if model.boundary or model.free:
+            shooting = model.shoot(reduction.variable, end, accuracy)
+            solution = shooting.solution
+        else:
+            solution = model.solve(reduction.variable, end, accuracy)
         proof = prove(solution) if proved else None
     names = [reduction.variable, *reduction.states, *reduction.outputs, *model.outputs]
     table = {name: _column(solution, name) for name in names}
@@ -167,6 +173,15 @@ def _solve(
             "drift": dict(solution.drift),
             "proved": None if proof is None else proof.holds,
         }
+        if shooting is not None:
+            document["free"] = {
+                name: {"value": value, "error": shooting.errors[name]}
+                for name, value in shooting.values.items()
+            }
+            document["boundary"] = {
+                name: {"miss": miss, "remainder": shooting.remainders.get(name)}
+                for name, miss in shooting.misses.items()
+            }
         typer.echo(json.dumps(document, indent=2))
     else:
         typer.secho(f"{model.space.name}: L = {model.equations.lagrangian.expression}", bold=True)
@@ -175,7 +190,7 @@ def _solve(
         for row in some_rows(len(solution.times)):
             cells = [number_text(float(table[name][row]), _error(solution, name)) for name in names]
             typer.echo(right_aligned([cell[: WIDTH - 2] for cell in cells], WIDTH))
-        typer.echo(f"\n{solution}")
+        typer.echo(f"\n{solution if shooting is None else shooting}")
         if proof is not None:
             typer.echo(str(proof))
     if output is not None:

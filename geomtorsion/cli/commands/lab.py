@@ -9,10 +9,13 @@ from typing import Annotated
 
 import typer
 
-from geomtorsion.cli.options import option
+from geomtorsion.cli.options import Language, option
 from geomtorsion.cli.terminal import shows_greek, working
+from geomtorsion.errors import UnknownNameError
+from geomtorsion.support import checks
 from geomtorsion.teaching.lab.export import write_pages
 from geomtorsion.teaching.lab.server import Address, serve
+from geomtorsion.teaching.texts import ENGLISH, languages
 
 
 def qr_code(text: str) -> str:
@@ -47,6 +50,7 @@ def lab(
     export: Annotated[
         Path | None, option(metavar="DIR", text="Write pages that need no server, and exit.")
     ] = None,
+    language: Language = ENGLISH,
 ) -> None:
     """Play with tetrads, loops, curves, tops and exercises in a browser.
 
@@ -59,10 +63,11 @@ def lab(
       geomtorsion lab --open
       geomtorsion lab --host 0.0.0.0 --sessions 40
       geomtorsion lab --export pages
+      geomtorsion lab --language de
     """
     if export is not None:
         with working("lab") as progress:
-            written = write_pages(export, progress)
+            written = write_pages(export, progress, language)
         typer.echo(f"wrote {len(written)} pages; open {written[0]} first")
         return
 
@@ -78,4 +83,6 @@ def lab(
             webbrowser.open(url)
 
     # Until Ctrl-C.
-    serve(Address(host, port, token), ready, sessions)
+    # The address of a page names its language: a folder stays on the teacher's machine.
+    chosen = checks.choice(language, languages(), "language", UnknownNameError)
+    serve(Address(host, port, token), ready, sessions, chosen)

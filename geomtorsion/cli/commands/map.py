@@ -9,8 +9,8 @@ from typing import Annotated, Any
 
 import typer
 
-from geomtorsion.cli.commands.burgers import loop_data
 from geomtorsion.cli.exits import ExitCode, resumable
+from geomtorsion.cli.loops import typed_loop
 from geomtorsion.cli.options import (
     MeasuredFile,
     MeasuredLaue,
@@ -38,14 +38,13 @@ from geomtorsion.cli.results import (
 from geomtorsion.cli.sources import Reading, dashed, identity_frame, opened, sigma_of
 from geomtorsion.cli.terminal import working, wrapped
 from geomtorsion.errors import CheckpointError, GridError, ImageError, OrientationError
-from geomtorsion.loops.loop_files import loop_from_data
 from geomtorsion.materials.fields.blocked_fields import BlockedSurvey, map_in_blocks
 from geomtorsion.materials.fields.blocked_map import run_in
 from geomtorsion.materials.fields.contents import module
 from geomtorsion.materials.readers import is_array, open_in_blocks
 from geomtorsion.pictures.measured import draw_circuits, draw_survey
 from geomtorsion.pictures.style import can_draw, save
-from geomtorsion.support.checks import count, cut, shown
+from geomtorsion.support.checks import count, shown
 from geomtorsion.support.files import plain_float, write_text
 from geomtorsion.support.progress import bar
 
@@ -140,10 +139,7 @@ def map(
             raise dashed(error) from None
         description = field.description
     frame = identity_frame(field.names)
-    loops = [
-        loop_from_data(frame, loop_data("circle", text, ""), f"--circle {cut(text)}")
-        for text in circle or []
-    ]
+    loops = [typed_loop(frame, "circle", text) for text in circle or []]
     results, vectors, _ = burgers_of(field, loops, raises=False)
     document = {"about": list(description), **survey.summary(), "circles": results}
     if as_json:

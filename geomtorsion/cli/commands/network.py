@@ -10,22 +10,18 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from geomtorsion.cli.commands.burgers import loop_data
 from geomtorsion.cli.exits import ExitCode
+from geomtorsion.cli.loops import Texts, typed_loop
 from geomtorsion.cli.options import Form, argument, directory, option
 from geomtorsion.cli.terminal import ROWS
 from geomtorsion.errors import GeomtorsionError, MissingExtraError, NetworkError
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import Loop
-from geomtorsion.loops.loop_files import loop_from_data
 from geomtorsion.materials.lines import DislocationNetwork, LineFamily
 from geomtorsion.pictures.network import draw_lines
 from geomtorsion.pictures.style import save
-from geomtorsion.support.checks import cut
 from geomtorsion.support.files import write_text
 from geomtorsion.support.progress import bar
-
-Texts = list[str]
 
 
 def network(
@@ -108,11 +104,7 @@ def network(
 def _circuits(given: dict[str, Texts]) -> list[Loop]:
     """Loops given on the command line, in Cartesian coordinates."""
     space = Frame("x y z", np.eye(3, dtype=int).tolist())
-    return [
-        loop_from_data(space, loop_data(kind, text, ""), f"--{kind} {cut(text)}")
-        for kind, texts in given.items()
-        for text in texts
-    ]
+    return [typed_loop(space, kind, text) for kind, texts in given.items() for text in texts]
 
 
 def _summary(net: DislocationNetwork, symmetry: str, unit: float | None) -> dict[str, Any]:

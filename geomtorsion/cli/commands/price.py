@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from geomtorsion import prices
-from geomtorsion.cli.commands.burgers import named_loop
+from geomtorsion.cli.loops import named_loop
 from geomtorsion.cli.options import (
     NO_PICTURES,
     FrameVelocity,
@@ -123,13 +123,13 @@ def price(
         with working(Path(source).name):
             field = opened(source, Reading())
             found = prices.price(
-                field, named_loop(identity_frame(field.names), loop or "", None), **wanted
+                field, named_loop(identity_frame(field.names), loop or ""), **wanted
             )
     elif loop is not None:
         _refuse(motion | {"--t": t}, "a loop. Drop it")
         space = space_or_hint(source)
         with working(space.name):
-            shape = named_loop(space.frame, loop, None)
+            shape = named_loop(space.frame, loop)
             found = prices.price(space, shape, **wanted, parameters=named_numbers(parameters or []))
     else:
         space = space_or_hint(source)

@@ -1,4 +1,4 @@
-"""Atom files: positions, cell and species; XYZ and LAMMPS here, other formats by ase."""
+"""Atom files: positions, cell and species; XYZ, LAMMPS and arrays here, others by ase."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geomtorsion.errors import FileFormatError, MissingExtraError
+from geomtorsion.errors import CrystalError, FileFormatError, MissingExtraError
 from geomtorsion.materials.crystals.atom_rows import AtomData, check_number, completed, is_number
+from geomtorsion.materials.crystals.given import POSITIONS, Given
 from geomtorsion.materials.crystals.lammps import (
     data_frame,
     dump_blocks,
@@ -22,9 +23,11 @@ from geomtorsion.materials.crystals.lammps import (
     seems_dump,
 )
 from geomtorsion.materials.crystals.xyz import xyz_blocks, xyz_frame
+from geomtorsion.materials.fields.contents import guarded
 from geomtorsion.support import checks
 from geomtorsion.support.checks import LARGEST_ARRAYS, cut, file_name, shown
 from geomtorsion.support.files import BOUNDS, ending, opened, read_text
+from geomtorsion.support.npz import ArrayForm, mapped_npy, read_npz
 from geomtorsion.support.outgoing import quiet_libraries
 from geomtorsion.support.text_rows import TextRows
 
@@ -72,6 +75,12 @@ ENDS = {
     ".xsf": "xsf",
     ".nc": "netcdftrajectory",
 }
+# Arrays of an .npz file. An .npy file holds only the positions.
+_ARRAYS = {
+    POSITIONS: ArrayForm((None, 3)),
+    "cell": ArrayForm(optional=True),
+    "periodic": ArrayForm((3,), "biu", optional=True),
+}
 
 
 def atom_frames(path: str | PathLike[str], form: str | None = None) -> Iterator[AtomData]:
@@ -97,6 +106,63 @@ def atom_frames(path: str | PathLike[str], form: str | None = None) -> Iterator[
         count += 1
     if not count:
         raise FileFormatError(f"{file.name}: expected atoms, got none. Is the file complete?")
+
+
+def frame_count(path: str | PathLike[str], form: str | None = None) -> int:
+    """How many frames a file has; 1 for formats whose lines do not separate frames.
+
+    Raises
+    ------
+    FileFormatError
+        The file is missing, or its frames are not whole.
+    """
+    file = file_name(path)
+    kind = _form_of(file, form)
+    if kind not in FRAMES:
+        return 1
+    blocks, _ = FRAMES[kind]
+    with _text_of(file) as stream:
+        return sum(1 for _ in blocks(file.name, stream))
+
+
+def is_atom_array(path: Path) -> bool:
+    """Whether the name of a file has the suffix of an array."""
+    return path.suffix.lower() in (".npy", ".npz")
+
+
+def read_atom_array(
+    path: Path, cell: np.ndarray | None = None, periodic: tuple[bool, bool, bool] | None = None
+) -> AtomData:
+    """Atoms of an array of positions, shape (atoms, 3).
+
+    cell, periodic: as for `Crystal`; if None, those in the file.
+
+    Raises
+    ------
+    CrystalError
+        Some axes are periodic, but neither the file nor the call gives a cell.
+    FileFormatError
+        The file is missing, damaged, or holds something else.
+    """
+    if path.suffix.lower() == ".npz":
+        arrays = read_npz(path, _ARRAYS)
+    else:
+        # Mapped: a header that declares more than the file holds takes no memory.
+        arrays = {POSITIONS: guarded(path, lambda: mapped_npy(path))}
+    edges = arrays.get("cell") if cell is None else cell
+    axes: tuple[bool, ...] = (True, True, True)
+    if periodic is not None:
+        axes = periodic
+    elif "periodic" in arrays:
+        axes = tuple(bool(flag) for flag in arrays["periodic"])
+    if edges is None and any(axes):
+        raise CrystalError(
+            f"{path.name}: expected the edges of the cell, got an array of positions without them. "
+            "Give --cell, or --periodic none for an open crystal."
+        )
+    inputs = Given.of(edges, axes, None, None, None)
+    x, y, z = inputs.periodic.tolist()
+    return AtomData(arrays[POSITIONS], inputs.cell, (x, y, z), None, path.name)
 
 
 def _ase(name: str) -> Any:
@@ -286,20 +352,3 @@ def _data(atoms: Atoms, where: str) -> AtomData:
         species=tuple(atoms.get_chemical_symbols()),
         where=where,
     )
-
-
-def frame_count(path: str | PathLike[str], form: str | None = None) -> int:
-    """How many frames a file has; 1 for formats whose lines do not separate frames.
-
-    Raises
-    ------
-    FileFormatError
-        The file is missing, or its frames are not whole.
-    """
-    file = file_name(path)
-    kind = _form_of(file, form)
-    if kind not in FRAMES:
-        return 1
-    blocks, _ = FRAMES[kind]
-    with _text_of(file) as stream:
-        return sum(1 for _ in blocks(file.name, stream))

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from geomtorsion.errors import CrystalError
 from geomtorsion.loops import Cochain, Complex
-from geomtorsion.materials.crystals.circuits import AtomCircuits
+from geomtorsion.materials.crystals.circuits import AtomCircuits, GrainCircuits
 from geomtorsion.materials.crystals.frames import (
     NEIGHBOURS,
     Fit,
@@ -25,13 +25,12 @@ from geomtorsion.materials.crystals.frames import (
     share_within,
 )
 from geomtorsion.materials.crystals.given import Given, positions_of
-from geomtorsion.materials.crystals.grain_circuits import GrainCircuits
-from geomtorsion.materials.crystals.grain_networks import network_of_grains
 from geomtorsion.materials.crystals.grains import Grain, Grains, in_variant, single_grain
 from geomtorsion.materials.crystals.known_grains import KnownGrains
 from geomtorsion.materials.crystals.lattices import Lattice
 from geomtorsion.materials.crystals.method import METHOD
 from geomtorsion.materials.crystals.near_torsion import Atoms, lines_of, torsion_near, torsion_on
+from geomtorsion.materials.crystals.networks import network_of_grains
 from geomtorsion.materials.crystals.segmentation import segmented
 from geomtorsion.materials.crystals.shells import Shells, dilated, shells_of
 from geomtorsion.materials.crystals.specimen import (
@@ -41,8 +40,7 @@ from geomtorsion.materials.crystals.specimen import (
     share_of_lattices,
 )
 from geomtorsion.materials.crystals.surroundings import Places, spanned
-from geomtorsion.materials.crystals.torn_faces import TornFaces
-from geomtorsion.materials.crystals.torsion import Torsion
+from geomtorsion.materials.crystals.torsion import TornFaces, Torsion
 from geomtorsion.materials.crystals.triangulation import Cell, Triangulation, triangulated
 from geomtorsion.materials.lines.dislocation_network import DislocationNetwork
 from geomtorsion.support import checks

@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geomtorsion.materials.crystals.torn_faces import TornFaces
-from geomtorsion.materials.crystals.torsion import components
+from geomtorsion.materials.crystals.torsion import TornFaces, components
 from geomtorsion.materials.crystals.triangulation import distinct
 
 

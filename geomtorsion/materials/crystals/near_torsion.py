@@ -7,14 +7,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geomtorsion.materials.crystals.enclosed import inserted_about
-from geomtorsion.materials.crystals.faults import MODULES, fault_labels
 from geomtorsion.materials.crystals.frames import Frame
 from geomtorsion.materials.crystals.lattices import Lattice
 from geomtorsion.materials.crystals.method import METHOD
 from geomtorsion.materials.crystals.networks import cluster_of, network_of
-from geomtorsion.materials.crystals.stacking import layered, stacked_labels
-from geomtorsion.materials.crystals.torn_faces import TornFaces
-from geomtorsion.materials.crystals.torsion import Torsion
+from geomtorsion.materials.crystals.stacking_faults import (
+    MODULES,
+    fault_labels,
+    layered,
+    stacked_labels,
+)
+from geomtorsion.materials.crystals.torsion import TornFaces, Torsion
 from geomtorsion.materials.crystals.triangulation import Cell, Triangulation, triangulated
 from geomtorsion.materials.lines.dislocation_network import DislocationNetwork
 

@@ -22,26 +22,6 @@ BOUNDARY = np.array([1, -1, 1])
 
 
 @dataclass(frozen=True, eq=False)
-class Lengths:
-    """Lengths of lines through each face.
-
-    sizes: from the centre of one tetrahedron to the next, coordinates; 0 at a surface, (faces,).
-    sound: faces without torsion or doubt, shape (faces,).
-    """
-
-    sizes: np.ndarray
-    sound: np.ndarray
-
-    def weights(self, faces: np.ndarray) -> np.ndarray:
-        """Weights of lines through the faces of one core, with a mean of 1, shape (k,)."""
-        sizes = self.sizes[faces]
-        inner = sizes > 0
-        mean = sizes[inner].mean() if inner.any() else 1.0
-        # Slivers have no length at all: a share of the mean keeps lines from moving back and forth.
-        return (sizes / mean + 0.1) * np.where(self.sound[faces], METHOD.sound, 1.0)
-
-
-@dataclass(frozen=True, eq=False)
 class Torsion:
     """Labels on the edges of a triangulation and their closure failure around each face.
 
@@ -192,6 +172,64 @@ class Torsion:
         return replace(self, labels=labels)
 
 
+@dataclass(frozen=True, eq=False)
+class Lengths:
+    """Lengths of lines through each face.
+
+    sizes: from the centre of one tetrahedron to the next, coordinates; 0 at a surface, (faces,).
+    sound: faces without torsion or doubt, shape (faces,).
+    """
+
+    sizes: np.ndarray
+    sound: np.ndarray
+
+    def weights(self, faces: np.ndarray) -> np.ndarray:
+        """Weights of lines through the faces of one core, with a mean of 1, shape (k,)."""
+        sizes = self.sizes[faces]
+        inner = sizes > 0
+        mean = sizes[inner].mean() if inner.any() else 1.0
+        # Slivers have no length at all: a share of the mean keeps lines from moving back and forth.
+        return (sizes / mean + 0.1) * np.where(self.sound[faces], METHOD.sound, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class TornFaces:
+    """Faces with torsion, in the order of their atoms.
+
+    cells: the tetrahedra at both sides, 4 atoms and 12 images, -1 where there is none, (n, 2, 16).
+    centres: of these, shape (n, 2, 3). images: of the second relative to the first, (n, 3).
+    values: torsion, whole numbers, shape (n, 3).
+    """
+
+    cells: np.ndarray
+    centres: np.ndarray
+    images: np.ndarray
+    values: np.ndarray
+
+    @classmethod
+    def of(cls, torsion: Torsion, numbers: np.ndarray) -> TornFaces:
+        """Torn faces of a torsion on atoms with these numbers, increasing."""
+        mesh, values = torsion.mesh, torsion.values
+        _, sides, images = mesh.faces
+        torn = np.flatnonzero(values.any(axis=1) & (sides >= 0).any(axis=1))
+        cells = sides[torn]
+        offsets = mesh.offsets[cells].reshape(len(torn), 2, 12)
+        there = np.concatenate([numbers[mesh.corners[cells]], offsets], axis=2)
+        return cls(
+            np.where(cells[..., None] < 0, -1, there), mesh.centres[cells], images[torn],
+            values[torn],
+        )  # fmt: skip
+
+
+def components(count: int, pairs: np.ndarray) -> np.ndarray:
+    """Number of the connected component of each of so many nodes."""
+    # Keys of both ends in one number need 64 bits: scipy keeps rows and columns apart.
+    table = scipy.sparse.coo_array(
+        (np.ones(len(pairs), dtype=np.int8), (pairs[:, 0], pairs[:, 1])), shape=(count, count)
+    )
+    return scipy.sparse.csgraph.connected_components(table, directed=False)[1].astype(np.int64)
+
+
 def _program(
     values: np.ndarray, rows: np.ndarray, free: np.ndarray, weights: np.ndarray, lattice: Lattice
 ) -> tuple[np.ndarray, np.ndarray] | None:
@@ -224,15 +262,6 @@ def _program(
     if (weights @ np.abs(after)).sum() >= (weights @ np.abs(parts)).sum() - 1e-9:
         return None
     return edges[use], (whole @ vectors).astype(np.int64)
-
-
-def components(count: int, pairs: np.ndarray) -> np.ndarray:
-    """Number of the connected component of each of so many nodes."""
-    # Keys of both ends in one number need 64 bits: scipy keeps rows and columns apart.
-    table = scipy.sparse.coo_array(
-        (np.ones(len(pairs), dtype=np.int8), (pairs[:, 0], pairs[:, 1])), shape=(count, count)
-    )
-    return scipy.sparse.csgraph.connected_components(table, directed=False)[1].astype(np.int64)
 
 
 def _descend(labels: np.ndarray, faces: np.ndarray, free: np.ndarray, lattice: Lattice) -> None:

@@ -10,8 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from geomtorsion.errors import CheckpointError, GeomtorsionError
-from geomtorsion.materials.crystals.atom_arrays import is_atom_array, read_atom_array
-from geomtorsion.materials.crystals.atom_files import atom_frames, frame_count
+from geomtorsion.materials.crystals.atom_files import (
+    atom_frames,
+    frame_count,
+    is_atom_array,
+    read_atom_array,
+)
 from geomtorsion.materials.crystals.atom_rows import AtomData
 from geomtorsion.materials.crystals.crystal import Crystal
 from geomtorsion.materials.crystals.known_grains import KnownGrains

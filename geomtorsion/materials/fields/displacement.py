@@ -9,9 +9,8 @@ from itertools import combinations
 import numpy as np
 
 from geomtorsion.errors import GridError
-from geomtorsion.materials.fields.edge_noise import chances_of
 from geomtorsion.materials.fields.grid import Grid, numbers
-from geomtorsion.materials.fields.noise import along, spread
+from geomtorsion.materials.fields.noise import along, chances_of, spread
 from geomtorsion.materials.fields.sides import on_grid
 from geomtorsion.materials.fields.stencils import applied
 

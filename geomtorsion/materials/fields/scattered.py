@@ -17,10 +17,9 @@ from geomtorsion.loops.quadrature import ROUNDING
 from geomtorsion.materials.burgers import PLANE, Burgers, Section
 from geomtorsion.materials.fields.circuits import unexplained
 from geomtorsion.materials.fields.displacement import lattice_vectors
-from geomtorsion.materials.fields.edge_noise import EdgeNoise, JumpNoise, NodeNoise, chances_of
 from geomtorsion.materials.fields.grid import numbers, two_axes
 from geomtorsion.materials.fields.grid_files import read_scattered
-from geomtorsion.materials.fields.noise import noise_of
+from geomtorsion.materials.fields.noise import EdgeNoise, JumpNoise, NodeNoise, chances_of, noise_of
 from geomtorsion.materials.fields.samples import strain_and_rotation
 from geomtorsion.materials.fields.scattered_values import (
     check_finite,

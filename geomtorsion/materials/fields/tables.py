@@ -18,8 +18,12 @@ from geomtorsion.materials.fields.contents import (
     module,
     periodic_names,
 )
-from geomtorsion.materials.fields.displaced_points import DisplacedPoints, displacement_in
-from geomtorsion.materials.fields.nodes import check_filled, nodes_of
+from geomtorsion.materials.fields.displaced_points import (
+    DisplacedPoints,
+    check_filled,
+    displacement_in,
+    nodes_of,
+)
 from geomtorsion.support.checks import cut
 from geomtorsion.support.files import read_text
 from geomtorsion.support.npz import LARGEST_ARRAYS

@@ -1,4 +1,7 @@
-"""Circuits: winding numbers of phases along a path of pixels, and their chance of error."""
+"""Circuits: winding numbers of phases along paths of pixels, and around all squares of one size.
+
+Each comes with its chance of error. The squares share sums along lines.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +13,9 @@ import scipy  # loads its subpackages at first use
 from geomtorsion.errors import ImageError, LoopError
 from geomtorsion.loops import Cochain, Loop
 from geomtorsion.materials.burgers import Burgers
-from geomtorsion.materials.detours import Detour, detour_of, too_large
-from geomtorsion.materials.rings import Rings
+from geomtorsion.materials.detours import Detour, Passages, detour_of, too_large
+from geomtorsion.materials.rings import Edges, Rings
+from geomtorsion.materials.windows import Windows
 from geomtorsion.support import checks
 
 
@@ -64,13 +68,6 @@ def expected_clicks(ratio: np.ndarray, steps: np.ndarray, blur: float, axis: int
     ratio = np.minimum(ratio, 30.0)
     still, drowned = (_means(x, axis) for x in (scipy.special.erfc(ratio), np.exp(-(ratio**2))))
     return rms * still + np.abs(steps) / (2 * np.pi) * drowned
-
-
-def _means(values: np.ndarray, axis: int) -> np.ndarray:
-    """Means of neighbours."""
-    count = values.shape[axis]
-    one, other = (np.take(values, range(k, count - 1 + k), axis) for k in (0, 1))
-    return (one + other) / 2
 
 
 def pixel_path(loop: Loop, step: float, shape: tuple[int, ...], unit: str) -> np.ndarray:
@@ -158,6 +155,58 @@ def detoured(
     return ways[0], detour_of(rings, holes, times, change, (step, step), 0.0)
 
 
+def enclosed(path: np.ndarray) -> float:
+    """Signed area of a closed path of pixels, in pixels."""
+    x, y = path.T
+    return float((x[:-1] * y[1:] - x[1:] * y[:-1]).sum() / 2)
+
+
+def whole_turns(phase: np.ndarray) -> Edges:
+    """Whole turns of phases along the steps in x and in y; their sum around a circuit is b."""
+    one, two = (
+        -np.rint(np.diff(phase, axis=axis) / (2 * np.pi)).astype(np.int64) for axis in (1, 2)
+    )
+    return one, two
+
+
+def rings_of(phase: np.ndarray, holes: np.ndarray) -> Rings:
+    """Rings around holes without a Burgers vector, around which all circuits may go."""
+    rings = Rings.of(holes)
+    if not rings.count:
+        return rings
+    windings = rings.totals_of(rings.steps_of(whole_turns(phase)))
+    return rings.only(np.logical_not(np.asarray(windings.any(axis=0))))
+
+
+def squares_of(
+    phase: np.ndarray, ratio: np.ndarray, rings: Rings, blur: float, size: int
+) -> tuple[np.ndarray, Passages, np.ndarray]:
+    """Windings of phases around all squares, their passages of holes, and expected clicks.
+
+    The cost does not depend on the size, because sums along lines are shared. phase: phase[i, x,
+    y]. ratio: the amplitude in units of its noise.
+    """
+    passages = Passages(rings, Windows((0, 1), (size, size), (False, False)))
+    lines, turns = passages.windows, whole_turns(phase)
+    clicks = [
+        expected_clicks(ratio, np.diff(phase, axis=axis) + 2 * np.pi * whole, blur, axis)
+        for axis, whole in zip((1, 2), turns, strict=True)
+    ]
+    more: np.ndarray | float = 0.0
+    if rings.missing.any():
+        # A way along a part of a ring has at most the clicks of the whole ring.
+        more = passages.around(
+            rings.totals_of(rings.steps_of((clicks[0], clicks[1]), signed=False))
+        )
+        for axis, each in enumerate(clicks):
+            absent = rings.missing
+            either = absent | np.roll(absent, -1, axis)
+            each[:, np.delete(either, -1, axis)] = 0.0
+        turns = rings.filled(turns)
+    total = lines.sums(*lines.along(clicks[0], clicks[1])) + more
+    return lines.rounds(*lines.along(*turns)), passages, np.minimum(total, 1.0)
+
+
 def _around_holes(path: np.ndarray, rings: Rings) -> tuple[np.ndarray, list[int]] | None:
     """A closed path with ways around holes, and the holes that it passes; None if it has no way.
 
@@ -187,7 +236,8 @@ def _around_holes(path: np.ndarray, rings: Rings) -> tuple[np.ndarray, list[int]
     return np.stack(np.unravel_index(whole, rings.hole.shape)[:2], axis=1), passed
 
 
-def enclosed(path: np.ndarray) -> float:
-    """Signed area of a closed path of pixels, in pixels."""
-    x, y = path.T
-    return float((x[:-1] * y[1:] - x[1:] * y[:-1]).sum() / 2)
+def _means(values: np.ndarray, axis: int) -> np.ndarray:
+    """Means of neighbours."""
+    count = values.shape[axis]
+    one, other = (np.take(values, range(k, count - 1 + k), axis) for k in (0, 1))
+    return (one + other) / 2

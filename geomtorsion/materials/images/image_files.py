@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from geomtorsion.errors import FileFormatError, ImageError, LimitError, MissingExtraError
-from geomtorsion.materials.images.pixel_sizes import PixelSize, size_in_tiff, size_of_axes
+from geomtorsion.materials.images.pixels import PixelSize, size_in_tiff, size_of_axes
 from geomtorsion.support import checks
 from geomtorsion.support.checks import cut
 from geomtorsion.support.hdf5 import check_hdf5

@@ -11,8 +11,7 @@ import numpy as np
 from geomtorsion.errors import ImageError
 from geomtorsion.materials.images.image_files import check_size, pixels_of_signal, read_pixels
 from geomtorsion.materials.images.phases import LatticePhases, lattice_phases
-from geomtorsion.materials.images.pixel_sizes import UNSIZED, of_size
-from geomtorsion.materials.images.regions import Region
+from geomtorsion.materials.images.pixels import UNSIZED, Region, of_size
 from geomtorsion.materials.images.spots import Spectrum, Spots, find_spots, measured
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
@@ -63,10 +62,13 @@ class LatticeImage:
                 "mean, .filled(array.mean()): a region without lattice counts as a hole."
             )
         values = checks.array(
-            self.values, "image", ImageError, shape=(None, None),
-            message="{subject}: expected an array of grey values, got {value}. Give one channel, "
-            "colour[..., 0], or the mean of the channels.",
-        )  # fmt: skip
+            self.values,
+            "image",
+            ImageError,
+            shape=(None, None),
+            expected="an array of grey values",
+            remedy="Give one channel, colour[..., 0], or the mean of the channels.",
+        )
         if min(values.shape) < self.least:
             raise ImageError(
                 f"image: expected {self.least} rows and columns or more, got {values.shape}. Give "

@@ -18,12 +18,13 @@ from geomtorsion.materials.images.circuits import (
     enclosed,
     expected_clicks,
     pixel_path,
+    rings_of,
+    squares_of,
+    whole_turns,
     wound,
 )
-from geomtorsion.materials.images.pixel_sizes import of_size
-from geomtorsion.materials.images.regions import Region, pixels_of
+from geomtorsion.materials.images.pixels import Region, of_size, pixels_of
 from geomtorsion.materials.images.spots import Spots
-from geomtorsion.materials.images.squares import rings_of, squares_of, whole_turns
 from geomtorsion.materials.rings import Rings
 from geomtorsion.materials.source import Backdrop
 from geomtorsion.materials.survey import Errors, Survey, areas, middles

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from geomtorsion.errors import NetworkError
 from geomtorsion.loops import Cochain, Complex
-from geomtorsion.loops.validation import listed, whole
+from geomtorsion.loops.validation import listed
 from geomtorsion.materials.lines.box import Box
 from geomtorsion.materials.lines.reactions import Vector
 from geomtorsion.support import checks
@@ -77,34 +77,24 @@ class LineArrays:
         put("positions", checks.array(positions, "positions", NetworkError, shape=(None, 3)))
         checks.measured(self.positions, "positions", NetworkError)
         count = len(self.positions)
-        put("pairs", whole(pairs, "pairs", 2))
+        put("pairs", checks.whole_array(pairs, "pairs", NetworkError, 2))
         put("burgers", checks.array(burgers, "burgers", NetworkError, shape=(None, None)))
         checks.measured(self.burgers, "burgers", NetworkError)
-        if len(self.burgers) != len(self.pairs):
-            raise NetworkError(
-                f"burgers: expected one row for each of {len(self.pairs)} lines, got "
-                f"{len(self.burgers)}. Give as many rows as pairs."
-            )
+        lines, remedy = len(self.pairs), "Give as many as pairs."
+        checks.check_one_each(self.burgers, lines, "lines", "burgers", NetworkError, remedy)
         put("box", None if box is None else checks.instance(box, Box, "box", NetworkError))
         put("labels", listed(labels, "labels") or range(count))
         codes = np.zeros(count, np.int64) if constraints is None else constraints
         column = [[x] for x in checks.entries(checks.rows(codes), "constraints", NetworkError)]
-        put("constraints", whole(column, "constraints", 1).ravel())
-        if len(self.constraints) != count:
-            raise NetworkError(
-                f"constraints: expected one for each of {count} nodes, got "
-                f"{len(self.constraints)}. Give as many as positions."
-            )
+        put("constraints", checks.whole_array(column, "constraints", NetworkError, 1).ravel())
+        checks.check_one_each(self.constraints, count, "nodes", "constraints", NetworkError)
         put("planes", None)
         if planes is not None:
             shape = (len(self.pairs), 3)
             put("planes", checks.array(planes, "planes", NetworkError, shape=shape))
         put("grains", checks.entries(grains, "grains", NetworkError))
-        if len(self.grains) not in (0, len(self.pairs)):
-            raise NetworkError(
-                f"grains: expected one for each of {len(self.pairs)} lines, got "
-                f"{len(self.grains)}. Give as many as pairs, or none."
-            )
+        if self.grains:
+            checks.check_one_each(self.grains, lines, "lines", "grains", NetworkError, remedy)
         put("known", dict(known or {}))
         Complex(count, self.pairs, np.zeros((len(self.pairs), 0), np.int64), labels=self.labels)
         put("images", self._found_images(images))
@@ -125,7 +115,7 @@ class LineArrays:
                 )
             return np.zeros((len(self.pairs), 0), dtype=np.int64)
         if given is not None:
-            periods = whole(given, "images", 3)
+            periods = checks.whole_array(given, "images", NetworkError, 3)
             if periods[:, ~np.asarray(self.box.periodic)].any():
                 raise NetworkError(
                     "images: expected 0 along edges that are not periodic, got another number. "

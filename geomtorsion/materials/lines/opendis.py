@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from geomtorsion.errors import NetworkError
-from geomtorsion.loops.validation import whole
 from geomtorsion.materials.lines.box import Box
 from geomtorsion.materials.lines.line_arrays import LineArrays
 from geomtorsion.support import checks
@@ -59,7 +58,7 @@ def arrays_of_opendis(data: Mapping[str, Any]) -> LineArrays:
     tags, planes, pinned = nodes.get("tags"), segs.get("planes"), nodes.get("constraints")
     labels: list[tuple[int, ...]] = []
     if tags is not None:
-        labels = [tuple(row) for row in whole(tags, "tags", 2).tolist()]
+        labels = [tuple(row) for row in checks.whole_array(tags, "tags", NetworkError, 2).tolist()]
         if len(set(labels)) < len(labels):
             raise NetworkError(
                 "tags: expected a different tag for each node, got one tag twice. Rename a node."
@@ -68,7 +67,7 @@ def arrays_of_opendis(data: Mapping[str, Any]) -> LineArrays:
         # A column, as exported, or a row.
         pinned = checks.entries(checks.rows(pinned), "constraints", NetworkError)
         flat = [x[0] if isinstance(x, list) and len(x) == 1 else x for x in pinned]
-        pinned = whole([[x] for x in flat], "constraints", 1).ravel()
+        pinned = checks.whole_array([[x] for x in flat], "constraints", NetworkError, 1).ravel()
     return LineArrays(
         nodes["positions"], segs["nodeids"], segs["burgers"], box, None, labels, pinned, planes
     )

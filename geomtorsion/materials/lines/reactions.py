@@ -26,8 +26,8 @@ def exact_vector(values: Sequence[Number], where: str, dimension: int | None = N
     NetworkError
         It is not a vector of finite numbers, or not of the dimension.
     """
-    message = "{subject}: expected a Burgers vector, got {value}. Give a list of numbers."
-    entries = checks.entries(values, where, NetworkError, message=message)
+    kind, remedy = "a Burgers vector", "Give a list of numbers."
+    entries = checks.entries(values, where, NetworkError, expected=kind, remedy=remedy)
     # All of a hundred thousand lines of a simulation may have plain floats.
     most = checks.MEASURABLE.most
     plain = all(type(value) is float and abs(value) <= most for value in entries)
@@ -42,15 +42,14 @@ def exact_vector(values: Sequence[Number], where: str, dimension: int | None = N
 
 def _number(value: Number, where: str) -> Entry:
     """An exact number or expression, or a finite float."""
-    message = "{subject}: expected finite numbers, got {value}."
-    approximate = checks.number(value, where, NetworkError, message=message, infinite=message)
+    approximate = checks.number(value, where, NetworkError)
     checks.measured(approximate, where, NetworkError)
     if type(value) is int:
         return Fraction(value)
     if isinstance(value, sp.Expr) and not isinstance(value, sp.Rational | sp.Float):
         # Roots stay exact; a symbol has no length.
         return value
-    number = checks.exact_number(value, where, NetworkError, message=message, infinite=message)
+    number = checks.exact_number(value, where, NetworkError)
     # Floats are compared within a tolerance: they stay floats.
     return float(number) if isinstance(number, float | sp.Float) else checks.fraction(number)
 

@@ -290,8 +290,8 @@ class Taylor:
     def __post_init__(self) -> None:
         """Refuse numbers without sense, which would fail far from here."""
         if not isinstance(self.precision, int) or self.precision not in (53, 64):
-            text = "{subject}: expected 53, 64 or a whole number {range}, got {value}."
-            checks.count(self.precision, "precision", ArgumentError, 113, EXACT_BITS, message=text)
+            bits = f"53, 64 or a whole number from 113 to {EXACT_BITS:,}"
+            checks.count(self.precision, "precision", ArgumentError, 113, EXACT_BITS, expected=bits)
         checks.count(self.max_steps, "max_steps", ArgumentError, 1)
 
     finds_every_root = True

@@ -3,7 +3,7 @@
 from geomtorsion.teaching.exercises.exercise import Exercise
 from geomtorsion.teaching.exercises.exports import export
 from geomtorsion.teaching.exercises.question import Question
-from geomtorsion.teaching.exercises.registry import CHAPTERS, check, load, names, titles
+from geomtorsion.teaching.exercises.registry import chapters, check, load, names, titles
 from geomtorsion.teaching.exercises.verdict import QuestionVerdict, Verdict
 
 __all__ = [
@@ -12,12 +12,20 @@ __all__ = [
     "Question",
     "QuestionVerdict",
     "Verdict",
+    "chapters",
     "check",
     "export",
     "load",
     "names",
     "titles",
 ]
+
+
+def __getattr__(name: str) -> object:
+    """The chapters, whose titles are read on first use."""
+    if name != "CHAPTERS":
+        raise AttributeError(f"module 'geomtorsion.teaching.exercises' has no attribute {name!r}")
+    return tuple(chapters().items())
 
 
 def __dir__() -> list[str]:

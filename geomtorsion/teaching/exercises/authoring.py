@@ -4,10 +4,11 @@ from geomtorsion.teaching.exercises import tex
 from geomtorsion.teaching.exercises import working as by_hand
 from geomtorsion.teaching.exercises.domain import Domain
 from geomtorsion.teaching.exercises.draw import Draw
-from geomtorsion.teaching.exercises.exercise import Variant, steps
+from geomtorsion.teaching.exercises.exercise import Variant
 from geomtorsion.teaching.exercises.question import Mistake, Question, normal, reordered, scaled
 from geomtorsion.teaching.exercises.verdict import CONNECTION, TORSION
 from geomtorsion.teaching.exercises.working import Step
+from geomtorsion.teaching.texts import Texts, texts_of
 
 __all__ = [
     "CONNECTION",
@@ -17,11 +18,12 @@ __all__ = [
     "Mistake",
     "Question",
     "Step",
+    "Texts",
     "Variant",
     "by_hand",
     "normal",
     "reordered",
     "scaled",
-    "steps",
     "tex",
+    "texts_of",
 ]

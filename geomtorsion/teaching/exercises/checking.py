@@ -14,6 +14,7 @@ from geomtorsion.teaching.exercises.limits import MOST
 from geomtorsion.teaching.exercises.question import HALF, scaled
 from geomtorsion.teaching.exercises.reading import UnitError, read
 from geomtorsion.teaching.exercises.verdict import MESSAGES, QuestionVerdict, message_of
+from geomtorsion.teaching.texts import Texts, texts
 
 if TYPE_CHECKING:
     from geomtorsion.teaching.exercises.compare import Index, Value
@@ -22,18 +23,16 @@ if TYPE_CHECKING:
 # Rounding to two digits changes a number by no more than this share: 1.05 is written as 1.1.
 ROUNDED = 0.05
 
-# Messages about single answers that are wrong without a recognised mistake.
-_NOT_RIGHT = {
-    "choice": "That is not it.",
-    "number": "The number is not right.",
-    "expression": "That is not equal to the solution.",
-}
+
+def _texts(question: Question) -> Texts:
+    """Sentences about the check of an answer, in the language of the question."""
+    return texts("feedback", "checking", question.language)
 
 
 def check_question(question: Question, given: object) -> QuestionVerdict:
     """The verdict on an answer; no input of a student raises an error."""
     if given is None or (isinstance(given, str) and not given.strip()):
-        return _wrong(question, "empty", "No answer was given.")
+        return _wrong(question, "empty", _texts(question)("empty"))
     try:
         value = read(question, given)
         return replace(_checked(question, value), read_as=_preview(question, value))
@@ -43,6 +42,10 @@ def check_question(question: Question, given: object) -> QuestionVerdict:
         return _wrong(question, "too large", str(error))
     except (GeomtorsionError, ArithmeticError, ValueError, RecursionError) as error:
         return _wrong(question, "unreadable", str(error) or type(error).__name__)
+
+
+def _message(question: Question, code: str) -> str:
+    return MESSAGES.of(question.language)[code]
 
 
 def _preview(question: Question, value: Value) -> str:
@@ -71,15 +74,17 @@ def _checked(question: Question, value: Value) -> QuestionVerdict:
         return _diagnosed(question, mistakes)
     # A recognised mistake takes precedence over "rounded too early": it is more specific.
     if question.kind == "number" and agrees(replace(question, tolerance=ROUNDED), value, right):
-        return _wrong(question, "rounded", MESSAGES["rounded"])
+        return _wrong(question, "rounded", _message(question, "rounded"))
     if any(k == -1 for key in value for k in key):
         return _counted_from_zero(question, completed)
     if all(state in (EQUAL, PARTLY) for state in states.values()):
         root = any(has_root(completed.get(key, 0) - right.get(key, 0)) for key in states)
-        return _wrong(question, "domain", MESSAGES["domain" if root else "branch"])
+        return _wrong(question, "domain", _message(question, "domain" if root else "branch"))
     if question.shape or question.kind == "equations":
         return _by_component(question, states, completed)
-    return _wrong(question, "", _NOT_RIGHT[question.kind])
+    text = _texts(question)
+    kinds = {"choice": text("choice"), "number": text("number"), "expression": text("expression")}
+    return _wrong(question, "", kinds[question.kind])
 
 
 def _completed(question: Question, value: Value) -> Value:
@@ -101,20 +106,22 @@ def _counted_from_zero(question: Question, value: Value) -> QuestionVerdict:
     moved = {tuple(k + 1 for k in key): x for key, x in value.items()}
     inside = all(k < n for key in moved for k, n in zip(key, question.shape, strict=True))
     is_solution = inside and agrees(question, moved, question.solution)
-    reason = "" if is_solution else "An index is 0: "
-    return _wrong(question, "counted", reason + MESSAGES["counted"])
+    reason = "" if is_solution else f"{_texts(question)('index')} "
+    return _wrong(question, "counted", reason + _message(question, "counted"))
 
 
 def _by_component(question: Question, states: Mapping[Index, str], value: Value) -> QuestionVerdict:
     """The share of right components; the mistake that all wrong components have in common."""
     wrong = [key for key, state in states.items() if state != EQUAL]
     names = ", ".join(_label(question, key) for key in wrong[: MOST.named])
-    more = f" and {len(wrong) - MOST.named} more" if len(wrong) > MOST.named else ""
+    say = _texts(question)
+    if len(wrong) > MOST.named:
+        names = say("more", names=names, count=len(wrong) - MOST.named)
     score = round(1 - len(wrong) / len(states), 3)
-    text = f"{len(states) - len(wrong)} of {len(states)} right. Look again at {names}{more}."
+    text = say("components", right=len(states) - len(wrong), count=len(states), names=names)
     code = _common(question, wrong, value)
     if code:
-        text = f"{text} {message_of(code, question.remarks)}"
+        text = f"{text} {message_of(code, question.remarks, question.language)}"
     return QuestionVerdict(
         question.name, False, score, text, code or "incomplete", (), question.points
     )
@@ -140,15 +147,19 @@ def _label(question: Question, key: Index) -> str:
 def _diagnosed(question: Question, mistakes: list[Mistake]) -> QuestionVerdict:
     """The verdict on an answer that is one of the expected mistakes."""
     codes = list(dict.fromkeys(mistake.code for mistake in mistakes))
-    texts = (m.message or message_of(m.code, question.remarks) for m in mistakes)
-    message = " Or: ".join(list(dict.fromkeys(texts))[:2])
+    messages = dict.fromkeys(
+        m.message or message_of(m.code, question.remarks, question.language) for m in mistakes
+    )
+    message = f" {_texts(question)('or')} ".join(list(messages)[:2])
     return QuestionVerdict(
         question.name, False, 0.0, message, codes[0], tuple(codes[1:]), question.points
     )
 
 
 def _right(question: Question) -> QuestionVerdict:
-    return QuestionVerdict(question.name, True, 1.0, "Right.", points=question.points)
+    return QuestionVerdict(
+        question.name, True, 1.0, _texts(question)("right"), points=question.points
+    )
 
 
 def _wrong(question: Question, code: str, message: str) -> QuestionVerdict:

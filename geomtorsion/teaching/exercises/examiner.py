@@ -8,6 +8,7 @@ from types import TracebackType
 from geomtorsion.teaching.exercises.registry import load
 from geomtorsion.teaching.exercises.verdict import QuestionVerdict, Verdict
 from geomtorsion.teaching.exercises.worker_pool import EXCEEDED, STARTING, Json, WorkerPool
+from geomtorsion.teaching.texts import ENGLISH
 
 # Far more than a right answer takes.
 SECONDS = 10.0
@@ -42,17 +43,19 @@ class Examiner:
     ) -> None:
         self.pool.close()
 
-    def check(self, number: str, answers: object, seed: int = 0) -> Verdict:
+    def check(
+        self, number: str, answers: object, seed: int = 0, language: str = ENGLISH
+    ) -> Verdict:
         """The verdict on the answers to an exercise, within the time; see `Exercise.check`.
 
         Raises
         ------
         UnknownNameError
-            There is no such exercise or seed.
+            There is no such exercise, seed or language.
         """
-        exercise = load(number, seed)
+        exercise = load(number, seed, language)
         by_question, _ = exercise.arranged(answers)
-        request = {"number": number, "seed": seed}
+        request = {"number": number, "seed": seed, "language": exercise.language}
         try:
             # The time for the library's own solution is not charged to the student; the process
             # keeps the solution, so that only the first student waits for it.
@@ -95,7 +98,7 @@ def _unchecked(number: str, seed: int, answers: Mapping[str, object], reason: st
 
 def reply(request: Json) -> Json:
     """The reply of the process: a verdict, or a note that the solution is now available."""
-    exercise = load(request["number"], request["seed"])
+    exercise = load(request["number"], request["seed"], request.get("language", ENGLISH))
     if "answers" not in request:
         _ = exercise.solution()
         return {"prepared": True}

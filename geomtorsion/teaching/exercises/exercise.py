@@ -17,6 +17,7 @@ from geomtorsion.teaching.exercises.prose import html_of
 from geomtorsion.teaching.exercises.question import Question, how_to_answer
 from geomtorsion.teaching.exercises.verdict import Verdict
 from geomtorsion.teaching.exercises.working import Step
+from geomtorsion.teaching.texts import ENGLISH
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,18 +35,15 @@ class Variant:
     worked: Callable[[], tuple[Step, ...]]
 
 
-def steps(*hints: str) -> tuple[str, ...]:
-    """Hints, one step each."""
-    return hints
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class Exercise:
     """One variant of an exercise.
 
     number: "3.2". title, chapter: the exercise and its chapter. level: warm-up, exercise or
     project. seed: the variant; 0 is the variant of the paper. variant: its content. loader:
-    creates the exercise from number and seed, which determine it completely; copies use it.
+    creates the exercise from number, seed and language, which determine it completely; copies use
+    it. language: of the texts, as requested. note: that the text is English, if it is not
+    translated into this language.
 
     Examples
     --------
@@ -61,7 +59,9 @@ class Exercise:
     level: str
     seed: int
     variant: Variant
-    loader: Callable[[str, int], Exercise]
+    loader: Callable[[str, int, str], Exercise]
+    language: str = ENGLISH
+    note: str = ""
 
     def __repr__(self) -> str:
         names = ", ".join(question.name for question in self.questions)
@@ -71,7 +71,8 @@ class Exercise:
         )
 
     def _repr_markdown_(self) -> str:
-        return f"**{self.number}. {self.title}** ({self.level})\n\n{self.statement}"
+        note = f"*{self.note}*\n\n" if self.note else ""
+        return f"**{self.number}. {self.title}** ({self.level})\n\n{note}{self.statement}"
 
     def _repr_html_(self) -> str:
         asked = "".join(
@@ -80,10 +81,11 @@ class Exercise:
             for question in self.questions
         )
         title = f"<b>{escape(self.number)}. {escape(self.title)}</b> ({escape(self.level)})"
-        return f"<div><p>{title}</p>{html_of(self.statement)}<ul>{asked}</ul></div>"
+        note = f"<p><em>{escape(self.note)}</em></p>" * bool(self.note)
+        return f"<div><p>{title}</p>{note}{html_of(self.statement)}<ul>{asked}</ul></div>"
 
     def __reduce__(self) -> tuple[object, ...]:
-        return self.loader, (self.number, self.seed)
+        return self.loader, (self.number, self.seed, self.language)
 
     @property
     def statement(self) -> str:

@@ -17,10 +17,10 @@ from geomtorsion.support.caching import cached_property
 from geomtorsion.support.checks import cut
 from geomtorsion.teaching.exercises.compare import Index, Value, agrees
 from geomtorsion.teaching.exercises.domain import Domain
+from geomtorsion.teaching.texts import ENGLISH, texts
 
 KINDS = ("expression", "components", "equations", "number", "choice")
 HALF = sympy.Rational(1, 2)
-BOTH = "It is off by a factor 2, and the sign is wrong as well."
 ANGLES = ("rad", "deg")
 
 
@@ -59,6 +59,7 @@ class Question:
     generic: mistakes that are tested without being named by the exercise.
     remarks: code of a generic mistake -> sentence to append to its general message.
     points: points of a right answer.
+    language: of the messages about answers.
     """
 
     name: str
@@ -78,6 +79,7 @@ class Question:
     generic: tuple[str, ...] = ("sign", "factor", "permuted")
     remarks: Mapping[str, str] = field(default_factory=dict)
     points: int = 1
+    language: str = ENGLISH
 
     @cached_property
     def solution(self) -> Value:
@@ -162,7 +164,8 @@ def _generic(question: Question) -> Iterator[Mistake]:
         yield Mistake("factor", scaled(right, 2))
         yield Mistake("factor", scaled(right, HALF))
     if {"sign", "factor"} <= set(codes):
-        yield from (Mistake("factor", scaled(right, x), BOTH) for x in (-2, -HALF))
+        both = texts("feedback", "checking", question.language)("both")
+        yield from (Mistake("factor", scaled(right, x), both) for x in (-2, -HALF))
     if "permuted" in codes and question.kind == "components":
         yield from (Mistake("permuted", value) for value in permuted(right, question.shape))
 
@@ -208,13 +211,6 @@ _DECLARE = re.compile(r"(?:Otherwise d|D)eclare \S+ as a parameter\.\Z")
 _FUNCTION = re.compile(r"(?:Otherwise d|D)eclare it as an unknown function with .*\Z")
 _SMALLER = re.compile(r"Replace it by a parameter.*\Z")
 _PRIMES = re.compile(r"([^\W\d]\w*)\s*(['′’]{1,2}|″)")
-ASKED = {
-    "expression": "an expression",
-    "components": "components",
-    "equations": "equations, separated by semicolons",
-    "number": "a number",
-    "choice": "one of",
-}
 
 
 def how_to_answer(question: Question, *, options: bool = True) -> str:
@@ -226,24 +222,53 @@ def how_to_answer(question: Question, *, options: bool = True) -> str:
     >>> how_to_answer(load("3.2").questions[0])
     'an expression. Use the names `phi1`, `phi2`'
     """
-    text = ASKED[question.kind]
+    text = texts("sheets", "answers", question.language)
     if question.kind == "choice":
         choices = (f"`{k}`" + f" ({x})" * options for k, x in question.options.items())
-        return f"{text} {', '.join(choices)}"
+        return text("choice", options=", ".join(choices))
     if question.kind == "number":
-        if question.shape:
-            text = f"{question.shape[0]} numbers `[x, y, ...]`"
-        unit = f" in {question.unit}" if question.unit else ""
-        if question.exact:
-            return f"{text}{unit}, exactly"
-        return f"{text}{unit}, relative tolerance {question.tolerance:.2g}"
+        number = text("numbers", count=question.shape[0]) if question.shape else ""
+        return f"{number_text(question, number)}, {precision_text(question)}"
     if question.kind == "components":
-        matrix = "a matrix `[[...], [...]]` or " if len(question.shape) == 2 else ""
-        text = f"{matrix}{text} `{example(question)}`; indices count from 1"
-    return f"{text}. {names_to_use([f'`{name}`' for name in symbol_names(question)])}"
+        form = text(
+            "matrix" if len(question.shape) == 2 else "components", example=example(question)
+        )
+    else:
+        form = text("equations") if question.kind == "equations" else text("expression")
+    names = [f"`{name}`" for name in symbol_names(question)]
+    return f"{form}. {names_to_use(names, question.language)}"
 
 
-def names_to_use(names: Sequence[str]) -> str:
+def number_text(question: Question, numbers: str = "") -> str:
+    """The word for a number, or the given words for several, with their unit.
+
+    Examples
+    --------
+    >>> from geomtorsion.teaching.exercises import load
+    >>> number_text(load("5.5").questions[0])
+    'a number in rad'
+    """
+    text = texts("sheets", "answers", question.language)
+    number = numbers or text("number")
+    return text("unit", number=number, unit=question.unit) if question.unit else number
+
+
+def precision_text(question: Question) -> str:
+    """How precise a number must be, in words.
+
+    Examples
+    --------
+    >>> from geomtorsion.teaching.exercises import load
+    >>> precision_text(load("5.5").questions[0])
+    'relative tolerance 0.002'
+    """
+    text = texts("sheets", "answers", question.language)
+    if question.exact:
+        return text("exactly")
+    return text("tolerance", tolerance=f"{question.tolerance:.2g}")
+
+
+def names_to_use(names: Sequence[str], language: str = ENGLISH) -> str:
     """A sentence about the names in an answer, without its full stop.
 
     Examples
@@ -251,9 +276,10 @@ def names_to_use(names: Sequence[str]) -> str:
     >>> names_to_use(["R"]), names_to_use(["r", "phi"]), names_to_use([])
     ('Use the name R', 'Use the names r, phi', 'Use no symbols')
     """
+    text = texts("sheets", "answers", language)
     if not names:
-        return "Use no symbols"
-    return f"Use the name{'s' * (len(names) > 1)} {', '.join(names)}"
+        return text("no_names")
+    return text("name" if len(names) == 1 else "names", names=", ".join(names))
 
 
 def symbol_names(question: Question) -> tuple[str, ...]:

@@ -19,11 +19,12 @@ from geomtorsion.teaching.exercises.answers import answer_text
 from geomtorsion.teaching.exercises.cells import code_cell, markdown_cell, notebook
 from geomtorsion.teaching.exercises.exercise import Exercise
 from geomtorsion.teaching.exercises.limits import MOST
-from geomtorsion.teaching.exercises.prose import html_of
+from geomtorsion.teaching.exercises.prose import html_of, text_of
 from geomtorsion.teaching.exercises.question import Question, how_to_answer
-from geomtorsion.teaching.exercises.registry import CHAPTERS, load, names
+from geomtorsion.teaching.exercises.registry import chapters, load, names
 from geomtorsion.teaching.exercises.verdict import TITLES, message_of
 from geomtorsion.teaching.exercises.worker_pool import Json
+from geomtorsion.teaching.texts import ENGLISH, Texts, code_of, language_name, texts
 
 
 def notebook_of(title: str, exercises: Sequence[Exercise]) -> Json:
@@ -39,8 +40,7 @@ def notebook_of(title: str, exercises: Sequence[Exercise]) -> Json:
     cells = [
         markdown_cell(
             "title",
-            f"# {title}\n\nIndices are counted from 1; the first lower index of a connection is "
-            "the direction of differentiation; $S = T/2$.",
+            f"# {title}\n\n{_text(exercises)('conventions')}",
         ),
         code_cell("imports", "import geomtorsion as gt"),
     ]
@@ -52,27 +52,52 @@ def notebook_of(title: str, exercises: Sequence[Exercise]) -> Json:
 def _cells(exercise: Exercise) -> list[Json]:
     """Statement, questions, space to work, check, hints."""
     key = exercise.number.replace(".", "-")
+    text = _text([exercise])
+    hows = [text("answer", how=how_to_answer(question)) for question in exercise.questions]
     asked = [
-        f"- `{question.name}`: {question.prompt}\n  *Answer: {how_to_answer(question)}.*"
-        for question in exercise.questions
+        f"- `{question.name}`: {question.prompt}\n  *{how}.*"
+        for question, how in zip(exercise.questions, hows, strict=True)
     ]
     heading = f"## {exercise.number} {exercise.title}"
-    text = f"{heading}\n\n{exercise.statement}\n\n" + "\n".join(asked)
+    note = f"*{exercise.note}*\n\n" if exercise.note else ""
+    stated = f"{heading}\n\n{note}{exercise.statement}\n\n" + "\n".join(asked)
     empty = "\n".join(f'    "{question.name}": "",' for question in exercise.questions)
-    check = (
-        f'exercise = gt.exercises.load("{exercise.number}", seed={exercise.seed})\n'
-        f"print(exercise.check({{\n{empty}\n}}))"
-    )
-    ask = (
-        "# The next hints are hints[1], hints[2], ...\n"
-        f'print(gt.exercises.load("{exercise.number}", seed={exercise.seed}).hints[0])'
-    )
+    check = f"exercise = {load_line(exercise)}\nprint(exercise.check({{\n{empty}\n}}))"
+    ask = f"{comment(text('more_hints'))}\nprint({load_line(exercise)}.hints[0])"
     return [
-        markdown_cell(f"statement-{key}", text),
-        code_cell(f"work-{key}", "# Space for your work."),
+        markdown_cell(f"statement-{key}", stated),
+        code_cell(f"work-{key}", comment(text("work"))),
         code_cell(f"check-{key}", check),
         code_cell(f"hint-{key}", ask),
     ]
+
+
+def load_line(exercise: Exercise) -> str:
+    """The expression of Python that loads an exercise.
+
+    Examples
+    --------
+    >>> load_line(load("1.1", 3))
+    'gt.exercises.load("1.1", seed=3)'
+    """
+    language = "" if exercise.language == ENGLISH else f", language={exercise.language!r}"
+    return f'gt.exercises.load("{exercise.number}", seed={exercise.seed}{language})'
+
+
+def comment(text: str) -> str:
+    """A text as one line of comment in Python.
+
+    Examples
+    --------
+    >>> comment("Space for your work.")
+    '# Space for your work.'
+    """
+    return f"# {' '.join(text.split())}"
+
+
+def _text(exercises: Sequence[Exercise]) -> Texts:
+    """Words around exercises, in their language."""
+    return texts("sheets", "sheet", exercises[0].language)
 
 
 _MORE = """
@@ -97,6 +122,7 @@ def write_sheet(
     directory: str | PathLike[str],
     seed: int = 0,
     progress: Progress = lambda _: None,
+    language: str = ENGLISH,
 ) -> tuple[Path, ...]:
     """Write a chapter: page, notebook and form for students, solutions in `teacher/`.
 
@@ -108,6 +134,10 @@ def write_sheet(
         created if it is missing.
     seed
         the variant.
+    progress
+        called with the name of each step before it begins.
+    language
+        "en", "de", or a folder with translated texts.
 
     Returns
     -------
@@ -116,17 +146,20 @@ def write_sheet(
     Raises
     ------
     UnknownNameError
-        There is no such chapter.
+        There is no such chapter or language.
     """
-    titles = dict(CHAPTERS)
+    language = language_name(language)
+    titles = chapters(language)
     if not isinstance(chapter, str) or chapter not in titles:
-        chapters = ", ".join(f"{number} ({name})" for number, name in CHAPTERS)
+        known = ", ".join(f"{number} ({name})" for number, name in titles.items())
         raise UnknownNameError(
             f"expected the number of a chapter, got {checks.shown(chapter)}. The chapters are "
-            f"{chapters}."
+            f"{known}."
         )
     title = titles[chapter]
-    exercises = [load(number, seed) for number in names() if number.startswith(f"{chapter}.")]
+    exercises = [
+        load(number, seed, language) for number in names() if number.startswith(f"{chapter}.")
+    ]
     # Refused before any exercise is solved.
     with written(directory, is_folder=True) as folder:
         pass
@@ -139,26 +172,28 @@ def write_sheet(
         progress(f"solving {exercise.number}")
         solved.append(_card(exercise, solution=True))
     files = {
-        f"{stem}.html": page_of(heading, seed, [_card(e) for e in exercises]),
+        f"{stem}.html": page_of(heading, seed, [_card(e) for e in exercises], language),
         f"{stem}.ipynb": cells + "\n",
         f"{stem}-answers.toml": form_of(exercises, seed),
-        f"teacher/{stem}-solutions.html": page_of(f"{heading}: solutions", seed, solved),
+        f"teacher/{stem}-solutions.html": page_of(
+            _text(exercises)("solutions", title=heading), seed, solved, language
+        ),
     }
     return write_texts(folder, files)
 
 
-def page_of(title: str, seed: int, cards: Sequence[str]) -> str:
+def page_of(title: str, seed: int, cards: Sequence[str], language: str = ENGLISH) -> str:
     """A web page that needs no script and no network."""
-    note = f"Variant {seed}." if seed else "The variant of the paper."
+    text = texts("sheets", "sheet", language_name(language))
+    note = text("variant", seed=seed) if seed else text("paper")
     return (
-        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+        f'<!doctype html>\n<html lang="{escape(code_of(language))}"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         '<meta http-equiv="Content-Security-Policy" '
         f"content=\"default-src 'none'; style-src 'unsafe-inline'; {FONT_SOURCE}\">"
         f"<title>{escape(title)}</title><style>{stylesheet()}{_MORE}</style></head>\n<body><header>"
         f'<p class="name">geomtorsion, exercises</p><h1>{escape(title)}</h1>'
-        f'<p class="story">{note} Indices are counted from 1; the first lower index of a '
-        "connection is the direction of differentiation; S = T/2.</p></header>\n"
+        f'<p class="story">{escape(note)} {escape(text_of(text("conventions")))}</p></header>\n'
         f"<main>{''.join(cards)}</main></body></html>\n"
     )
 
@@ -169,22 +204,29 @@ def _card(exercise: Exercise, *, solution: bool = False) -> str:
         f'<section class="card" id="e{exercise.number}"><div class="head"><h2>{exercise.number} '
         f'{escape(exercise.title)}</h2><span class="note">{exercise.level}</span></div>'
     )
-    parts = [head, html_of(exercise.statement)]
+    text = _text([exercise])
+    note = f'<p class="note">{escape(exercise.note)}</p>' * bool(exercise.note)
+    parts = [head, note, html_of(exercise.statement)]
     for question in exercise.questions:
+        points = text(
+            "points" if question.points > 1 else "point",
+            question=question.name,
+            points=question.points,
+        )
+        answer = text("answer", how=how_to_answer(question))
         parts.append(
-            f'<div class="question"><p class="name">{question.name} '
-            f"({question.points} point{'s' * (question.points > 1)})</p>"
+            f'<div class="question"><p class="name">{escape(points)}</p>'
             f"{html_of(question.prompt)}"
-            f'<div class="note">{html_of("Answer: " + how_to_answer(question))}</div>'
+            f'<div class="note">{html_of(answer)}</div>'
         )
         if solution:
-            parts.append(_solution(question))
+            parts.append(_solution(question, text))
         parts.append("</div>")
     if solution:
         parts.append(_worked(exercise))
     else:
         steps = "".join(
-            f"<details><summary>Hint {k}</summary>{html_of(hint)}</details>"
+            f"<details><summary>{escape(text('hint', number=k))}</summary>{html_of(hint)}</details>"
             for k, hint in enumerate(exercise.hints, 1)
         )
         parts.append(steps)
@@ -193,30 +235,30 @@ def _card(exercise: Exercise, *, solution: bool = False) -> str:
 
 def _worked(exercise: Exercise) -> str:
     """The solution step by step."""
-    items = "".join(
-        f"<li>{html_of(step.text)}"
-        + (
-            f'<p class="note">This step answers <code>{step.question}</code>.</p>'
-            if step.question
-            else ""
-        )
-        + "</li>"
-        for step in exercise.worked
+    text = _text([exercise])
+    items = []
+    for step in exercise.worked:
+        note = html_of(text("step", question=step.question)) if step.question else ""
+        marked = note.replace("<p>", '<p class="note">', 1)
+        items.append(f"<li>{html_of(step.text)}{marked}</li>")
+    return (
+        f"<details open><summary>{escape(text('steps'))}</summary>"
+        f'<ol class="steps">{"".join(items)}</ol></details>'
     )
-    return f'<details open><summary>Step by step</summary><ol class="steps">{items}</ol></details>'
 
 
-def _solution(question: Question) -> str:
+def _solution(question: Question, text: Texts) -> str:
     """The solution, and the meaning of some wrong answers."""
     value = question.solution
     shown = _typeset(question)
     rows = []
     for mistake in question.mistakes[: MOST.mistakes]:
-        text = mistake.message or message_of(mistake.code, question.remarks)
+        message = mistake.message or message_of(mistake.code, question.remarks, question.language)
         typed = escape(_short(answer_text(question, mistake.value)))
-        rows.append(f"<li>{escape(TITLES[mistake.code])}: <code>{typed}</code>{html_of(text)}</li>")
+        title = escape(TITLES.of(question.language)[mistake.code])
+        rows.append(f"<li>{title}: <code>{typed}</code>{html_of(message)}</li>")
     table = (
-        "<details><summary>Mistakes that are recognised</summary>"
+        f"<details><summary>{escape(text('mistakes'))}</summary>"
         f'<ul class="mistakes">{"".join(rows)}</ul></details>'
         if rows
         else ""

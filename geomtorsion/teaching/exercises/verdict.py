@@ -5,96 +5,26 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from html import escape
-from types import MappingProxyType
 from typing import Any
 
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.support.checks import known_name
 from geomtorsion.teaching.exercises.prose import html_of
+from geomtorsion.teaching.texts import ENGLISH, TextTable
 
 # Code -> the mistake in a few words.
-TITLES: Mapping[str, str] = MappingProxyType(
-    {
-        "factor": "a factor 2",
-        "sign": "the sign",
-        "permuted": "indices permuted",
-        "levi-civita": "Levi-Civita instead of Cartan",
-        "cartan": "Cartan instead of Levi-Civita",
-        "inverse": "the inverse is missing",
-        "basis": "frame and coordinate components confused",
-        "direction": "the loop in the opposite direction",
-        "axes": "body and space axes confused",
-        "degrees": "degrees instead of radians",
-        "domain": "right only on a part of the domain",
-        "naive": "the naive variation",
-        "principle": "the other action principle",
-        "forgotten": "something is missing",
-        "another": "another quantity",
-        "counted": "indices counted from 0",
-        "unit": "another unit",
-        "rounded": "rounded too early",
-        "incomplete": "some components are wrong",
-        "empty": "no answer",
-        "unreadable": "could not be read",
-        "too large": "too large to be checked",
-    }
-)
+TITLES = TextTable("feedback", "titles")
 # Codes of answers that a person must read: it is unknown whether they are right.
 UNREAD = ("unreadable", "too large")
 # Code -> message to a student, unless the exercise has its own.
-MESSAGES: Mapping[str, str] = MappingProxyType(
-    {
-        "factor": "It is off by a factor 2.",
-        "sign": "The sign is wrong.",
-        "permuted": "The components are right, but their indices are in another order.",
-        "levi-civita": "That is the result for the Levi-Civita connection of the metric. The "
-        "question is about the Cartan connection of the frame.",
-        "cartan": "That is the result for the Cartan connection of the frame. The question is "
-        "about the Levi-Civita connection of the metric.",
-        "inverse": "An inverse is missing: the coframe was used instead of its inverse, the legs, "
-        "or the legs instead of the coframe.",
-        "basis": "That is in another basis: frame components and coordinate components have been "
-        "exchanged. Check the basis of each index.",
-        "direction": "The loop was traversed in the opposite direction.",
-        "axes": "The components are along other axes: body and space axes have been exchanged.",
-        "degrees": "An angle in degrees was used as an angle in radians, or the reverse.",
-        "domain": "That is right only on a part of the domain: a root has the wrong sign on the "
-        "rest of it.",
-        "branch": "That is right only on a part of the domain: an inverse function gives its "
-        "principal value, which is wrong on the rest of it.",
-        "naive": "You varied as if the frame components of the velocity were time derivatives of "
-        "coordinates. They are not, so the gyroscopic terms (such as "
-        r"$\Omega\times p$) are missing.",
-        "principle": "That follows from the other action principle. Which end points of the varied "
-        "paths are fixed: in the coordinates (Hamilton) or in the flat image $x^i(t)$ with "
-        r"$\dot x^i = u^i$ (Kleinert)?",
-        "forgotten": "A term is missing.",
-        "another": "That is another quantity. Read the question again.",
-        "counted": "Indices are counted from 1 here, but yours seem to be counted from 0.",
-        "unit": "The unit of the number differs from the unit in the question.",
-        "rounded": "The number is close, but not within the tolerance. Was it rounded too early?",
-    }
-)
+MESSAGES = TextTable("feedback", "messages")
 # Sources of a wrong sign or factor 2 in questions about torsion only.
-TORSION: Mapping[str, str] = MappingProxyType(
-    {
-        "sign": "Which lower index of the connection is the direction of differentiation? Here it "
-        "is the first. Books in which it is the second have the opposite torsion.",
-        "factor": r"Check the factor $\tfrac12$ in $S = T/2$.",
-    }
-)
+TORSION = TextTable("feedback", "torsion")
 # Sources of these mistakes in questions about the connection itself.
-CONNECTION: Mapping[str, str] = MappingProxyType(
-    {
-        "sign": r"Were the legs differentiated instead of the forms? "
-        r"$E_i{}^c\,\partial_a e^i{}_b = -e^i{}_b\,\partial_a E_i{}^c$.",
-        "permuted": "The order is $a, b, c$: the direction of differentiation, the index of the "
-        "form, the upper index.",
-    }
-)
+CONNECTION = TextTable("feedback", "connection")
 
 
-def message_of(code: str, remarks: Mapping[str, str]) -> str:
+def message_of(code: str, remarks: Mapping[str, str], language: str = ENGLISH) -> str:
     """The message about a mistake: common to all exercises, then the exercise's own remark.
 
     Examples
@@ -102,7 +32,7 @@ def message_of(code: str, remarks: Mapping[str, str]) -> str:
     >>> message_of("sign", {}), message_of("factor", {"factor": "A half?"})
     ('The sign is wrong.', 'It is off by a factor 2. A half?')
     """
-    return f"{MESSAGES[code]} {remarks.get(code, '')}".strip()
+    return f"{MESSAGES.of(language)[code]} {remarks.get(code, '')}".strip()
 
 
 Json = Mapping[str, Any]

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 
 from geomtorsion.pictures.text import greek_name
 from geomtorsion.teaching.exercises.worker_pool import Json
-from geomtorsion.teaching.lab.guides import COMPASS, GUIDES, TABS
+from geomtorsion.teaching.lab.guides import COMPASS, TABS, tab
 from geomtorsion.teaching.lab.query import Query, numbers_text
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.space_info import drawable
 from geomtorsion.teaching.lab.top import SWITCHES, WATCHED
 from geomtorsion.teaching.lab.uploads import TEXT_MAPS
 from geomtorsion.teaching.lab.views import intro
+from geomtorsion.teaching.texts import ENGLISH
 
 if TYPE_CHECKING:
     from marimo import ui
@@ -40,10 +41,14 @@ BODY = {"I": (2.0, 2.0, 1.0), "w": (1.0, 0.0, 2.0), "tilt": 0.3, "t": 12.0}
 _ANGLES = ("phi", "theta", "psi", "chi", "yaw", "pitch", "roll")
 
 
-def tabs(mo: ModuleType, query: Query) -> ui.tabs:
+def tabs(mo: ModuleType, query: Query, language: str = ENGLISH) -> ui.tabs:
     """The tabs; their only value is the open tab."""
     opened = query.one_of("tab", list(TABS), COMPASS)
-    return mo.ui.tabs({name: mo.Html(intro(GUIDES[name])) for name in TABS}, value=opened)
+    shown = [tab(name, language) for name in TABS]
+    return mo.ui.tabs(
+        {one.name: mo.Html(intro(one.guide, language)) for one in shown},
+        value=tab(opened, language).name,
+    )
 
 
 def course(mo: ModuleType, query: Query) -> ui.slider:

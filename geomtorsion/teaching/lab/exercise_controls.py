@@ -9,24 +9,26 @@ from typing import TYPE_CHECKING
 from geomtorsion.teaching.exercises.limits import MOST
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab.query import Query
+from geomtorsion.teaching.texts import ENGLISH, Texts, texts
 
 if TYPE_CHECKING:
     from marimo import ui
 
 
-def exercises(mo: ModuleType, listing: Json, query: Query) -> ui.dropdown:
+def exercises(mo: ModuleType, listing: Json, query: Query, language: str = ENGLISH) -> ui.dropdown:
     """A list of all exercises."""
     every = {k: v for chapter in listing.get("chapters", {}).values() for k, v in chapter.items()}
     options = {f"{number} {title}": number for number, title in every.items()}
     chosen = query.one_of("exercise", list(options.values()), next(iter(options.values()), None))
     first = next((title for title, number in options.items() if number == chosen), None)
-    return mo.ui.dropdown(options, value=first, label="exercise")
+    return mo.ui.dropdown(options, value=first, label=_text(language)("exercise"))
 
 
-def seed(mo: ModuleType, query: Query) -> ui.number:
+def seed(mo: ModuleType, query: Query, language: str = ENGLISH) -> ui.number:
     """A field for the variant."""
     [number] = query.numbers("variant", [(0, MOST.seed)], [0])
-    return mo.ui.number(0, MOST.seed, 1, value=int(number), label="variant")
+    label = _text(language)("variant")
+    return mo.ui.number(0, MOST.seed, 1, value=int(number), label=label)
 
 
 def variant(typed: float | None) -> float:
@@ -41,13 +43,13 @@ def variant(typed: float | None) -> float:
     return int(number) if float(number).is_integer() else number
 
 
-def answers(mo: ModuleType, exercise: Json, query: Query) -> ui.batch:
+def answers(mo: ModuleType, exercise: Json, query: Query, language: str = ENGLISH) -> ui.batch:
     """A field for each question; an answer is checked when it is sent."""
     fields, parts = {}, []
     for number, question in enumerate(exercise.get("questions", ())):
         key = f"q{number}"
         typed = query.text(_answer_key(exercise, number), "")
-        fields[key] = _field(mo, question, typed)
+        fields[key] = _field(mo, question, typed, language)
         # Braces mark the fields in the template.
         prompt = question["prompt"].replace("{", "{{").replace("}", "}}")
         how = f'<p class="note">{escape(question["how"])}</p>'
@@ -76,9 +78,13 @@ def exercise_query(exercise: Json, first: str, values: Json) -> dict[str, tuple[
     }
 
 
-def _field(mo: ModuleType, question: Json, typed: str = "") -> ui.dropdown | ui.text | ui.text_area:
+def _field(
+    mo: ModuleType, question: Json, typed: str, language: str
+) -> ui.dropdown | ui.text | ui.text_area:
     # Each keystroke is sent at once, so that the button checks the current text.
-    label = question["name"] + (f" in {question['unit']}" if question["unit"] else "")
+    label = question["name"]
+    if question["unit"]:
+        label = _text(language)("unit", question=label, unit=question["unit"])
     if question["kind"] == "choice":
         options = {text: key for key, text in question["options"].items()}
         first = next((text for text, key in options.items() if typed and key == typed), None)
@@ -100,9 +106,19 @@ def given(exercise: Json, values: Json) -> dict[str, str]:
     return {name: str(values.get(f"q{k}") or "") for k, name in enumerate(names)}
 
 
-def next_hint(mo: ModuleType, exercise: Json) -> ui.button:
+def next_hint(mo: ModuleType, exercise: Json, language: str = ENGLISH) -> ui.button:
     """A button that counts the hints taken."""
     most = exercise.get("hints", 0)
+    label = _text(language)("next")
     return mo.ui.button(
-        value=0, on_click=lambda taken: min(taken + 1, most), label="Next hint", kind="neutral"
+        value=0, on_click=lambda taken: min(taken + 1, most), label=label, kind="neutral"
     )
+
+
+def check(mo: ModuleType, language: str = ENGLISH) -> ui.run_button:
+    """The button that sends the answers."""
+    return mo.ui.run_button(label=_text(language)("check"))
+
+
+def _text(language: str) -> Texts:
+    return texts("lab", "form", language)

@@ -12,11 +12,13 @@ from geomtorsion.pictures.formula import FONT_SOURCE, font_face
 from geomtorsion.pictures.text import greek_name
 from geomtorsion.support import checks
 from geomtorsion.support.files import write_texts
+from geomtorsion.teaching.exercises.prose import html_of
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab import guides, views
 from geomtorsion.teaching.lab.controls import path_case
 from geomtorsion.teaching.lab.space_info import space_info
 from geomtorsion.teaching.lab.tasks import task
+from geomtorsion.teaching.texts import ENGLISH, code_of, language_name, texts
 
 Progress = Callable[[str], object]
 # This policy forbids the browser to load anything.
@@ -61,75 +63,74 @@ main { max-width: 72rem; margin: 0 auto; padding: 1rem; }
 """
 
 
-_ABOUT = """
-<p class="guide">These pages show cases that geomtorsion has computed. Sliders choose among these
-cases, and figures can be turned and saved. The pages load nothing and need no server.</p>
-<p class="guide">Nothing is computed here. To type a tetrad of your own, to upload a map, or to have
-an answer checked, start the page with controls: <code>geomtorsion lab --open</code></p>
-"""
-
-
 def write_pages(
-    directory: str | PathLike[str], progress: Progress = lambda _: None
+    directory: str | PathLike[str],
+    progress: Progress = lambda _: None,
+    language: str = ENGLISH,
 ) -> tuple[Path, ...]:
     """Write index.html and a page for each tab; return their paths, the index first.
 
     The pages show computed cases. They check no answers and read no tetrads. They contain
     everything: style, pictures, mathematics (MathML) and the scripts that turn pictures and move
-    sliders. Writing starts after all computations.
+    sliders. Writing starts after all computations. language: of the texts.
     """
     directory = checks.file_name(directory, "directory")
-    return write_texts(directory, pages(progress))
+    return write_texts(directory, pages(progress, language_name(language)))
 
 
-def pages(progress: Progress = lambda _: None) -> dict[str, str]:
+def pages(progress: Progress = lambda _: None, language: str = ENGLISH) -> dict[str, str]:
     """File name -> page, the index first."""
     makers = {
         guides.COMPASS: compass, guides.LOOPS: loops, guides.PATHS: curves, guides.TOP: tops,
         guides.COSTS: cost_tables, guides.TETRAD: tetrads, guides.EXERCISES: exercises,
     }  # fmt: skip
     contents = {}
-    for tab, maker in makers.items():
-        progress(tab)
-        still = guides.STILL[tab]
-        inner = f"{views.intro(still.guide)}{maker()}{views.words(tab)}"
-        contents[_file(still.title)] = _page(still.title, inner)
+    tabs = {name: guides.tab(name, language, still=True) for name in makers}
+    for name, maker in makers.items():
+        progress(name)
+        guide = views.intro(tabs[name].guide, language)
+        inner = f"{guide}{maker(language)}{views.words(name, language)}"
+        contents[_file(name)] = _page(tabs[name].name, inner, tabs, language)
     links = "".join(
-        f'<li><a href="{_file(still.title)}">{escape(still.title)}</a>: {escape(still.summary)}'
-        "</li>"
-        for still in guides.STILL.values()
+        f'<li><a href="{_file(name)}">{escape(tab.name)}</a>: {escape(tab.summary)}</li>'
+        for name, tab in tabs.items()
     )
-    return {"index.html": _page("Torsion lab", f"{_ABOUT}<ul>{links}</ul>"), **contents}
+    text = texts("lab", "page", language)
+    about = "".join(
+        html_of(piece).replace("<p>", '<p class="guide">') for piece in text.all("about")
+    )
+    index = _page(text("name"), f"{about}<ul>{links}</ul>", tabs, language)
+    return {"index.html": index, **contents}
 
 
-def _file(tab: str) -> str:
-    """Name of the file of a tab.
+def _file(name: str) -> str:
+    """Name of the file of a tab, the same in every language.
 
     >>> _file("The top")
     'the-top.html'
     """
-    return f"{tab.lower().replace(' ', '-')}.html"
+    return f"{guides.tab(name, still=True).name.lower().replace(' ', '-')}.html"
 
 
-def _page(title: str, inner: str) -> str:
+def _page(title: str, inner: str, tabs: Mapping[str, guides.Tab], language: str) -> str:
     """A whole page."""
-    titles = (still.title for still in guides.STILL.values())
-    links = "".join(f'<a href="{_file(title)}">{escape(title)}</a>' for title in titles)
+    links = "".join(f'<a href="{_file(name)}">{escape(tab.name)}</a>' for name, tab in tabs.items())
+    first = escape(texts("lab", "page", language)("name"))
     return (
-        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+        f'<!doctype html>\n<html lang="{escape(code_of(language))}"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
         f"<title>{escape(title)}</title><style>{font_face()}{views.style()}{_BODY}</style></head>\n"
-        f'<body><main class="lab"><h1>{escape(title)}</h1><nav><a href="index.html">Torsion lab'
+        f'<body><main class="lab"><h1>{escape(title)}</h1><nav><a href="index.html">{first}'
         f"</a>{links}</nav>{inner}</main><script>{_SLIDE}{views.copying()}</script></body></html>\n"
     )
 
 
-def compass() -> str:
+def compass(language: str) -> str:
     """Both paths on the globe, for some courses."""
     slides = [
         f"<section><h3>course {course} degrees</h3>"
-        f"{_nameless(views.compass(task('compass')(course=course)))}</section>"
+        f"{_nameless(views.compass(task('compass')(course=course), language))}</section>"
         for course in COURSES
     ]
     return (
@@ -138,7 +139,7 @@ def compass() -> str:
     )
 
 
-def tetrads() -> str:
+def tetrads(language: str) -> str:
     """Some tetrads with their geometry."""
     parts = []
     for name in TETRADS:
@@ -154,7 +155,7 @@ def tetrads() -> str:
         parts.append(
             f'<details{opened} id="{name}"><summary><strong>{escape(name)}: '
             f"{escape(facts['title'])}</strong></summary>{story}{_forms(facts)}"
-            f"{_nameless(views.tetrad(reply))}</details>"
+            f"{_nameless(views.tetrad(reply, language))}</details>"
         )
     return "".join(parts)
 
@@ -172,7 +173,7 @@ def _forms(known: Json) -> str:
     return f'<pre class="plan">{escape(chr(10).join(rows))}</pre>'
 
 
-def loops() -> str:
+def loops(language: str) -> str:
     """Loops of several radii, behind a slider."""
     parts = []
     for name in LOOPS:
@@ -181,18 +182,18 @@ def loops() -> str:
         for radius in RADII:
             plane = facts["planes"][0]
             reply = task("loop")(space=name, centre=facts["start"], radius=radius, plane=plane)
-            shown = _nameless(views.loop(reply) + views.loop_below(reply))
+            shown = _nameless(views.loop(reply) + views.loop_below(reply, language))
             slides.append(f"<section><h3>radius {radius:g}</h3>{shown}</section>")
         parts.append(
             f"<h2>{escape(name)}: {escape(facts['title'])}</h2><label>radius "
             f'<input type="range" data-slides="loops-{name}" min="0" max="{len(RADII) - 1}" '
             f'value="4"></label><div id="loops-{name}">{"".join(slides)}</div>'
         )
-    parts.append(views.atoms(task("atoms")()))
+    parts.append(views.atoms(task("atoms")(), language))
     return "".join(parts)
 
 
-def curves() -> str:
+def curves(language: str) -> str:
     """The straightest and the shortest curve in some spaces."""
     parts = []
     for name, moments in PATHS:
@@ -201,23 +202,23 @@ def curves() -> str:
         inertia = {f"I{k}": value for k, value in enumerate(moments)}
         reply = task("paths")(**path_case(name, speeds | inertia))
         with_moments = f", moments of inertia {moments}" if moments else ""
-        shown = _nameless(views.paths(reply) + views.paths_below(reply))
+        shown = _nameless(views.paths(reply) + views.paths_below(reply, language))
         title = f"{name}: {facts['title']}{with_moments}"
         parts.append(f"<h2>{escape(title)}</h2>{shown}")
     return "".join(parts)
 
 
-def tops() -> str:
+def tops(language: str) -> str:
     """Some bodies that turn."""
     parts = []
     for title, case in TOPS.items():
         reply = task("top")(**case)
-        shown = views.top(reply) + views.top_below(reply)
+        shown = views.top(reply) + views.top_below(reply, language)
         parts.append(f"<h2>{escape(title)}</h2>{_nameless(shown)}")
     return "".join(parts)
 
 
-def cost_tables() -> str:
+def cost_tables(language: str) -> str:
     """Error against time, measured while the page was written."""
     facts = space_info("so3")
     loop = {"space": "so3", "centre": facts["start"], "radius": 0.3, "plane": facts["planes"][0]}
@@ -226,27 +227,30 @@ def cost_tables() -> str:
         task("costs")(kind="loop", case=loop),
         task("costs")(kind="shortest", case=path),
     ]
-    return "".join(_nameless(views.costs(reply)) for reply in replies)
+    return "".join(_nameless(views.costs(reply, language)) for reply in replies)
 
 
-def exercises() -> str:
+def exercises(language: str) -> str:
     """All exercises with their hints, and the command that checks an answer."""
-    parts = []
-    for chapter, listed in task("listing")()["chapters"].items():
+    parts, text = [], texts("lab", "form", language)
+    for chapter, listed in task("listing")(language=language)["chapters"].items():
         parts.append(f"<h2>{escape(chapter)}</h2>")
         for number in listed:
-            reply = task("exercise")(number=number)
-            hints = task("hints")(number=number, seed=0, count=reply["hints"])["hints"]
+            reply = task("exercise")(number=number, language=language)
+            asked_for = {"number": number, "seed": 0, "count": reply["hints"]}
+            hints = task("hints")(**asked_for, language=language)["hints"]
             asked = "".join(
                 f'<li>{question["prompt"]}<p class="note">{escape(_how(question))}</p></li>'
                 for question in reply["questions"]
             )
             steps = "".join(f"<li>{hint}</li>" for hint in hints)
-            stated = _nameless(views.exercise(reply))
+            stated = _nameless(views.exercise(reply, language))
+            folded = escape(text("hints", count=len(hints)))
+            command = f"{escape(text('command'))} <code>{escape(_command(reply))}</code>"
             parts.append(
                 f'<section class="card" id="e{number}">{stated}<ul>{asked}</ul>'
-                f"<details><summary>{len(hints)} hints</summary><ol>{steps}</ol></details>"
-                f"<p class='note'>Check: <code>{escape(_command(reply))}</code></p></section>"
+                f"<details><summary>{folded}</summary><ol>{steps}</ol></details>"
+                f"<p class='note'>{command}</p></section>"
             )
     return "".join(parts)
 
@@ -270,7 +274,7 @@ def _command(exercise: Json) -> str:
 
 
 # The terms at the end of a view, which a page with several views shows once.
-_WORDS = re.compile(r'<h3>In words</h3><dl class="words">.*?</dl>', re.DOTALL)
+_WORDS = re.compile(r'<h3>[^<]*</h3><dl class="words">.*?</dl>', re.DOTALL)
 
 
 def _nameless(html: str) -> str:

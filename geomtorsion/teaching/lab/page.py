@@ -21,17 +21,20 @@ def _():
     from geomtorsion.teaching.lab import element_keys as keys
     from geomtorsion.teaching.lab.query import Query, store
     from geomtorsion.teaching.lab.tasks import common_runner
+    from geomtorsion.teaching.texts import ENGLISH, languages
 
     runner = common_runner()
     # Content of the address when the page was opened.
     query = Query.now(mo)
-    mo.Html(views.header())
+    language = query.one_of("language", languages(), ENGLISH)
+    mo.Html(views.header(language))
     return (
         Query,
         controls,
         exercise_controls,
         guides,
         keys,
+        language,
         mo,
         query,
         runner,
@@ -42,10 +45,17 @@ def _():
 
 
 @app.cell
-def _(controls, mo, query):
-    tab = controls.tabs(mo, query)
+def _(controls, language, mo, query):
+    tab = controls.tabs(mo, query, language)
     mo.vstack([tab])
     return (tab,)
+
+
+@app.cell
+def _(guides, language, tab):
+    # The label of a tab depends on the language, its name does not.
+    opened = guides.named(tab.value, language)
+    return (opened,)
 
 
 # -- controls of all tabs with pictures, and the cases that they describe -------------------------
@@ -80,9 +90,21 @@ def _(Query, controls, mo, path_space, runner):
 
 @app.cell
 def _(
-    course, curve, guides, kind, loop_space, mo, path_space, place, radius, store, tab, top, views
+    course,
+    curve,
+    guides,
+    kind,
+    loop_space,
+    mo,
+    path_space,
+    place,
+    radius,
+    store,
+    opened,
+    top,
+    views,
 ):
-    store(mo, {"tab": (tab.value, guides.COMPASS)})
+    store(mo, {"tab": (opened, guides.COMPASS)})
     _panels = {
         guides.COMPASS: [course],
         guides.LOOPS: [loop_space, radius, *place.values()],
@@ -90,8 +112,8 @@ def _(
         guides.TOP: top.values(),
         guides.COSTS: [kind],
     }
-    mo.stop(tab.value not in _panels)
-    mo.Html(views.controls(_panels[tab.value], "after"))
+    mo.stop(opened not in _panels)
+    mo.Html(views.controls(_panels[opened], "after"))
     return
 
 
@@ -111,10 +133,10 @@ def _(controls, curve, loop_facts, path_facts, place, radius, top):
 
 
 @app.cell
-def _(controls, course, guides, mo, runner, store, tab, views):
-    mo.stop(tab.value != guides.COMPASS)
+def _(controls, course, guides, language, mo, opened, runner, store, views):
+    mo.stop(opened != guides.COMPASS)
     store(mo, {"course": (f"{course.value:g}", f"{controls.PAGE.course:g}")})
-    mo.Html(views.compass(runner.ask("compass", course=course.value)))
+    mo.Html(views.compass(runner.ask("compass", course=course.value), language))
     return
 
 
@@ -158,12 +180,12 @@ def _(
     runner,
     shown,
     store,
-    tab,
+    opened,
     tetrad_controls,
     tetrad_facts,
     typed,
 ):
-    mo.stop(tab.value != guides.TETRAD)
+    mo.stop(opened != guides.TETRAD)
     typed.update(entries.value)
     _rows = tetrad_controls.rows(entries.value, len(columns))
     _show = [name for name, wanted in shown.value.items() if wanted]
@@ -175,8 +197,8 @@ def _(
 
 
 @app.cell
-def _(beginning, columns, entries, guides, keys, mo, names, shown, tab, tetrad_reply, views):
-    mo.stop(tab.value != guides.TETRAD)
+def _(beginning, columns, entries, guides, keys, mo, names, shown, opened, tetrad_reply, views):
+    mo.stop(opened != guides.TETRAD)
     _size = len(columns)
     _cells = [
         f"{entries[f'{i},{k}']}{views.fault(tetrad_reply, i, k)}"
@@ -195,9 +217,9 @@ def _(beginning, columns, entries, guides, keys, mo, names, shown, tab, tetrad_r
 
 
 @app.cell
-def _(guides, mo, tab, tetrad_reply, views):
-    mo.stop(tab.value != guides.TETRAD)
-    mo.Html(views.tetrad(tetrad_reply))
+def _(guides, language, mo, opened, tetrad_reply, views):
+    mo.stop(opened != guides.TETRAD)
+    mo.Html(views.tetrad(tetrad_reply, language))
     return
 
 
@@ -205,8 +227,8 @@ def _(guides, mo, tab, tetrad_reply, views):
 
 
 @app.cell
-def _(cases, controls, guides, loop_facts, mo, place, radius, runner, store, tab, views):
-    mo.stop(tab.value != guides.LOOPS)
+def _(cases, controls, guides, loop_facts, mo, place, radius, runner, store, opened, views):
+    mo.stop(opened != guides.LOOPS)
     store(mo, controls.loop_query(loop_facts, place.value, radius.value))
     loop_reply = runner.ask("loop", **cases["loop"])
     mo.Html(views.loop(loop_reply))
@@ -214,16 +236,16 @@ def _(cases, controls, guides, loop_facts, mo, place, radius, runner, store, tab
 
 
 @app.cell
-def _(guides, loop_reply, mo, tab, views):
-    mo.stop(tab.value != guides.LOOPS)
-    mo.Html(views.loop_below(loop_reply))
+def _(guides, language, loop_reply, mo, opened, views):
+    mo.stop(opened != guides.LOOPS)
+    mo.Html(views.loop_below(loop_reply, language))
     return
 
 
 @app.cell
-def _(guides, mo, runner, tab, views):
-    mo.stop(tab.value != guides.LOOPS)
-    mo.Html(views.atoms(runner.ask("atoms")))
+def _(guides, language, mo, opened, runner, views):
+    mo.stop(opened != guides.LOOPS)
+    mo.Html(views.atoms(runner.ask("atoms"), language))
     return
 
 
@@ -238,9 +260,9 @@ def _(controls, mo):
 
 
 @app.cell
-def _(guides, map_upload, mo, tab, views):
-    mo.stop(tab.value != guides.LOOPS)
-    mo.Html(views.map_field(map_upload))
+def _(guides, language, map_upload, mo, opened, views):
+    mo.stop(opened != guides.LOOPS)
+    mo.Html(views.map_field(map_upload, language))
     return
 
 
@@ -267,8 +289,10 @@ def _(controls, map_facts, map_measure, mo):
 
 
 @app.cell
-def _(guides, map_facts, map_file, map_measure, map_places, map_settings, mo, runner, tab, views):
-    mo.stop(tab.value != guides.LOOPS)
+def _(
+    guides, map_facts, map_file, map_measure, map_places, map_settings, mo, runner, opened, views
+):
+    mo.stop(opened != guides.LOOPS)
     map_state = map_facts
     if map_settings.value:
         _chosen = map_settings.value
@@ -285,6 +309,7 @@ def _(guides, map_facts, map_file, map_measure, map_places, map_settings, mo, ru
 def _(
     controls,
     guides,
+    language,
     map_facts,
     map_file,
     map_measure,
@@ -292,15 +317,15 @@ def _(
     map_settings,
     map_state,
     mo,
+    opened,
     runner,
-    tab,
     views,
 ):
     # A cell above has already reported why the file cannot be read with these settings.
-    mo.stop(tab.value != guides.LOOPS or not map_places.value or "problem" in map_state)
+    mo.stop(opened != guides.LOOPS or not map_places.value or "problem" in map_state)
     _case = controls.map_case(map_facts, map_places.value, map_measure.value) | map_settings.value
     map_reply = runner.ask("map_circuit", map_file.contents, name=map_file.name, **_case)
-    mo.Html(views.map_circuit(map_reply))
+    mo.Html(views.map_circuit(map_reply, language))
     return
 
 
@@ -308,8 +333,8 @@ def _(
 
 
 @app.cell
-def _(cases, controls, curve, guides, mo, path_facts, runner, store, tab, views):
-    mo.stop(tab.value != guides.PATHS)
+def _(cases, controls, curve, guides, mo, path_facts, runner, store, opened, views):
+    mo.stop(opened != guides.PATHS)
     store(mo, controls.path_query(path_facts, curve.value))
     path_reply = runner.ask("paths", **cases["straightest"])
     mo.Html(views.paths(path_reply))
@@ -317,9 +342,9 @@ def _(cases, controls, curve, guides, mo, path_facts, runner, store, tab, views)
 
 
 @app.cell
-def _(guides, mo, path_reply, tab, views):
-    mo.stop(tab.value != guides.PATHS)
-    mo.Html(views.paths_below(path_reply))
+def _(guides, language, mo, opened, path_reply, views):
+    mo.stop(opened != guides.PATHS)
+    mo.Html(views.paths_below(path_reply, language))
     return
 
 
@@ -327,8 +352,8 @@ def _(guides, mo, path_reply, tab, views):
 
 
 @app.cell
-def _(cases, controls, guides, mo, runner, store, tab, top, views):
-    mo.stop(tab.value != guides.TOP)
+def _(cases, controls, guides, mo, runner, store, opened, top, views):
+    mo.stop(opened != guides.TOP)
     store(mo, controls.top_query(top.value))
     top_reply = runner.ask("top", **cases["top"])
     mo.Html(views.top(top_reply))
@@ -336,9 +361,9 @@ def _(cases, controls, guides, mo, runner, store, tab, top, views):
 
 
 @app.cell
-def _(guides, mo, tab, top_reply, views):
-    mo.stop(tab.value != guides.TOP)
-    mo.Html(views.top_below(top_reply))
+def _(guides, language, mo, opened, top_reply, views):
+    mo.stop(opened != guides.TOP)
+    mo.Html(views.top_below(top_reply, language))
     return
 
 
@@ -346,10 +371,10 @@ def _(guides, mo, tab, top_reply, views):
 
 
 @app.cell
-def _(cases, guides, kind, mo, runner, store, tab, views):
-    mo.stop(tab.value != guides.COSTS)
+def _(cases, guides, kind, language, mo, opened, runner, store, views):
+    mo.stop(opened != guides.COSTS)
     store(mo, {"measure": (kind.value, "loop")})
-    mo.Html(views.costs(runner.ask("costs", kind=kind.value, case=cases[kind.value])))
+    mo.Html(views.costs(runner.ask("costs", kind=kind.value, case=cases[kind.value]), language))
     return
 
 
@@ -357,31 +382,33 @@ def _(cases, guides, kind, mo, runner, store, tab, views):
 
 
 @app.cell
-def _(exercise_controls, mo, query, runner):
-    exercise = exercise_controls.exercises(mo, runner.ask("listing"), query)
-    seed = exercise_controls.seed(mo, query)
+def _(exercise_controls, language, mo, query, runner):
+    exercise = exercise_controls.exercises(
+        mo, runner.ask("listing", language=language), query, language
+    )
+    seed = exercise_controls.seed(mo, query, language)
     return exercise, seed
 
 
 @app.cell
-def _(Query, exercise, exercise_controls, mo, runner, seed):
+def _(Query, exercise, exercise_controls, language, mo, runner, seed):
     _variant = exercise_controls.variant(seed.value)
-    stated = runner.ask("exercise", number=exercise.value, seed=_variant)
+    stated = runner.ask("exercise", number=exercise.value, seed=_variant, language=language)
     # Includes the text typed before the user switched to another exercise.
-    fields = exercise_controls.answers(mo, stated, Query.now(mo))
-    check = mo.ui.run_button(label="Check")
-    hint = exercise_controls.next_hint(mo, stated)
+    fields = exercise_controls.answers(mo, stated, Query.now(mo), language)
+    check = exercise_controls.check(mo, language)
+    hint = exercise_controls.next_hint(mo, stated, language)
     sent, send = mo.state(None)
     return check, fields, hint, send, sent, stated
 
 
 @app.cell
-def _(check, exercise, fields, guides, mo, seed, stated, tab, views):
-    mo.stop(tab.value != guides.EXERCISES)
+def _(check, exercise, fields, guides, language, mo, opened, seed, stated, views):
+    mo.stop(opened != guides.EXERCISES)
     mo.vstack(
         [
             mo.Html(views.controls([exercise, seed])),
-            mo.Html(views.exercise(stated)),
+            mo.Html(views.exercise(stated, language)),
             fields,
             check,
         ]
@@ -390,8 +417,8 @@ def _(check, exercise, fields, guides, mo, seed, stated, tab, views):
 
 
 @app.cell
-def _(exercise, exercise_controls, fields, guides, mo, stated, store, tab):
-    mo.stop(tab.value != guides.EXERCISES)
+def _(exercise, exercise_controls, fields, guides, mo, stated, store, opened):
+    mo.stop(opened != guides.EXERCISES)
     # Each input is saved at once, so that a reload loses nothing.
     _first = next(iter(exercise.options.values()))
     store(mo, exercise_controls.exercise_query(stated, _first, fields.value))
@@ -406,22 +433,28 @@ def _(check, exercise_controls, fields, send, stated):
 
 
 @app.cell
-def _(guides, mo, runner, sent, stated, tab, views):
-    mo.stop(tab.value != guides.EXERCISES)
+def _(guides, language, mo, opened, runner, sent, stated, views):
+    mo.stop(opened != guides.EXERCISES)
     _answers = sent()
     _reply = None
     if _answers is not None:
         _reply = runner.ask(
-            "answer", number=stated["number"], seed=stated["seed"], answers=_answers
+            "answer",
+            number=stated["number"],
+            seed=stated["seed"],
+            answers=_answers,
+            language=language,
         )
-    mo.Html(views.verdict(_reply))
+    mo.Html(views.verdict(_reply, language))
     return
 
 
 @app.cell
-def _(guides, hint, mo, runner, stated, tab, views):
-    mo.stop(tab.value != guides.EXERCISES or "number" not in stated)
-    _taken = runner.ask("hints", number=stated["number"], seed=stated["seed"], count=hint.value)
+def _(guides, hint, language, mo, opened, runner, stated, views):
+    mo.stop(opened != guides.EXERCISES or "number" not in stated)
+    _taken = runner.ask(
+        "hints", number=stated["number"], seed=stated["seed"], count=hint.value, language=language
+    )
     mo.vstack([hint, mo.Html(views.steps(_taken))])
     return
 

@@ -8,23 +8,14 @@ from typing import TYPE_CHECKING
 from geomtorsion.errors import LimitError
 from geomtorsion.teaching import exercises
 from geomtorsion.teaching.exercises.prose import html_of, latex_of
-from geomtorsion.teaching.exercises.question import example, how_to_answer, symbol_names
+from geomtorsion.teaching.exercises.question import example, precision_text, symbol_names
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab import views
 from geomtorsion.teaching.lab.settings import PAGE
+from geomtorsion.teaching.texts import ENGLISH, TextTable, texts
 
 if TYPE_CHECKING:
     from geomtorsion.teaching.exercises import Question
-
-# Kind of a question -> how it is answered.
-HOW = {
-    "expression": "an expression, such as sin(phi2)/2",
-    "components": "index = value, such as {example}; or nested lists. Indices count from 1. A "
-    "component that you omit {rest}",
-    "equations": "equations, separated by semicolons, such as r'' = 0; phi'' = -phi'*r'/r",
-    "number": "a number, such as 0.25 or pi/4; write several numbers as [1, 2, 3]",
-    "choice": "choose from the list",
-}
 
 
 def how(question: Question) -> str:
@@ -38,19 +29,21 @@ def how(question: Question) -> str:
     >>> how(exercises.load("1.1").questions[0]).partition(";")[0]
     'index = value, such as 1,1 = ...'
     """
-    text = HOW[question.kind]
-    if question.kind == "components":
-        rest = "follows by symmetry, or is zero" if question.symmetry else "is zero"
-        text = text.format(example=example(question), rest=rest)
-    if question.kind == "number":
-        return f"{text}; {how_to_answer(question).rpartition(', ')[2]}"
+    text = texts("lab", "how", question.language)
     if question.kind == "choice":
-        return text
+        return text("choice")
+    if question.kind == "number":
+        return text("number", precision=precision_text(question))
+    if question.kind == "components":
+        key = "symmetric" if question.symmetry else "components"
+        form = text(key, example=example(question))
+    else:
+        form = text("equations") if question.kind == "equations" else text("expression")
     names = ", ".join(symbol_names(question))
-    return f"{text}. Available names: {names}" if names else f"{text}. It contains no names"
+    return text("names", form=form, names=names) if names else text("no_names", form=form)
 
 
-def listing() -> Json:
+def listing(language: str = ENGLISH) -> Json:
     """All exercises by chapter; loads none of them.
 
     Examples
@@ -58,18 +51,18 @@ def listing() -> Json:
     >>> list(listing()["chapters"])[0]
     '1. Frames and anholonomy'
     """
-    titles = exercises.titles()
+    titles = exercises.titles(language)
     return {
         "chapters": {
             f"{number}. {title}": {
                 name: what for name, what in titles.items() if name.partition(".")[0] == number
             }
-            for number, title in exercises.CHAPTERS
+            for number, title in exercises.chapters(language).items()
         }
     }
 
 
-def statement(number: str, seed: int = 0) -> Json:
+def statement(number: str, seed: int = 0, language: str = ENGLISH) -> Json:
     """An exercise without its solution; statement and prompts as HTML, formulas as MathML.
 
     Examples
@@ -78,7 +71,7 @@ def statement(number: str, seed: int = 0) -> Json:
     >>> found["title"], [question["name"] for question in found["questions"]], found["hints"]
     ('The legs of a coframe', ['legs'], 3)
     """
-    exercise = exercises.load(number, seed)
+    exercise = exercises.load(number, seed, language)
     asked = [question.prompt for question in exercise.questions]
     return {
         "number": exercise.number,
@@ -86,6 +79,7 @@ def statement(number: str, seed: int = 0) -> Json:
         "chapter": exercise.chapter,
         "level": exercise.level,
         "seed": exercise.seed,
+        "note": exercise.note,
         "statement": html_of(exercise.statement),
         "copy": _copy_button([exercise.statement, *asked], "statement and questions"),
         "questions": [
@@ -103,7 +97,7 @@ def statement(number: str, seed: int = 0) -> Json:
     }
 
 
-def hints(number: str, seed: int, count: int) -> Json:
+def hints(number: str, seed: int, count: int, language: str = ENGLISH) -> Json:
     """The first hints of an exercise, as HTML.
 
     Examples
@@ -111,18 +105,18 @@ def hints(number: str, seed: int, count: int) -> Json:
     >>> len(hints("1.1", 0, 2)["hints"])
     2
     """
-    taken = exercises.load(number, seed).hints[:count]
+    taken = exercises.load(number, seed, language).hints[:count]
     return {"hints": [html_of(hint) for hint in taken], "copy": _copy_button(taken, "hints")}
 
 
-def _copy_button(texts: Sequence[str], what: str) -> str:
+def _copy_button(pieces: Sequence[str], what: str) -> str:
     """A button that copies texts as LaTeX; empty if they contain no formula."""
-    if not any("$" in text for text in texts):
+    if not any("$" in text for text in pieces):
         return ""
-    return views.copy_button("\n\n".join(map(latex_of, texts)), what)
+    return views.copy_button("\n\n".join(map(latex_of, pieces)), what)
 
 
-def answer(number: str, seed: int, answers: Mapping[str, str]) -> Json:
+def answer(number: str, seed: int, answers: Mapping[str, str], language: str = ENGLISH) -> Json:
     """The verdict on answers, question by question, as HTML; an empty answer is skipped.
 
     Raises
@@ -137,14 +131,15 @@ def answer(number: str, seed: int, answers: Mapping[str, str]) -> Json:
     >>> answer("2.1", 0, {"connection": "2,1,2 = 1/r"})["questions"][0]["diagnosis"]
     'permuted'
     """
-    texts = {name: text for name, text in answers.items() if text.strip()}
-    for name, text in texts.items():
+    typed = {name: text for name, text in answers.items() if text.strip()}
+    for name, text in typed.items():
         if len(text) > PAGE.answer:
             raise LimitError(
                 f"{name}: expected an answer of at most {PAGE.answer:,} characters, got "
                 f"{len(text):,}. Shorten it: {PAGE.answer:,} are enough for every exercise."
             )
-    verdict = exercises.load(number, seed).check(texts)
+    verdict = exercises.load(number, seed, language).check(typed)
+    states = TextTable("feedback", "states", language)
     return {
         "right": verdict.right,
         "points": verdict.points_text,
@@ -154,6 +149,7 @@ def answer(number: str, seed: int, answers: Mapping[str, str]) -> Json:
                 "name": one.name,
                 "right": one.right,
                 "state": one.state,
+                "label": states[one.state],
                 "read_as": one.read_as,
                 "score": one.score,
                 "message": html_of(one.message),
@@ -161,6 +157,6 @@ def answer(number: str, seed: int, answers: Mapping[str, str]) -> Json:
                 "diagnosis": one.diagnosis,
             }
             for one in verdict.questions
-            if one.name in texts
+            if one.name in typed
         ],
     }

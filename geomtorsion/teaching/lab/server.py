@@ -17,10 +17,12 @@ from urllib.parse import SplitResult, urlsplit
 from geomtorsion.errors import LimitError, MissingExtraError
 from geomtorsion.pictures.formula import font_face
 from geomtorsion.teaching.exercises.worker_pool import Json
+from geomtorsion.teaching.lab.localized import localized
 from geomtorsion.teaching.lab.notebook_path import without_path
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.tasks import common_runner
 from geomtorsion.teaching.lab.views import copying
+from geomtorsion.teaching.texts import ENGLISH
 
 Scope = MutableMapping[str, Any]
 Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
@@ -403,8 +405,8 @@ def lan_address() -> str:
             return socket.gethostname()
 
 
-def application(address: Address, sessions: int = PAGE.sessions) -> Any:
-    """The page as an ASGI application, behind its access control.
+def application(address: Address, sessions: int = PAGE.sessions, language: str = ENGLISH) -> Any:
+    """The page in a language as an ASGI application, behind its access control.
 
     Raises
     ------
@@ -436,13 +438,14 @@ def application(address: Address, sessions: int = PAGE.sessions) -> Any:
         for manager in managers:
             await manager.shutdown()
 
-    return AccessControl(inner, hosts, sessions, ending, notebook=page)
+    return AccessControl(localized(inner, language), hosts, sessions, ending, notebook=page)
 
 
 def serve(
     address: Address,
     ready: Callable[[str], object] = lambda _: None,
     sessions: int = PAGE.sessions,
+    language: str = ENGLISH,
 ) -> None:
     """Serve until interrupted; `ready` is called with the address when the port is open.
 
@@ -454,7 +457,7 @@ def serve(
         marimo is not installed.
     """
     address = address.guarded()
-    app = application(address, sessions)
+    app = application(address, sessions, language)
     # uvicorn comes with marimo, and a missing marimo has already raised an error.
     import uvicorn
 

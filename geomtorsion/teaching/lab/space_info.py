@@ -12,7 +12,7 @@ from sympy.core.relational import Relational
 
 from geomtorsion.exact import unknown_functions
 from geomtorsion.pictures.text import plain_text
-from geomtorsion.spaces import SPACES, load
+from geomtorsion.spaces import load, titles
 from geomtorsion.spaces.first_motion import first_motion
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab.settings import PAGE
@@ -53,9 +53,9 @@ def drawable() -> dict[str, str]:
     >>> list(drawable().values())[:2]
     ['so3', 's2']
     """
-    titles = {name: title for name, _, title in SPACES if name not in _UNDRAWN}
-    order = [*FIRST, *(name for name in titles if name not in FIRST)]
-    return {f"{name}: {titles[name]}": name for name in order if name in titles}
+    drawn = {name: title for name, title in titles().items() if name not in _UNDRAWN}
+    order = [*FIRST, *(name for name in drawn if name not in FIRST)]
+    return {f"{name}: {drawn[name]}": name for name in order if name in drawn}
 
 
 def typable() -> dict[str, str]:
@@ -68,7 +68,7 @@ def typable() -> dict[str, str]:
     """
     more = {
         f"{name}: {title}": name
-        for name, _, title in SPACES
+        for name, title in titles().items()
         if name in _UNDRAWN and name not in _UNTYPED
     }
     return {**drawable(), **more}

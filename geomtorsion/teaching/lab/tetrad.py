@@ -12,7 +12,8 @@ import sympy as sp
 
 from geomtorsion.errors import CoordinateError, GeomtorsionError, LimitError, SignatureError
 from geomtorsion.geometry import Frame
-from geomtorsion.pictures.quantities import SECTIONS, chosen_quantities
+from geomtorsion.geometry.quantities import SECTIONS, TABLE
+from geomtorsion.pictures.quantities import chosen_quantities
 from geomtorsion.pictures.sections import aligned, section
 from geomtorsion.spaces import Space
 from geomtorsion.teaching.exercises.worker_pool import Json
@@ -23,26 +24,9 @@ from geomtorsion.teaching.lab.typed_expressions import read_typed
 if TYPE_CHECKING:
     from geomtorsion.pictures.quantities import Quantity
 
-# Quantity -> its name on the page; the first ones are shown unless others are requested.
-OFFERED = {
-    "metric": "metric",
-    "cartan_connection": "Cartan connection",
-    "christoffel": "Levi-Civita connection",
-    "torsion": "torsion",
-    "contortion": "contortion",
-    "cartan_curvature": "curvature, Cartan",
-    "riemann": "curvature, Riemann",
-    "ricci": "Ricci tensor",
-    "scalar_curvature": "scalar curvature",
-    "anholonomy": "anholonomy",
-    "torsion_vector": "torsion vector",
-    "torsion_axial": "axial torsion",
-    "torsion_force": "torsion force",
-    "einstein": "Einstein tensor",
-    "weyl": "Weyl tensor",
-    "kretschmann": "Kretschmann scalar",
-}
-USUAL = tuple(OFFERED)[:9]
+# Quantity -> its name on the page, and those that are shown unless others are requested.
+OFFERED = {one.name: one.title for one in TABLE if one.page}
+USUAL = tuple(one.name for one in TABLE if one.page == "shown")
 _REAL = "give real entries, or use a tetrad file with complex = true"
 _NAME = re.compile(r"[^\W0-9]\w*")
 _PLACE = re.compile(r"coframe\[(\d+), (\d+)\]:?\s*")
@@ -282,14 +266,13 @@ def _read(
 def _cards(frame: Frame, show: Sequence[str]) -> str:
     """All requested quantities, by section."""
     # Sections take a space; a typed frame becomes a space without story or source.
-    space = Space("your tetrad", "your tetrad", "", "", frame)
+    space = Space("your tetrad", "your tetrad", frame=frame)
     chosen = chosen_quantities(space, [name for name in OFFERED if name in show] or USUAL)
     parts = []
-    for heading in ("", *SECTIONS):
+    for heading in SECTIONS:
         group = [one for one in chosen if one.entry.section == heading]
         if group:
-            title = f"<h3>{escape(heading)}</h3>" if heading else ""
-            parts.append(title + "".join(map(_card, group)))
+            parts.append(f"<h3>{escape(heading)}</h3>{''.join(map(_card, group))}")
     return "".join(parts)
 
 

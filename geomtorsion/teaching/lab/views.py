@@ -13,15 +13,17 @@ from geomtorsion.teaching.lab.guides import (
     ATOMS,
     COMPASS,
     COSTS,
-    GUIDES,
     LOOPS,
     MEASURED,
     PATHS,
     TETRAD,
     TOP,
     Guide,
+    part,
+    tab,
 )
 from geomtorsion.teaching.lab.plot import saving
+from geomtorsion.teaching.texts import ENGLISH, texts
 
 
 @cache
@@ -41,41 +43,45 @@ def wrapped(html: str) -> str:
     return f'<div class="lab">{html}</div>'
 
 
-def header() -> str:
+def header(language: str = ENGLISH) -> str:
     """The title above all tabs."""
-    return wrapped("<h1>Torsion lab</h1>")
+    return wrapped(f"<h1>{escape(texts('lab', 'page', language)('name'))}</h1>")
 
 
-def intro(guide: Guide) -> str:
+def intro(guide: Guide, language: str = ENGLISH) -> str:
     """The displayed objects, a question with its answer folded away, and an action to try.
 
     Examples
     --------
-    >>> intro(GUIDES[LOOPS]).count("<summary>")
+    >>> intro(tab(LOOPS).guide).count("<summary>")
     1
     """
-    return wrapped(_guide(guide))
+    return wrapped(_guide(guide, language))
 
 
-def _guide(guide: Guide) -> str:
+def _guide(guide: Guide, language: str) -> str:
+    text = texts("lab", "page", language)
     asked = (
-        f'<details class="guide"><summary><strong>Predict:</strong> {escape(guide.question)} '
-        f"<em>Then open the answer.</em></summary><p>{escape(guide.answer)}</p></details>"
+        f'<details class="guide"><summary><strong>{escape(text("predict"))}</strong> '
+        f"{escape(guide.question)} <em>{escape(text('open'))}</em></summary>"
+        f"<p>{escape(guide.answer)}</p></details>"
     )
-    tried = f'<p class="guide"><strong>Try:</strong> {escape(guide.tried)}</p>'
-    return f'<p class="guide">{escape(guide.seen)}</p>{asked * bool(guide.question)}{tried}'
+    tried = f'<p class="guide"><strong>{escape(text("try"))}</strong> {escape(guide.tried)}</p>'
+    note = f'<p class="note">{escape(guide.note)}</p>' * bool(guide.note)
+    return f'{note}<p class="guide">{escape(guide.seen)}</p>{asked * bool(guide.question)}{tried}'
 
 
-def words(tab: str) -> str:
+def words(name: str, language: str = ENGLISH) -> str:
     """The terms of a tab, explained."""
-    return _terms(GUIDES[tab])
+    return _terms(tab(name, language).guide, language)
 
 
-def _terms(guide: Guide) -> str:
+def _terms(guide: Guide, language: str) -> str:
     items = "".join(
         f"<dt>{escape(term)}</dt><dd>{html_of(text)}</dd>" for term, text in guide.words.items()
     )
-    return f'<h3>In words</h3><dl class="words">{items}</dl>' if items else ""
+    title = escape(texts("lab", "page", language)("words"))
+    return f'<h3>{title}</h3><dl class="words">{items}</dl>' if items else ""
 
 
 def copy_button(latex: str, what: str) -> str:
@@ -114,12 +120,12 @@ def fault(reply: Json, i: int, k: int) -> str:
     return f'<pre class="fault" role="alert">✗ {escape(text)}</pre>' if text else ""
 
 
-def _or_problem(view: Callable[[Json], str]) -> Callable[[Json], str]:
-    """A view that shows the message of a reply without a result instead."""
+def _or_problem(view: Callable[[Json, str], str]) -> Callable[..., str]:
+    """A view in a language, which shows the message of a reply without a result instead."""
 
     @wraps(view)
-    def shown(reply: Json) -> str:
-        return wrapped(problem(reply) or view(reply))
+    def shown(reply: Json, language: str = ENGLISH) -> str:
+        return wrapped(problem(reply) or view(reply, language))
 
     return shown
 
@@ -130,7 +136,7 @@ def _result(text: str, name: str = "") -> str:
     return f'<p class="result"{mark}>{text}</p>'
 
 
-def tetrad(reply: Json) -> str:
+def tetrad(reply: Json, language: str = ENGLISH) -> str:
     """Cards of a tetrad, or its error."""
     faults = len(reply.get("errors", {}))
     message = ""
@@ -138,37 +144,41 @@ def tetrad(reply: Json) -> str:
         entries = "1 entry" if faults == 1 else f"{faults} entries"
         message = notice(f"{entries} cannot be read. Read the message below each, and correct it.")
     shown = reply.get("html", "")
-    return wrapped(problem(reply) + message + shown + (words(TETRAD) if shown else ""))
+    return wrapped(problem(reply) + message + shown + (words(TETRAD, language) if shown else ""))
 
 
 @_or_problem
-def loop(reply: Json) -> str:
+def loop(reply: Json, language: str) -> str:
     """A loop, its image, and a description of its Burgers vector."""
     pictures = "".join(f"<div>{picture}</div>" for picture in reply["pictures"])
     result = _result(escape(reply["sentence"]), "loop-result")
     return f'<div class="pair" id="loop">{pictures}</div>{result}'
 
 
-def loop_below(reply: Json) -> str:
+def loop_below(reply: Json, language: str = ENGLISH) -> str:
     """The numbers of a loop, and its words."""
-    return _below(reply.get("table", ""), LOOPS)
+    return _below(reply.get("table", ""), LOOPS, language)
 
 
-def _below(html: str, tab: str) -> str:
+def _below(html: str, name: str, language: str) -> str:
     """Details and terms of a tab, which a phone shows below the controls."""
-    return wrapped(f'<div class="later">{html}{words(tab)}</div>')
+    return wrapped(f'<div class="later">{html}{words(name, language)}</div>')
 
 
 @_or_problem
-def atoms(reply: Json) -> str:
+def atoms(reply: Json, language: str) -> str:
     """A crystal with clickable circuits, and an action to try."""
-    inner = f"<h2>From atom to atom</h2>{_guide(ATOMS)}{framed(reply)}"
-    return f'<div class="atoms" id="atoms">{inner}</div>{_terms(ATOMS)}'
+    guide = part(ATOMS, language)
+    title = escape(texts("lab", ATOMS, language)("name"))
+    inner = f"<h2>{title}</h2>{_guide(guide, language)}{framed(reply)}"
+    return f'<div class="atoms" id="atoms">{inner}</div>{_terms(guide, language)}'
 
 
-def map_field(field: object) -> str:
+def map_field(field: object, language: str = ENGLISH) -> str:
     """The purpose of an uploaded map or image, and the field for the file."""
-    inner = f'<h2>A map or an image of your own</h2>{_guide(MEASURED)}<div class="controls">{field}'
+    title = escape(texts("lab", MEASURED, language)("name"))
+    guide = _guide(part(MEASURED, language), language)
+    inner = f'<h2>{title}</h2>{guide}<div class="controls">{field}'
     return wrapped(f'<div class="measured">{inner}</div></div>')
 
 
@@ -179,7 +189,7 @@ def map_description(facts: Json) -> str:
     return wrapped(f'<p class="measured" id="map-facts">{escape(facts["sentence"])}</p>')
 
 
-def map_circuit(reply: Json) -> str:
+def map_circuit(reply: Json, language: str = ENGLISH) -> str:
     """The picture of a map with a circuit, and its Burgers vector or the reason why it has none."""
     if reply.get("problem"):
         return map_description(reply)
@@ -189,17 +199,18 @@ def map_circuit(reply: Json) -> str:
         side = _result(escape(reply["sentence"])) + reply["table"]
     picture = f'<div id="map">{reply["picture"]}</div>'
     both = f'<div class="figures">{picture}<div id="map-result">{side}</div></div>'
-    return wrapped(f'<div class="measured">{both}{_terms(MEASURED)}</div>')
+    terms = _terms(part(MEASURED, language), language)
+    return wrapped(f'<div class="measured">{both}{terms}</div>')
 
 
 @_or_problem
-def compass(reply: Json) -> str:
+def compass(reply: Json, language: str) -> str:
     """The globe with both paths, and the terms."""
-    return f'<div class="globe" id="compass">{framed(reply)}</div>{words(COMPASS)}'
+    return f'<div class="globe" id="compass">{framed(reply)}</div>{words(COMPASS, language)}'
 
 
 @_or_problem
-def paths(reply: Json) -> str:
+def paths(reply: Json, language: str) -> str:
     """Two curves and the distance between them."""
     curves = framed(reply) or reply.get("picture", "")
     return _figures(curves, _result(escape(reply["sentence"]), "paths-result"), reply["distance"])
@@ -210,61 +221,66 @@ def _figures(left: str, result: str, chart: str) -> str:
     return f'<div class="figures"><div>{left}</div><div>{result}{chart}</div></div>'
 
 
-def paths_below(reply: Json) -> str:
+def paths_below(reply: Json, language: str = ENGLISH) -> str:
     """Methods and errors of two curves, and the terms."""
-    return _below(reply.get("table", ""), PATHS)
+    return _below(reply.get("table", ""), PATHS, language)
 
 
 @_or_problem
-def costs(reply: Json) -> str:
+def costs(reply: Json, language: str) -> str:
     """Picture, advice and measurements."""
     truth = (
         f" The errors are measured against {escape(reply['truth'])}." if "truth" in reply else ""
     )
     result = _result(reply["advice"] + truth, "costs-result")
-    return f'{result}<div class="one">{reply["picture"]}</div>{reply["table"]}{words(COSTS)}'
+    terms = words(COSTS, language)
+    return f'{result}<div class="one">{reply["picture"]}</div>{reply["table"]}{terms}'
 
 
 @_or_problem
-def top(reply: Json) -> str:
+def top(reply: Json, language: str) -> str:
     """An animation of the top, and the watched quantities, also by the naive law."""
     result = _result(escape(reply["sentence"]), "top-result")
     return _figures(framed(reply), result, reply["compared"])
 
 
-def top_below(reply: Json) -> str:
+def top_below(reply: Json, language: str = ENGLISH) -> str:
     """Method and errors of the top, its plan, and the terms."""
     plan = f'<div id="top-plan">{reply["plan"]}</div>' if "plan" in reply else ""
-    return _below(reply.get("table", "") + plan, TOP)
+    return _below(reply.get("table", "") + plan, TOP, language)
 
 
 @_or_problem
-def exercise(reply: Json) -> str:
+def exercise(reply: Json, language: str) -> str:
     """Statement of an exercise."""
     head = f"<h2>{escape(reply['number'])} {escape(reply['title'])}</h2>"
-    facts = f"{escape(reply['chapter'])}; {escape(reply['level'])}; variant {reply['seed']}"
-    stated = f'<div class="sideways" id="statement">{reply["statement"]}</div>'
-    return f'{head}<p class="note">{facts}</p>{stated}{reply["copy"]}'
+    facts = texts("lab", "form", language)(
+        "facts", chapter=reply["chapter"], level=reply["level"], variant=reply["seed"]
+    )
+    note = f'<p class="note">{escape(reply["note"])}</p>' * bool(reply["note"])
+    stated = f'<div class="sideways" id="statement">{note}{reply["statement"]}</div>'
+    return f'{head}<p class="note">{escape(facts)}</p>{stated}{reply["copy"]}'
 
 
 _LOOKS = {"right": ("right", "✓"), "wrong": ("wrong", "✗")}
 
 
-def verdict(reply: Json | None) -> str:
+def verdict(reply: Json | None, language: str = ENGLISH) -> str:
     """The verdict on answers; empty without answers."""
     if reply is None:
         return ""
     if reply.get("problem"):
         return wrapped(problem(reply))
+    text = texts("lab", "form", language)
     if not reply["questions"]:
-        return wrapped('<p class="note">Type an answer first.</p>')
+        return wrapped(f'<p class="note">{escape(text("first"))}</p>')
     parts = []
     for row in reply["questions"]:
         look, sign = _LOOKS.get(row["state"], ("unread", "?"))
-        read = f'<p class="note">Read as: <code>{escape(row["read_as"])}</code></p>'
+        read = f'<p class="note">{escape(text("read"))} <code>{escape(row["read_as"])}</code></p>'
         parts.append(
             f'<div class="{look}" role="status"><strong>{escape(row["name"])}: {sign} '
-            f"{escape(row['state'])}</strong>{row['message']}{read * bool(row['read_as'])}"
+            f"{escape(row['label'])}</strong>{row['message']}{read * bool(row['read_as'])}"
             f"{row['copy']}</div>"
         )
     notes = "".join(f'<p class="note">{escape(note)}</p>' for note in reply["notes"])
@@ -273,7 +289,7 @@ def verdict(reply: Json | None) -> str:
 
 
 @_or_problem
-def steps(reply: Json) -> str:
+def steps(reply: Json, language: str) -> str:
     """Hints, in order."""
     items = "".join(f"<li>{hint}</li>" for hint in reply["hints"])
     hints = f'<div class="sideways"><ol id="hints">{items}</ol></div>{reply["copy"]}'

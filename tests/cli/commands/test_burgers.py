@@ -5,13 +5,11 @@ import math
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from geomtorsion.cli.commands import burgers
 from geomtorsion.loops import BurgersVector
 from tests.cli import running
-from tests.materials.maps.test_map_files import ctf, write
 from tests.materials.test_readers import grid
 
 
@@ -212,90 +210,12 @@ def test_any_kind_of_loop_by_one_option() -> None:
     ).stderr  # fmt: skip
 
 
-def wall_file(folder: Path) -> str:
-    """A tilt wall of 2 degrees in the middle of 12 x 14 pixels, with steps of 0.5 um."""
-    angles = np.zeros((12, 14, 3))
-    angles[..., 0] = np.where(np.arange(14) < 7, 359.0, 1.0)
-    return str(write(folder, ctf(angles), "wall.ctf"))
-
-
-def test_a_measured_grid(tmp_path) -> None:
-    """Torsion 1 everywhere: b equals the area in JSON; the figure and the text are written."""
-    path = str(grid(tmp_path, sigma=1e-3, unit="nm"))
-    out = tmp_path / "o"
-    found = data(path, "--loop", "plaquette 1,1:2,1", "--circle", "2,3:1.5", "-o", str(out))
-    assert [one["vector"][0] for one in found["results"]] == pytest.approx([7.0685835, 2.0])
-    assert all(one["significant"] for one in found["results"])
-    assert json.loads((out / "burgers.json").read_text()) == found
-    assert (out / "circuits.png").read_bytes().startswith(b"\x89PNG")
-    said = run(path, "--circle", "2,3:1.5", "--sigma", "estimate").stdout
-    assert "the median of sixth differences" in said
-    assert "b = (7.06858) nm" in said
-
-
-def test_a_measured_orientation_map(tmp_path) -> None:
-    """A circuit around a tilt wall: b/L = 2 sin(theta/2), in crystal and specimen axes."""
-    path = wall_file(tmp_path)
-    found = data(path, "--loop", "plaquette 1,1:4,3", "--sigma", "0.01")["results"][0]
-    assert found["magnitude"] == pytest.approx(6 * math.sin(math.radians(1)), rel=1e-6)
-    assert math.hypot(*found["specimen"]) == pytest.approx(found["magnitude"])
-    assert found["phase"] == "Nickel"
-    said = run(path, "--loop", "plaquette 1,1:4,3", "--sigma", "0.01").stdout
-    assert "in specimen axes" in said
-    assert "more than noise explains" in said
-
-
-def test_measured_circuits_that_fail(tmp_path) -> None:
-    """One failing circuit ends with code 2 and a remedy; among others it is one failed result."""
-    path = wall_file(tmp_path)
-    options = ("--threshold", "1.5", "--sigma", "0.01", "--loop", "circle 3.5,3:2")
-    message = run(path, *options, code=2).stderr
-    assert "is in grain 0" in message
-    assert "threshold above 1.5" in message
-    found = data(path, *options, "--loop", "circle 1.5,2:1", code=1)["results"]
-    assert found[0]["kind"] == "OrientationError"
-    assert "vector" in found[1]
-    assert "failed" in run(path, *options, "--loop", "circle 1.5,2:1", code=1).stdout
-
-
-def test_a_file_of_loops_of_the_other_kind(tmp_path) -> None:
-    """A file that sets `accuracy` or `parameters` is refused for measured fields, by that key."""
-    circle = {"circle": {"centre": [2, 3], "radius": 1.5}}
-    for extra in ({"accuracy": 1e-3}, {"parameters": {"b": 2}}):
-        given = json.dumps({"loops": [circle], **extra})
-        said = run(str(grid(tmp_path)), "--loops", "-", code=2, given=given).stderr
-        assert f"--loops -: {next(iter(extra))}: expected a space given by formulas" in said
-
-
 def test_closed_forms_have_no_accuracy_in_files() -> None:
     """--exact refuses an accuracy that a file of loops sets."""
     circle = {"circle": {"centre": [2, 3, 0], "radius": 1.5}}
     given = json.dumps({"loops": [circle], "accuracy": 0.1})
     said = run("heisenberg", "--exact", "--loops", "-", code=2, given=given).stderr
     assert "expected numbers, got --exact" in said
-
-
-@pytest.mark.parametrize(
-    ("source", "options", "words"),
-    [
-        (
-            "measured",
-            ("--exact",),
-            "--exact: expected a space given by formulas, got a measured field",
-        ),
-        ("measured", ("--set", "a=1"), "--set: expected a space given by formulas"),
-        (
-            "heisenberg",
-            ("--sigma", "1"),
-            "--sigma: expected a measured field, got a space given by formulas",
-        ),
-        ("heisenberg", ("--threshold", "1"), "--threshold: expected a measured field"),
-    ],
-)
-def test_options_of_the_other_kind(tmp_path, source, options, words) -> None:
-    """An option of the other kind of source is refused by its name."""
-    name = str(grid(tmp_path)) if source == "measured" else source
-    assert words in run(name, "--circle", "0,0,0:1", *options, code=2).stderr
 
 
 def test_a_value_against_what_was_declared() -> None:
@@ -317,6 +237,14 @@ def test_proved_prints_certain_digits() -> None:
     assert proof["values"][2] == "b3 = 1.00000000000000"
     assert len(proof["assumes"]) == 3
     assert "--exact" in run(*past, "--exact", code=2).stderr
+
+
+def test_measured_data_have_their_own_command(tmp_path) -> None:
+    """A measured file is refused with the name of the other command."""
+    said = run(str(grid(tmp_path)), "--circle", "2,3:1.5", code=2).stderr
+    assert "expected a space or a tetrad file, got measured data" in said
+    assert "geomtorsion circuit FILE" in said
+    assert "No such option: --sigma" in run("so3", "--sigma", "1", code=2).stderr
 
 
 def test_a_loop_that_cannot_be_proved_is_reported() -> None:

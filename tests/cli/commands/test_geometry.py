@@ -11,7 +11,7 @@ import sympy
 from geomtorsion.cli.formats import text_of
 from geomtorsion.exact import parse_expression
 from geomtorsion.geometry.quantities import QUANTITIES
-from geomtorsion.pictures.quantities import CATALOGUE, chosen_quantities
+from geomtorsion.pictures.quantities import chosen_quantities
 from geomtorsion.spaces import load
 from tests.cli.running import run
 
@@ -266,8 +266,8 @@ def test_mistakes_end_with_2_and_one_message(arguments, message):
 
 
 def test_every_quantity_can_be_named():
-    """The command offers each quantity of a frame; --basis frame replaces `riemann_frame`."""
-    missing = set(QUANTITIES) - {entry.name for entry in CATALOGUE}
-    assert missing == {"riemann_frame"}
-    text = run("geometry", "s3", "--only", "schouten,cotton").stdout
+    """The command shows each quantity of the table by its name, under its title."""
+    names = ",".join(QUANTITIES)
+    text = run("geometry", "axial_torsion", "--only", names).stdout
+    assert [row.title for row in QUANTITIES.values() if f"\n{row.title}  " not in text] == []
     assert "\nCotton tensor  C_{abc} = 0" in text

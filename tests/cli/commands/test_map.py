@@ -138,7 +138,7 @@ def test_slip_systems(scan):
     least = one["magnitude"] / one["area"] / (3.52e-4 * np.sqrt(0.5))
     assert least <= family["edge"] + family["screw"] < 4 * least
     assert "slip {1, 1, 1} <0.5, -0.5, 0>: edges" in run(*arguments).stdout
-    assert "'bct' is not known" in run(*arguments[:-1], "bct", code=2).stderr
+    assert "expected a known name, got 'bct'" in run(*arguments[:-1], "bct", code=2).stderr
 
 
 def test_circles(scan, tmp_path):
@@ -162,7 +162,7 @@ def test_circles(scan, tmp_path):
         (("--circle", "a,b:c"), "--circle a,b:c"),
         (("--threshold", "0"), "threshold: expected a positive number"),
         (("--laue", "cubic"), "--laue: expected PHASE=GROUP, got 'cubic'"),
-        (("--laue", "1=cubic"), "'cubic' is not known"),
+        (("--laue", "1=cubic"), "expected a known name, got 'cubic'"),
     ],
 )
 def test_more_wrong_options(scan, arguments, message):
@@ -217,7 +217,7 @@ def masked(lines: list[str]) -> list[str]:
     return [*lines[: head + 1], *rest]
 
 
-@pytest.mark.parametrize("command", ["map", "burgers"])
+@pytest.mark.parametrize("command", ["map", "circuit"])
 @pytest.mark.parametrize(
     ("name", "said"),
     [
@@ -271,7 +271,7 @@ def test_bad_files_through_the_commands(tmp_path, command, name, said):
 def test_loops_outside_through_the_commands(scan, lattice, tmp_path, loop, words):
     """A loop outside the data or with an extra coordinate is refused for each kind of file."""
     for file in (scan, lattice, str(grid(tmp_path))):
-        told = running.run("burgers", file, "--loop", loop, code=2).stderr
+        told = running.run("circuit", file, "--loop", loop, code=2).stderr
         assert any(word in told for word in words), told
 
 

@@ -134,7 +134,7 @@ def test_a_table_by_hand(tmp_path):
         (HEAD + ROWS + "0.5,0,1,1\n", "not on a regular grid: axis x: expected equal steps"),
         (HEAD + ROWS.replace("1,5,", "1,,"), "line 14: expected a finite coordinate y, got nan"),
         (HEAD.replace("beta_0_0", "beta_1_0") + ROWS, "expected a column beta_0_0, got none"),
-        (HEAD.replace("# unit", "# periodic") + ROWS, "periodic: 'nm' is not known"),
+        (HEAD.replace("# unit", "# periodic") + ROWS, "periodic: expected a known name, got 'nm'"),
         ("x,y,e_0_0,e_0_1\n" + ROWS.replace("5,5,", "5,5,1e999"), "line|infinite|finite"),
     ],
 )

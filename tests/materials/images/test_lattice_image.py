@@ -23,7 +23,7 @@ def test_coordinates_run_to_the_right_and_upwards():
     [
         (np.zeros((64, 64)), "no lattice: all its values are equal"),
         (np.full((64, 64), 0.1), "no lattice: all its values are equal"),
-        (np.ones((64, 64, 3)), r"expected shape \(any, any\)"),
+        (np.ones((64, 64, 3)), r"expected an array of grey values, got shape \(64, 64, 3\)"),
         (np.ones((8, 64)), "expected 32 rows and columns or more"),
         (np.ones((64, 64)) * 1j, "expected an array of grey values"),
         ("image.tif", "expected an array of grey values"),

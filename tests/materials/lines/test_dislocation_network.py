@@ -106,8 +106,8 @@ def test_bad_networks_are_refused():
     for b, message in (
         ((0, 0, 0), "b = 0"),
         ("abc", "expected a Burgers vector, got 'abc'"),
-        ((1, "x"), "finite numbers"),
-        ((1, float("inf")), "finite numbers"),
+        ((1, "x"), "expected a number, got 'x'"),
+        ((1, float("inf")), "expected a finite number, got inf"),
     ):
         with pytest.raises(NetworkError, match=message):
             DislocationNetwork.of_lines([(0, 1, b)])  # type: ignore[list-item]

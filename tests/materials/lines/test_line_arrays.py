@@ -52,7 +52,7 @@ def test_character_is_the_share_along_the_line():
         ({"positions": [[0, 0, 0], [1, float("inf"), 1]]}, "not finite"),
         ({"pairs": [[0, 2]]}, "node numbers from 0 to 1"),
         ({"pairs": [[0.5, 1]]}, "whole numbers"),
-        ({"burgers": [[1, 0, 0]] * 2}, "expected one row for each of 1 lines, got 2"),
+        ({"burgers": [[1, 0, 0]] * 2}, "expected one for each of 1 lines, got 2"),
         ({"images": [[0, 0]]}, "images"),
         ({"images": [[1, 0, 0]], "box": None}, "expected a box for the periodic images"),
         ({"images": [[0, 0, 1]], "box": Box(np.eye(3), periodic=(1, 1, 0))}, "not periodic"),

@@ -427,7 +427,7 @@ BAD = {
     "threshold: expected a positive number": {"threshold": -1},
     "sigma: expected standard deviations of 0 or more, got -0.1": {"sigma": -0.1},
     "sigma: expected 3 numbers": {"sigma": [0.1, 0.2]},
-    "unit: 'inch' is not known": {"unit": "inch"},
+    "unit: expected a known name, got 'inch'": {"unit": "inch"},
     "phase 1: expected a Phase": {"phases": {1: "m-3m"}},
 }
 

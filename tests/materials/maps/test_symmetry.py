@@ -81,5 +81,5 @@ def test_cubic_axes_are_in_the_standard_triangle():
 
 def test_unknown_group():
     """The message lists the known groups."""
-    with pytest.raises(OrientationError, match="'m3m' is not known.*m-3m"):
+    with pytest.raises(OrientationError, match="a known name, got 'm3m'.*m-3m"):
         laue_group("m3m")

@@ -27,10 +27,14 @@ def run(work: Coroutine[Any, Any, Result]) -> Result:
 
 
 class Session:
-    """One open page. `outputs` holds the content of each cell, by the cell's name."""
+    """One open page. `outputs` holds the content of each cell, by the cell's name.
 
-    def __init__(self, url: str) -> None:
+    query: what the address of the page holds, such as "language=de".
+    """
+
+    def __init__(self, url: str, query: str = "") -> None:
         self.url = url.rstrip("/")
+        self.query = f"&{query}" if query else ""
         self.name = f"s_{secrets.token_hex(3)}"
         self.outputs: dict[str, str] = {}
 
@@ -38,7 +42,7 @@ class Session:
         _, html = await asyncio.to_thread(self.get, "/")
         found = re.search(r'data-token="([^"]*)"', html)
         self.token = found[1] if found else ""
-        address = f"ws{self.url.removeprefix('http')}/ws?session_id={self.name}"
+        address = f"ws{self.url.removeprefix('http')}/ws?session_id={self.name}{self.query}"
         self.socket = await connect(
             address, max_size=2**24, max_queue=None, open_timeout=PATIENCE, ping_timeout=PATIENCE
         )

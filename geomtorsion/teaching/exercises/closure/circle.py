@@ -13,15 +13,15 @@ from geomtorsion.teaching.exercises.authoring import (
     Mistake,
     Question,
     Step,
+    Texts,
     Variant,
     by_hand,
     scaled,
-    steps,
     tex,
 )
 
 
-def make(draw: Draw) -> Variant:
+def make(draw: Draw, text: Texts) -> Variant:
     """Heisenberg's frame for seed 0; other seeds: torsion that varies with position."""
     x, y, z = q = sp.symbols("x y z", real=True)
     radius = sp.Symbol("R", positive=True)
@@ -39,47 +39,30 @@ def make(draw: Draw) -> Variant:
         return [torsion[0, 1, k].subs(here) * sp.pi * radius**2 for k in range(3)]
 
     return Variant(
-        statement=(
-            f"Consider the one-forms\n\n$${tex.forms(frame)}.$$\n\nA circle of radius $R$ about "
-            f"$(x, y, z) = ({centre}, 0, 0)$ in the coordinate plane $x, y$ is traversed once, "
-            "from $x$ towards $y$."
-        ),
+        statement=text("statement", forms=tex.forms(frame), centre=centre),
         questions=(
             Question(
                 name="burgers",
                 kind="components",
-                prompt=r"Find its Burgers vector $b^k = \oint e^k{}_\mu\,\mathrm{d}q^\mu$ exactly, "
-                "with `R` for the radius.",
+                prompt=text("burgers.prompt"),
                 domain=domain,
                 answer=vector,
                 errors=lambda: [
                     Mistake("direction", scaled(vector(), -1)),
                     Mistake("factor", scaled(vector(), sp.Rational(1, 2))),
-                    Mistake(
-                        "forgotten",
-                        from_centre(),
-                        "That is the torsion at the centre times the area. But the torsion varies "
-                        "over the disk.",
-                    ),
+                    Mistake("forgotten", from_centre(), text("burgers.forgotten")),
                 ],
                 shape=(3,),
                 label="b",
                 points=2,
             ),
         ),
-        hints=steps(
-            r"Only $\mathrm{d}e^3$ is not zero.",
-            r"By Stokes' theorem $b^3 = \oint e^3$ is the integral of "
-            f"${tex.tex(cartan(frame).torsion.T.in_frame()[0, 1, 2])}$ over the area of the disk.",
-            r"Substitute $x = x_0 + \rho\cos\alpha$, where $x_0$ is the $x$ of the centre. Over a "
-            r"full turn, odd powers of the cosine average to zero, and $\cos^2\alpha$ averages to "
-            r"$\tfrac12$.",
-        ),
-        worked=lambda: _worked(frame, centre, radius),
+        hints=text.all("hints", torsion=tex.tex(cartan(frame).torsion.T.in_frame()[0, 1, 2])),
+        worked=lambda: _worked(text, frame, centre, radius),
     )
 
 
-def _worked(frame: Frame, centre: int, radius: sp.Symbol) -> tuple[Step, ...]:
+def _worked(text: Texts, frame: Frame, centre: int, radius: sp.Symbol) -> tuple[Step, ...]:
     """The flux of the one curl through the disk, in polar coordinates."""
     x = frame.coordinates[0]
     rho, alpha = sp.symbols("rho alpha", positive=True)
@@ -88,17 +71,13 @@ def _worked(frame: Frame, centre: int, radius: sp.Symbol) -> tuple[Step, ...]:
     ring = sp.integrate(inner, (alpha, 0, 2 * sp.pi))
     flux = sp.expand(sp.integrate(ring, (rho, 0, radius)))
     return (
-        Step(f"Only $\\mathrm{{d}}e^3$ is not zero: $${by_hand.differentials(frame)}.$$"),
+        Step(text("worked.1", differentials=by_hand.differentials(frame))),
         Step(
-            f"On the disk $x = {f'{centre} + ' if centre else ''}\\rho\\cos\\alpha$. Replace "
-            r"$\mathrm{d}x\wedge\mathrm{d}y$ by the area element "
-            r"$\rho\,\mathrm{d}\rho\,\mathrm{d}\alpha$. The integral over $\alpha$ from $0$ to "
-            f"$2\\pi$ gives ${tex.tex(ring)}$."
+            text(
+                "worked.2",
+                x=(f"{centre} + " if centre else "") + r"\rho\cos\alpha",
+                ring=tex.tex(ring),
+            )
         ),
-        Step(
-            f"The integral over $\\rho$ from $0$ to $R$ gives $b^3 = {tex.tex(flux)}$. The other "
-            "components vanish.",
-            "burgers",
-            {(2,): flux},
-        ),
+        Step(text("worked.3", flux=tex.tex(flux)), "burgers", {(2,): flux}),
     )

@@ -9,25 +9,18 @@ from geomtorsion.teaching.exercises.authoring import (
     Mistake,
     Question,
     Step,
+    Texts,
     Variant,
     scaled,
-    steps,
 )
 
-SIDES = {
-    "above": "above the line",
-    "below": "below the line",
-    "left": "to the left of the line",
-    "right": "to the right of the line",
-}
 OPPOSITE = {"above": "below", "below": "above", "left": "right", "right": "left"}
 STEPS = ((1, 0), (0, 1), (-1, 0), (0, -1))
-WAYS = ("to the right", "up", "to the left", "down")
 
 
-def make(draw: Draw) -> Variant:
+def make(draw: Draw, text: Texts) -> Variant:
     """One half plane above for seed 0; other seeds: one to three, on any side."""
-    place = draw.choice(tuple(SIDES))
+    place = draw.choice(tuple(OPPOSITE))
     planes = draw.choice((1, 2, 3))
     wide, tall = draw.choice((7, 6, 9, 12)), draw.choice((5, 8, 10, 11))
     counts = _counts(place, planes, wide, tall)
@@ -35,7 +28,7 @@ def make(draw: Draw) -> Variant:
     flat = place in ("above", "below")
     side, asked = (0, 2) if flat else (1, 3)
     larger = 10 * counts[side]
-    sides = ", ".join(f"${n}$ steps {way}" for n, way in zip(counts, WAYS, strict=True))
+    right, up, left, down = counts
 
     @cache
     def closure() -> tuple[int, ...]:
@@ -46,21 +39,16 @@ def make(draw: Draw) -> Variant:
         return larger - closure()[0 if flat else 1]
 
     return Variant(
-        statement=(
-            "A square lattice is viewed along an edge dislocation, with $x$ to the right and $y$ "
-            f"up. A circuit from atom to atom takes {sides}. It returns to the atom from which it "
-            "started, and it encloses the dislocation line."
-        ),
+        statement=text("statement", right=right, up=up, left=left, down=down),
         questions=(
             Question(
                 name="burgers",
                 kind="components",
-                prompt="Find the Burgers vector $b$ in lattice constants: the sum of these steps, "
-                "taken in the perfect lattice from start to finish.",
+                prompt=text("burgers.prompt"),
                 answer=closure,
                 errors=lambda: [
                     Mistake("direction", scaled(closure(), -1)),
-                    Mistake("permuted", closure()[::-1], "The component along $x$ comes first."),
+                    Mistake("permuted", closure()[::-1], text("burgers.permuted")),
                 ],
                 shape=(2,),
                 label="b",
@@ -69,49 +57,27 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="place",
                 kind="choice",
-                prompt="The dislocation line is the edge of one or more extra half planes of "
-                "atoms. On which side of the line are they?",
+                prompt=text("place.prompt"),
                 answer=lambda: place,
-                errors=lambda: [
-                    Mistake(
-                        "direction",
-                        OPPOSITE[place],
-                        "Which of the two opposite sides of the circuit is longer?",
-                    )
-                ],
-                options=SIDES,
+                errors=lambda: [Mistake("direction", OPPOSITE[place], text("place.direction"))],
+                options=text.table("place.options"),
             ),
             Question(
                 name="larger",
                 kind="number",
-                prompt=f"A larger circuit around the same line has ${larger}$ steps "
-                f"{WAYS[side]}. How many steps {WAYS[asked]} does it need to return to its start?",
+                prompt=text("larger.prompt_right" if flat else "larger.prompt_up", larger=larger),
                 answer=needed,
                 errors=lambda: [
-                    Mistake(
-                        "forgotten",
-                        10 * counts[asked],
-                        "The difference does not grow with the circuit: it is the number of half "
-                        "planes.",
-                    ),
-                    Mistake(
-                        "forgotten",
-                        larger,
-                        "With this number the circuit would close in the perfect lattice.",
-                    ),
+                    Mistake("forgotten", 10 * counts[asked], text("larger.forgotten")),
+                    Mistake("forgotten", larger, text("larger.forgotten_excess")),
                     Mistake("sign", 2 * larger - needed()),
                 ],
                 tolerance=1e-3,
                 generic=(),
             ),
         ),
-        hints=steps(
-            "Add the steps: opposite steps cancel.",
-            "The side of the circuit that crosses the half planes has one more step for each half "
-            "plane.",
-            "A larger circuit crosses the same half planes.",
-        ),
-        worked=lambda: _worked(place, planes, counts, larger, asked),
+        hints=text.all("hints"),
+        worked=lambda: _worked(text, place, planes, counts, larger),
     )
 
 
@@ -132,29 +98,30 @@ def _around(counts: Sequence[int]) -> list[int]:
 
 
 def _worked(
-    place: str, planes: int, counts: Sequence[int], larger: int, asked: int
+    text: Texts, place: str, planes: int, counts: Sequence[int], larger: int
 ) -> tuple[Step, ...]:
     """Steps that cancel, the longer side, and the same excess anywhere."""
     right, up, left, down = counts
-    longer = {"above": "upper", "below": "lower", "left": "left", "right": "right"}
     excess = planes if place in ("above", "left") else -planes
     return (
         Step(
-            f"Along $x$ the steps add up to ${right} - {left} = {right - left}$, along $y$ to "
-            f"${up} - {down} = {up - down}$.",
+            text("worked.1", right=right, left=left, x=right - left, up=up, down=down, y=up - down),
             "burgers",
             [right - left, up - down],
         ),
-        Step("Without the dislocation, opposite sides would have the same number of steps."),
+        Step(text("worked.2")),
         Step(
-            f"The {longer[place]} side of the circuit has more steps: the half planes are there.",
+            text.table("worked.3")[place],
             "place",
             place,
         ),
         Step(
-            f"The larger circuit crosses the same half planes. Their number is ${planes}$: "
-            f"${larger} {'+' if excess > 0 else '-'} {planes} = {larger + excess}$ steps "
-            f"{WAYS[asked]}.",
+            text(
+                "worked.4_left" if place in ("above", "below") else "worked.4_down",
+                planes=planes,
+                sum=f"{larger} {'+' if excess > 0 else '-'} {planes}",
+                steps=larger + excess,
+            ),
             "larger",
             larger + excess,
         ),

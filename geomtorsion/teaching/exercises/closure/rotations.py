@@ -10,13 +10,13 @@ from geomtorsion.teaching.exercises.authoring import (
     Mistake,
     Question,
     Step,
+    Texts,
     Variant,
-    steps,
     tex,
 )
 
 
-def make(draw: Draw) -> Variant:
+def make(draw: Draw, text: Texts) -> Variant:
     """A circle in the plane of two angles; the seed chooses centre, radius and plane."""
     frame = load("so3").frame
     centre = [draw.choice((0.3, 0.2, 0.5, 0.8)), draw.choice((1.0, 0.9, 1.1, 1.3)), 0.2]
@@ -32,29 +32,24 @@ def make(draw: Draw) -> Variant:
         return [float(legs[k] @ torsion[plane]) * area for k in range(3)]
 
     return Variant(
-        statement=(
-            "The body-fixed frame of a rigid body has the coframe "
-            f"$$e = {tex.coframe(frame)},$$ in which each row is a one-form. In the plane of the "
-            f"angles $\\phi_{one}$ and $\\phi_{two}$, a circle of radius ${radius:g}$ with the "
-            f"centre $\\phi = ({', '.join(f'{x:g}' for x in centre)})$ is traversed once, from "
-            f"$\\phi_{one}$ towards $\\phi_{two}$."
+        statement=text(
+            "statement",
+            coframe=tex.coframe(frame),
+            one=one,
+            two=two,
+            radius=f"{radius:g}",
+            centre=", ".join(f"{x:g}" for x in centre),
         ),
         questions=(
             Question(
                 name="burgers",
                 kind="number",
-                prompt="Find the three frame components of the Burgers vector "
-                r"$b^k = \oint e^k{}_\mu\,\mathrm{d}\phi^\mu$ to three digits, as `[b1, b2, b3]`.",
+                prompt=text("burgers.prompt"),
                 answer=lambda: burgers_vector(frame, loop).vector,
                 errors=lambda: [
                     Mistake("direction", burgers_vector(frame, loop.reversed()).vector),
                     Mistake("basis", burgers_vector(frame, loop).in_coordinates()),
-                    Mistake(
-                        "forgotten",
-                        estimate(),
-                        "That is the torsion at the centre times the area. The loop is too large "
-                        "for this estimate.",
-                    ),
+                    Mistake("forgotten", estimate(), text("burgers.forgotten")),
                 ],
                 shape=(3,),
                 label="b",
@@ -62,18 +57,14 @@ def make(draw: Draw) -> Variant:
                 points=2,
             ),
         ),
-        hints=steps(
-            r"Describe the circle by an angle $s$. Insert $\phi(s)$ and its derivative into the "
-            r"loop integral, and integrate numerically over $s$ from $0$ to $2\pi$.",
-            "For a smooth periodic function, a sum over equal steps is very accurate: a few dozen "
-            "steps are enough.",
-            "In Python: `gt.burgers_vector(frame, gt.Loop.circle(centre, radius, plane=...))`.",
-        ),
-        worked=lambda: _worked(centre, radius, plane),
+        hints=text.all("hints"),
+        worked=lambda: _worked(text, centre, radius, plane),
     )
 
 
-def _worked(centre: list[float], radius: float, plane: tuple[int, int]) -> tuple[Step, ...]:
+def _worked(
+    text: Texts, centre: list[float], radius: float, plane: tuple[int, int]
+) -> tuple[Step, ...]:
     """The loop integral as a sum over equal steps, with the coframe written out."""
 
     def total(count: int) -> np.ndarray:
@@ -93,17 +84,22 @@ def _worked(centre: list[float], radius: float, plane: tuple[int, int]) -> tuple
     }
     return (
         Step(
-            f"On the circle $\\phi_{one} = {centre[plane[0]]:g} + {radius:g}\\cos s$ and "
-            f"$\\phi_{two} = {centre[plane[1]]:g} + {radius:g}\\sin s$; the remaining angle is "
-            "constant. Insert the derivatives with respect to $s$ into "
-            r"$b^k = \int_0^{2\pi} e^k{}_\mu\,\phi'^\mu\,\mathrm{d}s$."
+            text(
+                "worked.1",
+                one=one,
+                across=f"{centre[plane[0]]:g}",
+                radius=f"{radius:g}",
+                two=two,
+                up=f"{centre[plane[1]]:g}",
+            )
         ),
         Step(
-            r"The sum over $N$ equal steps, $\frac{2\pi}{N}\sum_n e^k{}_\mu\phi'^\mu(s_n)$, is "
-            + "; ".join(f"$({vector})$ for $N = {count}$" for count, vector in sums.items())
-            + "."
+            text(
+                "worked.2",
+                sums="; ".join(
+                    text("worked.sum", vector=vector, count=count) for count, vector in sums.items()
+                ),
+            )
         ),
-        Step(
-            "The sum has converged: three digits are right with twelve steps.", "burgers", total(48)
-        ),
+        Step(text("worked.3"), "burgers", total(48)),
     )

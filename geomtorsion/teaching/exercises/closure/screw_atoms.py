@@ -12,19 +12,18 @@ from geomtorsion.teaching.exercises.authoring import (
     Mistake,
     Question,
     Step,
+    Texts,
     Variant,
     scaled,
-    steps,
     tex,
 )
 
 HALF = sp.Rational(1, 2)
-HANDED = {"right": "a right-handed screw", "left": "a left-handed screw"}
 # A step of the circuit, and how often it is taken.
 Side = tuple[int, sp.Matrix]
 
 
-def make(draw: Draw) -> Variant:
+def make(draw: Draw, text: Texts) -> Variant:
     """A right-handed screw along [111] for seed 0; other seeds: any of its kind in iron."""
     turn = draw.choice(_rotations())
     wide, tall = draw.choice((6, 3, 5, 7, 8, 9)), draw.choice((4, 3, 5, 6, 7, 8))
@@ -38,41 +37,24 @@ def make(draw: Draw) -> Variant:
         (tall - 1, -up),
         (1, last),
     ]
-    listed = ", ".join(f"${count}$ times ${_vector(step)}$" for count, step in sides[:-1])
+    listed = ", ".join(text("side", count=count, step=_vector(step)) for count, step in sides[:-1])
 
     @cache
     def closure() -> tuple[sp.Expr, ...]:
         return tuple(HALF * int(x) for x in _around(sides))
 
     return Variant(
-        statement=(
-            f"In a crystal of iron (bcc, lattice constant $a$) a dislocation line runs along "
-            f"${_vector(along)}$. A circuit from atom to atom encloses this line and is "
-            "right-handed about it. It returns to the atom from which it started. Each step is "
-            "replaced by the nearest vector of the perfect lattice. In units of $a$ these vectors "
-            "are "
-            f"{listed}, and finally once ${_vector(last)}$."
-        ),
+        statement=text("statement", line=_vector(along), listed=listed, last=_vector(last)),
         questions=(
             Question(
                 name="burgers",
                 kind="components",
-                prompt="Find the Burgers vector $b$ in units of $a$: the sum of all steps, from "
-                "start to finish.",
+                prompt=text("burgers.prompt"),
                 answer=closure,
                 errors=lambda: [
                     Mistake("direction", scaled(closure(), -1)),
-                    Mistake(
-                        "factor",
-                        scaled(closure(), 2),
-                        "Is $b$ a vector of the type $[111]$, or half of one?",
-                    ),
-                    Mistake(
-                        "forgotten",
-                        list(up),
-                        "The last step differs from the other steps of its side, and must be added "
-                        "as well.",
-                    ),
+                    Mistake("factor", scaled(closure(), 2), text("burgers.factor")),
+                    Mistake("forgotten", list(up), text("burgers.forgotten")),
                 ],
                 shape=(3,),
                 label="b",
@@ -81,42 +63,30 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="length",
                 kind="expression",
-                prompt="Find the exact length of $b$ in units of $a$.",
+                prompt=text("length.prompt"),
                 answer=lambda: sp.sqrt(sum(x**2 for x in closure())),
                 errors=lambda: [
                     Mistake("factor", sp.sqrt(3)),
-                    Mistake(
-                        "forgotten",
-                        HALF,
-                        "Add the squares of the three components, then take the root.",
-                    ),
+                    Mistake("forgotten", HALF, text("length.forgotten")),
                 ],
             ),
             Question(
                 name="handed",
                 kind="choice",
-                prompt="Around a right-handed screw dislocation, a path along the lattice planes "
-                "advances along the line when it makes one right-handed turn. A step against the "
-                "line then leads back to the starting atom. Which screw does the circuit above "
-                "enclose?",
+                prompt=text("handed.prompt"),
                 answer=lambda: "left" if _along(closure(), along) > 0 else "right",
                 errors=lambda: [
                     Mistake(
                         "direction",
                         "right" if _along(closure(), along) > 0 else "left",
-                        "Does $b$, the step back to the start, point along the line or against it?",
+                        text("handed.direction"),
                     )
                 ],
-                options=HANDED,
+                options=text.table("handed.options"),
             ),
         ),
-        hints=steps(
-            "Opposite steps cancel, however many there are.",
-            f"Two steps remain: ${_vector(up)}$ and the last step.",
-            "In Python: `gt.Cochain.of_edges(pairs, steps).around(nodes)` adds whole numbers, "
-            "so use units of $a/2$.",
-        ),
-        worked=lambda: _worked(sides, along),
+        hints=text.all("hints", up=_vector(up)),
+        worked=lambda: _worked(text, sides, along),
     )
 
 
@@ -151,26 +121,20 @@ def _along(vector: Sequence[sp.Expr], line: sp.Matrix) -> sp.Expr:
     return sum((x * y for x, y in zip(vector, line, strict=True)), sp.S.Zero)
 
 
-def _worked(sides: Sequence[Side], along: sp.Matrix) -> tuple[Step, ...]:
+def _worked(text: Texts, sides: Sequence[Side], along: sp.Matrix) -> tuple[Step, ...]:
     """Opposite sides cancel; the last step remains."""
     (_, up), (_, last) = sides[1], sides[-1]
     b = up + last
     climbs = _along(list(b), along) > 0
     size = sp.sqrt(sum(x**2 for x in b))
     return (
+        Step(text("worked.1", step=_vector(sides[0][1]), up=_vector(up))),
         Step(
-            f"The steps ${_vector(sides[0][1])}$ and their opposites cancel. One of the steps "
-            f"${_vector(up)}$ remains."
+            text("worked.2", up=_vector(up), last=_vector(last), b=_vector(b)), "burgers", list(b)
         ),
+        Step(text("worked.3", size=tex.tex(size)), "length", size),
         Step(
-            f"Together with the last step, $b = {_vector(up)} + {_vector(last)} = {_vector(b)}$.",
-            "burgers",
-            list(b),
-        ),
-        Step(f"Its length is ${tex.tex(size)}$ lattice constants.", "length", size),
-        Step(
-            f"$b$ is the step back to the start, and it points {'along' if climbs else 'against'} "
-            f"the line. This is {HANDED['left' if climbs else 'right']}.",
+            text("worked.4_left") if climbs else text("worked.4_right"),
             "handed",
             "left" if climbs else "right",
         ),

@@ -5,13 +5,13 @@ from itertools import permutations
 from geomtorsion.curves import CurveProblem, autoparallel, geodesic
 from geomtorsion.geometry import cartan
 from geomtorsion.spaces import load
-from geomtorsion.teaching.exercises.authoring import Draw, Mistake, Question, Step, Variant, steps
+from geomtorsion.teaching.exercises.authoring import Draw, Mistake, Question, Step, Texts, Variant
 
 START = (0.3, 1.0, 0.2, 0.0, 0.0, 0.0)
 SPEEDS = (1.0, 0.5, -0.2, 0.1, 0.2, 0.3)
 
 
-def make(draw: Draw) -> Variant:
+def make(draw: Draw, text: Texts) -> Variant:
     """A free top; the seed chooses its moments."""
     flying = draw.choice((False, True))
     moments = draw.choice(tuple(permutations(range(1, 8), 3)))
@@ -22,9 +22,6 @@ def make(draw: Draw) -> Variant:
     alone = geodesic(frame, frame_velocity=speeds, metric=inertia)
     whole = geodesic(frame, start, frame_velocity=speeds, metric=inertia)
     straight = autoparallel(cartan(frame), start, frame_velocity=speeds)
-    moves = "rotates and moves freely" if flying else "rotates freely about a fixed point"
-    rates = "the angular velocity and the velocity" if flying else "only the angular velocity"
-    place = "attitude and position" if flying else "attitude"
 
     def ask(name: str, prompt: str, right: CurveProblem, chart: str | None, *wrong) -> Question:
         return Question(
@@ -38,73 +35,40 @@ def make(draw: Draw) -> Variant:
         )
 
     return Variant(
-        statement=(
-            f"A body with the moments of inertia ${moments}$ {moves}. Its motion is solved as a "
-            r"system of first order for the coordinates $q^\mu$ and the frame velocities $u^k$: "
-            r"$\dot q^\mu = E_i{}^\mu u^i$ with the legs $E_i$, and $\dot u^k = \ldots$ The solver "
-            "integrates only the variables that the requested quantities depend on."
-        ),
+        statement=text("flying" if flying else "statement", moments=moments),
         questions=(
             ask(
                 "omega",
-                f"You request {rates} along the axes of the body"
-                f"{', but no coordinates' * flying}. How many variables does the solver integrate?",
+                text("omega.prompt_flying") if flying else text("omega.prompt"),
                 alone,
                 None,
-                (
-                    "forgotten",
-                    whole,
-                    name,
-                    "On a group the equations of the velocities contain no coordinates.",
-                ),
+                ("forgotten", whole, name, text("omega.forgotten")),
             ),
             ask(
                 "angles",
-                f"How many variables does the solver integrate if you also request the {place}, "
-                "with three angles for the attitude?",
+                text("angles.prompt_flying") if flying else text("angles.prompt"),
                 whole,
                 name,
-                ("forgotten", alone, None, "The coordinates must also be integrated."),
-                (
-                    "another",
-                    whole,
-                    "quaternion",
-                    "That is the number with a quaternion for the attitude.",
-                ),
+                ("forgotten", alone, None, text("angles.forgotten")),
+                ("another", whole, "quaternion", text("angles.another")),
             ),
             ask(
                 "quaternion",
-                "How many variables are there if a quaternion instead of three angles describes "
-                "the attitude? (A quaternion needs no change of charts.)",
+                text("quaternion.prompt"),
                 whole,
                 "quaternion",
-                (
-                    "forgotten",
-                    whole,
-                    name,
-                    "A quaternion has four components, one more than three angles.",
-                ),
+                ("forgotten", whole, name, text("quaternion.forgotten")),
             ),
             ask(
                 "straightest",
-                "How many variables are there for an autoparallel (**straightest** line) of the "
-                "body-fixed frame, with three angles for the attitude?",
+                text("straightest.prompt"),
                 straight,
                 name,
-                (
-                    "levi-civita",
-                    whole,
-                    name,
-                    "On an autoparallel frame velocities are constant and not integrated.",
-                ),
+                ("levi-civita", whole, name, text("straightest.levi-civita")),
             ),
         ),
-        hints=steps(
-            r"Euler's equations contain only $\Omega$, not the angles.",
-            "Constant quantities need not be integrated.",
-            "In Python: `gt.geodesic(...).equations().system.states`.",
-        ),
-        worked=lambda: _worked(flying),
+        hints=text.all("hints"),
+        worked=lambda: _worked(text, flying),
     )
 
 
@@ -113,27 +77,12 @@ def states(problem: CurveProblem, chart: str | None) -> int:
     return len(problem.equations(chart).system.states)
 
 
-def _worked(flying: bool) -> tuple[Step, ...]:
+def _worked(text: Texts, flying: bool) -> tuple[Step, ...]:
     """Counting velocities and coordinates."""
     n = 6 if flying else 3
-    moved = ": three of rotation and three of translation" if flying else ""
     return (
-        Step(
-            f"The frame has {n} velocities{moved}. On a group their equations contain no "
-            f"coordinates: {n} variables.",
-            "omega",
-            n,
-        ),
-        Step(f"The {n} coordinates are added: {2 * n} variables.", "angles", 2 * n),
-        Step(
-            f"A quaternion has four components instead of three angles: {2 * n + 1} variables.",
-            "quaternion",
-            2 * n + 1,
-        ),
-        Step(
-            "On the autoparallel the frame velocities are constant. Only the "
-            f"{n} coordinates are integrated.",
-            "straightest",
-            n,
-        ),
+        Step(text("worked.1_flying" if flying else "worked.1", n=n), "omega", n),
+        Step(text("worked.2", n=n, total=2 * n), "angles", 2 * n),
+        Step(text("worked.3", total=2 * n + 1), "quaternion", 2 * n + 1),
+        Step(text("worked.4", n=n), "straightest", n),
     )

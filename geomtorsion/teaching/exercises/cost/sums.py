@@ -16,8 +16,8 @@ from geomtorsion.teaching.exercises.authoring import (
     Mistake,
     Question,
     Step,
+    Texts,
     Variant,
-    steps,
     tex,
 )
 
@@ -26,7 +26,7 @@ WANTED = 1e-10
 COARSE = 64
 
 
-def make(draw: Draw) -> Variant:
+def make(draw: Draw, text: Texts) -> Variant:
     """A circle in the angles of the paper; the seed chooses its radius and centre."""
     frame = load("so3").frame
     radius = draw.choice((0.5, 0.3, 0.4, 0.6, 0.7))
@@ -47,34 +47,22 @@ def make(draw: Draw) -> Variant:
         return COARSE * sqrt(error(COARSE, True) / (WANTED * size))
 
     return Variant(
-        statement=(
-            f"The body-fixed frame of a rigid body has the coframe $$e = {tex.coframe(frame)},$$ "
-            f"in which each row is a one-form. A circle in the plane of $\\phi_1$ and $\\phi_2$ "
-            f"has the radius ${radius:g}$ and the centre $\\phi = ({first:g}, {middle:g}, 0.2)$. "
-            f"Its Burgers vector is computed in two "
-            "ways from $N$ points $\\phi_k = \\phi(s_k)$ at equal angles $s_k$ around the "
-            "circle:\n\n"
-            r"- **chords**: $\sum_k e^i{}_\mu(\text{midpoint of the chord})\,"
-            r"(\phi^\mu_{k+1}-\phi^\mu_k)$,"
-            "\n"
-            r"- **trapezoid**: $\frac{2\pi}{N}\sum_k e^i{}_\mu(\phi_k)\,"
-            r"\frac{\mathrm{d}\phi^\mu}{\mathrm{d}s}(s_k)$."
+        statement=text(
+            "statement",
+            coframe=tex.coframe(frame),
+            radius=f"{radius:g}",
+            first=f"{first:g}",
+            middle=f"{middle:g}",
         ),
         questions=(
             Question(
                 name="order",
                 kind="number",
-                prompt="The error of the sum over **chords** decreases like $N^{-p}$. What is the "
-                "order $p$?",
+                prompt=text("order.prompt"),
                 answer=lambda: log2(error(COARSE, True) / error(2 * COARSE, True)),
                 errors=lambda: [
-                    Mistake(
-                        "forgotten",
-                        1,
-                        "That is the order with an end of each chord. The midpoint is more "
-                        "accurate.",
-                    ),
-                    Mistake("another", 4, "That is the order of Simpson's rule."),
+                    Mistake("forgotten", 1, text("order.forgotten")),
+                    Mistake("another", 4, text("order.another")),
                 ],
                 tolerance=0.05,
                 generic=(),
@@ -82,32 +70,16 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="points",
                 kind="number",
-                prompt="How many points does the **trapezoid** sum need for an error below "
-                "$10^{-10}$ of the largest component? An answer within 20 % is accepted.",
+                prompt=text("points.prompt"),
                 answer=needed,
-                errors=lambda: [
-                    Mistake(
-                        "forgotten",
-                        by_chords(),
-                        "That is the number for the chords. For a smooth periodic function the "
-                        "trapezoid sum converges faster than any power of $1/N$.",
-                    )
-                ],
+                errors=lambda: [Mistake("forgotten", by_chords(), text("points.forgotten"))],
                 tolerance=0.21,
                 generic=(),
                 points=2,
             ),
         ),
-        hints=steps(
-            "Compute the sum over chords for $N = 64$ and $N = 128$. The ratio of the errors is "
-            "$2^p$.",
-            "The trapezoid sum over a period is exact for the harmonics $\\cos(m s)$ and "
-            "$\\sin(m s)$ with $0 < m < N$. The error comes from the higher harmonics of the "
-            "integrand, which decrease rapidly with $m$.",
-            "In Python: `gt.numpy_function` makes the coframe a function of arrays. Ten to twenty "
-            "points are enough.",
-        ),
-        worked=lambda: _worked(error, needed),
+        hints=text.all("hints"),
+        worked=lambda: _worked(text, error, needed),
     )
 
 
@@ -138,26 +110,21 @@ def coframe_at(frame: Frame, place: tuple[float, ...]) -> np.ndarray:
     return coframe_function(frame)(*place).reshape(frame.dimension, frame.dimension)
 
 
-def _worked(error: Callable[[int, bool], float], needed: Callable[[], int]) -> tuple[Step, ...]:
+def _worked(
+    text: Texts, error: Callable[[int, bool], float], needed: Callable[[], int]
+) -> tuple[Step, ...]:
     """The errors of both sums, and the orders that follow from them."""
     chords = {count: error(count, True) for count in (COARSE, 2 * COARSE)}
-    shown = "; ".join(f"{value:.3g} for $N = {count}$" for count, value in chords.items())
+    shown = "; ".join(
+        text("worked.error", error=f"{value:.3g}", count=count) for count, value in chords.items()
+    )
     count = needed()
     steps = "; ".join(
-        f"{error(n, False):.2g} for $N = {n}$" for n in range(count - 4, count + 1, 2)
+        text("worked.error", error=f"{error(n, False):.2g}", count=n)
+        for n in range(count - 4, count + 1, 2)
     )
     return (
-        Step(f"The errors of the sum over chords are {shown}."),
-        Step(
-            "With twice as many points the error is four times smaller: $2^p = 4$. The order is "
-            "$p = 2$, as for the midpoint rule.",
-            "order",
-            2,
-        ),
-        Step(
-            f"The errors of the trapezoid sum are {steps}. They decrease faster than any power of "
-            f"$1/N$. With {count} points the error is below $10^{{-10}}$ of the largest component.",
-            "points",
-            count,
-        ),
+        Step(text("worked.1", errors=shown)),
+        Step(text("worked.2"), "order", 2),
+        Step(text("worked.3", errors=steps, count=count), "points", count),
     )

@@ -9,15 +9,15 @@ from geomtorsion.teaching.exercises.authoring import (
     Mistake,
     Question,
     Step,
+    Texts,
     Variant,
     by_hand,
-    steps,
     tex,
 )
 from geomtorsion.teaching.exercises.families import profiles
 
 
-def make(draw: Draw) -> Variant:
+def make(draw: Draw, text: Texts) -> Variant:
     """The sphere for seed 0, with phi1 along its circles; other seeds: other surfaces."""
     phi1, phi2 = sp.symbols("phi1 phi2", real=True)
     sphere = sp.sin(phi2)
@@ -31,58 +31,38 @@ def make(draw: Draw) -> Variant:
     )
     bar, straight = levi_civita(frame), cartan(frame)
     return Variant(
-        statement=(
-            "A surface consists of circles, and $\\phi_1$ is the angle along a circle. The circle "
-            "at $\\phi_2$, with "
-            f"$0 < \\phi_2 < {tex.tex(end)}$, has the length $2\\pi f$ with $f = {tex.tex(f)}$; "
-            "$\\phi_2$ is the distance measured across the circles. The legs along and across the "
-            f"circles are dual to ${tex.forms(frame)}$. "
-            r"The metric is $g = e^T e$, and $\bar\Gamma$ is its Levi-Civita connection."
-        ),
+        statement=text("statement", end=tex.tex(end), f=tex.tex(f), forms=tex.forms(frame)),
         questions=(
             Question(
                 name="christoffel",
                 kind="expression",
-                prompt=r"Find $\bar\Gamma_{12}{}^1$. The indices 1 and 2 belong to $\phi_1$ and "
-                r"$\phi_2$.",
+                prompt=text("christoffel.prompt"),
                 domain=Domain.of(frame),
                 answer=lambda: bar[0, 1, 0],
                 errors=lambda: [
                     Mistake("cartan", straight[0, 1, 0]),
                     Mistake(
-                        "inverse",
-                        bar.coefficients.lowered(2)[0, 1, 0],
-                        r"That is $\bar\Gamma_{121}$. Raise the last index with the inverse "
-                        "metric.",
+                        "inverse", bar.coefficients.lowered(2)[0, 1, 0], text("christoffel.inverse")
                     ),
-                    Mistake("permuted", bar[0, 0, 1], r"That is $\bar\Gamma_{11}{}^2$."),
+                    Mistake("permuted", bar[0, 0, 1], text("christoffel.permuted")),
                 ],
             ),
         ),
-        hints=steps(
-            f"The metric is diagonal, with $g_{{11}} = {tex.tex(frame.metric[0, 0])}$ and "
-            "$g_{22} = 1$.",
-            r"$\bar\Gamma_{12}{}^1 = \tfrac12\,g^{11}\,\partial_2 g_{11}$: the other terms vanish.",
-        ),
-        worked=lambda: _worked(frame),
+        hints=text.all("hints", metric=tex.tex(frame.metric[0, 0])),
+        worked=lambda: _worked(text, frame),
     )
 
 
-def _worked(frame: Frame) -> tuple[Step, ...]:
+def _worked(text: Texts, frame: Frame) -> tuple[Step, ...]:
     """Half the logarithmic slope of one component of the metric."""
     f, across = frame.coframe[0, 0], frame.coordinates[1]
     slope = by_hand.tidy((f**2).diff(across))
     value = by_hand.tidy(slope / (2 * f**2))
     return (
-        Step(f"The metric is diagonal: $g_{{11}} = {tex.tex(f**2)}$, $g_{{22}} = 1$."),
+        Step(text("worked.1", metric=tex.tex(f**2))),
+        Step(text("worked.2", slope=tex.tex(slope))),
         Step(
-            r"In $\bar\Gamma_{12}{}^1 = \tfrac12 g^{11}(\partial_1 g_{21} + \partial_2 g_{11} - "
-            r"\partial_1 g_{12})$ only the middle term is nonzero: "
-            f"$\\partial_2 g_{{11}} = {tex.tex(slope)}$."
-        ),
-        Step(
-            f"Multiplied by $g^{{11}}/2 = {tex.tex(1 / (2 * f**2))}$, it gives "
-            rf"$\bar\Gamma_{{12}}{{}}^1 = {tex.tex(value)}$.",
+            text("worked.3", factor=tex.tex(1 / (2 * f**2)), value=tex.tex(value)),
             "christoffel",
             value,
         ),

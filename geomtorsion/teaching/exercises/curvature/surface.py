@@ -9,41 +9,31 @@ from geomtorsion.teaching.exercises.authoring import (
     Mistake,
     Question,
     Step,
+    Texts,
     Variant,
     by_hand,
-    steps,
     tex,
 )
 from geomtorsion.teaching.exercises.families import circles
 
 
-def make(draw: Draw) -> Variant:
+def make(draw: Draw, text: Texts) -> Variant:
     """A sphere of radius R for seed 0; other seeds: other surfaces made of circles."""
     frame = draw.choice((_sphere(), *circles()[1:]))
     curvature = levi_civita(frame).curvature
     return Variant(
-        statement=(
-            f"A surface has the one-forms ${tex.forms(frame)}$. Its circles "
-            "$r = \\mathrm{const}$ have the length $2\\pi f(r)$, and $r$ is the distance measured "
-            r"across them. The Levi-Civita connection has the Ricci tensor $R_{nl} = R_{mnl}{}^m$, "
-            r"positive for spheres, and the curvature scalar $R = g^{nl}R_{nl}$."
-        ),
+        statement=text("statement", forms=tex.forms(frame)),
         questions=(
             Question(
                 name="ricci",
                 kind="components",
-                prompt=r"Find the Ricci tensor $R_{ab}$ in the coordinates.",
+                prompt=text("ricci.prompt"),
                 domain=Domain.of(frame),
                 answer=lambda: curvature.ricci,
                 errors=lambda: [
                     Mistake("cartan", {}),
                     Mistake("basis", curvature.ricci.in_frame()),
-                    Mistake(
-                        "sign",
-                        -curvature.ricci,
-                        "The sign is wrong. Some books use the opposite sign, but here spheres "
-                        "have positive curvature.",
-                    ),
+                    Mistake("sign", -curvature.ricci, text("ricci.sign")),
                 ],
                 shape=(2, 2),
                 label="R",
@@ -52,25 +42,17 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="scalar",
                 kind="expression",
-                prompt="Find the curvature scalar $R$.",
+                prompt=text("scalar.prompt"),
                 domain=Domain.of(frame),
                 answer=lambda: curvature.scalar[()],
                 errors=lambda: [
                     Mistake("cartan", 0),
-                    Mistake(
-                        "factor",
-                        curvature.scalar[()] / 2,
-                        "That is the Gaussian curvature $K$. In two dimensions $R = 2K$.",
-                    ),
+                    Mistake("factor", curvature.scalar[()] / 2, text("scalar.factor")),
                 ],
             ),
         ),
-        hints=steps(
-            r"For $\mathrm{d}r^2 + f(r)^2\mathrm{d}\phi^2$ the Gaussian curvature is $K = -f''/f$.",
-            "In two dimensions $R_{ab} = K g_{ab}$.",
-            f"Here $f = {tex.tex(frame.coframe[1, 1])}$.",
-        ),
-        worked=lambda: _worked(frame),
+        hints=text.all("hints", f=tex.tex(frame.coframe[1, 1])),
+        worked=lambda: _worked(text, frame),
     )
 
 
@@ -82,20 +64,13 @@ def _sphere() -> Frame:
     return Frame((r, phi), [[1, 0], [0, radius * sp.sin(r / radius)]], domain=domain)
 
 
-def _worked(frame: Frame) -> tuple[Step, ...]:
+def _worked(text: Texts, frame: Frame) -> tuple[Step, ...]:
     """Gaussian curvature, and the Ricci tensor that follows from it in two dimensions."""
     f, r = frame.coframe[1, 1], frame.coordinates[0]
     gauss, ricci, scalar = by_hand.surface_ricci(frame)
     return (
-        Step(
-            f"The metric is $\\mathrm{{d}}r^2 + f^2\\,\\mathrm{{d}}\\phi^2$ with "
-            f"$f = {tex.tex(f)}$, and $f'' = {tex.tex(f.diff(r, 2))}$."
-        ),
-        Step(f"The Gaussian curvature is $K = -f''/f = {tex.tex(gauss)}$."),
-        Step(
-            f"In two dimensions $R_{{ab}} = K g_{{ab}}$: $$R = {tex.matrix(ricci)}.$$",
-            "ricci",
-            ricci,
-        ),
-        Step(f"Its trace is $R = 2K = {tex.tex(scalar)}$.", "scalar", scalar),
+        Step(text("worked.1", f=tex.tex(f), second=tex.tex(f.diff(r, 2)))),
+        Step(text("worked.2", gauss=tex.tex(gauss))),
+        Step(text("worked.3", ricci=tex.matrix(ricci)), "ricci", ricci),
+        Step(text("worked.4", scalar=tex.tex(scalar)), "scalar", scalar),
     )

@@ -11,6 +11,7 @@ from geomtorsion.teaching.exercises.exercise import Exercise
 from geomtorsion.teaching.exercises.exports.tasks import Task
 from geomtorsion.teaching.exercises.question import Question, how_to_answer
 from geomtorsion.teaching.exercises.worker_pool import Json
+from geomtorsion.teaching.texts import ENGLISH, texts
 
 _CONFIG = """\
 c = get_config()
@@ -54,18 +55,19 @@ def course_files(tasks: Sequence[Task]) -> dict[str, str]:
 
 def _cells(title: str, exercises: Sequence[Exercise]) -> Iterator[Json]:
     """Title, import, and each exercise with its questions."""
+    language = exercises[0].language
+    conventions = texts("sheets", "sheet", language)("conventions")
+    about = texts("sheets", "nbgrader", language)("about", conventions=conventions)
     yield _text(
         "title",
-        f'# {title}\n\nWrite each answer as text in quotes, such as `"2*sin(r)"`. Indices are '
-        "counted from 1; the first lower index of a connection is the direction of differentiation;"
-        " "
-        "$S = T/2$.",
+        f"# {title}\n\n{about}",
     )
     yield code_cell("imports", "import geomtorsion as gt", _marked("imports", locked=True))
     for exercise in exercises:
         key = exercise.number.replace(".", "-")
         heading = f"## {exercise.number} {exercise.title}"
-        yield _text(f"statement-{key}", f"{heading}\n\n{exercise.statement}")
+        note = f"*{exercise.note}*\n\n" if exercise.note else ""
+        yield _text(f"statement-{key}", f"{heading}\n\n{note}{exercise.statement}")
         for question in exercise.questions:
             yield from _question(exercise, question)
 
@@ -74,8 +76,11 @@ def _question(exercise: Exercise, question: Question) -> Iterator[Json]:
     """The prompt, the cell for the answer, and the test that grades it."""
     key = f"{exercise.number.replace('.', '-')}-{question.name}"
     variable = f"{question.name}_{exercise.number.replace('.', '_')}"
-    how = how_to_answer(question)
-    yield _text(f"asked-{key}", f"{question.prompt}\n\n*Answer, in quotes: `{variable} =` {how}.*")
+    text = texts("sheets", "nbgrader", exercise.language)
+    how = text("answer", variable=variable, how=how_to_answer(question))
+    yield _text(f"asked-{key}", f"{question.prompt}\n\n*{how}*")
+    language = "" if exercise.language == ENGLISH else f", language={exercise.language!r}"
+    arguments = f'"{exercise.number}", answers, seed={exercise.seed}{language}'
     answer = json.dumps(answer_text(question, question.solution), ensure_ascii=False)
     yield code_cell(
         f"answer-{key}",
@@ -87,7 +92,7 @@ def _question(exercise: Exercise, question: Question) -> Iterator[Json]:
         f"# {variable} is checked when the notebook is graded.\n"
         "### BEGIN HIDDEN TESTS\n"
         f'answers = {{"{question.name}": {variable}}}\n'
-        f'verdict = gt.exercises.check("{exercise.number}", answers, seed={exercise.seed})\n'
+        f"verdict = gt.exercises.check({arguments})\n"
         f'verdict = verdict["{question.name}"]\n'
         f'assert verdict.was_read, "{UNREAD} " + verdict.message\n'
         "assert verdict.score > 0, verdict.message\n"

@@ -25,10 +25,12 @@ from geomtorsion.teaching.exercises.exports.tasks import can_be_rounded, feedbac
 from geomtorsion.teaching.exercises.question import (
     Mistake,
     Question,
-    how_to_answer,
     looks_like,
     names_to_use,
+    number_text,
+    precision_text,
 )
+from geomtorsion.teaching.texts import texts
 
 # Replaces a mistake that only other variants have; no answer is equal to it.
 MISSING = "nomistake"
@@ -111,7 +113,8 @@ class Part:
         if question.unknowns:
             return tuple(f"<code>{escape(maxima_name(x))}</code> =" for x in question.unknowns)
         if self._stacked:
-            return tuple(f"first index {k + 1}:" for k in range(self.shape[0]))
+            text = texts("sheets", "stack", question.language)
+            return tuple(escape(text("index", number=k + 1)) for k in range(self.shape[0]))
         return ("",)
 
     @property
@@ -136,20 +139,24 @@ class Part:
         return [self._how(question) for question in self.questions]
 
     def _how(self, question: Question) -> str:
-        names = [maxima_name(symbol.name) for symbol in question.domain.symbols]
-        listed = f" {names_to_use(names)}." if names else ""
-        rates = any(symbol.name.endswith("_d") for symbol in question.domain.symbols)
-        prime = " The d before a name means a derivative (its dot or prime)." if rates else ""
+        text = texts("sheets", "stack", question.language)
         if self.kind == "choice":
-            return "Choose one."
+            return text("choice")
         if self.kind == "number":
-            text = how_to_answer(question)
-            return f"Answer: {text.replace(' `[x, y, ...]`', ', one in each box')}."
+            number = text("numbers", count=question.shape[0]) if question.shape else ""
+            return text(
+                "number", number=number_text(question, number), precision=precision_text(question)
+            )
         if self.kind == "equations":
-            return f"Answer: the right-hand side of each equation.{listed}{prime}"
-        if self.shape:
-            return f"Answer: one component in each box. Leave 0 for zero components.{listed}{prime}"
-        return f"Answer: an expression.{listed}{prime}"
+            sentences = [text("equations")]
+        else:
+            sentences = [text("components") if self.shape else text("expression")]
+        names = [maxima_name(symbol.name) for symbol in question.domain.symbols]
+        if names:
+            sentences.append(f"{names_to_use(names, question.language)}.")
+        if any(symbol.name.endswith("_d") for symbol in question.domain.symbols):
+            sentences.append(text("derivative"))
+        return " ".join(sentences)
 
     # -- values ---------------------------------------------------------------------------------
 

@@ -13,6 +13,7 @@ from geomtorsion.teaching.exercises.exports.parts import Part, parts_of
 from geomtorsion.teaching.exercises.exports.tasks import Task
 from geomtorsion.teaching.exercises.prose import html_of
 from geomtorsion.teaching.exercises.verdict import MESSAGES
+from geomtorsion.teaching.texts import texts
 
 # Fixed settings of a STACK question; an import takes missing ones from the site.
 _OPTIONS: Mapping[str, str] = MappingProxyType(
@@ -29,7 +30,6 @@ _INPUT: Mapping[str, str] = MappingProxyType(
         "checkanswertype": "1", "mustverify": "1", "showvalidation": "1", "options": "",
     }
 )  # fmt: skip
-_VERDICTS = {"prtcorrect": "Right.", "prtpartiallycorrect": "Partly right.", "prtincorrect": ""}
 
 
 def stack_quiz(tasks: Sequence[Task]) -> str:
@@ -76,7 +76,8 @@ def _question(quiz: ET.Element, name: str, group: Sequence[Exercise]) -> None:
     parts = parts_of(group)
     question = ET.SubElement(quiz, "question", type="stack")
     _text(question, "name", name)
-    asked = [_by_variant([html_of(exercise.statement, tex=True) for exercise in group])]
+    note = f"<p><em>{escape(group[0].note)}</em></p>" * bool(group[0].note)
+    asked = [note + _by_variant([html_of(exercise.statement, tex=True) for exercise in group])]
     asked += [_asked(part) for part in parts]
     _html(question, "questiontext", "\n".join(asked))
     _html(question, "generalfeedback", _by_variant([_worked(exercise) for exercise in group]))
@@ -88,8 +89,10 @@ def _question(quiz: ET.Element, name: str, group: Sequence[Exercise]) -> None:
     _html(question, "questionnote", _by_variant([f"seed {exercise.seed}" for exercise in group]))
     for tag, value in _OPTIONS.items():
         ET.SubElement(question, tag).text = value
-    for tag, value in _VERDICTS.items():
-        _html(question, tag, value)
+    text = texts("sheets", "stack", group[0].language)
+    _html(question, "prtcorrect", text("right"))
+    _html(question, "prtpartiallycorrect", text("partly"))
+    _html(question, "prtincorrect", "")
     for part in parts:
         _inputs(question, part)
         _tree(question, part)
@@ -108,8 +111,8 @@ def _variables(group: Sequence[Exercise], parts: Sequence[Part]) -> Iterator[str
     if relations:
         yield f"assume({','.join(relations)});"
     for part in parts:
-        for variable, texts in part.variables():
-            yield f"{variable}: {_chosen(texts)};"
+        for variable, values in part.variables():
+            yield f"{variable}: {_chosen(values)};"
 
 
 def _chosen(texts: Sequence[str]) -> str:
@@ -176,7 +179,8 @@ def _tree(question: ET.Element, part: Part) -> None:
         feedback = _by_variant([html_of(text, tex=True) if text else "" for text in slot.messages])
         rows.append((slot.note, part.compared(slot), slot.variable, part.tolerance, feedback))
     if part.rounding:
-        rows.append(("rounded", answer, part.solution, part.rounding, MESSAGES["rounded"]))
+        message = MESSAGES.of(part.questions[0].language)["rounded"]
+        rows.append(("rounded", answer, part.solution, part.rounding, message))
     numbers = [*map(str, range(len(rows))), "-1"]
     for (note, sans, tans, option, feedback), (own, following) in zip(
         rows, pairwise(numbers), strict=True

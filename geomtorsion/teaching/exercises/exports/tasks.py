@@ -10,8 +10,9 @@ from geomtorsion.support import checks
 from geomtorsion.teaching.exercises.checking import ROUNDED
 from geomtorsion.teaching.exercises.exercise import Exercise
 from geomtorsion.teaching.exercises.question import Mistake, Question
-from geomtorsion.teaching.exercises.registry import CHAPTERS, load, names
+from geomtorsion.teaching.exercises.registry import load, names
 from geomtorsion.teaching.exercises.verdict import message_of
+from geomtorsion.teaching.texts import ENGLISH
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +49,7 @@ class Task:
     def chapter(self) -> str:
         """Number and title of its chapter."""
         number = self.number.partition(".")[0]
-        return f"{number}. {dict(CHAPTERS)[number]}"
+        return f"{number}. {self.variants[0].chapter}"
 
     @property
     def slug(self) -> str:
@@ -57,13 +58,15 @@ class Task:
         return "-".join(part for part in "".join(letters).split("-") if part)
 
 
-def tasks(numbers: Sequence[str] | None, seeds: Sequence[int]) -> tuple[Task, ...]:
+def tasks(
+    numbers: Sequence[str] | None, seeds: Sequence[int], language: str = ENGLISH
+) -> tuple[Task, ...]:
     """Exercises in their variants; all exercises by default.
 
     Raises
     ------
     UnknownNameError
-        There is no such exercise, or no such seed.
+        There is no such exercise, seed or language.
     ArgumentError
         An exercise or a seed is given twice, or none is given.
     """
@@ -75,7 +78,7 @@ def tasks(numbers: Sequence[str] | None, seeds: Sequence[int]) -> tuple[Task, ..
                 f"{subject}: expected at least one, and none twice, got {checks.shown(entries)}. "
                 "List each once."
             )
-    return tuple(Task(tuple(load(number, seed) for seed in seeds)) for number in chosen)
+    return tuple(Task(tuple(load(number, seed, language) for seed in seeds)) for number in chosen)
 
 
 def feedback(question: Question, mistake: Mistake) -> str:
@@ -87,7 +90,7 @@ def feedback(question: Question, mistake: Mistake) -> str:
     >>> feedback(question, Mistake("sign", 0))[:19]
     'The sign is wrong.'
     """
-    return mistake.message or message_of(mistake.code, question.remarks)
+    return mistake.message or message_of(mistake.code, question.remarks, question.language)
 
 
 def can_be_rounded(question: Question) -> bool:

@@ -14,6 +14,7 @@ from geomtorsion.support.files import write_texts
 from geomtorsion.teaching.exercises.exports.nbgrader import UNREAD, course_files
 from geomtorsion.teaching.exercises.exports.stack import stack_quiz
 from geomtorsion.teaching.exercises.exports.tasks import Task, tasks
+from geomtorsion.teaching.texts import ENGLISH
 
 Files = dict[str, str]
 Progress = Callable[[str], object]
@@ -76,6 +77,7 @@ def export(
     numbers: Sequence[str] | None = None,
     seeds: Sequence[int] | None = None,
     progress: Progress = lambda _: None,
+    language: str = ENGLISH,
 ) -> Export:
     """Write exercises in a format that teachers' systems import.
 
@@ -91,6 +93,8 @@ def export(
         the variants; None: 0, 1 and 2 for stack, 0 for nbgrader.
     progress
         called with the number of each exercise before it is solved.
+    language
+        "en", "de", or a folder with translated texts.
 
     Returns
     -------
@@ -101,7 +105,7 @@ def export(
     ArgumentError
         There is no such format; an exercise or a seed is given twice.
     UnknownNameError
-        There is no such exercise, or no such seed.
+        There is no such exercise, seed or language.
 
     Examples
     --------
@@ -113,7 +117,7 @@ def export(
     """
     directory = checks.file_name(directory, "directory")
     chosen = FORMATS[checks.choice(to, tuple(FORMATS), "to", ArgumentError)]
-    task_list = tasks(numbers, chosen.seeds if seeds is None else seeds)
+    task_list = tasks(numbers, chosen.seeds if seeds is None else seeds, language)
     for task in task_list:
         progress(task.number)
         # The exercise caches them; the files are written immediately afterwards.

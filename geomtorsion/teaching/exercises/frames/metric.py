@@ -9,15 +9,15 @@ from geomtorsion.teaching.exercises.authoring import (
     Mistake,
     Question,
     Step,
+    Texts,
     Variant,
     by_hand,
-    steps,
     tex,
 )
 from geomtorsion.teaching.exercises.families import bodies, matrix_of
 
 
-def make(draw: Draw) -> Variant:
+def make(draw: Draw, text: Texts) -> Variant:
     """Body-fixed frames of the rotation group; other seeds: other angles, stretched forms."""
     body = draw.choice(bodies())
     frame = body.frame
@@ -28,26 +28,21 @@ def make(draw: Draw) -> Variant:
         return (rows * rows.T).applyfunc(sp.factor)
 
     return Variant(
-        statement=(
-            ("The coframe of a rigid body" if body.rigid else "A coframe")
-            + f" in the angles ${tex.symbols(frame)}$ is"
-            f"\n\n$$e = {tex.coframe(frame)},\\qquad \\eta = 1.$$"
+        statement=text(
+            "statement" if body.rigid else "stretched",
+            coordinates=tex.symbols(frame),
+            coframe=tex.coframe(frame),
         ),
         questions=(
             Question(
                 name="metric",
                 kind="components",
-                prompt=r"Find the metric $g_{\mu\nu} = e^i{}_\mu\,\eta_{ij}\,e^j{}_\nu$.",
+                prompt=text("metric.prompt"),
                 domain=Domain.of(frame),
                 answer=lambda: frame.metric,
                 errors=lambda: [
-                    Mistake("inverse", frame.inverse_metric, "That is the inverse metric."),
-                    Mistake(
-                        "permuted",
-                        wrong_side(),
-                        "That is $e\\,e^T$, a sum over the coordinates. The metric is $e^T e$, a "
-                        "sum over the frame index.",
-                    ),
+                    Mistake("inverse", frame.inverse_metric, text("metric.inverse")),
+                    Mistake("permuted", wrong_side(), text("metric.permuted")),
                 ],
                 shape=(n, n),
                 label="g",
@@ -56,49 +51,33 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="volume",
                 kind="expression",
-                prompt=r"Find the volume element $\det e$ (with its sign).",
+                prompt=text("volume.prompt"),
                 domain=Domain.of(frame),
                 answer=lambda: frame.determinant[()],
                 errors=lambda: [
-                    Mistake(
-                        "inverse",
-                        1 / frame.determinant[()],
-                        "That is the determinant of the legs.",
-                    ),
-                    Mistake(
-                        "another",
-                        frame.determinant[()] ** 2,
-                        "That is the determinant of the metric, $\\det g = (\\det e)^2$.",
-                    ),
+                    Mistake("inverse", 1 / frame.determinant[()], text("volume.inverse")),
+                    Mistake("another", frame.determinant[()] ** 2, text("volume.another")),
                 ],
             ),
         ),
-        hints=steps(
-            "As a matrix the metric is $e^T e$: its entries are scalar products of the columns.",
-            r"Use $\sin^2 + \cos^2 = 1$ for each angle.",
-            r"Check your results with $\det g = (\det e)^2$.",
-        ),
-        worked=lambda: _worked(frame),
+        hints=text.all("hints"),
+        worked=lambda: _worked(text, frame),
     )
 
 
-def _worked(frame: Frame) -> tuple[Step, ...]:
+def _worked(text: Texts, frame: Frame) -> tuple[Step, ...]:
     """Scalar products of the columns, and the determinant."""
     e = matrix_of(frame.coframe)
     g = (e.T * e).applyfunc(by_hand.tidy)
     columns = ",\\quad ".join(tex.matrix([[x] for x in e[:, k]]) for k in range(3))
     determinant = by_hand.tidy(e.det())
     return (
-        Step(f"The columns of the coframe are $${columns}.$$"),
+        Step(text("worked.1", columns=columns)),
+        Step(text("worked.2", metric=tex.matrix(g.tolist())), "metric", g),
         Step(
-            r"$g_{\mu\nu}$ is the scalar product of columns $\mu$ and $\nu$. With "
-            f"$\\sin^2 + \\cos^2 = 1$: $$g = e^T e = {tex.matrix(g.tolist())}.$$",
-            "metric",
-            g,
-        ),
-        Step(
-            f"The determinant is $\\det e = {tex.tex(determinant)}$. Its square is "
-            f"$\\det g = {tex.tex(by_hand.tidy(g.det()))}$, as it must be.",
+            text(
+                "worked.3", determinant=tex.tex(determinant), square=tex.tex(by_hand.tidy(g.det()))
+            ),
             "volume",
             determinant,
         ),

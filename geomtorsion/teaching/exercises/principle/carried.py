@@ -10,73 +10,53 @@ from geomtorsion.teaching.exercises.authoring import (
     Mistake,
     Question,
     Step,
+    Texts,
     Variant,
     by_hand,
-    steps,
     tex,
 )
 from geomtorsion.teaching.exercises.families import vectors
 from geomtorsion.teaching.exercises.principle.euler import omegas
 
 
-def make(draw: Draw) -> Variant:
+def make(draw: Draw, text: Texts) -> Variant:
     """No force for seed 0; other seeds: a thruster fixed in the body."""
     mass = sp.Symbol("M", positive=True)
     push = [sp.Integer(x) for x in draw.choice(vectors())]
     speeds = sp.symbols("V1 V2 V3", real=True)
     turns = omegas()
-    sentence = (
-        "No force acts on it."
-        if not any(push)
-        else "A thruster fixed in the body exerts a force on the centre of mass, with the "
-        f"components $F = ({', '.join(map(str, push))})$ along the axes of the body."
-    )
+    force = ", ".join(map(str, push))
 
-    def rates(principle: str = "closed_in_coordinates", force: bool = True) -> list[sp.Expr]:
+    def rates(principle: str = "closed_in_coordinates", pushed: bool = True) -> list[sp.Expr]:
         u = sp.symbols("u1:7")
         energy = sp.Add(*(x**2 / 2 for x in u[:3])) + mass * sp.Add(*(x**2 / 2 for x in u[3:]))
-        forces = [0, 0, 0, *(push if force else (0, 0, 0))]
+        forces = [0, 0, 0, *(push if pushed else (0, 0, 0))]
         motion = equations_of_motion(load("r3xso3").frame, energy, forces, principle)
         table = dict(zip(u, (*turns, *speeds), strict=True))
         return [value.xreplace(table) for value in motion.accelerations[3:]]
 
     def expected() -> list[Mistake]:
-        cross = rates(force=False)
+        cross = rates(pushed=False)
         turned = [right - 2 * term for right, term in zip(rates(), cross, strict=True)]
         return [
             Mistake("naive", rates("naive")),
-            Mistake(
-                "principle",
-                rates("closed_in_image"),
-                "These are the equations of the autoparallels (straightest lines) of the frame of "
-                "rotations and translations. On an autoparallel the body moves like a screw. The "
-                "centre of mass of a free body moves on a straight line.",
-            ),
-            Mistake(
-                "axes",
-                turned,
-                "The term with $\\Omega\\times V$ has the opposite sign. In body axes, a vector "
-                "that is constant in space has the rate $-\\Omega\\times V$.",
-            ),
-            Mistake("forgotten", cross, "The force is missing."),
+            Mistake("principle", rates("closed_in_image"), text("equations.principle")),
+            Mistake("axes", turned, text("equations.axes")),
+            Mistake("forgotten", cross, text("equations.forgotten")),
             Mistake(
                 "forgotten",
                 [term + mass * (right - term) for right, term in zip(rates(), cross, strict=True)],
-                "Divide the force by the mass.",
+                text("equations.forgotten_mass"),
             ),
         ]
 
     return Variant(
-        statement=(
-            "A body of mass $M$ has the angular velocity $\\Omega$, and its centre of mass has the "
-            "velocity $V$. The components of both are along the axes of the **body**. " + sentence
-        ),
+        statement=text("pushed", force=force) if any(push) else text("statement"),
         questions=(
             Question(
                 name="equations",
                 kind="equations",
-                prompt="Give three equations for `V1'`, `V2'`, `V3'`, separated by semicolons. "
-                "`V1'` is the time derivative of `V1`.",
+                prompt=text("equations.prompt"),
                 domain=Domain((*turns, *speeds, mass)),
                 answer=rates,
                 errors=expected,
@@ -85,34 +65,23 @@ def make(draw: Draw) -> Variant:
                 points=2,
             ),
         ),
-        hints=steps(
-            r"Along axes fixed in space, momentum $p$ and force $f$ obey $\dot p = f$. If a vector "
-            "is constant in space, how do its components along the axes of the body change?",
-            r"Let $P = MV$ and $F$ be the momentum and the force along the axes of the body. They "
-            r"obey $\dot P + \Omega\times P = F$.",
-        ),
-        worked=lambda: _worked(mass, push),
+        hints=text.all("hints"),
+        worked=lambda: _worked(text, mass, push),
     )
 
 
-def _worked(mass: sp.Symbol, push: list[sp.Expr]) -> tuple[Step, ...]:
+def _worked(text: Texts, mass: sp.Symbol, push: list[sp.Expr]) -> tuple[Step, ...]:
     """A vector at rest in space, seen from the body."""
     speeds = sp.symbols("V1 V2 V3", real=True)
     turning = [-x for x in by_hand.cross(omegas(), speeds)]
     rates = [x + f / mass for x, f in zip(turning, push, strict=True)]
     return (
+        Step(text("worked.1")),
+        Step(text("worked.2", turning=tex.matrix([[x] for x in turning]))),
         Step(
-            r"Seen from the body, a vector that is constant in space rotates with $-\Omega$: "
-            r"$\dot P = -\Omega\times P$. With the force $F$ along the axes of the body, the "
-            r"momentum $P = MV$ obeys $\dot P + \Omega\times P = F$."
-        ),
-        Step(
-            r"The vector product is "
-            f"$$-\\Omega\\times V = {tex.matrix([[x] for x in turning])}.$$"
-        ),
-        Step(
-            f"Add $F/M$ with $F = ({', '.join(map(str, push))})$: "
-            f"$$\\dot V = {tex.matrix([[x] for x in rates])}.$$",
+            text(
+                "worked.3", force=", ".join(map(str, push)), rates=tex.matrix([[x] for x in rates])
+            ),
             "equations",
             rates,
         ),

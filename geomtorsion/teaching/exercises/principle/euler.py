@@ -13,14 +13,14 @@ from geomtorsion.teaching.exercises.authoring import (
     Mistake,
     Question,
     Step,
+    Texts,
     Variant,
     by_hand,
-    steps,
     tex,
 )
 
 
-def make(draw: Draw) -> Variant:
+def make(draw: Draw, text: Texts) -> Variant:
     """Moments as letters for seed 0, as numbers for other seeds."""
     frame = load("so3").frame
     turns = omegas()
@@ -28,37 +28,24 @@ def make(draw: Draw) -> Variant:
     moments = draw.choice((letters, *permutations(map(sp.Integer, range(1, 8)), 3)))
     symbols = letters if moments == letters else ()
     values = ",\\ ".join(f"I_{k + 1} = {tex.tex(x)}" for k, x in enumerate(moments))
-    where = "" if symbols else f" with ${values}$"
     return Variant(
-        statement=(
-            r"A body rotates freely about its centre of mass. Its Lagrangian is the kinetic energy "
-            r"$L = \tfrac12\,(I_1\Omega_1^2 + I_2\Omega_2^2 + I_3\Omega_3^2)$" + where + r", where "
-            r"$\Omega$ is the angular velocity along the axes of the body. Vary the action. The "
-            "rotation angles stay fixed at the start and at the end time (Hamilton's principle in "
-            "the frame of the body)."
-        ),
+        statement=text("statement") if symbols else text("numbers", values=values),
         questions=(
             Question(
                 name="equations",
                 kind="equations",
-                prompt="Give three equations for `Omega1'`, `Omega2'`, `Omega3'`, separated by "
-                "semicolons, in any equivalent form. `Omega1'` is the time derivative of `Omega1`.",
+                prompt=text("equations.prompt"),
                 domain=Domain((*turns, *symbols)),
                 answer=lambda: turning(frame, moments),
                 errors=lambda: [
                     Mistake("naive", turning(frame, moments, "naive")),
                     Mistake(
-                        "axes",
-                        turning(load("so3_right").frame, moments),
-                        "The terms with $\\Omega\\times p$ have the opposite sign. In body axes "
-                        "$\\dot p = -\\Omega\\times p$ with $p_i = I_i\\,\\Omega_i$.",
+                        "axes", turning(load("so3_right").frame, moments), text("equations.axes")
                     ),
                     Mistake(
                         "principle",
                         turning(frame, moments, "closed_in_image"),
-                        "These are the equations of the autoparallels (straightest lines). They "
-                        "follow from Kleinert's principle, which fixes the end points of the flat "
-                        "image $x^i(t)$ with $\\dot x^i = \\Omega_i$. Here the angles are fixed.",
+                        text("equations.principle"),
                     ),
                 ],
                 unknowns=tuple(f"Omega{k}'" for k in (1, 2, 3)),
@@ -66,16 +53,8 @@ def make(draw: Draw) -> Variant:
                 points=2,
             ),
         ),
-        hints=steps(
-            r"The frame velocities are $u^i = \Omega_i$. The torsion in the frame consists of the "
-            r"structure constants of the rotations: $2S_{ijk} = -\epsilon_{ijk}$, where "
-            r"$\epsilon_{123} = 1$ and each exchange of two indices changes the sign. Insert them "
-            r"into $\dot p_k = 2S_{kj}{}^i\,u^j p_i$ with $p_i = \partial L/\partial u^i$.",
-            r"As vectors: $\dot p = -\Omega\times p$ with $p = (I_1\Omega_1, I_2\Omega_2, "
-            r"I_3\Omega_3)$.",
-            r"The first equation is $I_1\dot\Omega_1 = (I_2 - I_3)\,\Omega_2\Omega_3$.",
-        ),
-        worked=lambda: _worked(moments),
+        hints=text.all("hints"),
+        worked=lambda: _worked(text, moments),
     )
 
 
@@ -95,26 +74,14 @@ def turning(
     return [value.xreplace(table) for value in accelerations]
 
 
-def _worked(moments: tuple[sp.Expr, ...]) -> tuple[Step, ...]:
+def _worked(text: Texts, moments: tuple[sp.Expr, ...]) -> tuple[Step, ...]:
     """A vector product."""
     turns = omegas()
     momenta = [m * w for m, w in zip(moments, turns, strict=True)]
     change = [-x for x in by_hand.cross(turns, momenta)]
     rates = [sp.factor(x / m) for x, m in zip(change, moments, strict=True)]
     return (
-        Step(
-            r"The momenta are $p_i = \partial L/\partial\Omega_i$: $p = ("
-            f"{', '.join(map(tex.tex, momenta))})$."
-        ),
-        Step(
-            r"The torsion in this frame is $2S_{ijk} = -\epsilon_{ijk}$. So the equations of "
-            r"motion $\dot p_k = 2S_{kj}{}^i\,\Omega^j p_i$ become $\dot p = -\Omega\times p$: "
-            f"$$\\dot p = {tex.matrix([[sp.factor(x)] for x in change])}.$$"
-        ),
-        Step(
-            "Divide by the moments of inertia: "
-            f"$$\\dot\\Omega = {tex.matrix([[x] for x in rates])}.$$",
-            "equations",
-            rates,
-        ),
+        Step(text("worked.1", momenta=", ".join(map(tex.tex, momenta)))),
+        Step(text("worked.2", change=tex.matrix([[sp.factor(x)] for x in change]))),
+        Step(text("worked.3", rates=tex.matrix([[x] for x in rates])), "equations", rates),
     )

@@ -17,24 +17,20 @@ from geomtorsion.teaching.exercises.authoring import (
     Mistake,
     Question,
     Step,
+    Texts,
     Variant,
     by_hand,
     scaled,
-    steps,
     tex,
 )
 
-PRINCIPLES = {
-    "coordinates": "end points fixed in the coordinates (Hamilton, Poincare)",
-    "image": "end points fixed in the flat image of the path (Kleinert)",
-    "naive": "variations in the frame, as if its forms were differentials of coordinates",
-}
-LONG = {"coordinates": "closed_in_coordinates", "image": "closed_in_image", "naive": "naive"}
+# Key of an option -> the principle of the library.
+PRINCIPLES = {"coordinates": "closed_in_coordinates", "image": "closed_in_image", "naive": "naive"}
 U = sp.symbols("u1:7", real=True)
 START = (0.3, 1.0, 0.2, 0.0, 0.0, 0.0)
 
 
-def make(draw: Draw) -> Variant:
+def make(draw: Draw, text: Texts) -> Variant:
     """Spin and velocity; the seed chooses them."""
     frame = load("r3xso3").frame
     spin = draw.choice((2, 1, 3, 4))
@@ -61,135 +57,79 @@ def make(draw: Draw) -> Variant:
         return hypot(*(x - y for x, y in pairs))
 
     return Variant(
-        statement=(
-            "A rigid body in space has six coordinates: three angles and the position of its "
-            "centre of mass (in this order). Its frame gives the angular velocity $\\Omega$ and "
-            "the velocity $V$ along the axes of the body: on a motion, $(e^1, e^2, e^3) = "
-            "\\Omega\\,\\mathrm{d}t$ and $(e^4, e^5, e^6) = V\\,\\mathrm{d}t$. If the body only "
-            "rotates, the autoparallels (straightest lines) of such a frame are geodesics "
-            "(shortest lines). **Here they are not.** So be careful with the conclusion that "
-            "bodies follow straightest lines.\n\n"
-            "The kinetic energy is $\\tfrac12\\,(\\Omega^2 + V^2)$: the moments of inertia and the "
-            "mass are all 1."
-        ),
+        statement=text("statement"),
         questions=(
             Question(
                 name="torsion",
                 kind="expression",
-                prompt="Find the component $2S_{15}{}^6$ of the torsion in the frame. It combines "
-                "rotation about axis 1 with translation along axis 2.",
+                prompt=text("torsion.prompt"),
                 domain=Domain(),
                 answer=lambda: torsion()[0, 4, 5],
-                remarks=TORSION,
+                remarks=TORSION.of(text.language),
                 errors=lambda: [
-                    Mistake("factor", torsion()[0, 4, 5] / 2, "That is $S$, not $2S$."),
-                    Mistake(
-                        "another",
-                        torsion()[3, 4, 5],
-                        "That is $2S_{45}{}^6$. Translations commute, but a rotation and a "
-                        "translation do not.",
-                    ),
+                    Mistake("factor", torsion()[0, 4, 5] / 2, text("torsion.factor")),
+                    Mistake("another", torsion()[3, 4, 5], text("torsion.another")),
                 ],
             ),
             Question(
                 name="force",
                 kind="components",
-                prompt=r"Find the torsion force $f^k = 2\,S_i{}^k{}_j\,u^i u^j$ in the frame: six "
-                "components in `u1` to `u6` (the first three are $\\Omega$, the others $V$).",
+                prompt=text("force.prompt"),
                 domain=Domain(U),
                 answer=lambda: force(frame),
                 errors=lambda: [
-                    Mistake(
-                        "forgotten",
-                        {},
-                        "The force vanishes only if $S_{ijk}$ is totally antisymmetric, as for a "
-                        "body that only rotates. Here it is not.",
-                    ),
+                    Mistake("forgotten", {}, text("force.forgotten")),
                     Mistake("factor", scaled(force(frame), sp.Rational(1, 2))),
                 ],
                 shape=(6,),
                 label="f",
-                remarks=TORSION,
+                remarks=TORSION.of(text.language),
                 points=2,
             ),
             Question(
                 name="radius",
                 kind="number",
-                prompt=f"The body starts with $\\Omega = (0, 0, {spin})$ and "
-                f"$V = ({across}, 0, {along})$. On the autoparallel (**straightest** line), its "
-                "centre of mass would move on a helix. What is the radius of the helix?",
+                prompt=text("radius.prompt", spin=spin, across=across, along=along),
                 answer=radius,
                 errors=lambda: [
-                    Mistake("factor", 2 * radius(), "That is the diameter."),
+                    Mistake("factor", 2 * radius(), text("radius.factor")),
                     Mistake(
-                        "forgotten",
-                        sqrt(across**2 + along**2) / spin,
-                        "Only the part of $V$ perpendicular to the rotation axis counts.",
+                        "forgotten", sqrt(across**2 + along**2) / spin, text("radius.forgotten")
                     ),
                 ],
             ),
             Question(
                 name="apart",
                 kind="number",
-                prompt="A free body starts in the same way. How far apart are the two centres of "
-                f"mass at $t = {last:g}$?",
+                prompt=text("apart.prompt", last=f"{last:g}"),
                 answer=separation,
                 errors=lambda: [
-                    Mistake(
-                        "forgotten",
-                        last**2 * spin * across / 2,
-                        "That is only the first term of a power series in the time.",
-                    )
+                    Mistake("forgotten", last**2 * spin * across / 2, text("apart.forgotten"))
                 ],
                 points=2,
             ),
             Question(
                 name="principle",
                 kind="choice",
-                prompt=r"Which principle gives $\dot V + \Omega\times V = 0$, eq. (2) of the paper "
-                "without a force?",
+                prompt=text("principle.prompt"),
                 answer=lambda: next(key for key in PRINCIPLES if flies_straight(frame, key)),
                 errors=lambda: [
-                    Mistake(
-                        "principle",
-                        "image",
-                        "That principle gives the autoparallels: $\\dot V = 0$ in the body, and "
-                        "the centre of mass moves on a helix.",
-                    ),
+                    Mistake("principle", "image", text("principle.principle")),
                     Mistake("naive", "naive"),
                 ],
-                options=PRINCIPLES,
+                options=text.table("principle.options"),
             ),
             Question(
                 name="law",
                 kind="choice",
-                prompt="Which curve does a free body follow in the geometry of this frame?",
+                prompt=text("law.prompt"),
                 answer=lambda: "autoparallel" if is_straightest(frame) else "geodesic",
-                errors=lambda: [
-                    Mistake(
-                        "principle",
-                        "autoparallel",
-                        "On an autoparallel $V$ is constant in the body. For a rotating free body "
-                        "it is constant in space.",
-                    )
-                ],
-                options={
-                    "autoparallel": "an autoparallel of the Cartan connection",
-                    "geodesic": "a geodesic of the metric, not an autoparallel",
-                },
+                errors=lambda: [Mistake("principle", "autoparallel", text("law.principle"))],
+                options=text.table("law.options"),
             ),
         ),
-        hints=steps(
-            r"The axes along which $V$ is measured rotate with the body: "
-            r"$\mathrm{d}e^{3+i} = \epsilon_{ijk}\,e^k\wedge e^{3+j}$ for $i, j, k = 1, 2, 3$.",
-            r"On an autoparallel $\dot u = 0$. On a geodesic $\dot\Omega = 0$ and "
-            r"$\dot V = -\Omega\times V$. The torsion force is $\dot u$ on the autoparallel minus "
-            r"$\dot u$ on the geodesic.",
-            "On the autoparallel the velocity is constant along the axes of the body. So in space "
-            "the velocity rotates with the angular velocity of the body.",
-            "The free body has a constant velocity in space. Compare a circle with its tangent.",
-        ),
-        worked=lambda: _worked(spin, across, last),
+        hints=text.all("hints"),
+        worked=lambda: _worked(text, spin, across, last),
     )
 
 
@@ -205,7 +145,9 @@ def flies_straight(frame: Frame, principle: str) -> bool:
     """Whether a principle gives V' = - Omega x V."""
     u = sp.symbols("u1:7")
     energy = sp.Add(*(x**2 / 2 for x in u))
-    accelerations = equations_of_motion(frame, energy, principle=LONG[principle]).accelerations[3:]
+    accelerations = equations_of_motion(
+        frame, energy, principle=PRINCIPLES[principle]
+    ).accelerations[3:]
     cross = sp.Matrix(u[:3]).cross(sp.Matrix(u[3:]))
     return all(sp.expand(x + y) == 0 for x, y in zip(accelerations, cross, strict=True))
 
@@ -215,46 +157,22 @@ def is_straightest(frame: Frame) -> bool:
     return not any(force(frame))
 
 
-def _worked(spin: int, across: int, last: float) -> tuple[Step, ...]:
+def _worked(text: Texts, spin: int, across: int, last: float) -> tuple[Step, ...]:
     """The force from a vector product; circle and tangent."""
     pull = by_hand.cross(U[:3], U[3:])
     circle = across / spin
     gap = hypot(circle * sin(spin * last) - across * last, circle * (1 - cos(spin * last)))
     return (
+        Step(text("worked.1"), "torsion", sp.Integer(-1)),
         Step(
-            r"$\mathrm{d}e^{3+i} = \epsilon_{ijk}\,e^k\wedge e^{3+j}$. For $i = 3$, $e^1\wedge "
-            r"e^5$ has $k = 1$, $j = 2$ and $\epsilon_{321} = -1$: $2S_{15}{}^6 = -1$.",
-            "torsion",
-            sp.Integer(-1),
+            text("worked.2", force=tex.matrix([[x] for x in pull])), "force", [sp.S.Zero] * 3 + pull
         ),
+        Step(text("worked.3", across=across, spin=spin, circle=f"{circle:.6g}"), "radius", circle),
         Step(
-            r"On a geodesic $\dot\Omega = 0$ and $\dot V = -\Omega\times V$. On an autoparallel "
-            r"$\dot\Omega = 0$ and $\dot V = 0$. The autoparallel minus the geodesic gives the "
-            r"torsion force $f = (0, \Omega\times V)$. Its last three "
-            f"components are $${tex.matrix([[x] for x in pull])}.$$",
-            "force",
-            [sp.S.Zero] * 3 + pull,
-        ),
-        Step(
-            r"On the autoparallel the velocity rotates with $\Omega$. Perpendicular to the axis "
-            f"the centre moves with speed {across} on a circle of radius "
-            f"${across}/{spin} = {circle:.6g}$.",
-            "radius",
-            circle,
-        ),
-        Step(
-            "The centre of the free body moves along the tangent of the circle. Both centres move "
-            "equally along the axis. Perpendicular to the axis, the components of their distance "
-            f"are $\\rho\\sin {spin * last:g} - {across * last:g}$ and $\\rho(1 - \\cos "
-            f"{spin * last:g})$, where $\\rho$ is the radius. The distance is ${gap:.6g}$.",
+            text("worked.4", angle=f"{spin * last:g}", path=f"{across * last:g}", gap=f"{gap:.6g}"),
             "apart",
             gap,
         ),
-        Step(
-            r"$\dot V + \Omega\times V = 0$ is the equation of the geodesics. It follows from "
-            "Hamilton's principle, with end points fixed in the coordinates.",
-            "principle",
-            "coordinates",
-        ),
-        Step("So the free body follows a geodesic that is not an autoparallel.", "law", "geodesic"),
+        Step(text("worked.5"), "principle", "coordinates"),
+        Step(text("worked.6"), "law", "geodesic"),
     )

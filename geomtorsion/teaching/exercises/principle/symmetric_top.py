@@ -12,14 +12,14 @@ from geomtorsion.teaching.exercises.authoring import (
     Mistake,
     Question,
     Step,
+    Texts,
     Variant,
-    steps,
     tex,
 )
 from geomtorsion.teaching.exercises.principle.euler import omegas, turning
 
 
-def make(draw: Draw) -> Variant:
+def make(draw: Draw, text: Texts) -> Variant:
     """Letters for seed 0; other seeds: moments as numbers."""
     w, v = sp.symbols("w v", positive=True)
     letters = sp.symbols("A C", positive=True)
@@ -40,87 +40,43 @@ def make(draw: Draw) -> Variant:
         return sp.sqrt(square) / across
 
     return Variant(
-        statement=(
-            f"A free top has the moments of inertia $I_1 = I_2 = {tex.tex(across)}$ and "
-            f"$I_3 = {tex.tex(along)}$. Its initial angular velocity along the axes of the body is "
-            r"$\Omega = (v, 0, w)$, with $v, w > 0$."
-        ),
+        statement=text("statement", across=tex.tex(across), along=tex.tex(along)),
         questions=(
             Question(
                 name="body",
                 kind="expression",
-                prompt=r"Seen from the **body**, the angular velocity rotates about the third "
-                r"axis: $\dot\Omega_1 = -\lambda\,\Omega_2$, $\dot\Omega_2 = \lambda\,\Omega_1$. "
-                r"What is $\lambda$?",
+                prompt=text("body.prompt"),
                 domain=domain,
                 answer=in_body,
-                errors=lambda: [
-                    Mistake(
-                        "axes", in_space(), "That is the angular velocity of the axis in space."
-                    )
-                ],
+                errors=lambda: [Mistake("axes", in_space(), text("body.axes"))],
             ),
             Question(
                 name="space",
                 kind="expression",
-                prompt="Seen from **space**, the third axis of the body rotates about the angular "
-                "momentum. With which angular velocity?",
+                prompt=text("space.prompt"),
                 domain=domain,
                 answer=in_space,
                 errors=lambda: [
-                    Mistake(
-                        "axes",
-                        in_body(),
-                        "That is $\\lambda$, the angular velocity as seen from the body.",
-                    ),
-                    Mistake(
-                        "forgotten",
-                        along * w / across,
-                        "That contains only the component of the angular momentum along the third "
-                        "axis. Use the length of the whole vector.",
-                    ),
+                    Mistake("axes", in_body(), text("space.axes")),
+                    Mistake("forgotten", along * w / across, text("space.forgotten")),
                 ],
                 points=2,
             ),
         ),
-        hints=steps(
-            r"$\Omega_3$ is constant, so the other two of Euler's equations are linear in "
-            r"$\Omega_1$ and $\Omega_2$.",
-            r"In space the angular momentum $L$ is constant. Let $n$ be the unit vector along the "
-            r"third axis. Then $\Omega = L/I_1 + (1 - I_3/I_1)\,\Omega_3\,n$. The second term is a "
-            r"rotation about $n$, so it does not move $n$. Only the first term moves $n$.",
-            r"At the start $L = (I_1 v, 0, I_3 w)$ along the axes of the body. So "
-            r"$|L|^2 = I_1^2 v^2 + I_3^2 w^2$.",
-        ),
-        worked=lambda: _worked(across, along, w, v),
+        hints=text.all("hints"),
+        worked=lambda: _worked(text, across, along, w, v),
     )
 
 
-def _worked(across: sp.Expr, along: sp.Expr, w: sp.Symbol, v: sp.Symbol) -> tuple[Step, ...]:
+def _worked(
+    text: Texts, across: sp.Expr, along: sp.Expr, w: sp.Symbol, v: sp.Symbol
+) -> tuple[Step, ...]:
     """A linear equation in the body, a constant vector in space."""
     inside = (along - across) * w / across
     outside = sp.sqrt(across**2 * v**2 + along**2 * w**2) / across
     return (
-        Step(
-            r"Euler's third equation is $I_3\dot\Omega_3 = (I_1 - I_2)\,\Omega_1\Omega_2 = 0$, so "
-            r"$\Omega_3 = w$ is constant."
-        ),
-        Step(
-            r"Euler's first equation is $I_1\dot\Omega_1 = (I_1 - I_3)\,w\,\Omega_2$, that is "
-            r"$\dot\Omega_1 = -\lambda\,\Omega_2$ with $\lambda = (I_3 - I_1)\,w/I_1 = "
-            f"{tex.tex(inside)}$.",
-            "body",
-            inside,
-        ),
-        Step(
-            r"In space $\Omega = L/I_1 + (1 - I_3/I_1)\,w\,n$, where $L$ is the constant angular "
-            r"momentum and $n$ the unit vector along the third axis. A rotation about $n$ does not "
-            r"move $n$, so $n$ rotates about $L$ with the angular velocity $|L|/I_1$."
-        ),
-        Step(
-            r"With $|L| = \sqrt{I_1^2 v^2 + I_3^2 w^2}$, the angular velocity is "
-            f"${tex.tex(outside)}$.",
-            "space",
-            outside,
-        ),
+        Step(text("worked.1")),
+        Step(text("worked.2", inside=tex.tex(inside)), "body", inside),
+        Step(text("worked.3")),
+        Step(text("worked.4", outside=tex.tex(outside)), "space", outside),
     )

@@ -10,17 +10,17 @@ from geomtorsion.teaching.exercises.authoring import (
     Mistake,
     Question,
     Step,
+    Texts,
     Variant,
     by_hand,
     normal,
     scaled,
-    steps,
     tex,
 )
 from geomtorsion.teaching.exercises.families import Body, bodies, frame_of, groups, mixed
 
 
-def make(draw: Draw) -> Variant:
+def make(draw: Draw, text: Texts) -> Variant:
     """so3 for seed 0; other seeds: other angles and other groups."""
     member = draw.choice(mixed(bodies(), groups()))
     frame = frame_of(member)
@@ -36,14 +36,8 @@ def make(draw: Draw) -> Variant:
     def expected() -> list[Mistake]:
         right = normal(terms(frame))
         mistakes = [
-            Mistake(
-                "sign",
-                scaled(right, -1),
-                "The sign is wrong: $u$ and $\\delta\\Phi$ have been exchanged.",
-            ),
-            Mistake(
-                "factor", scaled(right, sp.Rational(1, 2)), "The factor 2 before $S$ is missing."
-            ),
+            Mistake("sign", scaled(right, -1), text("terms.sign")),
+            Mistake("factor", scaled(right, sp.Rational(1, 2)), text("terms.factor")),
             Mistake("naive", normal(terms(frame, "naive"))),
         ]
         if isinstance(member, Body):
@@ -51,23 +45,12 @@ def make(draw: Draw) -> Variant:
         return mistakes
 
     return Variant(
-        statement=(
-            f"Consider the one-forms\n\n$${tex.forms(frame)}$$\n\nin the coordinates "
-            f"${tex.symbols(frame)}$. "
-            r"A path has the frame velocities $u^i = e^i{}_\mu\dot q^\mu$. It is varied by "
-            r"$\delta q^\mu$, with the frame components $\delta\Phi^i = e^i{}_\mu\,\delta q^\mu$. "
-            r"Because some $\mathrm{d}e^i$ are not zero, the variation $\bar\delta u^i$ of the "
-            r"frame velocities has a second term, with the torsion $2S_{kj}{}^i$ in the frame:"
-            "\n\n"
-            r"$$\bar\delta u^i = \frac{\mathrm{d}}{\mathrm{d}t}\delta\Phi^i + "
-            r"2S_{kj}{}^i\,u^j\,\delta\Phi^k.$$"
-        ),
+        statement=text("statement", forms=tex.forms(frame), coordinates=tex.symbols(frame)),
         questions=(
             Question(
                 name="terms",
                 kind="components",
-                prompt=r"Find the second term, $2S_{kj}{}^i\,u^j\,\delta\Phi^k$, for $i = 1, 2, "
-                r"3$. Write `dPhi1` for $\delta\Phi^1$.",
+                prompt=text("terms.prompt"),
                 domain=Domain((*u, *images)),
                 answer=lambda: terms(frame),
                 errors=expected,
@@ -76,20 +59,13 @@ def make(draw: Draw) -> Variant:
                 points=2,
             ),
         ),
-        hints=steps(
-            r"Compute the second term in the coordinates: "
-            r"$\delta(e^i{}_\mu\dot q^\mu) - \frac{\mathrm{d}}{\mathrm{d}t}(e^i{}_\mu\delta q^\mu)"
-            r" = (\partial_\nu e^i{}_\mu - \partial_\mu e^i{}_\nu)\,\delta q^\nu\dot q^\mu$.",
-            r"Insert $\delta q^\nu = E_k{}^\nu\,\delta\Phi^k$ and $\dot q^\mu = E_j{}^\mu\,u^j$ "
-            r"with the legs $E$. The bracket becomes $2S_{kj}{}^i$. Its first index $k$ belongs to "
-            r"$\delta\Phi^k$.",
-        ),
-        worked=lambda: _worked(frame, u, images),
+        hints=text.all("hints"),
+        worked=lambda: _worked(text, frame, u, images),
     )
 
 
 def _worked(
-    frame: Frame, u: tuple[sp.Symbol, ...], images: tuple[sp.Symbol, ...]
+    text: Texts, frame: Frame, u: tuple[sp.Symbol, ...], images: tuple[sp.Symbol, ...]
 ) -> tuple[Step, ...]:
     """The structure constants, summed over two indices."""
     table = by_hand.anholonomy(frame)
@@ -102,16 +78,7 @@ def _worked(
     ]
     shown = {d: sp.Symbol(f"Phi{k}") for k, d in enumerate(images, 1)}
     return (
-        Step(f"The derivatives of the forms are $${by_hand.differentials(frame)}.$$"),
-        Step(
-            r"In the frame, $\mathrm{d}e^i = \tfrac12\,2S_{kj}{}^i\,e^k\wedge e^j$ with "
-            f"$${by_hand.listed('2S', half)}.$$ Exchanging the lower indices changes the sign."
-        ),
-        Step(
-            r"Sum over $k$ and $j$. With the short notation $\Phi_k$ for $\delta\Phi^k$, the terms "
-            r"for $i = 1, 2, 3$ are "
-            f"$${tex.matrix([[x.subs(shown)] for x in terms])}.$$",
-            "terms",
-            terms,
-        ),
+        Step(text("worked.1", differentials=by_hand.differentials(frame))),
+        Step(text("worked.2", components=by_hand.listed("2S", half))),
+        Step(text("worked.3", terms=tex.matrix([[x.subs(shown)] for x in terms])), "terms", terms),
     )

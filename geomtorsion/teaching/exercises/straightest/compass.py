@@ -7,10 +7,10 @@ from geomtorsion.curves import CurveProblem, autoparallel, geodesic
 from geomtorsion.geometry import cartan
 from geomtorsion.ode import solve
 from geomtorsion.spaces import load
-from geomtorsion.teaching.exercises.authoring import Draw, Mistake, Question, Step, Variant, steps
+from geomtorsion.teaching.exercises.authoring import Draw, Mistake, Question, Step, Texts, Variant
 
 
-def make(draw: Draw) -> Variant:
+def make(draw: Draw, text: Texts) -> Variant:
     """A ship on the unit sphere; the seed chooses start, course and distance."""
     frame = load("s2").frame
     colatitude = draw.choice((1.0, 0.8, 0.9, 1.1))
@@ -31,65 +31,43 @@ def make(draw: Draw) -> Variant:
         return float(max(-1.0, min(1.0, cosine)))
 
     return Variant(
-        statement=(
-            "A ship on the unit sphere starts at colatitude "
-            f"$\\theta = {colatitude:g}$ and longitude $0$, with speed 1 on the course ${course}$ "
-            f"degrees (from north towards east), and sails for the time ${last:g}$. On the first "
-            "voyage it keeps the compass course, an autoparallel (straightest line) of the compass "
-            "frame. On the second voyage it follows the great circle, a geodesic (shortest line)."
-        ),
+        statement=text("statement", colatitude=f"{colatitude:g}", course=course, last=f"{last:g}"),
         questions=(
             Question(
                 name="compass",
                 kind="number",
-                prompt="Find the longitude of the end point by compass, in radians.",
+                prompt=text("compass.prompt"),
                 unit="rad",
                 answer=lambda: longitude(steered),
                 errors=lambda: [
-                    Mistake(
-                        "levi-civita",
-                        longitude(great),
-                        "That is the longitude on the great circle.",
-                    )
+                    Mistake("levi-civita", longitude(great), text("compass.levi-civita"))
                 ],
                 tolerance=1e-3,
             ),
             Question(
                 name="circle",
                 kind="number",
-                prompt="Find the longitude of the end point on the great circle, in radians.",
+                prompt=text("circle.prompt"),
                 unit="rad",
                 answer=lambda: longitude(great),
-                errors=lambda: [
-                    Mistake(
-                        "cartan", longitude(steered), "That is the longitude on the compass course."
-                    )
-                ],
+                errors=lambda: [Mistake("cartan", longitude(steered), text("circle.cartan"))],
                 tolerance=1e-3,
             ),
             Question(
                 name="cosine",
                 kind="number",
-                prompt="How far apart are the two end points? Give the cosine of the angle between "
-                "them, seen from the centre of the sphere.",
+                prompt=text("cosine.prompt"),
                 answer=gap,
                 tolerance=1e-4,
                 generic=(),
             ),
         ),
-        hints=steps(
-            r"By compass: $\dot\theta = -\cos\kappa$ and $\dot\phi = \sin\kappa/\sin\theta$ with "
-            r"constant $\kappa$.",
-            r"$\phi = -\tan\kappa\,[\ln\tan(\theta/2)]$ between start and end.",
-            "On the great circle, let $x_0$ be the unit vector of the start and $v_0$ the unit "
-            r"vector of the velocity: $x(t) = x_0\cos t + v_0\sin t$.",
-            f"The course in radians is {course}*pi/180, about {course * pi / 180:.4f}.",
-        ),
-        worked=lambda: _worked(colatitude, radians(course), last),
+        hints=text.all("hints", course=course, radians=f"{course * pi / 180:.4f}"),
+        worked=lambda: _worked(text, colatitude, radians(course), last),
     )
 
 
-def _worked(colatitude: float, course: float, last: float) -> tuple[Step, ...]:
+def _worked(text: Texts, colatitude: float, course: float, last: float) -> tuple[Step, ...]:
     """The loxodrome in closed form, the great circle in space."""
     end = colatitude - cos(course) * last
     along = tan(course) * log(tan(colatitude / 2) / tan(end / 2))
@@ -99,29 +77,23 @@ def _worked(colatitude: float, course: float, last: float) -> tuple[Step, ...]:
     ship = (sin(end) * cos(along), sin(end) * sin(along), cos(end))
     cosine = x * ship[0] + y * ship[1] + z * ship[2]
     return (
+        Step(text("worked.1", end=f"{end:.6g}")),
+        Step(text("worked.2", along=f"{along:.6g}"), "compass", along),
         Step(
-            r"By compass $\dot\theta = -\cos\kappa$, so the colatitude at the end is "
-            f"$\\theta = {end:.6g}$."
-        ),
-        Step(
-            r"The integral of $\dot\phi = \sin\kappa/\sin\theta$ is $\phi = "
-            r"\tan\kappa\,\ln(\tan(\theta_0/2)/\tan(\theta/2))$, here "
-            f"${along:.6g}$.",
-            "compass",
-            along,
-        ),
-        Step(
-            r"On the great circle $x(t) = x_0\cos t + v_0\sin t$ with the start "
-            f"$x_0 = ({', '.join(f'{a:.5g}' for a in start)})$ and the velocity "
-            f"$v_0 = ({', '.join(f'{a:.5g}' for a in speed)})$. The end point is "
-            f"$({x:.5g}, {y:.5g}, {z:.5g})$, with the longitude ${atan2(y, x):.6g}$.",
+            text(
+                "worked.3",
+                start=", ".join(f"{a:.5g}" for a in start),
+                velocity=", ".join(f"{a:.5g}" for a in speed),
+                x=f"{x:.5g}",
+                y=f"{y:.5g}",
+                z=f"{z:.5g}",
+                longitude=f"{atan2(y, x):.6g}",
+            ),
             "circle",
             atan2(y, x),
         ),
         Step(
-            "The end point by compass is "
-            f"$({', '.join(f'{a:.5g}' for a in ship)})$. The scalar product of both end points is "
-            f"${cosine:.6g}$.",
+            text("worked.4", ship=", ".join(f"{a:.5g}" for a in ship), cosine=f"{cosine:.6g}"),
             "cosine",
             cosine,
         ),

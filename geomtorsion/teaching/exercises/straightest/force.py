@@ -12,76 +12,52 @@ from geomtorsion.teaching.exercises.authoring import (
     Mistake,
     Question,
     Step,
+    Texts,
     Variant,
     by_hand,
-    steps,
     tex,
 )
 from geomtorsion.teaching.exercises.families import circles, groups, mixed
 
 
-def make(draw: Draw) -> Variant:
+def make(draw: Draw, text: Texts) -> Variant:
     """Polar legs for seed 0; other seeds: circles and groups."""
     frame = draw.choice(mixed(circles(), groups()))
     n, torsion = frame.dimension, cartan(frame).torsion
     rates = [sp.Symbol(f"{symbol}_d", real=True) for symbol in frame.coordinates]
     names = ", ".join(f"`{symbol}'`" for symbol in frame.coordinates)
     return Variant(
-        statement=(
-            f"Consider the one-forms\n\n$${tex.forms(frame)}$$\n\nin the coordinates "
-            f"${tex.symbols(frame)}$. Let $S$ be the torsion of their Cartan connection (with the "
-            r"factor $\tfrac12$). An autoparallel obeys"
-            "\n\n"
-            r"$$\ddot q^c + \bar\Gamma_{ab}{}^c\,\dot q^a\dot q^b = f^c,\qquad "
-            r"f^c = 2\,S_a{}^c{}_b\,\dot q^a\dot q^b,$$"
-            "\n\nwhere "
-            r"$\bar\Gamma$ is the Levi-Civita connection. The torsion force $f$ bends the "
-            "autoparallel (straightest line) away from the geodesic (shortest line)."
-        ),
+        statement=text("statement", forms=tex.forms(frame), coordinates=tex.symbols(frame)),
         questions=(
             Question(
                 name="force",
                 kind="components",
-                prompt=f"Find the components $f^c$ in coordinates, with the velocities {names}.",
+                prompt=text("force.prompt", names=names),
                 domain=Domain.of(frame, *rates),
                 answer=lambda: torsion.force(rates),
                 errors=lambda: [
-                    Mistake(
-                        "factor", torsion.force(rates) / 2, "The factor 2 before $S$ is missing."
-                    ),
+                    Mistake("factor", torsion.force(rates) / 2, text("force.factor")),
                     Mistake("basis", torsion.force(rates).in_frame()),
+                    Mistake("inverse", torsion.force(rates).lowered(), text("force.inverse")),
                     Mistake(
-                        "inverse",
-                        torsion.force(rates).lowered(),
-                        "That is $f_c$. Raise its index with the inverse metric.",
-                    ),
-                    Mistake(
-                        "levi-civita",
-                        christoffel_terms(frame, rates),
-                        r"That is $\bar\Gamma_{ab}{}^c\dot q^a\dot q^b$, the term in the equation "
-                        "of geodesics, not the force.",
+                        "levi-civita", christoffel_terms(frame, rates), text("force.levi-civita")
                     ),
                 ],
                 shape=(n,),
                 label="f",
-                remarks=TORSION,
+                remarks=TORSION.of(text.language),
                 points=2,
             ),
             Question(
                 name="same",
                 kind="choice",
-                prompt="Are the autoparallels and the geodesics the same curves here?",
+                prompt=text("same.prompt"),
                 answer=lambda: "yes" if torsion.force_coefficients.is_zero else "no",
-                options={"yes": "for every velocity", "no": "not for every velocity"},
+                options=text.table("same.options"),
             ),
         ),
-        hints=steps(
-            r"In $S_a{}^c{}_b$ the middle index is raised: "
-            r"$S_a{}^c{}_b = g^{cd}S_{ad}{}^e g_{eb}$.",
-            "If $S_{abc}$ is totally antisymmetric, the force vanishes. Is it so here?",
-            f"The torsion has the components ${_listed(torsion.S)}$.",
-        ),
-        worked=lambda: _worked(frame, rates),
+        hints=text.all("hints", components=_listed(torsion.S)),
+        worked=lambda: _worked(text, frame, rates),
     )
 
 
@@ -109,7 +85,7 @@ def _listed(tensor) -> str:
     )
 
 
-def _worked(frame: Frame, rates: list[sp.Symbol]) -> tuple[Step, ...]:
+def _worked(text: Texts, frame: Frame, rates: list[sp.Symbol]) -> tuple[Step, ...]:
     """The force as the difference of two connections."""
     straight, short = by_hand.cartan_table(frame), by_hand.christoffel(frame)
     keys = {*straight, *short}
@@ -119,22 +95,15 @@ def _worked(frame: Frame, rates: list[sp.Symbol]) -> tuple[Step, ...]:
     shown = {key: value.subs(dotted) for key, value in force.items()}
     return (
         Step(
-            "The Cartan connection has the components "
-            f"$${by_hand.listed('Gamma', straight)},$$ the Levi-Civita connection "
-            f"$${by_hand.listed('Gamma_bar', short)}.$$"
+            text(
+                "worked.1",
+                cartan=by_hand.listed("Gamma", straight),
+                levi_civita=by_hand.listed("Gamma_bar", short),
+            )
         ),
+        Step(text("worked.2", force=by_hand.listed("f", shown)), "force", force),
         Step(
-            r"On an autoparallel $\ddot q^c = -\Gamma_{ab}{}^c\dot q^a\dot q^b$, so "
-            r"$f^c = (\bar\Gamma_{ab}{}^c - \Gamma_{ab}{}^c)\,\dot q^a\dot q^b$, which is "
-            r"$2\,S_a{}^c{}_b\,\dot q^a\dot q^b$. With $v_k$ for the velocity of coordinate "
-            f"$k$: $${by_hand.listed('f', shown)}.$$ All other components vanish.",
-            "force",
-            force,
-        ),
-        Step(
-            "The force is not zero, so the autoparallels and the geodesics are different curves."
-            if force
-            else "The force is zero for every velocity, so the curves are the same.",
+            text("worked.3_different") if force else text("worked.3_same"),
             "same",
             "no" if force else "yes",
         ),

@@ -8,49 +8,33 @@ from geomtorsion.teaching.exercises.authoring import (
     Mistake,
     Question,
     Step,
+    Texts,
     Variant,
     by_hand,
     reordered,
-    steps,
     tex,
 )
 from geomtorsion.teaching.exercises.families import bodies, frame_of, groups, matrix_of, mixed
 
 
-def make(draw: Draw) -> Variant:
+def make(draw: Draw, text: Texts) -> Variant:
     """so3 for seed 0; other seeds: other angles, or another group."""
     frame = frame_of(draw.choice(mixed(bodies(), groups())))
     return Variant(
-        statement=(
-            f"In the coordinates ${tex.symbols(frame)}$, the coframe is"
-            f"\n\n$$e = {tex.coframe(frame)}.$$\n\n"
-            r"Its Cartan connection is $\Gamma_{ab}{}^c = E_i{}^c\,\partial_a e^i{}_b$."
-        ),
-        questions=(
-            connection_question(
-                frame,
-                r"Find all nonzero components $\Gamma_{ab}{}^c$, with the indices in the order "
-                "$a, b, c$: the direction of differentiation comes first.",
-                points=2,
-            ),
-        ),
-        hints=steps(
-            r"For each coordinate $a$ the matrix of $\Gamma_{ab}{}^c$ (row $b$, column $c$) is "
-            r"$(E\,\partial_a e)^T$, with the legs as columns of $E$.",
-            f"The legs are $${tex.matrix(_rows(frame.legs))}.$$",
-            f"The coframe depends on {_count(frame)} of the coordinates.",
-        ),
-        worked=lambda: _worked(frame),
+        statement=text("statement", coordinates=tex.symbols(frame), coframe=tex.coframe(frame)),
+        questions=(connection_question(text, frame, points=2),),
+        hints=text.all("hints", legs=tex.matrix(_rows(frame.legs)), count=_count(frame)),
+        worked=lambda: _worked(text, frame),
     )
 
 
-def connection_question(frame: Frame, prompt: str, points: int = 1) -> Question:
+def connection_question(text: Texts, frame: Frame, points: int = 1) -> Question:
     """A question for all components of the Cartan connection, with its likely mistakes."""
-    connection = cartan(frame)
+    connection, mistakes = cartan(frame), text.of("cartan_connection")
     return Question(
         name="connection",
         kind="components",
-        prompt=prompt,
+        prompt=text("connection.prompt"),
         domain=Domain.of(frame),
         answer=lambda: connection.coefficients,
         errors=lambda: [
@@ -58,20 +42,14 @@ def connection_question(frame: Frame, prompt: str, points: int = 1) -> Question:
             Mistake(
                 "permuted",
                 reordered(connection.coefficients, (1, 0, 2)),
-                "In your answer the second index is the direction of differentiation. Here it is "
-                "the first.",
+                mistakes("connection.permuted"),
             ),
-            Mistake(
-                "inverse",
-                connection.coefficients.lowered(2),
-                r"That is $e^i{}_c\,\partial_a e^i{}_b$, with all indices lowered. Multiply by "
-                "the legs, the inverse of the coframe, not by the coframe.",
-            ),
+            Mistake("inverse", connection.coefficients.lowered(2), mistakes("connection.inverse")),
         ],
         shape=(frame.dimension,) * 3,
         label="Gamma",
         marks="__^",
-        remarks=CONNECTION,
+        remarks=CONNECTION.of(text.language),
         points=points,
     )
 
@@ -85,7 +63,7 @@ def _count(frame) -> int:
     return len(set().union(*(x.free_symbols for x in frame.coframe.nonzero().values())))
 
 
-def _worked(frame: Frame) -> tuple[Step, ...]:
+def _worked(text: Texts, frame: Frame) -> tuple[Step, ...]:
     """The legs, the derivatives of the coframe, their products."""
     table, e = by_hand.cartan_table(frame), matrix_of(frame.coframe)
     slopes = [
@@ -94,15 +72,7 @@ def _worked(frame: Frame) -> tuple[Step, ...]:
         if not e.diff(x).is_zero_matrix
     ]
     return (
-        Step(
-            "The legs are the columns of the inverse: "
-            f"$$E = {tex.matrix(by_hand.legs(frame).tolist())}.$$"
-        ),
-        *(Step(f"The coframe has the derivative $${slope}.$$") for slope in slopes),
-        Step(
-            r"$\Gamma_{ab}{}^c$ is in row $c$ and column $b$ of $E\,\partial_a e$. The nonzero "
-            rf"components are $${by_hand.listed('Gamma', table)}.$$",
-            "connection",
-            table,
-        ),
+        Step(text("worked.1", legs=tex.matrix(by_hand.legs(frame).tolist()))),
+        *(Step(text("worked.2", slope=slope)) for slope in slopes),
+        Step(text("worked.3", connection=by_hand.listed("Gamma", table)), "connection", table),
     )

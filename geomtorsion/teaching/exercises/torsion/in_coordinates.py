@@ -9,80 +9,60 @@ from geomtorsion.teaching.exercises.authoring import (
     Mistake,
     Question,
     Step,
+    Texts,
     Variant,
     by_hand,
-    steps,
     tex,
 )
 from geomtorsion.teaching.exercises.families import circles, groups, mixed
 
 
-def make(draw: Draw) -> Variant:
+def make(draw: Draw, text: Texts) -> Variant:
     """Spherical legs in flat space for seed 0; other seeds: groups and circles."""
     frame = draw.choice((load("flat_spherical").frame, *mixed(circles(), groups())))
     n, torsion = frame.dimension, cartan(frame).torsion
     return Variant(
-        statement=(
-            f"Consider the one-forms\n\n$${tex.forms(frame)}$$\n\nin the coordinates "
-            f"${tex.symbols(frame)}$. The torsion of their Cartan connection is "
-            r"$S_{ab}{}^c = \tfrac12(\Gamma_{ab}{}^c - \Gamma_{ba}{}^c)$, **with** the factor "
-            r"$\tfrac12$."
-        ),
+        statement=text("statement", forms=tex.forms(frame), coordinates=tex.symbols(frame)),
         questions=(
             Question(
                 name="torsion",
                 kind="components",
-                prompt=r"Find the nonzero components $S_{ab}{}^c$ in coordinates. Those with "
-                "$a<b$ are enough.",
+                prompt=text("torsion.prompt"),
                 domain=Domain.of(frame),
                 answer=lambda: torsion.S,
                 errors=lambda: [
-                    Mistake("factor", torsion.T, "That is $T = 2S$."),
+                    Mistake("factor", torsion.T, text("torsion.factor")),
                     Mistake("basis", torsion.S.in_frame()),
-                    Mistake(
-                        "levi-civita",
-                        {},
-                        "The Levi-Civita connection has no torsion, but the Cartan connection has.",
-                    ),
+                    Mistake("levi-civita", {}, text("torsion.levi-civita")),
                 ],
                 shape=(n, n, n),
                 label="S",
                 marks="__^",
-                remarks=TORSION,
+                remarks=TORSION.of(text.language),
                 symmetry="antisymmetric",
                 points=2,
             ),
             Question(
                 name="vector",
                 kind="components",
-                prompt=r"Find the torsion vector $v_a = 2\,S_{ab}{}^b$.",
+                prompt=text("vector.prompt"),
                 domain=Domain.of(frame),
                 answer=lambda: torsion.vector,
                 errors=lambda: [
                     Mistake("basis", torsion.vector.in_frame()),
-                    Mistake(
-                        "sign",
-                        -torsion.vector,
-                        "The sign is wrong: the trace is over the second and third index.",
-                    ),
+                    Mistake("sign", -torsion.vector, text("vector.sign")),
                 ],
                 shape=(n,),
                 label="v",
-                remarks=TORSION,
+                remarks=TORSION.of(text.language),
             ),
         ),
-        hints=steps(
-            r"With $\Gamma_{ab}{}^c = E_i{}^c\partial_a e^i{}_b$ the torsion is half the curl of "
-            r"the forms, $S_{ab}{}^c = \tfrac12 E_i{}^c(\partial_a e^i{}_b - \partial_b e^i{}_a)$.",
-            "A pair $(a, b)$ contributes only if column $b$ of the coframe depends on coordinate "
-            "$a$, or column $a$ on coordinate $b$.",
-            r"For each $a$, sum $2 S_{ab}{}^b$ over $b$.",
-        ),
-        worked=lambda: _worked(frame),
+        hints=text.all("hints"),
+        worked=lambda: _worked(text, frame),
     )
 
 
-def _worked(frame: Frame) -> tuple[Step, ...]:
+def _worked(text: Texts, frame: Frame) -> tuple[Step, ...]:
     """The connection, its antisymmetric part, the trace."""
     table = by_hand.cartan_table(frame)
     keys = {*table, *((b, a, c) for a, b, c in table)}
@@ -96,20 +76,7 @@ def _worked(frame: Frame) -> tuple[Step, ...]:
             vector[a,] = vector.get((a,), 0) + 2 * value
     vector = by_hand.nonzero(vector)
     return (
-        Step(
-            r"The connection $\Gamma_{ab}{}^c = E_i{}^c\,\partial_a e^i{}_b$ has the components "
-            rf"$${by_hand.listed('Gamma', table)}.$$"
-        ),
-        Step(
-            r"Half the difference of $\Gamma_{ab}{}^c$ and $\Gamma_{ba}{}^c$ is "
-            f"$${by_hand.listed('S', half)}.$$ Exchanging $a$ and $b$ changes the sign.",
-            "torsion",
-            torsion,
-        ),
-        Step(
-            r"The trace $v_a = 2\,S_{ab}{}^b$, summed over $b$, is "
-            f"$${by_hand.listed('v', vector, 0)}.$$ All other components vanish.",
-            "vector",
-            vector,
-        ),
+        Step(text("worked.1", connection=by_hand.listed("Gamma", table))),
+        Step(text("worked.2", components=by_hand.listed("S", half)), "torsion", torsion),
+        Step(text("worked.3", vector=by_hand.listed("v", vector, 0)), "vector", vector),
     )

@@ -1,0 +1,36 @@
+"""localized: the page in the language of its server, unless its address names another."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, MutableMapping
+from typing import Any
+from urllib.parse import parse_qs, quote
+
+from geomtorsion.teaching.texts import ENGLISH
+
+Message = MutableMapping[str, Any]
+Receive = Callable[[], Awaitable[Message]]
+Send = Callable[[Message], Awaitable[None]]
+App = Callable[[Message, Receive, Send], Awaitable[None]]
+
+
+def localized(app: App, language: str) -> App:
+    """An ASGI application that sends a browser without a language to the page in this one.
+
+    The page reads its language from its address, where a student can change it.
+    """
+    if language == ENGLISH:
+        return app
+
+    async def answered(scope: Message, receive: Receive, send: Send) -> None:
+        query = scope.get("query_string", b"").decode("latin-1")
+        reads = scope["type"] == "http" and scope.get("method") in ("GET", "HEAD")
+        if not reads or scope["path"] != "/" or "language" in parse_qs(query):
+            await app(scope, receive, send)
+            return
+        where = "/?" + "&".join(filter(None, (query, f"language={quote(language)}")))
+        headers = [(b"location", where.encode("latin-1")), (b"content-length", b"0")]
+        await send({"type": "http.response.start", "status": 307, "headers": headers})
+        await send({"type": "http.response.body", "body": b""})
+
+    return answered
