@@ -240,7 +240,7 @@ class Chart:
 
     @cached_property
     def _edges_with_slopes(self) -> ElementMatrix:
-        """A column for the edges beside those of their slopes: both in one evaluation."""
+        """A column for the edges beside the columns of their slopes: both in one evaluation."""
         edges = {(k, len(self.coordinates)): edge.element for k, edge in enumerate(self.edges)}
         shape = (len(edges), len(self.coordinates) + 1)
         return ElementMatrix({**edges, **self._edge_slopes.entries}, shape)

@@ -175,7 +175,7 @@ def _at_home(
 def _chart_at_home(
     problem: CurveProblem, pieces: Sequence[tuple[Segment, np.ndarray]], bits: int
 ) -> tuple[np.ndarray, ...]:
-    """The same of segments in one chart."""
+    """As above, for segments in one chart."""
     label, home = pieces[0][0].label, problem.atlas.home
     unit = problem.time_unit
     q, u, carried = taken_apart(problem, pieces, bits)

@@ -188,7 +188,7 @@ def language_name(language: str | PathLike[str]) -> str:
     Raises
     ------
     UnknownNameError
-        It is neither, or the folder has a file that is no file of texts.
+        It is neither, or the folder has another kind of file.
 
     Examples
     --------

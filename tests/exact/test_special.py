@@ -139,7 +139,8 @@ def test_random_expressions_that_vanish_are_never_called_nonzero(seed):
 @pytest.mark.parametrize(
     "function",
     [
-        J(20, x), J(T, x), Y(3, x), sp.besseli(2, x), K(4, x), J(n, x * y), J(-n, x), Y(-n, x), sp.besseli(n - 3, x), W(x),
+        J(20, x), J(T, x), Y(3, x), sp.besseli(2, x), K(4, x), J(n, x * y), J(-n, x), Y(-n, x),
+        sp.besseli(n - 3, x), W(x),
         W(-x / 100, -1), gamma(x + T),
         sp.loggamma(x), psi(1, x), sp.erf(x), sp.erfc(40 * x), sp.erfi(x),
         sp.Ei(x), sp.expint(2, x),
