@@ -41,7 +41,9 @@ class MotionEffects:
     times: np.ndarray | float
     watch: tuple[str, ...]
     accuracy: float
-    _parts: dict[frozenset[str], CurveProblem | ODE] = field(default_factory=dict, repr=False)
+    _parts: dict[frozenset[str], CurveProblem | ODE] = field(
+        default_factory=dict, repr=False, init=False
+    )
 
     @property
     def title(self) -> str:
