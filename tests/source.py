@@ -102,11 +102,27 @@ def rings(edges: Mapping[str, set[str]]) -> list[set[str]]:
     return [ring for ring in nx.strongly_connected_components(graph) if len(ring) > 1]
 
 
+def loaded_imports(file: Path) -> Nodes:
+    """What a file looks for while it is loaded: neither for types nor inside a function."""
+    for_types = {
+        inner
+        for node in tree_of(file).body
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
+        for inner in ast.walk(node)
+    }
+    return [
+        (node, inside) for node, inside in looked_for(file) if not (inside or node in for_types)
+    ]
+
+
 @cache
-def file_imports() -> dict[str, set[str]]:
-    """The files that each file imports, also inside functions and for types."""
+def file_imports(loaded: bool = False) -> dict[str, set[str]]:
+    """The files that each file imports, also inside functions and for types unless `loaded`."""
     return {
-        name_of(file): {name_of(imported_file(name)) for name in imported_names(looked_for(file))}
+        name_of(file): {
+            name_of(imported_file(name))
+            for name in imported_names(loaded_imports(file) if loaded else looked_for(file))
+        }
         for file in FILES
     }
 

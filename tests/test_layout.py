@@ -206,6 +206,11 @@ def test_few_files_need_each_other():
     assert sum(found.values()) <= CEILINGS["files in rings"], found
 
 
+def test_files_can_be_loaded_in_any_order():
+    """Rings of imports are only for types or within functions, not while a file is loaded."""
+    assert not rings(file_imports(loaded=True))
+
+
 def test_imports_are_at_the_top():
     """An import inside a function has a comment with its reason, beside or above it."""
     found = {name_of(file): bare_inner_imports(text_of(file), looked_for(file)) for file in FILES}
