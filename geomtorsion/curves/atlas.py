@@ -240,7 +240,7 @@ class Chart:
 
     @cached_property
     def _edges_with_slopes(self) -> ElementMatrix:
-        """A column for the edges beside those of their slopes: both in one evaluation."""
+        """The edges in a column behind their slopes: both in one evaluation."""
         edges = {(k, len(self.coordinates)): edge.element for k, edge in enumerate(self.edges)}
         shape = (len(edges), len(self.coordinates) + 1)
         return ElementMatrix({**edges, **self._edge_slopes.entries}, shape)
@@ -254,12 +254,12 @@ class Chart:
     def edge_distances(
         self, point: Mapping[str, Real | np.ndarray], changes: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """All edges at many points, and how far changes of coordinates, shape (n, m), move them."""
+        """All edges at many points, and how far changes of coordinates, shape (n,), move them."""
         values, count = self._edges_with_slopes.values(point), len(self.edges)
-        reach = np.zeros((count, changes.shape[1]))
+        reach = np.zeros((count, *values.shape[1:]))
         for (k, mu), slope in zip(self._edge_slopes.entries, np.abs(values[count:]), strict=True):
             reach[k] += slope * changes[mu]
-        return np.broadcast_to(values[:count], reach.shape), reach
+        return values[:count], reach
 
     def distance(self, point: Mapping[str, float]) -> float:
         """The edge at a point in units of its margin; infinite where there is none."""

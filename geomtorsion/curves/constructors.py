@@ -93,10 +93,11 @@ def autoparallel(
     force
         F_k in the frame, n functions of the coordinates (expressions or text): F_k u^k is the power
         where g(v, v)/2 is the kinetic energy. Zero if not given. Under constraints only the parts
-        along the permitted legs act.
+        along the permitted legs act. Several forces have names: {"push": [...], "pull": [...]}.
     potential
-        V, a function of the coordinates, which adds F_k = -E_k^mu dV/dq^mu. For forces that depend
-        on velocity or time use `equations_of_motion`.
+        V, a function of the coordinates, which adds F_k = -E_k^mu dV/dq^mu; several have names:
+        {"sun": "-1/r", "flattening": "J/r**3"}. For forces that depend on velocity or time use
+        `equations_of_motion`.
 
     Raises
     ------
@@ -107,6 +108,8 @@ def autoparallel(
         `stop` cannot be read.
     ShapeError
         a list has not one number per coordinate.
+    ArgumentError
+        two forces have one name.
     CoordinateError
         a map of the given atlas is wrong, or a value contradicts the declaration of a parameter.
 
@@ -375,5 +378,5 @@ def law_key(law: Law) -> str:
         # The law holds its connection, so that this number stays its own.
         return f"equations of {id(law.connection)}"
     if isinstance(law, Forced):
-        return f"{law_key(law.law)} with {law.acceleration}, {law.potential}"
+        return f"{law_key(law.law)} with {[one.content for one in law.forces]}"
     return f"equations of {law}"

@@ -35,6 +35,7 @@ from geomtorsion.errors import (
     MissingValueError,
     SingularPointError,
     StartError,
+    UnknownNameError,
 )
 from geomtorsion.geometry.domain_edges import Edge
 from geomtorsion.geometry.evaluation import sign_of
@@ -140,7 +141,8 @@ class CurveProblem:
             return ("",)
         charts = []
         for name in self.atlas.names:
-            if name != self.atlas.home and self.carried and not self.carried.any_chart:
+            bound = self.law.needs_chart or (self.carried and not self.carried.any_chart)
+            if name != self.atlas.home and bound:
                 continue
             chart = self.atlas.chart(name)
             stated = all(
@@ -297,6 +299,39 @@ class CurveProblem:
                 "Solve the two problems one after the other."
             )
         return replace(self, carried=self._given.derivatives(by))
+
+    @property
+    def effects(self) -> Mapping[str, str]:
+        """Key -> description of each effect that `without` can omit: torsion, forces.
+
+        Examples
+        --------
+        >>> from geomtorsion.spaces import load
+        >>> from geomtorsion.curves import autoparallel
+        >>> p = autoparallel("flat_polar", [1.0, 0.0], [0.0, 1.0], potential="r**2/2")
+        >>> list(p.effects), p.without("torsion", "potential").law.text
+        (['torsion', 'potential'], "G_kl u'^l = C_kj^i u^j G_im u^m")
+        """
+        return self.law.effects
+
+    @property
+    def main_names(self) -> tuple[str, ...]:
+        """Names of first interest: coordinates, or frame velocities where there are none."""
+        return self.coordinates if self.start is not None else velocity_names(self.frame)
+
+    def without(self, *effects: str) -> CurveProblem:
+        """The same start without some of the `effects`.
+
+        Raises
+        ------
+        UnknownNameError
+            the law has no such effect.
+        """
+        for key in effects:
+            checks.known_name(key, self.effects, "effect", UnknownNameError)
+        if not effects:
+            return self
+        return replace(self, law=self.law.without(frozenset(effects)), _written={})
 
     def carry(self, carried: Carried) -> CurveProblem:
         """The same motion with transported vectors or a deviation."""

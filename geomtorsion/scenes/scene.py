@@ -13,10 +13,10 @@ import sympy as sp
 from geomtorsion.errors import GeomtorsionError, SceneError, UnknownNameError
 from geomtorsion.ode import solve
 from geomtorsion.ode.numbers import check_memory, checked_accuracy, checked_times
-from geomtorsion.prices import Offer, Request
+from geomtorsion.prices import EffectBudget, Offer, Request, called_for
 from geomtorsion.scenes.assembly import Assembly, assemble
 from geomtorsion.scenes.body import Body, Number
-from geomtorsion.scenes.called_for import EffectBudget, called_for
+from geomtorsion.scenes.composition import SceneEffects
 from geomtorsion.scenes.effects import EFFECTS, Drift, Effect, Spin, Surroundings
 from geomtorsion.scenes.magnitudes import Magnitudes, at_surface, magnitudes
 from geomtorsion.scenes.metrics import Measure
@@ -193,7 +193,7 @@ class Scene:
         checks.instance(self.body, Body, "body", SceneError, remedy=remedy)
         if isinstance(self.effects, str) and self.effects == CALLED_FOR:
             around = replace(self, effects=at_surface(self.body))
-            chosen = called_for(around, self.accuracy).scene
+            chosen = called_for(around).chosen
             object.__setattr__(self, "effects", chosen.effects)
             object.__setattr__(self, "accuracy", chosen.accuracy)
         object.__setattr__(self, "effects", _effect_list(self.effects))
@@ -322,10 +322,7 @@ class Scene:
     ) -> EffectBudget:
         """The smallest set of effects for an accuracy: omission and integration stay within it.
 
-        Each effect is omitted once; the change of the watched quantities at the times of the scene
-        is its influence. Effects are then omitted, the smallest influence first. The sum of their
-        influences has to stay within the accuracy, and so does the change by all of them together,
-        which has a run of its own. The integration gets the rest of the accuracy.
+        The same as `gt.called_for(scene, accuracy)`, which describes the choice.
 
         Parameters
         ----------
@@ -337,7 +334,7 @@ class Scene:
 
         Returns
         -------
-        EffectBudget; its `scene` has only the effects that are called for.
+        EffectBudget; its `chosen` scene has only the effects that are called for.
 
         Raises
         ------
@@ -356,7 +353,14 @@ class Scene:
         >>> replace(scene, effects=[*scene.effects, drag]).called_for(1e-3).omitted
         ('linear_drag',)
         """
-        return called_for(self, accuracy, engine, progress)
+        return called_for(self, accuracy, engine=engine, progress=progress)
+
+    def composite(self, watch: Sequence[str] | None = None) -> SceneEffects:
+        """Its effects, its runs without some of them and the watched quantities, for `called_for`.
+
+        watch: other quantities.
+        """
+        return SceneEffects(self if watch is None else replace(self, watch=watch))
 
     def offer(self, request: Request) -> Offer:
         """The ways to the motion at an accuracy, and what each effect costs, for `gt.price`."""
@@ -437,7 +441,7 @@ class Scene:
                 f"effects: expected {CALLED_FOR!r}, got {checks.shown(chosen)}. For other effects "
                 "use dataclasses.replace(scene, effects=[...])."
             )
-        return called_for(changed).scene
+        return called_for(changed).chosen
 
     def _repr_html_(self) -> str:
         return f"<div><b>{html_text(str(self))}</b>{self.selection._repr_html_()}</div>"

@@ -153,7 +153,7 @@ def array(
 
     Masked entries become nan, because they are unknown.
 
-    Text, rows of different lengths and complex numbers are no arrays of real numbers. shaped: a
+    Text, rows of different lengths and complex numbers are refused. shaped: a
     sentence for another shape, with {came}. infinite: a sentence for nan and infinity, with
     {place}, such as [0, 2]; None lets them through.
 
@@ -304,7 +304,7 @@ def unmasked(values: object) -> np.ndarray:
     return np.where(np.ma.getmaskarray(values), np.nan, values.data.astype(float))
 
 
-# -- sizes of arrays and of what is measured ------------------------------------------------------
+# -- sizes of arrays and of measured values -------------------------------------------------------
 
 
 def check_room(numbers: int, subject: str, remedy: str) -> None:

@@ -312,7 +312,7 @@ def refuse(
 
 
 def sentence(subject: str, expected: str, got: object, remedy: str = "") -> str:
-    """The text of a refusal, for what is got in words.
+    """The text of a refusal; the value is described in words.
 
     Examples
     --------
