@@ -161,8 +161,9 @@ class Tensor:
         """An index tuple of the right length and range."""
         rank, n = len(self.slots), self.frame.dimension
         # The most frequent case, for which no name is worked out.
-        if len(index) == rank and all(type(k) is int and 0 <= k < n for k in index):
-            return tuple(index)
+        place = tuple([k for k in index if type(k) is int and 0 <= k < n])
+        if len(place) == len(index) == rank:
+            return place
         return checks.indices(index, rank, n, self.label, TensorIndexError)
 
     def nonzero(self) -> dict[Index, sp.Expr]:
