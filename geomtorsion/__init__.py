@@ -155,7 +155,7 @@ if TYPE_CHECKING:
 
     # mypy takes the name in the package for the module that bears it.
     from geomtorsion.ode.solve import solve
-    from geomtorsion.prices import PriceList, PriceRow, price
+    from geomtorsion.prices import EffectBudget, PriceList, PriceRow, called_for, price
     from geomtorsion.proofs import (
         Proof,
         prove,
@@ -172,7 +172,6 @@ if TYPE_CHECKING:
     )
     from geomtorsion.scenes import (
         Body,
-        EffectBudget,
         Scene,
         SceneCost,
         SceneResult,
@@ -232,9 +231,9 @@ _LATER = {
     "same": ("CoordinateMap", "Equivalence", "MappedPoint", "same_geometry"),
     "spaces.kerr_orbits": ("Frequencies", "KerrOrbit", "kerr_orbit"),
     "fits": ("Fit", "fit", "fit_frame", "fit_loops"),
-    "prices": ("PriceList", "PriceRow", "price"),
+    "prices": ("EffectBudget", "PriceList", "PriceRow", "called_for", "price"),
     "scenes": (
-        "Body", "EffectBudget", "Scene", "SceneCost", "StateSelection", "SceneResult", "State",
+        "Body", "Scene", "SceneCost", "StateSelection", "SceneResult", "State",
         "effects",
     ),
 }  # fmt: skip
@@ -336,6 +335,7 @@ __all__ = [
     "burgers_map",
     "burgers_vector",
     "burgers_vectors",
+    "called_for",
     "cartan",
     "conserved_quantities",
     "constrained",

@@ -249,6 +249,7 @@ def public_functions() -> list[Case]:
             "price", thing=CURVE, at=0.25, accuracies=[1e-3], engines=[QUICK], parameters={},
             proofs=[10], memory=False,
         ),
+        _public("called_for", thing=CURVE, accuracy=1e-3, at=0.25, watch=["x"], engine=QUICK),
         _public("burgers_vector", frame=PLANE, loop=CIRCLE, accuracy=1e-6, parameters={}),
         _public("exact_burgers_vector", frame=PLANE, loop=CIRCLE, seconds=5.0),
         _public(

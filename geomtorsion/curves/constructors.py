@@ -31,7 +31,7 @@ from geomtorsion.curves.stops import read_stops
 from geomtorsion.curves.transported import Deviation, TransportedVectors
 from geomtorsion.errors import MetricError, ShapeError, StartError
 from geomtorsion.exact.reading import checked
-from geomtorsion.geometry import Connection, Frame, at_home, levi_civita
+from geomtorsion.geometry import Connection, Frame, levi_civita
 from geomtorsion.geometry.components import determinant
 from geomtorsion.geometry.connections import (
     ConnectionLike,
@@ -40,6 +40,7 @@ from geomtorsion.geometry.connections import (
     frame_of,
 )
 from geomtorsion.geometry.derived import derived
+from geomtorsion.geometry.homes import over_frame
 from geomtorsion.ode.numbers import Numbers, Real, checked_numbers, floats
 from geomtorsion.support import checks
 from geomtorsion.support.hints import argument_hints
@@ -92,10 +93,11 @@ def autoparallel(
     force
         F_k in the frame, n functions of the coordinates (expressions or text): F_k u^k is the power
         where g(v, v)/2 is the kinetic energy. Zero if not given. Under constraints only the parts
-        along the permitted legs act.
+        along the permitted legs act. Several forces have names: {"push": [...], "pull": [...]}.
     potential
-        V, a function of the coordinates, which adds F_k = -E_k^mu dV/dq^mu. For forces that depend
-        on velocity or time use `equations_of_motion`.
+        V, a function of the coordinates, which adds F_k = -E_k^mu dV/dq^mu; several have names:
+        {"sun": "-1/r", "flattening": "J/r**3"}. For forces that depend on velocity or time use
+        `equations_of_motion`.
 
     Raises
     ------
@@ -106,6 +108,8 @@ def autoparallel(
         `stop` cannot be read.
     ShapeError
         a list has not one number per coordinate.
+    ArgumentError
+        two forces have one name.
     CoordinateError
         a map of the given atlas is wrong, or a value contradicts the declaration of a parameter.
 
@@ -227,17 +231,11 @@ def parallel_transport(
             "start."
         )
     n = problem.frame.dimension
-    rows = vectors.tolist() if isinstance(vectors, np.ndarray) else vectors
-    if not isinstance(rows, list | tuple):
-        raise ShapeError(f"vector: expected a list of numbers, got {checks.shown(vectors)}.")
+    rows = checks.entries(vectors, "vector", ShapeError, expected="a list of numbers")
     nested = bool(rows) and isinstance(rows[0], list | tuple | np.ndarray)
     carried = tuple(checked_numbers(row, n, "vector") for row in (rows if nested else [rows]))
-    carrier = at_home(problem.frame, connection or levi_civita(problem.frame))
-    if carrier is None:
-        raise ShapeError(
-            "connection: expected one over the frame of the curve, got one over another frame. "
-            "Build it over this frame."
-        )
+    metric_one = connection or levi_civita(problem.frame)
+    carrier = over_frame(problem.frame, metric_one, "connection", ShapeError)
     return problem.carry(TransportedVectors(carrier, carried))
 
 
@@ -281,16 +279,12 @@ def kinetic_metric(metric: Any, frame: Frame) -> tuple[tuple[Fraction | sp.Expr,
     A root or pi is kept as it is.
     """
     n = frame.dimension
-    rows: Any = metric.tolist() if isinstance(metric, np.ndarray) else metric
-    if not isinstance(rows, list | tuple):
-        raise ShapeError(
-            f"metric: expected moments or a matrix of numbers, got {checks.shown(metric)}."
-        )
+    kind = "moments or a matrix of numbers"
+    rows = checks.entries(metric, "metric", ShapeError, expected=kind)
     if not any(isinstance(row, list | tuple | np.ndarray) for row in rows):
         moments = checked_numbers(rows, n, "metric (moments)")
         rows = [[x if i == j else 0 for j in range(n)] for i, x in enumerate(moments)]
-    if len(rows) != n:
-        raise ShapeError(f"metric: expected {n} rows, got {len(rows)}.")
+    checks.check_one_each(rows, n, "rows", "metric", ShapeError)
     table = []
     for i, row in enumerate(rows):
         entries = checked_numbers(row, n, f"metric[{i}]")
@@ -384,5 +378,5 @@ def law_key(law: Law) -> str:
         # The law holds its connection, so that this number stays its own.
         return f"equations of {id(law.connection)}"
     if isinstance(law, Forced):
-        return f"{law_key(law.law)} with {law.acceleration}, {law.potential}"
+        return f"{law_key(law.law)} with {[one.content for one in law.forces]}"
     return f"equations of {law}"

@@ -14,10 +14,11 @@ import sympy as sp
 
 from geomtorsion.codegen import Graph, Products, graph
 from geomtorsion.curves.atlas import Chart
+from geomtorsion.curves.kinetic import fractions_of, weighted
 from geomtorsion.errors import ChartEdgeError, StartError
 from geomtorsion.exact.form import of_same_sign
+from geomtorsion.geometry import from_nonmetricity, from_torsion
 from geomtorsion.geometry.components import inverse
-from geomtorsion.ode.rates import SMALL
 from geomtorsion.ode.system import System
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.copies import only_fields
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
     from geomtorsion.geometry import Connection, Frame
 
 Number = TypeVar("Number")
+TORSION = "torsion force, by which an autoparallel differs from a geodesic"
+NONMETRICITY = "nonmetricity, which changes the length of the velocity"
 
 
 @dataclass(frozen=True)
@@ -41,14 +44,21 @@ class Law(Protocol):
     """A law of motion for the frame velocities u^i.
 
     needs_frame: whether the law is about this very frame field, not only its metric.
+    needs_chart: whether it names the coordinates of one chart, as a force does.
     is_quadratic: whether all rates are quadratic in the velocities, so that a motion from twice the
         velocity is the same path in half the time.
     text: its equation, in one line.
+    effects: key -> description of what can be omitted from it.
     """
 
     @property
     def needs_frame(self) -> bool:
         """Whether another frame of the same metric would have another law."""
+        ...
+
+    @property
+    def needs_chart(self) -> bool:
+        """Whether it names the coordinates of one chart."""
         ...
 
     @property
@@ -59,6 +69,15 @@ class Law(Protocol):
     @property
     def text(self) -> str:
         """The equation in one line."""
+        ...
+
+    @property
+    def effects(self) -> Mapping[str, str]:
+        """Key -> description of what can be omitted."""
+        ...
+
+    def without(self, effects: frozenset[str]) -> Law:
+        """The law without some of its effects."""
         ...
 
     def rates(self, frame: Frame, names: Sequence[str]) -> Rates | None:
@@ -75,7 +94,17 @@ class CartanAutoparallel:
     """Autoparallels of the Cartan connection: all frame velocities are constant."""
 
     needs_frame = is_quadratic = True
+    needs_chart = False
     text = "u'^k = 0"
+
+    @property
+    def effects(self) -> Mapping[str, str]:
+        """The torsion."""
+        return {"torsion": TORSION}
+
+    def without(self, effects: frozenset[str]) -> Law:
+        """Geodesics, if the torsion is omitted."""
+        return Geodesic() if "torsion" in effects else self
 
     def rates(self, frame: Frame, names: Sequence[str]) -> Rates | None:
         """None: constant."""
@@ -93,7 +122,26 @@ class Autoparallel:
     connection: Connection
 
     needs_frame = is_quadratic = True
+    needs_chart = False
     text = "u'^k = -omega_ij^k u^i u^j"
+
+    @property
+    def effects(self) -> Mapping[str, str]:
+        """Torsion and nonmetricity, as far as they do not vanish."""
+        effects = {} if self.connection.torsion.S.is_zero else {"torsion": TORSION}
+        metric = self.connection.kind != "general" or self.connection.metric_compatible is True
+        return effects if metric else {**effects, "nonmetricity": NONMETRICITY}
+
+    def without(self, effects: frozenset[str]) -> Law:
+        """The law of the connection with only one of both, or geodesics."""
+        rest, frame = {*self.effects} - effects, self.connection.frame
+        if not rest:
+            return Geodesic()
+        if not effects:
+            return self
+        if "torsion" in rest:
+            return Autoparallel(from_torsion(frame, self.connection.torsion))
+        return Autoparallel(from_nonmetricity(frame, self.connection.nonmetricity))
 
     def rates(self, frame: Frame, names: Sequence[str]) -> Rates | None:
         """Symmetrised: each product u^i u^j occurs once."""
@@ -121,7 +169,17 @@ class Geodesic:
     metric: tuple[tuple[Fraction | sp.Expr, ...], ...] | None = None
 
     is_quadratic = True
+    needs_chart = False
     text = "G_kl u'^l = C_kj^i u^j G_im u^m"
+
+    @property
+    def effects(self) -> Mapping[str, str]:
+        """Nothing can be omitted."""
+        return {}
+
+    def without(self, effects: frozenset[str]) -> Law:
+        """The law itself."""
+        return self
 
     @property
     def needs_frame(self) -> bool:
@@ -131,9 +189,9 @@ class Geodesic:
     def rates(self, frame: Frame, names: Sequence[str]) -> Rates | None:
         """u'^l = G^lk C_kj^i G_im u^j u^m, each product of velocities once."""
         twist = frame.anholonomy.components.nonzero
-        fractions = _fractions(self.metric)
+        fractions = () if self.metric is None else fractions_of(self.metric)
         if fractions:
-            return self._weighted(frame, fractions, twist, names)
+            return Rates(*weighted(frame, fractions, twist, names))
         up, down = frame.inverse_eta.components.rows, frame.eta.components.rows
         if self.metric is not None:
             n, down = frame.dimension, _lowered(frame, self.metric)
@@ -147,45 +205,6 @@ class Geodesic:
                     place = (row, min(j, m), max(j, m))
                     collected.setdefault(place, []).append((1, first, value, second))
         return Rates(_products(frame, collected, names))
-
-    def _weighted(
-        self,
-        frame: Frame,
-        metric: Sequence[Sequence[Fraction]],
-        twist: Mapping,
-        names: Sequence[str],
-    ) -> Rates:
-        """The same with fractions for G: equal coefficients are added up exactly."""
-        raised, n = inverted(metric), frame.dimension
-        table: dict[tuple[int, int, int], dict[Element, Fraction]] = {}
-        for (k, j, i), value in twist.items():
-            if value.is_rational:
-                number, element = value.as_fraction(), frame.field.one
-            else:
-                number, element = Fraction(1), value
-            for row in range(n):
-                for m in range(n):
-                    weight = raised[row][k] * number * metric[i][m]
-                    if weight:
-                        group = table.setdefault((row, min(j, m), max(j, m)), {})
-                        if -element in group:
-                            group[-element] -= weight
-                        else:
-                            group[element] = group.get(element, Fraction(0)) + weight
-        constants: dict[Fraction, str] = {}
-        rates: list[list[Any]] = [[] for _ in range(n)]
-        for (row, j, m), group in sorted(table.items(), key=lambda item: item[0]):
-            for element, weight in group.items():
-                pair = (names[j], names[m])
-                if not weight:
-                    continue
-                if _is_short(weight):
-                    rates[row].append((element * weight, pair))
-                else:
-                    name = constants.setdefault(weight, f"{names[0][0]}_weight{len(constants)}")
-                    rates[row].append((element, (name, *pair)))
-        named = {name: value for value, name in constants.items()}
-        return Rates(tuple(map(tuple, rates)), named)
 
     def invariants(self, frame: Frame, names: Sequence[str]) -> dict[str, Products]:
         """Energy, momenta of coordinates that do not occur, and the size of the momentum."""
@@ -204,17 +223,6 @@ class Geodesic:
                     terms += [(one * two, (names[i], names[j])) for j, two in row]
             invariants["angular momentum squared"] = tuple(terms)
         return invariants
-
-
-def _fractions(metric: Sequence[Sequence[Fraction | sp.Expr]] | None) -> list[list[Fraction]]:
-    """The entries of a metric if all are fractions; otherwise an empty list."""
-    rows = [[x for x in row if isinstance(x, Fraction)] for row in metric or ()]
-    return rows if all(len(row) == len(rows) for row in rows) else []
-
-
-def _is_short(weight: Fraction) -> bool:
-    """Whether a weight is compiled in."""
-    return max(abs(weight.numerator), weight.denominator) <= SMALL
 
 
 def _cyclic(frame: Frame) -> tuple[int, ...]:
@@ -266,24 +274,6 @@ def _is_bi_invariant(frame: Frame) -> bool:
         if opposite is None or value != -opposite:
             return False
     return True
-
-
-def inverted(matrix: Sequence[Sequence[Fraction]]) -> list[list[Fraction]]:
-    """Inverse of a matrix of fractions (Gauss and Jordan)."""
-    n = len(matrix)
-    rows = [[*row, *(Fraction(int(i == j)) for j in range(n))] for i, row in enumerate(matrix)]
-    for c in range(n):
-        pivot = next((r for r in range(c, n) if rows[r][c]), None)
-        if pivot is None:
-            raise ZeroDivisionError("singular matrix")
-        rows[c], rows[pivot] = rows[pivot], rows[c]
-        scale = rows[c][c]
-        rows[c] = [x / scale for x in rows[c]]
-        for r in range(n):
-            if r != c and rows[r][c]:
-                factor = rows[r][c]
-                rows[r] = [x - factor * y for x, y in zip(rows[r], rows[c], strict=True)]
-    return [row[n:] for row in rows]
 
 
 @dataclass(frozen=True, eq=False)

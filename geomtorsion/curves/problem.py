@@ -35,6 +35,7 @@ from geomtorsion.errors import (
     MissingValueError,
     SingularPointError,
     StartError,
+    UnknownNameError,
 )
 from geomtorsion.geometry.domain_edges import Edge
 from geomtorsion.geometry.evaluation import sign_of
@@ -140,7 +141,8 @@ class CurveProblem:
             return ("",)
         charts = []
         for name in self.atlas.names:
-            if name != self.atlas.home and self.carried and not self.carried.any_chart:
+            bound = self.law.needs_chart or (self.carried and not self.carried.any_chart)
+            if name != self.atlas.home and bound:
                 continue
             chart = self.atlas.chart(name)
             stated = all(
@@ -298,6 +300,39 @@ class CurveProblem:
             )
         return replace(self, carried=self._given.derivatives(by))
 
+    @property
+    def effects(self) -> Mapping[str, str]:
+        """Key -> description of each effect that `without` can omit: torsion, forces.
+
+        Examples
+        --------
+        >>> from geomtorsion.spaces import load
+        >>> from geomtorsion.curves import autoparallel
+        >>> p = autoparallel("flat_polar", [1.0, 0.0], [0.0, 1.0], potential="r**2/2")
+        >>> list(p.effects), p.without("torsion", "potential").law.text
+        (['torsion', 'potential'], "G_kl u'^l = C_kj^i u^j G_im u^m")
+        """
+        return self.law.effects
+
+    @property
+    def main_names(self) -> tuple[str, ...]:
+        """Names of first interest: coordinates, or frame velocities where there are none."""
+        return self.coordinates if self.start is not None else velocity_names(self.frame)
+
+    def without(self, *effects: str) -> CurveProblem:
+        """The same start without some of the `effects`.
+
+        Raises
+        ------
+        UnknownNameError
+            the law has no such effect.
+        """
+        for key in effects:
+            checks.known_name(key, self.effects, "effect", UnknownNameError)
+        if not effects:
+            return self
+        return replace(self, law=self.law.without(frozenset(effects)), _written={})
+
     def carry(self, carried: Carried) -> CurveProblem:
         """The same motion with transported vectors or a deviation."""
         return replace(self, carried=carried, _written={})
@@ -354,13 +389,8 @@ class CurveProblem:
             for name in equations.parameters
             if name not in equations.velocities and name not in equations.constants
         ]
-        missing = [name for name in needed if name not in self.parameters]
-        if missing:
-            example = ", ".join(f"{name!r}: 1.0" for name in missing)
-            raise StartError(
-                f"expected a value for each parameter, got none for {', '.join(missing)}. Give "
-                f"parameters={{{example}}}, for example."
-            )
+        remedy = "Give parameters={'{missing}': 1.0}, for example."
+        checks.check_values(needed, self.parameters, "parameters", StartError, remedy)
 
     # -- for the solver --------------------------------------------------------------------------
 
@@ -745,12 +775,8 @@ def checked_parameters(frame: Frame, parameters: Mapping[Any, Any] | None) -> di
     symbols = {s.name: s for s in frame.field.symbols if s not in frame.coordinates}
     numbers: dict[str, Real] = {}
     for name, value in checks.by_name(parameters, "parameters", StartError).items():
-        if name not in symbols:
-            listed = ", ".join(sorted(symbols)) or "none"
-            raise StartError(
-                f"parameters: expected a parameter of this frame, got {checks.shown(name)}. Known "
-                f"are {listed}."
-            )
+        kind = "a parameter of this frame"
+        checks.known_name(name, symbols, "parameters", StartError, expected=kind)
         checked_numbers([value], 1, f"parameter {name}")
         checks.check_declared(symbols[name], value)
         numbers[name] = value
@@ -768,12 +794,7 @@ def in_order(values: object, names: Sequence[str], what: str) -> object:
     if not isinstance(values, Mapping):
         return values
     by_name = checks.known_keys(values, names, what, StartError)
-    missing = [name for name in names if name not in by_name]
-    if missing:
-        raise StartError(
-            f"{what}: expected a number for each of {', '.join(names)}, got none for "
-            f"{', '.join(missing)}. Add it."
-        )
+    checks.check_values(names, by_name, what, StartError, "Add it.")
     return [by_name[name] for name in names]
 
 
@@ -888,8 +909,7 @@ def check_causal(frame: Frame, velocity: Sequence[Real], causal: str | None) -> 
     """Refuse a velocity without the requested causal character."""
     if causal is None:
         return
-    if causal not in CAUSAL:
-        raise StartError(f"causal: expected one of {', '.join(CAUSAL)}, got {causal!r}.")
+    checks.choice(causal, CAUSAL, "causal", StartError)
     eta = np.real(frame.eta.at({}))
     squares = np.linalg.eigvalsh(eta)
     if squares.min() > 0:

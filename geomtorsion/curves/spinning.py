@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import combinations, permutations
 from typing import Any
 
@@ -14,10 +15,15 @@ from geomtorsion.errors import ArgumentError, ShapeError, StartError
 from geomtorsion.geometry import Connection, Frame, levi_civita
 from geomtorsion.geometry.connections import ConnectionLike, as_connection
 from geomtorsion.ode import ODE
-from geomtorsion.ode.numbers import Numbers, checked_numbers
+from geomtorsion.ode.numbers import Numbers, Real, checked_numbers
 from geomtorsion.support import checks
 
 COUPLINGS = ("orbital", "intrinsic")
+EFFECTS = {
+    "spin_force": "force of curvature on the spin",
+    "hidden_momentum": "part of the momentum across the velocity",
+    "torsion": "torsion in the force and in the transport of momentum and spin",
+}
 Matrix = list[list[sp.Expr]]
 
 
@@ -62,7 +68,9 @@ def spinning(
     Returns
     -------
     ODE with the coordinates, p1, p2, ... (frame components, lower) and S12, S13, ... as states, and
-    the velocity q'^mu as output; to be given to `solve`.
+    the velocity q'^mu as output; to be given to `solve`. Its `effects`, which `without` and
+    `gt.called_for` omit, are: spin_force, R S in D_u p; hidden_momentum, the part of p across u;
+    torsion, of an intrinsic spin.
 
     Raises
     ------
@@ -101,28 +109,91 @@ def spinning(
     numbers = checked_parameters(frame, parameters)
     place = checked_start(frame, start, numbers)
     speeds, _ = frame_velocities(frame, place, velocity, None, numbers)
-    motion = _Motion(levi_civita(frame) if name == "orbital" else connection)
+    felt = levi_civita(frame) if name == "orbital" else connection
+    maker = _Maker(felt, f"body with {name} spin")
     momentum = _unit(frame, [float(x) for x in speeds])
     tensor = _orthogonal(frame, _spin_tensor(frame, spin, momentum), momentum)
-    states = [*map(str, frame.coordinates), *motion.momenta, *motion.spins]
     lower = _eta(frame) @ momentum
-    first = [*place, *lower.tolist(), *(float(tensor[i, j]) for i, j in motion.pairs)]
-    return ODE.of(
-        dict(zip(states, motion.rates(), strict=True)),
-        dict(zip(states, first, strict=True)),
-        parameters={str(key): value for key, value in numbers.items()},
-        invariants=motion.invariants(),
-        outputs={"velocity": motion.velocity()},
-        time=_free_name("tau", [*states, *map(str, frame.parameters)]),
-        norm_groups=[motion.momenta, motion.spins],
-        name=f"body with {name} spin",
-    )
+    pairs = combinations(range(frame.dimension), 2)
+    first = [*place, *lower.tolist(), *(float(tensor[i, j]) for i, j in pairs)]
+    return maker.ode(first, numbers)
+
+
+@dataclass(frozen=True)
+class _Maker:
+    """Equations of a body with spin, with some effects omitted.
+
+    connection: of D and R, before the torsion is omitted. title: name of the equations.
+    omitted: keys of effects.
+    """
+
+    connection: Connection
+    title: str
+    omitted: frozenset[str] = frozenset()
+
+    @property
+    def effects(self) -> Mapping[str, str]:
+        """The effects that are not omitted."""
+        whole = dict(EFFECTS)
+        if self.connection.torsion.S.is_zero:
+            del whole["torsion"]
+        return {key: title for key, title in whole.items() if key not in self.omitted}
+
+    @property
+    def watch(self) -> tuple[str, ...]:
+        """The coordinates."""
+        return tuple(map(str, self.connection.frame.coordinates))
+
+    def without(self, ode: ODE, effects: frozenset[str]) -> ODE:
+        """The equations without more effects, from the same start."""
+        maker = replace(self, omitted=self.omitted | effects)
+        return maker.ode(ode.start, ode.parameters)
+
+    def moved(self, ode: ODE, part: float) -> ODE:
+        """Another place and momentum, with the part of the spin that is orthogonal to it."""
+        frame, n = self.connection.frame, self.connection.frame.dimension
+        values = np.array([float(x) for x in ode.start])
+        signs = (-1.0) ** np.arange(n)
+        place = values[:n] + part * signs * np.abs(values[:n]).max()
+        eta = _eta(frame)
+        momentum = np.linalg.inv(eta) @ (values[n : 2 * n] * (1 + part * signs))
+        momentum *= np.sqrt(self._square(values[n : 2 * n]) / self._square(eta @ momentum))
+        spin = np.zeros((n, n))
+        for (i, j), value in zip(combinations(range(n), 2), values[2 * n :], strict=True):
+            spin[i, j], spin[j, i] = value, -value
+        tensor = _orthogonal(frame, spin, momentum)
+        pairs = (tensor[pair] for pair in combinations(range(n), 2))
+        return ode.with_start([*place.tolist(), *(eta @ momentum).tolist(), *map(float, pairs)])
+
+    def _square(self, lower: np.ndarray) -> float:
+        """p_i p^i."""
+        return float(lower @ np.linalg.inv(_eta(self.connection.frame)) @ lower)
+
+    def ode(self, first: Sequence[Real], numbers: Mapping[str, Real]) -> ODE:
+        """The equations with numbers."""
+        frame, connection = self.connection.frame, self.connection
+        if "torsion" in self.omitted:
+            connection = levi_civita(frame)
+        motion = _Motion(connection, self.omitted)
+        states = [*self.watch, *motion.momenta, *motion.spins]
+        ode = ODE.of(
+            dict(zip(states, motion.rates(), strict=True)),
+            dict(zip(states, first, strict=True)),
+            parameters={str(key): value for key, value in numbers.items()},
+            invariants=motion.invariants(),
+            outputs={"velocity": motion.velocity()},
+            time=_free_name("tau", [*states, *map(str, frame.parameters)]),
+            norm_groups=[motion.momenta, motion.spins],
+            name=self.title,
+        )
+        return replace(ode, maker=self)
 
 
 class _Motion:
     """The equations of a connection, in momenta p_i and spins S^ij of the frame."""
 
-    def __init__(self, connection: Connection) -> None:
+    def __init__(self, connection: Connection, omitted: Collection[str] = ()) -> None:
+        self.omitted = omitted
         self.frame = frame = connection.frame
         n = self.n = frame.dimension
         self.pairs = list(combinations(range(n), 2))
@@ -151,13 +222,17 @@ class _Motion:
         terms: list[list[list[sp.Expr]]] = [[[] for _ in range(self.n)] for _ in range(self.n)]
         for (i, n, j), value in self.torsion.items():
             terms[i][n].append(value * self.p[j])
-        for (i, n, k, j), value in self.riemann.items():
-            terms[i][n].append(value * self.S[k][j] / 2)
+        if "spin_force" not in self.omitted:
+            for (i, n, k, j), value in self.riemann.items():
+                terms[i][n].append(value * self.S[k][j] / 2)
         return [[sp.Add(*cell) for cell in row] for row in terms]
 
     def _velocity(self) -> list[sp.Expr]:
         """u^i of the frame."""
         square = self.square = sp.Add(*(x * y for x, y in zip(self.p, self.upper, strict=True)))
+        if "hidden_momentum" in self.omitted:
+            size = sp.sqrt(square * self._sign())
+            return [one / size for one in self.upper]
         span = range(self.n)
         pushed = [sp.Add(*(self.force[i][k] * self.upper[k] for k in span)) for i in span]
         trace = sp.Add(*(self.S[i][j] * self.force[j][i] for i in span for j in span))
@@ -199,7 +274,9 @@ class _Motion:
         lowered = sp.Matrix(self.eta) * sp.Matrix(self.S) * sp.Matrix(self.eta)
         size = sp.Add(*(self.S[i][j] * lowered[i, j] for i in span for j in span))
         along = [sp.Add(*(self.S[i][j] * self.p[j] for j in span)) for i in span]
-        return {"mass": self.square, "spin": size, "condition": along}
+        kept = {"mass": self.square, "spin": size}
+        # The condition holds only together with the velocity that follows from it.
+        return kept if "hidden_momentum" in self.omitted else {**kept, "condition": along}
 
 
 def _free_name(name: str, taken: list[str]) -> str:
@@ -230,12 +307,8 @@ def _unit(frame: Frame, speeds: list[float]) -> np.ndarray:
 def _spin_tensor(frame: Frame, spin: object, momentum: np.ndarray) -> np.ndarray:
     """S^ij from a matrix or a vector."""
     n = frame.dimension
-    rows: Any = checks.rows(spin)
-    if not isinstance(rows, list | tuple) or len(rows) != n:
-        raise ShapeError(
-            f"spin: expected {n} rows of S^ij"
-            f"{', or the four numbers s^i' if n == 4 else ''}, got {checks.shown(spin)}."
-        )
+    kind = f"{n} rows of S^ij{', or the four numbers s^i' if n == 4 else ''}"
+    rows = checks.entries(spin, "spin", ShapeError, n, expected=kind)
     if any(isinstance(row, list | tuple) for row in rows):
         table = [[float(x) for x in checked_numbers(row, n, "spin")] for row in rows]
         tensor = np.array(table)

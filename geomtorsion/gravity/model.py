@@ -71,7 +71,8 @@ class Model:
         GravityError, StartError
             as for `gravity.solve`.
         """
-        return solve(self.reduce(variable), variable, last, **self._numbers(accuracy))
+        numbers = self._numbers(accuracy)
+        return solve(self.equations, variable, last, conditions=self.conditions, **numbers)
 
     def shoot(self, variable: str, last: object, accuracy: float = 1e-10) -> Shooting:
         """The solution that has the boundary values of the file at the last value of the variable.

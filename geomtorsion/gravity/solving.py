@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from geomtorsion.errors import GravityError
+from geomtorsion.gravity.composition import Composition
 from geomtorsion.gravity.equations import FieldEquations
 from geomtorsion.gravity.reduction import Reduction
 from geomtorsion.ode import At, Engine, Solution, When
@@ -40,7 +41,8 @@ def solve(
     last
         its last value, or increasing values from the origin on.
     start
-        state -> number; those that are omitted follow from the constraints.
+        state -> number; those that are omitted follow from the constraints. The order counts only
+        for `gt.called_for`: a theory without some terms begins with the first numbers.
     parameters
         name -> number.
     conditions
@@ -55,7 +57,8 @@ def solve(
     Returns
     -------
     Solution: states, outputs and their errors; `drift` of the constraints. With an origin its times
-    count from there, and the variable is an output.
+    count from there, and the variable is an output. Each term of the Lagrangian and each fluid is
+    an effect for `gt.called_for`, unless the equations were reduced before.
 
     Raises
     ------
@@ -75,11 +78,16 @@ def solve(
     2.718281828
     """
     if isinstance(equations, Reduction):
-        reduction = equations
-        checks.known_name(variable, [reduction.variable], "variable", GravityError)
+        checks.known_name(variable, [equations.variable], "variable", GravityError)
+        place, full = equations.begin(start, parameters, near=near, origin=origin)
+        ode = equations.ode(full, parameters, origin=place, outputs=outputs, events=events)
     else:
-        reduction = equations.reduce(variable, conditions)
-    place, full = reduction.begin(start, parameters, near=near, origin=origin)
-    ode = reduction.ode(full, parameters, origin=place, outputs=outputs, events=events)
+        name = checks.known_name(
+            variable, [x.name for x in equations.frame.coordinates], "variable", GravityError
+        )
+        theory = Composition(
+            equations, name, start, parameters, near, origin, conditions, outputs, tuple(events)
+        )
+        (place, _), ode = theory.begun, theory.ode
     times = last if place == 0 else np.asarray(last, dtype=float) - float(place)
     return solve_ode(ode, times, accuracy, engine)

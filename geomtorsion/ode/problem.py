@@ -1,4 +1,4 @@
-"""ODE: first-order equations with a start, events, outputs and invariants."""
+"""ODE: first-order equations with a start, events, outputs and invariants, and their maker."""
 
 from __future__ import annotations
 
@@ -7,21 +7,21 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any
+from typing import Any, Protocol
 
 import mpmath
 import numpy as np
 import sympy as sp
 
 from geomtorsion.codegen import Graph, graph
-from geomtorsion.errors import ExpressionError, StartError, StuckError
+from geomtorsion.errors import ExpressionError, StartError, StuckError, UnknownNameError
 from geomtorsion.ode import constructor
 from geomtorsion.ode.derivatives import Motion, term_slopes
 from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment, Term
 from geomtorsion.ode.numbers import Numbers, Real, floats, mpf, perturbed
-from geomtorsion.ode.rates import CLOCK, Rates
+from geomtorsion.ode.rates import CLOCK, Rates, names_in
 from geomtorsion.ode.roots import shares_left
 from geomtorsion.ode.system import System
 from geomtorsion.ode.terms import At, Terms, When
@@ -33,6 +33,37 @@ from geomtorsion.support.copies import content_hash, equal_content, only_fields
 from geomtorsion.support.displays import drawn_by, latex_of
 from geomtorsion.support.hints import attribute_hints
 from geomtorsion.support.precision import HALF, working_precision
+
+
+class Maker(Protocol):
+    """Source of equations that contain effects, such as the force on a spin.
+
+    title: its name. effects: key -> description of each effect that can be omitted.
+    watch: names of the states and outputs of first interest.
+    """
+
+    @property
+    def title(self) -> str:
+        """Its name."""
+        ...
+
+    @property
+    def effects(self) -> Mapping[str, str]:
+        """Key -> description of each effect that can be omitted."""
+        ...
+
+    @property
+    def watch(self) -> tuple[str, ...]:
+        """Names of the states and outputs of first interest."""
+        ...
+
+    def without(self, ode: ODE, effects: frozenset[str]) -> ODE:
+        """The equations without some effects, with the numbers of an ODE of this maker."""
+        ...
+
+    def moved(self, ode: ODE, part: float) -> ODE:
+        """The equations from a start that is moved by a part of its size, within constraints."""
+        ...
 
 
 @attribute_hints(solve="gt.solve(problem, times)")
@@ -47,6 +78,8 @@ class ODE:
     events: changes at fixed times, in order of time.
     normalized: groups of states that form a unit vector, such as the four of a quaternion.
     name: used in tables and files.
+    maker: what made the equations and can omit effects from them, or None; it does not count in
+        comparisons.
 
     Examples
     --------
@@ -68,6 +101,7 @@ class ODE:
     events: tuple[At, ...] = ()
     normalized: tuple[tuple[str, ...], ...] = ()
     name: str = ""
+    maker: Maker | None = field(default=None, compare=False, repr=False)
     _stages: dict[tuple[int, float], Stage] = field(default_factory=dict, repr=False, init=False)
 
     def __eq__(self, other: object) -> bool:
@@ -285,7 +319,85 @@ class ODE:
         dx_dk' = dx_dk*k + x
         """
         fields = self.rates, self.start, self.parameters, self.outputs, self.events
-        return replace(self, **Motion(*fields, tuple(self.variables)).derivatives(by))
+        parts = Motion(*fields, tuple(self.variables)).derivatives(by)
+        return replace(self, **parts, maker=None)
+
+    @property
+    def effects(self) -> Mapping[str, str]:
+        """Key -> description of each effect that `without` can omit.
+
+        Equations of `spinning` and of `gravity.solve` have some, equations of `ODE.of` have none.
+        """
+        return {} if self.maker is None else self.maker.effects
+
+    @property
+    def main_names(self) -> tuple[str, ...]:
+        """Names of first interest: what the maker names, otherwise all states."""
+        return self.states if self.maker is None else self.maker.watch
+
+    def without(self, *effects: str) -> ODE:
+        """The same motion without some of its `effects`.
+
+        Raises
+        ------
+        UnknownNameError
+            it has no such effect.
+
+        Examples
+        --------
+        >>> from geomtorsion.curves import spinning
+        >>> start, velocity = [0, 10, 1.5707963267948966, 0], [1.2, 0, 0, 0.04]
+        >>> top = spinning("schwarzschild", start, velocity, [0, 0, -0.1, 0],
+        ...                coupling="orbital", parameters={"M": 1})
+        >>> list(top.effects), list(top.without("spin_force").effects)
+        (['spin_force', 'hidden_momentum'], ['hidden_momentum'])
+        """
+        for key in effects:
+            checks.known_name(key, self.effects, "effect", UnknownNameError)
+        if self.maker is None or not effects:
+            return self
+        return self.maker.without(self, frozenset(effects))
+
+    def restricted(self, names: Iterable[str]) -> ODE:
+        """The same motion with only the states on which some states and outputs depend.
+
+        Invariants and other outputs that need more states are omitted.
+
+        Raises
+        ------
+        UnknownNameError
+            nothing has this name.
+
+        Examples
+        --------
+        >>> print(ODE.of({"x": "v", "v": "-x", "work": "v**2"}, [1, 0, 0]).restricted(["v"]))
+        ODE of x, v
+        """
+        every = {name: flat({name: terms}) for name, terms in self.outputs.items()}
+        every |= {name: [sp.Symbol(name, real=True)] for name in self.states}
+        listed = checks.entries(names, "names", UnknownNameError)
+        words = [checks.known_name(name, every, "names", UnknownNameError) for name in listed]
+        needed = self.rates.needed_by((x for word in words for x in every[word]), self.normalized)
+        if len(needed) == self.size:
+            return self
+
+        def remaining(table: Mapping[str, Terms]) -> dict[str, Terms]:
+            return {key: x for key, x in table.items() if not lost & names_in(flat({key: x}))}
+
+        lost = {*self.states} - needed
+        changes = [{k: x for k, x in one.changes.items() if k not in lost} for one in self.events]
+        events = zip(self.events, changes, strict=True)
+        pairs = zip(self.states, self.start, strict=True)
+        return replace(
+            self,
+            rates=self.rates.restricted(needed),
+            start=tuple(x for name, x in pairs if name in needed),
+            invariants=remaining(self.invariants),
+            outputs=remaining(self.outputs),
+            events=tuple(replace(one, changes=rest) for one, rest in events if rest),
+            normalized=tuple(group for group in self.normalized if not lost & {*group}),
+            maker=None,
+        )
 
     def check_lengths(self) -> None:
         """Raise an error if a normalized group does not have length one at the start."""

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import sympy as sp
@@ -121,6 +121,29 @@ class Rates:
         stop = () if self.stop is None else (self.stop,)
         return edges_of((*self.expressions.values(), *stop), {*self.states, self.time})
 
+    def needed_by(
+        self, terms: Iterable[sp.Expr], groups: Iterable[Sequence[str]] = ()
+    ) -> frozenset[str]:
+        """The states on which some terms and the stop depend; states of a group are together."""
+        left = [*terms, *(() if self.stop is None else (self.stop,))]
+        needed: set[str] = set()
+        while left:
+            names = names_in(left)
+            names |= {name for group in groups if names & {*group} for name in group}
+            new = names & self.expressions.keys() - needed
+            needed |= new
+            left = [self.expressions[name] for name in new]
+        return frozenset(needed)
+
+    def restricted(self, states: Collection[str]) -> Rates:
+        """The rates of some states, on which all of them depend."""
+        groups = (tuple(x for x in group if x in states) for group in self.norm_groups)
+        return replace(
+            self,
+            expressions={name: x for name, x in self.expressions.items() if name in states},
+            norm_groups=tuple(group for group in groups if group),
+        )
+
     @cached_property
     def guard_graph(self) -> Graph:
         """The stop, if there is one, and the edges, over states, parameters and time."""
@@ -131,6 +154,11 @@ class Rates:
     def rate_graph(self) -> Graph:
         """The rates over states, parameters and time."""
         return graph(self.names, list(self.expressions.values()), factor=False)
+
+
+def names_in(terms: Iterable[sp.Expr]) -> set[str]:
+    """Names of the symbols in some expressions."""
+    return {str(symbol) for term in terms for symbol in term.free_symbols}
 
 
 @lru_cache(maxsize=KEPT)

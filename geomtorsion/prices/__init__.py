@@ -1,5 +1,8 @@
-"""Prices: what digits, certainty and effects of any result cost, and what a time buys."""
+"""Prices: what digits, certainty and effects of any result cost, and which of them it needs."""
 
+from geomtorsion.prices.effect_budget import EffectBudget, EffectInfluence
+from geomtorsion.prices.effect_choice import Composite, Trial, choose
+from geomtorsion.prices.effects import HasEffects, called_for
 from geomtorsion.prices.measuring import price
 from geomtorsion.prices.motions import Truth, motion_offer, tabulated, truth_of
 from geomtorsion.prices.offer import (
@@ -13,21 +16,33 @@ from geomtorsion.prices.offer import (
     Way,
 )
 from geomtorsion.prices.price_list import PriceList, PriceRow
+from geomtorsion.prices.sensitivity import Sensitivity, growth, moved, relative_changes
 
 __all__ = [
     "ACCURACIES",
     "PROOFS",
     "Bounds",
     "Claim",
+    "Composite",
+    "EffectBudget",
+    "EffectInfluence",
+    "HasEffects",
     "HasPrice",
     "Offer",
     "PriceList",
     "PriceRow",
     "Request",
+    "Sensitivity",
+    "Trial",
     "Truth",
     "Way",
+    "called_for",
+    "choose",
+    "growth",
     "motion_offer",
+    "moved",
     "price",
+    "relative_changes",
     "tabulated",
     "truth_of",
 ]

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.ode.numbers import checked_accuracy
-from geomtorsion.pictures.scene_effects import influence_picture
+from geomtorsion.pictures.influences import influence_picture
 from geomtorsion.pictures.style import pictured, save
+from geomtorsion.prices import relative_changes
 from geomtorsion.scenes.effects import EFFECTS, Drift, Effect, Spin, Surroundings
-from geomtorsion.scenes.sensitivity import relative_changes
 from geomtorsion.support import checks
 from geomtorsion.support.outgoing import size_text
 

@@ -13,10 +13,10 @@ import sympy as sp
 from geomtorsion.errors import GeomtorsionError, SceneError, UnknownNameError
 from geomtorsion.ode import solve
 from geomtorsion.ode.numbers import check_memory, checked_accuracy, checked_times
-from geomtorsion.prices import Offer, Request
+from geomtorsion.prices import EffectBudget, Offer, Request, called_for
 from geomtorsion.scenes.assembly import Assembly, assemble
 from geomtorsion.scenes.body import Body, Number
-from geomtorsion.scenes.called_for import EffectBudget, called_for
+from geomtorsion.scenes.composition import SceneEffects
 from geomtorsion.scenes.effects import EFFECTS, Drift, Effect, Spin, Surroundings
 from geomtorsion.scenes.magnitudes import Magnitudes, at_surface, magnitudes
 from geomtorsion.scenes.metrics import Measure
@@ -189,21 +189,17 @@ class Scene:
 
     def __post_init__(self) -> None:
         """Check everything that can be checked without solving."""
-        if not isinstance(self.body, Body):
-            raise SceneError(
-                f"body = {self.body!r}: expected a Body, such as Body(moments=(1, 2, 3))."
-            )
+        remedy = "Write Body(moments=(1, 2, 3))."
+        checks.instance(self.body, Body, "body", SceneError, remedy=remedy)
         if isinstance(self.effects, str) and self.effects == CALLED_FOR:
             around = replace(self, effects=at_surface(self.body))
-            chosen = called_for(around, self.accuracy).scene
+            chosen = called_for(around).chosen
             object.__setattr__(self, "effects", chosen.effects)
             object.__setattr__(self, "accuracy", chosen.accuracy)
         object.__setattr__(self, "effects", _effect_list(self.effects))
         object.__setattr__(self, "watch", _names(self.watch))
-        if not isinstance(self.start, State):
-            raise SceneError(
-                f"start: expected a State, such as State(omega=(0, 0, 1)), got {self.start!r}."
-            )
+        remedy = "Write State(omega=(0, 0, 1))."
+        checks.instance(self.start, State, "start", SceneError, remedy=remedy)
         object.__setattr__(self, "accuracy", checked_accuracy(self.accuracy))
         checked_times(self.t)
         if isinstance(self.t, Iterable) and checks.real(self.t) is None:
@@ -326,10 +322,7 @@ class Scene:
     ) -> EffectBudget:
         """The smallest set of effects for an accuracy: omission and integration stay within it.
 
-        Each effect is omitted once; the change of the watched quantities at the times of the scene
-        is its influence. Effects are then omitted, the smallest influence first. The sum of their
-        influences has to stay within the accuracy, and so does the change by all of them together,
-        which has a run of its own. The integration gets the rest of the accuracy.
+        The same as `gt.called_for(scene, accuracy)`, which describes the choice.
 
         Parameters
         ----------
@@ -341,7 +334,7 @@ class Scene:
 
         Returns
         -------
-        EffectBudget; its `scene` has only the effects that are called for.
+        EffectBudget; its `chosen` scene has only the effects that are called for.
 
         Raises
         ------
@@ -360,7 +353,14 @@ class Scene:
         >>> replace(scene, effects=[*scene.effects, drag]).called_for(1e-3).omitted
         ('linear_drag',)
         """
-        return called_for(self, accuracy, engine, progress)
+        return called_for(self, accuracy, engine=engine, progress=progress)
+
+    def composite(self, watch: Sequence[str] | None = None) -> SceneEffects:
+        """Its effects, its runs without some of them and the watched quantities, for `called_for`.
+
+        watch: other quantities.
+        """
+        return SceneEffects(self if watch is None else replace(self, watch=watch))
 
     def offer(self, request: Request) -> Offer:
         """The ways to the motion at an accuracy, and what each effect costs, for `gt.price`."""
@@ -431,11 +431,7 @@ class Scene:
         UnknownNameError
             a path does not exist; the message names the existing ones.
         """
-        if changes is not None and not isinstance(changes, Mapping):
-            raise SceneError(
-                f"{changes!r}: expected a mapping, such as {{'body.moments[2]': 3.1}}."
-            )
-        changes = {**(changes or {}), **fields}
+        changes = checks.table(changes, "changes", SceneError) | fields
         chosen = changes.pop("effects", None)
         changed = with_values(self, changes)
         if chosen is None:
@@ -445,7 +441,7 @@ class Scene:
                 f"effects: expected {CALLED_FOR!r}, got {checks.shown(chosen)}. For other effects "
                 "use dataclasses.replace(scene, effects=[...])."
             )
-        return called_for(changed).scene
+        return called_for(changed).chosen
 
     def _repr_html_(self) -> str:
         return f"<div><b>{html_text(str(self))}</b>{self.selection._repr_html_()}</div>"
@@ -466,10 +462,8 @@ def _names(watch: Any) -> tuple[str, ...]:
             'watch: expected at least one quantity, got none. Give a name, for instance "omega".'
         )
     for name in names:
-        if not isinstance(name, str):
-            raise SceneError(
-                f'watch: expected names as text, got {name!r}. Give a list, for instance ["omega"].'
-            )
+        remedy = 'Give a list, for instance ["omega"].'
+        checks.text(name, "watch", SceneError, expected="names as text", remedy=remedy)
     # In their order, each once.
     return tuple(dict.fromkeys(names))
 

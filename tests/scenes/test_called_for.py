@@ -13,7 +13,6 @@ import pytest
 import geomtorsion as gt
 from geomtorsion.errors import AccuracyError, SceneError, UnknownNameError
 from geomtorsion.ode import RungeKutta
-from geomtorsion.scenes.sensitivity import sensitivity
 
 E = gt.effects
 BALL = gt.Body(mass=1, moments=(1, 1, 1))
@@ -76,7 +75,7 @@ def test_a_missile_calls_for_few_effects(scene, accuracy, effects):
     budget = scene.called_for(accuracy)
     assert budget.effects == tuple(effects.split())
     everything = replace(scene, accuracy=accuracy / 100).run()
-    total = change(everything, budget.scene.run())
+    total = change(everything, budget.chosen.run())
     assert total <= budget.error <= accuracy
     # One effect less would exceed the accuracy.
     if effects:
@@ -89,13 +88,13 @@ def test_the_error_is_within_the_accuracy(scene, accuracy):
     """Another engine with all effects and a hundredth of the accuracy confirms the error."""
     budget = scene.called_for(accuracy)
     everything = replace(scene, accuracy=accuracy / 100).run(RungeKutta())
-    total = change(everything, budget.scene.run())
+    total = change(everything, budget.chosen.run())
     assert total <= accuracy
     # The other run has an error of its own.
     assert total <= budget.error + accuracy / 100
     assert budget.error <= accuracy
     assert budget.omitted
-    assert budget.scene.ode.size <= scene.ode.size
+    assert budget.chosen.ode.size <= scene.ode.size
     assert {*budget.effects, *budget.omitted} == {*scene.keyed}
     assert all(row.included or row.influence <= accuracy for row in budget.rows)
 
@@ -119,8 +118,8 @@ def test_an_influence_has_a_closed_form():
 def test_omitted_effects_add_no_equations():
     """Without forces the missile needs its rotation only."""
     budget = TURNING.called_for(0.1)
-    assert budget.scene.ode.size == 3
-    assert budget.scene.effects == ()
+    assert budget.chosen.ode.size == 3
+    assert budget.chosen.effects == ()
     assert budget["gravity"].influence == 0
     assert "exactly" in budget["gravity"].note
     assert shipped("missile", watch=["position"]).called_for(1e-2)["thrust"].equations == 10
@@ -160,7 +159,7 @@ def test_effects_that_replace_each_other_do_not_go_together():
     assert max(row.influence for row in budget.rows) < 1e-3
     assert len(budget.effects) == 1
     everything = replace(scene, accuracy=1e-4).run()
-    assert change(everything, budget.scene.run()) <= 1e-2
+    assert change(everything, budget.chosen.run()) <= 1e-2
 
 
 def test_a_quantity_that_loses_digits_gets_more():
@@ -175,7 +174,7 @@ def test_a_quantity_that_loses_digits_gets_more():
         t=5,
     )
     budget = swing.called_for(1e-2)
-    assert budget.scene.accuracy < 1e-3
+    assert budget.chosen.accuracy < 1e-3
     assert budget.numerical_error <= 1e-2
     exact = 1.01 * speed**2 / 2 - weight
     assert budget.result["energy"] == pytest.approx(exact, rel=1e-2)
@@ -221,7 +220,7 @@ def test_a_chaotic_scene_is_reported():
     assert budget.to_json()["chaotic"] is True
     for name in ("lagrange_loop", "rolling_disc", "sleeping_top", "missile", "kovalevskaya_top"):
         scene = gt.scenes.load(name)
-        growth = sensitivity(scene.ode, scene.selection, scene.times)
+        growth = scene.composite().growth(None)
         assert growth.power < 1.2, name
         assert not growth.chaotic, name
     assert "no limit" not in str(MISSILE.called_for(1e-2))
@@ -248,7 +247,7 @@ def test_results_do_not_depend_on_the_clock():
     """Equal calls give equal rows, errors and numbers."""
     one, two = MISSILE.called_for(1e-2), MISSILE.called_for(1e-2)
     assert one.rows == two.rows
-    assert (one.error, one.scene.accuracy) == (two.error, two.scene.accuracy)
+    assert (one.error, one.integration_accuracy) == (two.error, two.integration_accuracy)
     assert np.array_equal(one.result["position"], two.result["position"])
 
 
@@ -256,7 +255,7 @@ def test_with_values_retains_called_for_effects():
     """`with_values` retains the effects that the new accuracy calls for."""
     some = MISSILE.with_values(accuracy=1e-2, effects="called for")
     assert tuple(some.keyed) == ("thrust", "gravity")
-    assert some == MISSILE.called_for(1e-2).scene
+    assert some == MISSILE.called_for(1e-2).chosen
     bare = gt.Scene(BALL, start=gt.State(omega=(0, 0, 1)), t=1).called_for(1e-3)
     assert bare.rows == ()
     assert "calls for 0 of 0 effects" in str(bare)

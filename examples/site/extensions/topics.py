@@ -36,7 +36,7 @@ TOPICS: dict[str, str] = {
     "Charts": "Chart TransitionMap Atlas",
     "Solving equations": "solve solve_many ODE At When Solution SavedSolution Ensemble",
     "Engines": "Engine Taylor RungeKutta Stiff",
-    "Certainty and cost": "prove Proof price PriceList PriceRow",
+    "Certainty and cost": "prove Proof price PriceList PriceRow called_for EffectBudget",
     "Burgers vectors of loops": "Loop burgers_vector burgers_vectors burgers_map BurgersVector "
     "BurgersMap exact_burgers_vector ExactBurgersVector",
     "Defects": "Defect dispiration parallel_screws parallel_edges parallel_dislocations "
@@ -48,7 +48,7 @@ TOPICS: dict[str, str] = {
     "Atoms and dislocation lines": "crystals DislocationNetwork LineArrays Box Reaction",
     "Stresses": "stresses Stresses ElasticConstants NyeField",
     "Rigid bodies": "Body Scene State effects scenes SceneResult StateSelection SceneCost "
-    "EffectBudget FreeTop free_top",
+    "FreeTop free_top",
     "Actions": "equations_of_motion EquationsOfMotion variation Variation conserved_quantities "
     "linearized Linearization",
     "Spaces, figures, exercises": "spaces pictures exercises conventions",

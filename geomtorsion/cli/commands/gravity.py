@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import numpy as np
 import typer
 
+from geomtorsion.cli.budgets import write_budget
 from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.options import Form, Proved, SpaceOrFile, directory, option, say_written
 from geomtorsion.cli.sources import open_space
@@ -23,7 +25,7 @@ from geomtorsion.cli.theories import (
     field_equations,
     model_of,
 )
-from geomtorsion.cli.values import number
+from geomtorsion.cli.values import number, separated
 from geomtorsion.errors import ArgumentError, FileFormatError
 from geomtorsion.gravity import FieldEquations
 from geomtorsion.gravity.fluids import Fluid
@@ -32,6 +34,7 @@ from geomtorsion.pictures.field_equations import field_equations_data
 from geomtorsion.pictures.latex import text_label, text_marks
 from geomtorsion.pictures.style import can_draw
 from geomtorsion.pictures.text import expression_text
+from geomtorsion.prices import called_for
 from geomtorsion.proofs import prove
 from geomtorsion.spaces import Space
 from geomtorsion.support.checks import shown
@@ -65,6 +68,22 @@ def gravity(
         float, typer.Option(metavar="X", help="Largest error of a solution, relative to its size.")
     ] = 1e-10,
     proved: Proved = False,
+    budget: Annotated[
+        float | None,
+        option(
+            "--called-for",
+            metavar="X",
+            text="With --solve: show which terms and sources an accuracy of X calls for.",
+        ),
+    ] = None,
+    watch: Annotated[
+        list[str] | None,
+        option(
+            "--watch",
+            metavar="NAME,...",
+            text="Functions to which --called-for applies; by default functions of the coframe.",
+        ),
+    ] = None,
     output: Annotated[
         Path | None, directory("Write solution.npz and a picture of a solution to this directory.")
     ] = None,
@@ -81,7 +100,9 @@ def gravity(
     A tetrad file with a table [theory] has its own Lagrangian, matter and start. With --solve, its
     equations are reduced to first-order equations and solved: the command shows these, the
     solution with its error, and the drift of the constraints. With a table of boundary values in
-    the file it also shows the free numbers of the start that lead to them.
+    the file it also shows the free numbers of the start that lead to them. With --called-for, each
+    term of the Lagrangian and each fluid is omitted once; the terms that an accuracy calls for are
+    shown, and with -o written to effects.json and drawn.
 
     \b
     Examples:
@@ -95,9 +116,16 @@ def gravity(
       geomtorsion gravity frw_flat -L "T - F2/4 - m**2*Y/2" --invariant "Y = A_a A^a" \
           --maxwell "A(t), 0, 0, 0"
       geomtorsion gravity my-cosmology.toml --solve t=10 -o universe
+      geomtorsion gravity my-cosmology.toml --solve t=10 --called-for 1e-3
     """
+    if solved is None and (budget is not None or watch):
+        raise ArgumentError(
+            "--called-for, --watch: expected a solution whose terms can be omitted, got none. Add "
+            "--solve t=10."
+        )
     if solved is not None:
-        _solve(source, solved, accuracy, proved, output, form)
+        request = None if budget is None else _Request(budget, _names(watch))
+        _solve(source, solved, accuracy, proved, output, form, request)
         return
     with working(source):
         model = model_of(source) if lagrangian is None else None
@@ -127,6 +155,18 @@ def gravity(
         raise typer.Exit(ExitCode.failed)
 
 
+class _Request(NamedTuple):
+    """The accuracy for which terms are to be chosen, and the functions that count."""
+
+    accuracy: float
+    watch: list[str] | None
+
+
+def _names(watch: Sequence[str] | None) -> list[str] | None:
+    """Names of repeated options, each with several names."""
+    return [name for text in watch for name in separated(text)] if watch else None
+
+
 def _solve(
     source: str,
     request: str,
@@ -134,6 +174,7 @@ def _solve(
     proved: bool,
     output: Path | None,
     form: Form,
+    choice: _Request | None = None,
 ) -> None:
     """Solve the theory of a file, and show or write the solution."""
     variable, sign, last = request.partition("=")
@@ -154,11 +195,21 @@ def _solve(
         step("solution")
         shooting = None
         if model.boundary or model.free:
+            if choice is not None:
+                raise ArgumentError(
+                    "--called-for: expected a theory with a start, got one with boundary values, "
+                    "which each omitted term would reach from another start. Write the start "
+                    "without a table boundary."
+                )
             shooting = model.shoot(reduction.variable, end, accuracy)
             solution = shooting.solution
         else:
             solution = model.solve(reduction.variable, end, accuracy)
         proof = prove(solution) if proved else None
+        budget = None
+        if choice is not None:
+            step("terms")
+            budget = called_for(solution, choice.accuracy, watch=choice.watch)
     names = [reduction.variable, *reduction.states, *reduction.outputs, *model.outputs]
     table = {name: _column(solution, name) for name in names}
     if form is Form.json:
@@ -172,6 +223,7 @@ def _solve(
             "error": solution.error,
             "drift": dict(solution.drift),
             "proved": None if proof is None else proof.holds,
+            "called_for": None if budget is None else budget.to_json(),
         }
         if shooting is not None:
             document["free"] = {
@@ -193,8 +245,11 @@ def _solve(
         typer.echo(f"\n{solution if shooting is None else shooting}")
         if proof is not None:
             typer.echo(str(proof))
+        if budget is not None:
+            typer.echo(f"\n{budget}")
     if output is not None:
-        say_written(_written(solution, output))
+        files = _written(solution, output)
+        say_written(files if budget is None else files + write_budget(budget, output, "png"))
 
 
 def _column(solution: Solution, name: str) -> np.ndarray:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from geomtorsion.cli.budgets import write_budget
 from geomtorsion.cli.exits import ExitCode, resumable
 from geomtorsion.cli.options import (
     NO_PICTURES,
@@ -30,12 +30,13 @@ from geomtorsion.cli.values import engine_of
 from geomtorsion.errors import CheckpointError, GeomtorsionError, StuckError
 from geomtorsion.ode import Engine
 from geomtorsion.pictures.style import can_draw
+from geomtorsion.prices import EffectBudget
 from geomtorsion.proofs import prove
-from geomtorsion.scenes import EffectBudget, Scene, SceneResult
+from geomtorsion.scenes import Scene, SceneResult
 from geomtorsion.scenes.checkpoint import partial_result
 from geomtorsion.scenes.result import write_csv
 from geomtorsion.scenes.saving import write_run, write_scene_film
-from geomtorsion.support.files import check_resumption, write_text
+from geomtorsion.support.files import check_resumption
 from geomtorsion.support.progress import bar
 
 CHECKPOINT, PARTIAL = "checkpoint.npz", "partial.csv"
@@ -100,7 +101,7 @@ def run(
     solver = engine_of(engine)
     budget = _budget(scene, solver) if only_needed else None
     if budget is not None:
-        scene = budget.scene
+        scene = budget.chosen
     checkpoint = _checkpoint(output, resume=resume or only_kept, overwrite=overwrite)
     if only_kept and checkpoint is not None:
         typer.echo(_partial(scene, checkpoint, solver))
@@ -111,7 +112,7 @@ def run(
         with working(scene.title or scene.name) as progress:
             if output is not None:
                 written = write_run(result, output, form.value, progress)
-                written += [] if budget is None else _write_budget(budget, output, form.value)
+                written += [] if budget is None else write_budget(budget, output, form.value)
             if animate is not None:
                 progress("drawing the animation")
                 written.append(write_scene_film(result, animate))
@@ -136,16 +137,6 @@ def _budget(scene: Scene, engine: Engine | None) -> EffectBudget:
     """The effects that the accuracy of a scene calls for."""
     with bar(f"{scene.title or scene.name}: effects") as progress:
         return scene.called_for(engine=engine, progress=progress)
-
-
-def _write_budget(budget: EffectBudget, folder: Path, form: str) -> list[Path]:
-    """Write effects.json and, with matplotlib, its figure."""
-    paths = [folder / "effects.json"]
-    write_text(paths[0], json.dumps(budget.to_json(), indent=2, ensure_ascii=False) + "\n")
-    if can_draw():
-        paths.append(folder / f"effects.{form}")
-        budget.plot(paths[1])
-    return paths
 
 
 def _checkpoint(output: Path | None, *, resume: bool, overwrite: bool) -> Path | None:

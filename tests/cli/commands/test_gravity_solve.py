@@ -73,6 +73,23 @@ def test_a_star_ends_at_its_surface(tmp_path: Path) -> None:
     assert set(data["rates"]) == {"A", "B", "p"}
 
 
+def test_terms_that_an_accuracy_calls_for(tmp_path: Path) -> None:
+    """The table of terms and fluids, its file and its figure."""
+    model = DUST.replace('"R/2"', '"R/2 - Lambda"') + "parameters = {Lambda = 1e-6}\n"
+    source, folder = written(tmp_path, ANSATZ + model), tmp_path / "universe"
+    asked = ("gravity", source, "--solve", "t=1", "--called-for")
+    text = run(*asked, "1e-3", "-o", str(folder)).stdout
+    assert "accuracy 0.001 of a calls for 2 of 3 effects" in text
+    assert "omitted  -Lambda" in text
+    data = json.loads((folder / "effects.json").read_text("utf-8"))
+    assert data["omitted"] == ["-Lambda"]
+    assert (folder / "effects.png").exists()
+    made = run(*asked, "1e-9", "--watch", "a,rho", "--format", "json").stdout
+    data = json.loads(made)["called_for"]
+    assert data["watch"] == ["a", "rho"]
+    assert data["omitted"] == []
+
+
 def test_the_equations_of_a_file(tmp_path: Path) -> None:
     """Without --solve the command shows the field equations of the theory in the file."""
     text = run("gravity", written(tmp_path, ANSATZ + DUST)).stdout
@@ -93,6 +110,20 @@ def test_a_scalar_field_and_a_charge(tmp_path: Path) -> None:
     assert g.read_model(written(tmp_path, charge)).reduce("r").states == ("A", "B", "u", "u_1")
 
 
+def test_values_at_the_end(tmp_path: Path) -> None:
+    """A file demands values at the end; the command shows the numbers that lead to them."""
+    demands = 'free = ["rho"]\nboundary = {a = 2}\n'
+    file = written(tmp_path, ANSATZ + DUST + demands)
+    made = run("gravity", file, "--solve", "t=1")
+    assert "rho = 4.4575276667" in made.stdout
+    assert "a = 2: missed by" in made.stdout
+    document = json.loads(run("gravity", file, "--solve", "t=1", "--format", "json").stdout)
+    exact = 4 * (2**1.5 - 1) ** 2 / 3
+    answer = document["free"]["rho"]
+    assert abs(answer["value"] - exact) < answer["error"] < 1e-8
+    assert abs(document["boundary"]["a = 2"]["miss"]) < 1e-9
+
+
 FAULTS = {
     "no table": (ANSATZ, "expected a table [theory]"),
     "no Lagrangian": (ANSATZ + "[theory]\n", "expected a lagrangian"),
@@ -103,6 +134,10 @@ FAULTS = {
         "start: expected a table",
     ),
     "no list": (ANSATZ + '[theory]\nlagrangian = "R"\nconditions = 1\n', "expected a list"),
+    "no list of numbers": (
+        ANSATZ + '[theory]\nlagrangian = "R"\nfree = "a"\n',
+        "free: expected a list",
+    ),
     "half a fluid": (
         ANSATZ + '[theory]\nlagrangian = "R"\nfluid = {density = 1}\n',
         "expected density and pressure",
@@ -129,6 +164,8 @@ def test_files_are_refused(name: str, tmp_path: Path) -> None:
         (("frw", "--solve", "t=3"), "expected a tetrad file with a table [theory]"),
         (("frw", "--solve", "t"), "expected a coordinate and its last value"),
         (("frw", "--solve", "t=soon"), "--solve: expected a number"),
+        (("frw", "--called-for", "1e-3"), "expected a solution whose terms can be omitted"),
+        (("frw", "--watch", "a"), "Add --solve t=10"),
     ],
 )
 def test_requests_are_refused(arguments: tuple[str, ...], words: str) -> None:

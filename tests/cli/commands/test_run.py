@@ -339,7 +339,7 @@ def test_only_needed_omits_effects(tmp_path, no_pictures):
     data = json.loads((folder / "effects.json").read_text())
     assert data["omitted"] == list(budget.omitted) == ["angular_damping"]
     assert f"wrote {folder / 'effects.json'}" in text
-    assert read_file(folder / "scene.toml") == budget.scene
+    assert read_file(folder / "scene.toml") == budget.chosen
     assert data["error"] <= 0.05
     everything = scene.with_values(accuracy=1e-4).run()
     loaded = SceneResult.load(folder / "result.npz")

@@ -1,4 +1,4 @@
-"""scene effects: the influence of each effect of a scene against the accuracy."""
+"""influences: the influence of each effect against the accuracy."""
 
 from __future__ import annotations
 
@@ -7,7 +7,17 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from geomtorsion.pictures.scene_plan import INK, OUT
-from geomtorsion.pictures.style import NOTHING, SERIES, captioned, new_figure, number, quiet
+from geomtorsion.pictures.style import (
+    NOTHING,
+    SERIES,
+    captioned,
+    new_figure,
+    number,
+    pictured,
+    quiet,
+)
+from geomtorsion.prices import EffectBudget
+from geomtorsion.support import checks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -15,6 +25,42 @@ if TYPE_CHECKING:
 
 # An effect, its influence, the quantity that changes most, and whether it is included.
 Bar = tuple[str, float, str, bool]
+
+
+def draw_effects(budget: EffectBudget) -> Figure:
+    """The influence of each effect against the accuracy.
+
+    Raises
+    ------
+    MissingExtraError
+        matplotlib is not installed.
+
+    Examples
+    --------
+    >>> from geomtorsion.scenes import load
+    >>> figure = draw_effects(load("thrown_body").called_for(1e-3))
+    >>> figure.axes[0].get_xscale()
+    'log'
+    """
+    checks.instance(budget, EffectBudget, "budget")
+    return influence_picture(
+        [(row.effect, row.influence, row.quantity, row.included) for row in budget.rows],
+        budget.accuracy,
+        budget.title,
+        [f"{budget.errors.capitalize()}.", budget.validity],
+    )
+
+
+def effects_html(budget: EffectBudget) -> str:
+    """The table and its figure for a notebook.
+
+    Examples
+    --------
+    >>> from geomtorsion.scenes import load
+    >>> "thrust" in effects_html(load("missile").called_for(1e-3))
+    True
+    """
+    return pictured(str(budget), budget.plot)
 
 
 def influence_picture(
