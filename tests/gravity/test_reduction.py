@@ -294,7 +294,7 @@ REFUSALS: dict[str, tuple[Callable[[], object], type[GeomtorsionError], str]] = 
         GravityError,
         "Choose this function",
     ),
-    "wrong variable": (lambda: EINSTEIN.reduce("tau"), GravityError, "Known are t"),
+    "wrong variable": (lambda: EINSTEIN.reduce("tau"), GravityError, "There are t"),
     "condition without equality": (
         lambda: EINSTEIN.reduce("t", ["rho"]),
         GravityError,
