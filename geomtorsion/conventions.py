@@ -218,8 +218,7 @@ def burgers(vector: Sequence[Any] | np.ndarray, name: str) -> np.ndarray:
 
     signs = {each: one.sign for one in BURGERS for each in one.names}
     known = checks.known_name(name, signs, "convention", UnknownNameError)
-    message = "{subject}: expected a Burgers vector, got {value}."
-    found = np.asarray(checks.entries(vector, "vector", message=message))
+    found = np.asarray(checks.entries(vector, "vector", expected="a Burgers vector"))
     if found.dtype.kind not in "iufcO":
         raise ArgumentError(f"vector: expected numbers, got {checks.shown(vector)}.")
     return signs[known] * found
@@ -253,8 +252,5 @@ def convention(name: str) -> Convention:
     >>> convention("torsion").formula
     'S_ab^c = (Gamma_ab^c - Gamma_ba^c) / 2, T = 2 S'
     """
-    for item in CONVENTIONS:
-        if item.name == name:
-            return item
-    known = ", ".join(item.name for item in CONVENTIONS)
-    raise UnknownNameError(f"expected the name of a convention, got {name!r}. Known are {known}.")
+    by_name, kind = {item.name: item for item in CONVENTIONS}, "the name of a convention"
+    return by_name[checks.known_name(name, by_name, "", UnknownNameError, expected=kind)]

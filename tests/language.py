@@ -4,8 +4,8 @@
     python -m tests.language exact loops     each hit in these, with file and line
 
 `PATTERNS` names each pattern with its plain form. Text is strings, docstrings and comments of the
-package, the README, the changelog and the site; code in it does not count. Names of functions in
-tests are sentences, so they count as well.
+package, its English texts in files, the README, the changelog and the site; code does not count.
+Names of functions in tests are sentences, so they count as well.
 """
 
 from __future__ import annotations
@@ -170,7 +170,7 @@ def hits_of(file: Path) -> list[Hit]:
 def places() -> dict[str, list[Path]]:
     """The files of each package, support files, README, changelog, site, examples and tests."""
     found: dict[str, list[Path]] = {}
-    for file in sorted(PACKAGE.rglob("*.py")):
+    for file in sorted([*PACKAGE.rglob("*.py"), *PACKAGE.rglob("languages/en/*.toml")]):
         parts = file.relative_to(PACKAGE).parts
         found.setdefault(parts[0] if len(parts) > 1 else "support files", []).append(file)
     site = ROOT / "examples" / "site"

@@ -195,8 +195,8 @@ SLIPS = [
         "expected each leg from 0",
     ),
     (lambda: gt.geodesic("flat_polar", {"ph": 0, "r": 1}, [1, 0]), StartError, "Did you mean phi"),
-    (lambda: gt.geodesic("flat_polar", {"r": 1}, [1, 0]), StartError, "got none for phi"),
-    (lambda: LOOP.plot(names=["x"]), ShapeError, "expected 3, one for each coordinate, got 1"),
+    (lambda: gt.geodesic("flat_polar", {"r": 1}, [1, 0]), StartError, "a value for phi, got none"),
+    (lambda: LOOP.plot(names=["x"]), ShapeError, "one for each of 3 coordinates, got 1"),
     (
         lambda: gt.cartan(POLAR).torsion.S.plot(at={}),
         ShapeError,

@@ -78,7 +78,6 @@ LONG: dict[str, str] = {
     "geometry/frame.py": "all that a frame can be asked; two thirds are documentation",
     "geometry/components.py": "sparse arrays with their symmetries, products and inverses",
     "geometry/tensor.py": "all that a tensor can be asked; half is documentation",
-    "materials/lines/dislocation_network.py": "a network of lines, its readers, checks and sums",
     "scenes/scene.py": "a scene and its cost; half is documentation",
     "ode/ensemble.py": "an ensemble, what solves it and its members; a third is documentation",
     "ode/engines/taylor.py": "the engine and the integrators that are compiled for it",

@@ -88,7 +88,7 @@ NOT_NAMES = (None, 3, ["a.npz"], b"a.npz")
 def few_pages(monkeypatch: pytest.MonkeyPatch):
     """Two pages instead of all, which take a minute to compute."""
     texts = {"index.html": "index " * 5000, "loops.html": "loops " * 5000}
-    monkeypatch.setattr(lab_pages, "pages", lambda _: texts)
+    monkeypatch.setattr(lab_pages, "pages", lambda *_: texts)
 
 
 @pytest.mark.parametrize("given", NOT_NAMES, ids=repr)

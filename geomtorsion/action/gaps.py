@@ -14,7 +14,7 @@ from geomtorsion.geometry import Frame
 from geomtorsion.ode import ODE, When
 from geomtorsion.support import checks
 
-LIST = "{subject}: expected a list, got {value}. Give dPhi^i for each leg, as text or expressions."
+REMEDY = "Give dPhi^i for each leg, as text or expressions."
 
 
 @dataclass(frozen=True)
@@ -95,11 +95,8 @@ def _varied(
     n: int, motion: ODE, functions: Sequence[object], parameters: Mapping[str, object]
 ) -> list[sp.Expr]:
     """dPhi^i as expressions over the states, parameters and time of the motion."""
-    entries = checks.entries(functions, "images", ShapeError, message=LIST)
-    if len(entries) != n:
-        raise ShapeError(
-            f"images: expected {n} functions dPhi^i, one for each leg, got {len(entries)}."
-        )
+    entries = checks.entries(functions, "images", ShapeError, remedy=REMEDY)
+    checks.check_one_each(entries, n, "legs", "images", ShapeError, REMEDY)
     names = (*motion.states, *motion.rates.parameters, *parameters, motion.time_name)
     table = {name: sp.Symbol(name, real=True) for name in names}
     return [

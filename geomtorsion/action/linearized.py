@@ -133,23 +133,15 @@ def _values(
     numbers |= {symbol.name: symbol for symbol in constants}
     real, stated = symbol_table(numbers), {}
     for name, value in at.items():
-        if name not in by_name:
-            near = checks.near_names(name, by_name)
-            hint = f"Did you mean {near}? " if near else ""
-            raise UnknownNameError(
-                f"at: expected a coordinate, velocity or parameter, got {checks.shown(name)}. "
-                f"{hint}There are {', '.join(sorted(by_name))}."
-            )
+        kind = "a coordinate, velocity or parameter"
+        checks.known_name(name, sorted(by_name), "at", UnknownNameError, expected=kind)
         read = expression(value, f"at[{name!r}]", real)
         stated[by_name[name]] = exactly(read.xreplace({real[x]: numbers[x] for x in numbers}))
     values = {x: y for x, y in stated.items() if x in constants}
     coordinates = symbols.coordinates
-    missing = [q.name for mu, q in enumerate(coordinates) if mu in used and q not in stated]
-    if missing:
-        raise MissingValueError(
-            f"at: expected values of {', '.join(missing)}, on which the motion depends, got none. "
-            f"Give at={{{missing[0]!r}: 0}}, for example."
-        )
+    needed = [q.name for mu, q in enumerate(coordinates) if mu in used]
+    remedy = "The motion depends on it. Give at={'{missing}': 0}, for example."
+    checks.check_values(needed, {q.name for q in stated}, "at", MissingValueError, remedy)
     place = {x: values.get(x, x) for x in constants}
     place |= {q: stated.get(q, q).xreplace(values) for q in coordinates}
     return place, {u: stated[u].xreplace(values) for u in symbols.velocities if u in stated}

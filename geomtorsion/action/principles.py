@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from geomtorsion.errors import UnknownNameError
-from geomtorsion.support.checks import cut, near_names, shown
+from geomtorsion.support.checks import known_name
 
 
 @dataclass(frozen=True)
@@ -67,12 +67,6 @@ def principle_named(name: str) -> Principle:
     >>> principle_named("naive").leads_to
     'constant momenta in the frame: wrong for a body'
     """
-    for principle in PRINCIPLES:
-        if isinstance(name, str) and principle.name == name:
-            return principle
-    names = [principle.name for principle in PRINCIPLES]
-    near = near_names(cut(str(name)), names)
-    hint = f" Did you mean {near}?" if near else ""
-    raise UnknownNameError(
-        f"principle: expected one of {', '.join(names)}, got {shown(name)}.{hint}"
-    )
+    by_name = {principle.name: principle for principle in PRINCIPLES}
+    kind = "the name of a principle"
+    return by_name[known_name(name, by_name, "principle", UnknownNameError, expected=kind)]

@@ -72,12 +72,9 @@ class Linearization:
         MissingValueError
             A parameter has no value.
         """
-        missing = sorted(symbol.name for symbol in self.matrix.free_symbols)
-        if missing:
-            raise MissingValueError(
-                f"eigenvalues: expected values of all parameters, got none of {missing[0]}. "
-                f"Use linearization.at({{{missing[0]!r}: ...}}).eigenvalues."
-            )
+        names = sorted(symbol.name for symbol in self.matrix.free_symbols)
+        remedy = "Use linearization.at({'{missing}': ...}).eigenvalues."
+        checks.check_values(names, (), "eigenvalues", MissingValueError, remedy)
         coefficients = list(self.polynomial)
         zeros = 0
         while coefficients[-1] == 0:
@@ -104,11 +101,8 @@ class Linearization:
         parameters = {symbol.name: symbol for symbol in self.matrix.free_symbols}
         table = {}
         for name, value in checks.by_name(values, "at").items():
-            if name not in parameters:
-                raise UnknownNameError(
-                    f"at: expected one of {', '.join(sorted(parameters)) or 'no parameter'}, got "
-                    f"{checks.shown(name)}. Omit it."
-                )
+            known = sorted(parameters)
+            checks.known_name(name, known, "at", UnknownNameError, expected="a parameter")
             table[parameters[name]] = exactly(expression(value, name, {}))
         return replace(self, matrix=sp.ImmutableMatrix(self.matrix.xreplace(table)))
 

@@ -13,8 +13,9 @@ from geomtorsion.action.tangent_bundle import MotionSymbols, symbols_of
 from geomtorsion.errors import ConstraintError, LagrangianError, ShapeError
 from geomtorsion.exact import parse_expression
 from geomtorsion.exact.reading import counted_as
-from geomtorsion.geometry import Connection, Frame, at_home
+from geomtorsion.geometry import Connection, Frame
 from geomtorsion.geometry.connections import ConnectionLike, FrameLike, as_connection, as_frame
+from geomtorsion.geometry.homes import over_frame
 from geomtorsion.geometry.validation import free_symbols, named_symbols
 from geomtorsion.support import checks
 from geomtorsion.support.checks import near_names
@@ -36,11 +37,8 @@ def force_entries(forces: object, n: int) -> Named:
         table = forces
     else:
         values = _listed(forces, "forces")
-        if len(values) != n:
-            raise ShapeError(
-                f"forces: expected {n} components F_k, one for each form of the frame, "
-                f"got {len(values)}. Give {n}, or a mapping such as {{0: 'M1'}}."
-            )
+        remedy = f"Give {n}, or a mapping such as {{0: 'M1'}}."
+        checks.check_one_each(values, n, "forms of the frame", "forces", ShapeError, remedy)
         table = dict(enumerate(values))
     wrong = [key for key in table if key not in range(n)]
     if wrong:
@@ -69,8 +67,7 @@ def constraint_entries(constraints: object, n: int) -> Named:
 
 
 def _listed(values: object, what: str) -> list[Any]:
-    message = "{subject}: expected a list, got {value}. Put it in brackets."
-    rows = checks.entries(values, what, ShapeError, message=message)
+    rows = checks.entries(values, what, ShapeError)
     return [row[0] if isinstance(row, list) and len(row) == 1 else row for row in rows]
 
 
@@ -81,12 +78,7 @@ def checked_frame(
     frame = as_frame(frame)
     home = None
     if connection is not None:
-        home = at_home(frame, as_connection(connection))
-        if home is None:
-            raise ShapeError(
-                "connection: expected one over this frame, got one over another frame. Build it "
-                "over this frame."
-            )
+        home = over_frame(frame, as_connection(connection), "connection", ShapeError)
     if frame.complex and not complex_too:
         raise LagrangianError(
             f"expected a real frame for mechanics, got {frame.name or 'one'}, which is complex (a "
@@ -140,11 +132,8 @@ def expressions(
 
 def _sympified(where: str, value: object) -> sp.Expr:
     """A number, element or expression of sympy; never a text."""
-    message = (
-        f"{{subject}}: expected an expression, got {type(value).__name__}: {{value}}. "
-        "Give text, a number or a sympy expression."
-    )
-    return checks.expression(value, where, LagrangianError, message=message)
+    kind, remedy = "an expression", "Give text, a number or a sympy expression."
+    return checks.expression(value, where, LagrangianError, expected=kind, remedy=remedy)
 
 
 def _check_functions(where: str, expression: sp.Expr, table: Mapping[str, sp.Symbol]) -> None:

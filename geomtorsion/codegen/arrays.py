@@ -93,8 +93,10 @@ def numpy_function(
                 f"got {len(values)}"
             )
         arrays = tuple(_argument(*pair, check) for pair in zip(names, values, strict=True))
+        shapes = set(map(np.shape, arrays)) - {()}
         try:
-            np.broadcast_shapes(*map(np.shape, arrays))
+            if len(shapes) > 1:
+                np.broadcast_shapes(*shapes)
         except ValueError:
             came = shown(values)
             raise ArgumentError(f"expected numbers or arrays of one shape, got {came}") from None

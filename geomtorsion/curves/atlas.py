@@ -240,7 +240,7 @@ class Chart:
 
     @cached_property
     def _edges_with_slopes(self) -> ElementMatrix:
-        """A column for the edges beside those of their slopes: both in one evaluation."""
+        """The edges in a column behind their slopes: both in one evaluation."""
         edges = {(k, len(self.coordinates)): edge.element for k, edge in enumerate(self.edges)}
         shape = (len(edges), len(self.coordinates) + 1)
         return ElementMatrix({**edges, **self._edge_slopes.entries}, shape)
@@ -254,12 +254,12 @@ class Chart:
     def edge_distances(
         self, point: Mapping[str, Real | np.ndarray], changes: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """All edges at many points, and how far changes of coordinates, shape (n, m), move them."""
+        """All edges at many points, and how far changes of coordinates, shape (n,), move them."""
         values, count = self._edges_with_slopes.values(point), len(self.edges)
-        reach = np.zeros((count, changes.shape[1]))
+        reach = np.zeros((count, *values.shape[1:]))
         for (k, mu), slope in zip(self._edge_slopes.entries, np.abs(values[count:]), strict=True):
             reach[k] += slope * changes[mu]
-        return np.broadcast_to(values[:count], reach.shape), reach
+        return values[:count], reach
 
     def distance(self, point: Mapping[str, float]) -> float:
         """The edge at a point in units of its margin; infinite where there is none."""
@@ -412,23 +412,17 @@ class TransitionMap:
             if is_array
             else checks.entries(coordinates, "coordinates", ShapeError)
         )
-        if len(places) != len(self.coordinates):
-            names = ", ".join(symbol.name for symbol in self.coordinates)
-            raise ShapeError(
-                f"coordinates: expected {len(self.coordinates)} ({names}), got {len(places)}."
-            )
+        names = ", ".join(symbol.name for symbol in self.coordinates)
+        count = len(self.coordinates)
+        checks.check_one_each(places, count, f"names {names}", "coordinates", ShapeError)
         return places
 
     def _numbers(self, parameters: Mapping[Any, Real]) -> dict[str, Real]:
         """The values of the parameters; others are omitted."""
         by_name = checks.by_name(parameters, "parameters")
-        missing = [p.name for p in self.parameters if p.name not in by_name]
-        if missing:
-            raise ArgumentError(
-                f"expected a value for each parameter, got none for {', '.join(missing)}. Give "
-                f"parameters={{{missing[0]!r}: ...}}."
-            )
         names = [p.name for p in self.parameters]
+        remedy = "Give parameters={'{missing}': ...}."
+        checks.check_values(names, by_name, "parameters", ArgumentError, remedy)
         return {
             name: checks.exact_number(by_name[name], f"parameter {name}", ArgumentError)
             for name in names
@@ -533,11 +527,8 @@ class Atlas:
         UnknownNameError
             The atlas has no such chart.
         """
-        if not isinstance(name, str) or name not in self.makers:
-            raise UnknownNameError(
-                f"expected a chart of this space, got {checks.shown(name)}. There are "
-                f"{', '.join(self.makers)}."
-            )
+        kind = "a chart of this space"
+        checks.known_name(name, self.makers, "", UnknownNameError, expected=kind)
         if name not in self._charts:
             self._charts[name] = self.makers[name]()
         return self._charts[name]

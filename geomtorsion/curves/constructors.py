@@ -31,7 +31,7 @@ from geomtorsion.curves.stops import read_stops
 from geomtorsion.curves.transported import Deviation, TransportedVectors
 from geomtorsion.errors import MetricError, ShapeError, StartError
 from geomtorsion.exact.reading import checked
-from geomtorsion.geometry import Connection, Frame, at_home, levi_civita
+from geomtorsion.geometry import Connection, Frame, levi_civita
 from geomtorsion.geometry.components import determinant
 from geomtorsion.geometry.connections import (
     ConnectionLike,
@@ -40,6 +40,7 @@ from geomtorsion.geometry.connections import (
     frame_of,
 )
 from geomtorsion.geometry.derived import derived
+from geomtorsion.geometry.homes import over_frame
 from geomtorsion.ode.numbers import Numbers, Real, checked_numbers, floats
 from geomtorsion.support import checks
 from geomtorsion.support.hints import argument_hints
@@ -230,17 +231,11 @@ def parallel_transport(
             "start."
         )
     n = problem.frame.dimension
-    rows = vectors.tolist() if isinstance(vectors, np.ndarray) else vectors
-    if not isinstance(rows, list | tuple):
-        raise ShapeError(f"vector: expected a list of numbers, got {checks.shown(vectors)}.")
+    rows = checks.entries(vectors, "vector", ShapeError, expected="a list of numbers")
     nested = bool(rows) and isinstance(rows[0], list | tuple | np.ndarray)
     carried = tuple(checked_numbers(row, n, "vector") for row in (rows if nested else [rows]))
-    carrier = at_home(problem.frame, connection or levi_civita(problem.frame))
-    if carrier is None:
-        raise ShapeError(
-            "connection: expected one over the frame of the curve, got one over another frame. "
-            "Build it over this frame."
-        )
+    metric_one = connection or levi_civita(problem.frame)
+    carrier = over_frame(problem.frame, metric_one, "connection", ShapeError)
     return problem.carry(TransportedVectors(carrier, carried))
 
 
@@ -284,16 +279,12 @@ def kinetic_metric(metric: Any, frame: Frame) -> tuple[tuple[Fraction | sp.Expr,
     A root or pi is kept as it is.
     """
     n = frame.dimension
-    rows: Any = metric.tolist() if isinstance(metric, np.ndarray) else metric
-    if not isinstance(rows, list | tuple):
-        raise ShapeError(
-            f"metric: expected moments or a matrix of numbers, got {checks.shown(metric)}."
-        )
+    kind = "moments or a matrix of numbers"
+    rows = checks.entries(metric, "metric", ShapeError, expected=kind)
     if not any(isinstance(row, list | tuple | np.ndarray) for row in rows):
         moments = checked_numbers(rows, n, "metric (moments)")
         rows = [[x if i == j else 0 for j in range(n)] for i, x in enumerate(moments)]
-    if len(rows) != n:
-        raise ShapeError(f"metric: expected {n} rows, got {len(rows)}.")
+    checks.check_one_each(rows, n, "rows", "metric", ShapeError)
     table = []
     for i, row in enumerate(rows):
         entries = checked_numbers(row, n, f"metric[{i}]")

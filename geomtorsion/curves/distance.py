@@ -116,10 +116,7 @@ def angles_of(problem: CurveProblem, chart: str) -> list[int]:
 
 def _places(names: Sequence[str], angles: Sequence[str]) -> list[int]:
     """Which coordinates these are."""
+    kind = "coordinates of this chart"
     for name in checks.entries(angles, "angles"):
-        if name not in names:
-            raise UnknownNameError(
-                f"angles: expected coordinates of this chart, got {checks.shown(name)}. There are "
-                f"{', '.join(names)}."
-            )
+        checks.known_name(name, names, "angles", UnknownNameError, expected=kind)
     return [names.index(name) for name in angles]

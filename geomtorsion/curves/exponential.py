@@ -110,8 +110,8 @@ def holonomy(
     if isinstance(path, CurveProblem):
         carried = parallel_transport(path, unit, connection)
         return solve(carried, [end], accuracy, engine).transported[-1].reshape(n, n).T
-    needed = "{subject}: expected a curve or a list of expressions, got {value}."
-    expressions = checks.entries(path, "path", ShapeError, message=needed)
+    kind = "a curve or a list of expressions"
+    expressions = checks.entries(path, "path", ShapeError, expected=kind)
     values = checks.table(parameters, "parameters")
     return transport_along(connection, expressions, end, values, accuracy, engine)
 
@@ -148,10 +148,7 @@ def transport_equations(
     """w'^k = - omega_ai^k(q(s)) q'^a(s) w^i for all frame vectors at once; s is the time."""
     frame = connection.frame
     n = frame.dimension
-    if len(path) != n:
-        raise ShapeError(
-            f"path: expected {n} expressions, one for each coordinate, got {len(path)}."
-        )
+    checks.check_one_each(path, n, "coordinates", "path", ShapeError)
     curve = [
         _without_floats(checks.expression(x, f"path[{k}]", StartError)) for k, x in enumerate(path)
     ]
@@ -173,12 +170,8 @@ def transport_equations(
         for j in range(n):
             rates[states[k][j].name] += factor * states[i][j]
     used = {x.name for rate in rates.values() for x in rate.free_symbols}
-    missing = sorted(used - set(rates) - {s.name} - set(numbers))
-    if missing:
-        raise StartError(
-            f"expected a value for each symbol, got none for {', '.join(missing)}. Give "
-            f"parameters={{...}}."
-        )
+    needed, remedy = sorted(used - set(rates) - {s.name}), "Give parameters={'{missing}': ...}."
+    checks.check_values(needed, numbers, "parameters", StartError, remedy)
     return ODE.of(
         rates,
         np.eye(n).ravel().tolist(),

@@ -168,10 +168,7 @@ def _of_force(connection: Connection, name: str, force: object) -> Force:
     frame = connection.frame
     n = frame.dimension
     entries = checks.entries(force, name, ShapeError)
-    if len(entries) != n:
-        raise ShapeError(
-            f"{name}: expected {n} components F_k, one for each leg, got {len(entries)}."
-        )
+    checks.check_one_each(entries, n, "legs", name, ShapeError)
     values = [_read(frame, f"{name}[{k}]", value) for k, value in enumerate(entries)]
     return Force(name, _raised(connection, values))
 

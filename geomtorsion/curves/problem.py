@@ -389,13 +389,8 @@ class CurveProblem:
             for name in equations.parameters
             if name not in equations.velocities and name not in equations.constants
         ]
-        missing = [name for name in needed if name not in self.parameters]
-        if missing:
-            example = ", ".join(f"{name!r}: 1.0" for name in missing)
-            raise StartError(
-                f"expected a value for each parameter, got none for {', '.join(missing)}. Give "
-                f"parameters={{{example}}}, for example."
-            )
+        remedy = "Give parameters={'{missing}': 1.0}, for example."
+        checks.check_values(needed, self.parameters, "parameters", StartError, remedy)
 
     # -- for the solver --------------------------------------------------------------------------
 
@@ -780,12 +775,8 @@ def checked_parameters(frame: Frame, parameters: Mapping[Any, Any] | None) -> di
     symbols = {s.name: s for s in frame.field.symbols if s not in frame.coordinates}
     numbers: dict[str, Real] = {}
     for name, value in checks.by_name(parameters, "parameters", StartError).items():
-        if name not in symbols:
-            listed = ", ".join(sorted(symbols)) or "none"
-            raise StartError(
-                f"parameters: expected a parameter of this frame, got {checks.shown(name)}. Known "
-                f"are {listed}."
-            )
+        kind = "a parameter of this frame"
+        checks.known_name(name, symbols, "parameters", StartError, expected=kind)
         checked_numbers([value], 1, f"parameter {name}")
         checks.check_declared(symbols[name], value)
         numbers[name] = value
@@ -803,12 +794,7 @@ def in_order(values: object, names: Sequence[str], what: str) -> object:
     if not isinstance(values, Mapping):
         return values
     by_name = checks.known_keys(values, names, what, StartError)
-    missing = [name for name in names if name not in by_name]
-    if missing:
-        raise StartError(
-            f"{what}: expected a number for each of {', '.join(names)}, got none for "
-            f"{', '.join(missing)}. Add it."
-        )
+    checks.check_values(names, by_name, what, StartError, "Add it.")
     return [by_name[name] for name in names]
 
 
@@ -923,8 +909,7 @@ def check_causal(frame: Frame, velocity: Sequence[Real], causal: str | None) -> 
     """Refuse a velocity without the requested causal character."""
     if causal is None:
         return
-    if causal not in CAUSAL:
-        raise StartError(f"causal: expected one of {', '.join(CAUSAL)}, got {causal!r}.")
+    checks.choice(causal, CAUSAL, "causal", StartError)
     eta = np.real(frame.eta.at({}))
     squares = np.linalg.eigvalsh(eta)
     if squares.min() > 0:

@@ -120,8 +120,7 @@ def _at_edge(problem: CurveProblem, q: np.ndarray, accuracy: float) -> np.ndarra
     numbers = {key: float(value) for key, value in problem.parameters.items()}
     place = dict(zip(chart.names, rows.T, strict=True)) | numbers
     with np.errstate(all="ignore"):
-        sizes = np.broadcast_to(np.abs(rows).max(axis=0, initial=0.0), rows.shape)
-        left, reach = chart.edge_distances(place, accuracy * sizes.T)
+        left, reach = chart.edge_distances(place, accuracy * np.abs(rows).max(axis=0, initial=0.0))
         near = ~(np.abs(left) > reach)
     return np.asarray(near.any(axis=0)).reshape(q.shape[:-1])
 
@@ -175,7 +174,7 @@ def _at_home(
 def _chart_at_home(
     problem: CurveProblem, pieces: Sequence[tuple[Segment, np.ndarray]], bits: int
 ) -> tuple[np.ndarray, ...]:
-    """The same of segments in one chart."""
+    """As above, for segments in one chart."""
     label, home = pieces[0][0].label, problem.atlas.home
     unit = problem.time_unit
     q, u, carried = taken_apart(problem, pieces, bits)

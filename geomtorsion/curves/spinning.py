@@ -307,12 +307,8 @@ def _unit(frame: Frame, speeds: list[float]) -> np.ndarray:
 def _spin_tensor(frame: Frame, spin: object, momentum: np.ndarray) -> np.ndarray:
     """S^ij from a matrix or a vector."""
     n = frame.dimension
-    rows: Any = checks.rows(spin)
-    if not isinstance(rows, list | tuple) or len(rows) != n:
-        raise ShapeError(
-            f"spin: expected {n} rows of S^ij"
-            f"{', or the four numbers s^i' if n == 4 else ''}, got {checks.shown(spin)}."
-        )
+    kind = f"{n} rows of S^ij{', or the four numbers s^i' if n == 4 else ''}"
+    rows = checks.entries(spin, "spin", ShapeError, n, expected=kind)
     if any(isinstance(row, list | tuple) for row in rows):
         table = [[float(x) for x in checked_numbers(row, n, "spin")] for row in rows]
         tensor = np.array(table)

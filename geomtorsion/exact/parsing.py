@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
@@ -85,12 +86,8 @@ def parse_expression(
         ^^^
     Write 1/10 if that is what you mean, or a named parameter.
     """
-    if not isinstance(text, str):
-        raise ExpressionError(
-            f"{where}: expected an expression as text, got {type(text).__name__}: "
-            f"{checks.shown(text)}. "
-            'Write it in quotes, for instance "r*sin(theta)".'
-        )
+    kind, remedy = "an expression as text", 'Write it in quotes, for instance "r*sin(theta)".'
+    checks.text(text, where, ExpressionError, longest=sys.maxsize, expected=kind, remedy=remedy)
     limits = Limits() if limits is None else checks.instance(limits, Limits, "limits")
     for name, symbol in checks.table(symbols, "symbols").items():
         if not isinstance(name, str) or not isinstance(symbol, sympy.Expr):

@@ -240,7 +240,11 @@ class Primitives:
             (atom, tuple(atom.diff(s) for s in field.symbols)) for atom in self._arguments()
         ]
         # All functions with derivatives in the field; by Ostrowski there is no other relation.
-        candidates += self._known
+        # A field may have had fewer symbols when a function was added.
+        for function, rates in self._known:
+            is_old = len(rates) < len(field.symbols)
+            rates = tuple(map(function.diff, field.symbols)) if is_old else rates
+            candidates.append((function, rates))
         basis: list[tuple[Element, Sequence[Element]]] = list(candidates)
         if field.is_complex:
             turn = field.imaginary

@@ -12,7 +12,7 @@ from typing import TypeVar, cast
 
 from geomtorsion.errors import ExpressionError, GeomtorsionError, UnitError
 from geomtorsion.exact.parsing import parse_expression
-from geomtorsion.support.checks import cut, did_you_mean, shown
+from geomtorsion.support.checks import cut, known_name, shown
 from geomtorsion.support.exclusive import exclusive
 
 T = TypeVar("T")
@@ -120,9 +120,7 @@ def unit(text: str) -> Unit:
         # In 1/s, the 1 itself is not a unit.
         if one:
             continue
-        if name not in UNITS:
-            hint = did_you_mean(name, UNITS)
-            raise UnitError(f"{name!r} is not a unit. {hint}Known are {', '.join(UNITS)}.")
+        known_name(name, UNITS, "", UnitError, expected="a unit")
         size, kind = UNITS[name]
         try:
             power = int(exponent or 1) * (-1 if sign == "/" else 1)

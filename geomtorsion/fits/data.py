@@ -45,11 +45,8 @@ class Data:
         """
         values, noise = {}, {}
         for name, entry in checks.by_name(data, "data", StartError).items():
-            if name not in quantities:
-                raise UnknownNameError(
-                    f"data: expected quantities of the model, got {checks.shown(name)}. There are "
-                    f"{', '.join(quantities)}."
-                )
+            kind = "quantities of the model"
+            checks.known_name(name, quantities, "data", UnknownNameError, expected=kind)
             values[name] = _array(entry, name, len(at))
             noise[name] = _positive(sigma, name, values[name].shape)
         if not any(np.isfinite(x).any() for x in values.values()):
@@ -103,8 +100,7 @@ def _positive(sigma: object, name: str, shape: tuple[int, ...]) -> np.ndarray:
     """Standard deviations of the data of one name."""
     if isinstance(sigma, Mapping):
         table = checks.by_name(sigma, "sigma", StartError)
-        if name not in table:
-            raise StartError(f"sigma: expected the noise of {name}, got none. Add it.")
+        checks.check_values((name,), table, "sigma", StartError, "Add it.")
         sigma = table[name]
     try:
         array = np.broadcast_to(np.asarray(sigma, dtype=float), shape).copy()

@@ -70,11 +70,7 @@ def fit_frame(
     places = checks.array(points, "points", StartError, shape=(None, n), shape_error=ShapeError)
     numbers = {name: float(x) for name, x in checks.by_name(parameters, "parameters").items()}
     names = checked_by(free, tuple(symbols), "free")
-    missing = [name for name in symbols if name not in numbers]
-    if missing:
-        raise StartError(
-            f"parameters: expected a number for {', '.join(missing)}, got none. Add it."
-        )
+    checks.check_values(symbols, numbers, "parameters", StartError, "Add it.")
     shape = (len(places), n, n)
     values = _rows(coframe, shape, "coframe")
     noise = sigma if isinstance(sigma, int | float) else _rows(sigma, shape, "sigma")

@@ -69,11 +69,7 @@ def fit_loops(
     circuits = [checks.instance(x, Loop, "loops") for x in checks.entries(loops, "loops")]
     numbers = {name: float(x) for name, x in checks.by_name(parameters, "parameters").items()}
     names = checked_by(free, tuple(symbol.name for symbol in frame.parameters), "free")
-    missing = [name for name in names if name not in numbers]
-    if missing:
-        raise StartError(
-            f"parameters: expected a first guess of {', '.join(missing)}, got none. Add it."
-        )
+    checks.check_values(names, numbers, "parameters", StartError, "Add a first guess.")
     data = Data.of(np.arange(len(circuits)), {"b": vectors}, sigma, ("b",))
     if data.values["b"].shape != (len(circuits), frame.dimension):
         raise ShapeError(

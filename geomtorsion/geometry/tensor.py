@@ -160,6 +160,9 @@ class Tensor:
     def _checked(self, index: Sequence[SupportsIndex]) -> Index:
         """An index tuple of the right length and range."""
         rank, n = len(self.slots), self.frame.dimension
+        # The most frequent case, for which no name is worked out.
+        if len(index) == rank and all(type(k) is int and 0 <= k < n for k in index):
+            return tuple(index)
         return checks.indices(index, rank, n, self.label, TensorIndexError)
 
     def nonzero(self) -> dict[Index, sp.Expr]:

@@ -66,8 +66,8 @@ class Centre:
             raise GravityError(
                 f"start: expected equations that are power series at {self.jets.variable} = "
                 f"{self.place}, got a function with a pole in {checks.cut(str(poles[0]))}. Name "
-                "its argument by a condition with an unknown function, such as S = R, or start "
-                "beside this point."
+                "its argument by a condition with a new function, such as conditions=["
+                f"'S({self.jets.variable}) = R'], or start beside this point."
             )
         return equations
 

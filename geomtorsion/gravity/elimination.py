@@ -11,6 +11,7 @@ from sympy.core.function import AppliedUndef
 from geomtorsion.errors import GravityError, LimitError
 from geomtorsion.exact import Element, limits
 from geomtorsion.gravity.jets import Jets, Place
+from geomtorsion.support import checks
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,8 +106,9 @@ class Elimination:
             if not self.jets.places(element):
                 raise GravityError(
                     "reduce: expected equations that have a solution, got "
-                    f"{one.element.sympy} = 0, which leads to {element.sympy} = 0. Check the "
-                    "matter, the conditions and the ansatz, or add an unknown function."
+                    f"{checks.cut(str(one.element.sympy))} = 0, which leads to {element.sympy} = "
+                    "0. Check the matter, the conditions and the ansatz, or add an unknown "
+                    "function."
                 )
             old = table.get(str(element))
             own = one.unknowns if old is None else one.unknowns | old.unknowns
@@ -129,7 +131,7 @@ class Elimination:
         # A universe at rest, a' = 0, is not the general solution of a' (...) = 0.
         moving = [one for one in factors if one not in self.jets.symbols]
         chosen = vanishing[:1] or moving or factors
-        return self._signed(self.jets.field.read(sp.Mul(*chosen)))
+        return self._signed(self.jets.field.read(sp.Mul(*chosen).as_content_primitive()[1]))
 
     def _signed(self, element: Element) -> Element:
         """An element or its negative, whichever is written with fewer signs."""

@@ -13,6 +13,7 @@ from geomtorsion.geometry import Connection, Frame, IdentityCheck, Tensor, at_ho
 from geomtorsion.geometry.connections import ConnectionLike, as_connection
 from geomtorsion.gravity.catalogue import Catalogue
 from geomtorsion.gravity.content import Content
+from geomtorsion.gravity.distinct import distinct
 from geomtorsion.gravity.fields import HALF, Index, Terms, antisymmetric_part, turning
 from geomtorsion.gravity.geometries import check_geometry, listed
 from geomtorsion.gravity.hypermomentum import Source
@@ -194,6 +195,20 @@ class FieldEquations:
         turning = {x: antisymmetric_part(one) for x, one in self.terms.items()}
         return {"E": self.terms, "E_[ij]": turning}
 
+    @cached_property
+    def distinct(self) -> dict[str, sp.Expr]:
+        """Numerators of the equations that differ, without common factors, by their labels.
+
+        Examples
+        --------
+        >>> import geomtorsion as gt
+        >>> cosmos = gt.spaces.load("frw").frame
+        >>> gt.gravity.equations(gt.levi_civita(cosmos), "R").distinct["E_1^1"]
+        k + Derivative(a(t), t)**2
+        """
+        every = {x: one for x, one in self.tensors.items() if x in ("E", "C")}
+        return distinct(every | self.matter_equations, self.written, self._sources.nonzero)
+
     def scalar(self, name: str) -> Tensor:
         """An invariant by its name in the Lagrangian, whether it occurs there or not.
 
@@ -355,16 +370,19 @@ class FieldEquations:
         """First-order equations for unknown functions of one variable, with constraints.
 
         variable: the coordinate on which all unknown functions depend, such as "t" or "r".
-        conditions: further equations: an equation of state "p = rho/3", a gauge "N = 1".
+        conditions: further equations: a state "p = rho/3", a gauge "N = 1", a new name "S(r) = R".
 
         Raises
         ------
         GravityError
             The equations leave a function free, contradict each other, or depend on more.
         """
+        return reduced(self._sources, variable, conditions)
+
+    @property
+    def _sources(self) -> Sources:
         parts = self.E, self.M, self.connection_equations, self.matter_equations
-        sources = Sources(self.connections, self.matter, self.momenta[0].fields, *parts)
-        return reduced(sources, variable, conditions)
+        return Sources(self.connections, self.matter, self.momenta[0].fields, self.scalars, *parts)
 
     # -- identities ----------------------------------------------------------------------------
 

@@ -193,13 +193,18 @@ def read(given: Lagrangian, vocabulary: Vocabulary) -> Reading:
     return Reading(frame, expression, meanings, constants)
 
 
-def scalar_of(frame: Frame, value: object, where: str) -> Element:
-    """An exact element of a number, an expression, text or a tensor of rank 0."""
+def scalar_of(
+    frame: Frame, value: object, where: str, scalars: Mapping[str, sp.Expr] | None = None
+) -> Element:
+    """An exact element of a number, an expression, text or a tensor of rank 0.
+
+    scalars: values of further names in a text.
+    """
     if isinstance(value, Tensor) and not value.slots:
         home = at_home(frame, value)
         if home is not None:
             return home.element()
-    applied = {
+    applied = dict(scalars or {}) | {
         generator.argument[0].__name__: generator.shown
         for generator in frame.field.generators
         if generator.kind == "jet"

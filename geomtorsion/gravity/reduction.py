@@ -250,8 +250,7 @@ class Reduction:
         outputs
             name -> further expression over states, outputs, parameters and the variable.
         events
-            `When(expression)` ends the solution where the expression falls through zero, such as
-            the pressure at the surface of a star.
+            `When(expression)` ends the solution where it falls through zero, as at a surface.
 
         Raises
         ------
@@ -392,6 +391,11 @@ def reduced(sources: Sources, variable: object, conditions: object) -> Reduction
             f"reduce: the elimination of derivatives is too large ({checks.cut(str(limit))}). Give "
             "numbers for constants, use fewer unknown functions, or write the theory with a scalar "
             "field."
+        ) from None
+    except RecursionError:
+        raise GravityError(
+            "reduce: expected equations that give one highest derivative after another, got ones "
+            "that refer to each other in a circle. Omit a condition, or add one."
         ) from None
     _check_determined(sources, jets, functions, eliminated)
     return Reduction(jets, eliminated)

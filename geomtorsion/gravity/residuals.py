@@ -28,12 +28,14 @@ class Sources:
 
     connections, matter: of the field equations.
     fields: torsion and curvature of the first connection.
+    scalars: values of invariants, which a condition may name.
     coframe_equation, metric_equation, connection_equations, matter_equations: E, M, C and others.
     """
 
     connections: tuple[Connection, ...]
     matter: tuple[MatterField | Source, ...]
     fields: FrameFields
+    scalars: Mapping[str, sp.Expr]
     coframe_equation: Tensor
     metric_equation: Tensor
     connection_equations: tuple[Tensor, ...]
@@ -104,7 +106,8 @@ class Sources:
         conditions: pairs of sides, such as ("p", "rho/3").
         """
         for left, right in conditions:
-            one, two = (scalar_of(self.frame, x, "condition") for x in (left, right))
+            sides = left, right
+            one, two = (scalar_of(self.frame, x, "condition", self.scalars) for x in sides)
             yield one - two, _functions([one])
         for number, connection in enumerate(self.connections):
             if _is_varied(connection):

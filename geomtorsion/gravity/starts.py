@@ -94,9 +94,13 @@ def _filled(
     if left:
         raise StartError(
             f"start: expected numbers for all states that the constraints leave free, got none for "
-            f"{', '.join(left)}. The constraints are "
-            + ("; ".join(f"0 = {one}" for one in constraints) or "none")
-            + ". Add a number for one of these states."
+            f"{', '.join(left)}. "
+            + (
+                f"The constraints are {'; '.join(f'0 = {one}' for one in constraints)}. Add a "
+                "number for one of these states."
+                if constraints
+                else "There are no constraints. Add a number for each of these states."
+            )
         )
     return values
 

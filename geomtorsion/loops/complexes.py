@@ -169,7 +169,8 @@ class Complex:
         """
         axes = enumerate(listed(shape, "shape"))
         sizes = tuple(checks.count(n, f"shape[{k}]", NetworkError) for k, n in axes)
-        return _grid(cls, sizes, checks.flags(periodic, len(sizes), "periodic", NetworkError))
+        every = [periodic] * len(sizes) if isinstance(periodic, bool) else periodic
+        return _grid(cls, sizes, checks.flags(every, len(sizes), "periodic", NetworkError))
 
     def with_faces(self, cycles: Sequence[Sequence[Hashable]] | np.ndarray) -> Complex:
         """The same graph with faces, each a cycle of nodes in order.

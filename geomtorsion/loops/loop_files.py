@@ -208,7 +208,8 @@ def loops_from_json(frame: Frame, text: str, where: str = "loops") -> LoopFile:
         )
     _keyed(data, TOP_KEYS, where)
     subject = f"{where}: parameters"
-    parameters = checks.instance(data.get("parameters", {}), dict, subject, FileFormatError)
+    table, kind = data.get("parameters", {}), "names with values"
+    parameters = checks.instance(table, dict, subject, FileFormatError, expected=kind)
     accuracy: Any = data.get("accuracy")
     if accuracy is not None:
         checks.number(accuracy, f"{where}: accuracy", FileFormatError)

@@ -204,17 +204,10 @@ def start_numbers(
     if isinstance(start, Mapping):
         start = checks.by_name(start, "start", StartError)
         for name in start:
-            if name not in states:
-                raise UnknownNameError(
-                    f"start: expected a state, got {name}. {_hint(name, states)}"
-                )
+            checks.known_name(name, states, "start", UnknownNameError, expected="a state")
         table = dict(zip(states, known, strict=True)) if known is not None else {}
         table |= {name: number(value, f"start of {name}") for name, value in start.items()}
-        missing = [name for name in states if name not in table]
-        if missing:
-            raise StartError(
-                f"start: expected a number for each state, got none for {', '.join(missing)}."
-            )
+        checks.check_values(states, table, "start", StartError, "Give a number for each state.")
         return tuple(table[name] for name in states)
     try:
         # Other values are refused below.
@@ -235,10 +228,7 @@ def parameter_numbers(names: Sequence[str], parameters: Mapping[str, object]) ->
     """Numbers for some of the parameters."""
     parameters = checks.by_name(parameters, "parameters", StartError)
     for name in parameters:
-        if name not in names:
-            raise UnknownNameError(
-                f"parameters: expected a parameter, got {name}. {_hint(name, names)}"
-            )
+        checks.known_name(name, names, "parameters", UnknownNameError, expected="a parameter")
     return {name: number(value, name) for name, value in parameters.items()}
 
 
@@ -258,13 +248,10 @@ def timed_events(names: Sequence[str], events: Iterable[object]) -> tuple[At, ..
             )
         if not (math.isfinite(at) and at >= 0):
             raise TimeError(f"event: expected a time of 0 or later, got t = {at}.")
-        changes = checks.by_name(entry.changes, f"event at t = {at:.6g}", StartError)
+        subject, kind = f"event at t = {at:.6g}", "a parameter or a state"
+        changes = checks.by_name(entry.changes, subject, StartError)
         for name in changes:
-            if name not in names:
-                raise UnknownNameError(
-                    f"event at t = {at:.6g}: {name} is neither a parameter nor a state. "
-                    + _hint(name, names)
-                )
+            checks.known_name(name, names, subject, UnknownNameError, expected=kind)
         new = {x: number(value, f"{x} at t = {at:.6g}") for x, value in changes.items()}
         table.setdefault(at, {}).update(new)
     return tuple(At(at, changes) for at, changes in sorted(table.items(), key=lambda x: x[0]))
@@ -281,10 +268,7 @@ def _group_list(
     disjoint = []
     for group in groups:
         for name in group:
-            if name not in states:
-                raise UnknownNameError(
-                    f"norm group: expected states, got {name}. {_hint(name, states)}"
-                )
+            checks.known_name(name, states, "norm group", UnknownNameError, expected="states")
         fresh = tuple(name for name in group if name not in seen)
         if len(set(group)) != len(group):
             raise StartError(
@@ -321,10 +305,8 @@ def start_columns(
     names = (*states, *parameters)
     arrays = {}
     for name, values in checks.by_name(starts, "starts", StartError).items():
-        if name not in names:
-            raise UnknownNameError(
-                f"starts: {name} is neither a state nor a parameter. {_hint(name, names)}"
-            )
+        kind = "a state or a parameter"
+        checks.known_name(name, names, "starts", UnknownNameError, expected=kind)
         arrays[name] = _array(f"starts of {name}", values)
     lengths = {name: array.shape for name, array in arrays.items() if array.ndim}
     if len(set(lengths.values())) != 1 or len(next(iter(lengths.values()))) != 1:
@@ -356,9 +338,3 @@ def check_many_lengths(
 def _array(what: str, values: object) -> np.ndarray:
     """Finite numbers."""
     return checks.array(values, what, StartError, shape_error=ShapeError)
-
-
-def _hint(name: str, known: Sequence[str]) -> str:
-    near = checks.near_names(name, known)
-    listed = f"There are {', '.join(known)}." if known else "The system has none."
-    return f"Did you mean {near}? {listed}" if near else listed

@@ -41,14 +41,9 @@ def checked_by(by: object, names: Sequence[str], what: str) -> tuple[str, ...]:
     """
     entries = checks.entries(by, what, StartError)
     words = tuple(x.name if isinstance(x, sp.Symbol) else x for x in entries)
+    kind = "names of parameters and of numbers at the start"
     for word in words:
-        if word not in names:
-            near = checks.near_names(word, names) if isinstance(word, str) else ""
-            hint = f"Did you mean {near}? " if near else ""
-            raise UnknownNameError(
-                f"{what}: expected names of parameters and of numbers at the start, got "
-                f"{checks.shown(word)}. {hint}There are {', '.join(names)}."
-            )
+        checks.known_name(word, names, what, UnknownNameError, expected=kind)
     if not words or len(set(words)) < len(words):
         raise StartError(
             f"{what}: expected different names, got {checks.shown(entries)}. Name each of them "

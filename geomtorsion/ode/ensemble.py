@@ -238,7 +238,8 @@ def solve_many(
         has the same bits for any number of workers.
 
     Members that leave their chart, and those with long steps whose finer run differs altogether,
-    are solved one by one, as by `solve`. Ctrl-C returns the finished members.
+    are solved one by one, as by `solve`. The others run in optimised code: with Taylor() they
+    differ from results of `solve` by rounding errors. Ctrl-C returns the finished members.
 
     Raises
     ------

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geomtorsion.errors import UnknownNameError
-from geomtorsion.support.checks import near_names, shown
+from geomtorsion.support.checks import known_name
 from geomtorsion.support.copies import content_hash, equal_content
 from geomtorsion.support.displays import drawn_by, key_completions, values_text
 
@@ -46,13 +46,8 @@ class Moment(Mapping[str, np.ndarray]):
     def __getitem__(self, name: str) -> np.ndarray:
         if isinstance(name, str) and name in self.values:
             return self.values[name]
-        names = list(self)
-        near = near_names(name, names)
-        hint = f"Did you mean {near}? " if near else ""
-        raise UnknownNameError(
-            f"expected a quantity of this motion, got {shown(name)}. {hint}There are "
-            f"{', '.join(names)}."
-        )
+        kind = "a quantity of this motion"
+        return self.values[known_name(name, self, "", UnknownNameError, expected=kind)]
 
     def __iter__(self) -> Iterator[str]:
         return iter(x for x in self.values if x not in self.whole)

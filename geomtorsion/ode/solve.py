@@ -236,7 +236,11 @@ class _Runs:
 
     @property
     def limit(self) -> float:
-        """The longest step of a run that has to see ahead; not commensurate with the cuts."""
+        """The longest step of a run that has to see ahead; not commensurate with the cuts.
+
+        A comparison of the answer with an integral of its rates would need fewer operations, but in
+        NumPy it takes longer than so many short steps in compiled code.
+        """
         return GOLDEN * abs(float(self.grid[-1])) / PARTS or math.inf
 
     def verified(self, runs: list[Trajectory], growth: float = 0.0) -> Verified:

@@ -397,13 +397,13 @@ class Engine(Protocol):
     error then contain roundings on the way, not only at the start.
 
     An engine may have one more method, `batch(batch, tolerance) -> seconds of compilation`, which
-    runs the members of a `Batch` at once. `solve_many` calls it, and runs the members one by one
-    with an engine that lacks it.
+    runs the members of a `Batch` at once; last digits may differ from `run`. `solve_many` calls it,
+    and runs the members one by one with an engine that lacks it.
     """
 
     @property
     def name(self) -> str:
-        """Its name in tables, files and checkpoints; the same name means the same results."""
+        """Its name in tables, files and checkpoints; the same name means the same bits of `run`."""
         ...
 
     @property

@@ -81,13 +81,8 @@ def _renamed(entry: sp.Expr, where: str, symbols: Mapping[str, sp.Symbol]) -> sp
     table = {}
     for symbol in entry.free_symbols:
         name = getattr(symbol, "name", str(symbol))
-        if name not in symbols:
-            near = checks.near_names(name, symbols)
-            hint = f"Did you mean {near}? " if near else ""
-            raise ExpressionError(
-                f"{where}: expected a state, a parameter or the time, got {name}. {hint}Known are "
-                f"{', '.join(symbols)}; give parameters={{{name!r}: ...}} for a number."
-            )
+        kind, remedy = "a state, a parameter or the time", f"Give parameters={{{name!r}: ...}}."
+        checks.known_name(name, symbols, where, ExpressionError, expected=kind, remedy=remedy)
         if symbols[name] != symbol:
             table[symbol] = symbols[name]
     return entry.xreplace(table) if table else entry

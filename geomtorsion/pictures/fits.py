@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geomtorsion.errors import ArgumentError
 from geomtorsion.fits import Fit
 from geomtorsion.ode import Solution
 from geomtorsion.pictures.style import SERIES, STYLE, captioned, mathematics, new_figure, quiet
@@ -39,8 +38,7 @@ def draw_fit(fit: Fit) -> Figure:
     >>> [axes.get_ylabel() for axes in draw_fit(result).axes]
     ['$v$', 'residual / $\\\\sigma$']
     """
-    if not isinstance(fit, Fit):
-        raise ArgumentError(f"fit: expected the result of gt.fit, got {checks.shown(fit)}.")
+    checks.instance(fit, Fit, "fit", expected="the result of gt.fit")
     panels = list(_panels(fit))
     columns = min(3, len(panels))
     bands = -(-len(panels) // columns)

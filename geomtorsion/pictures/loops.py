@@ -65,10 +65,8 @@ def draw_loop(loop: Loop, names: Sequence[str] | None = None) -> Figure:
         matplotlib is not installed.
     """
     checks.instance(loop, Loop, "loop")
-    if names is not None and len(names) != loop.dimension:
-        raise ShapeError(
-            f"names: expected {loop.dimension}, one for each coordinate, got {len(names)}."
-        )
+    if names is not None:
+        checks.check_one_each(names, loop.dimension, "coordinates", "names", ShapeError)
     path, _, unit = outline(loop)
     figure = new_figure(4.8, 4.6)
     symbols = [f"q^{{{k + 1}}}" for k in range(loop.dimension)]

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.prices.sensitivity import Sensitivity
-from geomtorsion.support.checks import did_you_mean
+from geomtorsion.support.checks import known_name
 from geomtorsion.support.displays import Plot, drawn_by, figure_by
 from geomtorsion.support.outgoing import size_text
 
@@ -103,14 +103,9 @@ class EffectBudget:
 
     def __getitem__(self, effect: str) -> EffectInfluence:
         """The row of an effect."""
-        for row in self.rows:
-            if row.effect == effect:
-                return row
-        keys = [row.effect for row in self.rows]
-        raise UnknownNameError(
-            f"expected an effect of {self.title}, got {effect!r}. {did_you_mean(effect, keys)}"
-            f"There are {', '.join(keys) or 'none'}."
-        )
+        rows = {row.effect: row for row in self.rows}
+        kind = f"an effect of {self.title}"
+        return rows[known_name(effect, rows, "", UnknownNameError, expected=kind)]
 
     def _ipython_key_completions_(self) -> list[str]:
         return [row.effect for row in self.rows]

@@ -90,7 +90,7 @@ def price(
     AccuracyError
         an accuracy is not a positive number, or none is given.
     ArgumentError
-        thing has no price, or `at` does not fit it.
+        thing has no price, `at` does not fit it, or memory is neither True nor False.
 
     Examples
     --------
@@ -103,6 +103,7 @@ def price(
     >>> table.seconds(1e-6) > 0, table.accuracy(1.0)
     (True, 1e-08)
     """
+    memory = checks.flag(memory, "memory")
     sizes = [checks.positive(a, "accuracies", AccuracyError) for a in accuracies]
     if not sizes:
         raise AccuracyError(

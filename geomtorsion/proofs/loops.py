@@ -22,6 +22,7 @@ from geomtorsion.loops.arcs import Number, shown
 from geomtorsion.loops.domain import loop_edges
 from geomtorsion.proofs.paths import BallArc, arcs_of
 from geomtorsion.proofs.wanted import MOST_BITS, SPARE, Wanted, log2, upper
+from geomtorsion.support import checks
 from geomtorsion.support.allowance import check_limits
 from geomtorsion.support.precision import ball_precision
 
@@ -106,12 +107,8 @@ def values_of(coframe: Coframe, parameters: Mapping[str, Number]) -> list[arb]:
     MissingValueError
         one has no value.
     """
-    missing = [name for name in coframe.parameters if name not in parameters]
-    if missing:
-        raise MissingValueError(
-            f"expected a value for each parameter, got none for {', '.join(missing)}. Give "
-            "parameters={...}."
-        )
+    remedy = "Give parameters={'{missing}': ...}."
+    checks.check_values(coframe.parameters, parameters, "parameters", MissingValueError, remedy)
     return [exact_ball(parameters[name]) for name in coframe.parameters]
 
 

@@ -294,10 +294,7 @@ def _checked_start(start: object) -> Any:
 
 def _refuse_unknown(names: Mapping[str, Any], known: Mapping[str, Any]) -> None:
     for name in names:
-        if name not in known:
-            raise UnknownNameError(
-                f"parameters: expected one of {', '.join(known) or 'none'}, got {name}."
-            )
+        checks.known_name(name, known, "parameters", UnknownNameError, expected="a parameter")
 
 
 def _verdict(gap: arb, error: arb) -> bool | None:

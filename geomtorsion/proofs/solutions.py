@@ -20,6 +20,7 @@ from geomtorsion.proofs.courses import Course, OdeCourse, Position, Stretch, exa
 from geomtorsion.proofs.motions import MOST_STEPS, RefusalError, follow
 from geomtorsion.proofs.steps import SMALLER, Method
 from geomtorsion.proofs.wanted import MOST_BITS, SPARE, Wanted, log2
+from geomtorsion.support import checks
 from geomtorsion.support.precision import ball_precision
 
 # Values that may replace a start.
@@ -338,8 +339,7 @@ def _start(names: Sequence[str], known: Sequence[Any], given: Start) -> tuple[An
         return ()
     if isinstance(given, Mapping):
         for name in given:
-            if name not in names:
-                raise UnknownNameError(f"start: expected one of {', '.join(names)}, got {name}.")
+            checks.known_name(name, names, "start", UnknownNameError, expected="a state")
         return tuple(given.get(name, x) for name, x in zip(names, known, strict=True))
     if len(given) != len(names) or not known:
         raise ShapeError(

@@ -401,11 +401,8 @@ def _kept(angles: Array, lost: NDArray[np.bool_]) -> Array:
 
 def _array(values: ArrayLike, shape: tuple[int, ...], name: str) -> Array:
     """An array of floats that ends in this shape."""
-    array = np.asarray(values, dtype=float)
-    if array.shape[-len(shape) :] != shape:
-        shape_text = ", ".join(["...", *map(str, shape)])
-        raise ShapeError(f"{name}: expected shape ({shape_text}), got {array.shape}.")
-    return array
+    form = (..., *shape)
+    return checks.array(values, name, StartError, shape=form, shape_error=ShapeError, infinite=None)
 
 
 def _numbers(values: object, shape: tuple[int, ...], name: str, wanted: str) -> Array:

@@ -292,8 +292,7 @@ def free_top(moments: object, omega: object, quaternion: object = (1.0, 0.0, 0.0
     rates = floats(checked_numbers(omega, 3, "omega"))
     start = floats(checked_numbers(quaternion, 4, "quaternion"))
     for k, size in enumerate(sizes):
-        if size <= 0:
-            raise StartError(f"moments[{k}]: expected a positive moment of inertia, got {size}.")
+        checks.positive(size, f"moments[{k}]", StartError, expected="a positive moment of inertia")
     if not all(1 / WIDE <= x <= WIDE for x in (*sizes, max(map(abs, rates)) or 1.0)):
         raise StartError(
             f"moments and rates: expected sizes between {1 / WIDE:g} and {WIDE:g}, got others. Use "

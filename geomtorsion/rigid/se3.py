@@ -145,10 +145,4 @@ def _parts(pose: ArrayLike) -> tuple[Array, Array]:
 
 def _finite(values: ArrayLike, shape: tuple[int, ...], name: str) -> Array:
     """Finite numbers in an array that ends in this shape."""
-    array = np.asarray(values, dtype=float)
-    if array.shape[-len(shape) :] != shape:
-        shape_text = ", ".join(["...", *map(str, shape)])
-        raise ShapeError(f"{name}: expected shape ({shape_text}), got {array.shape}.")
-    if not np.isfinite(array).all():
-        raise StartError(f"{name}: expected finite numbers, got {checks.shown(values)}.")
-    return array
+    return checks.array(values, name, StartError, shape=(..., *shape), shape_error=ShapeError)

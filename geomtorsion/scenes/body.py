@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -49,7 +48,7 @@ class Body:
     (0.005, 0.005, 0.008)
     >>> Body(mass=1.0, moments=(1, 2, -4))
     Traceback (most recent call last):
-    geomtorsion.errors.BodyError: moments[2] = -4: expected a positive number (kg m^2).
+    geomtorsion.errors.BodyError: moments[2]: expected a positive number (kg m^2), got -4.
     """
 
     mass: Number = 1.0
@@ -249,9 +248,8 @@ def ellipsoid_moments(mass: Number, semiaxes: Sequence[Number]) -> tuple[float, 
 def cylinder_moments(mass: Number, radius: Number, height: Number) -> tuple[float, ...]:
     """Moments of a homogeneous cylinder about the third axis; height 0 is a disc."""
     m, r = _exact(mass), _exact(positive(radius, "radius", "m"))
-    size = checks.real(height)
-    if size is None or not 0 <= size < math.inf:
-        raise BodyError(f"height = {height!r}: expected a positive number (m), or 0 for a disc.")
+    wanted = "a positive number (m), or 0 for a disc"
+    checks.not_negative(height, "height", BodyError, expected=wanted)
     h = _exact(height)
     across = m * (3 * r * r + h * h) / 12
     return _plain(across, across, m * r * r / 2)

@@ -8,6 +8,7 @@ import sympy as sp
 
 from geomtorsion.errors import SceneError
 from geomtorsion.scenes.body import Body, Number, exact
+from geomtorsion.support import checks
 
 Symbols = tuple[sp.Symbol, ...]
 
@@ -112,10 +113,8 @@ class Context:
 
     def vector(self, name: str, values: Sequence[Number]) -> sp.Matrix:
         """Three numbers as a column of symbols name1, name2, name3; zeros stay zeros."""
-        values = tuple(values)
-        if len(values) != 3:
-            raise SceneError(f"{name}: expected three components, got {len(values)}.")
-        return sp.Matrix([self.parameter(f"{name}{k}", v) for k, v in enumerate(values, 1)])
+        parts = checks.entries(values, name, SceneError, 3, expected="three components")
+        return sp.Matrix([self.parameter(f"{name}{k}", v) for k, v in enumerate(parts, 1)])
 
     def state(self, name: str) -> sp.Symbol:
         """A symbol for a state of the effect's own."""

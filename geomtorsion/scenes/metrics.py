@@ -11,7 +11,7 @@ import numpy as np
 import scipy  # loads its parts on first use
 
 from geomtorsion.errors import SceneError, UnknownNameError
-from geomtorsion.support.checks import did_you_mean
+from geomtorsion.support.checks import did_you_mean, known_name
 
 # A number, or a vector of them, as a sweep varies it.
 Values = float | tuple[float, ...]
@@ -36,12 +36,8 @@ class SweepRun:
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A watched quantity at the times."""
-        if name in self.values:
-            return self.values[name]
-        hint = did_you_mean(name, self.values)
-        raise UnknownNameError(
-            f"expected a watched quantity, got {name!r}. {hint}There are {', '.join(self.values)}."
-        )
+        kind = "a watched quantity"
+        return self.values[known_name(name, self.values, "", UnknownNameError, expected=kind)]
 
     def part(self, name: str, part: int | None = None) -> np.ndarray:
         """A quantity that is one number, or one component of it, shape (m,)."""

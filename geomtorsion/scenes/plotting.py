@@ -35,14 +35,11 @@ LAWS = frozenset({"naive", "torsion"})
 def plot(result: SceneResult, path: str | Path | None = None, figure: str = "watched") -> Figure:
     """One of the `drawings` of a result; written to a file if a path is given."""
     choices = drawings(result)
-    if figure not in choices:
-        near = checks.near_names(figure, choices) if isinstance(figure, str) else ""
-        hint = f"Did you mean {near}? " if near else ""
-        raise UnknownNameError(
-            f"figure: expected one of {', '.join(choices)} for these outputs, got "
-            f"{checks.shown(figure)}. {hint}Watch more quantities for other figures."
-        )
-    drawn = choices[figure][0](result)
+    kind, remedy = "a figure of these outputs", "Watch more quantities for other figures."
+    name = checks.known_name(
+        figure, choices, "figure", UnknownNameError, expected=kind, remedy=remedy
+    )
+    drawn = choices[name][0](result)
     if path is not None:
         save(drawn, Path(path))
     return drawn

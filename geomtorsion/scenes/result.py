@@ -20,7 +20,7 @@ from geomtorsion.pictures.style import pictured
 from geomtorsion.scenes.plotting import plot
 from geomtorsion.scenes.to_ode import observed
 from geomtorsion.support.caching import cached_property
-from geomtorsion.support.checks import did_you_mean, shown
+from geomtorsion.support.checks import known_name, shown
 from geomtorsion.support.copies import only_fields
 from geomtorsion.support.files import written
 from geomtorsion.support.hints import attribute_hints
@@ -145,13 +145,10 @@ class SceneResult:
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A watched quantity at the times, shape (m,) or (m, components)."""
-        if name in self.values:
-            return self.values[name]
-        hint = did_you_mean(name, self.values)
-        raise UnknownNameError(
-            f"expected a watched quantity, got {name!r}. {hint}There are {', '.join(self.values)}; "
-            f"add {name!r} to watch and run again."
-        )
+        kind, remedy = "a watched quantity", "For another one, add it to watch and run again."
+        return self.values[
+            known_name(name, self.values, "", UnknownNameError, expected=kind, remedy=remedy)
+        ]
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.values)

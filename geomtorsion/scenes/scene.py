@@ -189,10 +189,8 @@ class Scene:
 
     def __post_init__(self) -> None:
         """Check everything that can be checked without solving."""
-        if not isinstance(self.body, Body):
-            raise SceneError(
-                f"body = {self.body!r}: expected a Body, such as Body(moments=(1, 2, 3))."
-            )
+        remedy = "Write Body(moments=(1, 2, 3))."
+        checks.instance(self.body, Body, "body", SceneError, remedy=remedy)
         if isinstance(self.effects, str) and self.effects == CALLED_FOR:
             around = replace(self, effects=at_surface(self.body))
             chosen = called_for(around).chosen
@@ -200,10 +198,8 @@ class Scene:
             object.__setattr__(self, "accuracy", chosen.accuracy)
         object.__setattr__(self, "effects", _effect_list(self.effects))
         object.__setattr__(self, "watch", _names(self.watch))
-        if not isinstance(self.start, State):
-            raise SceneError(
-                f"start: expected a State, such as State(omega=(0, 0, 1)), got {self.start!r}."
-            )
+        remedy = "Write State(omega=(0, 0, 1))."
+        checks.instance(self.start, State, "start", SceneError, remedy=remedy)
         object.__setattr__(self, "accuracy", checked_accuracy(self.accuracy))
         checked_times(self.t)
         if isinstance(self.t, Iterable) and checks.real(self.t) is None:
@@ -435,11 +431,7 @@ class Scene:
         UnknownNameError
             a path does not exist; the message names the existing ones.
         """
-        if changes is not None and not isinstance(changes, Mapping):
-            raise SceneError(
-                f"{changes!r}: expected a mapping, such as {{'body.moments[2]': 3.1}}."
-            )
-        changes = {**(changes or {}), **fields}
+        changes = checks.table(changes, "changes", SceneError) | fields
         chosen = changes.pop("effects", None)
         changed = with_values(self, changes)
         if chosen is None:
@@ -470,10 +462,8 @@ def _names(watch: Any) -> tuple[str, ...]:
             'watch: expected at least one quantity, got none. Give a name, for instance "omega".'
         )
     for name in names:
-        if not isinstance(name, str):
-            raise SceneError(
-                f'watch: expected names as text, got {name!r}. Give a list, for instance ["omega"].'
-            )
+        remedy = 'Give a list, for instance ["omega"].'
+        checks.text(name, "watch", SceneError, expected="names as text", remedy=remedy)
     # In their order, each once.
     return tuple(dict.fromkeys(names))
 

@@ -73,12 +73,8 @@ class SceneSweep:
     def __getitem__(self, name: str) -> np.ndarray:
         """The varied values or the measure of this name."""
         every = {**self.varied, **self.measured}
-        if name in every:
-            return every[name]
-        hint = checks.did_you_mean(name, every)
-        raise UnknownNameError(
-            f"expected a varied or measured name, got {name!r}. {hint}There are {', '.join(every)}."
-        )
+        kind = "a varied or measured name"
+        return every[checks.known_name(name, every, "", UnknownNameError, expected=kind)]
 
     def columns(self) -> dict[str, np.ndarray]:
         """A column for each path and measure, a row for each combination."""
@@ -130,10 +126,8 @@ class SceneSweep:
             matplotlib is not installed.
         """
         name = measure or next(iter(self.measured))
-        if name not in self.measured:
-            raise UnknownNameError(
-                f"expected a measured name, got {name!r}. There are {', '.join(self.measured)}."
-            )
+        kind = "a measured name"
+        checks.known_name(name, self.measured, "", UnknownNameError, expected=kind)
         values = self.measured[name]
         # Whole vectors have no axis of their own: they are counted.
         pairs = [
@@ -220,7 +214,7 @@ def sweep(
     [28.731, 20.755]
     """
     began = time.perf_counter()
-    if not varied or not isinstance(varied, Mapping):
+    if not checks.table(varied, "varied", SceneError):
         raise SceneError(
             "varied: expected paths with values, got none. Give for instance {'gravity.g': [1, 2]}."
         )

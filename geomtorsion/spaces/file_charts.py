@@ -15,7 +15,7 @@ from geomtorsion.errors import CoordinateError, FileFormatError
 from geomtorsion.exact.tokens import Limits
 from geomtorsion.geometry import Frame
 from geomtorsion.spaces.vocabulary import FLAG, Vocabulary, array, texts, vocabulary
-from geomtorsion.support.checks import did_you_mean, flag, shown
+from geomtorsion.support.checks import check_values, entries, flag, known_keys, known_name, shown
 from geomtorsion.support.files import Decimal
 
 # Keys of a chart, and of the coordinates of the file.
@@ -76,15 +76,9 @@ def _same(value: Any) -> Any:
 
 
 def _check_keys(file: str, table: Mapping[str, object], place: str) -> None:
-    for key in table:
-        if key not in KEYS:
-            raise FileFormatError(
-                f"{file}: {place}: unknown key {shown(key)}. {did_you_mean(key, KEYS)}"
-                f"Known are {', '.join(KEYS)}."
-            )
-    for key in NEEDED:
-        if key not in table:
-            raise FileFormatError(f"{file}: {place}: {key} is missing. Give {', '.join(NEEDED)}.")
+    subject = f"{file}: {place}"
+    known_keys(table, KEYS, subject, FileFormatError, expected="a known key")
+    check_values(NEEDED, table, subject, FileFormatError, f"Give {', '.join(NEEDED)}.")
 
 
 def _words(words: Vocabulary, table: Mapping[str, Any], place: str) -> Vocabulary:
@@ -151,22 +145,16 @@ def _maps(
     lists = {}
     for key, reader in (("from_home", words), ("to_home", inner)):
         value = table[key]
-        if not isinstance(value, list) or len(value) != n:
-            raise FileFormatError(
-                f"{words.file}: {place}.{key}: expected a list of {n} expressions, one for each "
-                f"coordinate, got {shown(value)}."
-            )
+        kind = f"a list of {n} expressions, one for each coordinate"
+        entries(value, f"{words.file}: {place}.{key}", FileFormatError, n, expected=kind)
         lists[key] = tuple(
             reader.expression(entry, f"{place}.{key}[{k}]") for k, entry in enumerate(value)
         )
     angles = texts(words.file, table.get("angles", []), f"{place}.angles")
     every = [symbol.name for symbol in (*words.coordinates, *inner.coordinates)]
+    subject = f"{words.file}: {place}.angles"
     for angle in angles:
-        if angle not in every:
-            raise FileFormatError(
-                f"{words.file}: {place}.angles: expected coordinates, got {shown(angle)}. "
-                f"{did_you_mean(angle, every)}Known are {', '.join(every)}."
-            )
+        known_name(angle, every, subject, FileFormatError, expected="coordinates")
 
     def turning(symbols: tuple[sp.Symbol, ...]) -> tuple[int, ...]:
         return tuple(k for k, symbol in enumerate(symbols) if symbol.name in angles)

@@ -26,7 +26,7 @@ from geomtorsion.spaces.vocabulary import (
     vocabulary,
 )
 from geomtorsion.support import checks
-from geomtorsion.support.checks import did_you_mean, flag, shown
+from geomtorsion.support.checks import flag, known_keys, shown
 from geomtorsion.support.files import Decimal, read_toml
 from geomtorsion.support.outgoing import one_line
 
@@ -142,12 +142,7 @@ def read_file(path: str | PathLike[str]) -> Space:
 
 def _check_keys(file: str, data: Mapping[str, object]) -> None:
     """Refuse unknown keys, and those that slipped under a table."""
-    for key in data:
-        if key not in KEYS:
-            raise FileFormatError(
-                f"{file}: unknown key {shown(key)}. {did_you_mean(key, KEYS)}"
-                f"Known are {', '.join(KEYS)}."
-            )
+    known_keys(data, KEYS, file, FileFormatError, expected="a known key")
     for table in ("parameters", "functions", "names"):
         inside = data.get(table)
         for key in inside if isinstance(inside, dict) else ():

@@ -13,7 +13,7 @@ import sympy
 from geomtorsion.errors import FileFormatError
 from geomtorsion.exact import parse_expression
 from geomtorsion.geometry.relations import relations_in
-from geomtorsion.support.checks import cut, did_you_mean, shown
+from geomtorsion.support.checks import cut, known_name, shown
 
 ASSUMPTIONS = (
     "real", "positive", "negative", "nonnegative", "nonpositive", "nonzero", "integer", "complex",
@@ -97,13 +97,9 @@ def vocabulary(file: str, data: Mapping[str, object], dimension: int) -> Vocabul
     functions: dict[str, sympy.Expr] = {}
     for name, entry in _table(file, data, "functions").items():
         arguments = texts(file, entry, f"functions.{name}")
+        subject, kind = f"{file}: functions.{name}", "a coordinate or a declared parameter"
         for argument in arguments:
-            if argument not in symbols:
-                near = did_you_mean(argument, symbols)
-                raise FileFormatError(
-                    f"{file}: functions.{name}: expected a coordinate or a declared parameter as "
-                    f"argument, got {shown(argument)}. {near}Declared are {', '.join(symbols)}."
-                )
+            known_name(argument, symbols, subject, FileFormatError, expected=kind)
         function = sympy.Function(_name(file, name, "functions"))
         functions[name] = function(*(symbols[argument] for argument in arguments))
     declared = [*names, *table, *functions]
@@ -139,12 +135,9 @@ def _name(file: str, name: str, place: str) -> str:
 def _assumptions(file: str, name: str, given: object) -> dict[str, bool]:
     """Assumptions of a parameter; real unless complex is among them."""
     words = [word for text in texts(file, given, f"parameters.{name}") for word in text.split()]
+    subject = f"{file}: parameters.{name}"
     for word in words:
-        if word not in ASSUMPTIONS:
-            raise FileFormatError(
-                f"{file}: parameters.{name}: expected an assumption, got {shown(word)}. "
-                f"{did_you_mean(word, ASSUMPTIONS)}Known are {', '.join(ASSUMPTIONS)}."
-            )
+        known_name(word, ASSUMPTIONS, subject, FileFormatError, expected="an assumption")
     assumptions = dict.fromkeys(words, True)
     return assumptions if "complex" in words else assumptions | {"real": True}
 

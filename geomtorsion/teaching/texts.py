@@ -15,8 +15,25 @@ from geomtorsion.errors import UnknownNameError
 from geomtorsion.support import checks
 from geomtorsion.support.files import TomlFile, read_text, read_toml_text
 
+__all__ = [
+    "ENGLISH",
+    "FOLDER",
+    "Language",
+    "TextTable",
+    "Texts",
+    "argument_of",
+    "code_of",
+    "language_name",
+    "languages",
+    "placeholders",
+    "texts",
+    "texts_of",
+]
+
 ENGLISH = "en"
 FOLDER = Path(__file__).parent / "languages"
+# The name of a language of the package, or a folder with texts.
+Language = str | PathLike[str]
 # A text, or several in order.
 Entry = str | tuple[str, ...]
 # A placeholder, the sign @ itself, or an @ that is neither.
@@ -182,13 +199,13 @@ def languages() -> tuple[str, ...]:
     return (ENGLISH, *(name for name in own if name != ENGLISH))
 
 
-def language_name(language: str | PathLike[str]) -> str:
+def language_name(language: Language) -> str:
     """A language of the package, or the absolute path of a folder with texts.
 
     Raises
     ------
     UnknownNameError
-        It is neither, or the folder has a file that is no file of texts.
+        It is neither, or the folder has a file with an unknown name.
 
     Examples
     --------
@@ -226,6 +243,19 @@ def code_of(language: str) -> str:
     'fr'
     """
     return Path(language).name
+
+
+def argument_of(language: str) -> str:
+    """The argument of a call in a notebook, empty for English and for a folder.
+
+    The notebook is run on other machines, which have the languages of the package only.
+
+    Examples
+    --------
+    >>> argument_of("de"), argument_of("en"), argument_of("/home/me/texts/fr")
+    (", language='de'", '', '')
+    """
+    return f", language={language!r}" if language in languages()[1:] else ""
 
 
 def placeholders(*entries: str) -> set[str]:
@@ -297,7 +327,7 @@ def _entries(
 
 def _entry(file: TomlFile, path: tuple[str, ...], value: object) -> Entry:
     """A text or a list of texts, each with its lines joined."""
-    several = value if isinstance(value, list) else [value]
+    several: list[Any] = value if isinstance(value, list) else [value]
     for text in several:
         if not isinstance(text, str) or not text.strip():
             name = ".".join(path)
@@ -328,8 +358,8 @@ def _compare(
         first = english[key]
         if _kind(entry) != _kind(first):
             file.fail(path, f"{what}: expected {_kind(first)} as in English, got {_kind(entry)}.")
-        pairs = [(entry, first)] if isinstance(entry, str) else zip(entry, first, strict=True)
-        for text, model in pairs:
+        several, models = ((x,) if isinstance(x, str) else x for x in (entry, first))
+        for text, model in zip(several, models, strict=True):
             used, allowed = placeholders(text), placeholders(model)
             if used != allowed:
                 file.fail(path, f"{what}: {_differing(used, allowed)}")

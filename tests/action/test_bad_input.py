@@ -26,7 +26,7 @@ SPIN = (U1**2 + 2 * U2**2 + 3 * U3**2) / 2
         (SPIN + U7, r"lagrangian: expected a coordinate.*, got u7. Velocities are u1 \.\.\. u3"),
         (SPIN + sp.Symbol("phi1dot"), "got phi1dot.*Did you mean phi1"),
         (SPIN + sp.Symbol("u2dot"), "a parameter, got u2dot"),
-        ([SPIN], "expected an expression, got list"),
+        ([SPIN], "expected an expression, got \\[u1"),
         (sp.Eq(U1, U2), "expected an expression"),
     ],
 )
@@ -120,7 +120,7 @@ def test_constrained_velocity_may_have_no_energy():
 @pytest.mark.parametrize(
     ("forces", "words"),
     [
-        ([1, 2], "expected 3 components F_k.*got 2"),
+        ([1, 2], "expected one for each of 3 forms .*, got 2"),
         ({3: 1}, "expected components from 0 to 2, .* got 3"),
         ({"u1": 1}, "expected components .* got 'u1'"),
         ("u1", "expected a list"),
@@ -144,7 +144,7 @@ def test_constraints_must_be_a_list():
     [
         ("closed-in-coordinates", "closed_in_coordinates"),
         ("Naive", "naive"),
-        (3, "expected one of closed"),
+        (3, "There are closed_in"),
     ],
 )
 def test_unknown_principle(principle, near):

@@ -100,10 +100,14 @@ def test_parameters_of_images_and_stops():
             ShapeError,
             "phi1, phi2, phi3 among its states, got x",
         ),
-        (lambda: BAR.gap_ode(TURNING, [0, 0]), ShapeError, "expected 3 functions dPhi"),
+        (
+            lambda: BAR.gap_ode(TURNING, [0, 0]),
+            ShapeError,
+            "images: expected one for each of 3 legs",
+        ),
         (lambda: BAR.gap_ode(TURNING, 5), ShapeError, "images: expected a list"),
         (lambda: BAR.gap_ode(TURNING, ["q", 0, 0]), ExpressionError, r"images\[0\]"),
-        (lambda: BAR.gap_ode(TURNING, [sp.Symbol("q"), 0, 0]), ExpressionError, "got q"),
+        (lambda: BAR.gap_ode(TURNING, [sp.Symbol("q"), 0, 0]), ExpressionError, "got 'q'"),
         (
             lambda: BAR.gap_ode(
                 gt.ODE.of({"phi1": "b1", "phi2": 0, "phi3": 0, "b1": 0}, [0, 1, 0, 1]), [0, 0, 0]

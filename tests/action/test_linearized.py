@@ -215,7 +215,11 @@ def test_the_bicycle_cannot_be_written_out_and_names_the_remedy():
             "got q, which change",
         ),
         (lambda: gt.linearized(LINE, "u1**2/2 - q*t", at={"q": 0}), StartError, "explicit time t"),
-        (lambda: gt.linearized(LINE, "u1**2/2 - q**2", at={}), MissingValueError, "values of q"),
+        (
+            lambda: gt.linearized(LINE, "u1**2/2 - q**2", at={}),
+            MissingValueError,
+            "at: expected a value for q",
+        ),
         (
             lambda: gt.linearized(LINE, "u1**2/2 - q**2", at={"q": 0, "p": 1}),
             UnknownNameError,
@@ -258,12 +262,12 @@ def test_the_bicycle_cannot_be_written_out_and_names_the_remedy():
                 gt.linearized(LINE, "u1**2/2 - k*q**2", at={"q": 0}, parameters=["k"]).eigenvalues
             ),
             MissingValueError,
-            "got none of k",
+            "eigenvalues: expected a value for k",
         ),
         (
             lambda: gt.linearized(LINE, "u1**2/2 - q**2", at={"q": 0}).at({"k": 1}),
             UnknownNameError,
-            "expected one of no parameter, got 'k'",
+            "expected a parameter, got 'k'. There are none",
         ),
     ],
 )

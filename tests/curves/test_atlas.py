@@ -235,12 +235,12 @@ X, Y, K = sp.symbols("x y k")
 @pytest.mark.parametrize(
     ("coordinates", "parameters", "message"),
     [
-        ([1.0], {"k": 1}, r"coordinates: expected 2 \(x, y\), got 1"),
-        ([1.0, 2.0, 3.0], {"k": 1}, r"coordinates: expected 2 \(x, y\), got 3"),
+        ([1.0], {"k": 1}, r"coordinates: expected one for each of 2 names x, y, got 1"),
+        ([1.0, 2.0, 3.0], {"k": 1}, r"coordinates: expected one for each of 2 names x, y, got 3"),
         (3, {"k": 1}, "coordinates: expected a list, got 3"),
         (["1", 2.0], {"k": 1}, "expected a number.*, got '1'"),
         ([1.0, 2j], {"k": 1}, "expected a number.*, got 2j"),
-        ([1.0, 2.0], None, "got none for k"),
+        ([1.0, 2.0], None, "parameters: expected a value for k, got none"),
         ([1.0, 2.0], {"k": "1"}, "parameter k: expected a number, got '1'"),
     ],
 )

@@ -144,8 +144,8 @@ def test_a_kinetic_metric_of_exact_constants(metric, start):
         ([1, sp.sqrt(2) - ROOT, 3], "singular"),
         ([[ROOT, 2, 0], [2, sp.sqrt(8), 0], [0, 0, 1]], "singular"),
         ([[1, ROOT, 0], [1, 3, 0], [0, 0, 1]], "not symmetric"),
-        ([1, sp.zoo, 3], "not a real number"),
-        ([1, sp.Symbol("a"), 3], "not a real number"),
+        ([1, sp.zoo, 3], "expected a number, got"),
+        ([1, sp.Symbol("a"), 3], "expected a number, got"),
     ],
     ids=str,
 )

@@ -30,7 +30,7 @@ REFUSALS = [
      (ExpressionError, ZeroDivisionError), "zero|vanish"),
     (lambda: FIELD.read_all(ENTRIES), ExpressionError, r"coframe\[0, 1\]"),
     (lambda: Field([x, y, x]), CoordinateError, "repeat"),
-    (lambda: parse(0.5, {}), ExpressionError, "text, got float"),
+    (lambda: parse(0.5, {}), ExpressionError, "text, got 0.5"),
 ]  # fmt: skip
 
 

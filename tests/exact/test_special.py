@@ -27,11 +27,15 @@ ZEROS = [
         for m in (0, 3, T, n)
     ),
     *(K(m + 2, x) - K(m, x) - 2 * (m + 1) * K(m + 1, x) / x for m in (0, 3, T, n)),
+    *(F(n - 3, x) + F(n - 1, x) - 2 * (n - 2) * F(n - 2, x) / x for F in (J, Y)),
+    sp.besseli(n - 3, x) - sp.besseli(n - 1, x) - 2 * (n - 2) * sp.besseli(n - 2, x) / x,
+    K(n - 3, x) - K(n - 1, x) + 2 * (n - 2) * K(n - 2, x) / x,
     J(1, x * y) * Y(0, x * y) - J(0, x * y) * Y(1, x * y) - 2 / (sp.pi * x * y),
     sp.besseli(n, x) * K(n + 1, x) + sp.besseli(n + 1, x) * K(n, x) - 1 / x,
     J(3 * H, x) - sp.sqrt(2 / (sp.pi * x)) * (sp.sin(x) / x - sp.cos(x)),
     K(H, x) ** 2 - sp.pi / (2 * x) * sp.exp(-2 * x),
     J(-n, x) - sp.cos(n * sp.pi) * J(n, x) + sp.sin(n * sp.pi) * Y(n, x),
+    Y(-n, x) - sp.sin(n * sp.pi) * J(n, x) - sp.cos(n * sp.pi) * Y(n, x),
     sp.besseli(-n, x) - sp.besseli(n, x) - 2 / sp.pi * sp.sin(n * sp.pi) * K(n, x),
     J(30, x) + J(32, x) - 62 * J(31, x) / x,
     W(x) * sp.exp(W(x)) - x,
@@ -135,7 +139,8 @@ def test_random_expressions_that_vanish_are_never_called_nonzero(seed):
 @pytest.mark.parametrize(
     "function",
     [
-        J(20, x), J(T, x), Y(3, x), sp.besseli(2, x), K(4, x), J(n, x * y), W(x),
+        J(20, x), J(T, x), Y(3, x), sp.besseli(2, x), K(4, x), J(n, x * y), J(-n, x), Y(-n, x),
+        sp.besseli(n - 3, x), W(x),
         W(-x / 100, -1), gamma(x + T),
         sp.loggamma(x), psi(1, x), sp.erf(x), sp.erfc(40 * x), sp.erfi(x),
         sp.Ei(x), sp.expint(2, x),

@@ -54,9 +54,9 @@ def test_quantities(given, field, value):
         ("3 mm^999", "m", "beyond all numbers"),
         ("3 m^" + "9" * 5000, "m", "beyond all numbers"),
         ("3 day^99", "s", "beyond all numbers"),
-        ("3 metre", "m", "'metre' is not a unit"),
+        ("3 metre", "m", "expected a unit, got 'metre'"),
         ("3 Deg", "rad", "Did you mean deg"),
-        ("3 m/sek", "m/s", "'sek' is not a unit"),
+        ("3 m/sek", "m/s", "expected a unit, got 'sek'"),
     ],
 )
 def test_units_that_do_not_fit(given, field, says):

@@ -54,7 +54,7 @@ REFUSALS = [
     (lambda: gt.fit_frame(EDGE, [[1, 2, 3]], [np.eye(2)], 1, ["b"], parameters=GUESS),
      ShapeError, "points"),
     (lambda: gt.fit_frame(EDGE, ONE, [np.eye(2)], 1, ["b"], parameters={"b": 1}),
-     StartError, "a number for x0, y0"),
+     StartError, "a value for x0, y0"),
     (lambda: gt.fit_frame(EDGE, [[0, 0]], [np.eye(2)], 1, ["b"], parameters=GUESS),
      SingularPointError, "at point 0"),
     (lambda: gt.fit_frame(EDGE, ONE, [np.eye(2)], 0, ["b"], parameters=GUESS),

@@ -50,7 +50,7 @@ REFUSALS = [
     (lambda: gt.fit_loops(CORE, ONE, [[0, 0, 1]] * 2, 1, ["b"], parameters=VALUES),
      ShapeError, "expected 1 finite"),
     (lambda: gt.fit_loops(CORE, ONE, [[0, 0, 1]], 1, ["b"], parameters={"w": 1}),
-     StartError, "first guess of b"),
+     StartError, "a value for b, got none. Add a first guess"),
     (lambda: gt.fit_loops(CORE, ONE, [[0, 0, 1]], -1, ["b"], parameters=VALUES),
      StartError, "expected positive"),
     (lambda: gt.fit_loops(CORE, ONE, [[0, 0, 1]], 1e-16, ["b"], parameters=VALUES),

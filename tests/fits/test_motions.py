@@ -165,7 +165,7 @@ REFUSALS = [
     (lambda: gt.fit(SWING, TIMES, {"y": TIMES}, 0.01, ["k"]), UnknownNameError, "got 'y'"),
     (lambda: gt.fit(SWING, TIMES, {}, 0.01, ["k"]), StartError, "got none"),
     (lambda: gt.fit(SWING, TIMES, X, 0.0, ["k"]), StartError, "expected positive numbers"),
-    (lambda: gt.fit(SWING, TIMES, X, {"v": 1}, ["k"]), StartError, "noise of x"),
+    (lambda: gt.fit(SWING, TIMES, X, {"v": 1}, ["k"]), StartError, "a value for x"),
     (lambda: gt.fit(SWING, TIMES[1:], X, 1, ["k"]), ShapeError, "expected 39 finite numbers"),
     (lambda: gt.fit(SWING, TIMES, {"both": TIMES}, 1, ["k"]), ShapeError, "shape"),
     (lambda: gt.fit(SWING, [], X, 1, ["k"]), TimeError, "got none"),

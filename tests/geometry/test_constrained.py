@@ -199,7 +199,7 @@ def test_anything_but_a_constraint_is_refused(frame, allowed, error, words):
     ("arguments", "error", "words"),
     [
         ({"velocity": [1, 0, 1]}, StartError, "a velocity that the constraints permit"),
-        ({"velocity": [0, 0, 1], "force": [1, 2]}, ShapeError, "3 components F_k"),
+        ({"velocity": [0, 0, 1], "force": [1, 2]}, ShapeError, "one for each of 3 legs"),
         ({"velocity": [0, 0, 1], "potential": "z"}, ExpressionError, "z"),
         ({"velocity": [0, 0, 1], "potential": "m*("}, ExpressionError, "potential"),
     ],

@@ -131,6 +131,14 @@ REFUSALS = [
 ]
 
 
+def test_a_field_moves_straight_lines():
+    """L_xi Gamma_ab^c = d_a d_b xi^c in Cartesian coordinates: here for xi = x^2 y d_x."""
+    x, y = sp.symbols("x y", positive=True)
+    flat = gt.levi_civita(gt.Frame([x, y], [[1, 0], [0, 1]]))
+    moved = gt.lie([x**2 * y, 0], flat).nonzero()
+    assert moved == {(0, 0, 0): 2 * y, (0, 1, 0): 2 * x, (1, 0, 0): 2 * x}
+
+
 @pytest.mark.parametrize(("call", "words"), REFUSALS)
 def test_anything_but_a_form_is_refused(call, words):
     """Each bad form or argument is refused with its own message."""

@@ -1,11 +1,9 @@
 """Inertial: a rotated coframe with the spin connection of its flat limit."""
 
-import pytest
 import sympy as sp
 
 import geomtorsion as gt
 from geomtorsion import gravity as g
-from geomtorsion.errors import GravityError
 
 LAGRANGIAN = "T + c*T**2"
 
@@ -33,12 +31,3 @@ def test_a_cosmos_in_spherical_coordinates() -> None:
     found = g.equations(g.inertial(frame, {a: 1}), g.f_of("T"))
     assert found.scalar("T") == 6 * (sp.diff(a, t) / a) ** 2
     assert found.antisymmetric.is_zero
-
-
-def test_a_limit_that_is_not_flat_is_refused() -> None:
-    """The limit M = 1 of Schwarzschild is not flat."""
-    hole = gt.spaces.load("schwarzschild").frame
-    with pytest.raises(GravityError, match="make the metric flat"):
-        g.inertial(hole, {"M": 1})
-    with pytest.raises(GravityError):
-        g.inertial(3, {})  # type: ignore[arg-type]

@@ -305,17 +305,3 @@ def test_matter_that_is_refused(case: str) -> None:
     with pytest.raises(GravityError) as refused:
         g.equations(gt.levi_civita(FLAT), lagrangian, matter)
     assert words in str(refused.value)
-
-
-@pytest.mark.parametrize("name", ["R", "X", "a b", "sin", "Rbar", 3, ""])
-def test_names_that_a_field_cannot_have(name: object) -> None:
-    """A field cannot be called as an invariant, a function or by more than one word."""
-    with pytest.raises(GravityError, match="name: expected a"):
-        g.scalar_field("u(t)", name=name)  # type: ignore[arg-type]
-
-
-def test_the_angle_phi_points_to_another_name() -> None:
-    """In a frame with an angle phi the refusal of phi names the remedy."""
-    frame = gt.spaces.load("schwarzschild").frame
-    with pytest.raises(GravityError, match=r"scalar_field\(..., name='chi'\)"):
-        g.equations(gt.levi_civita(frame), "R - X/2 - phi**2", g.scalar_field("u(r)"))

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import sympy as sp
 from scipy.integrate import quad, solve_ivp
+from scipy.optimize import brentq
 
 import geomtorsion as gt
 from geomtorsion import gravity as g
@@ -87,6 +88,52 @@ def test_dust_in_quadratic_teleparallel_theories(
     age, _ = quad(lambda x: 1 / (x * rate(x)), 1, size, epsabs=1e-12, epsrel=1e-12)
     assert age == pytest.approx(3.0, rel=CLOSE)
     assert max(solution.drift.values()) <= solution.error
+
+
+@pytest.mark.parametrize(
+    ("function", "values"),
+    [
+        ("T + c*exp(T/b)", {"c": "-1/10", "b": 20}),
+        ("T + c*T*log(T)", {"c": "1/10"}),
+        ("T + c*T**n", {"c": "1/10", "n": "3/2"}),
+    ],
+)
+def test_dust_in_other_functions_of_torsion(function: str, values: dict) -> None:
+    """rho = T f'(T) - f(T)/2 for T = 6 H^2: t is an integral over a, by scipy."""
+    T = sp.Symbol("T", positive=True)
+    f = sp.sympify(function, {"T": T}).subs({name: sp.Rational(x) for name, x in values.items()})
+    density = sp.lambdify(T, T * f.diff(T) - f / 2)
+    first = density(6.0)
+
+    def rate(size: float) -> float:
+        return math.sqrt(brentq(lambda x: density(x) - first / size**3, 1e-3, 6.1, xtol=1e-15) / 6)
+
+    connection = gt.cartan(gt.Frame([*"txyz"], sp.diag(1, *["a(t)"] * 3), LORENTZ))
+    equations = g.equations(connection, f"-({function})/2", DUST, constants=" ".join(values))
+    solution = g.solve(equations, "t", 1, {"a": 1, "rho": first}, values, near={"a_1": 1})
+    size = float(solution["a"][-1])
+    age, _ = quad(lambda x: 1 / (x * rate(x)), 1, size, epsabs=1e-12, epsrel=1e-12)
+    assert age == pytest.approx(1.0, rel=CLOSE)
+
+
+def test_one_frame_serves_several_theories() -> None:
+    """A new constant does not disturb logarithms that the frame has from another theory."""
+    one = universe(gt.cartan(COSMOS), "-(T + c*T*log(T))/2", DUST)
+    assert one.states == ("rho", "a", "a_1")
+    powers = g.equations(gt.levi_civita(COSMOS), "R**nu", constants="nu").reduce("t")
+    assert powers.states == ("a", "a_1", "a_2")
+
+
+def test_a_condition_names_an_invariant() -> None:
+    """S(t) = R is the scalar curvature of the Lagrangian, whatever its value is."""
+    connection = gt.levi_civita(COSMOS)
+    value = 6 * (a * a.diff(T, 2) + a.diff(T) ** 2) / a**2
+    one, two = (
+        str(g.equations(connection, "R + c*R**2", DUST).reduce("t", [condition]))
+        for condition in ("S(t) = R", sp.Eq(sp.Function("S")(T), value))
+    )
+    assert one == two
+    assert "S' = S_1" in one
 
 
 def test_starobinsky_inflation_of_fourth_order() -> None:
@@ -253,7 +300,18 @@ WAVE = gt.Frame([T, X, Y, Z], sp.diag(1, sp.Function("b")(T, X), 1, 1), LORENTZ)
 BALL = gt.Frame([T, R, THETA, PHI], sp.diag(1, a, a * R, a * R * sp.sin(THETA)), LORENTZ)
 REDUCTION = EINSTEIN.reduce("t")
 
+
+def circle() -> g.Reduction:
+    """A theory with R^2 and torsion, with two conditions on its curvature."""
+    u = COSMOS.scalar(sp.Function("u")(T)).element()
+    entries = {(0, i, i): u for i in (1, 2, 3)} | {(i, 0, i): -u for i in (1, 2, 3)}
+    connection = gt.from_torsion(COSMOS, gt.Tensor(COSMOS, "DDU", entries))
+    equations = g.equations(connection, "(R + c*R**2)/2", DUST)
+    return equations.reduce("t", ["S(t) = R", "S(t) = rho"])
+
+
 REFUSALS: dict[str, tuple[Callable[[], object], type[GeomtorsionError], str]] = {
+    "a circle": (circle, GravityError, "refer to each other in a circle"),
     "free lapse": (
         lambda: g.equations(gt.levi_civita(LAPSE), "R/2", DUST).reduce("t"),
         GravityError,

@@ -109,3 +109,37 @@ def test_without_unknown_functions() -> None:
     assert free.readable("C", 0, 1, 1) == free.written(free.C.element(0, 1, 1))
     with pytest.raises(GeomtorsionError, match="name: expected one of E"):
         free.readable("Z", 0, 0)
+
+
+DISTINCT = [
+    (
+        gt.levi_civita(shipped("frw")), "R", (),
+        {"E_1^1": "k + D(a,t)**2", "E_2^2": "k + 2*a*D(a,t,t) + D(a,t)**2"},
+    ),
+    (gt.cartan(COSMOS), "f(T)", (), {"E_1^1": "a**2*F - 12*D(a,t)**2*F1"}),
+    (
+        gt.levi_civita(COSMOS), "R/2 - X/2", g.scalar_field("u(t)"),
+        {"phi": "a*D(u,t,t) + 3*D(a,t)*D(u,t)"},
+    ),
+    (gt.levi_civita(HOLE), "R + Lambda", (), {"E_1^1": "Lambda"}),
+    (gt.levi_civita(HOLE), "R", (), {}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("connection", "lagrangian", "matter", "lines"), DISTINCT)
+def test_equations_that_differ_are_written_once(
+    connection: gt.Connection, lagrangian: str, matter: object, lines: dict
+) -> None:
+    """Numerators without common factors; E_2^2 = E_3^3 = E_4^4 is one of at most three."""
+    t, T = sp.symbols("t T")
+    a, u = (sp.Function(name)(t) for name in "au")
+    f = sp.Function("f")(T)
+    names = {"a": a, "u": u, "t": t, "D": sp.diff, "F": f, "F1": f.diff(T)}
+    equations = g.equations(connection, lagrangian, matter)  # type: ignore[arg-type]
+    assert len(equations.distinct) <= 3
+    for label, line in lines.items():
+        expected = sp.sympify(line, names | {"k": sp.Symbol("k"), "Lambda": sp.Symbol("Lambda")})
+        value = equations.distinct[label]
+        same = {str(x): x for x in value.free_symbols}
+        assert sp.expand(value.xreplace({x: sp.Symbol(n) for n, x in same.items()}) - expected) == 0
+    assert lines or not equations.distinct

@@ -164,9 +164,10 @@ def test_derivatives_of_tensors_and_connections_along_a_field() -> None:
         assert gamma - Tensor(frame, "ddu", lambda i: gamma.element(i[1], i[0], i[2])) == lie(
             xi, mixed
         )
-        # For Levi-Civita: (L Gamma)_ab^c = g^cd (D_a h_bd + D_b h_ad - D_d h_ab) / 2, h = L g.
+        # A quadratic field, which has second derivatives. For Levi-Civita:
+        # (L Gamma)_ab^c = g^cd (D_a h_bd + D_b h_ad - D_d h_ab) / 2, h = L g.
         bar = levi_civita(frame)
-        slope = bar.covariant_derivative(lie(xi, frame))
+        slope = bar.covariant_derivative(lie(eta, frame))
         lower = Tensor(
             frame,
             "ddd",
@@ -179,6 +180,6 @@ def test_derivatives_of_tensors_and_connections_along_a_field() -> None:
                 / 2
             ),
         )
-        assert lie(xi, bar) == lower.raised(2)
+        assert lie(eta, bar) == lower.raised(2)
 
     law()

@@ -32,13 +32,21 @@ CLOSED = {
 }
 
 
-# The times depend on the engine, the closed form on the proof: not every pair is needed.
-@pytest.mark.parametrize(
-    ("engine", "name"),
-    [(engine, name) for engine in ENGINES for name in ("clock", "pole of order 1")]
-    + [(gt.Taylor(), name) for name in ("pole of order 2", "logarithm", "growth")],
-    ids=str,
-)
+# Times depend on the engine and closed forms on the proof; pytest -m slow has every pair.
+PAIRS = [
+    pytest.param(
+        engine,
+        name,
+        marks=[]
+        if name in ("clock", "pole of order 1") or engine == gt.Taylor()
+        else pytest.mark.slow,
+    )
+    for engine in ENGINES
+    for name in CLOSED
+]
+
+
+@pytest.mark.parametrize(("engine", "name"), PAIRS, ids=str)
 def test_balls_contain_the_closed_form(engine, name):
     """Each sample of a motion up to a blow-up, and of a clock, is at its own exact time."""
     rates, start, truth = CLOSED[name]

@@ -19,6 +19,7 @@ from geomtorsion.geometry import (
 from geomtorsion.loops import Loop, burgers_vector, develop, develop_path
 from geomtorsion.loops.affine_form import AffineForm
 from geomtorsion.loops.paths import developed_path
+from geomtorsion.loops.transport import product
 from tests.loops.digits import sphere_closure
 
 theta, phi = sp.symbols("theta phi", real=True)
@@ -303,3 +304,35 @@ def test_intervals_have_as_many_points_as_suit_nine_digits() -> None:
     loop = Loop.circle([0.3, 1, 0.2], 0.5)
     found = develop(levi_civita(spaces.load("so3").frame), loop, 1e-9)
     assert found.evaluations < 600
+
+
+@pytest.mark.parametrize("count", [2, 3, 5])
+def test_the_error_of_a_product_bounds_perturbed_factors(count):
+    """A turned first motion moves all shifts after it: the change is within the carried error."""
+    rng = np.random.default_rng(count)
+    largest = 0.0
+    for _ in range(50):
+        turns = np.linalg.qr(rng.normal(size=(count, 2, 2)))[0]
+        motions, moved = np.zeros((2, count, 3, 3))
+        motions[:, :2, :2] = turns - np.eye(2)
+        motions[:, :2, 2] = rng.normal(size=(count, 2)) * [[0.01]] + [[0, 5]]
+        change = rng.normal(size=(count, 2, 3)) * 1e-7
+        # Only some of the motions are wrong.
+        change[rng.random(count) < 0.5] = 0
+        moved[:] = motions
+        moved[:, :2] += change
+        errors = np.stack(
+            [
+                np.linalg.norm(change[:, :, :2], 2, axis=(1, 2)),
+                np.linalg.norm(change[:, :, 2], axis=1),
+            ],
+            axis=1,
+        )
+        exact, carried = product(motions, errors)
+        gap = product(moved, errors)[0] - exact
+        turn, shift = np.linalg.norm(gap[:2, :2], 2), np.linalg.norm(gap[:2, 2])
+        assert turn <= carried[0] * 1.000001
+        assert shift <= carried[1] * 1.000001
+        largest = max(largest, shift / carried[1] if carried[1] else 0.0)
+    # The bound is not empty.
+    assert largest > 0.3

@@ -35,6 +35,31 @@ def test_areas_of_simple_shapes() -> None:
     assert lemon.area[0, 1] == pytest.approx(3 * np.pi / 4, rel=SAME)
 
 
+@pytest.mark.parametrize(
+    "loop",
+    [
+        Loop.ellipse([1, 2], (3, 2)),
+        Loop.spline([[0, 0], [2, 0], [1, 1], [0, 3]]),
+        eight(),
+    ],
+    ids=["ellipse", "spline", "curve"],
+)
+def test_slopes_are_derivatives_of_the_exact_curve(loop: Loop) -> None:
+    """Offsets, up to the centre, and slopes agree with the exact expression of each arc."""
+    s, places = sp.Symbol("s"), [0.0, 0.3, 0.9]
+    for part in loop.parts:
+        for arc in part.arcs:
+            exact = arc.exact(s)
+            offsets, slopes = arc.shape(np.array(places))
+            points, rates = (
+                np.array([[float(x.subs(s, place)) for place in places] for x in wanted])
+                for wanted in (exact, [x.diff(s) for x in exact])
+            )
+            assert slopes == pytest.approx(rates, rel=1e-12, abs=1e-12)
+            steps = np.diff(offsets, axis=1)
+            assert steps == pytest.approx(np.diff(points, axis=1), rel=1e-12, abs=1e-12)
+
+
 @given(st.lists(st.tuples(numbers, numbers), min_size=3, max_size=9, unique=True))
 def test_area_of_polygons_is_the_shoelace_formula(points: list[tuple[float, float]]) -> None:
     """Holds for any polygon, also if it crosses itself."""

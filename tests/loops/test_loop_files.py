@@ -85,7 +85,7 @@ JSON = [
     ('[{"times": 3}]', "exactly one of .* got none"),
     ('[{"circle": {"centre": [0, 0], "radius": 1}, "name": 3}]', "name: expected text"),
     ('{"loops": [1], "q": 3}', "expected a known key, got 'q'"),
-    ('{"loops": [1], "parameters": 3}', "parameters: expected a dict, got 3"),
+    ('{"loops": [1], "parameters": 3}', "parameters: expected names with values, got 3"),
     ('{"loops": [1], "accuracy": "x"}', "accuracy: expected a number"),
     ("[" * 100000, "nested too deeply|expected JSON"),
 ]

@@ -11,7 +11,7 @@ import pytest
 
 from geomtorsion.errors import AccuracyError
 from geomtorsion.ode import ODE, RungeKutta, Taylor, solve
-from geomtorsion.ode.error_estimate import AIM, difference
+from geomtorsion.ode.error_estimate import AIM, difference, rounding
 from geomtorsion.ode.trajectory import integrate
 from tests.ode.engines import needs_heyoka
 
@@ -29,6 +29,14 @@ class Counting(RungeKutta):
         found = super().run(*given, **more)
         self.runs.append(found.evaluations)
         return found
+
+
+@pytest.mark.parametrize("steps", [1, 100, 10_000])
+def test_roundings_add_up_at_random(steps):
+    """The estimate for many steps is one to ten times the scatter of a sum of roundings."""
+    halves = np.random.default_rng(steps).uniform(-0.5, 0.5, size=(400, steps)) * 2.0**-52
+    scatter = halves.sum(axis=1).std()
+    assert scatter < rounding(RungeKutta(), steps) < 10 * scatter
 
 
 def test_a_start_is_known_to_about_a_rounding():

@@ -17,3 +17,14 @@ def test_how_near_to_zero_a_valley_is_looked_into(reach, seen):
         return 1 + bend / 2 * (t + t**2) - np.exp(-(((t + 0.5) / 0.1) ** 2))
 
     assert len(crossings(function, times, function(times))) == (2 if seen else 0)
+
+
+@pytest.mark.parametrize(("direction", "turns"), [(0, [1, 2, 3]), (1, [2]), (-1, [1, 3])])
+@pytest.mark.parametrize("backwards", [False, True])
+def test_crossings_in_one_direction(direction, turns, backwards):
+    """The sine falls through zero at pi and 3 pi and rises at 2 pi; backwards it is reversed."""
+    times = np.linspace(0.5, 10, 40)
+    if backwards:
+        times, direction, turns = times[::-1], -direction, turns[::-1]
+    found = crossings(np.sin, times, np.sin(times), direction)
+    assert found == pytest.approx(np.pi * np.array(turns), rel=1e-14)

@@ -7,9 +7,9 @@ import pytest
 from scipy.integrate import DOP853
 
 from geomtorsion.curves import geodesic
-from geomtorsion.errors import LimitError
+from geomtorsion.errors import LimitError, StuckError
 from geomtorsion.geometry import levi_civita
-from geomtorsion.ode import ODE, RungeKutta
+from geomtorsion.ode import ODE, RungeKutta, solve
 from geomtorsion.ode.engines.stepper import Steps
 from geomtorsion.ode.engines.stepwise import Pace, limited, stepwise_run
 from geomtorsion.spaces import load
@@ -142,3 +142,10 @@ def test_large_systems_are_left_to_scipy():
     row = ODE.of(rates, [1] * 30)
     run = RungeKutta().run(row.system, [1.0] * 30, row.run_numbers({}), np.array([0.0, 1.0]), 1e-10)
     assert run.states[-1] == pytest.approx(np.exp(-(np.arange(30) + 1) / 30), rel=1e-9)
+
+
+@pytest.mark.parametrize(("rate", "start"), [("x**2", 1), ("-1/x", 1), ("1/(1-t)", 0)])
+def test_a_motion_up_to_a_pole_names_the_reason(rate, start):
+    """The error states why no step is possible, not only where."""
+    with pytest.raises(StuckError, match="the steps became too small"):
+        solve(ODE.of({"x": rate}, [start]), 2.0, 1e-6, RungeKutta())

@@ -380,6 +380,7 @@ LIST = listed([1.0, 2.0, 3.0, 4.0])
         (lambda: gt.price(gt.burgers_vector(SO3, CIRCLE), CIRCLE), ArgumentError, "Drop it"),
         (lambda: gt.price(TOP, 1.0, []), AccuracyError, "expected at least one, got none"),
         (lambda: gt.price(TOP, 1.0, [-1e-6]), AccuracyError, "positive"),
+        (lambda: gt.price(TOP, 1.0, memory=ANY), ArgumentError, "memory: expected True or False"),
         (lambda: gt.price(TOP, 1.0, proofs=[0]), ArgumentError, "whole number from 1"),
         (lambda: LIST.seconds(0), AccuracyError, "positive"),
         (lambda: LIST.seconds(1e-14), AccuracyError, "the finest row"),

@@ -349,7 +349,7 @@ REFUSED = [
     (lambda: gt.prove(_solved({"x": "-x"}, [1], 1.0), start=[arb("inf")]), ArgumentError,
      "finite ball"),
     (lambda: gt.prove(_solved({"x": "-x"}, [1], 1.0), start=[1, 2]), ShapeError, "1 numbers"),
-    (lambda: gt.prove(_solved({"x": "-x"}, [1], 1.0), start={"y": 2}), UnknownNameError, "got y"),
+    (lambda: gt.prove(_solved({"x": "-x"}, [1], 1.0), start={"y": 2}), UnknownNameError, "got 'y'"),
     (lambda: gt.prove(_solved({"x": "-x"}, [1], 1.0), start=["one"]), ArgumentError, "start"),
 ]  # fmt: skip
 

@@ -122,9 +122,9 @@ def test_bad_calls_are_refused():
     context = Context(body)
     with pytest.raises(SceneError, match="expected a new name, got 'Omega1'"):
         context.state("Omega1")
-    with pytest.raises(SceneError, match="k = nan: expected a finite number"):
+    with pytest.raises(SceneError, match="k: expected a finite number, got nan"):
         context.parameter("k", float("nan"))
-    with pytest.raises(SceneError, match="arm: expected three components, got 2"):
+    with pytest.raises(SceneError, match="arm: expected three components, got"):
         context.vector("arm", (1, 2))
 
 

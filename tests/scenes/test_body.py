@@ -138,7 +138,7 @@ def test_axis_of_symmetry():
         (lambda: Body(inertia=np.diag([1.0, 1, 5])), "impossible, because 5 > 1 \\+ 1"),
         (lambda: Body.box(1, (1, 0, 1)), "sides\\[1\\]: expected a positive number .m., got 0"),
         (lambda: Body.box(1, (1, 1)), "three lengths"),
-        (lambda: Body.cylinder(1, 1, -2), "height = -2"),
+        (lambda: Body.cylinder(1, 1, -2), "height: expected a positive number .m."),
         (lambda: Body.points([]), "at least one"),
         (lambda: Body.points([(1, (0, 0, 0)), (1, (1, 2, 3))]), "got all on one line"),
         (lambda: Body.points([(-1, (0, 0, 0))]), "mass 0: expected a positive number .kg., got -1"),

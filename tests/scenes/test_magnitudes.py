@@ -127,10 +127,10 @@ def test_a_scene_with_the_effects_that_it_calls_for(accuracy, keys):
 @pytest.mark.parametrize(
     ("call", "error", "words"),
     [
-        (lambda: E.Surroundings(gravity=-1), SceneError, "surroundings.gravity = -1"),
+        (lambda: E.Surroundings(gravity=-1), SceneError, "surroundings.gravity: expected 0 or a positive number, got -1"),
         (lambda: E.Surroundings(density=math.nan), SceneError, "surroundings.density"),
         (lambda: E.Surroundings(viscosity="thick"), SceneError, "surroundings.viscosity"),
-        (lambda: E.Surroundings(radius=0), SceneError, "surroundings.radius = 0"),
+        (lambda: E.Surroundings(radius=0), SceneError, "surroundings.radius: expected a positive number, got 0"),
         (lambda: STONE.magnitudes("moon"), ArgumentError, "surroundings"),
         (lambda: STONE.magnitudes().lacking(-1), GeomtorsionError, "expected"),
         (lambda: replace(STONE, effects="all"), SceneError, "got 'all'.*'called for'"),

@@ -59,7 +59,7 @@ def test_a_figure_by_its_name():
 def test_a_figure_that_the_outputs_do_not_have(name):
     """The message lists the figures that there are."""
     result = load("dzhanibekov").with_values(samples=5, t=1.0).run()
-    with pytest.raises(UnknownNameError, match="expected one of watched, attitude, cones"):
+    with pytest.raises(UnknownNameError, match="There are watched, attitude, cones"):
         result.plot(figure=name)
 
 

@@ -153,7 +153,7 @@ def test_other_bad_fields():
         Scene(BODY, (), START, [])
     with pytest.raises(SceneError, match="expected a Body"):
         Scene(cast(Any, (1, 2, 3)), (), START)
-    with pytest.raises(SceneError, match="samples = 1"):
+    with pytest.raises(SceneError, match="samples: expected a whole number from 2 on"):
         Scene(BODY, (), START, samples=1)
     with pytest.raises(SceneError, match="as the constraint requires, got \\(1, 2, 3\\)"):
         _ = Scene(BODY, TOP, FLYING, ["velocity"]).ode

@@ -28,7 +28,7 @@ TUTORIALS = (
 )
 TASKS = (
     "tetrad_file", "notebook", "classroom", "second_chart", "effect", "space", "exercise", "engine",
-    "how_sure_is_a_number",
+    "how_sure_is_a_number", "translate",
 )  # fmt: skip
 OTHERS = (
     "index", "api/index", "genindex", "gallery/index", "conventions", "errors", "comparison",

@@ -145,7 +145,7 @@ def test_copies(space):
         ('["x", "y"]\ncof', '["r", "y"]\ncof', "is a name in the file already"),
         ('["x", "y"]\ncof', '["x", "__import__"]\ncof', "charts"),
         ('name = "cartesian"', 'name = "plane"', "that no other chart has"),
-        ('name = "cartesian"', "", "name is missing"),
+        ('name = "cartesian"', "", "expected a value for name"),
         ('name = "cartesian"', 'nam = "cartesian"', "Did you mean name"),
         ('to_home = ["sqrt(x**2 + y**2)", ', "to_home = [", "expected a list of 2 expressions"),
         ('angles = ["phi"]', 'angles = ["pho"]', "Did you mean phi"),

@@ -139,7 +139,7 @@ TEXT: Any = "long"
     ("call", "error", "words"),
     [
         (lambda: gt.solve(TOP, 1.0, seconds=0), AccuracyError, "expected a positive number"),
-        (lambda: gt.solve(TOP, 1.0, seconds=TEXT), AccuracyError, "expected a number"),
+        (lambda: gt.solve(TOP, 1.0, seconds=TEXT), AccuracyError, "a positive number, got 'long'"),
         (lambda: gt.solve(TOP, 1.0, seconds=1e-9), AccuracyError, "expected at least"),
         (lambda: gt.solve(TOP, 1.0, 1e-8, seconds=1), ArgumentError, "no accuracy"),
         (lambda: gt.solve(TOP, 1.0, checkpoint="x", seconds=1), ArgumentError, "no checkpoint"),

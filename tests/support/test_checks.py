@@ -354,6 +354,7 @@ REFUSED = {
         lambda: checks.flags("yes", 2, "periodic", LoopError, remedy="Give two."),
         r"periodic: expected 2 truth values, got 'yes'\. Give two\.",
     ),
+    "one flag": (lambda: checks.flags(True, 2, "p", LoopError), "p: expected 2 truth values, got"),
     "a two among flags": (lambda: checks.flags([1, 2], 2, "p", LoopError), "2 truth values"),
     "arrays as flags": (lambda: checks.flags([[1], 0], 2, "p", LoopError), "2 truth values"),
     "fractions": (
@@ -401,7 +402,7 @@ def test_several_values():
     """Lists of a length, truth values, whole arrays and choices pass in one type."""
     assert checks.entries((1, 2), "axes", LoopError, 2) == [1, 2]
     assert checks.flags(np.array([True, False]), 2, "periodic", LoopError) == (True, False)
-    assert checks.flags(np.True_, 2, "periodic", LoopError) == (True, True)
+    assert checks.flags((np.True_, 0), 2, "periodic", LoopError) == (True, False)
     assert checks.whole_array([], "pairs", LoopError, 2).shape == (0, 2)
     assert checks.not_negative(0, "core", LoopError) == 0.0
     assert checks.choice(sp.Integer(-1), (1, -1), "side", LoopError) == -1

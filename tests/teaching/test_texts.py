@@ -7,8 +7,9 @@ import copy
 import pickle
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -100,17 +101,18 @@ def test_bad_texts_are_refused(folder: Path, old: str, new: str, words: str, pla
         (None, "language: expected the name of a file, got None"),
     ],
 )
-def test_unknown_languages_are_refused(language: object, words: str):
+def test_unknown_languages_are_refused(language: Any, words: str):
     """The message lists the languages."""
-    for call in (exercises.load, exercises.check):
-        arguments = ("1.1",) if call is exercises.load else ("1.1", "0")
+    calls: list[Callable[[], object]] = [
+        lambda: exercises.load("1.1", language=language),
+        lambda: exercises.check("1.1", "0", language=language),
+        lambda: exercises.titles(language),
+        lambda: exercises.chapters(language),
+    ]
+    for call in calls:
         with pytest.raises(UnknownNameError) as caught:
-            call(*arguments, language=language)
+            call()
         assert words in str(caught.value)
-    with pytest.raises(UnknownNameError):
-        exercises.titles(language)
-    with pytest.raises(UnknownNameError):
-        exercises.chapters(language)
 
 
 def test_folders_without_texts_are_refused(folder: Path):
@@ -145,7 +147,7 @@ def test_wrong_requests_are_refused(call, words: str):
     assert words in str(caught.value)
 
 
-# -- what is read ---------------------------------------------------------------------------------
+# -- reading ---------------------------------------------------------------------------------------
 
 
 def test_texts_are_joined_as_markdown_reads_them():
@@ -160,7 +162,7 @@ def test_texts_are_joined_as_markdown_reads_them():
 
 
 def test_texts_are_never_code(folder: Path):
-    """What a file says is escaped on the page, and no field of a format is followed."""
+    """A text is escaped on the page, and no field of a format is followed."""
     bad = "{0.__class__} <script>alert(1)</script> %s $x$"
     content = FRAMES.replace("Die Beine eines Korahmens", bad)
     exercise = loaded(folder, content.replace("In den Koordinaten", f"{bad} In den Koordinaten"))
@@ -174,7 +176,7 @@ def test_texts_are_never_code(folder: Path):
 
 
 def test_nothing_is_read_before_it_is_needed():
-    """Importing reads no file of texts, and an exercise reads those of its chapter only."""
+    """Importing reads no file of texts, and an exercise reads the file of its chapter only."""
     code = (
         "import sys\n"
         "files = []\n"
@@ -314,8 +316,8 @@ def test_german_messages():
     assert exercises.check("1.1", right, language="de")["legs"].message == "Richtig."
 
 
-def test_an_untranslated_exercise_is_english_and_says_so():
-    """The note is in the requested language; the messages are, too."""
+def test_an_untranslated_exercise_is_english_with_a_note():
+    """The note is in the requested language; so are the messages."""
     exercise = exercises.load("2.1", language="de")
     english = exercises.load("2.1")
     note = "Diese Aufgabe ist noch nicht übersetzt. Ihr Text ist englisch."
@@ -328,7 +330,7 @@ def test_an_untranslated_exercise_is_english_and_says_so():
 
 
 def test_a_folder_of_ones_own(folder: Path):
-    """A folder may translate a single exercise; all others are English and say so."""
+    """A folder may translate a single exercise; all others are English, with a note."""
     first, _, _ = FRAMES.partition("# Aufgabe 1.2.")
     exercise = loaded(folder, first.replace("Die Beine eines Korahmens", "Noch einmal"))
     assert (exercise.title, exercise.note) == ("Noch einmal", "")
@@ -340,6 +342,14 @@ def test_a_folder_of_ones_own(folder: Path):
     html = page.read_text("utf-8")
     assert '<html lang="eigene">' in html
     assert html.count(second.note) == 3
+    for kind in ("sheet", "nbgrader"):
+        if kind == "nbgrader":
+            exercises.export(kind, folder / kind, ["1.1"], language=folder)
+        [notebook] = (folder / kind).rglob("*.ipynb")
+        content = notebook.read_text("utf-8")
+        # Students have no such folder.
+        assert "Noch einmal" in content
+        assert str(folder) not in content
 
 
 def test_copies_keep_their_language():

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from enum import StrEnum
 from pathlib import Path
+from shlex import quote
 from typing import Annotated, Any
 
 import typer
@@ -42,7 +43,7 @@ def show(number: Number, seed: Seed = 0, language: Language = ENGLISH) -> None:
     """
     exercise = load(number, seed, language)
     typer.echo(typer.style(f"{exercise.number}  {exercise.title}", bold=True))
-    typer.echo(f"{exercise.chapter}; {exercise.level}; seed {exercise.seed}\n")
+    typer.echo(f"{exercise.chapter}; {exercise.level_name}; seed {exercise.seed}\n")
     _say_note(exercise)
     typer.echo(wrapped(text_of(exercise.statement)))
     words = texts("sheets", "sheet", exercise.language)
@@ -69,7 +70,9 @@ def _say_note(exercise: Exercise) -> None:
 def _again(exercise: Exercise) -> str:
     """Options that choose this exercise in another command."""
     seed = f" --seed {exercise.seed}" if exercise.seed else ""
-    return seed + (f" --language {exercise.language}" if exercise.language != ENGLISH else "")
+    return seed + (
+        f" --language {quote(exercise.language)}" if exercise.language != ENGLISH else ""
+    )
 
 
 def hint(

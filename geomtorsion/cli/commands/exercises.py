@@ -9,8 +9,9 @@ import typer
 from geomtorsion.cli.lazy import SETTINGS, LazyGroup
 from geomtorsion.cli.options import Language
 from geomtorsion.errors import ArgumentError
+from geomtorsion.teaching.exercises.exercise import LEVELS
 from geomtorsion.teaching.exercises.registry import EXERCISES, chapters, titles
-from geomtorsion.teaching.texts import ENGLISH
+from geomtorsion.teaching.texts import ENGLISH, language_name
 
 
 class ExerciseCommands(LazyGroup):
@@ -60,11 +61,11 @@ def overview(context: typer.Context, language: Language = ENGLISH) -> None:
                 f"exercises {context.invoked_subcommand} ... --language {language}`."
             )
         return
-    named = titles(language)
+    named, levels = titles(language), LEVELS.of(language_name(language))
     for chapter, title in chapters(language).items():
         typer.echo(typer.style(f"{chapter}  {title}", bold=True))
         for number, _, level in EXERCISES:
             if number.startswith(f"{chapter}."):
-                mark = "" if level == "exercise" else f"  ({level})"
+                mark = "" if level == "exercise" else f"  ({levels[level]})"
                 typer.echo(f"  {number}  {named[number]}{mark}")
     typer.echo("\n`geomtorsion exercises show 1.1` shows one of them.")

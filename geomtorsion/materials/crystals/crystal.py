@@ -113,11 +113,8 @@ class Crystal(InFrame):
         put("species", None)
         if species is not None:
             names = checks.entries(species, "species", CrystalError)
-            if len(names) != len(self.positions):
-                raise CrystalError(
-                    f"species: expected one for each of {len(self.positions)} atoms, got "
-                    f"{len(names)}. Give as many as positions."
-                )
+            atoms, remedy = len(self.positions), "Give as many as positions."
+            checks.check_one_each(names, atoms, "atoms", "species", CrystalError, remedy)
             put("species", tuple(map(str, names)))
 
     # -- its frame --------------------------------------------------------------------------------

@@ -42,12 +42,8 @@ class Given:
     ) -> Given:
         """The checked input; errors name the expected values."""
         edges = None if cell is None else _cell(cell)
-        flags = checks.entries(checks.rows(periodic), "periodic", CrystalError)
-        if len(flags) != 3 or any(np.ndim(flag) or flag not in (0, 1) for flag in flags):
-            raise CrystalError(
-                f"periodic: expected three truth values, got {checks.shown(flags)}. Give one for "
-                "each edge of the cell."
-            )
+        remedy = "Give one for each edge of the cell."
+        flags = checks.flags(periodic, 3, "periodic", CrystalError, remedy=remedy)
         wraps = np.array(flags, dtype=bool) & (cell is not None)
         if lattice is not None:
             lattice_named(lattice)

@@ -382,12 +382,9 @@ def stresses(
     ([0.0, 0.0515, 0.0], True)
     """
     checks.instance(constants, ElasticConstants, "constants")
-    length = checks.number(gauge, "gauge", GridError)
-    if length < 0:
-        raise GridError(f"gauge: expected a length, 0 or positive, got {length}.")
-    width = None if core is None else checks.number(core, "core", GridError)
-    if width is not None and width < 0:
-        raise GridError(f"core: expected a width, 0 or positive, got {width}.")
+    kind = "a length, 0 or positive"
+    length = checks.not_negative(gauge, "gauge", GridError, expected=kind)
+    width = None if core is None else checks.not_negative(core, "core", GridError, expected=kind)
     checks.flag(balance, "balance", GridError)
     load = np.zeros((3, 3)) if mean_stress is None else mean_stress
     load = checks.array(load, "mean_stress", GridError, shape=(3, 3))

@@ -140,9 +140,7 @@ def _shape_of(lines: LineArrays, box: Box, shape: object) -> tuple[int, ...]:
             1 if k in flat else int(scipy.fft.next_fast_len(max(n, 4), real=True))
             for k, n in enumerate(wanted)
         )
-    entries = checks.entries(shape, "shape", NetworkError)
-    if len(entries) != 3:
-        raise NetworkError(f"shape: expected three numbers or one, got {checks.shown(shape)}.")
+    entries = checks.entries(shape, "shape", NetworkError, 3, expected="three numbers or one")
     for k, entry in enumerate(entries):
         checks.count(entry, f"shape[{k}]", NetworkError, 1 if along[k] else 4)
     return tuple(int(n) for n in entries)

@@ -25,8 +25,7 @@ def numbers(values: object, where: str) -> np.ndarray:
 
 def check_order(order: object) -> None:
     """Refuse an order without rules."""
-    if order not in ORDERS:
-        raise GridError(f"order: expected one of {ORDERS}, got {checks.shown(order)}.")
+    checks.choice(order, ORDERS, "order", GridError)
 
 
 def other_order(order: int) -> int:

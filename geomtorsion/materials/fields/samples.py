@@ -143,11 +143,7 @@ class Samples:
             The frame has no finite value at a node.
         """
         lines = [numbers(axis, "axis") for axis in axes]
-        if len(lines) != frame.dimension:
-            raise GridError(
-                f"axes: expected one axis for each of {frame.dimension} coordinates, got "
-                f"{len(lines)}."
-            )
+        checks.check_one_each(lines, frame.dimension, "coordinates", "axes", GridError)
         number = math.prod(line.size for line in lines)
         remedy = "Give shorter axes, or sample the region in parts."
         checks.check_room(2 * number * frame.dimension**2, f"axes: {number:,} nodes", remedy)

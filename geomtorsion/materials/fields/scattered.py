@@ -125,8 +125,7 @@ class ScatteredFrame:
                 f"coframe: expected shape (rows, {d}, {count}) (frame index, coordinate index, "
                 f"point), got {values.shape}."
             )
-        if order not in (2, 4):
-            raise GridError(f"order: expected 2 or 4, got {checks.shown(order)}.")
+        checks.choice(order, (2, 4), "order", GridError)
         values = values[:, :d]
         mesh, texts = mesh_of(places, np.asarray(np.isnan(values).any(axis=(0, 1))), options)
         check_finite(values, "coframe", mesh)

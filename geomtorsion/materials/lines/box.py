@@ -40,12 +40,8 @@ class Box:
         """Check shapes and numbers once."""
         vectors = checks.array(self.vectors, "vectors of the box", NetworkError, shape=(3, 3))
         origin = checks.array(self.origin, "origin of the box", NetworkError, shape=(3,))
-        flags = checks.entries(checks.rows(self.periodic), "periodic", NetworkError)
-        if len(flags) != 3 or any(flag not in (0, 1) for flag in flags):
-            raise NetworkError(
-                f"periodic: expected three truth values, got {checks.shown(flags)}. Give one for "
-                "each edge of the box."
-            )
+        remedy = "Give one for each edge of the box."
+        flags = checks.flags(self.periodic, 3, "periodic", NetworkError, remedy=remedy)
         for k, edge in enumerate(vectors):
             checks.measured(edge, f"vectors of the box[{k}]", NetworkError, is_length=True)
         checks.measured(origin, "origin of the box", NetworkError)

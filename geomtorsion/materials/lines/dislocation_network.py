@@ -79,11 +79,8 @@ class DislocationNetwork:
 
         if self.box is not None:
             checks.instance(self.box, Box, "box", NetworkError)
-        if not isinstance(self.graph, nx.MultiDiGraph):
-            raise NetworkError(
-                f"graph: expected a networkx.MultiDiGraph, got {type(self.graph).__name__}. Lines "
-                "have a sense, and several may join the same nodes."
-            )
+        remedy = "Lines have a sense, and several may join the same nodes."
+        checks.instance(self.graph, nx.MultiDiGraph, "graph", NetworkError, remedy=remedy)
         # A frozen graph was made here, or does not change.
         copy = self.graph if nx.is_frozen(self.graph) else self.graph.copy()
         length, largest = None, 0.0

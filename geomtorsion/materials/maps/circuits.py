@@ -53,11 +53,8 @@ class Circuit:
         object.__setattr__(self, "times", np.rint(times).astype(np.int64))
         if (times != self.times).any():
             raise OrientationError("times: expected whole numbers, got fractions. Correct them.")
-        if len(self.ends) != len(self.starts):
-            raise OrientationError(
-                f"ends: expected a pixel for each of {len(self.starts)} starts, got "
-                f"{len(self.ends)}. Correct them."
-            )
+        count = len(self.starts)
+        checks.check_one_each(self.ends, count, "starts", "ends", OrientationError)
         far = np.abs(self.ends - self.starts).sum(axis=1) != 1
         if far.any() or not len(far):
             k = int(np.argmax(far)) if len(far) else 0
@@ -131,16 +128,13 @@ class Circuit:
         Circuit 'circuit': 8 steps
         """
         row, column = _pixel(corner)
-        needed = (
-            "{subject}: expected whole numbers or truth values of shape (rows, columns), not all "
-            "zero, got {value}."
-        )
+        kind = "whole numbers or truth values of shape (rows, columns), not all zero"
+        shape = (None, None)
         counts = checks.array(
-            _counted(cells), "cells", OrientationError, shape=(None, None), message=needed,
-            shaped=needed,
-        )  # fmt: skip
+            _counted(cells), "cells", OrientationError, shape=shape, expected=kind
+        )
         if not counts.any() or (counts != np.rint(counts)).any():
-            raise OrientationError(needed.format(subject="cells", value=checks.shown(cells)))
+            checks.refuse(OrientationError, "cells", kind, cells)
         inside = np.pad(counts.astype(np.int64), 1)
         # A step along a row counts +1 for the cell below it (larger row), -1 for the cell above.
         along = inside[1:, 1:-1] - inside[:-1, 1:-1]
@@ -208,11 +202,8 @@ def _counted(cells: object) -> object:
 
 def _pixel(pixel: object) -> tuple[int, int]:
     """Row and column of a pixel, checked."""
-    numbers = checks.entries(pixel, "pixel", OrientationError)
-    if len(numbers) != 2:
-        raise OrientationError(
-            f"pixel: expected a row and a column, got {checks.shown(pixel)}. Write (row, column)."
-        )
+    kind, remedy = "a row and a column", "Write (row, column)."
+    numbers = checks.entries(pixel, "pixel", OrientationError, 2, expected=kind, remedy=remedy)
     row, column = (checks.count(x, "pixel", OrientationError) for x in numbers)
     return row, column
 

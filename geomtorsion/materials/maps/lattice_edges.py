@@ -112,15 +112,16 @@ def _along_trees(
 def given_covariance(sigma: object) -> np.ndarray:
     """Covariance of rotations, rad^2, from standard deviations in degrees, one or three."""
     if np.ndim(np.asarray(sigma, dtype=object)) == 0:
-        sizes = [checks.number(sigma, "sigma", OrientationError)] * 3
+        three: list[object] = [sigma] * 3
     else:
-        sizes = [float(x) for x in checks.numbers(sigma, 3, "sigma", OrientationError)]
+        three = list(checks.numbers(sigma, 3, "sigma", OrientationError))
+    kind = "standard deviations of 0 or more"
+    remedy = "Give degrees, or None to have sigma estimated."
+    sizes = [
+        checks.not_negative(x, "sigma", OrientationError, expected=kind, remedy=remedy)
+        for x in three
+    ]
     checks.measured(max(sizes), "sigma", OrientationError)
-    if min(sizes) < 0:
-        raise OrientationError(
-            f"sigma: expected standard deviations of 0 or more, got {min(sizes):g}. Give degrees, "
-            "or None to have sigma estimated."
-        )
     return np.diag(np.radians(sizes) ** 2)
 
 

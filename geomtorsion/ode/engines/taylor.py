@@ -227,7 +227,8 @@ def _integrator(
         "tol": number(tolerance_of(order)),
         "compact_mode": precision > 64 or len(system.rates.steps) > LONGEST_UNROLLED,
         # Optimised code of one motion would run in 0.5 to 0.7 of the time; compiling it takes as
-        # long as some hundred thousand steps.
+        # long as some hundred thousand steps. Its results also have other last bits, so that it
+        # cannot take over on the way.
         "opt_level": 3 if width else 0,
     }
     guards = []

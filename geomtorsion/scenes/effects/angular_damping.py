@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from geomtorsion.errors import SceneError
-from geomtorsion.scenes.body import Body, Number, exact
+from geomtorsion.scenes.body import Body, Number
 from geomtorsion.scenes.context import Context
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, Typical, unit
 from geomtorsion.scenes.effects.surroundings import Surroundings, mean_radius
-from geomtorsion.support.checks import plain
+from geomtorsion.support.checks import entries, not_negative, plain
 
 
 @dataclass(frozen=True)
@@ -57,15 +57,11 @@ class AngularDamping(Effect):
     def __post_init__(self) -> None:
         """One number or three, none of them negative."""
         value = plain(self.coefficient)
-        message = f"angular_damping.coefficient = {value!r}: expected one number >= 0 (N m s), or "
         several = isinstance(value, Iterable) and not isinstance(value, str)
         object.__setattr__(self, "coefficient", tuple(value) if several else value)
-        try:
-            numbers = [exact(each, "coefficient") for each in self._three()]
-        except (SceneError, TypeError):
-            raise SceneError(message + "three.") from None
-        if len(numbers) != 3 or any(number < 0 for number in numbers):
-            raise SceneError(message + "three.")
+        subject, wanted = "angular_damping.coefficient", "one number >= 0 (N m s), or three"
+        for each in entries(self._three(), subject, SceneError, 3, expected=wanted):
+            not_negative(each, subject, SceneError, expected=wanted)
 
     def _three(self) -> tuple[Number, ...]:
         """The three coefficients."""

@@ -13,6 +13,7 @@ from geomtorsion.scenes.body import Expression, Number
 from geomtorsion.scenes.context import Context
 from geomtorsion.scenes.effects.fields import check_vectors, read, read_three
 from geomtorsion.scenes.effects.protocol import Contribution, Effect, Switch, unit
+from geomtorsion.support import checks
 
 
 @dataclass(frozen=True)
@@ -83,11 +84,10 @@ class Custom(Effect):
     def __post_init__(self) -> None:
         """Check vectors, words and that states and starts agree."""
         check_vectors(self, "moment", "force")
-        if self.axes not in ("space", "body"):
-            raise SceneError(f'custom.axes = {self.axes!r}: expected "space" or "body".')
+        checks.choice(self.axes, ("space", "body"), "custom.axes", SceneError)
         for name in ("parameters", "states", "start", "outputs"):
-            if not isinstance(getattr(self, name), Mapping):
-                raise SceneError(f"custom.{name}: expected a table of names.")
+            value, kind = getattr(self, name), "a table of names"
+            checks.instance(value, Mapping, f"custom.{name}", SceneError, expected=kind)
         lost = set(self.states) ^ set(self.start)
         if lost:
             raise SceneError(
@@ -147,17 +147,9 @@ def _checked_switches(
     switches: Sequence[Switch], parameters: Mapping[str, Number]
 ) -> tuple[Switch, ...]:
     """Pairs of a time and parameters to change."""
-    pairs = []
+    pairs, subject, kind = [], "custom.switches", "a parameter of the effect"
     for each in switches:
-        pair = tuple(each) if isinstance(each, list | tuple) else ()
-        if len(pair) != 2 or not isinstance(pair[1], Mapping):
-            raise SceneError(f"custom.switches: expected (time, {{name: value}}), got {each!r}.")
-        for name in pair[1]:
-            if name not in parameters:
-                names = ", ".join(parameters) or "none"
-                raise SceneError(
-                    f"custom.switches: expected a parameter of the effect, got {name!r}. Known are "
-                    f"{names}."
-                )
-        pairs.append((pair[0], dict(pair[1])))
+        pair = checks.entries(each, subject, SceneError, 2, expected="(time, {name: value})")
+        changes = checks.known_keys(pair[1], parameters, subject, SceneError, expected=kind)
+        pairs.append((pair[0], changes))
     return tuple(pairs)

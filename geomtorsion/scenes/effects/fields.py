@@ -14,11 +14,17 @@ from geomtorsion.exact.units import in_unit
 from geomtorsion.scenes.body import Expression, Number, exact
 from geomtorsion.scenes.context import GROUPS, Context
 from geomtorsion.scenes.effects.protocol import Effect, Switch, symbols_in
+from geomtorsion.support import checks
 from geomtorsion.support.checks import did_you_mean
 
 _STATE = frozenset(symbol.name for group in GROUPS.values() for symbol in group)
 _SHORT = "t, Omega1..3, n1..3, R11..R23, q0..q3, x, y, z, vx, vy, vz"
-SIGNS = {"positive": "a number > 0", "not negative": "a number >= 0", "any": "a finite number"}
+# Sign -> the converter of such numbers, and its words.
+SIGNS = {
+    "positive": (checks.positive, "a number > 0"),
+    "not negative": (checks.not_negative, "a number >= 0"),
+    "any": (checks.number, "a finite number"),
+}
 
 
 def check_numbers(effect: Effect, *names: str, sign: str = "any") -> None:
@@ -37,21 +43,16 @@ def check_numbers(effect: Effect, *names: str, sign: str = "any") -> None:
     9.81
     >>> check_numbers(Gravity(-1), "g", sign="positive")
     Traceback (most recent call last):
-    geomtorsion.errors.SceneError: gravity.g = -1: expected a number > 0 (m/s^2).
+    geomtorsion.errors.SceneError: gravity.g: expected a number > 0 (m/s^2), got -1.
     """
     for name in names:
         value = getattr(effect, name)
         measured = f" ({u})" if (u := effect.units().get(name)) else ""
-        message = f"{effect.key}.{name} = {value!r}: expected {SIGNS[sign]}{measured}."
+        subject, (convert, kind) = f"{effect.key}.{name}", SIGNS[sign]
         if isinstance(value, str):
-            value = in_unit(value, u or "", f"{effect.key}.{name}", SceneError)
+            value = in_unit(value, u or "", subject, SceneError)
             object.__setattr__(effect, name, value)
-        try:
-            number = exact(value, name)
-        except (SceneError, TypeError):
-            raise SceneError(message) from None
-        if (sign == "positive" and not number > 0) or (sign == "not negative" and number < 0):
-            raise SceneError(message)
+        convert(value, subject, SceneError, expected=f"{kind}{measured}")
 
 
 def check_vectors(effect: Effect, *names: str) -> None:
@@ -69,19 +70,14 @@ def check_vectors(effect: Effect, *names: str) -> None:
     (0, 1, 2)
     >>> Spring(stiffness=1, anchor=[0, 1])
     Traceback (most recent call last):
-    geomtorsion.errors.SceneError: spring.anchor = [0, 1]: expected three components (m).
+    geomtorsion.errors.SceneError: spring.anchor: expected three components (m), got [0, 1].
     """
     for name in names:
         value = getattr(effect, name)
         measured = f" ({u})" if (u := effect.units().get(name)) else ""
-        message = f"{effect.key}.{name} = {value!r}: expected three components{measured}."
-        try:
-            parts = () if isinstance(value, str) else tuple(value)
-        except TypeError:
-            parts = ()
-        if len(parts) != 3:
-            raise SceneError(message)
-        object.__setattr__(effect, name, parts)
+        wanted = f"three components{measured}"
+        parts = checks.entries(value, f"{effect.key}.{name}", SceneError, 3, expected=wanted)
+        object.__setattr__(effect, name, tuple(parts))
 
 
 def check_axis(effect: Effect, name: str) -> None:

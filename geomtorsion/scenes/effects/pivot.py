@@ -13,6 +13,7 @@ from geomtorsion.scenes.body import Number
 from geomtorsion.scenes.context import Context
 from geomtorsion.scenes.effects.fields import check_vectors
 from geomtorsion.scenes.effects.protocol import Constraint, Contribution, Effect, unit
+from geomtorsion.support.checks import choice
 
 
 @dataclass(frozen=True)
@@ -58,11 +59,9 @@ class Pivot(Effect):
     def __post_init__(self) -> None:
         """Tuples of three numbers, and one of two words."""
         check_vectors(self, "arm", "place")
-        if self.moments_at not in ("centre", "pivot"):
-            raise SceneError(
-                f'pivot.moments_at = {self.moments_at!r}: expected "centre" or "pivot", the point '
-                "about which the moments of the body are given."
-            )
+        remedy = "It is the point about which the moments of the body are given."
+        points = ("centre", "pivot")
+        choice(self.moments_at, points, "pivot.moments_at", SceneError, remedy=remedy)
 
     def adds(self, context: Context) -> Contribution:
         """The constraint v = Omega x a; inertia is taken back where it counts Steiner's part."""

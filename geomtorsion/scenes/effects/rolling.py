@@ -12,6 +12,7 @@ from geomtorsion.scenes.body import Number
 from geomtorsion.scenes.context import Context
 from geomtorsion.scenes.effects.fields import check_numbers
 from geomtorsion.scenes.effects.protocol import Constraint, Contribution, Effect, unit
+from geomtorsion.support.checks import choice
 
 SHAPES = ("disc", "ball")
 
@@ -57,8 +58,7 @@ class Rolling(Effect):
     def __post_init__(self) -> None:
         """A positive radius and one of two words."""
         check_numbers(self, "radius", sign="positive")
-        if self.shape not in SHAPES:
-            raise SceneError(f'rolling.shape = {self.shape!r}: expected "disc" or "ball".')
+        choice(self.shape, SHAPES, "rolling.shape", SceneError)
 
     def adds(self, context: Context) -> Contribution:
         """The constraint; angular velocity is what remains."""

@@ -45,12 +45,8 @@ class Surroundings:
     def __post_init__(self) -> None:
         """Check the numbers."""
         for name, value in vars(self).items():
-            number = checks.real(value)
-            if number is None or not 0 <= number < math.inf or (name == "radius" and not number):
-                raise SceneError(
-                    f"surroundings.{name} = {checks.shown(value)}: expected a finite number, not "
-                    "negative. Give it in SI units."
-                )
+            convert = checks.positive if name == "radius" else checks.not_negative
+            convert(value, f"surroundings.{name}", SceneError, remedy="Give it in SI units.")
 
     @property
     def orbital_rate(self) -> float:

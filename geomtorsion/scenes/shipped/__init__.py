@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.scenes.files import read_file
-from geomtorsion.support.checks import did_you_mean
+from geomtorsion.support.checks import known_name
 from geomtorsion.support.files import TomlFile, read_toml
 
 if TYPE_CHECKING:
@@ -35,12 +35,7 @@ def path_of(name: str) -> Path:
     UnknownNameError
         No shipped scene has this name; the message names a near one.
     """
-    if name not in names():
-        hint = did_you_mean(name, names())
-        raise UnknownNameError(
-            f"expected the name of a shipped scene, got {name!r}. {hint}There are "
-            f"{', '.join(names())}."
-        )
+    known_name(name, names(), "", UnknownNameError, expected="the name of a shipped scene")
     return _FOLDER / f"{name}.toml"
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence, Set, Sized
 from dataclasses import dataclass
+from types import EllipsisType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from geomtorsion.errors import ArgumentError, GeomtorsionError, LimitError
@@ -120,16 +121,15 @@ one for each index.
 def flags(
     values: object, length: int, subject: str, error: ErrorClass, *, remedy: str = ""
 ) -> tuple[bool, ...]:
-    """So many truth values; a single one counts for all, and 0 and 1 count as truth values.
+    """So many truth values; 0 and 1 count as truth values.
 
     Examples
     --------
     >>> from geomtorsion.errors import GridError
-    >>> flags(True, 2, "periodic", GridError), flags([1, 0], 2, "periodic", GridError)
-    ((True, True), (True, False))
+    >>> flags([1, 0], 2, "periodic", GridError)
+    (True, False)
     """
-    content = rows(values)
-    listed = [content] * length if isinstance(content, bool) else content
+    listed = rows(values)
     is_valid = isinstance(listed, list | tuple) and len(listed) == length
     if not is_valid or not all(isinstance(plain(x), int | float) and x in (0, 1) for x in listed):
         refuse(error, subject, f"{length} truth values", values, remedy)
@@ -141,7 +141,7 @@ def array(
     subject: str,
     error: ErrorClass,
     *,
-    shape: tuple[int | None, ...] | None = None,
+    shape: tuple[int | EllipsisType | None, ...] | None = None,
     shape_error: ErrorClass | None = None,
     expected: str = "",
     remedy: str = "",
@@ -149,11 +149,11 @@ def array(
     shaped: str = "",
     infinite: str | None = "{subject}{place} = {value} is not finite. Give finite numbers.",
 ) -> np.ndarray:
-    """An array of finite doubles; None in the shape means any length.
+    """An array of finite doubles; in the shape None is any length, ... first any axes before.
 
     Masked entries become nan, because they are unknown.
 
-    Text, rows of different lengths and complex numbers are no arrays of real numbers. shaped: a
+    Text, rows of different lengths and complex numbers are refused. shaped: a
     sentence for another shape, with {came}. infinite: a sentence for nan and infinity, with
     {place}, such as [0, 2]; None lets them through.
 
@@ -189,14 +189,18 @@ def array(
         refuse(wrong, subject, kind, values, remedy, message)
     if table.dtype.kind not in "iuf":
         refuse(wrong, subject, kind, values, remedy, message)
-    fits = shape is None or (
-        table.ndim == len(shape)
-        and all(n in (None, m) for n, m in zip(shape, table.shape, strict=True))
-    )
+    fits = True
+    if shape is not None:
+        last = shape[1:] if shape[:1] == (...,) else shape
+        sizes = table.shape[-len(last) :] if last is not shape else table.shape
+        fits = len(sizes) == len(last) and all(
+            n in (None, m) for n, m in zip(last, sizes, strict=True)
+        )
     if not fits:
         if shaped:
             raise wrong(shaped.format(subject=subject, value=shown(values), came=table.shape))
-        named = ", ".join("any" if n is None else str(n) for n in shape or ())
+        words = {None: "any", ...: "..."}
+        named = ", ".join(words.get(n, str(n)) for n in shape or ())
         wanted = expected or f"shape ({named})"
         came = f"shape {table.shape}" if expected else table.shape
         raise wrong(sentence(subject, wanted, came, remedy))
@@ -300,7 +304,7 @@ def unmasked(values: object) -> np.ndarray:
     return np.where(np.ma.getmaskarray(values), np.nan, values.data.astype(float))
 
 
-# -- sizes of arrays and of what is measured ------------------------------------------------------
+# -- sizes of arrays and of measured values -------------------------------------------------------
 
 
 def check_room(numbers: int, subject: str, remedy: str) -> None:

@@ -201,6 +201,7 @@ def instance(
     subject: str,
     error: ErrorClass = ArgumentError,
     *,
+    expected: str = "",
     remedy: str = "",
 ) -> Kind:
     """An instance of a class, such as a frame; the message names the class.
@@ -214,7 +215,7 @@ def instance(
     if isinstance(value, kind):
         return value
     article = "an" if kind.__name__[0] in "AEIOU" else "a"
-    refuse(error, subject, f"{article} {kind.__name__}", value, remedy)
+    refuse(error, subject, expected or f"{article} {kind.__name__}", value, remedy)
 
 
 def file_name(value: object, subject: str = "path", error: ErrorClass = ArgumentError) -> Path:
@@ -311,7 +312,7 @@ def refuse(
 
 
 def sentence(subject: str, expected: str, got: object, remedy: str = "") -> str:
-    """The text of a refusal, for what is got in words.
+    """The text of a refusal; the value is described in words.
 
     Examples
     --------

@@ -1,5 +1,7 @@
 """Exercises: problems that check their answers and name the likely mistake."""
 
+from typing import TYPE_CHECKING
+
 from geomtorsion.teaching.exercises.exercise import Exercise
 from geomtorsion.teaching.exercises.exports import export
 from geomtorsion.teaching.exercises.question import Question
@@ -19,6 +21,9 @@ __all__ = [
     "names",
     "titles",
 ]
+
+if TYPE_CHECKING:
+    CHAPTERS: tuple[tuple[str, str], ...]
 
 
 def __getattr__(name: str) -> object:

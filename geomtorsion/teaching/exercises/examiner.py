@@ -8,7 +8,7 @@ from types import TracebackType
 from geomtorsion.teaching.exercises.registry import load
 from geomtorsion.teaching.exercises.verdict import QuestionVerdict, Verdict
 from geomtorsion.teaching.exercises.worker_pool import EXCEEDED, STARTING, Json, WorkerPool
-from geomtorsion.teaching.texts import ENGLISH
+from geomtorsion.teaching.texts import ENGLISH, Language
 
 # Far more than a right answer takes.
 SECONDS = 10.0
@@ -44,7 +44,7 @@ class Examiner:
         self.pool.close()
 
     def check(
-        self, number: str, answers: object, seed: int = 0, language: str = ENGLISH
+        self, number: str, answers: object, seed: int = 0, language: Language = ENGLISH
     ) -> Verdict:
         """The verdict on the answers to an exercise, within the time; see `Exercise.check`.
 

@@ -17,7 +17,10 @@ from geomtorsion.teaching.exercises.prose import html_of
 from geomtorsion.teaching.exercises.question import Question, how_to_answer
 from geomtorsion.teaching.exercises.verdict import Verdict
 from geomtorsion.teaching.exercises.working import Step
-from geomtorsion.teaching.texts import ENGLISH
+from geomtorsion.teaching.texts import ENGLISH, TextTable
+
+# Level -> its name.
+LEVELS = TextTable("sheets", "levels")
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +75,7 @@ class Exercise:
 
     def _repr_markdown_(self) -> str:
         note = f"*{self.note}*\n\n" if self.note else ""
-        return f"**{self.number}. {self.title}** ({self.level})\n\n{note}{self.statement}"
+        return f"**{self.number}. {self.title}** ({self.level_name})\n\n{note}{self.statement}"
 
     def _repr_html_(self) -> str:
         asked = "".join(
@@ -80,12 +83,24 @@ class Exercise:
             f"{html_of(f'`{question.name}`: {how_to_answer(question)}')}</li>"
             for question in self.questions
         )
-        title = f"<b>{escape(self.number)}. {escape(self.title)}</b> ({escape(self.level)})"
+        title = f"<b>{escape(self.number)}. {escape(self.title)}</b> ({escape(self.level_name)})"
         note = f"<p><em>{escape(self.note)}</em></p>" * bool(self.note)
         return f"<div><p>{title}</p>{note}{html_of(self.statement)}<ul>{asked}</ul></div>"
 
     def __reduce__(self) -> tuple[object, ...]:
         return self.loader, (self.number, self.seed, self.language)
+
+    @property
+    def level_name(self) -> str:
+        """The level in the language of the texts.
+
+        Examples
+        --------
+        >>> from geomtorsion.teaching.exercises import load
+        >>> load("1.1").level_name, load("1.1", language="de").level_name
+        ('warm-up', 'zum Einstieg')
+        """
+        return LEVELS.of(self.language)[self.level]
 
     @property
     def statement(self) -> str:

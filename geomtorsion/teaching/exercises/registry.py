@@ -13,7 +13,7 @@ from geomtorsion.support.checks import close_names, count, shown
 from geomtorsion.teaching.exercises.draw import Draw
 from geomtorsion.teaching.exercises.exercise import Exercise
 from geomtorsion.teaching.exercises.limits import MOST
-from geomtorsion.teaching.texts import ENGLISH, Texts, language_name, texts
+from geomtorsion.teaching.texts import ENGLISH, Language, Texts, language_name, texts
 
 if TYPE_CHECKING:
     from geomtorsion.teaching.exercises.verdict import Verdict
@@ -79,7 +79,7 @@ def names() -> tuple[str, ...]:
     return tuple(number for number, _, _ in EXERCISES)
 
 
-def titles(language: str = ENGLISH) -> dict[str, str]:
+def titles(language: Language = ENGLISH) -> dict[str, str]:
     """Number -> title; loads none of the exercises.
 
     Examples
@@ -91,7 +91,7 @@ def titles(language: str = ENGLISH) -> dict[str, str]:
     return {number: _texts(module, language)("title") for number, module, _ in EXERCISES}
 
 
-def chapters(language: str = ENGLISH) -> dict[str, str]:
+def chapters(language: Language = ENGLISH) -> dict[str, str]:
     """Number -> subject of each chapter.
 
     Examples
@@ -103,7 +103,7 @@ def chapters(language: str = ENGLISH) -> dict[str, str]:
     return {number: texts(name, "", language)("title") for number, name in _CHAPTERS}
 
 
-def chapter_of(number: str, language: str = ENGLISH) -> str:
+def chapter_of(number: str, language: Language = ENGLISH) -> str:
     """Title of the chapter of an exercise."""
     return texts(dict(_CHAPTERS)[number.partition(".")[0]], "", language_name(language))("title")
 
@@ -114,7 +114,7 @@ def _texts(module: str, language: str) -> Texts:
     return texts(name, heading, language)
 
 
-def load(number: str, seed: int = 0, language: str = ENGLISH) -> Exercise:
+def load(number: str, seed: int = 0, language: Language = ENGLISH) -> Exercise:
     """An exercise in the variant of a seed; nothing is solved before an answer is checked.
 
     Parameters
@@ -179,7 +179,7 @@ def _loaded(number: str, module: str, level: str, seed: int, language: str = ENG
 
 
 def check(
-    number: str, answers: Mapping[str, object] | str, seed: int = 0, language: str = ENGLISH
+    number: str, answers: Mapping[str, object] | str, seed: int = 0, language: Language = ENGLISH
 ) -> Verdict:
     """The verdict on the answers to an exercise; see `Exercise.check`.
 

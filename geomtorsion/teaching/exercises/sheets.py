@@ -24,7 +24,15 @@ from geomtorsion.teaching.exercises.question import Question, how_to_answer
 from geomtorsion.teaching.exercises.registry import chapters, load, names
 from geomtorsion.teaching.exercises.verdict import TITLES, message_of
 from geomtorsion.teaching.exercises.worker_pool import Json
-from geomtorsion.teaching.texts import ENGLISH, Texts, code_of, language_name, texts
+from geomtorsion.teaching.texts import (
+    ENGLISH,
+    Language,
+    Texts,
+    argument_of,
+    code_of,
+    language_name,
+    texts,
+)
 
 
 def notebook_of(title: str, exercises: Sequence[Exercise]) -> Json:
@@ -80,7 +88,7 @@ def load_line(exercise: Exercise) -> str:
     >>> load_line(load("1.1", 3))
     'gt.exercises.load("1.1", seed=3)'
     """
-    language = "" if exercise.language == ENGLISH else f", language={exercise.language!r}"
+    language = argument_of(exercise.language)
     return f'gt.exercises.load("{exercise.number}", seed={exercise.seed}{language})'
 
 
@@ -122,7 +130,7 @@ def write_sheet(
     directory: str | PathLike[str],
     seed: int = 0,
     progress: Progress = lambda _: None,
-    language: str = ENGLISH,
+    language: Language = ENGLISH,
 ) -> tuple[Path, ...]:
     """Write a chapter: page, notebook and form for students, solutions in `teacher/`.
 
@@ -184,7 +192,7 @@ def write_sheet(
 
 def page_of(title: str, seed: int, cards: Sequence[str], language: str = ENGLISH) -> str:
     """A web page that needs no script and no network."""
-    text = texts("sheets", "sheet", language_name(language))
+    text = texts("sheets", "sheet", language)
     note = text("variant", seed=seed) if seed else text("paper")
     return (
         f'<!doctype html>\n<html lang="{escape(code_of(language))}"><head><meta charset="utf-8">'
@@ -202,7 +210,8 @@ def _card(exercise: Exercise, *, solution: bool = False) -> str:
     """One exercise; with folded hints, or with its solution and the mistakes to expect."""
     head = (
         f'<section class="card" id="e{exercise.number}"><div class="head"><h2>{exercise.number} '
-        f'{escape(exercise.title)}</h2><span class="note">{exercise.level}</span></div>'
+        f"{escape(exercise.title)}</h2>"
+        f'<span class="note">{escape(exercise.level_name)}</span></div>'
     )
     text = _text([exercise])
     note = f'<p class="note">{escape(exercise.note)}</p>' * bool(exercise.note)

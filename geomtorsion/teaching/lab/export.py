@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from html import escape
 from os import PathLike
 from pathlib import Path
+from shlex import quote
 
 from geomtorsion.pictures.formula import FONT_SOURCE, font_face
 from geomtorsion.pictures.text import greek_name
@@ -18,7 +19,7 @@ from geomtorsion.teaching.lab import guides, views
 from geomtorsion.teaching.lab.controls import path_case
 from geomtorsion.teaching.lab.space_info import space_info
 from geomtorsion.teaching.lab.tasks import task
-from geomtorsion.teaching.texts import ENGLISH, code_of, language_name, texts
+from geomtorsion.teaching.texts import ENGLISH, Language, code_of, language_name, texts
 
 Progress = Callable[[str], object]
 # This policy forbids the browser to load anything.
@@ -66,7 +67,7 @@ main { max-width: 72rem; margin: 0 auto; padding: 1rem; }
 def write_pages(
     directory: str | PathLike[str],
     progress: Progress = lambda _: None,
-    language: str = ENGLISH,
+    language: Language = ENGLISH,
 ) -> tuple[Path, ...]:
     """Write index.html and a page for each tab; return their paths, the index first.
 
@@ -246,7 +247,7 @@ def exercises(language: str) -> str:
             steps = "".join(f"<li>{hint}</li>" for hint in hints)
             stated = _nameless(views.exercise(reply, language))
             folded = escape(text("hints", count=len(hints)))
-            command = f"{escape(text('command'))} <code>{escape(_command(reply))}</code>"
+            command = f"{escape(text('command'))} <code>{escape(_command(reply, language))}</code>"
             parts.append(
                 f'<section class="card" id="e{number}">{stated}<ul>{asked}</ul>'
                 f"<details><summary>{folded}</summary><ol>{steps}</ol></details>"
@@ -262,7 +263,7 @@ def _how(question: Json) -> str:
     return "; ".join(f"{key}: {text}" for key, text in question["options"].items())
 
 
-def _command(exercise: Json) -> str:
+def _command(exercise: Json, language: str = ENGLISH) -> str:
     """The command that checks the answers to an exercise.
 
     >>> _command({"number": "1.2", "questions": [{"name": "metric"}, {"name": "volume"}]})
@@ -270,7 +271,8 @@ def _command(exercise: Json) -> str:
     """
     names = [question["name"] for question in exercise["questions"]]
     words = [f'"{name}=..."' for name in names] if len(names) > 1 else ['"..."']
-    return f"geomtorsion exercises check {exercise['number']} {' '.join(words)}"
+    more = [] if language == ENGLISH else ["--language", quote(language)]
+    return " ".join(["geomtorsion exercises check", exercise["number"], *words, *more])
 
 
 # The terms at the end of a view, which a page with several views shows once.

@@ -8,10 +8,11 @@ from urllib.parse import parse_qs, quote
 
 from geomtorsion.teaching.texts import ENGLISH
 
-Message = MutableMapping[str, Any]
-Receive = Callable[[], Awaitable[Message]]
-Send = Callable[[Message], Awaitable[None]]
-App = Callable[[Message, Receive, Send], Awaitable[None]]
+# The parts of ASGI, the interface of web servers in Python.
+Scope = MutableMapping[str, Any]
+Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
+Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
+App = Callable[[Scope, Receive, Send], Awaitable[None]]
 
 
 def localized(app: App, language: str) -> App:
@@ -22,7 +23,7 @@ def localized(app: App, language: str) -> App:
     if language == ENGLISH:
         return app
 
-    async def answered(scope: Message, receive: Receive, send: Send) -> None:
+    async def answered(scope: Scope, receive: Receive, send: Send) -> None:
         query = scope.get("query_string", b"").decode("latin-1")
         reads = scope["type"] == "http" and scope.get("method") in ("GET", "HEAD")
         if not reads or scope["path"] != "/" or "language" in parse_qs(query):

@@ -77,7 +77,7 @@ def statement(number: str, seed: int = 0, language: str = ENGLISH) -> Json:
         "number": exercise.number,
         "title": exercise.title,
         "chapter": exercise.chapter,
-        "level": exercise.level,
+        "level": exercise.level_name,
         "seed": exercise.seed,
         "note": exercise.note,
         "statement": html_of(exercise.statement),

@@ -17,17 +17,12 @@ from urllib.parse import SplitResult, urlsplit
 from geomtorsion.errors import LimitError, MissingExtraError
 from geomtorsion.pictures.formula import font_face
 from geomtorsion.teaching.exercises.worker_pool import Json
-from geomtorsion.teaching.lab.localized import localized
+from geomtorsion.teaching.lab.localized import App, Receive, Scope, Send, localized
 from geomtorsion.teaching.lab.notebook_path import without_path
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.tasks import common_runner
 from geomtorsion.teaching.lab.views import copying
 from geomtorsion.teaching.texts import ENGLISH
-
-Scope = MutableMapping[str, Any]
-Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
-Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
-App = Callable[[Scope, Receive, Send], Awaitable[None]]
 
 # The policy forbids the browser to load anything from another origin.
 POLICY = (

@@ -60,7 +60,7 @@ def test_noise_in_the_file(track):
 @pytest.mark.parametrize(
     ("table", "more", "words"),
     [
-        ("t,theta\n1,1.5", (), "sigma: expected the noise of theta"),
+        ("t,theta\n1,1.5", (), "sigma: expected a value for theta"),
         ("t,theta\n1,1.5", ("--sigma", "x"), "sigma"),
         ("t,psi\n1,1.5\n2,1", ("--sigma", "1"), "expected quantities of the model, got 'psi'"),
         ("t,theta\n1,a", ("--sigma", "1"), "line 2: expected a number in column 2"),

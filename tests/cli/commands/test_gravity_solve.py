@@ -110,6 +110,20 @@ def test_a_scalar_field_and_a_charge(tmp_path: Path) -> None:
     assert g.read_model(written(tmp_path, charge)).reduce("r").states == ("A", "B", "u", "u_1")
 
 
+def test_values_at_the_end(tmp_path: Path) -> None:
+    """A file demands values at the end; the command shows the numbers that lead to them."""
+    demands = 'free = ["rho"]\nboundary = {a = 2}\n'
+    file = written(tmp_path, ANSATZ + DUST + demands)
+    made = run("gravity", file, "--solve", "t=1")
+    assert "rho = 4.4575276667" in made.stdout
+    assert "a = 2: missed by" in made.stdout
+    document = json.loads(run("gravity", file, "--solve", "t=1", "--format", "json").stdout)
+    exact = 4 * (2**1.5 - 1) ** 2 / 3
+    answer = document["free"]["rho"]
+    assert abs(answer["value"] - exact) < answer["error"] < 1e-8
+    assert abs(document["boundary"]["a = 2"]["miss"]) < 1e-9
+
+
 FAULTS = {
     "no table": (ANSATZ, "expected a table [theory]"),
     "no Lagrangian": (ANSATZ + "[theory]\n", "expected a lagrangian"),
@@ -120,6 +134,10 @@ FAULTS = {
         "start: expected a table",
     ),
     "no list": (ANSATZ + '[theory]\nlagrangian = "R"\nconditions = 1\n', "expected a list"),
+    "no list of numbers": (
+        ANSATZ + '[theory]\nlagrangian = "R"\nfree = "a"\n',
+        "free: expected a list",
+    ),
     "half a fluid": (
         ANSATZ + '[theory]\nlagrangian = "R"\nfluid = {density = 1}\n',
         "expected density and pressure",

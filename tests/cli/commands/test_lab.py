@@ -12,7 +12,7 @@ from tests.cli.running import run
 def printed(monkeypatch, *options: str) -> str:
     """Text that the command prints when the page is ready; nothing is served."""
 
-    def served(address, ready, _sessions):
+    def served(address, ready, *_):
         ready(address.guarded().url(2718))
 
     monkeypatch.setattr(command, "serve", served)

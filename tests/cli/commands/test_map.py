@@ -82,7 +82,7 @@ def test_without_matplotlib(tmp_path, no_pictures):
         (("--size", "0"), "--size"),
         (("--sigma", "much"), "--sigma: expected a number of 0 or more, or estimate"),
         (("--sigma", "-1"), "--sigma: expected standard deviations of 0 or more, got -1"),
-        (("--threshold", "nan"), "--threshold: expected a finite number"),
+        (("--threshold", "nan"), "--threshold: expected a positive number"),
         (("--order", "4"), "--order: expected a file of sampled frames"),
         (("--plane", "x,z"), "--plane: expected two of the axes x, y"),
         (("--plane", "y,x"), "--plane: expected x and y, the only plane of an orientation map"),

@@ -296,8 +296,8 @@ REFUSED = {
     "wrong constant": (lambda: Crystal(X, CELL, lattice="fcc", constant=2), "about 1, .* got 2"),
     "no rotation": (lambda: Crystal(X, CELL, orient=np.ones((3, 3))), "expected a rotation, got"),
     "species": (lambda: Crystal(X, CELL, species=["Cu"]), "one for each of 500 atoms, got 1"),
-    "periodic": (lambda: Crystal(X, CELL, (True, True)), "expected three truth values"),
-    "periods": (lambda: Crystal(X, CELL, (np.ones(2), 1, 1)), "expected three truth values"),
+    "periodic": (lambda: Crystal(X, CELL, (True, True)), "expected 3 truth values"),
+    "periods": (lambda: Crystal(X, CELL, (np.ones(2), 1, 1)), "expected 3 truth values"),
 }  # fmt: skip
 
 

@@ -94,6 +94,16 @@ def test_a_wall_of_edges():
         assert sigma[2, 2] == pytest.approx(NU * (sigma[0, 0] + sigma[1, 1]), abs=1e-12)
 
 
+def test_mises_stress_of_a_wall():
+    """sqrt of half the squared differences of normal stresses and thrice the squared shears."""
+    found = stresses(pairs_of_rows((1, 0, 0), 2.0, 1.0), ISOTROPIC, shape=(32, 16, 1))
+    one, two, three = (found.stress[k, k] for k in range(3))
+    shears = found.stress[0, 1] ** 2 + found.stress[1, 2] ** 2 + found.stress[0, 2] ** 2
+    squares = ((one - two) ** 2 + (two - three) ** 2 + (three - one) ** 2) / 2 + 3 * shears
+    np.testing.assert_allclose(found.mises, np.sqrt(squares), rtol=1e-9)
+    assert np.abs(one + two + three).max() > 0.1 * found.largest
+
+
 def test_half_plane_is_compressed():
     """b along x and the sense z in Hirth-Lothe: the extra half plane at y > 0 is compressed."""
     net = pairs_of_rows((1, 0, 0), 2.0, 2.0)

@@ -11,6 +11,7 @@ import geomtorsion as gt
 from geomtorsion.errors import GridError
 from geomtorsion.loops import Loop
 from geomtorsion.materials.fields import SampledFrame
+from geomtorsion.materials.fields.stencils import Rule
 from geomtorsion.materials.readers import open_in_blocks, open_source
 from tests.loops.edge_dislocation import displacement
 
@@ -318,3 +319,16 @@ def test_a_file_keeps_the_displacement(tmp_path, branch, sigma):
     )
     with pytest.raises(GridError, match="blocks: expected a coframe or a distortion"):
         open_in_blocks(tmp_path / "u.npz")
+
+
+@pytest.mark.parametrize("order", [2, 4, 6])
+@pytest.mark.parametrize("periodic", [False, True])
+def test_slopes_from_steps_are_slopes_from_values(order, periodic):
+    """Differences of neighbours give the slopes of the values, at the edges and beside holes."""
+    values = np.random.default_rng(order).normal(size=24)
+    holes = np.zeros((24, 1), dtype=bool)
+    holes[11] = True
+    rule = Rule.of(order, holes, periodic, slopes=True)
+    steps = np.diff(values, append=values[:1]) if periodic else np.diff(values)
+    assert rule.matrix_of_steps @ steps == pytest.approx(rule.matrix @ values, abs=1e-12)
+    assert not rule.known[11]

@@ -272,7 +272,7 @@ def test_loops_that_leave_the_grid_are_refused(wavy):
     for plane in ((0, 0), (0, 3), (0.0, 1.0), (0,), 1):
         with pytest.raises(GridError, match="plane: expected two different axes from 0 to 2, got"):
             grid.plaquettes(plane)
-    with pytest.raises(GridError, match="one axis for each of 3"):
+    with pytest.raises(GridError, match="axes: expected one for each of 3"):
         SampledFrame.from_frame(wavy, AXES)
     line = spaces.load("screw_dislocation").frame
     nodes = [np.linspace(-1, 1, 9)] * 3

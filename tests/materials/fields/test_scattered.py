@@ -295,7 +295,7 @@ FLAT = np.ones((1, 2, len(X)))
             lambda: ScatteredFrame.from_coframe(POINTS, FLAT[:, :, 1:]),
             r"coframe: expected shape \(rows, 2",
         ),
-        (lambda: ScatteredFrame.from_coframe(POINTS, FLAT, order=3), "order: expected 2 or 4"),
+        (lambda: ScatteredFrame.from_coframe(POINTS, FLAT, order=3), "order: expected one of 2, 4"),
         (
             lambda: ScatteredFrame.from_coframe(POINTS, FLAT, longest=-1),
             "longest: expected a positive",

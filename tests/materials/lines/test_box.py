@@ -27,7 +27,7 @@ def test_bad_boxes_are_refused():
         (lambda: Box([[1, 0, 0], [0, 1, 0], [1, 1, 0]]), "span a finite volume"),
         (lambda: Box(1e200 * np.eye(3)), r"vectors of the box\[0\]: expected lengths between"),
         (lambda: Box([[1, 0], [0, 1]]), r"shape \(3, 3\)"),
-        (lambda: Box(np.eye(3), periodic=(1, 2, 0)), "expected three truth values"),
+        (lambda: Box(np.eye(3), periodic=(1, 2, 0)), "expected 3 truth values"),
         (lambda: Box(np.eye(3), periodic="yes"), "periodic"),
         (lambda: Box.of_bounds([0, 0, 0], [1, 1, 0]), "expected a highest corner above the lowest"),
         (lambda: Box.of_bounds([0, 0, float("nan")], [1, 1, 1]), "not finite"),

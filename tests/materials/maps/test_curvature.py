@@ -5,6 +5,7 @@ import pytest
 
 from geomtorsion.errors import OrientationError
 from geomtorsion.materials.maps import OrientationMap, Phase
+from geomtorsion.materials.maps.curvature import curvature_of
 from geomtorsion.rigid.attitude import product, quaternion_from_rotation_vector
 from tests.real import real
 
@@ -48,6 +49,19 @@ def test_a_bent_crystal(component: int, shift: float):
     assert (floor[1:-1, 1:-1] == 0).all()
     # On hexagonal grids a corner has only one neighbour in the next row.
     assert np.isfinite(density).all() or shift
+
+
+def test_quaternions_of_either_sign_are_one_orientation():
+    """q and -q are the same rotation: a map of mixed signs has the curvature of the map."""
+    made = bent(np.array([[0, RATE], [RATE, 0], [RATE, RATE]]))
+    mixed = made.quaternions * np.random.default_rng(1).choice([-1, 1], size=(9, 11, 1))
+    grain = np.zeros((9, 11), dtype=int)
+    found = [
+        curvature_of(q, grain, (STEP, STEP), 0.0, 0.1, "um").tensor
+        for q in (made.quaternions, mixed)
+    ]
+    assert found[1] == pytest.approx(found[0], abs=1e-12)
+    assert np.abs(found[0]).max() == pytest.approx(RATE, rel=0.01)
 
 
 def test_the_density_of_a_known_bend():

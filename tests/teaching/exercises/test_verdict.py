@@ -231,7 +231,7 @@ def test_a_verdict_on_nothing_is_refused(name):
     """An unknown name is refused; with StopIteration, a loop of the caller would end silently."""
     verdict = exercises.check("3.3", {"scalar": "2/R^2"})
     assert verdict["scalar"].right
-    with pytest.raises(UnknownNameError, match=r"exercise 3.3: .* Known are ricci, scalar"):
+    with pytest.raises(UnknownNameError, match=r"exercise 3.3: .* There are ricci, scalar"):
         verdict[name]
 
 

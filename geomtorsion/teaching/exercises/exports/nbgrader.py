@@ -11,7 +11,7 @@ from geomtorsion.teaching.exercises.exercise import Exercise
 from geomtorsion.teaching.exercises.exports.tasks import Task
 from geomtorsion.teaching.exercises.question import Question, how_to_answer
 from geomtorsion.teaching.exercises.worker_pool import Json
-from geomtorsion.teaching.texts import ENGLISH, texts
+from geomtorsion.teaching.texts import argument_of, texts
 
 _CONFIG = """\
 c = get_config()
@@ -79,7 +79,7 @@ def _question(exercise: Exercise, question: Question) -> Iterator[Json]:
     text = texts("sheets", "nbgrader", exercise.language)
     how = text("answer", variable=variable, how=how_to_answer(question))
     yield _text(f"asked-{key}", f"{question.prompt}\n\n*{how}*")
-    language = "" if exercise.language == ENGLISH else f", language={exercise.language!r}"
+    language = argument_of(exercise.language)
     arguments = f'"{exercise.number}", answers, seed={exercise.seed}{language}'
     answer = json.dumps(answer_text(question, question.solution), ensure_ascii=False)
     yield code_cell(

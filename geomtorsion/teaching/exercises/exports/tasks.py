@@ -12,7 +12,7 @@ from geomtorsion.teaching.exercises.exercise import Exercise
 from geomtorsion.teaching.exercises.question import Mistake, Question
 from geomtorsion.teaching.exercises.registry import load, names
 from geomtorsion.teaching.exercises.verdict import message_of
-from geomtorsion.teaching.texts import ENGLISH
+from geomtorsion.teaching.texts import ENGLISH, Language
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +59,7 @@ class Task:
 
 
 def tasks(
-    numbers: Sequence[str] | None, seeds: Sequence[int], language: str = ENGLISH
+    numbers: Sequence[str] | None, seeds: Sequence[int], language: Language = ENGLISH
 ) -> tuple[Task, ...]:
     """Exercises in their variants; all exercises by default.
 

@@ -14,7 +14,7 @@ from geomtorsion.support.files import write_texts
 from geomtorsion.teaching.exercises.exports.nbgrader import UNREAD, course_files
 from geomtorsion.teaching.exercises.exports.stack import stack_quiz
 from geomtorsion.teaching.exercises.exports.tasks import Task, tasks
-from geomtorsion.teaching.texts import ENGLISH
+from geomtorsion.teaching.texts import ENGLISH, Language
 
 Files = dict[str, str]
 Progress = Callable[[str], object]
@@ -77,7 +77,7 @@ def export(
     numbers: Sequence[str] | None = None,
     seeds: Sequence[int] | None = None,
     progress: Progress = lambda _: None,
-    language: str = ENGLISH,
+    language: Language = ENGLISH,
 ) -> Export:
     """Write exercises in a format that teachers' systems import.
 
