@@ -326,7 +326,7 @@ def test_a_quantity_that_does_not_matter_is_exact():
         (lambda: orbit(0.1).without("torsion"), UnknownNameError, "There are spin_force"),
         (lambda: orbit(0.1).restricted(["x"]), UnknownNameError, "names"),
         (lambda: gt.ODE.of({"x": "-x"}, [1]).without("x"), UnknownNameError, "none"),
-        (lambda: pushed(torsion=["1", "0"], b=["1"]), gt.errors.ShapeError, "b: expected 2"),
+        (lambda: pushed(torsion=["1", "0"], b=["1"]), gt.errors.ShapeError, "b: expected one for each of 2 legs"),
         (
             lambda: gt.autoparallel("so3", [0, 1, 0], [1, 0, 0], force={"torsion": [1, 0, 0]}),
             ArgumentError,
