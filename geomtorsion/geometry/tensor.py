@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, ClassVar, SupportsIndex
+from typing import TYPE_CHECKING, Any, ClassVar, SupportsIndex, cast
 
 import sympy as sp
 
@@ -163,7 +163,7 @@ class Tensor:
         # The most frequent case, for which no name is worked out.
         place = tuple([k for k in index if type(k) is int and 0 <= k < n])
         if len(place) == len(index) == rank:
-            return place
+            return cast("Index", place)
         return checks.indices(index, rank, n, self.label, TensorIndexError)
 
     def nonzero(self) -> dict[Index, sp.Expr]:

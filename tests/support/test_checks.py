@@ -194,9 +194,8 @@ def test_lists_of_numbers():
             checks.numbers(wrong, 2, "u", StartError, shape_error=ShapeError)
     with pytest.raises(StartError, match=r"u\[1\]: expected a finite number, got nan"):
         checks.numbers([1, np.nan], 2, "u", StartError)
-    two = {"expected": "two numbers", "remedy": "Give both."}
     with pytest.raises(StartError, match=r"u: expected two numbers, got \[1, 2, 3\]\. Give both\."):
-        checks.numbers([1, 2, 3], 2, "u", StartError, **two)
+        checks.numbers([1, 2, 3], 2, "u", StartError, expected="two numbers", remedy="Give both.")
 
 
 def test_arrays():
