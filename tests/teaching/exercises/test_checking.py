@@ -368,7 +368,7 @@ def test_hostile_answers_end_soon(kind, given):
 
 
 @pytest.mark.parametrize(
-    ("given", "says"),
+    ("given", "words"),
     [
         ("xx", "xx is not a name of this question"),
         ("xx", "Did you mean x? Names that may occur here: x, y, t."),
@@ -380,17 +380,17 @@ def test_hostile_answers_end_soon(kind, given):
     ],
 )
 @pytest.mark.parametrize("kind", ["expression", "components", "equations"])
-def test_advice_is_for_those_who_answer(kind, given, says):
+def test_advice_is_for_those_who_answer(kind, given, words):
     """The advice does not mention parameters, because an answer cannot declare them."""
     question = {"expression": asked(x), "components": components([[x, 0], [0, 0]])}.get(kind)
     if question is None:
         question, given = asked({x: y}, kind="equations"), f"x = {given}"
     else:
         given = {"1,1": given} if kind == "components" else given
-    said = check_question(question, given).message
-    assert says in said
-    assert "arameter" not in said
-    assert "eclare" not in said
+    message = check_question(question, given).message
+    assert words in message
+    assert "arameter" not in message
+    assert "eclare" not in message
 
 
 def test_advice_replaces_the_parameter_of_every_limit():
