@@ -28,7 +28,7 @@ LINE = np.linspace(0, 1, 20_000)
     ],
     ids=["solve_many", "scene", "grid", "loop"],
 )  # fmt: skip
-def test_what_would_fill_the_memory_is_refused(call, words):
+def test_requests_beyond_the_memory_limit_are_refused(call, words):
     """The error names the size, the limit and the remedy."""
     with pytest.raises(LimitError, match=rf"{words}.*; the limit is 2 GB\. (Give|Ask|Solve)"):
         call()

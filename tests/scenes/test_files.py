@@ -241,7 +241,7 @@ quaternion = [1, 0, 0, 0]
         ("quaternion = [1, 0, 0, 0]", "velocity = [1, 0, 0]", None),
     ],
 )
-def test_lines_of_what_effects_refuse(old, new, words):
+def test_refusals_of_effects_name_their_lines(old, new, words):
     """An error found only when the equations are assembled also names its line."""
     assert FORCED.count(old) == 1
     text = FORCED.replace(old, new)

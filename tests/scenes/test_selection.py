@@ -143,7 +143,7 @@ def test_effects_that_do_not_go_together(acting, words):
         (["euler:zzz"], "Euler angles: expected the name of a convention, got 'zzz'"),
     ],
 )
-def test_what_cannot_be_watched(watch, words):
+def test_unknown_quantities_are_refused(watch, words):
     with pytest.raises(UnknownNameError, match=words):
         Scene(BODY, (), START, watch)
 

@@ -198,7 +198,7 @@ def test_moodle_is_another_name_of_stack(tmp_path):
     assert one == two
 
 
-def test_what_cannot_be_read_is_neither_right_nor_wrong():
+def test_unreadable_answers_are_neither_right_nor_wrong():
     """The question of an unreadable answer is named as neither right nor wrong."""
     text = run("exercises", "check", "3.2", "1/2 cot phi2/2", code=1).stdout
     assert "could not be read" in text

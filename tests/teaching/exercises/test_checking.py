@@ -457,7 +457,7 @@ def test_a_single_answer_and_unknown_names():
     [("3.2", "1/2 cot phi2/2"), ("3.2", "cot(phi2"), ("3.2", "cot(theta)"), ("2.1", "1,2,2 = 1/2r"),
      ("1.1", "[[1, 0], [0"), ("3.1", {"cartan": "perhaps", "riemann": "zero", "torsion": "zero"})],
 )  # fmt: skip
-def test_what_cannot_be_read_makes_a_range(number, text):
+def test_unreadable_answers_make_a_range(number, text):
     """An unreadable answer is neither right nor wrong; the possible points count its question."""
     verdict = exercises.load(number).check(text)
     first, *others = verdict.questions

@@ -254,7 +254,7 @@ def test_the_plan_follows_the_switches():
     assert "body axes: 3<" in alone
 
 
-def test_what_cannot_be_is_refused():
+def test_impossible_scenes_are_refused():
     """An impossible body and contradictory effects are refused."""
     with pytest.raises(GeomtorsionError, match="are impossible, because"):
         top([1, 1, 3], [0, 0, 1], 0.3, 1.0)
