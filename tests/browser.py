@@ -93,7 +93,7 @@ class Watched:
         self.page.get_by_role("tab", name=name, exact=True).click()
         return self.page
 
-    def says(self, selector: str, text: str | re.Pattern[str]) -> str:
+    def shows(self, selector: str, text: str | re.Pattern[str]) -> str:
         """Wait until a part of the page contains a text; return the full text of that part.
 
         A part is drawn again after a change, and for a moment it does not exist.
@@ -172,22 +172,22 @@ def lab(watched: Watched, address: str) -> Watched:
 
 
 @pytest.fixture(scope="session")
-def standing_pages() -> list[Watched]:
+def shared_pages() -> list[Watched]:
     """The page that stays open between the tests that leave it unchanged."""
     return []
 
 
 @pytest.fixture
-def standing(context: Any, address: str, standing_pages: list[Watched]) -> Iterator[Watched]:
+def shared_lab(context: Any, address: str, shared_pages: list[Watched]) -> Iterator[Watched]:
     """The page as first loaded, for a test that leaves it unchanged; loading it takes seconds.
 
     The address shows the changes. After a change of anything but the tab, the page is loaded again.
     """
-    if not (standing_pages and _is_untouched(standing_pages[0])):
-        for seen in standing_pages:
+    if not (shared_pages and _is_untouched(shared_pages[0])):
+        for seen in shared_pages:
             seen.page.close()
-        standing_pages[:] = [loaded(opened(context), address)]
-    [seen] = standing_pages
+        shared_pages[:] = [loaded(opened(context), address)]
+    [seen] = shared_pages
     seen.page.set_viewport_size(WINDOW)
     seen.tab(FIRST_TAB).wait_for_selector("#compass iframe")
     yield seen

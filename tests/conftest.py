@@ -19,15 +19,15 @@ from tests.browser import (
     context,
     lab,
     playwright,
-    standing,
-    standing_pages,
+    shared_lab,
+    shared_pages,
     watched,
 )
 from tests.teaching.exercises.processes import one_pool
 
 __all__ = [
-    "address", "browser", "context", "lab", "one_pool", "playwright", "standing",
-    "standing_pages", "watched",
+    "address", "browser", "context", "lab", "one_pool", "playwright", "shared_lab",
+    "shared_pages", "watched",
 ]  # fmt: skip
 
 settings.register_profile("geomtorsion", deadline=None, derandomize=True, print_blob=True)

@@ -145,7 +145,7 @@ def test_float_entry_is_offered_as_a_rational(entry, rational):
     "entry", ["x +", "z", None, object(), [1]], ids=["text", "name", "None", "object", "list"]
 )
 def test_entry_other_than_an_expression(entry):
-    """Text that is no expression, unknown names and other objects are refused as entries."""
+    """Text that is not an expression, unknown names and other objects are refused as entries."""
     with pytest.raises(GeomtorsionError):
         gt.Frame([x, y], [[1, 0], [0, entry]])
 

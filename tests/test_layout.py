@@ -110,7 +110,7 @@ def floor_of(part: str) -> int:
     for number, names in enumerate(FLOORS):
         if part in names:
             return number
-    raise AssertionError(f"geomtorsion.{part} stands on no floor; add it to FLOORS")
+    raise AssertionError(f"geomtorsion.{part} is not in FLOORS; add it")
 
 
 def upward(own: str, imported: str) -> bool:
@@ -143,7 +143,7 @@ def test_an_upward_arrow_would_be_found():
     assert upward("geometry", "cli")
     assert upward("ode", "curves")
     assert not upward("cli", "exact")
-    with pytest.raises(AssertionError, match="stands on no floor"):
+    with pytest.raises(AssertionError, match="is not in FLOORS"):
         floor_of("cellar")
 
 

@@ -166,7 +166,7 @@ def test_each_command_occurs_once():
     assert test.endswith("pytest -q -n auto")
     script = (ROOT / ".ci" / "run").read_text("utf-8")
     assert "README.md" in script
-    assert "pytest" not in script, "the test command would stand twice"
+    assert "pytest" not in script, "the test command would occur twice"
 
 
 def test_version_occurs_once():

@@ -124,10 +124,10 @@ def _argument(name: str, value: ArrayLike, is_finite: bool) -> ArrayLike:
     is_float = type(value) is float or (type(value) is np.ndarray and value.dtype == np.float64)
     if is_float and not (is_finite and not np.isfinite(value).all()):
         return value
-    message = "{subject}: expected a number or an array of real numbers, got {value}."
+    wanted = "a number or an array of real numbers"
     infinite = "{subject}{place} = {value} is not finite. Give finite numbers."
     return array(
-        value, name, ArgumentError, message=message, infinite=infinite if is_finite else None
+        value, name, ArgumentError, expected=wanted, infinite=infinite if is_finite else None
     )
 
 

@@ -470,18 +470,9 @@ def start_lists(
 
 def _rows(values: object, n: int, what: str) -> np.ndarray:
     """An array of shape (number, n) of finite numbers."""
-    array = checks.array(
-        values,
-        what,
-        StartError,
-        shape=(None, n),
-        shape_error=ShapeError,
-        message=f"{{subject}}: expected rows of {n} numbers.",
-        shaped=f"{{subject}}: expected shape (number, {n}), got {{came}}.",
-        infinite="{subject}{place} = {value} is not finite.",
-    )
+    array = checks.array(values, what, StartError, shape=(None, n), shape_error=ShapeError)
     if not len(array):
-        raise ShapeError(f"{what}: expected shape (number, {n}), got {array.shape}.")
+        raise ShapeError(f"{what}: expected at least one row of {n} numbers, got none.")
     return array
 
 

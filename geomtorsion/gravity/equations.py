@@ -461,8 +461,8 @@ def equations(
     >>> gravity.equations(gt.levi_civita(cosmos), "R").antisymmetric.is_zero
     True
     """
-    message = "{subject}: expected one connection or a list of connections, got {value}."
-    own = listed(connections, ConnectionLike, "connections", message)
+    wanted = "one connection or a list of connections"
+    own = listed(connections, ConnectionLike, "connections", wanted)
     several = [as_connection(one, "connections", GravityError) for one in own]
     if not several:
         raise GravityError(
@@ -481,17 +481,14 @@ def equations(
         )
     theory = known_as(lagrangian)
     declared = (*declared_constants(theory.constants), *declared_constants(constants))
-    message = (
-        "{subject}: expected gravity.invariant(name, formula), or a list of them, got {value}."
-    )
-    added = listed(invariants, Invariant, "invariants", message)
+    wanted = "gravity.invariant(name, formula), or a list of them"
+    added = listed(invariants, Invariant, "invariants", wanted)
     theory = replace(theory, constants=declared, invariants=(*theory.invariants, *added))
     check_geometry(theory, several)
-    message = (
-        "{subject}: expected gravity.scalar_field, maxwell, fluid, weyssenhoff or hypermomentum, "
-        "or a list of these, got {value}."
+    wanted = (
+        "gravity.scalar_field, maxwell, fluid, weyssenhoff or hypermomentum, or a list of these"
     )
-    sources = listed(matter, MatterField | Source, "matter", message)
+    sources = listed(matter, MatterField | Source, "matter", wanted)
     for source in sources:
         source.check(several[0].frame)
     result = FieldEquations(tuple(several), theory, tuple(sources))

@@ -57,12 +57,12 @@ def _fault(geometry: str, connections: Sequence[Connection]) -> str:
     return "is not metric"
 
 
-def listed(values: object, kind: type | UnionType, subject: str, message: str) -> list:
+def listed(values: object, kind: type | UnionType, subject: str, expected: str) -> list:
     """One value of a kind, or a list of some."""
     if isinstance(values, kind):
         return [values]
-    entries = list(checks.entries(values, subject, GravityError, message=message))
+    entries = list(checks.entries(values, subject, GravityError, expected=expected))
     for value in entries:
         if not isinstance(value, kind):
-            raise GravityError(message.format(subject=subject, value=checks.shown(value)))
+            checks.refuse(GravityError, subject, expected, value)
     return entries

@@ -146,8 +146,8 @@ def _action(frame: FrameLike, vectors: Vectors) -> Action:
             )
         listed: Sequence[object] = closed
     else:
-        message = "{subject}: expected a list of vectors or gravity.symmetries(frame), got {value}."
-        listed = checks.entries(vectors, "vectors", GravityError, message=message)
+        wanted = "a list of vectors or gravity.symmetries(frame)"
+        listed = checks.entries(vectors, "vectors", GravityError, expected=wanted)
     if not listed:
         raise GravityError(
             "vectors: expected at least one vector, got none: the frame has no symmetry that is "

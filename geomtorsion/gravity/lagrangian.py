@@ -88,11 +88,11 @@ def known_as(text: object) -> Lagrangian:
         return text
     if isinstance(text, str):
         return Lagrangian(text)
-    message = (
-        "{subject}: expected text such as 'T + c*T**2', a sympy expression in gravity.names, or a "
-        "theory such as gravity.tegr, got {value}."
+    wanted = (
+        "text such as 'T + c*T**2', a sympy expression in gravity.names, or a theory such as "
+        "gravity.tegr"
     )
-    return Lagrangian(checks.expression(text, "lagrangian", GravityError, message=message))
+    return Lagrangian(checks.expression(text, "lagrangian", GravityError, expected=wanted))
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,13 +211,11 @@ def scalar_of(
         and isinstance(generator.shown, AppliedUndef)
         and all(place.is_Symbol for place in generator.shown.args)
     }
-    message = "{subject}: expected one expression, got {value}."
     expression = checks.expression(
         value,
         where,
         GravityError,
         read=lambda text: _parsed(text, Vocabulary(frame), where, applied),
-        message=message,
     )
     (element,) = frame.read([(where, expression)])
     return element

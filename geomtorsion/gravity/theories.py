@@ -64,8 +64,8 @@ def f_of(invariants: str | Sequence[str], f: object = "f") -> Lagrangian:
     }
     geometry = geometries.get(listed[0], "any") if len(listed) == 1 else "any"
     value = function(*(names[name] for name in listed))
-    message = "{subject}: expected a sympy expression as the value of f, got {value}."
-    expression = checks.expression(value, "f_of", GravityError, message=message)
+    wanted = "a sympy expression as the value of f"
+    expression = checks.expression(value, "f_of", GravityError, expected=wanted)
     return Lagrangian(expression, geometry, f"f({', '.join(listed)})")
 
 
@@ -129,5 +129,5 @@ def _number(value: Number) -> sp.Expr:
 
 
 def _read(value: object) -> sp.Expr:
-    message = "{subject}: expected a number, an expression or the name of a parameter, got {value}."
-    return checks.expression(value, "factor", GravityError, message=message)
+    wanted = "a number, an expression or the name of a parameter"
+    return checks.expression(value, "factor", GravityError, expected=wanted)

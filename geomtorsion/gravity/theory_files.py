@@ -92,5 +92,5 @@ def _table(file: TomlFile, data: Mapping[str, object], key: str, example: str) -
 
 def _text(file: TomlFile, table: Mapping[str, object], key: str) -> str:
     """The text of a key, empty if there is none."""
-    message = "{subject}: expected text in quotes, got {value}."
-    return checks.text(table.get(key, ""), f"{file.name}: {key}", FileFormatError, message=message)
+    value, subject = table.get(key, ""), f"{file.name}: {key}"
+    return checks.text(value, subject, FileFormatError, expected="text in quotes")

@@ -288,11 +288,11 @@ def declared_constants(constants: str | sp.Symbol | Iterable[str | sp.Symbol]) -
     >>> declared_constants("alpha, beta")
     ('alpha', 'beta')
     """
-    message = '{subject}: expected names such as "alpha beta", got {value}.'
     if isinstance(constants, str):
         entries = constants.replace(",", " ").split()
     elif isinstance(constants, sp.Symbol):
         entries = [constants]
     else:
-        entries = checks.entries(constants, "constants", GravityError, message=message)
+        wanted = 'names such as "alpha beta"'
+        entries = checks.entries(constants, "constants", GravityError, expected=wanted)
     return tuple(dict.fromkeys(new_name(entry, "constants") for entry in entries))

@@ -413,7 +413,7 @@ class _Job:
             if not len(pending):
                 break
             tolerance = next_tolerance(self.engine, tolerance, self.accuracy / best)
-        # A long step may not have seen what the finer run saw: `alone` cuts such a motion.
+        # The finer run may see more than a long step: `verified_motion` cuts such a motion.
         self.lacking, self.best = pending[~long].tolist(), best
         self._one_by_one(np.concatenate((separate, pending[long])))
 

@@ -12,7 +12,7 @@ import numpy as np
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.ode.batch import Failure
 from geomtorsion.ode.solution import Problem
-from geomtorsion.ode.solve import alone
+from geomtorsion.ode.solve import verified_motion
 from geomtorsion.ode.system import Engine
 from geomtorsion.ode.trajectory import Trajectory
 
@@ -32,7 +32,7 @@ def followed(problem: Problem, engine: Engine, accuracy: float, grid: np.ndarray
     """One motion with its error, in this process."""
     began = time.perf_counter()
     try:
-        checked = alone(problem, engine, accuracy, grid)
+        checked = verified_motion(problem, engine, accuracy, grid)
     except GeomtorsionError as error:
         return Single(None, math.inf, str(error), 0.0, 0.0)
     answer = checked.answer

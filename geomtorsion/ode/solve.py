@@ -304,7 +304,9 @@ def _complete(asked: _Runs, runs: list[Trajectory]) -> Verified | None:
     return result if ended and result.error <= asked.accuracy else None
 
 
-def alone(problem: Problem, engine: Engine, accuracy: float, grid: np.ndarray) -> Verified:
+def verified_motion(
+    problem: Problem, engine: Engine, accuracy: float, grid: np.ndarray
+) -> Verified:
     """One motion by one engine, with its error, whether or not that is small enough.
 
     grid: times in the time of the stages.

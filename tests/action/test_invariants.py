@@ -66,7 +66,7 @@ def test_number_of_killing_fields(name, number):
     frame = spaces.load(name).frame
     found = gt.conserved_quantities(frame, kinetic(frame))
     assert len(momenta(found)) == number
-    assert not [name for name in found if "tensor" in name], "products of these are no news"
+    assert not [name for name in found if "tensor" in name], "products of invariants are listed"
     assert next(iter(found)) == "energy"
 
 

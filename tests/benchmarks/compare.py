@@ -5,8 +5,8 @@
     python -m tests.benchmarks.compare --turns 3             every race three times, in turn
     python -m tests.benchmarks.compare --keep results.jsonl  resume an earlier run
 
-Times are CPU seconds of the best round of the whole work in a warm process, with fresh objects in
-each round. With --turns all contestants of a case race again in turn, and the best round counts.
+Times are CPU seconds of the best run of the whole work in a warm process, with fresh objects in
+each run. With --turns all contestants of a case race again in turn, and the best run counts.
 geomtorsion computes both connections, torsion, contortion and both curvatures, and converts each
 component to sympy. The others compute what they can: Christoffel, Riemann, Ricci, Kretschmann; in
 the column "metric only" geomtorsion computes only these. Python packages are timed from sympy
@@ -115,7 +115,7 @@ def main() -> None:
     parser.add_argument("--contestants", nargs="+", default=[c.name for c in ALL], metavar="NAME")
     parser.add_argument("--limit", type=float, default=60.0, help="CPU seconds for a race")
     parser.add_argument("--turns", type=int, default=1, help="races of each, in turn")
-    parser.add_argument("--keep", type=Path, help="file of results to go on from")
+    parser.add_argument("--keep", type=Path, help="file of results to resume from")
     chosen = parser.parse_args()
     results = _kept(chosen.keep)
     racing = [c for c in ALL if c.name in chosen.contestants and c.is_installed]

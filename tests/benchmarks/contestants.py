@@ -12,11 +12,11 @@ from tests.benchmarks import baseline, maxima, rivals
 from tests.benchmarks.cases import Case, sphere
 from tests.benchmarks.outcome import Outcome, Reached
 
-# A measurement ends after ROUNDS rounds, or after the round that ends past ENOUGH seconds.
+# A measurement ends after ROUNDS runs, or after the run that ends past ENOUGH seconds.
 ROUNDS, ENOUGH = 20, 3.0
 
-# Reports of a measurement: say("stage", "ricci", seconds), say("round", cpu seconds, seconds).
-Say = Callable[[str, str | float, float], None]
+# Reports of a measurement: "stage", its name, seconds; or "run", CPU seconds, seconds.
+Report = Callable[[str, str | float, float], None]
 Work = Callable[[Case, Reached], Outcome]
 
 
@@ -31,7 +31,7 @@ class Contestant:
     name: str
     title: str
     module: str
-    measure: Callable[[Case, Say], Outcome]
+    measure: Callable[[Case, Report], Outcome]
     takes_coframe: bool = False
 
     @property
@@ -41,7 +41,7 @@ class Contestant:
         return find_spec(self.module) is not None
 
 
-def _in_python(work: Work, case: Case, say: Say) -> Outcome:
+def _in_python(work: Work, case: Case, report: Report) -> Outcome:
     """Time rounds with fresh objects in a process that has first computed a 2-sphere."""
     work(sphere(), lambda _: None)
     spent, turn = 0.0, 0
@@ -51,25 +51,25 @@ def _in_python(work: Work, case: Case, say: Say) -> Outcome:
 
         def reached(stage: str, start: float = start, loud: bool = turn == 0) -> None:
             if loud:
-                say("stage", stage, time.perf_counter() - start)
+                report("stage", stage, time.perf_counter() - start)
 
         outcome = work(case, reached)
         seconds = time.perf_counter() - start
-        say("round", time.thread_time() - cpu, seconds)
+        report("run", time.thread_time() - cpu, seconds)
         spent, turn = spent + seconds, turn + 1
         if turn == ROUNDS or spent > ENOUGH:
             return outcome
 
 
-def _in_maxima(frame: bool, case: Case, say: Say) -> Outcome:
+def _in_maxima(frame: bool, case: Case, report: Report) -> Outcome:
     """Run one session, and a second one with more rounds if the first shows that they are short."""
-    outcome, total = _maxima_session(frame, case, say, rounds=1)
+    outcome, total = _maxima_session(frame, case, report, rounds=1)
     if total * ROUNDS < 2 * ENOUGH:
-        outcome, _ = _maxima_session(frame, case, say, rounds=ROUNDS)
+        outcome, _ = _maxima_session(frame, case, report, rounds=ROUNDS)
     return outcome
 
 
-def _maxima_session(frame: bool, case: Case, say: Say, rounds: int) -> tuple[Outcome, float]:
+def _maxima_session(frame: bool, case: Case, report: Report, rounds: int) -> tuple[Outcome, float]:
     empty, scalar, total, warm = False, "", 0.0, False
     for stage, rest in maxima.run(case, frame, rounds):
         if stage == "warm":
@@ -80,9 +80,9 @@ def _maxima_session(frame: bool, case: Case, say: Say, rounds: int) -> tuple[Out
             scalar = rest
         elif warm:
             cpu, total = map(float, rest.split())
-            say("stage", stage, total)
+            report("stage", stage, total)
             if stage == "kretschmann":
-                say("round", cpu, total)
+                report("run", cpu, total)
     if not scalar:
         raise TimeoutError("Maxima ended without an answer")
     return Outcome(maxima.to_sympy(scalar, case), () if empty else (1,)), total

@@ -1,7 +1,7 @@
 """Race: one contestant on one case in a process of its own, ended at a limit of CPU seconds.
 
 `python -m tests.benchmarks.race CONTESTANT CASE LIMIT` is that process. It prints one JSON list
-per line: ["stage", name, seconds], ["round", cpu, seconds], ["checked", ...].
+per line: ["stage", name, seconds], ["run", cpu, seconds], ["checked", ...].
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ BUSY = 6.0
 class Result:
     """Result of one race.
 
-    rounds, cpu     wall and CPU seconds of the whole work, round by round
+    rounds, cpu     wall and CPU seconds of each run of the whole work
     reached         last finished stage, with the time at which it was reached
     ricci_is_zero   Ricci came out as 0 without further simplification by a reader
     agrees          the Kretschmann scalar has the right value at a point; None: not checked
@@ -49,7 +49,7 @@ class Result:
 
     @property
     def best(self) -> float | None:
-        """CPU seconds of the best round; wall time would depend on the load of the machine."""
+        """CPU seconds of the best run; wall time would depend on the load of the machine."""
         return min(self.cpu, default=None)
 
 
@@ -86,7 +86,7 @@ def _follow(process: subprocess.Popen[str], result: Result) -> None:
         kind, name, value = json.loads(line)
         if kind == "stage":
             result.reached = (name, value)
-        elif kind == "round":
+        elif kind == "run":
             result.cpu.append(name)
             result.rounds.append(value)
         elif kind == "done":

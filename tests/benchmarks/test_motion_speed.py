@@ -60,7 +60,7 @@ def test_against_rivals(case, capsys):
             alone = min(ours().cost.run_seconds for _ in range(50))
             whole, *theirs = best_times([ours, *(rival or ())])
             rows.append(
-                f"{accuracy:.0e} {sol.engine:<11} error {error:.1e} (said {sol.error:.1e}): "
+                f"{accuracy:.0e} {sol.engine:<11} error {error:.1e} (estimated {sol.error:.1e}): "
                 f"run {_ms(alone)}, checked {_ms(whole)}"
             )
             if theirs:

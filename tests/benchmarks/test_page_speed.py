@@ -26,8 +26,8 @@ TIMING = """(before) => {
     window.addEventListener("keydown", press, { capture: true, once: true });
     window.moved = new Promise((done) => {
         const look = () => {
-            const said = document.querySelector("#loop-result")?.innerText;
-            if (said && said !== before) done(performance.now() - pressed);
+            const text = document.querySelector("#loop-result")?.innerText;
+            if (text && text !== before) done(performance.now() - pressed);
             else requestAnimationFrame(look);
         };
         look();
@@ -42,7 +42,7 @@ def test_from_slider_to_picture(lab: Watched, capsys: pytest.CaptureFixture[str]
     page.get_by_role("slider").first.focus()
     took = []
     for _ in range(10):
-        page.evaluate(TIMING, lab.says("#loop-result", "|b| = "))
+        page.evaluate(TIMING, lab.shows("#loop-result", "|b| = "))
         page.keyboard.press("ArrowRight")
         took.append(page.evaluate("() => window.moved"))
     assert min(took) > 0

@@ -4,8 +4,8 @@
         [--accuracies 1e-6 1e-9 1e-12] [--engine RungeKutta] [--without-heyoka] [--rounds 5]
 
 OLD and NEW are folders that contain `geomtorsion`. Each has a process of its own. Both receive each
-problem of each round in turn, so that they run under the same load. A time is the least CPU time
-of all rounds; the ratio is NEW over OLD. Cold is the first solve of a fresh process.
+problem of each pass in turn, so that they run under the same load. A time is the least CPU time
+of all passes; the ratio is NEW over OLD. Cold is the first solve of a fresh process.
 Errors are measured with a hundred bits (compiled for each problem, which takes minutes).
 """
 

@@ -153,9 +153,9 @@ def test_a_closed_pipe_ends_quietly():
 
 
 @pytest.mark.parametrize(
-    ("option", "said"), [(("--seconds", "0.3"), "0.3 s"), (("--megabytes", "50"), "50 MB")]
+    ("option", "limit"), [(("--seconds", "0.3"), "0.3 s"), (("--megabytes", "50"), "50 MB")]
 )
-def test_limits_end_a_command(option, said, tmp_path):
+def test_limits_end_a_command(option, limit, tmp_path):
     """A limit of time or memory ends the command with code 2 and a message that names the limit."""
     file = tmp_path / "long.toml"
     terms = "+".join(f"x**{k % 251}*y**{k // 251 % 251}" for k in range(100_000))
@@ -163,7 +163,7 @@ def test_limits_end_a_command(option, said, tmp_path):
     with process("geometry", str(file), *option) as running:
         _, error = running.communicate(timeout=60)
     assert running.returncode == 2
-    assert f"takes more than {said}" in error
+    assert f"takes more than {limit}" in error
     assert error.startswith("geomtorsion: ")
     assert "Traceback" not in error
 

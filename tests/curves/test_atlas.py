@@ -155,7 +155,7 @@ def test_through_the_horizon(name, engine):
     inside = sol.charts[-1]
     assert inside in ("kerr_schild", "ingoing")
     with pytest.raises(ChartEdgeError, match="does not reach"):
-        sol.coordinates  # noqa: B018  (reading it is what is tested)
+        sol.coordinates  # noqa: B018  (reading it raises the error)
     radii = sol.in_chart(inside)
     r = np.linalg.norm(radii[:, 1:], axis=1) if inside == "kerr_schild" else radii[:, 1]
     assert r[-1] < 1.8

@@ -157,10 +157,10 @@ def test_how_far_from_its_edge_a_chart_is_begun_in(theta, label):
     assert problem.first_stage(53, 0.0).label == label
 
 
-@pytest.mark.parametrize(("room", "found"), [(1.45, None), (1.55, "s2_x")])
-def test_how_much_further_another_chart_has_to_reach(room, found):
-    """Another chart needs 1.5 margins more room to its edge, so that motions do not alternate."""
-    theta = float(np.arccos(room / 4))
+@pytest.mark.parametrize(("distance", "found"), [(1.45, None), (1.55, "s2_x")])
+def test_another_chart_must_reach_farther(distance, found):
+    """Another chart must be 1.5 margins farther from its edge, so that motions do not alternate."""
+    theta = float(np.arccos(distance / 4))
     problem = geodesic(load("s2").frame, [theta, 0], frame_velocity=[0.3, 0.4], parameters={"R": 1})
     point = MovingPoint([theta, 0.0], [0.3, 0.4], [])
     assert problem.atlas.best_chart(problem.charts, "s2", point, problem.parameters, 53) == found

@@ -290,7 +290,7 @@ def test_reading_and_saving(tmp_path):
 
 
 @needs_heyoka
-@pytest.mark.parametrize("times", [7.0, [2.0, 5.0, 7.0]], ids=["the end alone", "samples"])
+@pytest.mark.parametrize("times", [7.0, [2.0, 5.0, 7.0]], ids=["only the end", "samples"])
 def test_members_agree_with_single_motions(times):
     """Each member agrees with its true solution and has an error, at the end and at samples."""
     accuracy = 1e-10
@@ -330,7 +330,7 @@ def test_many_by_both_engines():
 
 
 @needs_heyoka
-@pytest.mark.parametrize("times", [40.0, [5.0, 20.0, 40.0]], ids=["the end alone", "samples"])
+@pytest.mark.parametrize("times", [40.0, [5.0, 20.0, 40.0]], ids=["only the end", "samples"])
 def test_a_member_that_falls_holds_up_nobody(times):
     """Behind the horizon steps become arbitrarily small; the other member arrives nevertheless."""
     one = geodesic(

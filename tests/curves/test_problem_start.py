@@ -102,7 +102,7 @@ START, TURN = [0.3, 1.0, 0.2], [0.1, 0.5, -0.2]
         (
             lambda: solve_many(geodesic(SO3, START, TURN), [[1, 2]], 1.0),
             ShapeError,
-            r"shape \(number, 3\)",
+            r"shape \(any, 3\)",
         ),
         (
             lambda: solve_many(

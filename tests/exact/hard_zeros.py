@@ -89,7 +89,7 @@ TRIGONOMETRIC = {
     "angle with a parameter": sin(2 * a * x) - 2 * sin(a * x) * cos(a * x),
     "parameter times a sum": sin(a * (x + y)) - sin(a * x) * cos(a * y) - cos(a * x) * sin(a * y),
     "angle in units of a period": cos(4 * pi * x / a) - 2 * cos(2 * pi * x / a) ** 2 + 1,
-    "angle that is no linear form": sin(x**2 + y) - sin(x**2) * cos(y) - cos(x**2) * sin(y),
+    "angle that is not a linear form": sin(x**2 + y) - sin(x**2) * cos(y) - cos(x**2) * sin(y),
     "angle written in two ways": sin((x + y) ** 2) - sin(x**2 + 2 * x * y + y**2),
     "angle that is a quotient": sin((x**2 - 1) / (x - 1)) - sin(x + 1),
     "rotation has determinant one": sp.rot_axis1(x).multiply(sp.rot_axis3(y)).det() - 1,

@@ -125,7 +125,7 @@ COMPLEX = {
     "Euler with the wrong sign": exp(I * x) - cos(x) + I * sin(x),
     "modulus with the wrong sign": (x + I * y) * (x - I * y) - x**2 + y**2,
     "conjugate": (r + I * a * cos(x)) - (r - I * a * cos(x)),
-    "square is no modulus": (r + I * a) ** 2 - r**2 - a**2,
+    "square is not a modulus": (r + I * a) ** 2 - r**2 - a**2,
     "sine of imaginary, no factor": sin(I * x) - sinh(x),
     "imaginary unit": I * x - x,
     "root of unity": exp(2 * I * pi / 3) - exp(I * pi / 3),

@@ -43,7 +43,7 @@ def test_quantities(given, field, value):
 
 
 @pytest.mark.parametrize(
-    ("given", "field", "says"),
+    ("given", "field", "words"),
     [
         ("9.81 m/s", "m/s^2", "expected a value in m/s\\^2, got the unit m/s"),
         ("3 rpm", "m", "expected a value in m"),
@@ -59,9 +59,9 @@ def test_quantities(given, field, value):
         ("3 m/sek", "m/s", "expected a unit, got 'sek'"),
     ],
 )
-def test_units_that_do_not_fit(given, field, says):
+def test_units_that_do_not_fit(given, field, words):
     """A wrong unit is refused; the message names both units, or the nearest known one."""
-    with pytest.raises(UnitError, match=says):
+    with pytest.raises(UnitError, match=words):
         quantity(given, field)
 
 

@@ -250,7 +250,7 @@ LOOPS: dict[str, tuple[float, Call]] = {
             gt.levi_civita(s2), gt.Loop.circle([1, 0.5], 1e-6), parameters={"R": 1}).angle),
     "development of a path": (
         1e-12, lambda: gt.develop_path(half(), [START, [0.5, 1.4, 1], [1, 1, 1]]).burgers),
-    "development once round": (
+    "development once around": (
         1e-12,
         lambda: develop_period(
             gt.levi_civita(polar()), [[1, 0], [1, 2 * np.pi]], {"theta": 2 * np.pi}).rotation),

@@ -89,7 +89,7 @@ REFUSED = {
         lambda: g.equations([CARTAN, CURVED], "euler_2"),
         "exists in 4 dimensions only",
     ),
-    "F2 alone": (
+    "only F2": (
         lambda: g.equations(CARTAN, "T + F2").L,
         "F2 belongs to a matter field, and none is given. Give matter=",
     ),

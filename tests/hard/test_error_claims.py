@@ -82,7 +82,7 @@ def test_orbits_by_keplers_equation(problem, end, accuracy, engine):
 
 @every_engine
 def test_orbits_side_by_side(engine):
-    """Members of a batch whose steps round as much as they omit have honest errors."""
+    """Errors of a batch hold where rounding is as large as truncation."""
     speeds = np.array([2.0, 2.01, 1.99])
     problem, times = orbit(0.4, 2.0), np.linspace(0, 60, 41)
     many = solve_many(problem, {"v": speeds}, times, 1e-10, engine)

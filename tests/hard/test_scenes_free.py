@@ -1,4 +1,4 @@
-"""Free bodies in hard cases: near a separatrix, nearly round or flat, very long, very fast."""
+"""Free bodies in hard cases: near a separatrix, nearly spherical or flat, very long, very fast."""
 
 # The tests pass bad input and arrays for lists, and use results that could be None.
 # pyright: reportArgumentType=false

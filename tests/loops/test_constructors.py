@@ -69,7 +69,7 @@ def test_development_around_a_cone() -> None:
     assert plain.burgers == pytest.approx([0, 3.5 * math.pi, 1], abs=1e-12)
 
 
-def test_what_does_not_close_is_refused() -> None:
+def test_invalid_loops_are_refused() -> None:
     """Refused: a gap, a period that the frame does not have, a winding number, bad periods."""
     with pytest.raises(LoopError, match=r"does not close: .* \(0, 0, 6.28319\) beside whole"):
         Loop.parametric(["2", "s", "s"], **ROUND)

@@ -130,7 +130,7 @@ def test_members_of_an_ensemble_meet_it_too(times, engine):
 @needs_heyoka
 def test_what_stays_far_from_walls_stays_in_the_batch(monkeypatch):
     """Members with similar steps, and Kepler orbits, are not solved one by one."""
-    monkeypatch.setattr("geomtorsion.ode.singles.alone", None)
+    monkeypatch.setattr("geomtorsion.ode.singles.verified_motion", None)
     swing = ODE.of({"x": "v", "v": "-k*x"}, [1, 0], parameters={"k": 1})
     assert solve_many(swing, {"k": np.linspace(1, 9, 20)}, 10.0).finished.all()
     rates = {"x": "u", "y": "v", "u": "-x/(x**2+y**2)**(3/2)", "v": "-y/(x**2+y**2)**(3/2)"}

@@ -16,7 +16,7 @@ LINE = np.linspace(0, 1, 20_000)
 
 
 @pytest.mark.parametrize(
-    ("call", "says"),
+    ("call", "words"),
     [
         (lambda: solve_many(SWING, np.ones((2000, 2)), np.arange(40_000.0)),
          "2,000 members at 40,000 times of 2 states would take 2.56 GB"),
@@ -28,9 +28,9 @@ LINE = np.linspace(0, 1, 20_000)
     ],
     ids=["solve_many", "scene", "grid", "loop"],
 )  # fmt: skip
-def test_what_would_fill_the_memory_is_refused(call, says):
+def test_requests_beyond_the_memory_limit_are_refused(call, words):
     """The error names the size, the limit and the remedy."""
-    with pytest.raises(LimitError, match=rf"{says}.*; the limit is 2 GB\. (Give|Ask|Solve)"):
+    with pytest.raises(LimitError, match=rf"{words}.*; the limit is 2 GB\. (Give|Ask|Solve)"):
         call()
 
 

@@ -36,7 +36,7 @@ def swing(**more: Any) -> gt.ODE:
 
 
 def pair(normalized: str) -> gt.ODE:
-    """Two constant states, which are said to have length 1 together."""
+    """Two constant states, declared to have length 1 together."""
     return ode({"a": 0, "b": 0}, [1, 1], normalized=[normalized])
 
 

@@ -274,11 +274,11 @@ def test_a_motion_that_ends_names_its_time(engine):
 
 
 @every_engine
-@pytest.mark.parametrize(("rate", "start", "says"), [("log(x)", -1, "nan"), ("1/x", 0, "inf")])
-def test_where_it_cannot_begin(engine, rate, start, says):
+@pytest.mark.parametrize(("rate", "start", "words"), [("log(x)", -1, "nan"), ("1/x", 0, "inf")])
+def test_where_it_cannot_begin(engine, rate, start, words):
     """A rate without a value at the start is named in the error, and the drift is zero."""
     begun = ODE.of({"x": rate, "y": "x"}, [start, 1], invariants={"far": "x**2"})
-    with pytest.raises(StuckError, match=f"cannot continue at t = 0.*; x' = {says}") as caught:
+    with pytest.raises(StuckError, match=f"cannot continue at t = 0.*; x' = {words}") as caught:
         solve(begun, 2.0, 1e-8, engine)
     assert len(caught.value.solution.times) <= 1
     assert caught.value.solution.drift.get("far", 0) == 0

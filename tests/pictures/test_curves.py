@@ -97,7 +97,7 @@ def test_angles_continue():
 
 
 def test_equal_motions_are_shown_as_equal():
-    """The figure of two equal motions says so, on an axis where rounding is not visible."""
+    """The figure of two equal motions states this, on an axis where rounding is not visible."""
     pytest.importorskip("matplotlib")
     pair = pair_of("so3")
     [axes] = curve_pictures(pair)["distance"][0](pair).axes

@@ -128,7 +128,7 @@ def test_equations_are_well_formed(entry):
         if script.tag[:4] in ("msub", "msup") and not len(script[0])
     ]
     assert any(one[0].tag == "mrow" for one in empty) == bool(both)
-    assert not list(root.iter("msubsup")), "an index stands above another"
+    assert not list(root.iter("msubsup")), "an index is above another"
     assert "_" not in "".join(root.itertext())
     assert "{" not in "".join(root.itertext())
 
@@ -267,9 +267,9 @@ def test_a_sheet_brings_its_font(watched: Watched, tmp_path: Path):
     assert cut_off(watched.page) == []
 
 
-def test_the_page_brings_its_font(standing: Watched):
+def test_the_page_brings_its_font(shared_lab: Watched):
     """The served page uses its own font, and no formula is cut off."""
-    standing.tab("Any tetrad").wait_for_selector("#torsion math")
-    standing.page.evaluate("document.fonts.ready")
-    assert fonts_of(standing.page, LEAVES) == {("STIX Two Math", True)}
-    assert cut_off(standing.page) == []
+    shared_lab.tab("Any tetrad").wait_for_selector("#torsion math")
+    shared_lab.page.evaluate("document.fonts.ready")
+    assert fonts_of(shared_lab.page, LEAVES) == {("STIX Two Math", True)}
+    assert cut_off(shared_lab.page) == []

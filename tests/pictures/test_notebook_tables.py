@@ -98,7 +98,7 @@ def test_a_frame_shows_its_forms():
     assert "<mtable" in null._repr_html_()
 
 
-def test_what_users_type_is_escaped():
+def test_typed_text_is_escaped():
     """Names of coordinates, frames and spaces, and chosen names, never become markup."""
     x, y = sp.Symbol(EVIL), sp.Symbol("y")
     function = sp.Function(EVIL)

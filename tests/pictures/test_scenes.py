@@ -137,7 +137,7 @@ def test_a_failing_animation_raises_its_error(tmp_path, monkeypatch):
         with monkeypatch.context() as patch:
             patch.setattr("matplotlib.animation.PillowWriter.grab_frame", fail)
             with pytest.raises(type(reason)) as told:
-                write_film(tmp_path / "film.gif", TIMES, TURN)
+                write_film(tmp_path / "top.gif", TIMES, TURN)
         assert told.value is reason
     assert list(tmp_path.iterdir()) == []
 
@@ -148,21 +148,21 @@ def test_animations(tmp_path, monkeypatch):
 
     sides = block_sides([13.0, 10.0, 5.0])
     assert sides == pytest.approx(np.array([1, 2, 3]) / 3)
-    target = tmp_path / "film.gif"
+    target = tmp_path / "top.gif"
     seen: list[float] = []
     frames = write_film(target, TIMES, TURN, TIPS, sides, 0.2, "t", seen.append)
     with Image.open(target) as film:
         count = sum(1 for _ in ImageSequence.Iterator(film))
     assert count == frames == 5
     assert seen[-1] == 1.0
-    assert [path.name for path in tmp_path.iterdir()] == ["film.gif"]
+    assert [path.name for path in tmp_path.iterdir()] == ["top.gif"]
     with pytest.raises(FileFormatError, match=r"expected the name of a \.gif or \.mp4 file"):
-        write_film(tmp_path / "film.avi", TIMES, TURN)
+        write_film(tmp_path / "top.avi", TIMES, TURN)
     from matplotlib.animation import FFMpegWriter
 
     monkeypatch.setattr(FFMpegWriter, "isAvailable", lambda: False)
     with pytest.raises(MissingExtraError, match="ffmpeg"):
-        write_film(tmp_path / "film.mp4", TIMES, TURN)
+        write_film(tmp_path / "top.mp4", TIMES, TURN)
 
 
 def test_an_animation_of_a_cylinder_reads_no_unset_memory(tmp_path, monkeypatch):
@@ -177,7 +177,7 @@ def test_an_animation_of_a_cylinder_reads_no_unset_memory(tmp_path, monkeypatch)
         return made
 
     monkeypatch.setattr(np, "empty", filled)
-    film = tmp_path / "round.gif"
+    film = tmp_path / "disc.gif"
     assert write_film(film, [0, 1], [np.eye(3)] * 2, sides=(1, 1, 0.3)) == 2
     assert film.stat().st_size > 0
 

@@ -116,7 +116,7 @@ def test_axis_of_symmetry():
 
 
 @pytest.mark.parametrize(
-    ("make", "says"),
+    ("make", "words"),
     [
         (Body, "got neither"),
         (lambda: Body(moments=(1, 1, 1), inertia=np.eye(3)), "got both"),
@@ -145,8 +145,8 @@ def test_axis_of_symmetry():
         (lambda: Body.points([1, 2]), "a list of \\(mass"),
     ],
 )  # fmt: skip
-def test_bodies_that_cannot_be(make, says):
-    with pytest.raises(BodyError, match=says):
+def test_bodies_that_cannot_be(make, words):
+    with pytest.raises(BodyError, match=words):
         make()
 
 

@@ -111,17 +111,17 @@ def test_how_long_lines_of_lists_are(count, lines, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("lines", "says"),
+    ("lines", "moments"),
     [
         ('shape = "box"\nmass = 12\nsides = [1, "200 cm", 3]', (13.0, 10.0, 5.0)),
         ('shape = "ellipsoid"\nmass = 5\nsemiaxes = [1, 1, 1]', (2.0, 2.0, 2.0)),
         ('shape = "cylinder"\nmass = 4\nradius = 1\nheight = 0', (1.0, 1.0, 2.0)),
     ],
 )
-def test_shapes(lines, says):
+def test_shapes(lines, moments):
     """Each shape gives its moments."""
     text = f"[body]\n{lines}\n[start]\nomega = [0, 0, 1]\n"
-    assert read(text).body.moments == pytest.approx(says)
+    assert read(text).body.moments == pytest.approx(moments)
 
 
 def test_points():
@@ -169,26 +169,26 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "says"), REFUSED, ids=[case[1] or "none" for case in REFUSED]
+    ("old", "new", "words"), REFUSED, ids=[case[1] or "none" for case in REFUSED]
 )
-def test_bad_calls_are_refused(old, new, says):
+def test_bad_calls_are_refused(old, new, words):
     """Each mistake names file, line, and the probable intention."""
     assert old in TOP
-    with pytest.raises(FileFormatError, match=says) as caught:
+    with pytest.raises(FileFormatError, match=words) as caught:
         read(TOP.replace(old, new, 1))
     assert str(caught.value).startswith("a.toml")
 
 
 @pytest.mark.parametrize(
-    ("more", "says"),
+    ("more", "words"),
     [
         ('[[effects]]\nkind = "drift"\n', "contradict each other"),
         ('[[effects]]\nkind = "gravity"\n', "once, got"),
     ],
 )
-def test_contradictions(more, says):
+def test_contradictions(more, words):
     """Effects that exclude each other are refused with the name of the file."""
-    with pytest.raises(FileFormatError, match=f"a.toml:.*{says}"):
+    with pytest.raises(FileFormatError, match=f"a.toml:.*{words}"):
         read(TOP + more)
 
 
@@ -223,7 +223,7 @@ quaternion = [1, 0, 0, 0]
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "says"),
+    ("old", "new", "words"),
     [
         ('"cos(t)"', '"cos(s)"', "line 15: body_moment.moment\\[2\\]"),
         ('"Omega1"', '"Omga1"', "line 23: body_moment2.moment\\[2\\].*Did you mean Omega1"),
@@ -241,14 +241,14 @@ quaternion = [1, 0, 0, 0]
         ("quaternion = [1, 0, 0, 0]", "velocity = [1, 0, 0]", None),
     ],
 )
-def test_lines_of_what_effects_refuse(old, new, says):
+def test_refusals_of_effects_name_their_lines(old, new, words):
     """An error found only when the equations are assembled also names its line."""
     assert FORCED.count(old) == 1
     text = FORCED.replace(old, new)
-    if says is None:
+    if words is None:
         assert read(text).ode.size in (3, 6)
         return
-    with pytest.raises(FileFormatError, match=f"a.toml: {says}"):
+    with pytest.raises(FileFormatError, match=f"a.toml: {words}"):
         read(text)
 
 

@@ -66,7 +66,7 @@ def test_replacing():
 
 
 @pytest.mark.parametrize(
-    ("path", "says"),
+    ("path", "words"),
     [
         ("gravty.g", "'gravty.g' does not exist. Did you mean gravity"),
         ("gravity.h", "'gravity.h' does not exist. There are g"),
@@ -80,8 +80,8 @@ def test_replacing():
         ("mass", "does not exist. There are body"),
     ],
 )
-def test_paths_that_lead_nowhere(path, says):
-    with pytest.raises(UnknownNameError, match=says):
+def test_paths_that_lead_nowhere(path, words):
+    with pytest.raises(UnknownNameError, match=words):
         TOP.with_values({path: 1})
 
 

@@ -121,7 +121,7 @@ def test_missing_starts():
 
 
 @pytest.mark.parametrize(
-    ("acting", "says"),
+    ("acting", "words"),
     [
         ((E.Drift(), E.Pivot([0, 0, 1])), "got drift .* and pivot .* contradict each other"),
         ((E.Pivot([0, 0, 1]), E.Rolling(0.1)), "contradict each other"),
@@ -130,21 +130,21 @@ def test_missing_starts():
         (("gravity",), "expected an effect, got 'gravity'"),
     ],
 )
-def test_effects_that_do_not_go_together(acting, says):
-    with pytest.raises(SceneError, match=says):
+def test_effects_that_do_not_go_together(acting, words):
+    with pytest.raises(SceneError, match=words):
         Scene(BODY, acting, START)
 
 
 @pytest.mark.parametrize(
-    ("watch", "says"),
+    ("watch", "words"),
     [
         (["nutaton"], "'nutaton' can be watched.*Did you mean nutation"),
         (["wheel"], "no effect of the scene provides it"),
         (["euler:zzz"], "Euler angles: expected the name of a convention, got 'zzz'"),
     ],
 )
-def test_what_cannot_be_watched(watch, says):
-    with pytest.raises(UnknownNameError, match=says):
+def test_unknown_quantities_are_refused(watch, words):
+    with pytest.raises(UnknownNameError, match=words):
         Scene(BODY, (), START, watch)
 
 

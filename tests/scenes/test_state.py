@@ -39,7 +39,7 @@ def test_arrays_are_kept_as_tuples():
 
 
 @pytest.mark.parametrize(
-    ("given", "says"),
+    ("given", "words"),
     [
         ({"omega": (1, 2)}, "omega: expected three numbers \\(rad/s\\), got \\(1, 2\\)"),
         ({"omega": 3}, "omega: expected three numbers .rad/s., got 3"),
@@ -59,8 +59,8 @@ def test_arrays_are_kept_as_tuples():
         ({"matrix": [[1, 0, 0], [0, 1, 0], [0, 0, -1]]}, "got a reflection"),
     ],
 )
-def test_invalid_starts_are_refused(given, says):
-    with pytest.raises(StartError, match=says):
+def test_invalid_starts_are_refused(given, words):
+    with pytest.raises(StartError, match=words):
         State(**given)
 
 

@@ -124,7 +124,7 @@ def test_measures():
 
 
 @pytest.mark.parametrize(
-    ("varied", "measure", "error", "says"),
+    ("varied", "measure", "error", "words"),
     [
         ({}, FLIP, SceneError, "varied: expected paths with values, got none"),
         ([1], FLIP, SceneError, "varied: expected"),
@@ -139,9 +139,9 @@ def test_measures():
         ({"start.omega[0]": [1]}, "max omgea[0]", UnknownNameError, "Did you mean omega"),
     ],
 )
-def test_bad_calls_are_refused(varied, measure, error, says):
+def test_bad_calls_are_refused(varied, measure, error, words):
     """Each error is ours and names the path."""
-    with pytest.raises(error, match=says):
+    with pytest.raises(error, match=words):
         load("dzhanibekov").sweep(varied, measure)
     with pytest.raises(SceneError, match="together: expected lists of equal length"):
         load("dzhanibekov").sweep(

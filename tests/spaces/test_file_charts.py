@@ -136,7 +136,7 @@ def test_copies(space):
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "says"),
+    ("old", "new", "words"),
     [
         ('"r*cos(phi)"', '"2*r*cos(phi)"', "map from chart 'plane' to chart 'cartesian'"),
         ("atan2(y, x)", "atan2(x, y)", "charts: the map from chart"),
@@ -157,10 +157,10 @@ def test_copies(space):
         ("[[charts]]", "[charts]", r"Write \[\[charts\]\]"),
     ],
 )  # fmt: skip
-def test_bad_charts(space, old, new, says):
+def test_bad_charts(space, old, new, words):
     """Each bad chart is refused with its key in the file."""
     assert old in PLANE
-    with pytest.raises((FileFormatError, ValueError), match=says) as caught:
+    with pytest.raises((FileFormatError, ValueError), match=words) as caught:
         space(PLANE.replace(old, new))
     assert type(caught.value).__module__ == "geomtorsion.errors"
     assert "own.toml" in str(caught.value)

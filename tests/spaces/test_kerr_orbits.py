@@ -99,10 +99,10 @@ def test_through_the_equator_and_over_the_poles():
             assert getattr(one, name) == pytest.approx(getattr(two, name), rel=1e-8)
 
 
-@pytest.mark.parametrize("room", [1.0, 1e-6, 1e-10])
-def test_frequency_beside_the_separatrix(room):
+@pytest.mark.parametrize("distance", [1.0, 1e-6, 1e-10])
+def test_frequency_beside_the_separatrix(distance):
     """Without spin the radial frequency is an elliptic integral, down to p = 6 + 2 e."""
-    p, e = 6.6 + room, 0.3
+    p, e = 6.6 + distance, 0.3
     with mpmath.workdps(40):
         p_exact, e_exact = mpmath.mpf(p), mpmath.mpf(e)
         square = ((p_exact - 2) ** 2 - 4 * e_exact**2) / (p_exact * (p_exact - 3 - e_exact**2))

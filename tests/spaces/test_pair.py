@@ -113,7 +113,7 @@ def test_the_connection_of_the_space_is_followed(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("name", "options", "error", "says"),
+    ("name", "options", "error", "words"),
     [
         ("frw", {}, StartError, "unknown function a"),
         ("kerr_kinnersley", {}, StartError, "complex"),
@@ -128,9 +128,9 @@ def test_the_connection_of_the_space_is_followed(tmp_path):
         ("s2", {"accuracy": -1}, AccuracyError, "positive"),
     ],
 )
-def test_bad_input(name, options, error, says):
+def test_bad_input(name, options, error, words):
     """Each refusal names the given value and a remedy."""
-    with pytest.raises(error, match=says):
+    with pytest.raises(error, match=words):
         solve_pair(load(name), **options)
 
 

@@ -391,7 +391,7 @@ REFUSED = {
 
 @pytest.mark.parametrize("case", REFUSED)
 def test_refusals(case):
-    """Each converter refuses in one form: what is expected, what it got, what to do."""
+    """Each refusal names the expected value, the received value and a remedy."""
     call, words = REFUSED[case]
     with pytest.raises(LoopError, match=words):
         call()

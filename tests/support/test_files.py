@@ -59,7 +59,7 @@ def test_toml(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("text", "says"),
+    ("text", "words"),
     [
         (
             "a = 1\nb = x\n",
@@ -72,9 +72,9 @@ def test_toml(tmp_path):
         ("# " + "x" * 10**5 + "\n" + "a = " + "1, " * 10**5, "expected TOML"),
     ],
 )
-def test_bad_toml(text, says):
+def test_bad_toml(text, words):
     """Invalid TOML is refused with a short message, which ends in advice where that may help."""
-    with pytest.raises(GeomtorsionError, match=f"(?s)^a.toml: .*({says})") as caught:
+    with pytest.raises(GeomtorsionError, match=f"(?s)^a.toml: .*({words})") as caught:
         read_toml_text(text, "a.toml", advice="Advice.")
     assert len(str(caught.value)) < 900
 
@@ -162,13 +162,13 @@ def test_every_key_has_a_line():
 def test_json():
     """JSON gives lists and numbers; nan, endless nesting and endless numbers are refused."""
     assert read_json_text("[1, {}]", "a.json") == [1, {}]
-    for text, says in [
+    for text, words in [
         ("[1, ", "line 1, column 5: expected JSON, got an error"),
         ("[NaN]", "NaN is not a number in JSON"),
         ("[" * 10**5, "nested too deeply|expected JSON"),
         ("1" * 5000, "more digits"),
     ]:
-        with pytest.raises(GeomtorsionError, match=f"a.json: .*({says})"):
+        with pytest.raises(GeomtorsionError, match=f"a.json: .*({words})"):
             read_json_text(text, "a.json")
 
 
@@ -177,7 +177,7 @@ def test_forms():
     form = {"a": float, "b": [int], "c": {str: (str, None)}, "d?": bool}
     good = {"a": 1, "b": [1, 2], "c": {"x": "y", "z": None}, "extra": 3}
     assert conforming(good, form, "f") is good
-    for change, says in [
+    for change, words in [
         ({"a": "1"}, "f: a: expected a finite number, got '1'"),
         ({"a": float("nan")}, "f: a: expected a finite number"),
         ({"a": True}, "f: a: expected a finite number"),
@@ -188,7 +188,7 @@ def test_forms():
         ({"c": {"x": 1}}, "f: c.x: expected text"),
         ({"d": 1}, "f: d: expected true or false"),
     ]:
-        with pytest.raises(FileFormatError, match=says):
+        with pytest.raises(FileFormatError, match=words):
             conforming(good | change, form, "f")
     with pytest.raises(CheckpointError, match="f: a is missing"):
         conforming({"b": [], "c": {}}, form, "f", CheckpointError)

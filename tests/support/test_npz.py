@@ -58,7 +58,7 @@ def test_byte_orders(tmp_path, dtype):
 
 
 @pytest.mark.parametrize(
-    ("arrays", "says"),
+    ("arrays", "words"),
     [
         ({}, "times is not a file in the archive"),
         ({"times": np.zeros((2, 2))}, r"times: expected shape \(any\), got \(2, 2\)|times"),
@@ -68,10 +68,10 @@ def test_byte_orders(tmp_path, dtype):
         ({"times": np.zeros(3, dtype=[("a", "f8")])}, "times holds .*which does not fit"),
     ],
 )
-def test_wrong_arrays(tmp_path, arrays, says):
+def test_wrong_arrays(tmp_path, arrays, words):
     """A missing array or a wrong shape or type is refused; the message names the array."""
     np.savez(tmp_path / "a.npz", **arrays)
-    with pytest.raises(FileFormatError, match=f"a.npz: .*({says})"):
+    with pytest.raises(FileFormatError, match=f"a.npz: .*({words})"):
         read_npz(tmp_path / "a.npz", FORMS)
     message = "no {path}: {reason}"
     with pytest.raises(CheckpointError, match=r"^no .*a.npz: "):
@@ -126,7 +126,7 @@ def test_json_inside_an_array():
     form = {"steps": range(10), "how": frozenset({"a", "b"})}
     good = {"steps": 3, "how": "a"}
     assert json_in({"about": np.array(json.dumps(good))}, "about", form, **known) == good
-    for text, says in [
+    for text, words in [
         ("{", "about: line 1, column 2: expected JSON, got an error: .*"),
         ("[" * 10**5, "about: lists are nested too deeply to be read"),
         ('{"steps": 10}', "about: steps: expected a whole number from 0 to 9, got 10"),
@@ -134,7 +134,7 @@ def test_json_inside_an_array():
         ('{"steps": 1, "how": "c"}', "about: how: expected one of a, b, got 'c'"),
         ('{"steps": 1, "how": ["a"]}', "about: how: expected one of a, b, got .*"),
     ]:
-        with pytest.raises(CheckpointError, match=f"^no a.npz: {says}[!?]"):
+        with pytest.raises(CheckpointError, match=f"^no a.npz: {words}[!?]"):
             json_in({"about": np.array(text)}, "about", form, **known)
 
 

@@ -8,12 +8,12 @@ from tests.screen import watched
 
 
 @pytest.mark.parametrize(
-    ("done", "elapsed", "says"),
+    ("done", "elapsed", "words"),
     [(0.25, 20.0, "60 s left"), (0.5, 1800.0, "30 min left"), (1.0, 9.0, "0 s left")],
 )
-def test_time_left(done, elapsed, says):
+def test_time_left(done, elapsed, words):
     """The remaining time is proportional to the time used so far."""
-    assert time_left(done, elapsed) == says
+    assert time_left(done, elapsed) == words
 
 
 def test_no_time_is_shown_at_first():

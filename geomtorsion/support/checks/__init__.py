@@ -46,7 +46,6 @@ from geomtorsion.support.checks.names import (
 from geomtorsion.support.checks.values import (
     DECLARED,
     LARGEST_ARGUMENT,
-    WHOLE,
     LargestArgument,
     against,
     check_constant,
@@ -76,7 +75,6 @@ __all__ = [
     "LARGEST_ARRAYS",
     "LONGEST_SHOWN",
     "MEASURABLE",
-    "WHOLE",
     "ErrorClass",
     "LargestArgument",
     "against",

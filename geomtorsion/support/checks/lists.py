@@ -8,7 +8,7 @@ from types import EllipsisType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from geomtorsion.errors import ArgumentError, GeomtorsionError, LimitError
-from geomtorsion.support.checks.names import ErrorClass, refuse, sentence, shown
+from geomtorsion.support.checks.names import ErrorClass, refuse, sentence
 from geomtorsion.support.checks.values import exact_number, plain, real, whole
 
 if TYPE_CHECKING:
@@ -26,7 +26,6 @@ def entries(
     *,
     expected: str = "",
     remedy: str = "",
-    message: str = "",
 ) -> list[Any]:
     """The entries of a list, tuple, array or matrix (by rows); no text, table or set is one.
 
@@ -48,11 +47,11 @@ def entries(
         isinstance(content, str | bytes | Mapping | Set) or not isinstance(content, Iterable)
     ):
         wanted, what_to_do = expected or "a list", remedy or "Put it in brackets." * (not expected)
-        refuse(error, subject, wanted, values, what_to_do, message)
+        refuse(error, subject, wanted, values, what_to_do)
     listed = list(content)
     if length is not None and len(listed) != length:
         wanted = expected or f"{length} entries"
-        refuse(error, subject, wanted, values, remedy, message)
+        refuse(error, subject, wanted, values, remedy)
     return listed
 
 
@@ -145,17 +144,14 @@ def array(
     shape_error: ErrorClass | None = None,
     expected: str = "",
     remedy: str = "",
-    message: str = "",
-    shaped: str = "",
     infinite: str | None = "{subject}{place} = {value} is not finite. Give finite numbers.",
 ) -> np.ndarray:
     """An array of finite doubles; in the shape None is any length, ... first any axes before.
 
     Masked entries become nan, because they are unknown.
 
-    Text, rows of different lengths and complex numbers are refused. shaped: a
-    sentence for another shape, with {came}. infinite: a sentence for nan and infinity, with
-    {place}, such as [0, 2]; None lets them through.
+    Text, rows of different lengths and complex numbers are refused. infinite: a sentence for nan
+    and infinity, with {place}, such as [0, 2]; None lets them through.
 
     Examples
     --------
@@ -182,13 +178,13 @@ def array(
             sizes = [real(entry) for entry in table.ravel()]
             table = np.array([np.nan if x is None else x for x in sizes]).reshape(table.shape)
             if None in sizes:
-                refuse(wrong, subject, kind, values, remedy, message)
+                refuse(wrong, subject, kind, values, remedy)
     except (TypeError, ValueError, OverflowError, RecursionError) as reason:
         if isinstance(reason, GeomtorsionError):
             raise
-        refuse(wrong, subject, kind, values, remedy, message)
+        refuse(wrong, subject, kind, values, remedy)
     if table.dtype.kind not in "iuf":
-        refuse(wrong, subject, kind, values, remedy, message)
+        refuse(wrong, subject, kind, values, remedy)
     fits = True
     if shape is not None:
         last = shape[1:] if shape[:1] == (...,) else shape
@@ -197,8 +193,6 @@ def array(
             n in (None, m) for n, m in zip(last, sizes, strict=True)
         )
     if not fits:
-        if shaped:
-            raise wrong(shaped.format(subject=subject, value=shown(values), came=table.shape))
         words = {None: "any", ...: "..."}
         named = ", ".join(words.get(n, str(n)) for n in shape or ())
         wanted = expected or f"shape ({named})"

@@ -3,8 +3,7 @@
 Every converter takes the value, its name in messages ("radius", "start[2]") and the class of the
 error. It returns the value in one type or raises "subject: expected X, got Y. What to do".
 
-expected: the X, where the usual one does not fit. remedy: what to do. message: another sentence,
-with ``{subject}`` and ``{value}``.
+expected: the X, where the usual one does not fit. remedy: what to do.
 """
 
 from __future__ import annotations
@@ -45,7 +44,6 @@ def text(
     longest: int = 10**6,
     expected: str = "text",
     remedy: str = "",
-    message: str = "",
 ) -> str:
     """A text up to a maximal length.
 
@@ -58,7 +56,7 @@ def text(
     """
     if isinstance(value, str) and len(value) <= longest:
         return value
-    refuse(error, subject, expected, value, remedy, message)
+    refuse(error, subject, expected, value, remedy)
 
 
 def choice(
@@ -296,9 +294,8 @@ def refuse(
     expected: str,
     value: object,
     remedy: str = "",
-    message: str = "",
 ) -> NoReturn:
-    """Raise "subject: expected X, got Y. What to do", or another sentence.
+    """Raise "subject: expected X, got Y. What to do".
 
     Examples
     --------
@@ -306,8 +303,6 @@ def refuse(
     Traceback (most recent call last):
     geomtorsion.errors.ArgumentError: step: expected two numbers, got [1]. Give both.
     """
-    if message:
-        raise error(message.format(subject=subject, value=shown(value))) from None
     raise error(sentence(subject, expected, shown(value), remedy)) from None
 
 

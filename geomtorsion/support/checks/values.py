@@ -18,7 +18,6 @@ import sympy as sp
 from geomtorsion.errors import ArgumentError, CoordinateError, ExpressionError, LimitError
 from geomtorsion.support.checks.names import ErrorClass, cut, refuse
 
-WHOLE = "{subject}: expected a whole number {range}, got {value}."
 # Assumption of a symbol in sympy, and the property that its values need. Zero is the limit of
 # positive values.
 DECLARED = {
@@ -134,9 +133,8 @@ def count(
     *,
     expected: str = "",
     remedy: str = "",
-    message: str = "",
 ) -> int:
-    """A whole number from low to high; the message may use {range}.
+    """A whole number from low to high.
 
     Examples
     --------
@@ -152,7 +150,7 @@ def count(
         return size
     bounds = f"from {low:,} on" if high is None else f"from {low:,} to {high:,}"
     wanted = expected or f"a whole number {bounds}"
-    refuse(error, subject, wanted, value, remedy, message.replace("{range}", bounds))
+    refuse(error, subject, wanted, value, remedy)
 
 
 def rational(
@@ -214,7 +212,6 @@ def expression(
     read: Callable[[str], sp.Expr] | None = None,
     expected: str = "one expression",
     remedy: str = "",
-    message: str = "",
 ) -> sp.Expr:
     """One sympy expression: a number, an expression or an exact element.
 
@@ -249,7 +246,7 @@ def expression(
         return sp.Float(inner)
     if real(inner) is not None:
         return sp.Float(float(inner))
-    refuse(error, subject, expected, value, remedy, message)
+    refuse(error, subject, expected, value, remedy)
 
 
 def check_declared(symbol: sp.Symbol, value: object) -> None:

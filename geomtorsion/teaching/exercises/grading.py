@@ -82,8 +82,8 @@ def read_submission(path: str | PathLike[str]) -> Submission:
         )
     seed = data.get("seed")
     if seed is not None:
-        message = f"{checks.WHOLE} Write seed = 7."
-        checks.count(seed, f"{path.name}: seed", FileFormatError, 0, MOST.seed, message=message)
+        subject, remedy = f"{path.name}: seed", "Write seed = 7."
+        checks.count(seed, subject, FileFormatError, 0, MOST.seed, remedy=remedy)
     table = data.get("answers", {})
     if not isinstance(table, dict):
         raise FileFormatError(

@@ -102,7 +102,7 @@ def test_a_motion_that_ends_early_ends_with_1(tmp_path, no_pictures):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "says"),
+    ("arguments", "words"),
     [
         (("s2", "--start", "1"), "expected 2 numbers, got 1"),
         (("s2", "--start", "a,b"), "expected a number, got 'a'"),
@@ -129,10 +129,10 @@ def test_a_motion_that_ends_early_ends_with_1(tmp_path, no_pictures):
         (("nowhere",), "the name of a shipped space, got 'nowhere'"),
     ],
 )
-def test_bad_input_is_refused(arguments, says):
+def test_bad_input_is_refused(arguments, words):
     """A wrong argument ends the command with code 2 and one message, without a traceback."""
     result = run("curve", *arguments, code=2)
-    assert says in result.stderr
+    assert words in result.stderr
     assert "Traceback" not in result.output
     assert result.stderr.startswith("geomtorsion: ")
 

@@ -98,7 +98,7 @@ def test_answers_in_a_file(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "says"),
+    ("arguments", "words"),
     [
         (("show", "9.9"), "the number of an exercise, from 1.1 to 7.4, got '9.9'"),
         (("show", "3.2", "--seed", "-1"), "seed (which variant): expected a whole number"),
@@ -112,11 +112,11 @@ def test_answers_in_a_file(tmp_path):
         (("grade", "."), "expected TOML files of answers, got none"),
     ],
 )
-def test_impossible_requests_are_refused(arguments, says, tmp_path, monkeypatch):
+def test_impossible_requests_are_refused(arguments, words, tmp_path, monkeypatch):
     """An impossible request ends with code 2 and a message; no file is written."""
     monkeypatch.chdir(tmp_path)
     result = run("exercises", *arguments, code=2)
-    assert says in result.stderr.replace("\n", " ")
+    assert words in result.stderr.replace("\n", " ")
     assert not list(tmp_path.iterdir())
 
 
@@ -165,19 +165,19 @@ def test_grade(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("to", "file", "says"),
+    ("to", "file", "words"),
     [
         ("stack", "geomtorsion-stack.xml", "Moodle XML"),
         ("nbgrader", "source/chapter3/chapter3.ipynb", "generate_assignment"),
     ],
 )
-def test_export(to, file, says, tmp_path):
+def test_export(to, file, words, tmp_path):
     """The text gives the number of written files and the next step for the target system."""
     text = run("exercises", "export", "--to", to, "-o", str(tmp_path), "--only", "3.1").stdout
     assert (tmp_path / file).is_file()
     files = sum(path.is_file() for path in tmp_path.rglob("*"))
     assert f"wrote {files} file{'s' * (files > 1)} to {tmp_path}" in text.replace("\n", " ")
-    assert says in " ".join(text.split())
+    assert words in " ".join(text.split())
 
 
 def test_export_of_chosen_variants(tmp_path):
@@ -198,7 +198,7 @@ def test_moodle_is_another_name_of_stack(tmp_path):
     assert one == two
 
 
-def test_what_cannot_be_read_is_neither_right_nor_wrong():
+def test_unreadable_answers_are_neither_right_nor_wrong():
     """The question of an unreadable answer is named as neither right nor wrong."""
     text = run("exercises", "check", "3.2", "1/2 cot phi2/2", code=1).stdout
     assert "could not be read" in text

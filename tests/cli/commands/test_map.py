@@ -219,7 +219,7 @@ def masked(lines: list[str]) -> list[str]:
 
 @pytest.mark.parametrize("command", ["map", "circuit"])
 @pytest.mark.parametrize(
-    ("name", "said"),
+    ("name", "words"),
     [
         ("masked.ctf", "masked.ctf: expected pixels with an orientation, got phase 0"),
         ("mixed.ctf", "Steps are mixed"),
@@ -231,7 +231,7 @@ def masked(lines: list[str]) -> list[str]:
         ("flat.npy", "the image has no lattice"),
     ],
 )
-def test_bad_files_through_the_commands(tmp_path, command, name, said):
+def test_bad_files_through_the_commands(tmp_path, command, name, words):
     """Each message describes the defect; both commands end with 2."""
     lines, path = ctf(), tmp_path / name
     first = next(k for k, line in enumerate(lines) if line.startswith("Phase\t")) + 5
@@ -253,8 +253,8 @@ def test_bad_files_through_the_commands(tmp_path, command, name, said):
         noise = np.random.default_rng(0).normal(size=(128, 128))
         np.save(path, {"nan.npy": noise * np.nan, "flat.npy": 0 * noise}.get(name, noise))
     options = () if command == "map" else ("--loop", "circle 3,3:1")
-    told = " ".join(running.run(command, str(path), *options, code=2).stderr.split())
-    assert said in told
+    error = " ".join(running.run(command, str(path), *options, code=2).stderr.split())
+    assert words in error
 
 
 @pytest.mark.parametrize(

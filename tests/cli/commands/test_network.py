@@ -55,7 +55,7 @@ def test_circuits_in_lattice_vectors(tmp_path: Path) -> None:
     assert one["lattice"] == [0, 0, 1]
 
 
-def test_what_fails_is_reported_in_its_place(tmp_path: Path) -> None:
+def test_violations_are_reported(tmp_path: Path) -> None:
     """A node that breaks the rule or a circuit through a line is reported; the code is 1."""
     lines = rings(2, seed=1)
     cut = LineArrays(lines.positions, lines.pairs[1:], lines.burgers[1:], lines.box)

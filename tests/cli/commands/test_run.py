@@ -63,7 +63,7 @@ def test_figures_and_animation(tmp_path, monkeypatch):
     pytest.importorskip("matplotlib")
     quick = replace(scene_film.STYLE, rate=2)
     monkeypatch.setattr(scene_film, "STYLE", quick)
-    film = tmp_path / "film" / "top.gif"
+    film = tmp_path / "animation" / "top.gif"
     out = str(tmp_path / "run")
     arguments = ("--watch", "axis,energy", "-o", out, "--format", "svg", "--animate", str(film))
     text = run("run", "lagrange_loop", *arguments, "--t", "0.3").stdout
@@ -76,7 +76,7 @@ def test_figures_and_animation(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "says"),
+    ("arguments", "words"),
     [
         (("run", "dzanibekov"), "Did you mean dzhanibekov"),
         (("run", "none.toml"), "cannot be read"),
@@ -93,15 +93,15 @@ def test_figures_and_animation(tmp_path, monkeypatch):
         (("run", "helix", "--overwrite"), "expected a directory with a run, got none"),
         (("run", "helix", "--set", "t=1", "--set", "t=2"), "expected t once, got it twice"),
         (
-            ("run", "helix", "--t", "0.1", "--animate", "film.avi"),
+            ("run", "helix", "--t", "0.1", "--animate", "top.avi"),
             "expected the name of a .gif or .mp4",
         ),
     ],
 )
-def test_bad_input_is_refused(arguments, says):
+def test_bad_input_is_refused(arguments, words):
     """A wrong argument ends the command with code 2 and one message, without a traceback."""
     result = run(*arguments, code=2)
-    assert says in result.stderr
+    assert words in result.stderr
     assert result.stderr.startswith("geomtorsion: ")
     assert "Traceback" not in result.output
 

@@ -213,7 +213,7 @@ def test_lines_between_the_same_nodes_in_any_order(small):
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new", "words"),
     [
         ("2 0", "2.0 0", "expected a whole number, got '2.0'"),
         ("1.0 0.0 0.0", "1_0 0.0 0.0", "expected a finite number, got '1_0'"),
@@ -221,7 +221,7 @@ def test_lines_between_the_same_nodes_in_any_order(small):
         ("0,1", "0,1e0", "a node such as"),
     ],
 )
-def test_numbers_are_read_strictly(tmp_path, small, old, new, said):
+def test_numbers_are_read_strictly(tmp_path, small, old, new, words):
     """Numbers are read strictly, also in otherwise usual files."""
     box = Box.of_bounds([0, 0, 0], [4, 4, 4])
     corners = [[1, 1, 2], [3, 1, 2], [3, 3, 2]]
@@ -232,7 +232,7 @@ def test_numbers_are_read_strictly(tmp_path, small, old, new, said):
     body = body.replace("-0.0 -0.0 -1.0", "-1.0 0.0 0.0")
     assert old in body
     small(head + key + body)
-    with pytest.raises(FileFormatError, match=said):
+    with pytest.raises(FileFormatError, match=words):
         small(head + key + body.replace(old, new, 1))
 
 

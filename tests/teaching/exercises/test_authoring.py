@@ -30,7 +30,7 @@ def test_no_text_needs_another_exercise(number):
             assert not re.search(r"exercises? [1-7]\.[0-9]", text), text
 
 
-def test_the_coframe_stands_where_it_is_needed():
+def test_exercises_about_loops_state_the_coframe():
     """Exercises about loops in the rotations state the coframe."""
     for number in ("5.3", "7.2"):
         assert "pmatrix} 0 &" in exercises.load(number, 3).statement

@@ -368,7 +368,7 @@ def test_hostile_answers_end_soon(kind, given):
 
 
 @pytest.mark.parametrize(
-    ("given", "says"),
+    ("given", "words"),
     [
         ("xx", "xx is not a name of this question"),
         ("xx", "Did you mean x? Names that may occur here: x, y, t."),
@@ -380,17 +380,17 @@ def test_hostile_answers_end_soon(kind, given):
     ],
 )
 @pytest.mark.parametrize("kind", ["expression", "components", "equations"])
-def test_advice_is_for_those_who_answer(kind, given, says):
+def test_advice_is_for_those_who_answer(kind, given, words):
     """The advice does not mention parameters, because an answer cannot declare them."""
     question = {"expression": asked(x), "components": components([[x, 0], [0, 0]])}.get(kind)
     if question is None:
         question, given = asked({x: y}, kind="equations"), f"x = {given}"
     else:
         given = {"1,1": given} if kind == "components" else given
-    said = check_question(question, given).message
-    assert says in said
-    assert "arameter" not in said
-    assert "eclare" not in said
+    message = check_question(question, given).message
+    assert words in message
+    assert "arameter" not in message
+    assert "eclare" not in message
 
 
 def test_advice_replaces_the_parameter_of_every_limit():
@@ -457,7 +457,7 @@ def test_a_single_answer_and_unknown_names():
     [("3.2", "1/2 cot phi2/2"), ("3.2", "cot(phi2"), ("3.2", "cot(theta)"), ("2.1", "1,2,2 = 1/2r"),
      ("1.1", "[[1, 0], [0"), ("3.1", {"cartan": "perhaps", "riemann": "zero", "torsion": "zero"})],
 )  # fmt: skip
-def test_what_cannot_be_read_makes_a_range(number, text):
+def test_unreadable_answers_make_a_range(number, text):
     """An unreadable answer is neither right nor wrong; the possible points count its question."""
     verdict = exercises.load(number).check(text)
     first, *others = verdict.questions

@@ -58,7 +58,7 @@ def test_imaginary_answers_are_refused():
         compare(DOMAIN, sp.Heaviside(x), x)
 
 
-def test_too_large_is_said():
+def test_a_form_too_large_to_expand_is_refused():
     """A form that is too large to multiply out raises LimitError."""
     big = sp.Mul(*(sp.sin(k * x) ** 2 + sp.cos(k * x) ** 2 for k in range(1, 25)))
     with pytest.raises(LimitError, match="multiplied out"):

@@ -8,7 +8,7 @@ from geomtorsion.teaching.exercises.compare import EQUAL, PARTLY, compare
 from geomtorsion.teaching.exercises.domain import POINTS, Domain
 
 
-def test_points_lie_in_the_domain():
+def test_points_are_in_the_domain():
     """POINTS points cover the whole domain, and they are equal in each call."""
     frame = spaces.load("so3").frame
     domain = Domain.of(frame)

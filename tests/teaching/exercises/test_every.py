@@ -167,7 +167,7 @@ def test_a_seed_is_a_seed(number):
 
 
 @pytest.mark.parametrize("number", NUMBERS)
-def test_exercises_are_told_well(number):
+def test_exercises_have_complete_texts(number):
     """Each exercise has a statement, two hints, prompts and a nonempty answer."""
     exercise = exercises.load(number)
     assert len(exercise.statement) > 80

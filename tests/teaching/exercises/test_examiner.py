@@ -14,7 +14,7 @@ def processes(examiner: Examiner) -> set[Worker]:
     return examiner.pool.workers
 
 
-def test_the_examiner_says_what_the_exercise_says():
+def test_the_examiner_returns_the_verdict_of_the_exercise():
     """The verdict of the process equals the verdict of the exercise."""
     with Examiner() as examiner:
         for answer in ("cot(phi2)", "-cot(phi2)", "sin("):
@@ -52,13 +52,13 @@ class Slow:
 
 
 @pytest.mark.parametrize(
-    ("prepares", "checks", "said"),
+    ("prepares", "checks", "words"),
     [(110, 9.5, "Right"), (130, 9.5, "the solution took too long"), (110, 10.5, "than 10 s")],
 )
-def test_how_long_is_waited(prepares, checks, said, monkeypatch):
+def test_time_limits_of_the_examiner(prepares, checks, words, monkeypatch):
     """Preparation has two minutes, which is not the student's fault; the check has ten seconds."""
     monkeypatch.setattr(module, "WorkerPool", lambda _: Slow(prepares, checks))
-    assert said in Examiner().check("3.2", "cot(phi2)")["christoffel"].message
+    assert words in Examiner().check("3.2", "cot(phi2)")["christoffel"].message
 
 
 def test_modules_among_the_answers_are_not_imported(tmp_path, monkeypatch):

@@ -255,7 +255,7 @@ def graded(tmp_path, files, numbers=None, **more):
 RIGHT = '[answers]\n"3.2" = "1/tan(phi2)"\n'
 
 
-def test_a_file_without_seed_is_said(tmp_path):
+def test_rows_state_the_seed_of_each_file(tmp_path):
     """A file without a seed is graded with the requested seed or 0, and its row states the seed."""
     files = {"ada.toml": RIGHT, "bob.toml": "seed = 0\n" + RIGHT}
     rows = graded(tmp_path, files)
@@ -267,7 +267,7 @@ def test_a_file_without_seed_is_said(tmp_path):
     assert (rows["ada.toml"]["seed"], rows["bob.toml"]["status"]) == ("2", REFUSED)
 
 
-def test_an_unknown_part_is_said(tmp_path):
+def test_unknown_parts_are_reported(tmp_path):
     """A misspelt question and an unknown exercise are reported, also with several questions."""
     files = {
         "ada.toml": 'seed = 0\n[answers."2.1"]\nconection = "1,2,2 = 1/r"\n',
@@ -285,7 +285,7 @@ def test_an_unknown_part_is_said(tmp_path):
     assert "several questions (ricci, scalar); the answer counts for the first" in eve["remarks"]
 
 
-def test_what_stands_outside_of_the_answers_is_said(tmp_path):
+def test_a_forgotten_table_of_answers_is_reported(tmp_path):
     """A forgotten table makes the grading partial; a date does not."""
     files = {
         "ada.toml": 'seed = 0\n["3.2"]\nchristoffel = "cot(phi2)"\n',
@@ -299,7 +299,7 @@ def test_what_stands_outside_of_the_answers_is_said(tmp_path):
     assert (ada["earned"], bob["earned"], eve["earned"]) == ("0", "1", "1")
 
 
-def test_two_files_of_one_student_are_said(tmp_path):
+def test_two_files_of_one_student_are_reported(tmp_path):
     """Both rows name the other file; a later third file changes them."""
     files = {
         "a.toml": 'student = "Ada  Lovelace"\nseed = 0\n' + RIGHT,
@@ -313,7 +313,7 @@ def test_two_files_of_one_student_are_said(tmp_path):
     assert "the same student as in b.toml, d.toml" in rows["a.toml"]["remarks"]
 
 
-def test_how_many_answers_make_up_the_percentage_is_said(tmp_path):
+def test_rows_state_the_number_of_graded_answers(tmp_path):
     """The row states which exercises count and how many questions are answered."""
     files = {"ada.toml": "seed = 0\n" + RIGHT}
     [row] = graded(tmp_path, files).values()
@@ -336,7 +336,7 @@ def test_points_possible_count_every_question(tmp_path, christoffel, least, most
     assert (row["percent"], row["percent_at_most"], row["points"]) == (least, most, "1")
 
 
-def test_one_right_answer_beside_unreadable_ones_is_no_full_mark(tmp_path):
+def test_unreadable_answers_count_as_empty(tmp_path):
     """One right answer and "pass" in all other cells gives the same lower end as empty cells."""
     one, *others = questions = exercises.load("3.3").questions
     right = answer_text(one, one.solution)
@@ -397,7 +397,7 @@ def test_all_ways_to_write_answers(tmp_path):
     assert found.unknown == ("8.8",)
 
 
-def test_what_is_left_out(tmp_path):
+def test_optional_entries_have_defaults(tmp_path):
     """The file name replaces a missing student; seed and answers are optional."""
     found = read(tmp_path, "")
     assert (found.student, found.seed, dict(found.answers)) == ("ada", None, {})
@@ -405,7 +405,7 @@ def test_what_is_left_out(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("text", "says"),
+    ("text", "words"),
     [
         ("answers = 3", "expected a table, got 3"),
         ("student = 3", "expected a name of at most 200 letters, got 3"),
@@ -424,9 +424,9 @@ def test_what_is_left_out(tmp_path):
         ('[answers]\n"1.1" = [0x' + "f" * 9000 + "]", "more digits than can be read"),
     ],
 )
-def test_bad_files(tmp_path, text, says):
+def test_bad_files(tmp_path, text, words):
     """The message names the file, the expected value and the remedy."""
-    with pytest.raises((FileFormatError, LimitError), match=f"ada.toml: .*({says})"):
+    with pytest.raises((FileFormatError, LimitError), match=f"ada.toml: .*({words})"):
         read(tmp_path, text)
 
 

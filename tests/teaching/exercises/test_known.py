@@ -211,7 +211,7 @@ def test_a_right_handed_screw_from_atom_to_atom():
         assert len(b) == 3
 
 
-def test_the_half_plane_lies_where_conventions_say():
+def test_the_half_plane_follows_the_conventions():
     """The textbook's b, minus the SF/RH b, rotated by 90 degrees, points to the half plane."""
     directions = {"above": (0, 1), "below": (0, -1), "left": (-1, 0), "right": (1, 0)}
     for seed in range(20):

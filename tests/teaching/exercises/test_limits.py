@@ -21,7 +21,7 @@ def read(text):
     return parse_expression(text, {"x": x}, {}, where="q", limits=ANSWER, decimals=True)
 
 
-def test_weights_bound_what_is_multiplied_out():
+def test_weights_limit_the_size_of_expanded_forms():
     """Powers, products, multiple angles and fractions all count."""
     check_weight(sp.sin(5 * x) / (1 + x) + sp.sqrt(1 + y), "q")
     for heavy in (
@@ -78,7 +78,7 @@ def test_limits_hold_on_both_sides():
 
 
 @pytest.mark.parametrize(("power", "refused"), [("201/2", True), ("199/2", False), ("101", False)])
-def test_powers_that_are_no_whole_numbers(power, refused):
+def test_large_fractional_powers_are_refused(power, refused):
     """Fractional powers above 100 are refused before sympy evaluates them."""
     if refused:
         with pytest.raises(LimitError, match="a power above 100"):

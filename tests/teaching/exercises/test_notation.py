@@ -246,7 +246,7 @@ def test_decimals_are_shown_as_they_were_written(text):
     assert "/" not in message
 
 
-def test_what_was_read_is_shown():
+def test_messages_mark_the_mistake_in_the_text():
     """The message marks the mistake in the typed text; it has both texts if signs were replaced."""
     message = check_question(ASKED, "2 sin x zz").message
     assert "can be read in two ways" in message
@@ -328,7 +328,7 @@ def sparse(text: str, draw: Random) -> str:
 
 
 @pytest.mark.parametrize("number", exercises.names())
-def test_what_is_left_out_is_never_put_in_wrongly(number):
+def test_omitted_signs_are_never_restored_wrongly(number):
     """A right answer without some signs is right, or refused as having two readings."""
     draw = Random(f"sparse {number}")
     for seed in range(3):

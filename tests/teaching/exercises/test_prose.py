@@ -69,7 +69,7 @@ def test_formulas_as_text(latex, plain):
     assert plain_of(latex) == plain
 
 
-def test_exponentials_can_be_told_from_one_forms():
+def test_exponentials_differ_from_one_forms():
     """exp is a function, e with an index a one-form."""
     x = sympy.Symbol("phi2")
     assert plain_of(tex(x * sympy.exp(3 * x))) == "φ_2 exp(3φ_2)"

@@ -29,7 +29,7 @@ def test_loading_solves_nothing(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("number", "seed", "says"),
+    ("number", "seed", "words"),
     [("9.9", 0, "from 1.1 to 7.4, got '9.9'"), ("3.22", 0, "Did you mean 3.2"),
      (3.2, 0, "number of an exercise as text, got 3.2. Write it in quotes: \"3.2\""),
      (None, 0, "as text, got None. Write it in quotes: \"1.1\""),
@@ -39,9 +39,9 @@ def test_loading_solves_nothing(monkeypatch):
      ("1.1", "7", "whole number"),
      ("1.1", 10**12, "whole number")],
 )  # fmt: skip
-def test_unknown_exercises(number, seed, says):
+def test_unknown_exercises(number, seed, words):
     """The message names the available exercises or the allowed seeds."""
-    with pytest.raises(UnknownNameError, match=says):
+    with pytest.raises(UnknownNameError, match=words):
         registry.load(number, seed)
 
 

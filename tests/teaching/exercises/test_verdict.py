@@ -150,23 +150,23 @@ def test_each_mistake_makes_sense_where_it_is_looked_for(found):
     assert counted > 1000
 
 
-def said(question, mistake) -> str:
+def message_for(question, mistake) -> str:
     """The message for a mistake, if it is the only one that fits."""
     return mistake.message or message_of(mistake.code, question.remarks)
 
 
-def test_torsion_is_spoken_of_where_it_is_asked_for(found):
+def test_only_questions_about_torsion_mention_it(found):
     """Seven questions mention the derivative index and S = T/2; metrics and radii do not."""
-    spoken = set()
+    mentioned = set()
     for key, cases in found.items():
         for question, mistake in cases:
-            text = said(question, mistake)
+            text = message_for(question, mistake)
             if any(remark in text for remark in TORSION.values()):
-                spoken.add(key)
+                mentioned.add(key)
             elif key[0] in ("1.2", "3.2", "3.3", "5.4", "5.5", "6.4"):
                 assert "T/2" not in text
                 assert "lower index" not in text
-    assert spoken == ABOUT_TORSION
+    assert mentioned == ABOUT_TORSION
 
 
 @pytest.mark.parametrize(
@@ -186,7 +186,7 @@ def test_torsion_is_spoken_of_where_it_is_asked_for(found):
         ("6.6", "radius", "1", "That is the diameter."),
     ],
 )
-def test_the_reason_is_that_of_the_question(number, name, answer, message):
+def test_messages_match_their_questions(number, name, answer, message):
     """The message equals the text for this question word by word."""
     assert exercises.load(number).check({name: answer})[name].message == message
 
@@ -213,7 +213,7 @@ def others(right, symbols):
     return [x for x in (*found, right + 1, right * first, sp.S.One, sp.pi) if x != right]
 
 
-def test_what_is_said_where_a_branch_differs():
+def test_messages_for_a_wrong_branch():
     """The message blames the sign of a root, or the single value of an inverse function."""
     exercise = exercises.load("1.1")
     roots = {"1,1": "sqrt(cos(phi)^2)", "1,2": "sin(phi)", "2,1": "-sin(phi)/r",

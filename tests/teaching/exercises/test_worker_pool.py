@@ -53,7 +53,7 @@ def test_a_worker_begins_without_a_word(capfd, monkeypatch):
     assert capfd.readouterr().err == ""
 
 
-def test_what_takes_too_long_is_ended_and_replaced(pool):
+def test_a_worker_beyond_its_time_is_replaced(pool):
     """The process ends at once, and the next request gets another one."""
     first = pool.ask({}, 60)["pid"]
     [worker] = pool.workers
@@ -63,7 +63,7 @@ def test_what_takes_too_long_is_ended_and_replaced(pool):
     assert pool.ask({}, 60)["pid"] != first
 
 
-def test_who_waits_too_long_is_told(pool):
+def test_a_long_wait_raises_an_error(pool):
     """A request to a busy worker raises PoolBusyError after the waiting time."""
     busy = threading.Thread(target=pool.ask, args=({"sleep": 1.0}, 60))
     busy.start()

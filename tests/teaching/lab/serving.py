@@ -32,7 +32,7 @@ def served(*options: str) -> Iterator[str]:
         assert process.stdout is not None
         line = process.stdout.readline()
         found = re.search(r"http://\S+", line)
-        assert found, f"the server said {line!r} instead of its address"
+        assert found, f"the server printed {line!r} instead of its address"
         yield found.group()
     finally:
         process.send_signal(signal.SIGINT)

@@ -31,7 +31,7 @@ def ring(name: str, low: tuple[float, float], high: tuple[float, float]) -> list
 
 
 @pytest.mark.parametrize("name", CRYSTALS)
-def test_circuits_miss_what_was_put_in(name: str):
+def test_circuits_measure_the_dislocations_inside(name: str):
     """b is minus the integral of du: only the lines inside the circuit count."""
     for low, high in (((-6, -3), (6, 3)), ((-6, -3), (1, 3)), ((-6, -5), (6, -1.5))):
         inside = [b for x, y, b in CRYSTALS[name] if low[0] < x < high[0] and low[1] < y < high[1]]
@@ -51,9 +51,9 @@ def test_bonds_are_neighbours(name: str):
     assert set(count[inner]) <= {3, 4, 5}
 
 
-def test_a_crystal_is_clicked(standing: Watched):
+def test_a_crystal_is_clicked(shared_lab: Watched):
     """In a browser, clicks and arrow keys make a circuit, and the crystal fits a phone."""
-    page = standing.tab("Loops")
+    page = shared_lab.tab("Loops")
     frame: Any = page.frame_locator("#atoms iframe")
     said = frame.locator("#result")
     frame.locator("#example").click()

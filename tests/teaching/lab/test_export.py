@@ -71,7 +71,7 @@ def visible_text(page: Path) -> str:
     return " ".join(unescape(re.sub(r"<[^>]+>", " ", text)).split())
 
 
-def test_the_pages_say_what_they_are(pages: tuple[Path, ...]):
+def test_the_pages_describe_their_cases(pages: tuple[Path, ...]):
     """Each page describes its own cases, and offers nothing that only the served page has."""
     texts = {page.stem: visible_text(page) for page in pages}
     for name, says in SAYS.items():

@@ -30,7 +30,7 @@ def test_a_circuit_in_a_frame_of_even_torsion(tmp_path: Path, end: str, side: in
     assert "hole, boundary or edge" in found["picture"]
 
 
-def test_noise_and_interpolation_stand_apart(tmp_path: Path):
+def test_noise_excludes_the_interpolation_error(tmp_path: Path):
     """The stated noise is the scatter of b over many circuits, without the interpolation error."""
     rng = np.random.default_rng(5)
     exact, sigma = twisted((60, 60)), 0.01
@@ -100,7 +100,7 @@ def test_a_hole_is_grey_and_refused_where_it_is_touched(tmp_path: Path):
     assert around["b"] == pytest.approx([TWIST * (6 * STEP) ** 2], abs=1e-9)
 
 
-def test_a_side_that_is_no_side_is_refused(tmp_path: Path):
+def test_invalid_sides_are_refused(tmp_path: Path):
     """A side of zero, or larger than the map, is refused."""
     for side in (0, 500):
         with pytest.raises(GeomtorsionError):

@@ -43,9 +43,9 @@ def blank(lab: Watched) -> Any:
     return page
 
 
-def as_at_first(standing: Watched) -> None:
+def as_at_first(shared_lab: Watched) -> None:
     """Choose the first tetrad again, and wait until the address holds only the tab."""
-    page = standing.tab("Any tetrad")
+    page = shared_lab.tab("Any tetrad")
     page.get_by_label("start from").select_option(label=next(iter(typable())))
     page.wait_for_url(lambda url: parse_qs(urlsplit(url).query).keys() <= {"tab"})
 
@@ -58,12 +58,12 @@ def too_wide(page: Any) -> list[Any]:
     )
 
 
-def test_tabs_load_and_fit_a_phone(standing: Watched):
+def test_tabs_load_and_fit_a_phone(shared_lab: Watched):
     """Each tab loads, sends requests only to the server, and fits 320 pixels."""
-    page = standing.page
+    page = shared_lab.page
     for name in TABS:
         page.set_viewport_size({"width": 1200, "height": 900})
-        standing.tab(name)
+        shared_lab.tab(name)
         page.wait_for_selector(READY[name])
         for width in (320, 400):
             page.set_viewport_size({"width": width, "height": 800})
@@ -76,42 +76,42 @@ def test_tabs_load_and_fit_a_phone(standing: Watched):
     page.keyboard.press("ArrowRight")
     page.wait_for_selector(READY["Loops"])
     assert page.get_by_role("tab", name="Loops").get_attribute("aria-selected") == "true"
-    hosts = {urlsplit(url).hostname for url in standing.asked if url.startswith(("http", "ws"))}
+    hosts = {urlsplit(url).hostname for url in shared_lab.asked if url.startswith(("http", "ws"))}
     assert hosts == {"127.0.0.1"}
 
 
-def test_a_tetrad_is_typed(standing: Watched):
+def test_a_tetrad_is_typed(shared_lab: Watched):
     """Typed polar coordinates give the library's torsion; a singular coframe is reported."""
-    page = blank(standing)
+    page = blank(shared_lab)
     fraction = page.locator("#torsion mfrac").first
-    standing.typed({"coordinates": "r, phi", "row 2, dφ": "r"}, fraction)
+    shared_lab.typed({"coordinates": "r, phi", "row 2, dφ": "r"}, fraction)
     r, phi = (spaces.load("flat_polar").frame.coordinates[k] for k in (0, 1))
     assert str(Frame([r, phi], [[1, 0], [0, r]]).quantity("torsion")[0, 1, 1]) == "1/(2*r)"
     assert fraction.evaluate("e => [...e.children].map(x => x.textContent)") == ["1", "2r"]
     # A fault of the whole coframe is shown above the result.
-    standing.typed({"row 2, dφ": "0"}, page.get_by_text("coframe is singular"))
-    as_at_first(standing)
+    shared_lab.typed({"row 2, dφ": "0"}, page.get_by_text("coframe is singular"))
+    as_at_first(shared_lab)
 
 
-def test_a_bad_tetrad_shows_its_error(standing: Watched):
+def test_a_bad_tetrad_shows_its_error(shared_lab: Watched):
     """The reason is beside the wrong entry, and disappears after the correction."""
-    page = standing.tab("Any tetrad")
+    page = shared_lab.tab("Any tetrad")
     page.get_by_label("row 1, dφ2").wait_for()
     fault = page.locator(".fault")
-    standing.typed({"row 1, dφ2": "sin(phi1"}, fault)
+    shared_lab.typed({"row 1, dφ2": "sin(phi1"}, fault)
     assert fault.count() == 1
     cell = fault.locator("xpath=..")
     assert cell.get_by_label("row 1, dφ2").count() == 1
     assert page.locator("#torsion").count() == 0
     code = page.locator(".fault", has_text="expressions are not code")
-    standing.typed({"row 1, dφ2": "__import__('os')"}, code)
-    standing.typed({"row 1, dφ2": "sin(phi1)"}, page.locator("#torsion math").first)
+    shared_lab.typed({"row 1, dφ2": "__import__('os')"}, code)
+    shared_lab.typed({"row 1, dφ2": "sin(phi1)"}, page.locator("#torsion math").first)
     assert fault.count() == 0
 
 
-def test_a_slider_moves_the_loop(standing: Watched):
+def test_a_slider_moves_the_loop(shared_lab: Watched):
     """Arrow keys change the radius; the numbers are the library's."""
-    page = standing.tab("Loops")
+    page = shared_lab.tab("Loops")
     page.wait_for_selector("#loop svg")
     slider = page.get_by_role("slider").first
     slider.focus()
@@ -119,20 +119,20 @@ def test_a_slider_moves_the_loop(standing: Watched):
         page.keyboard.press("ArrowRight")
     frame = spaces.load("so3").frame
     b = burgers_vector(frame, Loop.circle((0.3, 1.0, 0.2), 0.45, (0, 1)))
-    standing.says("#loop-result", f"|b| = {b.magnitude:.6g}")
+    shared_lab.shows("#loop-result", f"|b| = {b.magnitude:.6g}")
     # The table is drawn after the sentence.
-    standing.says("table.numbers tbody", f"{b.vector[0]:.6g}")
+    shared_lab.shows("table.numbers tbody", f"{b.vector[0]:.6g}")
     cells = page.locator("table.numbers tbody tr td:nth-child(2)").all_inner_texts()
     assert np.allclose([number(text) for text in cells], b.vector, atol=1e-6)
     for _ in range(3):
         page.keyboard.press("ArrowLeft")
-    standing.says("#loop-result", f"Area A = {np.pi * 0.3**2:.6g}")
+    shared_lab.shows("#loop-result", f"Area A = {np.pi * 0.3**2:.6g}")
 
 
-def test_the_curves_can_be_turned(standing: Watched):
+def test_the_curves_can_be_turned(shared_lab: Watched):
     """Arrow keys rotate the figure in space, and the slider sets the time of the animation."""
-    page = standing.tab("Straightest and shortest")
-    standing.says("#paths-result", "separate by at most")
+    page = shared_lab.tab("Straightest and shortest")
+    shared_lab.shows("#paths-result", "separate by at most")
     frame = page.frame_locator("iframe")
     canvas = frame.locator("#space")
     canvas.wait_for()
@@ -145,25 +145,25 @@ def test_the_curves_can_be_turned(standing: Watched):
     assert frame.locator("#clock").inner_text() == "t = 0.000"
 
 
-def test_a_reload_keeps_tab_and_input(standing: Watched):
+def test_a_reload_keeps_tab_and_input(shared_lab: Watched):
     """The address stores tab, space, radius, entries and a sent answer, and nothing else."""
-    page = standing.tab("Loops")
+    page = shared_lab.tab("Loops")
     page.wait_for_selector("#loop svg")
     page.wait_for_url(lambda url: urlsplit(url).query == "tab=Loops")
     page.get_by_label("space", exact=True).select_option(
         label="screw_dislocation: screw dislocation along z"
     )
-    standing.says("#loop-result", "all of b comes from the line inside the loop")
+    shared_lab.shows("#loop-result", "all of b comes from the line inside the loop")
     slider = page.get_by_role("slider", name="radius")
     slider.focus()
     page.keyboard.press("ArrowRight")
-    standing.says("#loop-result", f"Area A = {np.pi * 0.35**2:.6g}")
+    shared_lab.shows("#loop-result", f"Area A = {np.pi * 0.35**2:.6g}")
     page.wait_for_url("**radius=*")
     assert set(parse_qs(urlsplit(page.url).query)) == {"tab", "loop", "radius"}
-    blank(standing)
+    blank(shared_lab)
     fraction = page.locator("#torsion mfrac").first
-    standing.typed({"coordinates": "r, phi", "row 2, dφ": "r"}, fraction)
-    standing.tab("Exercises")
+    shared_lab.typed({"coordinates": "r, phi", "row 2, dφ": "r"}, fraction)
+    shared_lab.tab("Exercises")
     answer = page.get_by_label("legs")
     answer.fill("1,1 = 17")
     page.get_by_role("button", name="Check").click()
@@ -181,11 +181,11 @@ def test_a_reload_keeps_tab_and_input(standing: Watched):
     assert page.get_by_label("legs").input_value() == "2,2 = 18"
     page.get_by_role("button", name="Check").click()
     page.locator("#verdict .wrong").wait_for()
-    standing.tab("Any tetrad")
+    shared_lab.tab("Any tetrad")
     page.locator("#torsion mfrac").first.wait_for()
     assert page.get_by_label("row 2, dφ", exact=True).input_value().strip() == "r"
-    standing.tab("Loops")
-    assert f"Area A = {np.pi * 0.35**2:.6g}" in standing.says("#loop-result", "|b| = 0.48")
+    shared_lab.tab("Loops")
+    assert f"Area A = {np.pi * 0.35**2:.6g}" in shared_lab.shows("#loop-result", "|b| = 0.48")
 
 
 def test_back_leaves_the_lab(watched: Watched, address: str):
@@ -204,9 +204,9 @@ def test_back_leaves_the_lab(watched: Watched, address: str):
     page.wait_for_selector(READY["Exercises"])
 
 
-def test_answers_stay_while_another_exercise_is_looked_at(standing: Watched):
+def test_answers_stay_while_another_exercise_is_looked_at(shared_lab: Watched):
     """An answer typed in one exercise is present when the exercise is opened again."""
-    page = standing.tab("Exercises")
+    page = shared_lab.tab("Exercises")
     listed = page.get_by_label("exercise", exact=True)
     page.get_by_label("legs").fill("1,1 = 17")
     page.wait_for_url("**17*")
@@ -222,10 +222,10 @@ def test_answers_stay_while_another_exercise_is_looked_at(standing: Watched):
     page.wait_for_url(lambda url: parse_qs(urlsplit(url).query).keys() <= {"tab"})
 
 
-def test_a_blank_tetrad_is_blank_after_a_reload_too(standing: Watched):
+def test_a_blank_tetrad_is_blank_after_a_reload_too(shared_lab: Watched):
     """An address restores its tetrad once; the choice of a blank tetrad then gives a blank one."""
-    page = blank(standing)
-    standing.typed({"row 2, dy": "x"}, page.locator("#torsion mfrac").first)
+    page = blank(shared_lab)
+    shared_lab.typed({"row 2, dy": "x"}, page.locator("#torsion mfrac").first)
     page.wait_for_url("**coframe*")
     page.reload()
     page.locator("#torsion mfrac").first.wait_for()
@@ -235,7 +235,7 @@ def test_a_blank_tetrad_is_blank_after_a_reload_too(standing: Watched):
     page.get_by_label("start from").select_option(label="blank, 2 coordinates")
     page.get_by_label("row 2, dy").wait_for()
     assert page.get_by_label("row 2, dy", exact=True).input_value() == "1"
-    as_at_first(standing)
+    as_at_first(shared_lab)
 
 
 def test_a_link_with_nonsense_opens_the_page(watched: Watched, address: str):
@@ -255,14 +255,14 @@ def test_a_link_with_nonsense_opens_the_page(watched: Watched, address: str):
     assert page.locator("img[src=x]").count() == 0
     lab_tab = watched.tab("Loops")
     lab_tab.wait_for_selector("#loop svg")
-    assert "0.282743" in watched.says("#loop-result", "Area A")
+    assert "0.282743" in watched.shows("#loop-result", "Area A")
     watched.tab("The top").wait_for_selector("#top-plan table")
 
 
-def test_labels_follow_the_coordinates(standing: Watched):
+def test_labels_follow_the_coordinates(shared_lab: Watched):
     """With renamed coordinates each field has its new label and keeps its text."""
-    page = blank(standing)
-    standing.typed({"row 1, dx": "2"}, page.locator("#metric mn", has_text="4"))
+    page = blank(shared_lab)
+    shared_lab.typed({"row 1, dx": "2"}, page.locator("#metric mn", has_text="4"))
     field = page.get_by_label("coordinates", exact=True)
     field.fill("u, v, w")
     page.get_by_label("row 3, dw", exact=True).wait_for()
@@ -274,12 +274,12 @@ def test_labels_follow_the_coordinates(standing: Watched):
     page.get_by_label("row 3, dw1", exact=True).wait_for()
     page.keyboard.type("2")
     page.get_by_label("row 3, dw12", exact=True).wait_for()
-    as_at_first(standing)
+    as_at_first(shared_lab)
 
 
-def test_a_case_takes_nothing_from_the_one_before(standing: Watched):
+def test_a_case_takes_nothing_from_the_one_before(shared_lab: Watched):
     """A case chosen before the typed text is sent, or passed by keys, has its own fields."""
-    page = blank(standing)
+    page = blank(shared_lab)
     start = page.get_by_label("start from")
     so3, *_, last = typable()
     for title in (so3, last):
@@ -301,7 +301,7 @@ def test_a_case_takes_nothing_from_the_one_before(standing: Watched):
         page.wait_for_timeout(2 * PAGE.pause)
         assert held(page) == holds(title)
         assert own_address(page.url, title)
-    as_at_first(standing)
+    as_at_first(shared_lab)
 
 
 def own_address(url: str, title: str) -> bool:
@@ -326,25 +326,25 @@ def held(page: Any) -> tuple[str, str, list[str]]:
     return (*(name.input_value() for name in names), entries)
 
 
-def test_unknown_functions_have_a_field(standing: Watched):
+def test_unknown_functions_have_a_field(shared_lab: Watched):
     """An undeclared function is reported; the expanding universe with a(t) is offered."""
-    page = blank(standing)
-    standing.typed(
+    page = blank(shared_lab)
+    shared_lab.typed(
         {"row 2, dy": "f(x)"}, page.locator(".fault", has_text="eclare it as an unknown")
     )
-    standing.typed({"unknown functions": "f(x)"}, page.locator("#torsion mfrac").first)
+    shared_lab.typed({"unknown functions": "f(x)"}, page.locator("#torsion mfrac").first)
     page.get_by_label("start from").select_option(
         label="frw: expanding universe, unknown a(t), curvature k"
     )
     page.get_by_label("row 4, dφ", exact=True).wait_for()
     page.locator("#ricci").wait_for()
     assert page.get_by_label("unknown functions").input_value() == "a(t)"
-    as_at_first(standing)
+    as_at_first(shared_lab)
 
 
-def test_latex_is_copied(standing: Watched):
+def test_latex_is_copied(shared_lab: Watched):
     """The button copies the equations of its card to the clipboard."""
-    page = standing.tab("Any tetrad")
+    page = shared_lab.tab("Any tetrad")
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     page.get_by_role("button", name="Copy LaTeX: Scalar curvature").click()
     page.get_by_text("Copied").wait_for()
@@ -353,9 +353,9 @@ def test_latex_is_copied(standing: Watched):
     assert "frac{3}{2}" in copied
 
 
-def test_latex_of_an_exercise_is_copied(standing: Watched):
+def test_latex_of_an_exercise_is_copied(shared_lab: Watched):
     """The statement with its questions and the shown hints can be copied."""
-    page = standing.tab("Exercises")
+    page = shared_lab.tab("Exercises")
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     posed = exercises.load("1.1")
     page.locator("#statement", has_text="coframe").wait_for()
@@ -374,13 +374,13 @@ def test_latex_of_an_exercise_is_copied(standing: Watched):
     assert copied("hints") == posed.hints[0]
 
 
-def test_a_variant_that_there_is_not_is_refused(standing: Watched):
+def test_a_variant_that_there_is_not_is_refused(shared_lab: Watched):
     """A wrong variant remains in its field, and no other variant is shown."""
-    page = standing.tab("Exercises")
+    page = shared_lab.tab("Exercises")
     page.wait_for_selector(READY["Exercises"])
     field = page.get_by_role("textbox", name="variant", exact=True)
     refused = page.get_by_text("expected a whole number from 0 to 1,000,000,000").first
-    standing.typed({"variant": "3.7"}, refused, filler="0", key="Tab")
+    shared_lab.typed({"variant": "3.7"}, refused, filler="0", key="Tab")
     assert float(field.input_value()) == 3.7
     assert page.locator("#statement").count() == 0
     field.fill("3")
@@ -400,7 +400,7 @@ def focused(page: Any) -> tuple[str, str]:
     )
 
 
-def test_the_keyboard_alone(lab: Watched):
+def test_the_keyboard_reaches_the_tabs(lab: Watched):
     """Tab reaches the open tab without a change, arrows change it, Shift and Tab go back."""
     page = lab.page
     page.keyboard.press("Tab")
@@ -425,9 +425,9 @@ def test_the_keyboard_alone(lab: Watched):
     page.get_by_role("radio", name="the straightest path", checked=True).wait_for()
 
 
-def test_names_and_values_for_readers(standing: Watched):
+def test_names_and_values_for_readers(shared_lab: Watched):
     """A slider has its value and unit; no name contains markup; the animation has a title."""
-    page = standing.tab("Loops")
+    page = shared_lab.tab("Loops")
     page.wait_for_selector("#loop svg")
     radius = page.get_by_role("slider", name="radius")
     assert radius.get_attribute("aria-valuetext") == "0.3"
@@ -436,14 +436,14 @@ def test_names_and_values_for_readers(standing: Watched):
     page.wait_for_function("document.querySelector('#loop-result').innerText.includes('0.19635')")
     assert radius.get_attribute("aria-valuetext") == "0.25"
     page.keyboard.press("ArrowRight")
-    standing.says("#loop-result", f"Area A = {np.pi * 0.3**2:.6g}")
+    shared_lab.shows("#loop-result", f"Area A = {np.pi * 0.3**2:.6g}")
     assert page.get_by_role("slider", name="φ2 in rad").count() == 1
-    standing.tab("The top")
+    shared_lab.tab("The top")
     page.wait_for_selector(READY["The top"])
     for name in ("I1 in kg m²", "Ω3 in rad/s", "tilt of axis 3 in rad", "time in s"):
         assert page.get_by_role("slider", name=name).count() == 1
     assert page.locator("iframe").get_attribute("title") == "Animation: Body cone and space cone"
-    standing.tab("Exercises")
+    shared_lab.tab("Exercises")
     page.wait_for_selector(READY["Exercises"])
     assert page.get_by_role("textbox", name="variant", exact=True).count() == 1
     link = page.context.new_cdp_session(page)
@@ -453,14 +453,14 @@ def test_names_and_values_for_readers(standing: Watched):
     assert [name for name in names if "<" in name] == []
 
 
-def test_dark_and_narrow(standing: Watched):
+def test_dark_and_narrow(shared_lab: Watched):
     """In dark mode all parts are dark; on a phone, animation and controls are visible together."""
     from playwright.sync_api import expect
 
-    page = standing.page
+    page = shared_lab.page
     page.set_viewport_size({"width": 400, "height": 800})
     page.emulate_media(color_scheme="dark")
-    standing.tab("The top")
+    shared_lab.tab("The top")
     page.wait_for_selector(READY["The top"])
     dark = """(e) => { while (e) {
         const c = getComputedStyle(e).backgroundColor.match(/[0-9.]+/g).map(Number);
@@ -492,9 +492,9 @@ def test_dark_and_narrow(standing: Watched):
     page.emulate_media(color_scheme="light")
 
 
-def test_what_is_watched_is_drawn(standing: Watched):
+def test_a_watched_quantity_is_drawn(shared_lab: Watched):
     """Another watched quantity changes the chart and the plan."""
-    page = standing.tab("The top")
+    page = shared_lab.tab("The top")
     page.get_by_label("nutation angle over time, by both laws").wait_for()
     page.get_by_label("quantity in the chart").select_option(label="energy")
     page.get_by_label("energy over time, by both laws").wait_for()
@@ -503,43 +503,45 @@ def test_what_is_watched_is_drawn(standing: Watched):
     page.get_by_label("nutation angle over time, by both laws").wait_for()
 
 
-def test_effects_are_switched(standing: Watched):
+def test_effects_are_switched(shared_lab: Watched):
     """Gravity without a fixed point is omitted from the equations; with one it is included."""
-    page = standing.tab("The top")
+    page = shared_lab.tab("The top")
     plan = page.locator("#top-plan")
     plan.get_by_text("needed for the nutation angle: 6").wait_for()
     page.get_by_label(re.compile("^gravity")).check()
     plan.locator("tr", has_text=re.compile(r"^\s*omitted.*gravity", re.DOTALL)).first.wait_for()
     page.get_by_label(re.compile("^fixed point")).check()
     plan.locator("tr", has_text=re.compile(r"^\s*included.*gravity", re.DOTALL)).first.wait_for()
-    standing.says("#top-result", "the angular momentum changes in space")
+    shared_lab.shows("#top-result", "the angular momentum changes in space")
     for effect, left in (("fixed point", "gravity"), ("gravity", "nothing")):
         page.get_by_label(re.compile(f"^{effect}")).uncheck()
         page.wait_for_url(lambda url, left=left: ("effects" in url) == (left != "nothing"))
     plan.get_by_text("needed for the nutation angle: 6").wait_for()
 
 
-def test_another_space_and_what_it_costs(standing: Watched):
+def test_another_space_and_its_cost(shared_lab: Watched):
     """A chosen space has its own coordinates and loop, and the tab of costs measures this case."""
-    page = standing.tab("Loops")
+    page = shared_lab.tab("Loops")
     page.wait_for_selector("#loop svg")
     spaces_offered = page.get_by_label("space", exact=True)
     usual = spaces_offered.input_value()
     spaces_offered.select_option(label="heisenberg: the Heisenberg group (Nil)")
-    assert f"|b| = {np.pi * 0.3**2:.6g}" in standing.says("#loop-result", "in the plane of x and y")
-    standing.tab("What accuracy costs")
+    assert f"|b| = {np.pi * 0.3**2:.6g}" in shared_lab.shows(
+        "#loop-result", "in the plane of x and y"
+    )
+    shared_lab.tab("What accuracy costs")
     page.get_by_label("A circle of radius 0.3 in heisenberg").wait_for()
     page.get_by_label("the top", exact=True).click()
     page.get_by_label("The top (free), to t = 12 s").wait_for()
     page.get_by_role("radio", name="the loop").check()
-    standing.tab("Loops")
+    shared_lab.tab("Loops")
     spaces_offered.select_option(usual)
-    standing.says("#loop-result", "in the plane of φ")
+    shared_lab.shows("#loop-result", "in the plane of φ")
 
 
-def test_an_exercise_is_answered(standing: Watched):
+def test_an_exercise_is_answered(shared_lab: Watched):
     """A wrong answer and a right one have their verdicts; a hint is shown."""
-    page = standing.tab("Exercises")
+    page = shared_lab.tab("Exercises")
     page.get_by_label("exercise", exact=True).select_option(
         label=f"2.1 {exercises.titles()['2.1']}"
     )
@@ -563,15 +565,15 @@ def test_an_exercise_is_answered(standing: Watched):
 
 
 @pytest.mark.parametrize("kind", ["svg", "png"])
-def test_every_picture_can_be_saved(standing: Watched, kind: str):
+def test_every_picture_can_be_saved(shared_lab: Watched, kind: str):
     """The globe and a chart are saved as files in the format of the button."""
-    page = standing.tab("The compass")
+    page = shared_lab.tab("The compass")
     places = {
         "The compass": page.frame_locator("#compass iframe"),
         "Loops": page.locator("#loop"),
     }
     for tab, place in places.items():
-        standing.tab(tab).wait_for_selector(READY[tab])
+        shared_lab.tab(tab).wait_for_selector(READY[tab])
         button = place.locator(f"button[data-save={kind}]").last
         with page.expect_download(timeout=PATIENCE) as saved:
             button.click()
@@ -584,19 +586,19 @@ def test_every_picture_can_be_saved(standing: Watched, kind: str):
         assert len(content) > 3000
 
 
-def test_each_picture_has_its_buttons(standing: Watched):
+def test_each_picture_has_its_buttons(shared_lab: Watched):
     """Each chart has a button to save it."""
     for tab in ("Loops", "Straightest and shortest", "The top", "What accuracy costs"):
-        page = standing.tab(tab)
+        page = shared_lab.tab(tab)
         page.wait_for_selector(READY[tab])
         charts = page.locator("svg.plot").count()
         assert charts
         assert page.locator("svg.plot + .save [data-save=png]").count() == charts
 
 
-def test_the_course_moves_the_ships(standing: Watched):
+def test_the_course_moves_the_ships(shared_lab: Watched):
     """Another course changes the figure and the address."""
-    page = standing.tab("The compass")
+    page = shared_lab.tab("The compass")
     page.wait_for_selector(READY["The compass"])
     before = page.locator("#compass iframe").get_attribute("srcdoc")
     page.get_by_role("slider", name="course").focus()
@@ -610,9 +612,9 @@ def test_the_course_moves_the_ships(standing: Watched):
     page.wait_for_url(lambda url: "course" not in url)
 
 
-def test_sliders_of_a_moving_body_say_what_they_do(standing: Watched):
+def test_sliders_name_axis_motion_and_unit(shared_lab: Watched):
     """The label names the axis, rotation or motion, and the unit."""
-    page = standing.tab("Straightest and shortest")
+    page = shared_lab.tab("Straightest and shortest")
     page.wait_for_selector(READY["Straightest and shortest"])
     for name in ("turn about axis 1: u1 in rad/time", "move along axis 3: u6 in length/time"):
         assert page.get_by_role("slider", name=name).count() == 1

@@ -107,7 +107,7 @@ def test_curves_of_the_plane():
     ("name", "component"),
     [("screw_dislocation", 2), ("edge_dislocation", 0), ("edge_dislocation_elastic", 0)],
 )
-def test_the_first_loop_goes_round_the_line(name, component):
+def test_the_first_loop_goes_around_the_line(name, component):
     """The initial loop shows the whole Burgers vector of a dislocation, at each radius."""
     known = space_info(name)
     b = known["values"]["b"]
@@ -119,7 +119,7 @@ def test_the_first_loop_goes_round_the_line(name, component):
 
 
 @pytest.mark.parametrize("name", ["wedge_disclination", "wedge_disclination_periodic"])
-def test_the_first_loop_goes_round_the_axis_of_a_disclination(name):
+def test_the_first_loop_goes_around_the_axis_of_a_disclination(name):
     """Legs rotate by 2 pi alpha: the image of a circle is an arc, and b is its chord."""
     known = space_info(name)
     alpha = known["values"]["alpha"]
@@ -146,7 +146,7 @@ def test_the_first_loop_goes_round_the_axis_of_a_disclination(name):
     [("flat_polar", [0.2, 1.0], "r > 0"), ("so3", [0.3, 0.1, 0.2], "phi2 > 0"),
      ("edge_dislocation", [0.3, 0.1, 0.2], "2*pi*(x**2 + y**2) > b*y")],
 )  # fmt: skip
-def test_a_loop_that_leaves_the_coordinates_is_told(name, centre, condition):
+def test_a_loop_that_leaves_the_coordinates_is_reported(name, centre, condition):
     """The sentence reports a loop beyond the domain, because the coframe is not valid there."""
     outside = closure_failure(name, centre, 0.3, [0, 1])["sentence"]
     assert f"leaves these coordinates (the domain is {condition})" in outside
@@ -177,7 +177,7 @@ def test_components_are_counted_from_one():
 
 
 @pytest.mark.parametrize("watch", list(WATCHED))
-def test_the_graph_shows_what_is_watched(watch):
+def test_each_watched_quantity_has_a_chart(watch):
     """Each watched quantity has its own chart with its unit."""
     found = top([1, 2, 3], [0.1, 2, 0.1], 0.3, 3.0, ["gravity"], [watch])["compared"]
     unit = {"nutation": "rad", "energy": "J", "position": "m", "matrix": ""}.get(watch, "rad/s")
@@ -254,7 +254,7 @@ def test_the_plan_follows_the_switches():
     assert "body axes: 3<" in alone
 
 
-def test_what_cannot_be_is_refused():
+def test_impossible_scenes_are_refused():
     """An impossible body and contradictory effects are refused."""
     with pytest.raises(GeomtorsionError, match="are impossible, because"):
         top([1, 1, 3], [0, 0, 1], 0.3, 1.0)

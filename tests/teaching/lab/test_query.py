@@ -29,7 +29,7 @@ def address(query: Address, values: Mapping[str, tuple[str, str]]) -> Address:
     return query
 
 
-def test_only_what_was_changed_is_written():
+def test_only_changed_values_are_written():
     """Only changed values are in the address; a value that returns to its default leaves it."""
     query = address(Address(tab="Loops"), {"radius": ("0.1", "0.3"), "t": ("2", "2")})
     assert query == {"tab": "Loops", "radius": "0.1"}

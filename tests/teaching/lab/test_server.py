@@ -36,7 +36,7 @@ from tests.teaching.lab.serving import ROOT, served
 from tests.teaching.lab.session import run
 
 
-def test_the_first_requests_are_those_of_the_tabs():
+def test_prepared_requests_equal_first_requests():
     """Two prepared requests equal the tabs' first requests as text, which is the cache key."""
     query = Query()
     facts = space_info(controls.FIRST_LOOP)
@@ -158,7 +158,7 @@ def test_who_needs_a_token():
     assert "token" not in repr(guarded)
 
 
-def test_a_port_that_is_taken_is_told():
+def test_a_taken_port_is_reported():
     """The message gives the remedy: --port 0."""
     taken = _socket(Address(port=0))
     try:
@@ -169,7 +169,7 @@ def test_a_port_that_is_taken_is_told():
 
 
 @pytest.mark.parametrize("port", [-1, 65536])
-def test_a_port_that_is_none_is_told(port: int):
+def test_an_invalid_port_is_reported(port: int):
     """Python raises OverflowError for these ports, which was once shown as a traceback."""
     with pytest.raises(LimitError, match=f"port {port} cannot be used"):
         _socket(Address(port=port))
@@ -230,7 +230,7 @@ def registered(routes: Any, prefix: str = "") -> Iterator[tuple[str, str]]:
             yield "GET", f"{path}/*"
 
 
-def test_only_what_the_page_uses_is_answered():
+def test_only_requests_of_the_page_are_answered():
     """Each route of marimo is on the list with its use, or answers 404."""
     control = application(Address())
     every = set(registered(control.app.routes))
@@ -268,7 +268,7 @@ def test_only_the_session_has_a_socket(path: str):
     assert sent == ["websocket.close"]
 
 
-def test_no_path_of_this_machine_is_told(address: str):
+def test_no_path_of_this_machine_is_revealed(address: str):
     """These routes answer 404, without a file name of this machine."""
     headers = {"Content-Type": "application/json", "Marimo-Session-Id": "s_000000"}
     for path in ("api/home/workspace_files", "api/export/html", "api/status", "api/sessions"):

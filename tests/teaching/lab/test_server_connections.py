@@ -127,8 +127,8 @@ def test_one_client_cannot_fill_the_lab():
     assert run(filled()) == expected
 
 
-@pytest.mark.parametrize(("sessions", "alone"), [(1, 1), (2, 2), (40, 32), (64, 56)])
-def test_a_class_behind_one_router(sessions: int, alone: int):
+@pytest.mark.parametrize(("sessions", "places"), [(1, 1), (2, 2), (40, 32), (64, 56)])
+def test_a_class_behind_one_router(sessions: int, places: int):
     """One network address gets all places except a few."""
 
     async def filled() -> int:
@@ -144,7 +144,7 @@ def test_a_class_behind_one_router(sessions: int, alone: int):
         await asyncio.gather(*tasks, return_exceptions=True)
         return count
 
-    assert run(filled()) == alone
+    assert run(filled()) == places
 
 
 def unread(host: str, port: int, request: bytes) -> socket.socket:

@@ -45,7 +45,7 @@ def test_many_sessions_are_answered(count, address):
         assert size == pytest.approx(burgers_vector(frame, loop).magnitude, rel=1e-5)
 
 
-def test_one_session_too_many_is_told():
+def test_one_session_too_many_is_refused():
     """If two pages may be open, the third one gets the message that the lab is full."""
 
     async def three(url: str) -> tuple[int, str]:

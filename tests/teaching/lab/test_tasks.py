@@ -55,7 +55,7 @@ def test_a_request_that_takes_too_long_is_stopped(runner: TaskRunner):
     assert runner.ask("tetrad", coordinates="r, phi", entries=[["1", "0"], ["0", "r"]])["html"]
 
 
-def test_nothing_that_lies_about_is_imported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_no_module_of_the_folder_is_imported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """A worker does not import modules from its folder."""
     (tmp_path / "json.py").write_text("raise SystemExit", "utf-8")
     (tmp_path / "sympy.py").write_text("raise SystemExit", "utf-8")
@@ -119,7 +119,7 @@ def test_a_worker_that_dies_is_replaced(runner: TaskRunner):
     assert runner.ask("space_info", space="s2")["name"] == "s2"
 
 
-def test_a_crowd_that_waits_too_long_is_told():
+def test_a_request_that_waits_too_long_is_refused():
     """A request that waits too long for the only worker gets a message."""
     runner = TaskRunner(workers=1, patience=0.2, limits={"tetrad": 1.0})
     busy = threading.Thread(target=lambda: runner.ask("tetrad", **SLOW))

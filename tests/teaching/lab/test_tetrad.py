@@ -45,7 +45,7 @@ def test_every_offered_space_can_be_typed(name):
     assert 'id="torsion"' in found["html"]
 
 
-def test_only_what_is_asked_for_is_shown():
+def test_only_requested_quantities_are_shown():
     """Only the requested quantity is shown."""
     found = tetrad(**POLAR, show=["torsion"])
     assert found["html"].count('<section class="card"') == 1
@@ -66,7 +66,7 @@ def test_only_what_is_asked_for_is_shown():
         ("(" * 40 + "r" + ")" * 40, "the limit is 20"),
     ],
 )
-def test_what_is_wrong_stands_at_its_entry(entry, message):
+def test_a_message_belongs_to_its_entry(entry, message):
     """The message belongs to the wrong entry, and to no other."""
     found = tetrad("r, phi", [["1", "0"], ["0", entry]])
     assert list(found["errors"]) == ["1,1"]
@@ -92,7 +92,7 @@ def test_several_faults_at_once():
         ({"coordinates": "a b c d e f g"}, f"at most {PAGE.dimensions}, got 7"),
     ],
 )
-def test_what_is_wrong_with_the_whole(changes, message):
+def test_faults_of_the_whole_tetrad_are_reported(changes, message):
     """A fault that belongs to no single entry is reported as a problem."""
     found = tetrad(**(POLAR | changes))
     assert message in found["problem"]
@@ -151,7 +151,7 @@ def test_entries_as_on_paper(entry):
         ("|r - 2", "'|' is not part of an expression"),
     ],
 )
-def test_what_cannot_be_read_on_paper_either(entry, message):
+def test_messages_quote_unreadable_entries(entry, message):
     """The message quotes the typed text; an ambiguous text gets both readings."""
     found = tetrad("r, phi", [["1", "0"], ["0", entry]])
     assert message in found["errors"]["1,1"]
@@ -181,7 +181,7 @@ def test_signs_as_people_write_them(text):
 
 
 @pytest.mark.parametrize("text", ["1", "-", "+-+", "-1, 1, 1", "x", "0 1", "11 -1", "±+", "-2 1"])
-def test_signs_that_are_none(text):
+def test_invalid_signs_are_refused(text):
     """Too few signs, too many signs, or other text are refused."""
     with pytest.raises(SignatureError, match="2 signs"):
         signs_of(text, 2)

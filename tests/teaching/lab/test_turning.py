@@ -22,17 +22,19 @@ INK = "e => [...e.getContext('2d').getImageData(0, 0, e.width, e.height).data].j
 
 
 @pytest.fixture
-def film(browser: Any, tmp_path: Path) -> Iterator[Any]:
+def animation(browser: Any, tmp_path: Path) -> Iterator[Any]:
     """A page with an animation whose clock the test sets, in a window of its own."""
     points = [(k / 10, k % 7, k % 5) for k in range(TIMES)]
-    scene = Film("a", "A film", ("x", "y", "z"), (Curve(points, SERIES[0]),), times=range(TIMES))
-    (tmp_path / "film.html").write_text(turnable(scene), "utf-8")
+    scene = Film(
+        "a", "An animation", ("x", "y", "z"), (Curve(points, SERIES[0]),), times=range(TIMES)
+    )
+    (tmp_path / "animation.html").write_text(turnable(scene), "utf-8")
     context = browser.new_context(viewport=WINDOW)
     page = context.new_page()
     wrong: list[str] = []
     page.on("pageerror", lambda error: wrong.append(str(error)))
     page.clock.install(time=0)
-    page.goto((tmp_path / "film.html").as_uri())
+    page.goto((tmp_path / "animation.html").as_uri())
     page.clock.pause_at(1000)
     yield page
     context.close()
@@ -44,39 +46,39 @@ def picture(page: Any) -> int:
     return int(page.locator("#time").input_value())
 
 
-def test_a_film_takes_its_time(film: Any):
+def test_an_animation_takes_its_time(animation: Any):
     """After half of the time, half of the animation is shown, although screen frames differ."""
-    play = film.locator("#play")
+    play = animation.locator("#play")
     play.click()
     assert play.inner_text() == "Pause"
-    film.clock.run_for(500 * PAGE.duration)
-    assert picture(film) in HALF
+    animation.clock.run_for(500 * PAGE.duration)
+    assert picture(animation) in HALF
     play.click()
     assert play.inner_text() == "Play"
-    film.clock.run_for(1000)
-    assert picture(film) in HALF
+    animation.clock.run_for(1000)
+    assert picture(animation) in HALF
     play.click()
-    film.clock.run_for(500 * PAGE.duration + 100)
-    assert (picture(film), play.inner_text()) == (TIMES - 1, "Play")
+    animation.clock.run_for(500 * PAGE.duration + 100)
+    assert (picture(animation), play.inner_text()) == (TIMES - 1, "Play")
 
 
-def test_a_film_that_is_begun_again_runs_once(film: Any):
+def test_an_animation_started_often_runs_once(animation: Any):
     """Many clicks before the first frame start the animation once."""
-    film.locator("#play").evaluate("e => { for (let k = 0; k < 7; k++) e.click(); }")
-    film.clock.run_for(500 * PAGE.duration)
-    assert picture(film) in HALF
+    animation.locator("#play").evaluate("e => { for (let k = 0; k < 7; k++) e.click(); }")
+    animation.clock.run_for(500 * PAGE.duration)
+    assert picture(animation) in HALF
 
 
-def test_keys_of_the_browser_stay_its_own(film: Any):
+def test_keys_of_the_browser_stay_its_own(animation: Any):
     """Arrows rotate the figure and plus enlarges it, but not with Control, Alt or Meta."""
-    canvas = film.locator("#space")
+    canvas = animation.locator("#space")
     canvas.focus()
     shown = canvas.evaluate(INK)
     for key in ("Control++", "Alt+ArrowLeft", "Meta+-"):
-        film.keyboard.press(key)
+        animation.keyboard.press(key)
         assert canvas.evaluate(INK) == shown
     for key in ("+", "ArrowLeft"):
-        film.keyboard.press(key)
+        animation.keyboard.press(key)
         assert canvas.evaluate(INK) != shown
         shown = canvas.evaluate(INK)
 

@@ -93,7 +93,7 @@ def test_an_orientation_map_is_read():
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
+    ("content", "words"),
     [
         (b"", "empty"),
         (b"  \n\n", "empty"),
@@ -128,11 +128,11 @@ def test_an_orientation_map_is_read():
     ],
     ids=range(27),
 )
-def test_hostile_and_damaged_files_are_refused(content: bytes, said: str):
+def test_hostile_and_damaged_files_are_refused(content: bytes, words: str):
     """An error of our own names the problem and no path of this machine."""
     with pytest.raises(GeomtorsionError) as told:
         read_map(content, "map.npz")
-    assert said in str(told.value)
+    assert words in str(told.value)
     assert "given-map" not in str(told.value)
     assert "/tmp" not in str(told.value)
 
@@ -175,7 +175,7 @@ def test_a_map_with_too_many_nodes_is_refused():
             assert read_map(stream.getvalue(), "map") is not None
 
 
-def test_a_damaged_archive_says_so():
+def test_a_damaged_archive_is_refused():
     """An archive without its last 30 bytes is refused as incomplete."""
     with pytest.raises(FileFormatError, match="complete"):
         read_map(bomb()[:-30], "map")
@@ -201,13 +201,13 @@ def test_a_session_gives_good_maps_and_bad_ones(tmp_path: Path, address: str):
             await give(session, field, "twisted.npz", frame)
             await session.shown("twisted.npz is a sampled frame of 24 × 20 nodes")
             seen["frame"] = (await session.shown(r"\|b\| = ([0-9.e+-]+) um"))[1]
-            for name, content, said in (
+            for name, content, words in (
                 ("<b>x</b>", b"\x80\x04.", "a pickle"),
                 ("bomb.npz", bomb(), "unpacked bytes"),
                 ("long", bytes(PAGE.upload + 1), "expected a file of at most 4,000,000 bytes"),
             ):
                 await give(session, field, name, content)
-                await session.shown(said)
+                await session.shown(words)
                 assert not any("<b>x</b>" in text for text in session.outputs.values())
                 assert not any("Traceback" in text for text in session.outputs.values())
             # Values that no browser sends are ignored.
@@ -259,14 +259,14 @@ def test_a_picture_of_a_lattice_in_a_browser(loops_tab: Watched, tmp_path: Path)
     file = tmp_path / "atoms.png"
     file.write_bytes(atoms(".png"))
     page.locator("input[type=file]").set_input_files(str(file))
-    loops_tab.says("#map-facts", "atoms.png is an image of 256 × 256 pixels of a lattice")
-    loops_tab.says("#map-result", "b = (−1, 0) in lattice vectors, exactly")
+    loops_tab.shows("#map-facts", "atoms.png is an image of 256 × 256 pixels of a lattice")
+    loops_tab.shows("#map-result", "b = (−1, 0) in lattice vectors, exactly")
     assert page.locator("#map svg image").first.evaluate(WIDTH) > 150
     assert page.locator("#map svg #circuit").count() == 2
     slider = page.get_by_role("slider", name="centre x in pixels")
     slider.focus()
     page.keyboard.press("Home")
-    loops_tab.says("#map-result", "leaves the image")
+    loops_tab.shows("#map-result", "leaves the image")
     assert fits(page)
 
 
@@ -276,20 +276,20 @@ def test_grains_and_symmetry_are_chosen_in_a_browser(loops_tab: Watched, tmp_pat
     file = tmp_path / "wall.ctf"
     file.write_bytes(wall_ctf())
     page.locator("input[type=file]").set_input_files(str(file))
-    loops_tab.says("#map-facts", "(Nickel: m-3m), 1 grain at 5°")
+    loops_tab.shows("#map-facts", "(Nickel: m-3m), 1 grain at 5°")
     slider = page.get_by_role("slider", name="least angle between grains in degrees")
     slider.focus()
     page.keyboard.press("Home")
-    loops_tab.says("#map-facts", "2 grains at 0.5°")
-    loops_tab.says("#map-result", "crosses a boundary")
+    loops_tab.shows("#map-facts", "2 grains at 0.5°")
+    loops_tab.shows("#map-result", "crosses a boundary")
     page.keyboard.press("End")
-    loops_tab.says("#map-facts", "1 grain at 20°")
+    loops_tab.shows("#map-facts", "1 grain at 20°")
     page.get_by_label("Laue group").select_option("mmm")
-    loops_tab.says("#map-facts", "(Nickel: mmm), 2 grains at 20°")
+    loops_tab.shows("#map-facts", "(Nickel: mmm), 2 grains at 20°")
     page.get_by_label("shown phase", exact=True).select_option("1: Nickel")
     page.get_by_label("Laue group").select_option("4/m")
-    loops_tab.says("#map-facts", "(Nickel: 4/m), 1 grain at 20°")
-    loops_tab.says("#map-result", "Circuit of 2 × 2 cells: |b| =")
+    loops_tab.shows("#map-facts", "(Nickel: 4/m), 1 grain at 20°")
+    loops_tab.shows("#map-result", "Circuit of 2 × 2 cells: |b| =")
     assert fits(page)
 
 
@@ -299,15 +299,15 @@ def test_a_map_in_a_browser(loops_tab: Watched, tmp_path: Path):
     file = tmp_path / "wall.ctf"
     file.write_bytes(wall_ctf())
     page.locator("input[type=file]").set_input_files(str(file))
-    loops_tab.says("#map-facts", "wall.ctf is an orientation map of 20 × 24 pixels (Nickel: m-3m)")
+    loops_tab.shows("#map-facts", "wall.ctf is an orientation map of 20 × 24 pixels (Nickel: m-3m)")
     b = 2 * 2 * sin(radians(TILT) / 2)
-    loops_tab.says("#map-result", f"Circuit of 2 × 2 cells: |b| = {b:.4g} um")
+    loops_tab.shows("#map-result", f"Circuit of 2 × 2 cells: |b| = {b:.4g} um")
     image = page.locator("#map svg image").first
     assert image.evaluate(WIDTH) > 150
     slider = page.get_by_role("slider", name="side of the square in pixels")
     slider.focus()
     page.keyboard.press("ArrowRight")
-    loops_tab.says("#map-result", f"Circuit of 3 × 3 cells: |b| = {1.5 * b:.4g} um")
+    loops_tab.shows("#map-result", f"Circuit of 3 × 3 cells: |b| = {1.5 * b:.4g} um")
     assert fits(page)
     page.get_by_label("unit of the map").click()
     page.get_by_role("slider", name="side of the square in um").wait_for()

@@ -21,7 +21,7 @@ TERMS = {
 
 
 @pytest.mark.parametrize("tab", TABS)
-def test_a_tab_says_what_one_sees_and_what_to_try(tab: str):
+def test_a_guide_describes_the_view_and_a_trial(tab: str):
     """A guide has one sentence about the view and one about a trial, 100 to 400 letters in all."""
     guide = tab_of(tab).guide
     text = f"{guide.seen} {guide.tried}"

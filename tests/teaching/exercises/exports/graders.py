@@ -19,18 +19,18 @@ from importlib import import_module
 module, name = sys.argv[1:]
 main = getattr(import_module(module), name)
 for line in sys.stdin:
-    with tempfile.TemporaryFile("w+") as said:
+    with tempfile.TemporaryFile("w+") as output:
         child = os.fork()
         if not child:
             signal.alarm(300)
             os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
-            os.dup2(said.fileno(), 1)
-            os.dup2(said.fileno(), 2)
+            os.dup2(output.fileno(), 1)
+            os.dup2(output.fileno(), 2)
             sys.argv = [module, *json.loads(line)]
             sys.exit(main())
         code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-        said.seek(0)
-        print(json.dumps([code, said.read()]), flush=True)
+        output.seek(0)
+        print(json.dumps([code, output.read()]), flush=True)
 """
 
 
@@ -56,7 +56,7 @@ def command(module: str, name: str, folder: Path) -> Iterator[Callable[..., None
 
         def run(*words: str) -> None:
             print(json.dumps(words), file=asked, flush=True)
-            code, said = json.loads(replies.readline())
-            assert code == 0, said[-3000:]
+            code, output = json.loads(replies.readline())
+            assert code == 0, output[-3000:]
 
         yield run

@@ -4,7 +4,7 @@ from geomtorsion import exercises
 from geomtorsion.teaching.exercises.exports.parts import MISSING, parts_of
 
 
-def test_mistakes_stand_side_by_side():
+def test_each_variant_has_one_mistake_per_slot():
     """A slot has one mistake per variant; a slot that a variant lacks is MISSING and not tested."""
     group = [exercises.load("1.1", seed) for seed in range(4)]
     [part] = parts_of(group)

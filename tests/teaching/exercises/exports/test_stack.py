@@ -45,7 +45,7 @@ def exported(number: str) -> list[StackQuestion]:
 
 
 @pytest.mark.parametrize("number", NUMBERS)
-def test_moodle_finds_what_it_needs(number):
+def test_references_of_a_question_exist(number):
     """Fields, inputs, trees and tests refer to each other; each node leads to an existing one."""
     for found in exported(number):
         question = found.element
@@ -255,7 +255,7 @@ def ends(tmp_path_factory) -> dict[str, list[tuple[str, str]]]:
 
 
 @pytest.mark.parametrize("number", NUMBERS)
-def test_maxima_ends_where_the_tests_say(number, ends):
+def test_maxima_ends_at_the_expected_nodes(number, ends):
     """Each question test of each variant ends at its expected node."""
     assert len(ends[number]) == sum(map(count, exported(number))) > 0
     assert not [row for row in ends[number] if row[0] != row[1]]

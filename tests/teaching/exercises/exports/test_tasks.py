@@ -16,7 +16,7 @@ def test_all_exercises():
 
 
 @pytest.mark.parametrize(
-    ("numbers", "seeds", "error", "says"),
+    ("numbers", "seeds", "error", "words"),
     [
         (["9.9"], [0], UnknownNameError, "the number of an exercise, .* got '9.9'"),
         (
@@ -43,7 +43,7 @@ def test_all_exercises():
         (["3.2", "3.2"], [0], ArgumentError, "numbers: expected at least one, and none twice"),
     ],
 )
-def test_what_is_refused(numbers, seeds, error, says):
+def test_invalid_requests_are_refused(numbers, seeds, error, words):
     """Unknown, repeated and missing numbers or seeds are refused."""
-    with pytest.raises(error, match=says):
+    with pytest.raises(error, match=words):
         tasks(numbers, seeds)
