@@ -14,6 +14,10 @@ from geomtorsion.gravity.jets import Jets, Place
 from geomtorsion.support import checks
 
 
+class ContradictionError(GravityError):
+    """Residuals have no common solution, if no factor vanishes that was divided out."""
+
+
 @dataclass(frozen=True, eq=False)
 class Residual:
     """An expression that vanishes on solutions.
@@ -75,6 +79,22 @@ class Elimination:
         # In a product v (...) = 0 torsion vanishes: the brackets are as for a free connection.
         self._vanishing = frozenset(jets.symbol(one, 0) for one in algebraic)
         self.rules: dict[AppliedUndef, Rule] = {}
+        self._divisors: dict[sp.Expr, None] = {}
+
+    @property
+    def factors(self) -> list[Element]:
+        """Factors with functions of connections that were divided out, as if they never vanish."""
+        own = [one for one in self._divisors if self._has_algebraic(one)]
+        return [self._signed(self.jets.field.read(one)) for one in own]
+
+    @property
+    def special(self) -> set[str]:
+        """The other factors that were divided out, such as a' in a' (...) = 0."""
+        return {str(one) for one in self._divisors if not self._has_algebraic(one)}
+
+    def _has_algebraic(self, factor: sp.Expr) -> bool:
+        places = self.jets.places(self.jets.field.read(factor))
+        return any(place.function in self._algebraic for place in places)
 
     def run(self, residuals: Iterable[Residual]) -> Eliminated:
         """Rules and constraints of residuals."""
@@ -104,7 +124,7 @@ class Elimination:
             if element.is_zero:
                 continue
             if not self.jets.places(element):
-                raise GravityError(
+                raise ContradictionError(
                     "reduce: expected equations that have a solution, got "
                     f"{checks.cut(str(one.element.sympy))} = 0, which leads to {element.sympy} = "
                     "0. Check the matter, the conditions and the ansatz, or add an unknown "
@@ -118,6 +138,18 @@ class Elimination:
     def _numerator(self, element: Element) -> Element:
         """The factors of a numerator that contain unknown functions, each once."""
         element = self.jets.whole(element)
+        factors = self._factors(element)
+        if not factors:
+            return self.jets.field.zero if element.is_zero else self.jets.field.one
+        vanishing = [one for one in factors if one in self._vanishing]
+        # A universe at rest, a' = 0, is not the general solution of a' (...) = 0.
+        moving = [one for one in factors if one not in self.jets.symbols]
+        chosen = vanishing[:1] or moving or factors
+        self._divisors |= dict.fromkeys(one for one in factors if one not in chosen)
+        return self._signed(self.jets.field.read(sp.Mul(*chosen).as_content_primitive()[1]))
+
+    def _factors(self, element: Element) -> list[sp.Expr]:
+        """The factors of a numerator that contain unknown functions and may vanish."""
         above, _ = sp.fraction(element.sympy)
         factors = []
         for factor in sp.Mul.make_args(above):
@@ -125,13 +157,7 @@ class Elimination:
             symbols = base.free_symbols & self.jets.symbols
             if symbols and base not in self.nonzero:
                 factors.append(base)
-        if not factors:
-            return self.jets.field.zero if element.is_zero else self.jets.field.one
-        vanishing = [one for one in factors if one in self._vanishing]
-        # A universe at rest, a' = 0, is not the general solution of a' (...) = 0.
-        moving = [one for one in factors if one not in self.jets.symbols]
-        chosen = vanishing[:1] or moving or factors
-        return self._signed(self.jets.field.read(sp.Mul(*chosen).as_content_primitive()[1]))
+        return factors
 
     def _signed(self, element: Element) -> Element:
         """An element or its negative, whichever is written with fewer signs."""
@@ -172,6 +198,8 @@ class Elimination:
             if choice is None:
                 return pool
             residual, place, value = choice
+            slope = self.jets.whole(residual.element.diff(place.symbol))
+            self._divisors |= dict.fromkeys(self._factors(slope))
             rest = [one for one in pool if one is not residual]
             old = self.rules.pop(place.function, None)
             if old is not None:
@@ -247,7 +275,8 @@ class Elimination:
 
     def _follows(self, element: Element, constraints: Sequence[Element]) -> bool:
         """Whether an element vanishes wherever the constraints hold."""
-        for constraint in constraints:
+        # Twice, because a constraint may bring back powers that an earlier one removes.
+        for constraint in (*constraints, *constraints):
             if element.is_zero:
                 return True
             element = self._numerator(self._remainder(element, constraint))

@@ -11,6 +11,7 @@ from sympy.core.function import AppliedUndef
 
 from geomtorsion.errors import GravityError, LimitError, StartError
 from geomtorsion.exact import Element, parse_expression, unknown_functions
+from geomtorsion.gravity.branches import eliminated
 from geomtorsion.gravity.centre import Centre
 from geomtorsion.gravity.elimination import Eliminated, Elimination, Residual
 from geomtorsion.gravity.jets import Jets
@@ -383,9 +384,8 @@ def reduced(sources: Sources, variable: object, conditions: object) -> Reduction
     ]
     # A function of the coframe or the connection may drop out of all equations.
     nonzero, algebraic = (x.intersection(functions) for x in (sources.nonzero, sources.algebraic))
-    elimination = Elimination(jets, functions, nonzero, algebraic)
     try:
-        eliminated = elimination.run(pool)
+        result = eliminated(lambda: Elimination(jets, functions, nonzero, algebraic), pool)
     except LimitError as limit:
         raise LimitError(
             f"reduce: the elimination of derivatives is too large ({checks.cut(str(limit))}). Give "
@@ -397,8 +397,8 @@ def reduced(sources: Sources, variable: object, conditions: object) -> Reduction
             "reduce: expected equations that give one highest derivative after another, got ones "
             "that refer to each other in a circle. Omit a condition, or add one."
         ) from None
-    _check_determined(sources, jets, functions, eliminated)
-    return Reduction(jets, eliminated)
+    _check_determined(sources, jets, functions, result)
+    return Reduction(jets, result)
 
 
 def _check_functions(functions: Sequence[AppliedUndef], variable: sp.Symbol) -> None:
@@ -452,10 +452,10 @@ def _coefficients(jets: Jets, element: Element, coordinate: sp.Symbol) -> list[E
 
 
 def _check_determined(
-    sources: Sources, jets: Jets, functions: Sequence[AppliedUndef], eliminated: Eliminated
+    sources: Sources, jets: Jets, functions: Sequence[AppliedUndef], result: Eliminated
 ) -> None:
     """Refuse equations that leave a function free, or nothing to solve."""
-    free = [one for one in functions if one not in eliminated.rules]
+    free = [one for one in functions if one not in result.rules]
     if free:
         one = free[0]
         name = one.func.__name__
@@ -463,8 +463,8 @@ def _check_determined(
             f"reduce: expected an equation for each unknown function, got none for {one}: "
             f"{_freedom(sources, jets, one)}, such as conditions=['{name} = 1']."
         )
-    if not any(rule.order for rule in eliminated.rules.values()):
-        values = ", ".join(f"{f} = {rule.value}" for f, rule in eliminated.rules.items())
+    if not any(rule.order for rule in result.rules.values()):
+        values = ", ".join(f"{f} = {rule.value}" for f, rule in result.rules.items())
         raise GravityError(
             f"reduce: expected a differential equation, got functions without freedom: {values}. "
             "There is nothing to solve."

@@ -422,3 +422,54 @@ def test_sympy_solves_equations_with_a_closed_form() -> None:
     second = universe(gt.levi_civita(COSMOS), "R - 2*Lambda").differential_equations["a"]
     growth = sp.exp(sp.sqrt(Lambda / 3) * T)
     assert sp.simplify((second.lhs - second.rhs).subs(a, growth).doit()) == 0
+
+
+def isotropic(bar: bool) -> gt.Connection:
+    """The symmetric connection of a flat universe; bar: as a sum with the Levi-Civita one."""
+    u, v, w = (sp.Function(name)(T) for name in "uvw")
+    rate, size = (a.diff(T) / a, a**2) if bar else (sp.S.Zero, sp.S.One)
+    entries = [[[sp.S.Zero] * 4 for _ in range(4)] for _ in range(4)]
+    entries[0][0][0] = u
+    for i in (1, 2, 3):
+        entries[0][i][i] = entries[i][0][i] = v + rate
+        entries[i][i][0] = size * w + a**2 * rate
+    return gt.from_coefficients(COSMOS, entries)
+
+
+@pytest.mark.parametrize(
+    ("connection", "conditions", "name"),
+    [(isotropic(bar=True), [], "w"), (g.invariant_connection(COSMOS), ["u2 = 0"], "u4")],
+)
+def test_the_other_factor_of_a_product_is_tried(
+    connection: gt.Connection, conditions: Sequence[str], name: str
+) -> None:
+    """Palatini R + c R^2 with dust: R = rho, and the connection is that of f'(R) times the metric.
+
+    The connection equation is a product with f'(R), which vanishes in no universe of dust.
+    6 (1 - c rho)^2 H^2 = (2 rho + c rho^2) (1 + 2 c rho) is Einstein's equation of f' g, and
+    w is the rate of log f', halved.
+    """
+    reduced = universe(connection, "(R + c*R**2)/2", DUST, conditions)
+    assert reduced.states == ("rho", "a", "a_1", name)
+    c, size, rho = sp.Rational(1, 10), sp.Rational(3, 2), sp.Rational(2)
+    rate = sp.sqrt((2 * rho + c * rho**2) * (1 + 2 * c * rho) / 6) / (1 - c * rho)
+    change = -3 * c * rate * rho / (1 + 2 * c * rho)
+    symbols = dict(zip(reduced.states, (rho, size, size * rate, change), strict=True))
+    place = {sp.Symbol(key, real=True): value for key, value in symbols.items()}
+    place[sp.Symbol("c")] = c
+    assert [sp.simplify(one.subs(place)) for one in reduced.constraints] == [0, 0]
+    density = sp.Symbol("rho")
+    square = (2 * density + c * density**2) * (1 + 2 * c * density) / (6 * (1 - c * density) ** 2)
+    second = size * (rate**2 - sp.Rational(3, 2) * rho * square.diff(density).subs(density, rho))
+    assert sp.simplify(reduced.rates["a_1"].subs(place) - second) == 0
+
+
+def test_a_connection_that_is_not_a_difference_does_not_vanish() -> None:
+    """Coefficients of the connection itself: R with dust has the Levi-Civita connection."""
+    reduced = universe(isotropic(bar=False), "R/2", DUST)
+    assert reduced.constraints == universe(gt.levi_civita(COSMOS), "R/2", DUST).constraints
+    assert {name: str(one) for name, one in reduced.outputs.items()} == {
+        "u": "0",
+        "v": "a_1/a",
+        "w": "a*a_1",
+    }
