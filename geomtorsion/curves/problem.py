@@ -320,7 +320,7 @@ class CurveProblem:
         return self.coordinates if self.start is not None else velocity_names(self.frame)
 
     def without(self, *effects: str) -> CurveProblem:
-        """The same start without some of the `effects`.
+        """The same start without some of its effects.
 
         Raises
         ------

@@ -336,7 +336,7 @@ class ODE:
         return self.states if self.maker is None else self.maker.watch
 
     def without(self, *effects: str) -> ODE:
-        """The same motion without some of its `effects`.
+        """The same motion without some of its effects.
 
         Raises
         ------

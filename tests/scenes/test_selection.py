@@ -109,7 +109,7 @@ def test_equal_moments_drop_out():
 
 
 def test_missing_starts():
-    with pytest.raises(SceneError, match="start: expected a State, .* got None"):
+    with pytest.raises(SceneError, match=r"start: expected a State, got None\. Write State"):
         Scene(BODY)
     with pytest.raises(StartError, match="expected an angular velocity, got none"):
         _ = Scene(BODY, (), State(), ["omega"]).ode

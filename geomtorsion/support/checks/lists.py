@@ -27,8 +27,9 @@ def entries(
     expected: str = "",
     remedy: str = "",
 ) -> list[Any]:
-    """The entries of a list, tuple, array or matrix (by rows); no text, table or set is one.
+    """The entries of a list, tuple, array or matrix; no text, table or set is one.
 
+    A matrix has rows as entries, and numbers if it is a column, as vectors of sympy are.
     length: how many there must be.
 
     Examples
@@ -36,6 +37,8 @@ def entries(
     >>> import sympy as sp
     >>> entries(sp.Matrix([[1, 2]]), "coframe")
     [[1, 2]]
+    >>> entries(sp.Matrix([1, 2]), "velocity")
+    [1, 2]
     >>> entries([1], "interval", length=2, expected="two bounds")
     Traceback (most recent call last):
     geomtorsion.errors.ArgumentError: interval: expected two bounds, got [1].
@@ -49,6 +52,9 @@ def entries(
         wanted, what_to_do = expected or "a list", remedy or "Put it in brackets." * (not expected)
         refuse(error, subject, wanted, values, what_to_do)
     listed = list(content)
+    shape = () if is_plain else getattr(values, "shape", ())
+    if len(shape) == 2 and shape[1] == 1 < shape[0]:
+        listed = [x for row in listed for x in row]
     if length is not None and len(listed) != length:
         wanted = expected or f"{length} entries"
         refuse(error, subject, wanted, values, remedy)
