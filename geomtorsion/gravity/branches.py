@@ -60,9 +60,9 @@ def eliminated(make: Callable[[], Elimination], pool: Sequence[Residual]) -> Eli
 def _words(tried: set[str], undecided: set[str], special: set[str]) -> str:
     """The branches of a refusal, as sentences."""
     sentences = (
-        ("The branches with {} = 0 contradict the equations as well.", tried - undecided),
-        ("The branches with {} = 0 are undecided: give one of them as a condition.", undecided),
-        ("Only general solutions were sought: one with {} = 0 may exist.", special),
+        ("There is no solution either where {} vanishes.", tried - undecided),
+        ("The case is undecided where {} vanishes: give this as a condition.", undecided),
+        ("Special solutions where {} vanishes were not sought.", special),
     )
     lists = (
         (text, " or ".join(checks.cut(one) for one in sorted(names, key=lambda x: (len(x), x))))

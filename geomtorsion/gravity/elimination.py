@@ -63,6 +63,7 @@ class Elimination:
     unknowns: functions to determine, the ones that are eliminated first at the front.
     nonzero: functions that vanish nowhere, such as the factors of a coframe.
     algebraic: functions that a residual without their derivatives eliminates, such as torsion.
+    vanishing: those that vanish in a product, because they are a difference of connections.
     """
 
     def __init__(
@@ -71,15 +72,18 @@ class Elimination:
         unknowns: Sequence[AppliedUndef],
         nonzero: Iterable[AppliedUndef],
         algebraic: Collection[AppliedUndef],
+        vanishing: Iterable[AppliedUndef],
     ) -> None:
         self.jets = jets
         self.unknowns = tuple(unknowns)
         self.nonzero = frozenset(jets.symbol(one, 0) for one in nonzero)
         self._algebraic = frozenset(algebraic)
         # In a product v (...) = 0 torsion vanishes: the brackets are as for a free connection.
-        self._vanishing = frozenset(jets.symbol(one, 0) for one in algebraic)
+        self._vanishing = frozenset(jets.symbol(one, 0) for one in vanishing)
         self.rules: dict[AppliedUndef, Rule] = {}
         self._divisors: dict[sp.Expr, None] = {}
+        # Derivatives whose values are being computed.
+        self._active: set[Place] = set()
 
     @property
     def factors(self) -> list[Element]:
@@ -180,10 +184,14 @@ class Elimination:
 
     def _value(self, place: Place) -> Element:
         """A derivative by the rule of its function, not yet reduced."""
+        if place in self._active:
+            raise RecursionError(f"{place.symbol} refers to itself")
+        self._active.add(place)
         rule = self.rules[place.function]
         value = rule.value
         for _ in range(place.order - rule.order):
             value = self.reduced(self.jets.derivative(value))
+        self._active.remove(place)
         return value
 
     # -- rules -----------------------------------------------------------------------------------

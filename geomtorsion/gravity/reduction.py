@@ -375,17 +375,18 @@ def reduced(sources: Sources, variable: object, conditions: object) -> Reduction
             f"reduce: expected an unknown function of {symbol}, got equations without one. Give "
             f"the ansatz a function such as a({symbol})."
         )
-    others = frame.field.symbols
-    jets = Jets(symbol, functions, [one for one in others if one != symbol], _highest(elements))
+    others = [one for one in frame.field.symbols if one != symbol]
+    jets = Jets(symbol, functions, others, _highest(elements))
     pool = [
         Residual(part, own)
         for element, own in residuals
         for part in _parts(jets, element, frame.coordinates)
     ]
     # A function of the coframe or the connection may drop out of all equations.
-    nonzero, algebraic = (x.intersection(functions) for x in (sources.nonzero, sources.algebraic))
+    kinds = sources.nonzero, sources.algebraic, sources.vanishing
+    sorts = [x.intersection(functions) for x in kinds]
     try:
-        result = eliminated(lambda: Elimination(jets, functions, nonzero, algebraic), pool)
+        result = eliminated(partial(Elimination, jets, functions, *sorts), pool)
     except LimitError as limit:
         raise LimitError(
             f"reduce: the elimination of derivatives is too large ({checks.cut(str(limit))}). Give "
@@ -457,8 +458,7 @@ def _check_determined(
     """Refuse equations that leave a function free, or nothing to solve."""
     free = [one for one in functions if one not in result.rules]
     if free:
-        one = free[0]
-        name = one.func.__name__
+        one, name = free[0], free[0].func.__name__
         raise GravityError(
             f"reduce: expected an equation for each unknown function, got none for {one}: "
             f"{_freedom(sources, jets, one)}, such as conditions=['{name} = 1']."

@@ -12,7 +12,7 @@ from sympy.core.relational import Equality
 
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, unknown_functions
-from geomtorsion.geometry import Connection, Frame, Tensor
+from geomtorsion.geometry import Connection, Frame, Tensor, levi_civita
 from geomtorsion.gravity.fields import HALF, FrameFields, Index
 from geomtorsion.gravity.fluids import Fluid
 from geomtorsion.gravity.hypermomentum import Source
@@ -92,6 +92,20 @@ class Sources:
         """Unknown functions of connections with an equation of their own, such as torsion."""
         varied = self._coefficients(filter(_is_varied, self.connections))
         return _functions(varied) & self.connection
+
+    @property
+    def vanishing(self) -> frozenset[AppliedUndef]:
+        """Algebraic functions, if the Levi-Civita connection remains where all of them vanish."""
+        functions = self.algebraic - self.nonzero
+        if functions != self.algebraic:
+            return frozenset()
+        bar, zeros = levi_civita(self.frame).coefficients, dict.fromkeys(functions, sp.S.Zero)
+        rest = (
+            self.frame.field.read(x.sympy.subs(zeros).doit())
+            for one in filter(_is_varied, self.connections)
+            for x in (one.coefficients - bar).components.nonzero.values()
+        )
+        return functions if all(x.is_zero for x in rest) else frozenset()
 
     @staticmethod
     def _coefficients(connections: Iterable[Connection]) -> list[Element]:
