@@ -457,7 +457,7 @@ def isotropic(bar: bool) -> gt.Connection:
 def test_the_other_factor_of_a_product_is_tried(
     connection: gt.Connection, conditions: Sequence[str], name: str, factor: sp.Rational
 ) -> None:
-    """Palatini R + c R^2 with dust: R = rho, and the connection is that of f'(R) times the metric.
+    """Palatini R + c R^2 with dust: R = rho, and the connection belongs to f'(R) times the metric.
 
     The connection equation is a product with f'(R), which vanishes in no universe of dust.
     6 (1 - c rho)^2 H^2 = (2 rho + c rho^2) (1 + 2 c rho) is Einstein's equation of f' g, and
