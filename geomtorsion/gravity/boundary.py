@@ -13,6 +13,7 @@ from geomtorsion.errors import EndpointError, GravityError, TimeError
 from geomtorsion.gravity.equations import FieldEquations
 from geomtorsion.gravity.reduction import Reduction
 from geomtorsion.gravity.shots import Aim, Leg, Shooter, conditions_of
+from geomtorsion.gravity.solving import checked_theory
 from geomtorsion.gravity.starts import numbers_of
 from geomtorsion.ode import At, Engine, Solution, When
 from geomtorsion.ode.derivatives import checked_by
@@ -129,10 +130,11 @@ def shoot(
     """
     accuracy = checked_accuracy(accuracy)
     numbers = dict(parameters or {})
+    theories = [checked_theory(equations)]
+    if outside is not None:
+        theories.append(checked_theory(outside, "outside"))
     reductions = [
-        one if isinstance(one, Reduction) else one.reduce(variable, conditions)
-        for one in (equations, outside)
-        if one is not None
+        one if isinstance(one, Reduction) else one.reduce(variable, conditions) for one in theories
     ]
     for one in reductions:
         checks.known_name(variable, [one.variable], "variable", GravityError)

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from geomtorsion.errors import GravityError
+from geomtorsion.errors import ArgumentError, GravityError
 from geomtorsion.gravity.composition import Composition
 from geomtorsion.gravity.equations import FieldEquations
 from geomtorsion.gravity.reduction import Reduction
@@ -77,6 +77,7 @@ def solve(
     >>> round(float(solution["a"][-1]), 9)
     2.718281828
     """
+    equations = checked_theory(equations)
     if isinstance(equations, Reduction):
         checks.known_name(variable, [equations.variable], "variable", GravityError)
         place, full = equations.begin(start, parameters, near=near, origin=origin)
@@ -91,3 +92,20 @@ def solve(
         (place, _), ode = theory.begun, theory.ode
     times = last if place == 0 else np.asarray(last, dtype=float) - float(place)
     return solve_ode(ode, times, accuracy, engine)
+
+
+def checked_theory(value: object, subject: str = "equations") -> FieldEquations | Reduction:
+    """Field equations, or what `reduce` made of them.
+
+    Examples
+    --------
+    >>> checked_theory("R/2")
+    Traceback (most recent call last):
+    geomtorsion.errors.ArgumentError: equations: expected field equations or their reduction, got \
+'R/2'. Give gravity.equations(connection, lagrangian).
+    """
+    if isinstance(value, FieldEquations | Reduction):
+        return value
+    expected = "field equations or their reduction"
+    remedy = "Give gravity.equations(connection, lagrangian)."
+    checks.refuse(ArgumentError, subject, expected, value, remedy)

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 
 import geomtorsion as gt
 from geomtorsion import gravity as g
-from geomtorsion.errors import EndpointError, GeomtorsionError, GravityError
+from geomtorsion.errors import ArgumentError, EndpointError, GeomtorsionError, GravityError
 from geomtorsion.gravity.fluids import Fluid
 
 T, R, X, Y, Z, THETA, PHI = sp.symbols("t r x y z theta varphi")
@@ -244,16 +244,25 @@ def test_equal_calls_give_equal_bits(vacuum: g.Reduction) -> None:
         ({"start": {"a": 1, "rho": -3}}, GeomtorsionError, "real a_1"),
         ({"accuracy": -1}, GeomtorsionError, "accuracy"),
         ({"last": float("nan")}, GeomtorsionError, "last"),
+        ({"equations": "R/2"}, ArgumentError, "equations: expected field equations or their redu"),
+        ({"outside": "R/2"}, ArgumentError, "outside: expected field equations or their reductio"),
     ],
 )
 def test_refusals(cosmos: g.Reduction, arguments: dict, error: type, words: str) -> None:
     """Too many or too few conditions, unknown names, and values that no solution has."""
     call = {
+        "equations": cosmos, "variable": "t",
         "last": 1, "start": {"a": 1, "rho": 3}, "parameters": {"Lambda": 0},
         "near": {"a_1": 1}, "free": ["rho"], "boundary": {"a": 2}, **arguments,
     }  # fmt: skip
     with pytest.raises(error, match=words):
-        g.shoot(cosmos, "t", **call)
+        g.shoot(**call)
+
+
+def test_a_bare_lagrangian_is_refused() -> None:
+    """`solve` expects field equations or their reduction."""
+    with pytest.raises(ArgumentError, match=r"got 'R/2'. Give gravity.equations"):
+        g.solve("R/2", "t", 1, {})  # type: ignore[arg-type]
 
 
 def test_no_black_hole_has_a_scalar_charge(boson: g.Reduction) -> None:
