@@ -11,7 +11,7 @@ from sympy.core.function import AppliedUndef
 
 from geomtorsion.errors import GravityError, LimitError, StartError
 from geomtorsion.exact import Element, parse_expression, unknown_functions
-from geomtorsion.gravity.branches import eliminated
+from geomtorsion.gravity.branches import Branch, Search
 from geomtorsion.gravity.centre import Centre
 from geomtorsion.gravity.elimination import Eliminated, Elimination, Residual
 from geomtorsion.gravity.jets import Jets
@@ -31,7 +31,8 @@ class Reduction:
     without derivatives determines, such as torsion, are outputs. Made by `FieldEquations.reduce`.
 
     jets: the unknown functions and their derivatives as symbols.
-    eliminated: the rules for highest derivatives, and the constraints.
+    branch: the rules for highest derivatives, and the constraints.
+    search: for the other branches.
 
     Examples
     --------
@@ -54,7 +55,60 @@ class Reduction:
     """
 
     jets: Jets
-    eliminated: Eliminated
+    branch: Branch
+    search: Search
+
+    @property
+    def eliminated(self) -> Eliminated:
+        """The rules for highest derivatives, and the constraints."""
+        return self.branch.eliminated
+
+    @property
+    def vanishing(self) -> tuple[str, ...]:
+        """The factors of products, or leading coefficients, that this branch sets to zero."""
+        return tuple(str(one.element.short) for one in self.branch.factors)
+
+    @cached_property
+    def branches(self) -> tuple[Reduction, ...]:
+        """All consistent branches of the equations, this one's first; none contains another.
+
+        An equation may be a product of unknowns. A branch is omitted if all of its solutions solve
+        an earlier one. `open_factors` names the cases without an answer. Solutions along which
+        only a leading coefficient vanishes are not sought.
+
+        Examples
+        --------
+        An empty universe with T + c T^2 has a fixed rate of expansion, or is at rest:
+
+        >>> import geomtorsion as gt
+        >>> cosmos = gt.spaces.load("frw_flat").frame
+        >>> reduced = gt.gravity.equations(gt.cartan(cosmos), "T + c*T**2").reduce("t")
+        >>> [(one.vanishing, str(one).splitlines()[-1]) for one in reduced.branches]
+        [((), '0 = a**2 - 36*a_1**2*c'), (('a_1',), "a' = 0")]
+        """
+        return tuple(
+            Reduction(self.jets, one, self.search)
+            for one in self._all_branches[0]
+            if not self._free(one)
+        )
+
+    @cached_property
+    def open_factors(self) -> tuple[str, ...]:
+        """Factors whose vanishing leaves a function free, or whose case is not decided.
+
+        Give such a factor as a condition, with another one for the function that is free.
+        """
+        every, undecided = self._all_branches
+        free = {str(x.element.short) for one in every if self._free(one) for x in one.factors}
+        return tuple(sorted(free | undecided))
+
+    @cached_property
+    def _all_branches(self) -> tuple[tuple[Branch, ...], frozenset[str]]:
+        return self.search.all()
+
+    def _free(self, branch: Branch) -> bool:
+        """Whether a branch leaves a function without an equation."""
+        return not set(self.search.make().unknowns) <= set(branch.eliminated.rules)
 
     @property
     def variable(self) -> str:
@@ -385,8 +439,10 @@ def reduced(sources: Sources, variable: object, conditions: object) -> Reduction
     # A function of the coframe or the connection may drop out of all equations.
     kinds = sources.nonzero, sources.algebraic, sources.vanishing
     sorts = [x.intersection(functions) for x in kinds]
+    below = [jets.read(_denominator(element)) for element in elements]
+    search = Search(partial(Elimination, jets, functions, *sorts, below), tuple(pool))
     try:
-        result = eliminated(partial(Elimination, jets, functions, *sorts), pool)
+        first = search.first()
     except LimitError as limit:
         raise LimitError(
             f"reduce: the elimination of derivatives is too large ({checks.cut(str(limit))}). Give "
@@ -398,8 +454,8 @@ def reduced(sources: Sources, variable: object, conditions: object) -> Reduction
             "reduce: expected equations that give one highest derivative after another, got ones "
             "that refer to each other in a circle. Omit a condition, or add one."
         ) from None
-    _check_determined(sources, jets, functions, result)
-    return Reduction(jets, result)
+    _check_determined(sources, jets, functions, first.eliminated)
+    return Reduction(jets, first, search)
 
 
 def _check_functions(functions: Sequence[AppliedUndef], variable: sp.Symbol) -> None:
@@ -420,6 +476,12 @@ def _highest(elements: Iterable[Element]) -> int:
             function, order = one.expr, sum(int(n) for _, n in one.variable_count)
             orders[function] = max(order, orders.get(function, 0))
     return sum(orders.values()) + max(orders.values(), default=0) + 1
+
+
+def _denominator(element: Element) -> sp.Expr:
+    """The denominator of an element, without factors that cancel."""
+    whole = element.field.whole(element) if element.is_kept else element
+    return sp.fraction(whole.sympy)[1]
 
 
 def _parts(jets: Jets, element: Element, coordinates: Sequence[sp.Symbol]) -> list[Element]:
