@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from geomtorsion.errors import GeomtorsionError, GravityError
@@ -97,7 +97,9 @@ class Search:
                         seen.add(names)
                         queue.append(longer)
         if not has_solution:
-            raise GravityError(f"{refusal}{_words(tried, undecided, leading - tried - undecided)}") from None
+            raise GravityError(
+                f"{refusal}{_words(tried, undecided, leading - tried - undecided)}"
+            ) from None
 
 
 def _words(tried: set[str], undecided: set[str], leading: set[str]) -> str:

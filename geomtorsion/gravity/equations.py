@@ -23,7 +23,8 @@ from geomtorsion.gravity.lagrangian import Lagrangian, Reading, known_as
 from geomtorsion.gravity.matter import MatterField, numbered
 from geomtorsion.gravity.momenta import Momenta
 from geomtorsion.gravity.naming import Call, calls_of, jet_names
-from geomtorsion.gravity.reduction import Reduction, reduced
+from geomtorsion.gravity.reducing import reduced
+from geomtorsion.gravity.reduction import Reduction
 from geomtorsion.gravity.residuals import Sources
 from geomtorsion.gravity.unknown_terms import terms_of
 from geomtorsion.gravity.variation import Variation
@@ -61,7 +62,11 @@ class FieldEquations:
     def __repr__(self) -> str:
         names = ", ".join(one.name for one in self.connections)
         constants = ", constants: " + " ".join(self.constants) if self.constants else ""
-        return f"field equations of {self.lagrangian!r} ({names}){constants}"
+        zeros = "".join(
+            f"; {name} vanishes for every {kind} connection"
+            for name, (kind, _) in self._absent.items()
+        )
+        return f"field equations of {self.lagrangian!r} ({names}){constants}{zeros}"
 
     @property
     def frame(self) -> Frame:
@@ -95,6 +100,23 @@ class FieldEquations:
     def check_names(self) -> None:
         """Raise an error for unknown names in the Lagrangian."""
         _ = self._named
+
+    def check_presence(self) -> None:
+        """Refuse a Lagrangian whose invariants vanish for all connections of these kinds."""
+        names = list(self._named.symbols.values())
+        if names and len(self._absent) == len(names):
+            name, (kind, owners) = next(iter(self._absent.items()))
+            raise GravityError(
+                f"lagrangian: expected an invariant that this connection has, got {name}, which "
+                f"vanishes for every {kind} connection: there would be no field equation. Give "
+                f"{owners}."
+            )
+
+    @cached_property
+    def _absent(self) -> dict[str, tuple[str, str]]:
+        """Invariant -> the kind of connection for which it vanishes, and others that have it."""
+        kinds = {name: self._catalogue.absent(name) for name in self._named.symbols.values()}
+        return {name: kind for name, kind in kinds.items() if kind is not None}
 
     @cached_property
     def _named(self) -> Reading:
@@ -450,8 +472,8 @@ def equations(
     Raises
     ------
     GravityError
-        The Lagrangian has an unknown name, a matter field does not occur in it, or the connection
-        is not of the theory.
+        The Lagrangian has an unknown name, a matter field does not occur in it, the connection
+        is not of the theory, or all invariants vanish for such a connection.
 
     Examples
     --------
@@ -494,4 +516,5 @@ def equations(
     result = FieldEquations(tuple(several), theory, tuple(sources))
     # Reads the Lagrangian, so that a wrong name is refused here.
     result.check_names()
+    result.check_presence()
     return result
