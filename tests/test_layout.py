@@ -75,6 +75,7 @@ LONG: dict[str, str] = {
     "geometry/connection.py": "all that a connection can be asked; half is documentation",
     "loops/exact_integral.py": "line integrals in closed form: kinds of integrands, side by side",
     "geometry/forms.py": "the exterior calculus: a form, its algebra and its derivatives",
+    "gravity/equations.py": "all that field equations can be asked; half is documentation",
     "geometry/frame.py": "all that a frame can be asked; two thirds are documentation",
     "geometry/components.py": "sparse arrays with their symmetries, products and inverses",
     "geometry/tensor.py": "all that a tensor can be asked; half is documentation",
