@@ -68,10 +68,14 @@ class Waves:
 
     def subs(self, values: Mapping[sp.Symbol, sp.Expr]) -> Waves:
         """The waves for other couplings."""
-        distinct = {x: x.sympy.xreplace(dict(values)) for one in self.entries.values() for x in one.values()}
+        distinct = {
+            x: x.sympy.xreplace(dict(values)) for one in self.entries.values() for x in one.values()
+        }
         couplings = sorted({s for x in distinct.values() for s in x.free_symbols}, key=str)
         field = Field(couplings)
-        read = dict(zip(distinct, field.read_all([("coupling", x) for x in distinct.values()]), strict=True))
+        read = dict(
+            zip(distinct, field.read_all([("coupling", x) for x in distinct.values()]), strict=True)
+        )
         entries = {}
         for key, one in self.entries.items():
             kept = {orders: read[x] for orders, x in one.items() if not read[x].is_zero}
@@ -114,9 +118,13 @@ class Waves:
         s, p = pow(5, 10**5 + 3, PRIME), pow(7, 10**5 + 3, PRIME)
         matrix = nmod_mat(self.size, self.size, PRIME)
         for (i, j), one in self.entries.items():
-            matrix[i, j] = sum(
-                self._values[x] * pow(s, a, PRIME) * pow(p, b, PRIME) for (a, b), x in one.items()
-            ) % PRIME
+            matrix[i, j] = (
+                sum(
+                    self._values[x] * pow(s, a, PRIME) * pow(p, b, PRIME)
+                    for (a, b), x in one.items()
+                )
+                % PRIME
+            )
         return matrix.rank()
 
     def modulo_prime(self, poly: sp.Poly) -> nmod_poly:
@@ -137,7 +145,9 @@ class Waves:
             for j in n:
                 powers: dict[int, list] = {}
                 row, column = int(sector.odd[i]), int(sector.odd[j])
-                for (a, b), x in self._between(sector.vectors[i], sector.vectors[j], at_rest).items():
+                for (a, b), x in self._between(
+                    sector.vectors[i], sector.vectors[j], at_rest
+                ).items():
                     sign = (-1) ** ((b - a + column - row) // 2)
                     power = (a + row + column) // 2 if at_rest else a
                     powers.setdefault(power, []).append((sign, x))
@@ -195,7 +205,9 @@ class Block:
         """Combinations whose rows are independent and span all others, short ones first."""
         order = sorted(
             range(self.size),
-            key=lambda i: sum(x.length for (a, _), one in self.entries.items() if a == i for x in one.values()),
+            key=lambda i: sum(
+                x.length for (a, _), one in self.entries.items() if a == i for x in one.values()
+            ),
         )
         whole = self._matrix_at(pow(11, 10**5 + 1, PRIME))
         moved = nmod_mat(self.size, self.size, PRIME)
@@ -203,9 +215,8 @@ class Block:
             for b in range(self.size):
                 moved[a, b] = whole[a, order[b]]
         form, rank = moved.rref()
-        columns = []
-        for i in range(rank):
-            columns.append(next(k for k in range(self.size) if int(form[i, k])))
+        n = range(self.size)
+        columns = [next(k for k in n if int(form[i, k])) for i in range(rank)]
         return tuple(sorted(order[k] for k in columns))
 
     @cached_property
@@ -258,7 +269,7 @@ class Block:
         return content < 0, [(field.polynomial(x).sympy, n) for x, n in factors]
 
     def weight(self, factor: sp.Poly) -> sp.Expr:
-        """An expression in the variable with the sign of the energy at each simple root of a factor.
+        """An expression in the variable with the sign of the energy at the roots of a factor.
 
         The residue of the inverse at the root has one sign, that of any of its diagonal entries.
         """
@@ -290,29 +301,24 @@ class Block:
             rest, count = rest // factor, count + 1
         return count
 
-    def modes(self, place: Element) -> list[Element]:
-        """Weights of the waves at a frequency, positive for positive energy.
+    def modes(self, mass2: sp.Expr) -> list[Element]:
+        """Weights of the waves at a value of the variable, positive for positive energy.
 
         The kernel of the block, with the slope of the block as a quadratic form, diagonalised.
         Gauge waves and waves that grow in time have no weight and are omitted.
         """
-        field = place.field
+        field = self.waves.field
+        place = field.read(mass2)
         value: dict[tuple[int, int], Element] = {}
         slope: dict[tuple[int, int], Element] = {}
         for key, powers in self.entries.items():
-            own = {k: x if x.field is field else field.read(x.sympy) for k, x in powers.items()}
-            value[key] = field.sum([(1, x, place**k) if k else (1, x) for k, x in own.items()])
-            slope[key] = field.sum(
-                [(k, x, place ** (k - 1)) if k > 1 else (k, x) for k, x in own.items() if k]
-            )
+            value[key] = field.sum([(1, x, place**k) for k, x in powers.items()])
+            slope[key] = field.sum([(k, x, place ** (k - 1)) for k, x in powers.items() if k])
         n, zero = range(self.size), field.zero
         rows = [[value.get((i, j), zero) for j in n] for i in n]
         kernel = reduced(field, rows, self.size).kernel()
         form = [
-            [
-                field.sum([(1, u[i], x, v[j]) for (i, j), x in slope.items()])
-                for v in kernel
-            ]
+            [field.sum([(1, u[i], x, v[j]) for (i, j), x in slope.items()]) for v in kernel]
             for u in kernel
         ]
         return squares(field, form)

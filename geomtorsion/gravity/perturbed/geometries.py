@@ -126,9 +126,7 @@ class FlatGeometry:
 GEOMETRIES = {
     "riemannian": FlatGeometry(_levi_civita, (), "riemannian"),
     "teleparallel": FlatGeometry(_cartan, (), "teleparallel"),
-    "symmetric teleparallel": FlatGeometry(
-        _symmetric_teleparallel, (), "symmetric teleparallel"
-    ),
+    "symmetric teleparallel": FlatGeometry(_symmetric_teleparallel, (), "symmetric teleparallel"),
     "poincare": FlatGeometry(_poincare, tuple(_TURNING), "any"),
     "metric-affine": FlatGeometry(_metric_affine, tuple(_tensor("w", 3)), "metric-affine"),
 }
@@ -156,9 +154,7 @@ def small_frame() -> tuple[Frame, list[Component]]:
     return frame.expanded(SMALL, 1), h
 
 
-def small_matter(
-    scalars: Sequence[str], vectors: int
-) -> tuple[list[MatterField], list[Component]]:
+def small_matter(scalars: Sequence[str], vectors: int) -> tuple[list[MatterField], list[Component]]:
     """Scalar fields by name and vector fields, all small."""
     matter: list[MatterField] = []
     components: list[Component] = []

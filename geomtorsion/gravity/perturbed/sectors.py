@@ -18,7 +18,8 @@ class Sector:
     """Combinations of fields that no rotation and no reflection mixes with others.
 
     vectors: the combinations. odd: whether each has an odd number of indices, so that an odd
-    number of derivatives leads from it to a scalar. label: spin and parity, or helicity and mirror sign.
+    number of derivatives leads from it to a scalar. label: spin and parity,
+    or helicity and mirror sign.
     """
 
     label: tuple[int, int]

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
 
 import sympy as sp
 
 from geomtorsion.errors import GravityError
+from geomtorsion.exact import parse_expression
 from geomtorsion.gravity.equations import equations
 from geomtorsion.gravity.invariants import Invariant
-from geomtorsion.gravity.lagrangian import Lagrangian
+from geomtorsion.gravity.lagrangian import Lagrangian, known_as
 from geomtorsion.gravity.perturbed.blocks import VARIABLE, Block, Waves
 from geomtorsion.gravity.perturbed.conditions import all_positive, positive_part, positive_roots
 from geomtorsion.gravity.perturbed.geometries import (
@@ -23,6 +25,7 @@ from geomtorsion.gravity.perturbed.geometries import (
 from geomtorsion.gravity.perturbed.sectors import Sector, helicities, spins
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
+from geomtorsion.support.displays import Plot, drawn_by, figure_by
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,6 +72,18 @@ class Particle:
             return f"+-{self.spin}" if self.spin else "0"
         return f"{self.spin}{'-+'[self.parity > 0] if self.parity else ''}"
 
+    def to_json(self) -> dict[str, Any]:
+        """The particle as plain data, with formulas as text."""
+        return {
+            "spin": self.spin,
+            "parity": self.parity,
+            "massless": self.is_massless,
+            "mass2": None if self.mass2 is None else str(self.mass2),
+            "equation": str(self.equation),
+            "energy": None if self.energy is None else str(self.energy),
+            "number": self.number,
+        }
+
     def __str__(self) -> str:
         kind = "massless, helicity " if self.is_massless else "spin "
         mass = "" if self.is_massless else f", m^2 = {self.mass2}"
@@ -106,7 +121,7 @@ class Spectrum:
     healthy where c > 0
     """
 
-    lagrangian: Lagrangian | str | sp.Expr
+    lagrangian: Lagrangian
     geometry: str
     waves: Waves
     components: tuple[Component, ...]
@@ -114,7 +129,7 @@ class Spectrum:
     @cached_property
     def particles(self) -> tuple[Particle, ...]:
         """All particles: massless ones first, then by spin and parity."""
-        return tuple([*self._massless(), *self._massive])
+        return (*self._massless(), *self._massive)
 
     @property
     def gauge(self) -> int:
@@ -144,7 +159,7 @@ class Spectrum:
                 expressions += [one.energy] if one.is_massless else [one.mass2, one.energy]
         return all_positive(expressions)
 
-    def subs(self, values: Mapping[object, object] | None = None, **named: object) -> Spectrum:
+    def subs(self, values: Mapping[Any, object] | None = None, **named: object) -> Spectrum:
         """The spectrum for values of couplings, which is counted anew.
 
         A mass that goes to infinity at these values is no particle there.
@@ -159,7 +174,9 @@ class Spectrum:
         replaced = {}
         for name, value in {**(values or {}), **named}.items():
             symbol = names[checks.known_name(str(name), names, "coupling", GravityError)]
-            replaced[symbol] = checks.expression(value, str(name), GravityError)
+            replaced[symbol] = checks.expression(
+                value, str(name), GravityError, read=lambda text: parse_expression(text, names)
+            )
         return Spectrum(self.lagrangian, self.geometry, self.waves.subs(replaced), self.components)
 
     def __str__(self) -> str:
@@ -169,6 +186,19 @@ class Spectrum:
         return "\n".join([head, *map(str, self.particles), _healthy_text(self.healthy)])
 
     __repr__ = __str__
+    _repr_html_ = drawn_by("particles", "spectrum_html")
+    plot: ClassVar[Plot] = figure_by("particles", "draw_particles")
+
+    def to_json(self) -> dict[str, Any]:
+        """Particles and counts as plain data, with formulas as text."""
+        return {
+            "lagrangian": str(self.lagrangian.expression),
+            "geometry": self.geometry,
+            "degrees_of_freedom": self.degrees_of_freedom,
+            "gauge_functions": self.gauge,
+            "particles": [one.to_json() for one in self.particles],
+            "healthy": str(self.healthy),
+        }
 
     # -- particles at rest -----------------------------------------------------------------------
 
@@ -195,10 +225,10 @@ class Spectrum:
             if not count:
                 continue
             share = 2 if helicity and mirror else 1
-            weights = block.modes(self.waves.field.one)
+            weights = block.modes(sp.S.One)
             rest = (count - len(weights)) * share
-            for weight in weights:
-                particles.append(_massless(helicity, positive_part(weight.sympy), share))
+            energies = [positive_part(weight.sympy) for weight in weights]
+            particles += [_massless(helicity, energy, share) for energy in energies]
             if rest:
                 particles.append(_massless(helicity, None, rest))
         return particles
@@ -232,7 +262,7 @@ def _particles(block: Block) -> Iterator[Particle]:
         kinds: list[tuple[sp.Expr | None, sp.Expr | None, int]] = []
         if factor.degree() == 1:
             mass2 = sp.factor(-factor.nth(0) / factor.nth(1))
-            weights = block.modes(block.waves.field.read(mass2))
+            weights = block.modes(mass2)
             kinds = [(mass2, positive_part(x.sympy), 1) for x in weights]
             if count > len(kinds):
                 kinds.append((mass2, None, count - len(kinds)))
@@ -309,7 +339,9 @@ def spectrum(
     frame, fields = small_frame()
     matter, more = small_matter(_names(scalars), checks.count(vectors, "vectors", GravityError, 0))
     components = [*fields, *kind.fields, *more]
-    theory = lagrangian if isinstance(lagrangian, Lagrangian) else Lagrangian(lagrangian, kind.theory)
+    theory = known_as(lagrangian)
+    if not isinstance(lagrangian, Lagrangian):
+        theory = replace(theory, geometry=kind.theory)
     system = equations(
         kind.connection(frame), theory, matter, constants=constants, invariants=invariants
     )
