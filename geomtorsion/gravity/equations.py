@@ -406,12 +406,13 @@ class FieldEquations:
         >>> equations.operator([h]).symbol({"t": "s", "z": "p"})
         Matrix([[-2*p**2 + 2*s**2]])
         """
-        return operator(self, fields)
+        return operator(self._sources, fields)
 
     @property
     def _sources(self) -> Sources:
         parts = self.E, self.M, self.connection_equations, self.matter_equations
-        return Sources(self.connections, self.matter, self.momenta[0].fields, self.scalars, *parts)
+        matter = (*self._fields, *self._fluids)
+        return Sources(self.connections, matter, self.momenta[0].fields, self.scalars, *parts)
 
     # -- identities ----------------------------------------------------------------------------
 

@@ -6,22 +6,18 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
 from math import comb, prod
-from typing import TYPE_CHECKING
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from geomtorsion.errors import ExpressionError, GravityError
-from geomtorsion.exact import Element, TruncatedField
-from geomtorsion.exact.jets import linear_parts
+from geomtorsion.exact import Element, Truncated, TruncatedField, linear_parts
 from geomtorsion.geometry import Frame, Tensor
-from geomtorsion.geometry.expansion import background
+from geomtorsion.gravity.matter import MatterField
+from geomtorsion.gravity.residuals import Sources
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.exclusive import exclusive
-
-if TYPE_CHECKING:
-    from geomtorsion.gravity.equations import FieldEquations
 
 # The order of a derivative by each coordinate.
 Orders = tuple[int, ...]
@@ -159,7 +155,7 @@ def _summed(
     return entries
 
 
-def operator(equations: FieldEquations, fields: Iterable[object]) -> LinearOperator:
+def operator(equations: Sources, fields: Iterable[object]) -> LinearOperator:
     """See FieldEquations.operator."""
     frame = equations.frame
     series = frame.field
@@ -168,7 +164,7 @@ def operator(equations: FieldEquations, fields: Iterable[object]) -> LinearOpera
             "operator: expected equations over an expanded frame, got an exact frame. Multiply the "
             "fields by a parameter and give frame.expanded('epsilon', 1)."
         )
-    ground = background(frame)
+    ground = equations.coframe_equation.order(0).frame
     functions = _functions(equations, fields)
     _check_background(equations)
     total: dict[tuple[int, int], list] = {}
@@ -186,7 +182,7 @@ def operator(equations: FieldEquations, fields: Iterable[object]) -> LinearOpera
     return LinearOperator(ground, functions, _summed(ground, total))
 
 
-def _functions(equations: FieldEquations, fields: Iterable[object]) -> tuple[AppliedUndef, ...]:
+def _functions(equations: Sources, fields: Iterable[object]) -> tuple[AppliedUndef, ...]:
     """The unknown functions that are meant by symbols or names, in their order."""
     applied = {}
     for generator in equations.frame.field.generators:
@@ -201,9 +197,9 @@ def _functions(equations: FieldEquations, fields: Iterable[object]) -> tuple[App
     return tuple(chosen)
 
 
-def _check_background(equations: FieldEquations) -> None:
-    """Refuse a background that is no solution."""
-    named = {"E": equations.E, "C": equations.C}
+def _check_background(equations: Sources) -> None:
+    """Refuse a background that does not solve the equations."""
+    named = {"E": equations.coframe_equation, "C": equations.connection_equations[0]}
     named |= {f"equation of {name}": one for name, one in equations.matter_equations.items()}
     for name, tensor in named.items():
         for index, x in sorted(tensor.order(0).components.nonzero.items()):
@@ -215,7 +211,7 @@ def _check_background(equations: FieldEquations) -> None:
 
 
 def _variations(
-    equations: FieldEquations, ground: Frame, functions: tuple[AppliedUndef, ...]
+    equations: Sources, ground: Frame, functions: tuple[AppliedUndef, ...]
 ) -> Iterator[tuple[dict[tuple[int, Orders], Element], Element]]:
     """Pairs: how fast a component moves with each field, and the density that multiplies it."""
     frame, n = equations.frame, range(ground.dimension)
@@ -224,7 +220,8 @@ def _variations(
     coframe = frame.coframe
 
     def first(element: Element) -> Element:
-        return element.parts[1]  # type: ignore[attr-defined]
+        assert isinstance(element, Truncated)
+        return element.parts[1]
 
     def density(tensor: Tensor, mu: int, rest: tuple[int, ...], slot: int) -> Element:
         """e E_n^mu X^n at first order: legs to coordinates in one slot."""
@@ -235,7 +232,7 @@ def _variations(
     for i, mu in product(n, repeat=2):
         moves = _taken_apart(ground, first(coframe.element(i, mu)), functions)
         if moves:
-            yield moves, density(equations.E, mu, (i,), 1)
+            yield moves, density(equations.coframe_equation, mu, (i,), 1)
     for connection, C in zip(equations.connections, equations.connection_equations, strict=True):
         if connection.kind in ("levi-civita", "cartan"):
             continue
@@ -244,7 +241,9 @@ def _variations(
             moves = _taken_apart(ground, first(spin.element(mu, i, j)), functions)
             if moves:
                 yield moves, density(C, mu, (i, j), 0)
-    for one in equations._fields:
+    for one in equations.matter:
+        if not isinstance(one, MatterField):
+            continue
         tensor = equations.matter_equations[one.symbol]
         for mu, element in enumerate(one.elements(frame)):
             moves = _taken_apart(ground, first(element), functions)

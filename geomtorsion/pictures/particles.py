@@ -76,7 +76,7 @@ def _kind(particle: Particle) -> str:
 def draw_particles(spectrum: Spectrum) -> Figure:
     """Particles of a theory by spin and parity, each with its mass.
 
-    The colour says whether the energy is positive and the mass real. Massless particles have a row
+    The colour shows whether the energy is positive and the mass real. Massless particles have a row
     of their own, by helicity.
 
     Returns

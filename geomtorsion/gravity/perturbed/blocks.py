@@ -14,9 +14,8 @@ import sympy as sp
 from flint import nmod, nmod_mat, nmod_poly
 
 from geomtorsion.errors import GravityError
-from geomtorsion.exact import Element, Field
-from geomtorsion.exact.linear import reduced, squares
-from geomtorsion.geometry.components import determinant
+from geomtorsion.exact import Element, Field, reduced, squares
+from geomtorsion.geometry import determinant
 from geomtorsion.gravity.operator import LinearOperator
 from geomtorsion.gravity.perturbed.sectors import Sector
 from geomtorsion.support.caching import cached_property
@@ -271,7 +270,7 @@ class Block:
     def weight(self, factor: sp.Poly) -> sp.Expr:
         """An expression in the variable with the sign of the energy at the roots of a factor.
 
-        The residue of the inverse at the root has one sign, that of any of its diagonal entries.
+        Each diagonal entry of the residue of the inverse at the root has this sign.
         """
         negative, whole = self._factored_minor(self.pivots)
         for i in self.pivots:

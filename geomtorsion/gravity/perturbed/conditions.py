@@ -104,8 +104,8 @@ def _is_possible(equations: list[tuple[frozenset[sp.Expr], bool]]) -> bool:
                 rows.append(-factor if negative else factor)
     if len(rows) < 2:
         return True
-    room = sp.Dummy("room")
-    best, _ = lpmax(room, [*(row >= room for row in rows), room <= 1])
+    least = sp.Dummy("least")
+    best, _ = lpmax(least, [*(row >= least for row in rows), least <= 1])
     return best > 0
 
 

@@ -34,8 +34,8 @@ class Particle:
 
     spin: of a massive particle; of a massless one the size of its helicity.
     parity: +1 or -1; 0 where terms of both parities mix, and for massless particles.
-    mass2: the square of the mass, a formula in the couplings; None where only `equation` is known,
-        which then stands for all its roots.
+    mass2: the square of the mass, a formula in the couplings; None where only `equation` is known.
+        The particle is then one for each root.
     equation: polynomial in m2 that the square of the mass solves.
     energy: an expression in the couplings, and m2 where mass2 is None, that has the sign of the
         energy; None for a dipole (a double pole).
@@ -160,9 +160,9 @@ class Spectrum:
         return all_positive(expressions)
 
     def subs(self, values: Mapping[Any, object] | None = None, **named: object) -> Spectrum:
-        """The spectrum for values of couplings, which is counted anew.
+        """The spectrum for values of couplings, counted again.
 
-        A mass that goes to infinity at these values is no particle there.
+        A particle whose mass goes to infinity at these values is omitted.
 
         Examples
         --------
@@ -241,7 +241,7 @@ def _massless(helicity: int, energy: sp.Expr | None, number: int) -> Particle:
 
 
 def _coupled(waves: Waves, sectors: list[Sector], *, at_rest: bool) -> list[Sector]:
-    """Sectors, those of both parities as one where terms of odd parity mix them."""
+    """Sectors; both parities of a spin are one sector where terms of odd parity mix them."""
     joined: list[Sector] = []
     for sector in sectors:
         partner = next((one for one in joined if one.label[0] == sector.label[0]), None)

@@ -10,14 +10,14 @@ from tests.cli import running
 STAROBINSKY = ("spectrum", "-L", "R/2 + c*R**2", "-g", "riemannian")
 
 
-def test_text_is_that_of_the_library() -> None:
+def test_text_equals_the_library() -> None:
     """The command prints the spectrum as Python does."""
     text = running.run(*STAROBINSKY).stdout
     assert text.split() == str(perturbed.spectrum("R/2 + c*R**2", "riemannian")).split()
 
 
 def test_json_files_and_values(tmp_path: Path) -> None:
-    """JSON on the screen and in the file agree; --set counts anew."""
+    """JSON on the screen and in the file agree; --set counts again."""
     folder = tmp_path / "out"
     shown = running.run(*STAROBINSKY, "--set", "c=1/12", "--format", "json", "-o", str(folder))
     document = json.loads(shown.stdout)

@@ -37,7 +37,7 @@ COUNTS = [
     ("R/2 - F2/4", "riemannian", 11, [1, 2], []),
     # The antisymmetric part of the tetrad becomes a Kalb-Ramond field.
     ("-T/2 + c*axial2", "teleparallel", 7, [0, 2], []),
-    # The trace of the curvature alone: the Weyl rescaling is one more freedom.
+    # Without a trace of the curvature the Weyl rescaling is one more freedom.
     ("P1", "riemannian", 11, None, []),
     ("0*R", "riemannian", 16, [], []),
     ("R", "teleparallel", 16, [], []),
@@ -76,7 +76,7 @@ def test_all_masses_of_poincare_gauge_theory(poincare: perturbed.Spectrum) -> No
     assert (poincare.degrees_of_freedom, poincare.gauge) == (20, 10)
 
 
-# Healthy where, from the papers above: one spin alone.
+# Healthy where, from the papers above: for one spin.
 @pytest.mark.parametrize(
     ("spin", "parity", "condition"),
     [(0, -1, (t2 > 0) & (r2 < 0)), (2, -1, (t1 > 0) & (r1 < 0))],
@@ -187,7 +187,7 @@ def test_torsion_scalar_and_curvature_scalar_have_one_spectrum() -> None:
     assert particles("R/2", "riemannian") == particles("-T/2", "teleparallel")
 
 
-def test_a_linear_change_of_couplings_changes_the_formulas_alone() -> None:
+def test_a_linear_change_of_couplings_changes_only_the_formulas() -> None:
     u, v, a, b = sp.symbols("u v a b")
     one = particles("R/2 + a*R**2 + b*P1", "riemannian")
     two = particles("R/2 + (u + v)*R**2 + (u - v)*P1", "riemannian")
@@ -195,7 +195,7 @@ def test_a_linear_change_of_couplings_changes_the_formulas_alone() -> None:
         assert sp.cancel(x.mass2.subs({a: u + v, b: u - v}, simultaneous=True) - y.mass2) == 0
 
 
-def test_frequencies_along_z_are_those_of_the_particles(poincare: perturbed.Spectrum) -> None:
+def test_each_particle_has_frequencies_along_z(poincare: perturbed.Spectrum) -> None:
     """Moving waves have as many modes as all particles: w^2 = 1 + m^2 for each helicity."""
     from geomtorsion.gravity.perturbed.sectors import helicities
 
