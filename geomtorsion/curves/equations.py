@@ -14,18 +14,16 @@ import sympy as sp
 
 from geomtorsion.codegen import Graph, Products, graph
 from geomtorsion.curves.atlas import Chart
-from geomtorsion.curves.kinetic import fractions_of, weighted
+from geomtorsion.curves.kinetic import fractions_of, lowered, raising, weighted
 from geomtorsion.errors import ChartEdgeError, StartError
 from geomtorsion.exact.form import of_same_sign
 from geomtorsion.geometry import from_nonmetricity, from_torsion
-from geomtorsion.geometry.components import inverse
 from geomtorsion.ode.rates import CLOCK
 from geomtorsion.ode.system import System
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.copies import only_fields
 
 if TYPE_CHECKING:
-    from geomtorsion.exact import Element
     from geomtorsion.geometry import Connection, Frame
 
 Number = TypeVar("Number")
@@ -197,7 +195,7 @@ class Geodesic:
         fractions = () if self.metric is None else fractions_of(self.metric)
         if fractions:
             return Rates(*weighted(frame, fractions, twist, names))
-        up, down = raising(frame, self.metric), _lowered(frame, self.metric)
+        up, down = raising(frame, self.metric), lowered(frame, self.metric)
         collected: dict[tuple[int, int, int], list[Any]] = {}
         for (k, j, i), value in twist.items():
             for row, first in up[k]:
@@ -209,7 +207,7 @@ class Geodesic:
     def invariants(self, frame: Frame, names: Sequence[str]) -> dict[str, Products]:
         """Energy, momenta of coordinates that do not occur, and the size of the momentum."""
         invariants = {"energy" if self.metric else "norm": _square(frame, self.metric, names)}
-        lower = _lowered(frame, self.metric)
+        lower = lowered(frame, self.metric)
         for mu in _cyclic(frame):
             terms = []
             for (i, column), value in frame.coframe.components.nonzero.items():
@@ -247,30 +245,9 @@ def _products(
     return tuple(map(tuple, rates))
 
 
-def _lowered(frame: Frame, metric: Any) -> list[list[tuple[int, Element]]]:
-    """Rows of G_ij as elements: pairs (j, element)."""
-    if metric is None:
-        return [list(row) for row in frame.eta.components.rows]
-    rational, read = frame.field.rational, frame.field.read
-    return [
-        [(j, rational(x) if isinstance(x, Fraction) else read(x)) for j, x in enumerate(row) if x]
-        for row in metric
-    ]
-
-
-def raising(frame: Frame, metric: Any = None) -> list[list[tuple[int, Element]]]:
-    """Rows of the inverse of G_ij (of eta_ij if None) as elements: pairs (j, element)."""
-    if metric is None:
-        return [list(row) for row in frame.inverse_eta.components.rows]
-    n, lower = frame.dimension, _lowered(frame, metric)
-    entries = {(i, j): value for i, row in enumerate(lower) for j, value in row}
-    raised = sorted(inverse(frame.field, entries, n).items(), key=lambda item: item[0])
-    return [[(i, value) for (i, j), value in raised if j == k] for k in range(n)]
-
-
 def _square(frame: Frame, metric: Any, names: Sequence[str]) -> Products:
     """G_ij u^i u^j."""
-    rows = _lowered(frame, metric)
+    rows = lowered(frame, metric)
     return tuple((x, (names[i], names[j])) for i, row in enumerate(rows) for j, x in row)
 
 

@@ -9,7 +9,8 @@ from functools import partial
 import sympy as sp
 
 from geomtorsion.codegen import Products
-from geomtorsion.curves.equations import Geodesic, Law, Rates, raising, velocity_names
+from geomtorsion.curves.equations import Geodesic, Law, Rates, velocity_names
+from geomtorsion.curves.kinetic import raising
 from geomtorsion.errors import ArgumentError, ChartEdgeError, ExpressionError, ShapeError
 from geomtorsion.exact import Element, Field, parse_expression
 from geomtorsion.geometry import Connection, Frame
@@ -18,7 +19,7 @@ from geomtorsion.support import checks
 
 FORCE = "force of the problem"
 POTENTIAL = "force of a potential"
-# Names of the curve parameter in a force: the first that is no coordinate or parameter.
+# Names of the curve parameter in a force: the first that no coordinate or parameter has.
 TIMES = ("t", "tau", "lambda_")
 
 
@@ -50,7 +51,7 @@ class Forced:
     law: the law without the forces.
     frame: the frame in whose coordinates the forces are given.
     forces: at least one.
-    field: of the forces, that of the frame where they depend on its coordinates and parameters.
+    field: of their elements; the field of the frame where they depend on its symbols only.
     parameters: symbols that occur only in the forces.
     clock: name of the curve parameter where a force depends on it; empty otherwise.
     """
@@ -157,7 +158,7 @@ class _Setting:
 
     @property
     def symbols(self) -> dict[str, sp.Symbol]:
-        """All symbols by name; those of the frame come first."""
+        """All symbols by name; the frame has precedence."""
         more = (*self.velocities, self.time, *self.parameters)
         return {name: sp.Symbol(name, real=True) for name in more} | self.own
 
@@ -259,7 +260,7 @@ def forced(
 
 
 def _setting(frame: Frame, parameters: Iterable[str]) -> _Setting:
-    """The names of a frame, with those of parameters that it does not have."""
+    """The names of a frame, and names of further parameters."""
     names = {symbol.name for symbol in frame.field.symbols}
     more = tuple(name for name in parameters if name not in names)
     free = (name for name in TIMES if name not in names and name not in more)

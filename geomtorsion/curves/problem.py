@@ -783,7 +783,7 @@ def checked_parameters(
 ) -> dict[str, Real]:
     """Parameters by name, each one known to the frame, finite and as it was declared.
 
-    more: parameters of the forces alone.
+    more: parameters that occur only in forces.
     """
     symbols = {s.name: s for s in (*frame.field.symbols, *more) if s not in frame.coordinates}
     numbers: dict[str, Real] = {}
@@ -844,7 +844,7 @@ def checked_start(frame: Frame, start: object, parameters: Mapping[str, Real]) -
 
 
 def _of_frame(frame: Frame, parameters: Mapping[str, Real]) -> dict[str, float]:
-    """Values of the parameters of the frame, without those of forces."""
+    """Values of the parameters of the frame, without parameters of forces."""
     names = {symbol.name for symbol in frame.field.symbols}
     return {name: float(value) for name, value in parameters.items() if name in names}
 
