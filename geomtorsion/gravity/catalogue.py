@@ -154,7 +154,8 @@ class Catalogue:
         gone = []
         for product in factors:
             own = [x for x in product if x.name[-1] in self._absent_of(x)]
-            if not own:
+            # The Cartan connection is varied: the derivative of R by its curvature does not vanish.
+            if not own or (own[0].name[-1] == "R" and len(own) == 1):
                 break
             gone.append(own[0])
         else:

@@ -118,8 +118,8 @@ class FieldEquations:
             name, (kind, owners) = next(iter(self._absent.items()))
             raise GravityError(
                 f"lagrangian: expected an invariant that this connection has, got {name}, which "
-                f"vanishes for every {kind} connection: there would be no field equation. Give "
-                f"{owners}."
+                f"vanishes for every {kind} connection: this Lagrangian has no field equation. "
+                f"Give {owners}."
             )
 
     @cached_property
@@ -281,8 +281,8 @@ class FieldEquations:
         Raises
         ------
         GravityError
-            The frame was not expanded, or the background is no solution: the message names its
-            first equation. `equations.E.order(1)` does not check this.
+            The frame was not expanded, or the background does not solve the equations: the message
+            names the first one. `equations.E.order(1)` does not check this.
         """
         for label, expression in self.background.items():
             if k:

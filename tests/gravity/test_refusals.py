@@ -55,7 +55,7 @@ REFUSALS = [
         (gt.levi_civita, "U1", "U1, which vanishes for every Levi-Civita"),
         (gt.levi_civita, "holst", "holst, which vanishes for every Levi-Civita.*torsion"),
         (gt.levi_civita, "P3 + R7", "which vanishes for every Levi-Civita"),
-        (gt.cartan, "R - 2*Lambda", "R, which vanishes for every Cartan.*gt.levi_civita"),
+        (gt.cartan, "R4 - 2*Lambda", "R4, which vanishes for every Cartan.*gt.levi_civita"),
         (gt.cartan, "GB", "GB, which vanishes for every Cartan.*gt.levi_civita"),
         (gt.cartan, "Q1", "Q1, which vanishes for every Cartan.*gt.from_coefficients"),
     ]),
