@@ -1,5 +1,6 @@
 """Perturbed: a theory of gravity to first order about flat space, a cosmos or a static hole."""
 
+from geomtorsion.gravity.perturbed.cosmology import TensorModes, tensor_modes
 from geomtorsion.gravity.perturbed.spectrum import Particle, Spectrum, spectrum
 
-__all__ = ["Particle", "Spectrum", "spectrum"]
+__all__ = ["Particle", "Spectrum", "TensorModes", "spectrum", "tensor_modes"]
