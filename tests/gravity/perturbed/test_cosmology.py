@@ -29,7 +29,7 @@ VALUES = {S: 6 * H**2, Q: 6 * H**2, R: 12 * H**2 + 6 * H.diff(t)}
     ],
 )
 def test_functions_of_one_invariant(lagrangian: str, geometry: str, kinetic: sp.Expr) -> None:
-    """The speed is that of light; the friction is 3 H + d ln f' / dt."""
+    """Waves move with the speed of light; the friction is 3 H + d ln f' / dt."""
     waves = perturbed.tensor_modes(lagrangian, geometry)
     assert waves.kinetic - kinetic == 0
     assert (waves.speed2, waves.alpha_T) == (1, 0)
