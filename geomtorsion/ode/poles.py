@@ -11,19 +11,16 @@ import mpmath
 import numpy as np
 
 from geomtorsion.codegen import Graph
+from geomtorsion.codegen.arrays import BLOCK
 from geomtorsion.ode.numbers import Real, mpf
 from geomtorsion.ode.system import NO_VALUE, System, columns
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory
 from geomtorsion.support.precision import working_precision
 
-AT_A_POLE = (
-    "its rates have no value at a state so near that the rounding of the time alone may reach it"
-)
+AT_A_POLE = "its rates have no value at a state that is within the rounding of the time"
 # Rates with a pole of order p change by a part of 1 - 2**-p where the distance to it doubles. Below
 # an order of 1/12 the change of the state is a rounding.
 PART = 1 / 20
-# Rows looked at together, so that work arrays stay small.
-BLOCK = 2**16
 
 
 def ended_at_poles(answer: Trajectory) -> Trajectory:
@@ -55,7 +52,7 @@ def ended_at_poles(answer: Trajectory) -> Trajectory:
 def may_be_at_poles(
     system: System, rows: np.ndarray, elapsed: np.ndarray, steps: np.ndarray | float
 ) -> np.ndarray:
-    """Which states may be at a pole, as far as doubles can tell: shape (m,).
+    """Which states may be at a pole, by a test in doubles: shape (m,).
 
     A value that must not vanish is smaller than its change when time and state are rounded.
 
@@ -85,7 +82,7 @@ def may_be_at_poles(
 def _is_at_pole(stage: Stage, state: np.ndarray, time: Any, answer: Trajectory) -> bool:
     """Whether a state is at a pole, in the digits of its engine.
 
-    A pole that the rates do not have, such as that of sin(x)/x, leaves their values as they are.
+    A removable pole, as in sin(x)/x, leaves the values of the rates as they are.
     """
     rates, poles = stage.system.rates, stage.system.rates.poles
     precision = answer.engine.precision

@@ -202,7 +202,7 @@ def _solved(
         names.append(candidate.name)
         best = min(best, result.error)
         if result.answer.reason == AT_A_POLE and not last:
-            # More digits may tell the state from the pole.
+            # More digits may separate the state from the pole.
             ended = _solution(problem, times, grid, accuracy, reason, result, runs)
             continue
         if result.error <= accuracy or result.answer.outcome == "stuck":

@@ -39,7 +39,7 @@ def falling(rate, **more):
 @on_engines
 @pytest.mark.parametrize("rate", INFINITE)
 def test_no_value_at_a_pole(rate, engine, accuracy):
-    """A motion whose last time is that of a pole is refused, with the time in the message."""
+    """A motion that ends at a pole is refused, with the time in the message."""
     with pytest.raises(StuckError, match=r"cannot continue at t = (2|1\.99\d+), at x ="):
         solve(falling(rate), [2.0], accuracy, engine)
 
@@ -50,7 +50,7 @@ def test_no_value_at_a_pole(rate, engine, accuracy):
     [("sin(x)/x", 2 * float(mpmath.si(1))), ("1/(x + 1)", 2 * math.log(2)), ("x**(3/2)", 0.8)],
 )
 def test_a_value_where_there_is_one(rate, end, engine, accuracy):
-    """Rates that stay finite are no pole: the value is right, or this engine cannot reach it."""
+    """Rates that stay finite have no pole: the value is right, or this engine cannot reach it."""
     try:
         solution = solve(falling(rate), [2.0], accuracy, engine)
     except StuckError:
@@ -128,7 +128,7 @@ def test_polar_coordinates_end_at_the_origin(t, engine):
 
 @every_engine
 def test_members_at_a_pole_are_not_finished(engine):
-    """Of many motions those that end at a pole are left out, the others come to the end."""
+    """Members that end at a pole are not finished; the others come to the end."""
     many = solve_many(falling("1/x"), {"x": [1.0, 2.0, 3.0]}, [1.0, 2.0], 1e-9, engine)
     assert many.unfinished == (0,)
     assert many["y"][1, -1] == pytest.approx(2 * math.log(2), rel=1e-9)
