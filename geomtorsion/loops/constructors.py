@@ -180,7 +180,7 @@ def _check_closed(arc: Curve, part: Part) -> np.ndarray:
     """Refuse a curve whose ends do not meet, that is a point, or is not finite.
 
     Returns the whole periods between its ends, in units of the size, shape (n,). Where no period is
-    declared, every coordinate may be an angle: only a frame can tell.
+    declared, every coordinate may be an angle; only a frame decides it.
     """
     with np.errstate(all="ignore"):
         points, _ = arc.shape(np.linspace(0, 1, 258)[1:-1])

@@ -62,7 +62,7 @@ def with_values(frame: Frame, loop: Loop, parameters: Parameters | None) -> tupl
 
 
 def refuse_undeclared_turns(frame: Frame, loop: Loop) -> None:
-    """Refuse a loop whose ends are whole turns apart in coordinates that are no angles of a frame.
+    """Refuse a loop whose ends are whole turns apart in a coordinate without a declared turn.
 
     Raises
     ------
