@@ -28,6 +28,7 @@ from geomtorsion.prices import (
     loops,
     motions,
 )
+from tests.rounding import ROUNDED
 
 SO3 = gt.spaces.load("so3").frame
 TURN = gt.autoparallel(gt.cartan(SO3), [0.3, 1.0, 0.2], [0.1, 0.5, -0.2])
@@ -122,7 +123,7 @@ def test_a_loop_of_a_formula():
     assert all(row.holds for row in rows_of(table, "estimate"))
     (formula,) = (row for row in table.rows if row.way == "formula")
     assert formula.true is not None
-    assert formula.true.high < 1e-15
+    assert formula.true.high < ROUNDED
     for row in rows_of(table, "proof"):
         assert row.claimed is not None
         assert row.claimed <= row.requested
@@ -163,7 +164,7 @@ def test_digits_of_a_tensor():
     table = gt.price(gt.cartan(SO3).torsion.S, point, [1e-6, 1e-20], proofs=[50])
     plain, *digits = table.rows
     assert plain.true is not None
-    assert 0 < plain.true.high < 1e-15
+    assert 0 < plain.true.high < ROUNDED
     assert [row.requested for row in digits] == [1e-6, 1e-20, 1e-50]
     assert all(row.reached for row in digits)
 
