@@ -167,6 +167,34 @@ def test_digits_of_a_tensor():
     assert 0 < plain.true.high < ROUNDED
     assert [row.requested for row in digits] == [1e-6, 1e-20, 1e-50]
     assert all(row.reached for row in digits)
+    listed = gt.price(gt.cartan(SO3).torsion.S, [0.3, 1, 0.2], [1e-6, 1e-20], proofs=[50])
+    assert [row.true for row in listed.rows] == [row.true for row in table.rows]
+
+
+def test_torsion_and_curvature_are_tensors():
+    """A torsion has the price of S, a curvature that of the Riemann tensor, as they print."""
+    sphere = gt.levi_civita("s2")
+    point = {"R": 2, "theta": 1, "phi": 0}
+    for whole, part in (
+        (gt.cartan(SO3).torsion, gt.cartan(SO3).torsion.S),
+        (sphere.curvature, sphere.curvature.riemann),
+    ):
+        place = point if part.frame.dimension == 2 else [0.3, 1, 0.2]
+        one, two = (gt.price(thing, place, [1e-8], proofs=[]) for thing in (whole, part))
+        assert one.name == two.name
+        assert [row.true for row in one.rows] == [row.true for row in two.rows]
+    with pytest.raises(ArgumentError, match="at: expected 3 numbers, got 2"):
+        gt.price(gt.cartan(SO3).torsion, [0.3, 1], [1e-8])
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "holds"),
+    [(0.0, 5e-7, True), (0.0, 2e-6, None), (1.5e-6, 2e-6, False), (1e-6, 1e-6, True)],
+)
+def test_bounds_around_a_claim_decide_nothing(low, high, holds):
+    """A claim holds or fails only where both bounds of the true error are on one side of it."""
+    row = PriceRow("way", "estimate", 1e-6, claimed=1e-6, true=Bounds(low, high))
+    assert row.holds is holds
 
 
 @pytest.mark.parametrize("times", [3.0, [0.0, 1.0, 3.0]])
