@@ -84,7 +84,10 @@ def each_done(
 
 @dataclass(frozen=True)
 class Returned(Generic[T]):
-    """The result of the part with a number, which distinguishes it from other contents of a future."""
+    """The result of one part, distinct from whatever else a future may hold.
+
+    part: its number.
+    """
 
     part: int
     value: T
