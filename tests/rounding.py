@@ -29,7 +29,7 @@ def rounded(*intermediate: object) -> float:
 def tight_tolerances(code: ast.Module) -> Iterator[int]:
     """Lines that compare doubles to a written tolerance of less than a hundred roundings.
 
-    A reported error or drift is a claim to be checked; what it is compared with is no tolerance.
+    A comparison with a reported error or drift checks a claim, and its numbers are not tolerances.
 
     Examples
     --------

@@ -19,7 +19,7 @@ from geomtorsion.support.precision import working_digits
 def tensor_offer(thing: Tensor | Torsion | Curvature, request: Request) -> Offer:
     """The price of all components of a tensor at request.at.
 
-    thing: a tensor; a torsion stands for S, a curvature for the Riemann tensor, as they print.
+    thing: a tensor; a torsion means S, a curvature the Riemann tensor, as they print.
     at: {coordinate or parameter: value}, or the values of all coordinates in order.
 
     Raises

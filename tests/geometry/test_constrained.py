@@ -67,7 +67,7 @@ def test_disc_rolls_on_a_circle():
     assert np.abs(away).max() < 1e-12
 
 
-def test_coefficients_within_each_side_are_those_of_levi_civita():
+def test_coefficients_within_each_side_equal_levi_civita():
     """Permitted legs turn against each other as in Levi-Civita's connection; so do forbidden ones.
 
     Legs of so3 turn against each other in each plane, so that no case is empty.

@@ -116,8 +116,10 @@ def bessel() -> float:
     return float(2 * mpmath.pi * radius * mpmath.besselj(1, radius) * mpmath.cos(place))
 
 
-def test_a_loop_of_a_formula():
+def test_a_loop_of_a_formula(monkeypatch):
     """Numbers, the closed form and proofs of a loop, each with its true error."""
+    # Wall time, which a loaded machine exceeds.
+    monkeypatch.setattr(loops, "FORMULA_SECONDS", 60.0)
     table = gt.price(SO3, CIRCLE, [1e-3, 1e-12], proofs=[10, 40])
     assert table.ways == ("line and flux", "line", "formula", "proof")
     assert all(row.holds for row in rows_of(table, "estimate"))
@@ -172,7 +174,7 @@ def test_digits_of_a_tensor():
 
 
 def test_torsion_and_curvature_are_tensors():
-    """A torsion has the price of S, a curvature that of the Riemann tensor, as they print."""
+    """A torsion has the price of S, a curvature the price of the Riemann tensor."""
     sphere = gt.levi_civita("s2")
     point = {"R": 2, "theta": 1, "phi": 0}
     for whole, part in (

@@ -334,8 +334,8 @@ def cut(text: str, most: int = LONGEST_SHOWN) -> str:
 def shown(value: object) -> str:
     """A value in one line of at most 200 characters for a message; never an error of its own.
 
-    Long arrays and tables are described by their shape and long lists by their first entries. Of
-    an object that prints several lines the first one is taken.
+    Long arrays and tables are described by their shape and long lists by their first entries. An
+    object that prints several lines is shown by its first line.
 
     Examples
     --------
