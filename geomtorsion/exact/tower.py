@@ -50,6 +50,10 @@ class Point(Protocol):
         """Whether an element is positive, after the point moved there if it may."""
         ...
 
+    def has_both_signs(self, element: Element) -> bool:
+        """Whether points of the declared domain show an element with both signs."""
+        ...
+
     def is_surely_nonzero(self, element: Element) -> bool:
         """Whether an element has a value that is not zero."""
         ...
