@@ -435,19 +435,15 @@ class GenericPoint:
     def _move(self, place: int) -> None:
         self._place, self._known = place, {}
 
-    def has_both_signs(self, element: Element) -> bool:
-        """Whether points of the declared domain show an element with both signs.
-
-        Without a declared domain it is not known to be.
-        """
-        signs: set[bool] = set()
+    def sign(self, element: Element) -> int | None:
+        """+1 or -1, which binds the point; None where a declared domain has both signs."""
+        sign = self._sign(element)
         for point in islice(self._inside(), _TRIES) if self._inside is not None else ():
             elsewhere = GenericPoint(self._field, point)
-            if elsewhere.is_surely_nonzero(element):
-                signs.add(elsewhere.is_positive(element))
-            if len(signs) > 1:
-                return True
-        return False
+            if elsewhere.is_surely_nonzero(element) and elsewhere.is_positive(element) != sign:
+                return None
+        self._signs.append((element, sign))
+        return 1 if sign else -1
 
     def is_surely_nonzero(self, element: Element) -> bool:
         """Whether two precisions agree on a value that is not zero."""

@@ -531,13 +531,14 @@ class Reader:
                 f"{expr}: expected a real argument, got {inner}. Write the real expression of it, "
                 "such as sqrt(x**2 + y**2)"
             )
-        if field.sample.has_both_signs(inner):
+        sign = field.sample.sign(inner)
+        if sign is None:
             raise ExpressionError(
                 f"{expr}: expected an argument of one sign in the declared domain, got {inner}, "
                 f"which has both. Declare one side, such as domain=[{shown} > 0], or give one "
                 "frame for each side"
             )
-        size = inner if field.sample.is_positive(inner) else -inner
+        size = inner * sign
         if not size.sympy.is_nonnegative:
             field.state_branch(Branch(expr, size.sympy, "", size))
         return size

@@ -50,8 +50,8 @@ class Point(Protocol):
         """Whether an element is positive, after the point moved there if it may."""
         ...
 
-    def has_both_signs(self, element: Element) -> bool:
-        """Whether points of the declared domain show an element with both signs."""
+    def sign(self, element: Element) -> int | None:
+        """+1 or -1, or None where the declared domain has both signs."""
         ...
 
     def is_surely_nonzero(self, element: Element) -> bool:
