@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from geomtorsion.exact.generators import Generator
     from geomtorsion.exact.tower import Tower
 
-# A prime of as many bits as FLINT takes in one word, with room for a sum.
-_PRIME = 2**61 - 1
+# The largest prime of Mersenne in one word of FLINT; no result depends on it.
+_PRIME = pow(2, 61) - 1
 _PARTNERS = {"sin": "cos", "sinh": "cosh"}
 
 

@@ -65,7 +65,7 @@ def test_both_signs_in_the_domain_are_refused(entry, domain):
 
 
 def test_the_absolute_value_of_a_complex_number_is_refused():
-    """|x + I y| is no function of a differential field; its square is."""
+    """|x + I y| does not belong to a differential field; its square does."""
     with pytest.raises(ExpressionError, match="expected a real argument"):
         line(sp.Abs(1 + sp.I * sp.cos(x + sp.I), evaluate=False), complex=True)
     assert line(sp.Abs(x), complex=True, domain=[x < 0]).coframe[1, 1] == -x

@@ -96,7 +96,7 @@ def test_squares_that_hide(radicand: str, written: str) -> None:
 
 
 def test_a_factor_without_a_root_among_the_functions_stays() -> None:
-    """1 - cos(a) = 2 sin(a/2)**2, but sin(a/2) is no function of cos(a) and sin(a)."""
+    """1 - cos(a) = 2 sin(a/2)**2, and sin(a/2) is not rational in cos(a) and sin(a)."""
     field = Field([a], sample={a: 1})
     root = field.read(1 - sp.cos(a)).sqrt()
     assert root == field.generator_element(roots(field)[0])
