@@ -86,16 +86,19 @@ def _square_root(field: Tower, element: Element, radical: sympy.Expr | None) -> 
     if more is not None:
         inner, _, tail = _squares_taken_out(field, field.polynomial(more[1]))
         outer = outer * inner * field.polynomial(more[0])
-    value = outer * _new_square_root(field, tail)
+    generator = _multiple_of_another(field, tail)
+    if generator is None:
+        generator = field.add_root(tail, 2, _is_decided(field, tail))
+    value = outer * generator
     if not outer.is_rational:
-        principal = _principal(field, value)
-        _state(field, element, principal, radical, outer if principal is value else -outer)
-        return principal
+        if not field.sample.is_positive(value):
+            value, outer = -value, -outer
+        _state(field, element, value, radical, outer)
     return value
 
 
-def _new_square_root(field: Tower, tail: Element) -> Element:
-    """The root of a polynomial without square factors; a number times one that is there."""
+def _multiple_of_another(field: Tower, tail: Element) -> Element | None:
+    """The root of a polynomial, where it is a number times a root in the field."""
     num = field.lift(tail)
     for generator in field.generators:
         if generator.kind != "root" or generator.degree != 2 or not generator.depends:
@@ -107,7 +110,7 @@ def _new_square_root(field: Tower, tail: Element) -> Element:
         if ratio > 0 and not generator.tail._den and other * ratio == num:
             number = _square_root(field, field.rational(ratio), None)
             return field.generator_element(generator) * number
-    return field.add_root(tail, 2, _is_decided(field, tail))
+    return None
 
 
 def _squares_taken_out(field: Tower, element: Element) -> tuple[Element, fmpz, Element]:
