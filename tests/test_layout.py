@@ -96,7 +96,8 @@ CEILINGS = {
     "tuned constants": 168,
     # Two more than before: converters of arguments are three files by kind instead of one of 1,000.
     # Two more: kinetic metrics and forces are files of their own.
-    "files of a first motion": 47,
+    # One more: squares that roots hide in circular functions.
+    "files of a first motion": 48,
     "frames of a first motion": 26,
 }
 # Lines of code below and above the wall, rounded up to five hundreds, without docstrings, comments
