@@ -14,7 +14,7 @@ from geomtorsion.support.displays import Plot, drawn_by, figure_by
 from geomtorsion.support.outgoing import size_text
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class EffectInfluence:
     """Influence of one effect on the watched quantities of a scene, a motion or a theory.
 
@@ -47,7 +47,7 @@ class EffectInfluence:
         return max(self.changes, key=self.changes.__getitem__)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class EffectBudget:
     """The effects that an accuracy calls for: omission and integration together stay within it.
 

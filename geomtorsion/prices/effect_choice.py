@@ -202,21 +202,38 @@ def choose(
         step()
     rows = [
         EffectInfluence(
-            key, title, key not in omitted, _sizes(omissions[key], composite.watch),
-            omissions[key].equations, omissions[key].seconds, omissions[key].note,
+            effect=key,
+            title=title,
+            included=key not in omitted,
+            changes=_sizes(omissions[key], composite.watch),
+            equations=omissions[key].equations,
+            seconds=omissions[key].seconds,
+            note=omissions[key].note,
         )
         for key, title in composite.effects.items()
-    ]  # fmt: skip
+    ]
     rows.sort(key=lambda row: -row.influence)
     full = composite.run(frozenset(), goal, engine)
     return EffectBudget(
-        composite.title, composite.watch, goal, composite.thing,
-        composite.without(frozenset(omitted), trial.accuracy),
-        tuple(key for key in keys if key not in omitted),
-        tuple(key for key in keys if key in omitted), tuple(rows), omission, numerical,
-        trial.accuracy, growth, trial.result, composite.end, trial.equations, full.equations,
-        trial.seconds, full.seconds,
-    )  # fmt: skip
+        title=composite.title,
+        watch=composite.watch,
+        accuracy=goal,
+        full=composite.thing,
+        chosen=composite.without(frozenset(omitted), trial.accuracy),
+        effects=tuple(key for key in keys if key not in omitted),
+        omitted=tuple(key for key in keys if key in omitted),
+        rows=tuple(rows),
+        omission_error=omission,
+        numerical_error=numerical,
+        integration_accuracy=trial.accuracy,
+        growth=growth,
+        result=trial.result,
+        end=composite.end,
+        equations=trial.equations,
+        full_equations=full.equations,
+        seconds=trial.seconds,
+        full_seconds=full.seconds,
+    )
 
 
 def _sizes(omission: _Omission, watch: Iterable[str]) -> dict[str, float]:
