@@ -92,7 +92,8 @@ CEILINGS = {
     "inner imports without a reason": 0,
     "percent of Any": 3.6,
     # 17 of these choose steps and precision in proofs; no ball depends on them.
-    "tuned constants": 167,
+    # One more: the samples that look for pulses between steps.
+    "tuned constants": 168,
     # Two more than before: converters of arguments are three files by kind instead of one of 1,000.
     # Two more: kinetic metrics and forces are files of their own.
     "files of a first motion": 47,

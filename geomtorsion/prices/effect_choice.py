@@ -253,7 +253,7 @@ def choose(
 def _look_beside(comparison: _Comparison, omissions: dict[str, _Omission]) -> None:
     """Take the larger influence of those from this start and from one beside it.
 
-    At an exact equilibrium, such as that of an upright top, a force without which the motion would
+    At an exact equilibrium, as of an upright top, a force without which the motion would
     be stable has no influence at all.
     """
     beside = comparison.composite.nudged(NUDGE)

@@ -171,7 +171,7 @@ def _above_noise(solution: Solution, name: str) -> np.ndarray:
 
 
 def _error_of(solution: Solution, name: str) -> float:
-    """Error of a quantity relative to its own largest size; zero for rounding errors of others."""
+    """Error of a quantity relative to its own largest size; zero where it is rounding of others."""
     return _own_error(solution, name) if _above_noise(solution, name).any() else 0.0
 
 

@@ -6,11 +6,10 @@ import numpy as np
 
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.ode import Solution
+from geomtorsion.prices.effect_choice import ORDER
 
 # Number of samples of the right side: the shortest pulse that is seen is such a part of the motion.
 SAMPLES = 2**17
-# A cell in which states change by more than this part of their size says nothing about a pulse.
-CHANGE = 0.1
 
 
 def passed_over(solution: Solution, accuracy: float) -> float | None:
@@ -52,7 +51,8 @@ def passed_over(solution: Solution, accuracy: float) -> float | None:
         sums = (rates[:, :-2:2] + 4 * rates[:, 1:-1:2] + rates[:, 2::2]) * (step / 3)
         for group in map(list, system.groups_but_clock):
             size = float(np.abs(states[group]).max())
-            smooth = np.abs(whole[group]).max(axis=0) <= CHANGE * size
+            # Where states change by an order in two samples these do not resolve the motion itself.
+            smooth = np.abs(whole[group]).max(axis=0) <= ORDER * size
             gaps = np.where(smooth, np.abs(whole[group] - sums[group]).max(axis=0), 0.0)
             gaps = np.nan_to_num(gaps) / (size or 1.0)
             k = int(gaps.argmax())

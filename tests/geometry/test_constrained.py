@@ -233,3 +233,13 @@ def test_constraints_in_a_tetrad_file(tmp_path):
     file.write_text(f"{text}constraints = 3\n")
     with pytest.raises(GeomtorsionError, match="expected a list of texts"):
         gt.read(file)
+
+
+def test_a_metric_whose_positivity_depends_on_parameters():
+    """The inequality to declare is named; declared, the connection exists."""
+    x, y, m, k = sp.symbols("x y m k", positive=True)
+    metric = [[m, k], [k, m]]
+    with pytest.raises(MetricError, match=r"domain=\[\.\.\., '-2\*k \+ 2\*m > 0'\]"):
+        gt.constrained(gt.Frame.from_metric([x, y], metric), ["dx + dy"])
+    declared = gt.Frame.from_metric([x, y], metric, domain="-2*k + 2*m > 0")
+    assert gt.constrained(declared, ["dx + dy"]).allowed == (0,)

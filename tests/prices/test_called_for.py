@@ -289,7 +289,7 @@ def test_a_quantity_that_is_small_beside_its_neighbours_has_its_own_size():
 
 
 def test_what_rounding_hides_is_reported():
-    """On the equator u1 is the rounding of pi/2: it counts as zero, and the result says so."""
+    """On the equator u1 is the rounding of pi/2: it counts as zero, and the result reports it."""
     sphere = gt.levi_civita(gt.spaces.load("s2").frame.subs({"R": 1}))
     curve = gt.autoparallel(sphere, [HALF_PI, 0], [0, 1], force={"drag": [0, "-u2/10"]})
     budget = gt.called_for(curve, 1e-3, 3.0, watch=["phi", "u1"])
