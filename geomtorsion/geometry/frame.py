@@ -61,7 +61,8 @@ class Frame:
     name: its name in messages and pages.
     field: the exact field of all components.
     given: the matrices it was made from, as exact elements: eta and coframe, legs or metric.
-    attached: data that do not follow from the frame: its "atlas" and "names" for printing.
+    attached: data that do not follow from the frame: its "atlas", "names" for printing, and from
+        which frame by which values it was "substituted".
 
     To make one: coframe (rows i, columns mu) as nested lists or a sympy matrix; signature None
     (all +1), a tuple of signs, a text such as "-+++", or a constant symmetric matrix eta; domain
