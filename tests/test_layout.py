@@ -88,18 +88,21 @@ LONGEST = 500
 # Counts that should fall: each ceiling is lowered as soon as the count is lower.
 CEILINGS = {
     # homes.py and indexing.py need frames for their types, and tensors need both files.
-    "files in rings": 39,
+    # A region and its walls hold their frame, which makes them.
+    "files in rings": 45,
     "inner imports without a reason": 0,
     "percent of Any": 3.6,
     # 17 of these choose steps and precision in proofs; no ball depends on them.
-    "tuned constants": 167,
+    # 3 are the number of points tried and the distance from a wall, where a region is searched.
+    "tuned constants": 170,
     # Two more than before: converters of arguments are three files by kind instead of one of 1,000.
-    "files of a first motion": 45,
+    # Four of them find the region in which the motion starts.
+    "files of a first motion": 49,
     "frames of a first motion": 26,
 }
 # Lines of code below and above the wall, rounded up to five hundreds, without docstrings, comments
 # and blanks. A change that needs more raises a number and states in its commit what users get.
-BUDGET = {"below the wall": 46000, "above the wall": 49000}
+BUDGET = {"below the wall": 47000, "above the wall": 49000}
 # What a program that imports the package does not wait for.
 LATER = ("sympy", "flint", "mpmath", "numpy", "multiprocessing", "asyncio", "tomllib", "sqlite3")
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")

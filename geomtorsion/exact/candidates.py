@@ -104,7 +104,7 @@ def value_of_name(text: str, number: int) -> mpmath.mpf:
 
 
 def _bounds_of(symbol: sympy.Expr, bounds: Bounds) -> Bounds:
-    """Bounds of a symbol together with those of its assumptions."""
+    """Bounds of a symbol that its assumptions also allow."""
     low, high = bounds
     if symbol.is_nonnegative:
         low = Fraction(0) if low is None else max(low, Fraction(0))

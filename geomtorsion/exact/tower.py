@@ -49,6 +49,15 @@ class Point(Protocol):
         """The values of symbols at the point."""
         ...
 
+    @property
+    def given(self) -> dict[sympy.Expr, Any]:
+        """The values that were given; empty where the point was searched."""
+        ...
+
+    def number_of(self, shown: sympy.Expr) -> mpmath.mpf:
+        """The value of a symbol, or of an unknown function or its derivative."""
+        ...
+
     def sign(self, element: Element) -> int | None:
         """+1 or -1, or None where the declared domain has both signs."""
         ...

@@ -417,7 +417,7 @@ class Frame:
         """The region where signs are read: the declared domain, or the preferred one.
 
         Without a domain it is searched: the first coordinate timelike if the metric has one time,
-        parameters and coordinates positive, with room from the walls.
+        parameters and coordinates positive, far from walls.
 
         Raises
         ------

@@ -13,7 +13,7 @@ from sympy.core.function import AppliedUndef
 
 from geomtorsion.codegen.expression_graph import graph
 from geomtorsion.errors import CoordinateError, GeomtorsionError
-from geomtorsion.exact.candidates import Bounds, Candidates
+from geomtorsion.exact.candidates import SCALES, Bounds, Candidates
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.checks import expression
 
@@ -24,8 +24,8 @@ RationalPoint = dict[sp.Symbol, sp.Rational]
 BATCHES = (96, 384, 3072)
 # A wall nearer than this is met, relative to its median over the candidates: rounding of doubles.
 NEAR = 1e-6
-# More than this from the origin of a scale counts as a number with a unit.
-WIDE = 64.0
+# A number beyond the usual scales counts as one with a unit.
+WIDE = max(SCALES)
 # Names of the coordinate that should be timelike; without one it is the first.
 TIMES = ("t", "T", "tau", "time")
 
@@ -43,10 +43,10 @@ class Group:
 
 
 class RealPoints:
-    """Points where a matrix is real, finite and regular, those of the preferred region first.
+    """Points where a matrix is real, finite and regular, the preferred region first.
 
     coordinates, parameters, relations: of the frame.
-    kind: "coframe", "legs", "metric", or nothing for entries that are no matrix.
+    kind: "coframe", "legs", "metric", or empty for entries outside of a matrix.
     entries: the matrix as expressions, (row, column) -> expression.
     eta: of a coframe or of legs: the frame metric; of a metric: requested signs or None.
     twins: symbols that count as another of the same name.
@@ -64,13 +64,13 @@ class RealPoints:
         twins: Mapping[sp.Basic, sp.Symbol] | None = None,
     ) -> None:
         self.coordinates, self.parameters = tuple(coordinates), tuple(parameters)
-        self.relations = tuple(relations)
+        self.relations = tuple(x for x in relations if x != sp.true)
         self.is_declared = bool(self.relations)
         self.kind, self._entries, self._eta = kind, dict(entries or {}), eta
         self._complex, self._twins = complex_, dict(twins or {})
         self._made: dict[int, Table] = {}
 
-    # -- what is evaluated -------------------------------------------------------------------------
+    # -- formulas ----------------------------------------------------------------------------------
 
     @property
     def symbols(self) -> tuple[sp.Symbol, ...]:
@@ -148,7 +148,7 @@ class RealPoints:
         return map(self.batch, BATCHES)
 
     def batch(self, size: int) -> Table:
-        """The first candidates, as many as a size says."""
+        """The first candidates, in a number given by the size."""
         if size not in self._made:
             self._made[size] = Table(self, size)
         return self._made[size]
@@ -156,7 +156,7 @@ class RealPoints:
     def points(self) -> Iterator[dict[sp.Expr, sp.Rational]]:
         """Values of symbols and unknown functions: real points, the preferred one first.
 
-        Where there is none, points that satisfy the relations: what is read at them is refused
+        Where there is none, points that satisfy the relations: a root read at them is refused
         with its own reason.
         """
         seen = set[int]()
@@ -282,9 +282,13 @@ class Table:
         rank, signs = points.preference(metrics)
         good &= rank < 3
         self.good = good
+        # Unknown functions are positive if they can be: -a**2, and E, F, G of a surface.
+        functions = [isinstance(x, AppliedUndef) for x in (*points.symbols, *points.unknown)]
+        reversed_functions = (self.values[functions] < 0).sum(axis=0)
         members: dict[tuple[Any, ...], list[int]] = {}
         for k in map(int, np.flatnonzero(good)):
-            key = (int(rank[k]), *map(int, signs[k]), *map(int, np.sign(np.real(below[:, k]))))
+            walls_here = map(int, np.sign(np.real(below[:, k])))
+            key = (int(reversed_functions[k]), int(rank[k]), *map(int, signs[k]), *walls_here)
             members.setdefault(key, []).append(k)
         symbols = self.values[: len(points.symbols)]
         negative = (symbols < 0).sum(axis=0)
@@ -296,12 +300,12 @@ class Table:
             return (negative[k], -worth[k], k)
 
         ranked = [(key, sorted(some, key=order)) for key, some in members.items()]
-        ranked.sort(key=lambda pair: (pair[0][0], negative[pair[1][0]], -len(pair[1])))
+        ranked.sort(key=lambda pair: (*pair[0][:2], negative[pair[1][0]], -len(pair[1])))
         n = len(points.coordinates)
-        self.groups = [Group(tuple(some), tuple(key[1 : n + 1])) for key, some in ranked]
+        self.groups = [Group(tuple(some), tuple(key[2 : n + 2])) for key, some in ranked]
 
     def refusal(self) -> str:
-        """The conditions that hold nowhere among the candidates, alone or in pairs."""
+        """The conditions that hold nowhere among the candidates, each by itself or in pairs."""
         declared = {str(relation) for relation in self._points.relations}
         for k, (one, first) in enumerate(self.conditions):
             if not first.any():
@@ -464,7 +468,7 @@ def interval(symbol: sp.Symbol, relations: Iterable[sp.Basic]) -> Bounds:
 
 
 def check_met(points: RealPoints) -> None:
-    """Refuse a domain in which no candidate lies.
+    """Refuse a domain without a candidate inside.
 
     Raises
     ------
