@@ -96,13 +96,14 @@ CEILINGS = {
     # 3 are the number of points tried and the distance from a wall, where a region is searched.
     "tuned constants": 170,
     # Two more than before: converters of arguments are three files by kind instead of one of 1,000.
+    # Two more: kinetic metrics and forces are files of their own.
     # Four of them find the region in which the motion starts.
-    "files of a first motion": 49,
+    "files of a first motion": 51,
     "frames of a first motion": 26,
 }
 # Lines of code below and above the wall, rounded up to five hundreds, without docstrings, comments
 # and blanks. A change that needs more raises a number and states in its commit what users get.
-BUDGET = {"below the wall": 47000, "above the wall": 49000}
+BUDGET = {"below the wall": 47500, "above the wall": 49000}
 # What a program that imports the package does not wait for.
 LATER = ("sympy", "flint", "mpmath", "numpy", "multiprocessing", "asyncio", "tomllib", "sqlite3")
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")
