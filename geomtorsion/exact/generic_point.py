@@ -174,7 +174,8 @@ class GenericPoint:
             try:
                 for place in range(SIGNS):
                     self._move(place)
-                    if self._is_allowed() and self._sign(element) != sign:
+                    has_value = self.is_surely_nonzero(element) and self._is_allowed()
+                    if has_value and self._sign(element) != sign:
                         return None
             finally:
                 self._move(before)

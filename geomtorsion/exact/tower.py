@@ -58,10 +58,6 @@ class Point(Protocol):
         """The value of a symbol, or of an unknown function or its derivative."""
         ...
 
-    def sign(self, element: Element) -> int | None:
-        """+1 or -1, or None where the declared domain has both signs."""
-        ...
-
     def value(self, element: Element) -> mpmath.mpf:
         """The value of an element, to about 90 digits."""
         ...
@@ -72,6 +68,10 @@ class Point(Protocol):
 
     def prefer_positive(self, element: Element) -> bool:
         """Whether an element is positive, after the point moved there if it may."""
+        ...
+
+    def sign(self, element: Element) -> int | None:
+        """+1 or -1, or None where the declared domain has both signs."""
         ...
 
     def is_surely_nonzero(self, element: Element) -> bool:
