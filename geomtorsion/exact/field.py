@@ -270,13 +270,10 @@ class Field(Tower):
 
     def with_symbols(self, symbols: Sequence[sympy.Symbol]) -> Field:
         """A field over more symbols, with the same domain and branches."""
-        given = self._given_sample
-        # Values of which none is a simple multiple of another, where the domain needs a point.
-        more = {s: sympy.Rational(101 + 12 * k, 97) for k, s in enumerate(symbols)} if given else {}
         return Field(
             (*self.symbols, *symbols),
             complex=self.is_complex,
-            sample=given | more,
+            sample=Extended(self.sample, {}),
             branches=self.chosen,
         )
 

@@ -22,10 +22,9 @@ if TYPE_CHECKING:
     from geomtorsion.exact.evaluate import AtPoint
     from geomtorsion.exact.tower import Point, Tower
 
-# Places tried before a radicand or the argument of a log is left negative.
-TRIES = 80
-# Places of a declared domain at which a sign is compared.
-SIGNS = 24
+# Places tried before a radicand or the argument of a log is left negative, and at which the signs
+# in a declared domain are compared.
+TRIES = 96
 
 
 class Places(Protocol):
@@ -172,7 +171,7 @@ class GenericPoint:
         if self.places.is_declared:
             before = self._place
             try:
-                for place in range(SIGNS):
+                for place in range(TRIES):
                     self._move(place)
                     has_value = self.is_surely_nonzero(element) and self._is_allowed()
                     if has_value and self._sign(element) != sign:
