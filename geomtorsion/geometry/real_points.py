@@ -219,7 +219,8 @@ class RealPoints:
         time = next((names.index(name) for name in TIMES if name in names), 0)
         first = np.sign(symmetric[:, time, time])
         rank = np.full(len(metrics), 2)
-        rank[negative == 0] = 0
+        # Unknown functions may have any size: none makes -1 + epsilon*h a positive metric.
+        rank[negative == 0] = 1 if self.unknown else 0
         rank[(negative == 1) & (first < 0)] = 1
         rank[(n > 2) & (negative == n - 1) & (first > 0)] = 1
         if self.kind == "metric" and self._eta is not None:
