@@ -82,7 +82,7 @@ class Candidates:
             value = (3 + 25 * share) / 20
         elif k < self._coordinates or not symbol.is_Symbol:
             scale = self._scales[int(number * GOLDEN % 1 * len(self._scales))]
-            value = (1 + 11 * share) / 4 * kind(scale)
+            value = (1 + 5 * share) / 4 * kind(scale)
         else:
             # Later ones are smaller, as a < M.
             value = (1 + 4 * share) / 10 * kind(4) ** (k - self._coordinates)

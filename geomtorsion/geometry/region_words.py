@@ -53,7 +53,9 @@ def conditions_of(
     relations: list[tuple[Any, ...]] = []
     for wall, sign in walls:
         beside = _beside_vertex(wall, sign, symbols, point)
-        relations.append((*_solved(wall, sign, symbols), *beside))
+        solved = _solved(wall, sign, symbols)
+        # Of two bounds of an angle another wall may make one needless.
+        relations += [(*solved, *beside)] if beside else [(one,) for one in solved]
     used = {s for some in relations for r in some for s in r.free_symbols}
     # Sizes and masses: a region is described for the signs that parameters have at its point.
     positive = [

@@ -222,6 +222,11 @@ def _region(
         if len(set(row[ok & within])) > 1 and not (domain and expression.has(AppliedUndef))
     ]
     conditions = conditions_of(varied, point, walls.symbols, walls.source, walls.arguments)
+    # Behind each wall, so that none is dropped that bounds the region.
+    center = np.array([[float(point[s])] for s in walls.arguments])
+    values = np.concatenate([values, walls.beyond(center, values, own)], axis=1)
+    with np.errstate(all="ignore"):
+        within = np.all(np.real(walls.sides(values)) > 0, axis=0)
     words = fewest(conditions, values[:, within])
     relations = (*domain, *(r for one in words for r in one.relations))
     eta = tuple(int(walls.frame.eta.at({})[i, i].real) for i in range(walls.frame.dimension))

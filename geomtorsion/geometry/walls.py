@@ -112,9 +112,10 @@ class Walls:
                 good &= condition.holds(flat)
         return good.reshape(shape)
 
-    def seen(self, center: Array, columns: Array, region: Region) -> Array:
+    def reach(
+        self, center: Array, columns: Array, signs: Array, conditions: Sequence[Condition] = ()
+    ) -> Array:
         """How far each straight line from a point to a column stays inside: from 0 to 1."""
-        signs, conditions = region._walls.signs_of(region), region._walls.sides_of(region)
         shares = np.linspace(0, 1, STATIONS + 1)[1:]
         lines = center[:, :, None] + (columns - center)[:, :, None] * shares
         inside = np.logical_and.accumulate(self.holds(lines, signs, conditions), axis=1)
@@ -126,6 +127,17 @@ class Walls:
             reach = np.where(self.holds(at, signs, conditions), trial, reach)
             step = step / 2
         return np.minimum(reach, 1)
+
+    def beyond(self, center: Array, columns: Array, signs: Array) -> Array:
+        """Columns behind the first wall on each straight line from a point."""
+        reach = self.reach(center, columns, signs)
+        behind = reach < 1
+        step = reach[behind] * (1 + NEAR**0.5)
+        return center + (columns - center)[:, behind] * step
+
+    def seen(self, center: Array, columns: Array, region: Region) -> Array:
+        """As `reach`, inside a region."""
+        return self.reach(center, columns, self.signs_of(region), self.sides_of(region))
 
     def signs_of(self, region: Region) -> Array:
         """The signs of all walls in a region, in their order."""
