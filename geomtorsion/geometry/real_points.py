@@ -36,10 +36,12 @@ class Group:
 
     numbers: of its candidates, the preferred one first.
     signature: signs of the metric.
+    is_preferred: whether the first is positive, with a time coordinate where there is a time.
     """
 
     numbers: tuple[int, ...]
     signature: tuple[int, ...]
+    is_preferred: bool = True
 
 
 class RealPoints:
@@ -140,9 +142,13 @@ class RealPoints:
 
     @cached_property
     def table(self) -> Table:
-        """The first candidates among which there are real points, in groups."""
-        with_points = (table for table in self._tables() if table.groups)
-        return next(with_points, None) or self.batch(BATCHES[-1])
+        """The first candidates with real points of the preferred kind, else with any, in groups."""
+        # Far from one, a region of the preferred signs is met later than another one.
+        for preferred in (True, False):
+            for table in self._tables():
+                if table.groups and (table.groups[0].is_preferred or not preferred):
+                    return table
+        return self.batch(BATCHES[-1])
 
     def _tables(self) -> Iterator[Table]:
         return map(self.batch, BATCHES)
@@ -303,7 +309,10 @@ class Table:
         ranked = [(key, sorted(some, key=order)) for key, some in members.items()]
         ranked.sort(key=lambda pair: (*pair[0][:2], negative[pair[1][0]], -len(pair[1])))
         n = len(points.coordinates)
-        self.groups = [Group(tuple(some), tuple(key[2 : n + 2])) for key, some in ranked]
+        self.groups = [
+            Group(tuple(some), tuple(key[2 : n + 2]), key[1] < 2 and not negative[some[0]])
+            for key, some in ranked
+        ]
 
     def refusal(self) -> str:
         """The conditions that hold nowhere among the candidates, each by itself or in pairs."""
