@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -166,7 +167,7 @@ class RealPoints:
         with its own reason.
         """
         seen = set[int]()
-        for table in self._tables():
+        for table in chain([self.table], self._tables()):
             for number in (k for group in table.groups for k in group.numbers):
                 if number not in seen:
                     seen.add(number)
