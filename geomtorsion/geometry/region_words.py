@@ -54,7 +54,7 @@ def conditions_of(
     for wall, sign in walls:
         beside = _beside_vertex(wall, sign, symbols, point)
         solved = _solved(wall, sign, symbols)
-        # Of two bounds of an angle another wall may make one needless.
+        # Another wall may make one of two bounds of an angle needless.
         relations += [(*solved, *beside)] if beside else [(one,) for one in solved]
     used = {s for some in relations for r in some for s in r.free_symbols}
     # Sizes and masses: a region is described for the signs that parameters have at its point.
