@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import zlib
 from functools import partial
-from itertools import repeat
+from itertools import islice, repeat
 from numbers import Rational
 from typing import TYPE_CHECKING, Any
 
@@ -27,7 +27,7 @@ from geomtorsion.support.checks import expression
 from geomtorsion.support.precision import EXACT_BITS, ball_precision, working_precision
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from flint import fmpq_mpoly
 
@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     Given = Callable[[Generator], mpmath.mpf]
     Known = dict[str | int | tuple[str, int], Any]
     AtPoint = dict[int, Known]
+    Points = Callable[[], Iterator[Mapping[sympy.Symbol, Any]]]
 
 
 # Bits at the beginning beyond the requested ones. The value does not depend on them; they change
@@ -360,9 +361,12 @@ class GenericPoint:
     decided so far is the same there, so that new radicands come out positive.
     """
 
-    def __init__(self, field: Tower, given: Mapping[sympy.Symbol, Any]) -> None:
+    def __init__(
+        self, field: Tower, given: Mapping[sympy.Symbol, Any], inside: Points | None = None
+    ) -> None:
         self._field = field
         self._given = dict(given)
+        self._inside = inside
         self._known: AtPoint = {}
         self._signs: list[tuple[Element, bool]] = []
         self._place = 0
@@ -430,6 +434,16 @@ class GenericPoint:
 
     def _move(self, place: int) -> None:
         self._place, self._known = place, {}
+
+    def sign(self, element: Element) -> int | None:
+        """+1 or -1, which binds the point; None where a declared domain has both signs."""
+        sign = self._sign(element)
+        for point in islice(self._inside(), _TRIES) if self._inside is not None else ():
+            elsewhere = GenericPoint(self._field, point)
+            if elsewhere.is_surely_nonzero(element) and elsewhere.is_positive(element) != sign:
+                return None
+        self._signs.append((element, sign))
+        return 1 if sign else -1
 
     def is_surely_nonzero(self, element: Element) -> bool:
         """Whether two precisions agree on a value that is not zero."""

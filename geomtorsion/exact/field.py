@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from flint import fmpq_mpoly, fmpz_mod
 
     from geomtorsion.exact.element import Value
+    from geomtorsion.exact.evaluate import Points
 
     # The derivative of a generator with respect to a symbol.
     Rule = Callable[[Tower, Generator, sympy.Symbol], Element]
@@ -209,6 +210,8 @@ class Field(Tower):
         whether the imaginary unit may occur.
     sample
         values of symbols at a point inside the domain, for choosing branches of roots.
+    inside
+        further points inside the domain, for what must have one sign in all of it.
     branches
         chosen values of roots, {root as sympy expression: sympy expression}; each is checked.
 
@@ -227,6 +230,7 @@ class Field(Tower):
         *,
         complex: bool = False,
         sample: Mapping[sympy.Symbol, Value] | None = None,
+        inside: Points | None = None,
         branches: Mapping[sympy.Expr, sympy.Expr] | None = None,
     ) -> None:
         if len(set(symbols)) != len(symbols):
@@ -237,7 +241,8 @@ class Field(Tower):
         self.owner: Any = None
         self.chosen: dict[sympy.Expr, sympy.Expr] = dict(branches or {})
         self._given_sample = dict(sample or {})
-        self.sample: Point = GenericPoint(self, self._given_sample)
+        self._inside = inside
+        self.sample: Point = GenericPoint(self, self._given_sample, inside)
         self._add_symbols(symbols)
         if complex:
             # First of all, so that later roots are compared with it.
@@ -247,7 +252,7 @@ class Field(Tower):
     def __reduce__(self) -> tuple[object, ...]:
         if self.owner is not None:
             return getattr, (self.owner, "field")
-        settings = (self.is_complex, self._given_sample, self.chosen)
+        settings = (self.is_complex, self._given_sample, self._inside, self.chosen)
         return _made_again, (self.symbols, *settings)
 
     def __deepcopy__(self, _: object) -> Field:
@@ -463,7 +468,8 @@ def _made_again(
     symbols: tuple[sympy.Symbol, ...],
     complex_: bool,
     sample: Mapping[sympy.Symbol, Value],
+    inside: Points | None,
     branches: Mapping[sympy.Expr, sympy.Expr],
 ) -> Field:
     """A field from the plain data that `Field.__reduce__` gives."""
-    return Field(symbols, complex=complex_, sample=sample, branches=branches)
+    return Field(symbols, complex=complex_, sample=sample, inside=inside, branches=branches)

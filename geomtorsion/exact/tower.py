@@ -50,6 +50,10 @@ class Point(Protocol):
         """Whether an element is positive, after the point moved there if it may."""
         ...
 
+    def sign(self, element: Element) -> int | None:
+        """+1 or -1, or None where the declared domain has both signs."""
+        ...
+
     def is_surely_nonzero(self, element: Element) -> bool:
         """Whether an element has a value that is not zero."""
         ...

@@ -115,7 +115,7 @@ def substituted(frame: Frame, put: Substitution) -> Frame:
         "parameters": [one for one in frame.parameters if one not in put.symbols],
         "domain": domain,
         # A root that the substitution removed has no branch.
-        "branches": {root: value for root, value in roots.items() if root.is_Pow},
+        "branches": {k: value for k, value in roots.items() if isinstance(k, sp.Pow | sp.Abs)},
     }
     rows = [flat[n * i : n * (i + 1)] for i in range(n)]
     replaced = maker(type(frame), shape)(frame.coordinates, rows, **arguments)

@@ -81,7 +81,8 @@ class Frame:
     SignatureError
         eta is not constant, symmetric and regular.
     ExpressionError
-        An entry cannot be read exactly (Abs, Piecewise, floats, ...); the message names it.
+        An entry cannot be read exactly (Piecewise, floats, Abs of both signs in the domain, ...);
+        the message names it.
 
     Examples
     --------

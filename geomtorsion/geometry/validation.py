@@ -82,15 +82,21 @@ def opened(
     chosen = {root.xreplace(twins): value.xreplace(twins) for root, value in chosen.items()}
     # The same generic point decides every sign that a root leaves open.
     # Without a domain the field looks for a point where its radicands are positive.
-    points = candidate_points(symbols, constants, relations, fineness=FINE)
-    sample = next(points, None) if relations else None
+    inside = partial(candidate_points, symbols, constants, relations, fineness=FINE)
+    sample = next(inside(), None) if relations else None
     if sample is None and relations:
         raise CoordinateError(
             f"expected a point inside the domain {', '.join(map(str, relations))}, got none among "
             "those tried. Give consistent relations, for instance numerical bounds of each "
             "coordinate."
         )
-    field = Field((*symbols, *constants), complex=complex_, sample=sample, branches=chosen)
+    field = Field(
+        (*symbols, *constants),
+        complex=complex_,
+        sample=sample,
+        inside=inside if relations else None,
+        branches=chosen,
+    )
     return Opened(symbols, constants, relations, complex_, field)
 
 

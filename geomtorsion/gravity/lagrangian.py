@@ -260,6 +260,11 @@ def _check_functions(
 ) -> None:
     """Refuse a function without a varied argument, and anything that is not a scalar."""
     for part in sp.preorder_traversal(expression):
+        if isinstance(part, sp.Abs):
+            raise GravityError(
+                f"lagrangian: expected a smooth expression, got {part}, which is not smooth. Write "
+                f"{part.args[0]} or -({part.args[0]}), whichever is positive in your domain."
+            )
         if isinstance(part, sp.Indexed | sp.IndexedBase | sp.Integral | sp.MatrixBase | sp.Idx):
             raise GravityError(
                 f"lagrangian: expected a scalar expression in invariants, got {part}. Write "
