@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import sympy as sp
@@ -37,14 +37,16 @@ H = sp.Function("H")(T)
 WAVE = sp.Function("h")(T, Z)
 
 
-def in_rates(equations: FieldEquations, element: Element) -> sp.Expr:
-    """An element of the background with H for the derivative of N."""
+def in_rates(
+    equations: FieldEquations, element: Element, values: Mapping[sp.Expr, sp.Expr] | None = None
+) -> sp.Expr:
+    """An element of the background with H for the derivative of N, and values for H'."""
     expression = equations.written(element)
     places = sorted(expression.atoms(sp.Derivative), key=lambda x: -x.derivative_count)
     rates = {x: H.diff(T, x.derivative_count - 1) for x in places if x.expr == N}
     # Functions of an invariant are taken at order zero, f(T_0), which is all there is here.
     zero = {x: sp.Symbol(x.name[:-2]) for x in expression.free_symbols if x.name[-2:] == "_0"}
-    return sp.factor(expression.xreplace(rates).xreplace(zero))
+    return sp.factor(expression.xreplace(rates).xreplace(zero).xreplace(values or {}))
 
 
 def fields_in_time(names: Iterable[str], own: Iterable[AppliedUndef]) -> list[ScalarField]:

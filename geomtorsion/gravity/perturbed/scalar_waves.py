@@ -150,8 +150,7 @@ class ScalarModes:
 
     def _written(self, element: Element) -> sp.Expr:
         """An element with H', by the background equation."""
-        expression = in_rates(self.equations, element)
-        return sp.factor(expression.xreplace({H.diff(T): self._rate}))
+        return in_rates(self.equations, element, {H.diff(T): self._rate})
 
     @property
     def _scale(self) -> Element:
