@@ -62,6 +62,10 @@ class Growth:
                     "growth: expected potentials that do not depend on rates of the cosmos, got "
                     f"{x}. See the waves with perturbed.scalar_modes."
                 )
+        if not self._potentials[0].has(WAVE_NUMBER):
+            raise GravityError(
+                "growth: expected dust to have a potential, got none. Add a term of gravity."
+            )
 
     @cached_property
     def _rows(self) -> list[Element]:
