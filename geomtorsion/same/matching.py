@@ -5,23 +5,25 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
+from typing import Any
 
 import mpmath
 import numpy as np
+import scipy  # loads its subpackages at first use
 import sympy as sp
 
 from geomtorsion.geometry import Frame
-from geomtorsion.geometry.validation import candidate_points
 from geomtorsion.same.invariants import Invariants
 from geomtorsion.same.values import Array, Evaluation, Values, generators
 from geomtorsion.support.allowance import check_limits
-from geomtorsion.support.precision import working_digits
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.precision import EPS, working_digits
 
 # Digits to which invariants are compared, and those with which they are computed.
 DIGITS = 50
 WORKING = DIGITS + 15
-# Points of a domain with denominators so large that no relation holds at them by accident.
-FINENESS = 9973
+# Difference of invariants, in units of their size, that stands for points where they are not finite.
+FAR = 1e3
 # Singular values that are zero up to the errors of floats, in units of the largest.
 ALIKE = 1e-6
 
@@ -49,9 +51,19 @@ class Match:
         return Match(self.goal, self.start, turn, self.difference)
 
 
-def generic_points(frame: Frame) -> Iterator[dict[sp.Symbol, sp.Rational]]:
-    """Points of the domain of a frame, in a fixed order."""
-    yield from candidate_points(frame.coordinates, frame.parameters, frame.domain, FINENESS)
+    @property
+    def reflects(self) -> bool:
+        """Whether left and right are exchanged."""
+        return self.turn is not None and np.linalg.det(self.turn.astype(float)) < 0
+
+
+def identity(invariants: Invariants) -> Match:
+    """The match of a geometry with itself."""
+    frame = invariants.frame
+    point = {q: frame.region.point[q] for q in frame.coordinates}
+    n = range(frame.dimension)
+    turn = np.array([[mpmath.mpf(i == j) for j in n] for i in n], dtype=object)
+    return Match(point, point, turn if invariants.turns else None, 0.0)
 
 
 class Search:
@@ -66,7 +78,7 @@ class Search:
         """The best match; None if no point was near one."""
         # All orders of the first geometry at one point, and of the second where they are needed.
         evaluation, values, start = Evaluation(self.one, self.highest), None, {}
-        for start in islice(generic_points(self.one.frame), 20):
+        for start in islice(self.one.frame.region.points(), 20):
             values = evaluation.at(start, WORKING)
             if values is not None:
                 break
@@ -85,7 +97,7 @@ class Search:
 
     def _near(self, exact: Values) -> Iterator[tuple[Array, Array | None]]:
         """Points and turns at which the invariants agree as floats."""
-        goal = _floats(exact).to(self.highest - 1)
+        goal = floats(exact).to(self.highest - 1)
         self._evaluation = Evaluation(self.two, self.highest - 1)
         scale = _scales(goal)
         n, signs = self.two.frame.dimension, goal.signs
@@ -106,7 +118,7 @@ class Search:
             values = here.turned(_cayley(planes, angles) @ base)
             return (values.flat - goal.flat) / scale
 
-        every = _floats(exact)
+        every = floats(exact)
         sizes = _scales(every)
         for start in self._starts(goal):
             here = self._evaluation.near(start)
@@ -122,8 +134,8 @@ class Search:
                     angles = least_squares(turn_miss, angles, 1e-12)
                     if angles is None:
                         continue
-                x = least_squares(miss, np.concatenate([start, angles]))
-                if x is None:
+                x = least_squares(miss, np.concatenate([start, angles]), bounds=self._bounds)
+                if x is None or not lies_in(self.two.frame, x[:n]):
                     continue
                 turn = _cayley(planes, x[n:]) @ base if planes else None
                 if turn is None:
@@ -140,16 +152,24 @@ class Search:
                     yield x[:n], turn
                     break
 
+    @cached_property
+    def _bounds(self) -> tuple[Array, Array]:
+        """The smallest and the largest value of each coordinate and of each angle of a turn."""
+        frame = self.two.frame
+        low, high = coordinate_bounds(frame, frame.coordinates)
+        free = np.full(len(self.two.pairs), np.inf)
+        return np.concatenate([low, -free]), np.concatenate([high, free])
+
     def _whole(self, place: Array) -> Values | None:
         """All orders at a point, as floats."""
         point = {q: mpmath.mpf(x) for q, x in zip(self.two.frame.coordinates, place, strict=True)}
         values = Evaluation(self.two, self.highest).at(point, 20)
-        return None if values is None else _floats(values)
+        return None if values is None else floats(values)
 
     def _starts(self, goal: Values) -> Iterator[Array]:
         """Points at which the scalars agree, or points of the domain where none is needed."""
         coordinates = self.two.frame.coordinates
-        for point in islice(generic_points(self.two.frame), self.tries):
+        for point in islice(self.two.frame.region.points(), self.tries):
             check_limits()
             start = np.array([float(point[q]) for q in coordinates])
             if not self.two.turns:
@@ -173,7 +193,8 @@ class Search:
                 return None
             return (values.scalars - scalars) / scale
 
-        return least_squares(miss, start)
+        low, high = (ends[: len(start)] for ends in self._bounds)
+        return least_squares(miss, start, bounds=(low, high))
 
     def _bases(self, here: Values, goal: Values) -> Iterator[Array]:
         """Turns to begin with: those that turn the matrices into each other, then random ones."""
@@ -203,7 +224,7 @@ class Search:
         """A match to all digits, by Newton's method with the slopes of the first geometry."""
         frame = self.two.frame
         goal = values.to(self.highest - 1)
-        plain = _floats(goal)
+        plain = floats(goal)
         scale, planes, n = _scales(plain), generators(values.signs), frame.dimension
 
         def miss(x: Array) -> Array | None:
@@ -247,37 +268,51 @@ class Search:
             return Match(start, point, turning, _difference(values, whole))
 
 
+def coordinate_bounds(frame: Frame, symbols: Sequence[sp.Symbol]) -> tuple[Array, Array]:
+    """Numbers between which the declared domain and the assumptions hold symbols."""
+    ends = []
+    for q in symbols:
+        low, high = (0.0 if q.is_positive else -np.inf), (0.0 if q.is_negative else np.inf)
+        for relation in frame.domain:
+            less, greater = getattr(relation, "lts", q), getattr(relation, "gts", q)
+            if greater == q and less.is_number:
+                low = max(low, float(less))
+            elif less == q and greater.is_number:
+                high = min(high, float(greater))
+        ends.append((low, high))
+    low, high = np.array(ends).reshape(-1, 2).T
+    return low, high
+
+
+def lies_in(frame: Frame, place: Sequence[Any]) -> bool:
+    """Whether the declared domain of a frame contains a point."""
+    point = {q: sp.Float(float(x)) for q, x in zip(frame.coordinates, place, strict=True)}
+    return all(relation.subs(point) != sp.false for relation in frame.domain)
+
+
 def least_squares(
-    miss: Callable[[Array], Array | None], start: Array, enough: float = 1e-14
+    miss: Callable[[Array], Array | None],
+    start: Array,
+    enough: float = 1e-14,
+    bounds: tuple[Array, Array] | None = None,
 ) -> Array | None:
-    """A zero of a function, from a start by the method of Levenberg and Marquardt; or None."""
-    x, value = start, miss(start)
-    if value is None:
+    """A zero of a function near a start, within bounds; None if none was reached.
+
+    enough: the sum of squares at which it counts as a zero.
+    """
+    first = miss(start)
+    if first is None:
         return None
-    damping, size = 1e-3, float(value @ value)
-    for _ in range(80):
-        if size < 1e-20:
-            return x
-        slopes = _slopes(miss, x)
-        if slopes is None:
-            return None
-        square, rhs = slopes.T @ slopes, slopes.T @ value
-        old = size
-        while damping < 1e8:
-            step = np.linalg.lstsq(
-                square + damping * np.diag(np.diag(square) + 1e-12), -rhs, rcond=None
-            )[0]
-            other = miss(x + step)
-            if other is not None and other @ other < size:
-                x, value, size = x + step, other, float(other @ other)
-                damping = max(damping / 10, 1e-15)
-                break
-            damping *= 4
-        else:
-            break
-        if size > 0.999 * old and size > 1e-16:
-            break
-    return x if size < enough else None
+
+    def finite(x: Array) -> Array:
+        value = miss(x)
+        return np.full(len(first), FAR) if value is None else value
+
+    limits = (-np.inf, np.inf) if bounds is None else bounds
+    result = scipy.optimize.least_squares(
+        finite, start, "2-point", limits, ftol=EPS, xtol=EPS, gtol=None, x_scale="jac", max_nfev=80
+    )
+    return result.x if 2 * result.cost < enough else None
 
 
 def _slopes(miss: Callable[[Array], Array | None], x: Array) -> Array | None:
@@ -350,7 +385,7 @@ def _orthogonal(turn: Array, signs: Sequence[int]) -> Array:
     return matrix
 
 
-def _floats(values: Values) -> Values:
+def floats(values: Values) -> Values:
     """The same numbers as floats."""
 
     def plain(t: Array) -> Array:
@@ -380,28 +415,3 @@ def _difference(one: Values, two: Values) -> float:
                 [worst, *(float(abs(x - y) / size) for x, y in zip(a.flat, b.flat, strict=True))]
             )
     return worst
-
-
-def parameters_near(one: Invariants, two: Invariants, starts: int) -> Iterator[Array]:
-    """Values of the parameters of the second geometry at which a generic point recurs."""
-    highest = max(one.highest, 1)
-    exact = next(
-        (v for p in generic_points(one.frame) if (v := Evaluation(one, highest).at(p, 20))), None
-    )
-    if exact is None:
-        return
-    goal, evaluation = _floats(exact), Evaluation(two, highest)
-    symbols = (*two.frame.coordinates, *two.frame.parameters)
-    aim = goal.scalars if two.turns else goal.flat
-    scale = np.maximum(np.abs(aim), 1e-3 * np.max(np.abs(aim), initial=1e-300))
-
-    def miss(x: Array) -> Array | None:
-        values = evaluation.near(x)
-        if values is None or values.signs != goal.signs:
-            return None
-        return ((values.scalars if two.turns else values.flat) - aim) / scale
-
-    for point in islice(generic_points(two.frame), starts):
-        x = least_squares(miss, np.array([float(point[q]) for q in symbols]))
-        if x is not None:
-            yield x[len(two.frame.coordinates) :]

@@ -5,19 +5,23 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 from itertools import islice, product
 from math import prod
 
+import numpy as np
 import sympy as sp
 
 from geomtorsion.errors import ArgumentError, GeomtorsionError
 from geomtorsion.exact import unknown_functions
 from geomtorsion.geometry import Frame
 from geomtorsion.geometry.connections import FrameLike, as_frame
-from geomtorsion.same import Equivalence, Invariants, same_geometry
-from geomtorsion.same.equivalence import KEEPS, TRIES, parameter_values, refuse_functions, signature
-from geomtorsion.same.matching import parameters_near
-from geomtorsion.spaces.registry import names, shipped_space
+from geomtorsion.same import Classification, Equivalence, Invariants
+from geomtorsion.same.classification import classification
+from geomtorsion.same.equivalence import KEEPS, TRIES, refuse_functions
+from geomtorsion.same.fitting import parameters_near
+from geomtorsion.same.scalars import is_excluded
+from geomtorsion.spaces.registry import CHARTS, names, shipped_space
 from geomtorsion.support import checks
 from geomtorsion.support.allowance import check_limits
 
@@ -33,7 +37,8 @@ class Identified:
     """A shipped space that a frame is.
 
     name, title, source: of the space.
-    parameters: values of its parameters by name, with parameters of the frame.
+    parameters: values of its parameters by name, with parameters of the frame; 0 is a limit of the
+        space where its parameter is positive.
     equivalence: the comparison, with its certainty and the map of the coordinates.
     """
 
@@ -54,22 +59,40 @@ class Identified:
 
 @dataclass(frozen=True, repr=False)
 class Identification:
-    """The shipped spaces that a frame is.
+    """Result of `identify`: properties of a frame, and shipped spaces that are the same geometry.
 
     matches: the spaces that are the same geometry; the first one only, unless all were requested.
     undecided: names of spaces that may or may not be the same.
+    special: names of spaces that may be the same for special values of their parameters only.
+    classification: properties such as flat, of constant curvature, vacuum or a product.
+    assumed: the region in which the answer holds, in words; empty: the declared domain.
+
+    It is true where a space is found, and where the curvature is constant.
     """
 
     matches: tuple[Identified, ...]
     undecided: tuple[str, ...]
+    special: tuple[str, ...]
+    classification: Classification
+    assumed: str = ""
 
     def __bool__(self) -> bool:
-        return bool(self.matches)
+        return bool(self.matches) or self.classification.curvature is not None
 
     def __str__(self) -> str:
-        lines = [str(match) for match in self.matches] or ["none of the shipped spaces"]
-        if self.undecided and not self.matches:
-            lines.append(f"undecided: {', '.join(self.undecided)}")
+        about = str(self.classification)
+        if self.matches:
+            lines = [*map(str, self.matches), f"  {about}"]
+        elif self.classification.curvature is not None:
+            lines = [about, "  none of the shipped spaces is a chart of it"]
+        elif self.undecided:
+            lines = [f"undecided: {', '.join(self.undecided)}", f"  {about}"]
+        else:
+            lines = ["none of the shipped spaces", f"  {about}"]
+        if self.special and not self:
+            lines.append(f"  special parameters are not excluded for {', '.join(self.special)}")
+        if self.assumed:
+            lines.append(f"  assumed {self.assumed}; declare domain=[...] for another region")
         return "\n".join(lines)
 
     def __repr__(self) -> str:
@@ -77,11 +100,12 @@ class Identification:
 
 
 def identify(frame: FrameLike, keep: str = "metric", *, every: bool = False) -> Identification:
-    """The shipped space that a frame is, with the values of its parameters.
+    """Properties of a frame, and the shipped space that it is, with values of its parameters.
 
-    The frame is compared with all shipped spaces of its dimension and signature that contain no
-    unknown function. Values of parameters are found as floats, read as rational numbers times
-    powers of the parameters of the frame, and confirmed by `same_geometry`.
+    Dimension, signature, constant curvature, Ricci and Weyl tensor, torsion, the number of
+    symmetries and the Petrov type are compared first. Where they agree, values of parameters are
+    fitted at one point, read as rational numbers times powers of the parameters of the frame, and
+    confirmed by all invariants to 50 digits, as in `same_geometry`.
 
     Parameters
     ----------
@@ -92,6 +116,11 @@ def identify(frame: FrameLike, keep: str = "metric", *, every: bool = False) -> 
     every
         True: all spaces that are the same; False: the first one.
 
+    Returns
+    -------
+    Identification: matches, properties, and the region that was assumed for a frame without domain.
+    A space that cannot be excluded is reported as undecided.
+
     Raises
     ------
     ArgumentError
@@ -101,82 +130,172 @@ def identify(frame: FrameLike, keep: str = "metric", *, every: bool = False) -> 
     --------
     >>> from geomtorsion.geometry import Frame
     >>> print(identify(Frame("u v", [["3/u", 0], [0, "3/u"]], domain="u > 0")))
-    none of the shipped spaces
+    constant curvature -1/9, 3 symmetries
+      none of the shipped spaces is a chart of it
     >>> print(identify(Frame("u v", [[3, 0], [0, "3*cos(u)"]], domain="0 < u < 1")))
     s2: the sphere of radius R, compass frame with R = 3
+      constant curvature 1/9, 3 symmetries
     """
     frame = as_frame(frame)
     refuse_functions(frame)
     name = checks.choice(keep, KEEPS, "keep", ArgumentError)
     checks.flag(every, "every")
-    matches, undecided = list[Identified](), list[str]()
-    for space_name in names():
+    query = _Query.of(frame, name)
+    matches, undecided, special = list[Identified](), list[str](), list[str]()
+    general, limits = _candidates(query.classification, name)
+    for charts in general:
         check_limits()
-        space = shipped_space(space_name)
-        if _is_excluded(frame, space.frame):
+        found, is_open = query.compared(charts)
+        matches += found if every else found[:1]
+        undecided += charts[:1] if is_open else []
+        if matches and not every:
+            break
+    for charts in () if matches else limits:
+        check_limits()
+        found, is_open = query.compared(charts)
+        matches += found if every else found[:1]
+        special += charts[:1] if is_open else []
+        if matches:
+            break
+    region = frame.region
+    assumed = str(region) if region.assumed else ""
+    return Identification(
+        tuple(matches), tuple(undecided), tuple(special), query.classification, assumed
+    )
+
+
+def _candidates(
+    own: Classification, keep: str
+) -> tuple[list[tuple[str, ...]], list[tuple[str, ...]]]:
+    """Charts of spaces with the same properties, and of those with special members that have them."""
+    general, limits = [], []
+    for charts in _groups(keep):
+        frame = shipped_space(charts[0]).frame
+        if frame.dimension != own.dimension or _has_functions(frame):
             continue
-        match = _compared(frame, space.frame, name)
-        if match is None:
+        other = _classification(charts[0], keep)
+        # Parameters of a flat metric are those of its legs.
+        if other.is_flat and keep == "metric" and frame.parameters:
             continue
-        values, equivalence = match
-        if equivalence.verdict == "undecided":
-            undecided.append(space_name)
-        elif equivalence.verdict == "same":
-            texts = space_name, space.title, space.source
-            matches.append(Identified(*texts, values, equivalence))
-            if not every:
-                break
-    return Identification(tuple(matches), tuple(undecided))
+        if not own.excludes(other):
+            general.append(charts)
+        elif frame.parameters and own.may_be_special(other):
+            limits.append(charts)
+    return general, limits
 
 
-def _is_excluded(frame: Frame, other: Frame) -> bool:
-    """Whether a space has another dimension or signature, or unknown functions."""
-    if frame.dimension != other.dimension:
-        return True
-    if unknown_functions(x for matrix in other.given.values() for x in matrix.values()):
-        return True
-    return signature(frame) != signature(other)
+def _groups(keep: str) -> list[tuple[str, ...]]:
+    """Names of the shipped spaces; charts of one metric together, the first to be fitted."""
+    if keep != "metric":
+        return [(name,) for name in names()]
+    group = {name: charts for charts in CHARTS for name in charts}
+    return list(dict.fromkeys(group.get(name, (name,)) for name in names()))
 
 
-def _compared(
-    frame: Frame, other: Frame, keep: str
-) -> tuple[Mapping[str, sp.Expr], Equivalence] | None:
-    """The comparison with a space, at the values of its parameters that fit; None if none do."""
-    if not other.parameters:
-        return {}, same_geometry(frame, other, keep)
-    own = {str(k): v for k, v in parameter_values(frame, frame).items()}
-    one = Invariants(frame.subs(own) if own else frame, keep)
-    generic = other.subs(parameter_values(other, other))
-    if one.growth != Invariants(generic, keep).growth:
-        return None
-    for values in _fitting(one, other, keep, own):
-        try:
-            chosen = other.subs(values)
-            result = same_geometry(frame, chosen, keep)
-        except GeomtorsionError:
-            # Values that the domain of the space does not allow.
-            continue
-        if result.verdict == "same":
-            return {str(k): v for k, v in values.items()}, result
-    return None
+def _has_functions(frame: Frame) -> bool:
+    return bool(unknown_functions(x for matrix in frame.given.values() for x in matrix.values()))
 
 
-def _fitting(
-    one: Invariants, other: Frame, keep: str, own: Mapping[str, sp.Rational]
-) -> Iterator[dict[str, sp.Expr]]:
-    """Values of parameters at which the invariants of a point recur."""
-    two = Invariants(other, keep)
-    tried = set[tuple[sp.Expr, ...]]()
-    for values in parameters_near(one, two, TRIES // 2):
-        options = [list(islice(_expressions(x, own), 4)) for x in values]
-        for chosen in product(*options):
-            if chosen not in tried:
-                tried.add(chosen)
-                yield dict(zip(map(str, other.parameters), chosen, strict=True))
+@cache
+def _classification(name: str, keep: str) -> Classification:
+    """The properties of a shipped space for general values of its parameters."""
+    return classification(Invariants(shipped_space(name).frame, keep))
+
+
+@dataclass(frozen=True)
+class _Query:
+    """The frame that is looked for, at generic values of its parameters.
+
+    values: those values, by name.
+    """
+
+    one: Invariants
+    values: Mapping[str, sp.Rational]
+    classification: Classification
+
+    @classmethod
+    def of(cls, frame: Frame, keep: str) -> _Query:
+        """The query for a frame."""
+        point = frame.region.point
+        values = {str(x): point[x] for x in frame.parameters}
+        whole = Invariants(frame, keep)
+        one = Invariants(frame.subs(values), keep) if values else whole
+        return cls(one, values, classification(whole))
+
+    def compared(self, charts: tuple[str, ...]) -> tuple[list[Identified], bool]:
+        """The charts that are the same geometry, and whether it is open that one of them is."""
+        first = shipped_space(charts[0]).frame
+        if not first.parameters:
+            return self._verdicts(charts, {})
+        two = Invariants(first, self.one.keep)
+        for values in self._fitting(two):
+            same, _ = self._verdicts(charts, values)
+            if same:
+                return same, False
+        return [], not is_excluded(self.one, two)
+
+    def _verdicts(
+        self, charts: tuple[str, ...], values: Mapping[str, sp.Expr]
+    ) -> tuple[list[Identified], bool]:
+        """The charts that are the same geometry at values of their parameters."""
+        same, is_open = [], False
+        for name in sorted(charts, key=names().index):
+            space = shipped_space(name)
+            numbers = {
+                k: x.subs({own: self.values[own.name] for own in x.free_symbols})
+                for k, x in values.items()
+            }
+            try:
+                other = _member(space.frame, numbers)
+                equivalence = Equivalence(
+                    self.one, Invariants(other, self.one.keep), parameters=self.values
+                )
+                verdict = equivalence.verdict
+            except GeomtorsionError:
+                # Values that the space does not allow.
+                continue
+            is_open = is_open or verdict == "undecided"
+            if verdict == "same":
+                texts = name, space.title, space.source
+                same.append(Identified(*texts, values, equivalence))
+        return same, is_open and not same
+
+    def _fitting(self, two: Invariants) -> Iterator[dict[str, sp.Expr]]:
+        """Values of parameters at which the invariants of a point recur."""
+        tried = set[tuple[sp.Expr, ...]]()
+        start = self.one.frame.region.point
+        for fit in parameters_near(self.one, start, two, TRIES // 2):
+            options = [list(islice(_expressions(x, self.values), 4)) for x in fit.values]
+            for chosen in product(*options):
+                if chosen not in tried:
+                    tried.add(chosen)
+                    yield dict(zip(map(str, two.frame.parameters), chosen, strict=True))
+
+
+def _member(frame: Frame, values: Mapping[str, sp.Expr]) -> Frame:
+    """The frame at values of its parameters, or its limit where a positive one is zero."""
+    zeros = {x: 0 for x in frame.parameters if values[str(x)] == 0 and x.is_zero is False}
+    if not zeros:
+        return frame.subs(values) if values else frame
+    n = range(frame.dimension)
+    rows = [[frame.coframe[i, k].subs(zeros) for k in n] for i in n]
+    limit = Frame(
+        frame.coordinates,
+        rows,
+        signature=[[frame.eta[i, k] for k in n] for i in n],
+        parameters=[x for x in frame.parameters if x not in zeros],
+        domain=[relation.subs(zeros) for relation in frame.domain],
+        complex=frame.complex,
+    )
+    return limit.subs({str(x): values[str(x)] for x in limit.parameters})
 
 
 def _expressions(value: float, own: Mapping[str, sp.Rational]) -> Iterator[sp.Expr]:
     """A float as a simple number times powers of parameters, the simplest first."""
+    if value == 0:
+        yield sp.Integer(0)
+    if not value or not np.isfinite(value):
+        return
     simple = []
     for powers in product(POWERS, repeat=len(own)):
         factors = zip(own.values(), powers, strict=True)

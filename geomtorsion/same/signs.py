@@ -1,0 +1,79 @@
+"""Signs: invariants of one sign in a whole region, by which two geometries are proved different."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from geomtorsion.exact import Certainty, Element
+from geomtorsion.exact.element import least_certain
+from geomtorsion.geometry import contract, levi_civita
+from geomtorsion.same.invariants import Invariants
+
+
+def opposite_signs(
+    one: Invariants, two: Invariants, first: Mapping[str, Element], second: Mapping[str, Element]
+) -> tuple[str, Certainty] | None:
+    """A scalar, or the energy of light-like matter, of opposite signs in the two regions."""
+    pairs = [(name, a, second[name]) for name, a in first.items()]
+    energies = _null_energy(one), _null_energy(two)
+    if None not in energies:
+        pairs.append(("the null energy R_ab k^a k^b", *energies))
+    return _opposite(pairs, one, two)
+
+
+def mirror_images(one: Invariants, two: Invariants) -> tuple[str, Certainty] | None:
+    """A scalar that a reflection changes in sign, of opposite signs in the two regions."""
+    pairs = zip(_pseudoscalars(one), _pseudoscalars(two), strict=True)
+    return _opposite([(name, a, b) for (name, a), (_, b) in pairs], one, two)
+
+
+def _opposite(
+    rows: list[tuple[str, Element, Element]], one: Invariants, two: Invariants
+) -> tuple[str, Certainty] | None:
+    words = {1: "positive", -1: "negative"}
+    for name, a, b in rows:
+        signs = one.frame.region.sign(a), two.frame.region.sign(b)
+        if signs in ((1, -1), (-1, 1)):
+            text = f"{name} is {words[signs[0]]} for the first and {words[signs[1]]} for the second"
+            return f"{text} geometry", least_certain([a.certainty, b.certainty])
+    return None
+
+
+def _null_energy(invariants: Invariants) -> Element | None:
+    """A component s l_0^2 of a Ricci tensor R_ab = s l_a l_b; None for other Ricci tensors."""
+    frame, n = invariants.frame, range(invariants.frame.dimension)
+    if invariants.keep == "legs" or len(n) < 3:
+        return None
+    ricci = levi_civita(frame).curvature.ricci.element
+    k = next((k for k in n if ricci(k, k).is_zero is False), None)
+    if k is None:
+        return None
+    minors = (
+        frame.field.sum([(1, ricci(k, k), ricci(i, j)), (-1, ricci(k, i), ricci(k, j))])
+        for i in n
+        for j in range(i + 1)
+    )
+    return ricci(k, k) if all(x.is_zero is True for x in minors) else None
+
+
+def _pseudoscalars(invariants: Invariants) -> Iterator[tuple[str, Element]]:
+    """Scalars of an odd number of volume forms."""
+    frame, n = invariants.frame, invariants.frame.dimension
+    letters = "abcdef"[:n]
+    plain = invariants.slot == "d"
+    volume = (frame.epsilon if plain else frame.epsilon.in_frame()).raised()
+    for tensor in invariants.start:
+        rank, symbol = len(tensor.slots), tensor.symbol
+        if rank == 3 and n == 3:
+            yield "the axial torsion", contract(f"{letters},{letters}->", volume, tensor).element()
+        elif rank == 3 and n == 4:
+            yield (
+                f"epsilon^abcd {symbol}_abe {symbol}_cd^e",
+                contract("abcd,abe,cde->", volume, tensor, tensor.raised(2)).element(),
+            )
+        elif rank == 4 and n == 4:
+            mixed = tensor.raised(2).raised(3)
+            yield (
+                f"epsilon^abcd {symbol}_abef {symbol}_cd^ef",
+                contract("abcd,abef,cdef->", volume, tensor, mixed).element(),
+            )
