@@ -32,11 +32,26 @@ if TYPE_CHECKING:
     from flint import fmpq_mpoly
 
     from geomtorsion.exact.element import Certainty, Value
+    from geomtorsion.exact.generic_point import Places
     from geomtorsion.exact.polynomials import Factors
 
 
 class Point(Protocol):
     """The generic point of a field, at which signs are read off; see `generic_point`."""
+
+    @property
+    def places(self) -> Places:
+        """Where the point may be."""
+        ...
+
+    @property
+    def values(self) -> dict[sympy.Expr, Any]:
+        """The values of symbols at the point."""
+        ...
+
+    def sign(self, element: Element) -> int | None:
+        """+1 or -1, or None where the declared domain has both signs."""
+        ...
 
     def value(self, element: Element) -> mpmath.mpf:
         """The value of an element, to about 90 digits."""
