@@ -94,12 +94,13 @@ CEILINGS = {
     # 17 of these choose steps and precision in proofs; no ball depends on them.
     "tuned constants": 167,
     # Two more than before: converters of arguments are three files by kind instead of one of 1,000.
-    "files of a first motion": 45,
+    # Two more: kinetic metrics and forces are files of their own.
+    "files of a first motion": 47,
     "frames of a first motion": 26,
 }
 # Lines of code below and above the wall, rounded up to five hundreds, without docstrings, comments
 # and blanks. A change that needs more raises a number and states in its commit what users get.
-BUDGET = {"below the wall": 46000, "above the wall": 49000}
+BUDGET = {"below the wall": 46500, "above the wall": 49000}
 # What a program that imports the package does not wait for.
 LATER = ("sympy", "flint", "mpmath", "numpy", "multiprocessing", "asyncio", "tomllib", "sqlite3")
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")

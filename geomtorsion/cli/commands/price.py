@@ -13,12 +13,14 @@ from geomtorsion import prices
 from geomtorsion.cli.loops import named_loop
 from geomtorsion.cli.options import (
     NO_PICTURES,
+    Force,
     FrameVelocity,
     LastTime,
     Moments,
     Parameters,
     PictureFormat,
     Pictures,
+    Potential,
     Priced,
     Start,
     Velocity,
@@ -65,6 +67,8 @@ def price(
     t: LastTime = None,
     parameters: Parameters = None,
     moments: Moments = None,
+    force: Force = None,
+    potential: Potential = None,
     accuracies: Annotated[
         str, typer.Option(metavar="X,...", help="Requested accuracies, one row each.")
     ] = "1e-3,1e-6,1e-9,1e-12",
@@ -108,7 +112,7 @@ def price(
         "memory": memory,
     }
     motion = {"--start": start, "--velocity": velocity, "--frame-velocity": frame_velocity}
-    motion |= {"--moments": moments, "--curve": curve}
+    motion |= {"--moments": moments, "--force": force, "--potential": potential, "--curve": curve}
     lines: list[str] = []
     if is_scene(source):
         _refuse(
@@ -134,7 +138,9 @@ def price(
     else:
         space = space_or_hint(source)
         with working(space.name) as progress:
-            options = start_options(start, velocity, frame_velocity, t, parameters, moments)
+            options = start_options(
+                start, velocity, frame_velocity, t, parameters, moments, force, potential
+            )
             problems, chosen, last = pair_problems(space, **options)
             progress("measuring")
             problem = problems[(curve or Curve.geodesic).value]
