@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+import numpy as np
 import sympy as sp
 
-from geomtorsion.exact import Element
-from geomtorsion.geometry import Frame, levi_civita
+from geomtorsion.geometry import Curvature, Frame, Tensor, levi_civita
 from geomtorsion.geometry.connections import FrameLike, frame_of
 from geomtorsion.same.invariants import Growth, Invariants
 from geomtorsion.same.petrov import petrov_type
@@ -25,6 +25,7 @@ class Classification:
     symmetries, isotropy: dimension of the symmetries, and of those that keep a generic point.
     curvature: the constant sectional curvature K, R_abcd = K (g_ac g_bd - g_ad g_bc) up to the
         convention of signs; None: not constant, or undecided.
+    scalar: the constant curvature scalar; None: not constant.
     einstein: the constant c in R_ab = c g_ab; None: no such constant, or undecided.
     conformally_flat: whether angles are those of flat space; None: undecided.
     parallel: whether the legs have no torsion; None: the legs are free to turn, or undecided.
@@ -44,6 +45,7 @@ class Classification:
     symmetries: int
     isotropy: int
     curvature: sp.Expr | None
+    scalar: sp.Expr | None
     einstein: sp.Expr | None
     conformally_flat: bool | None
     parallel: bool | None
@@ -63,8 +65,7 @@ class Classification:
     @property
     def lines(self) -> tuple[str, ...]:
         """The properties in words, the strongest only."""
-        count = self.symmetries
-        symmetries = "no symmetries" if not count else f"{count} symmetr{'y' if count == 1 else 'ies'}"
+        words: list[str] = []
         if self.is_flat:
             name = {0: "Euclidean space", 1: "Minkowski space"}.get(self.signature[0], "")
             if self.dimension == 1:
@@ -73,7 +74,6 @@ class Classification:
         elif self.curvature is not None:
             words = [f"constant curvature {self.curvature}"]
         else:
-            words = []
             if self.factors:
                 words.append("a product of " + " and ".join(map(str, self.factors)))
             if self.einstein is not None and self.dimension > 2:
@@ -85,7 +85,8 @@ class Classification:
                 words.append(f"Petrov type {self.petrov}")
         if self.parallel is not None:
             words.append("legs without torsion" if self.parallel else "legs with torsion")
-        return (*words, symmetries)
+        count = self.symmetries
+        return (*words, "1 symmetry" if count == 1 else f"{count or 'no'} symmetries")
 
     def __str__(self) -> str:
         return ", ".join(self.lines)
@@ -102,6 +103,8 @@ class Classification:
         pairs = [
             (self.curvature is None, other.curvature is None),
             (self.is_flat, other.is_flat),
+            (self.scalar is None, other.scalar is None),
+            (self.scalar == 0, other.scalar == 0),
             (self.einstein is None, other.einstein is None),
             (self.einstein == 0, other.einstein == 0),
             (self.conformally_flat, other.conformally_flat),
@@ -120,6 +123,8 @@ class Classification:
         rises = zip(self.growth, family.growth, strict=False)
         kept = [
             (family.curvature is not None, self.curvature is not None),
+            (family.scalar is not None, self.scalar is not None),
+            (family.scalar == 0, self.scalar == 0),
             (family.einstein is not None, self.einstein is not None),
             (family.einstein == 0, self.einstein == 0),
             (family.conformally_flat, self.conformally_flat is not False),
@@ -159,12 +164,14 @@ def classification(invariants: Invariants) -> Classification:
     torsion = invariants.keep in ("legs", "teleparallel")
     metric = Invariants(frame, "metric") if torsion else invariants
     curvature = levi_civita(frame).curvature
-    einstein = conformally = constant = None
-    if n == 1:
-        einstein, conformally, constant = sp.Integer(0), True, sp.Integer(0)
-    else:
+    scalar = einstein = constant = sp.Integer(0)
+    conformally: bool | None = True
+    if n > 1:
         conformally = _vanishes(_conformal(curvature, n))
-        einstein = _einstein(metric, curvature, n)
+        total = curvature.scalar.element()
+        scalar = sp.factor(total.sympy) if is_constant(metric, total) else None
+        einstein = None if scalar is None else _einstein(metric, curvature, n)
+        constant = None
         if einstein is not None and (n < 4 or conformally):
             constant = sp.factor(einstein / (n - 1))
     parallel = _vanishes(invariants.start) if torsion else None
@@ -175,6 +182,7 @@ def classification(invariants: Invariants) -> Classification:
         invariants.symmetries,
         invariants.isotropy,
         constant,
+        scalar,
         einstein,
         conformally,
         parallel,
@@ -186,19 +194,21 @@ def classification(invariants: Invariants) -> Classification:
 def signature(frame: Frame) -> tuple[int, int]:
     """The numbers of minus and of plus signs of the metric."""
     signs = frame.region.signature
+    if 0 in signs:
+        # Null legs, of which two have a product.
+        matrix = np.real(frame.metric.at(frame.region.point) if frame.complex else frame.eta.at({}))
+        signs = tuple(np.sign(np.linalg.eigvalsh(matrix)))
     return signs.count(-1), signs.count(1)
 
 
-def _conformal(curvature, n: int) -> list:
+def _conformal(curvature: Curvature, n: int) -> list[Tensor]:
     """Tensors that vanish where the metric is conformally flat."""
     return [] if n < 3 else [curvature.cotton] if n == 3 else [curvature.weyl]
 
 
-def _einstein(metric: Invariants, curvature, n: int) -> sp.Expr | None:
-    """The constant c in R_ab = c g_ab."""
+def _einstein(metric: Invariants, curvature: Curvature, n: int) -> sp.Expr | None:
+    """The constant c in R_ab = c g_ab, where the curvature scalar is constant."""
     frame, scalar = metric.frame, curvature.scalar.element()
-    if not is_constant(metric, scalar):
-        return None
     g, ricci = frame.metric.element, curvature.ricci.element
     rests = (
         frame.field.sum([(n, ricci(i, j)), (-1, g(i, j), scalar)])
@@ -210,7 +220,7 @@ def _einstein(metric: Invariants, curvature, n: int) -> sp.Expr | None:
     return sp.factor(scalar.sympy / n)
 
 
-def _vanishes(tensors: Iterable) -> bool | None:
+def _vanishes(tensors: Iterable[Tensor]) -> bool | None:
     """Whether all components vanish; None: undecided."""
     zeros = [x.is_zero for t in tensors for x in t.components.independent.values()]
     return False if False in zeros else None if None in zeros else True

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 from itertools import islice, product
 from typing import SupportsFloat
 
-import numpy as np
 import sympy as sp
 
 from geomtorsion.errors import ArgumentError, CoordinateError, UndecidedError
@@ -137,7 +136,8 @@ def parameter_values(one: Frame, two: Frame) -> dict[str, sp.Rational]:
     """Generic rational values of all parameters, by name, that both regions allow."""
     if not (one.parameters or two.parameters):
         return {}
-    for first, second in product(islice(one.region.points(), TRIES), islice(two.region.points(), TRIES)):
+    sides = (islice(frame.region.points(), TRIES) for frame in (one, two))
+    for first, second in product(*sides):
         values = {str(x): second[x] for x in two.parameters}
         values |= {str(x): first[x] for x in one.parameters}
         if _has_points(two, values):
@@ -369,7 +369,7 @@ class Equivalence:
             rows["second point"] = _point_text(self.match.goal)
         for which, inv in (("first", self.one), ("second", self.two)):
             if inv.frame.region.assumed:
-                rows[f"{which} region"] = f"{inv.frame.region} (assumed)"
+                rows[f"{which} region"] = inv.frame.region.assumption
         if self.parameters:
             rows["at"] = ", ".join(f"{k} = {v}" for k, v in self.parameters.items())
         return rows

@@ -141,4 +141,6 @@ def _limits(demands: Demands, y: Array, first: int) -> Iterator[float]:
             moved[k] = other
             rest = demands.miss(moved)
             free.append(rest is not None and float(rest @ rest) < ENOUGH)
-        yield 0.0 if free == [True, False] else np.inf if free == [False, True] else float(values[k])
+        yield (
+            0.0 if free == [True, False] else np.inf if free == [False, True] else float(values[k])
+        )

@@ -22,7 +22,7 @@ from geomtorsion.support.precision import EPS, working_digits
 # Digits to which invariants are compared, and those with which they are computed.
 DIGITS = 50
 WORKING = DIGITS + 15
-# Difference of invariants, in units of their size, that stands for points where they are not finite.
+# Relative difference of invariants that is used for points where they are not finite.
 FAR = 1e3
 # Singular values that are zero up to the errors of floats, in units of the largest.
 ALIKE = 1e-6
@@ -49,7 +49,6 @@ class Match:
             with working_digits(WORKING):
                 turn = np.array((mpmath.matrix(turn.tolist()) ** -1).tolist(), dtype=object)
         return Match(self.goal, self.start, turn, self.difference)
-
 
     @property
     def reflects(self) -> bool:
@@ -309,9 +308,10 @@ def least_squares(
         return np.full(len(first), FAR) if value is None else value
 
     limits = (-np.inf, np.inf) if bounds is None else bounds
-    result = scipy.optimize.least_squares(
-        finite, start, "2-point", limits, ftol=EPS, xtol=EPS, gtol=None, x_scale="jac", max_nfev=80
-    )
+    options = {"ftol": EPS, "xtol": EPS, "gtol": None, "x_scale": "jac", "max_nfev": 80}
+    with np.errstate(all="ignore"):
+        # Steps of length zero in directions without effect, as along symmetries.
+        result = scipy.optimize.least_squares(finite, start, "2-point", limits, **options)
     return result.x if 2 * result.cost < enough else None
 
 

@@ -41,9 +41,8 @@ def _weyl(riemann: Array, signs: tuple[int, ...]) -> Array:
     ricci = np.einsum("ad,abcd->bc", eta, riemann)
     scalar = np.einsum("ab,ab->", eta, ricci)
     share = ricci / 2 - eta * (scalar / 12)
-    rest = [
-        np.einsum(rule, eta, share) for rule in ("ad,bc->abcd", "bd,ac->abcd", "ac,bd->abcd", "bc,ad->abcd")
-    ]
+    rules = ("ad,bc->abcd", "bd,ac->abcd", "ac,bd->abcd", "bc,ad->abcd")
+    rest = [np.einsum(rule, eta, share) for rule in rules]
     return riemann - rest[0] + rest[1] + rest[2] - rest[3]
 
 

@@ -28,13 +28,16 @@ class Factor:
     curvature: sp.Expr | None
 
     def __str__(self) -> str:
-        one = self.dimension == 1
-        size = "a line" if one else f"{self.dimension} dimensions"
-        if one:
-            return size
+        if self.dimension == 1:
+            return "a line"
+        size = f"{self.dimension} dimensions"
         if self.curvature is None:
-            return f"{size} of varying or other curvature"
-        return f"{size} {'that are flat' if self.curvature == 0 else f'of curvature {self.curvature}'}"
+            return f"{size} of another curvature"
+        return (
+            f"{size} without curvature"
+            if self.curvature == 0
+            else (f"{size} of curvature {self.curvature}")
+        )
 
 
 def factors(metric: Invariants) -> tuple[Factor, ...]:
@@ -130,6 +133,6 @@ def _curvature(metric: Invariants, n: int) -> sp.Expr | None:
     if n > 2:
         # R_ab R^ab = R^2 / n, as R_abcd R^abcd = 2 R^2 / (n (n - 1)), for constant curvature only.
         rest = curvature.kretschmann.element() * (n * (n - 1)) - scalar * scalar * 2
-        if  rest.is_zero is not True:
+        if rest.is_zero is not True:
             return None
     return sp.factor(scalar.sympy / (n * (n - 1)))

@@ -17,7 +17,7 @@ from geomtorsion.exact import unknown_functions
 from geomtorsion.geometry import Frame
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.same import Classification, Equivalence, Invariants
-from geomtorsion.same.classification import classification
+from geomtorsion.same.classification import classification, signature
 from geomtorsion.same.equivalence import KEEPS, TRIES, refuse_functions
 from geomtorsion.same.fitting import parameters_near
 from geomtorsion.same.scalars import is_excluded
@@ -65,7 +65,8 @@ class Identification:
     undecided: names of spaces that may or may not be the same.
     special: names of spaces that may be the same for special values of their parameters only.
     classification: properties such as flat, of constant curvature, vacuum or a product.
-    assumed: the region in which the answer holds, in words; empty: the declared domain.
+    assumption: the region that was assumed, in words; empty where the domain was declared.
+    negated: whether minus the metric was identified, as its signature has more minus signs.
 
     It is true where a space is found, and where the curvature is constant.
     """
@@ -74,7 +75,8 @@ class Identification:
     undecided: tuple[str, ...]
     special: tuple[str, ...]
     classification: Classification
-    assumed: str = ""
+    assumption: str = ""
+    negated: bool = False
 
     def __bool__(self) -> bool:
         return bool(self.matches) or self.classification.curvature is not None
@@ -91,8 +93,10 @@ class Identification:
             lines = ["none of the shipped spaces", f"  {about}"]
         if self.special and not self:
             lines.append(f"  special parameters are not excluded for {', '.join(self.special)}")
-        if self.assumed:
-            lines.append(f"  assumed {self.assumed}; declare domain=[...] for another region")
+        if self.negated:
+            lines.append("  for minus the metric, which has more plus signs")
+        if self.assumption:
+            lines.append(f"  {self.assumption}")
         return "\n".join(lines)
 
     def __repr__(self) -> str:
@@ -140,34 +144,51 @@ def identify(frame: FrameLike, keep: str = "metric", *, every: bool = False) -> 
     refuse_functions(frame)
     name = checks.choice(keep, KEEPS, "keep", ArgumentError)
     checks.flag(every, "every")
+    minus, plus = signature(frame)
+    negated = minus > plus
+    frame = _negated(frame) if negated else frame
     query = _Query.of(frame, name)
     matches, undecided, special = list[Identified](), list[str](), list[str]()
     general, limits = _candidates(query.classification, name)
     for charts in general:
         check_limits()
-        found, is_open = query.compared(charts)
-        matches += found if every else found[:1]
+        equal, is_open = query.compared(charts, every)
+        matches += equal
         undecided += charts[:1] if is_open else []
         if matches and not every:
             break
     for charts in () if matches else limits:
         check_limits()
-        found, is_open = query.compared(charts)
-        matches += found if every else found[:1]
+        equal, is_open = query.compared(charts, every)
+        matches += equal
         special += charts[:1] if is_open else []
         if matches:
             break
-    region = frame.region
-    assumed = str(region) if region.assumed else ""
-    return Identification(
-        tuple(matches), tuple(undecided), tuple(special), query.classification, assumed
+    parts = tuple(matches), tuple(undecided), tuple(special)
+    return Identification(*parts, query.classification, frame.region.assumption, negated)
+
+
+def _negated(frame: Frame) -> Frame:
+    """The frame with minus its metric."""
+    n = range(frame.dimension)
+    domain, parameters = frame.domain, frame.parameters
+    if frame.shape == "metric":
+        rows = [[-frame.metric[i, j] for j in n] for i in n]
+        return Frame.from_metric(frame.coordinates, rows, domain=domain, parameters=parameters)
+    return Frame(
+        frame.coordinates,
+        [[frame.coframe[i, k] for k in n] for i in n],
+        [[-frame.eta[i, j] for j in n] for i in n],
+        domain=domain,
+        parameters=parameters,
+        complex=frame.complex,
     )
 
 
 def _candidates(
     own: Classification, keep: str
 ) -> tuple[list[tuple[str, ...]], list[tuple[str, ...]]]:
-    """Charts of spaces with the same properties, and of those with special members that have them."""
+    """Spaces with the same properties, and spaces with special members that have them."""
     general, limits = [], []
     for charts in _groups(keep):
         frame = shipped_space(charts[0]).frame
@@ -222,22 +243,22 @@ class _Query:
         one = Invariants(frame.subs(values), keep) if values else whole
         return cls(one, values, classification(whole))
 
-    def compared(self, charts: tuple[str, ...]) -> tuple[list[Identified], bool]:
-        """The charts that are the same geometry, and whether it is open that one of them is."""
+    def compared(self, charts: tuple[str, ...], every: bool) -> tuple[list[Identified], bool]:
+        """The first or every chart that is the same, and whether none is found or excluded."""
         first = shipped_space(charts[0]).frame
         if not first.parameters:
-            return self._verdicts(charts, {})
+            return self._verdicts(charts, {}, every)
         two = Invariants(first, self.one.keep)
         for values in self._fitting(two):
-            same, _ = self._verdicts(charts, values)
+            same, _ = self._verdicts(charts, values, every)
             if same:
                 return same, False
         return [], not is_excluded(self.one, two)
 
     def _verdicts(
-        self, charts: tuple[str, ...], values: Mapping[str, sp.Expr]
+        self, charts: tuple[str, ...], values: Mapping[str, sp.Expr], every: bool
     ) -> tuple[list[Identified], bool]:
-        """The charts that are the same geometry at values of their parameters."""
+        """The first or every chart that is the same geometry at values of its parameters."""
         same, is_open = [], False
         for name in sorted(charts, key=names().index):
             space = shipped_space(name)
@@ -258,6 +279,8 @@ class _Query:
             if verdict == "same":
                 texts = name, space.title, space.source
                 same.append(Identified(*texts, values, equivalence))
+                if not every:
+                    break
         return same, is_open and not same
 
     def _fitting(self, two: Invariants) -> Iterator[dict[str, sp.Expr]]:
