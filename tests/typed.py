@@ -32,9 +32,7 @@ class Typed:
         """The frame, without domain and without assumptions."""
         constants = self.parameters or None
         if self.coframe:
-            return gt.Frame(
-                self.coordinates, self.coframe, self.signature, parameters=constants
-            )
+            return gt.Frame(self.coordinates, self.coframe, self.signature, parameters=constants)
         n = len(self.coordinates.split())
         rows = self.metric or [
             [self.diagonal[i] if i == k else "0" for k in range(n)] for i in range(n)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from itertools import islice, product
 from typing import SupportsFloat
 
+import numpy as np
 import sympy as sp
 
 from geomtorsion.errors import ArgumentError, CoordinateError, UndecidedError
@@ -166,12 +167,14 @@ class Equivalence:
     one, two: their invariants.
     orientation: whether left and right are kept apart.
     parameters: values that were given to parameters, by name.
+    near: coordinates of the second geometry from which the search for a point begins, if known.
     """
 
     one: Invariants
     two: Invariants
     orientation: bool = False
     parameters: Mapping[str, sp.Rational] = field(default_factory=dict)
+    near: np.ndarray | None = field(default=None, repr=False)
 
     @property
     def verdict(self) -> str:
@@ -264,9 +267,13 @@ class Equivalence:
         proof = contradiction(one, two, first, second)
         if proof is not None:
             return _Outcome("different", *proof)
+        opposite = opposite_signs(one, two, first, second)
+        if opposite is not None:
+            return _Outcome("different", *opposite)
         # The search evaluates the second geometry often.
-        swapped = _length(one) < _length(two)
-        search = Search(*((two, one) if swapped else (one, two)), self.orientation, TRIES)
+        swapped = self.near is None and _length(one) < _length(two)
+        sides = (two, one) if swapped else (one, two)
+        search = Search(*sides, self.orientation, TRIES, self.near)
         match = search.match()
         if match is not None and swapped:
             match = match.inverted()
@@ -278,9 +285,6 @@ class Equivalence:
         if is_excluded(one, two):
             reason = "no point of the second geometry has the invariants of a generic point"
             return _Outcome("different", reason + " of the first", RESULTANTS)
-        opposite = opposite_signs(one, two, first, second)
-        if opposite is not None:
-            return _Outcome("different", *opposite)
         if match is None and self.orientation:
             mirror = replace(self, orientation=False)
             if mirror.verdict == "same":

@@ -13,6 +13,7 @@ import scipy  # loads its subpackages at first use
 import sympy as sp
 
 from geomtorsion.geometry import Frame
+from geomtorsion.same.demands import Demands, best_starts
 from geomtorsion.same.invariants import Invariants
 from geomtorsion.same.values import Array, Evaluation, Values, generators
 from geomtorsion.support.allowance import check_limits
@@ -68,8 +69,16 @@ def identity(invariants: Invariants) -> Match:
 class Search:
     """The search for a point of one geometry at which it looks as another does at its point."""
 
-    def __init__(self, one: Invariants, two: Invariants, proper: bool, tries: int) -> None:
+    def __init__(
+        self,
+        one: Invariants,
+        two: Invariants,
+        proper: bool,
+        tries: int,
+        near: Array | None = None,
+    ) -> None:
         self.one, self.two, self.proper, self.tries = one, two, proper, tries
+        self.near = near
         self.highest = max(one.highest, 1)
         self.random = np.random.default_rng(1)
 
@@ -166,34 +175,26 @@ class Search:
         return None if values is None else floats(values)
 
     def _starts(self, goal: Values) -> Iterator[Array]:
-        """Points at which the scalars agree, or points of the domain where none is needed."""
+        """Points at which the scalars agree, or points of the region where none is needed."""
         coordinates = self.two.frame.coordinates
-        for point in islice(self.two.frame.region.points(), self.tries):
-            check_limits()
-            start = np.array([float(point[q]) for q in coordinates])
-            if not self.two.turns:
-                yield start
-                continue
-            if self.two.coordinates == 0:
-                yield start
-                return
-            place = self._with_scalars(goal, start) if goal.has_scalars else start
-            if place is not None:
-                yield place
-
-    def _with_scalars(self, goal: Values, start: Array) -> Array | None:
-        """A point at which the scalars have the values of the goal."""
-        scalars = goal.scalars
-        scale = np.maximum(np.abs(scalars), 1e-3 * np.max(np.abs(scalars), initial=1e-300))
-
-        def miss(x: Array) -> Array | None:
-            values = self._evaluation.near(x)
-            if values is None or values.signs != goal.signs:
-                return None
-            return (values.scalars - scalars) / scale
-
-        low, high = (ends[: len(start)] for ends in self._bounds)
-        return least_squares(miss, start, bounds=(low, high))
+        if self.near is not None and lies_in(self.two.frame, self.near):
+            yield self.near
+        points = islice(self.two.frame.region.points(), self.tries)
+        plain = (np.array([float(point[q]) for q in coordinates]) for point in points)
+        if not self.two.turns:
+            yield from plain
+        elif self.two.coordinates == 0:
+            yield from islice(plain, 1)
+        elif not goal.has_scalars:
+            yield from plain
+        else:
+            demands = Demands(goal, self.two, self.highest - 1, np.zeros(len(coordinates), bool))
+            low, high = (ends[: len(coordinates)] for ends in self._bounds)
+            for start in best_starts(demands, self.tries):
+                check_limits()
+                place = least_squares(demands.miss, start, bounds=(low, high))
+                if place is not None:
+                    yield place
 
     def _bases(self, here: Values, goal: Values) -> Iterator[Array]:
         """Turns to begin with: those that turn the matrices into each other, then random ones."""
@@ -268,11 +269,11 @@ class Search:
 
 
 def coordinate_bounds(frame: Frame, symbols: Sequence[sp.Symbol]) -> tuple[Array, Array]:
-    """Numbers between which the declared domain and the assumptions hold symbols."""
+    """Numbers between which the region of a frame and the assumptions hold symbols."""
     ends = []
     for q in symbols:
         low, high = (0.0 if q.is_positive else -np.inf), (0.0 if q.is_negative else np.inf)
-        for relation in frame.domain:
+        for relation in frame.region.relations:
             less, greater = getattr(relation, "lts", q), getattr(relation, "gts", q)
             if greater == q and less.is_number:
                 low = max(low, float(less))
@@ -284,9 +285,9 @@ def coordinate_bounds(frame: Frame, symbols: Sequence[sp.Symbol]) -> tuple[Array
 
 
 def lies_in(frame: Frame, place: Sequence[Any]) -> bool:
-    """Whether the declared domain of a frame contains a point."""
+    """Whether the region of a frame contains a point."""
     point = {q: sp.Float(float(x)) for q, x in zip(frame.coordinates, place, strict=True)}
-    return all(relation.subs(point) != sp.false for relation in frame.domain)
+    return all(relation.subs(point) != sp.false for relation in frame.region.relations)
 
 
 def least_squares(

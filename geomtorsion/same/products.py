@@ -32,7 +32,7 @@ class Factor:
             return "a line"
         size = f"{self.dimension} dimensions"
         if self.curvature is None:
-            return f"{size} of another curvature"
+            return f"{self.dimension} curved dimensions"
         return (
             f"{size} without curvature"
             if self.curvature == 0

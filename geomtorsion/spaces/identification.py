@@ -249,14 +249,23 @@ class _Query:
         if not first.parameters:
             return self._verdicts(charts, {}, every)
         two = Invariants(first, self.one.keep)
-        for values in self._fitting(two):
-            same, _ = self._verdicts(charts, values, every)
-            if same:
-                return same, False
-        return [], not is_excluded(self.one, two)
+        fitting = self._fitting(two)
+        # Most geometries that are the same fit at once; a proof that none does saves other starts.
+        for candidates in (islice(fitting, 1), fitting):
+            for place, values in candidates:
+                same, _ = self._verdicts(charts, values, every, place)
+                if same:
+                    return same, False
+            if is_excluded(self.one, two):
+                return [], False
+        return [], True
 
     def _verdicts(
-        self, charts: tuple[str, ...], values: Mapping[str, sp.Expr], every: bool
+        self,
+        charts: tuple[str, ...],
+        values: Mapping[str, sp.Expr],
+        every: bool,
+        place: np.ndarray | None = None,
     ) -> tuple[list[Identified], bool]:
         """The first or every chart that is the same geometry at values of its parameters."""
         same, is_open = [], False
@@ -268,9 +277,9 @@ class _Query:
             }
             try:
                 other = _member(space.frame, numbers)
-                equivalence = Equivalence(
-                    self.one, Invariants(other, self.one.keep), parameters=self.values
-                )
+                two = Invariants(other, self.one.keep)
+                near = place if name == charts[0] else None
+                equivalence = Equivalence(self.one, two, parameters=self.values, near=near)
                 verdict = equivalence.verdict
             except GeomtorsionError:
                 # Values that the space does not allow.
@@ -283,8 +292,8 @@ class _Query:
                     break
         return same, is_open and not same
 
-    def _fitting(self, two: Invariants) -> Iterator[dict[str, sp.Expr]]:
-        """Values of parameters at which the invariants of a point recur."""
+    def _fitting(self, two: Invariants) -> Iterator[tuple[np.ndarray, dict[str, sp.Expr]]]:
+        """Coordinates and values of parameters at which the invariants of a point recur."""
         tried = set[tuple[sp.Expr, ...]]()
         start = self.one.frame.region.point
         for fit in parameters_near(self.one, start, two, TRIES // 2):
@@ -292,7 +301,7 @@ class _Query:
             for chosen in product(*options):
                 if chosen not in tried:
                     tried.add(chosen)
-                    yield dict(zip(map(str, two.frame.parameters), chosen, strict=True))
+                    yield fit.place, dict(zip(map(str, two.frame.parameters), chosen, strict=True))
 
 
 def _member(frame: Frame, values: Mapping[str, sp.Expr]) -> Frame:
@@ -301,13 +310,20 @@ def _member(frame: Frame, values: Mapping[str, sp.Expr]) -> Frame:
     if not zeros:
         return frame.subs(values) if values else frame
     n = range(frame.dimension)
-    rows = [[frame.coframe[i, k].subs(zeros) for k in n] for i in n]
+    relations = [relation.subs(zeros) for relation in frame.domain]
+    # Roots of squares take the signs that they have in the domain: sqrt(r**2) is r.
+    signs = {q: sp.Dummy(positive=True) for q in frame.coordinates if frame.region.sign(q) == 1}
+    back = {dummy: q for q, dummy in signs.items()}
+    rows = [
+        [sp.powdenest(frame.coframe[i, k].subs({**zeros, **signs})).subs(back) for k in n]
+        for i in n
+    ]
     limit = Frame(
         frame.coordinates,
         rows,
-        signature=[[frame.eta[i, k] for k in n] for i in n],
+        [[frame.eta[i, k] for k in n] for i in n],
         parameters=[x for x in frame.parameters if x not in zeros],
-        domain=[relation.subs(zeros) for relation in frame.domain],
+        domain=[relation for relation in relations if relation != sp.true],
         complex=frame.complex,
     )
     return limit.subs({str(x): values[str(x)] for x in limit.parameters})
