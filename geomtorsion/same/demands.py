@@ -11,7 +11,7 @@ from geomtorsion.same.invariants import Invariants
 from geomtorsion.same.values import ROUNDING, Array, Evaluation, Values
 
 # Points of the region among which starts are chosen.
-POINTS = 100
+POINTS = 200
 # The largest logarithm of a positive symbol, in units of the scale of lengths.
 LARGEST = 30.0
 

@@ -30,6 +30,8 @@ POWERS = (Fraction(0), Fraction(1), Fraction(-1), Fraction(2), Fraction(-2), Fra
 # The largest denominator of that rational number; it must be met far more exactly than by chance.
 LARGEST = 1000
 CLOSE = 0.1 / LARGEST**2
+# Points of the frame at which parameters are fitted, one after the other.
+POINTS = 3
 
 
 @dataclass(frozen=True, repr=False)
@@ -292,16 +294,18 @@ class _Query:
                     break
         return same, is_open and not same
 
-    def _fitting(self, two: Invariants) -> Iterator[tuple[np.ndarray, dict[str, sp.Expr]]]:
+    def _fitting(self, two: Invariants) -> Iterator[tuple[np.ndarray | None, dict[str, sp.Expr]]]:
         """Coordinates and values of parameters at which the invariants of a point recur."""
         tried = set[tuple[sp.Expr, ...]]()
-        start = self.one.frame.region.point
-        for fit in parameters_near(self.one, start, two, TRIES // 2):
-            options = [list(islice(_expressions(x, self.values), 4)) for x in fit.values]
-            for chosen in product(*options):
-                if chosen not in tried:
-                    tried.add(chosen)
-                    yield fit.place, dict(zip(map(str, two.frame.parameters), chosen, strict=True))
+        points = list(islice(self.one.frame.region.points(), POINTS))
+        for number, start in enumerate(points):
+            for fit in parameters_near(self.one, start, two, TRIES // POINTS):
+                options = [list(islice(_expressions(x, self.values), 4)) for x in fit.values]
+                for chosen in product(*options):
+                    if chosen not in tried:
+                        tried.add(chosen)
+                        named = dict(zip(map(str, two.frame.parameters), chosen, strict=True))
+                        yield None if number else fit.place, named
 
 
 def _member(frame: Frame, values: Mapping[str, sp.Expr]) -> Frame:
