@@ -75,6 +75,7 @@ LONG: dict[str, str] = {
     "geometry/connection.py": "all that a connection can be asked; half is documentation",
     "loops/exact_integral.py": "line integrals in closed form: kinds of integrands, side by side",
     "geometry/forms.py": "the exterior calculus: a form, its algebra and its derivatives",
+    "gravity/equations.py": "all that field equations can be asked; half is documentation",
     "geometry/frame.py": "all that a frame can be asked; two thirds are documentation",
     "geometry/components.py": "sparse arrays with their symmetries, products and inverses",
     "geometry/tensor.py": "all that a tensor can be asked; half is documentation",
@@ -88,19 +89,27 @@ LONGEST = 500
 # Counts that should fall: each ceiling is lowered as soon as the count is lower.
 CEILINGS = {
     # homes.py and indexing.py need frames for their types, and tensors need both files.
-    "files in rings": 39,
+    # A region and its walls hold their frame, which makes them.
+    "files in rings": 46,
     "inner imports without a reason": 0,
     "percent of Any": 3.6,
     # 17 of these choose steps and precision in proofs; no ball depends on them.
-    "tuned constants": 167,
+    # 2 are the number of points tried and the distance from a wall, where a region is searched.
+    # One separates a pole of the rates from a removable one.
+    # One more: the samples that look for pulses between steps.
+    "tuned constants": 172,
     # Two more than before: converters of arguments are three files by kind instead of one of 1,000.
     # Two more: kinetic metrics and forces are files of their own.
-    "files of a first motion": 47,
-    "frames of a first motion": 26,
+    # One more: squares that roots hide in circular functions.
+    # Two more: what rates divide by, and whether a motion ends where that vanishes.
+    # Four of them find the region in which the motion starts.
+    "files of a first motion": 54,
+    # The first root that is read asks for a sign, and the sign for the region of the frame.
+    "frames of a first motion": 43,
 }
 # Lines of code below and above the wall, rounded up to five hundreds, without docstrings, comments
 # and blanks. A change that needs more raises a number and states in its commit what users get.
-BUDGET = {"below the wall": 46500, "above the wall": 49000}
+BUDGET = {"below the wall": 48000, "above the wall": 51000}
 # What a program that imports the package does not wait for.
 LATER = ("sympy", "flint", "mpmath", "numpy", "multiprocessing", "asyncio", "tomllib", "sqlite3")
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")

@@ -82,7 +82,7 @@ class Candidates:
             value = (3 + 25 * share) / 20
         elif k < self._coordinates or not symbol.is_Symbol:
             scale = self._scales[int(number * GOLDEN % 1 * len(self._scales))]
-            value = (1 + 11 * share) / 4 * kind(scale)
+            value = (1 + 5 * share) / 4 * kind(scale)
         else:
             # Later ones are smaller, as a < M.
             value = (1 + 4 * share) / 10 * kind(4) ** (k - self._coordinates)
@@ -104,7 +104,7 @@ def value_of_name(text: str, number: int) -> mpmath.mpf:
 
 
 def _bounds_of(symbol: sympy.Expr, bounds: Bounds) -> Bounds:
-    """Bounds of a symbol together with those of its assumptions."""
+    """Bounds of a symbol that its assumptions also allow."""
     low, high = bounds
     if symbol.is_nonnegative:
         low = Fraction(0) if low is None else max(low, Fraction(0))

@@ -16,7 +16,7 @@ from geomtorsion.exact.element import PROVED, UNDECIDED, Canonical, Certainty, E
 from geomtorsion.exact.evaluate import arguments, evaluate
 from geomtorsion.exact.functions import jet
 from geomtorsion.exact.generators import Generator, Generators, Names
-from geomtorsion.exact.generic_point import GenericPoint, Places
+from geomtorsion.exact.generic_point import Extended, GenericPoint, Places
 from geomtorsion.exact.limits import MOST_AT_ONCE, NoPointError
 from geomtorsion.exact.points import point_of, roomy_point_of
 from geomtorsion.exact.primes import BITS
@@ -248,7 +248,7 @@ class Field(Tower):
     def __reduce__(self) -> tuple[object, ...]:
         if self.owner is not None:
             return getattr, (self.owner, "field")
-        settings = (self.is_complex, self.sample.values, self.chosen)
+        settings = (self.is_complex, self.sample.given, self.chosen)
         return _made_again, (self.symbols, *settings)
 
     def __deepcopy__(self, _: object) -> Field:
@@ -265,18 +265,15 @@ class Field(Tower):
         return Field(
             (*self.symbols, symbol),
             complex=self.is_complex,
-            sample={**self.sample.values, symbol: value},
+            sample=Extended(self.sample, {symbol: value}),
         )
 
     def with_symbols(self, symbols: Sequence[sympy.Symbol]) -> Field:
         """A field over more symbols, with the same domain and branches."""
-        given = self._given_sample
-        # Values of which none is a simple multiple of another, where the domain needs a point.
-        more = {s: sympy.Rational(101 + 12 * k, 97) for k, s in enumerate(symbols)} if given else {}
         return Field(
             (*self.symbols, *symbols),
             complex=self.is_complex,
-            sample=given | more,
+            sample=Extended(self.sample, {}),
             branches=self.chosen,
         )
 

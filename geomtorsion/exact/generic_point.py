@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from functools import partial
+from itertools import chain
 from typing import TYPE_CHECKING, Any, Protocol
 
 import mpmath
@@ -19,12 +20,11 @@ from geomtorsion.support.precision import EXACT_BITS, working_precision
 if TYPE_CHECKING:
     from geomtorsion.exact.element import Element
     from geomtorsion.exact.evaluate import AtPoint
-    from geomtorsion.exact.tower import Tower
+    from geomtorsion.exact.tower import Point, Tower
 
-# Places tried before a radicand or the argument of a log is left negative.
-TRIES = 80
-# Places of a declared domain at which a sign is compared.
-SIGNS = 24
+# Places tried before a radicand or the argument of a log is left negative, and at which the signs
+# in a declared domain are compared.
+TRIES = 96
 
 
 class Places(Protocol):
@@ -59,6 +59,23 @@ class Given:
     def refusal(self) -> str:
         """Why it does not serve."""
         return f"it has no value at {self._point}. Give another point."
+
+
+class Extended:
+    """The places of another point, with values of further symbols."""
+
+    def __init__(self, sample: Point, values: Mapping[sympy.Expr, Any]) -> None:
+        self._sample, self._values = sample, dict(values)
+        self.is_declared = sample.places.is_declared
+
+    def points(self) -> Iterator[Mapping[sympy.Expr, Any]]:
+        """The places from the present one on."""
+        for point in chain([self._sample.values], self._sample.places.points()):
+            yield {**point, **self._values}
+
+    def refusal(self) -> str:
+        """Why there is no point."""
+        return self._sample.places.refusal()
 
 
 class Anywhere:
@@ -129,6 +146,11 @@ class GenericPoint:
         # Zero is accepted at half of the bits that evaluation tries at most.
         return settled_value(compute, self._known, EXACT_BITS, LARGEST_BITS // 2)
 
+    @property
+    def given(self) -> dict[sympy.Expr, Any]:
+        """The values that were given; empty where the point was searched."""
+        return self.values if isinstance(self._places, Given) else {}
+
     def place_in_words(self) -> str:
         """The point, for stating where a branch was chosen."""
         numbers = ", ".join(
@@ -149,9 +171,10 @@ class GenericPoint:
         if self.places.is_declared:
             before = self._place
             try:
-                for place in range(SIGNS):
+                for place in range(TRIES):
                     self._move(place)
-                    if self._is_allowed() and self._sign(element) != sign:
+                    has_value = self.is_surely_nonzero(element) and self._is_allowed()
+                    if has_value and self._sign(element) != sign:
                         return None
             finally:
                 self._move(before)
@@ -209,7 +232,11 @@ class GenericPoint:
             return False
 
     def _value_of(self, generator: Generator) -> mpmath.mpf:
-        shown, values_here = generator.shown, self._at(self._place)
+        return self.number_of(generator.shown)
+
+    def number_of(self, shown: sympy.Expr) -> mpmath.mpf:
+        """The value of a symbol, or of an unknown function or its derivative."""
+        values_here = self._at(self._place)
         if shown in values_here:
             entry = expression(values_here[shown], str(shown))
             return mpmath.mpmathify(entry.evalf(int(mpmath.mp.dps) + 10))

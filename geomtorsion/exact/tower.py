@@ -49,8 +49,13 @@ class Point(Protocol):
         """The values of symbols at the point."""
         ...
 
-    def sign(self, element: Element) -> int | None:
-        """+1 or -1, or None where the declared domain has both signs."""
+    @property
+    def given(self) -> dict[sympy.Expr, Any]:
+        """The values that were given; empty where the point was searched."""
+        ...
+
+    def number_of(self, shown: sympy.Expr) -> mpmath.mpf:
+        """The value of a symbol, or of an unknown function or its derivative."""
         ...
 
     def value(self, element: Element) -> mpmath.mpf:
@@ -63,6 +68,10 @@ class Point(Protocol):
 
     def prefer_positive(self, element: Element) -> bool:
         """Whether an element is positive, after the point moved there if it may."""
+        ...
+
+    def sign(self, element: Element) -> int | None:
+        """+1 or -1, or None where the declared domain has both signs."""
         ...
 
     def is_surely_nonzero(self, element: Element) -> bool:

@@ -125,10 +125,13 @@ def substituted(frame: Frame, put: Substitution) -> Frame:
         "parameters": [one for one in frame.parameters if one not in put.symbols],
         "domain": domain,
         # A root that the substitution removed has no branch.
-        "branches": {root: value for root, value in roots.items() if root.is_Pow},
+        "branches": {k: value for k, value in roots.items() if isinstance(k, sp.Pow | sp.Abs)},
     }
     rows = [flat[n * i : n * (i + 1)] for i in range(n)]
     replaced = maker(type(frame), shape)(frame.coordinates, rows, **arguments)
+    if not put.functions:
+        # Charts of the whole frame hold for this one, with the same values.
+        replaced.attached["substituted"] = (frame, dict(put.symbols))
     names = {symbol.name: put(quantity) for symbol, quantity in frame.names.items()}
     # A quantity that became a number needs no name.
     names = {x: q for x, q in names.items() if q.free_symbols and not q.has(*INFINITE)}

@@ -10,14 +10,13 @@ import sympy as sp
 
 from geomtorsion.errors import MetricError, SignatureError
 from geomtorsion.exact import Element, Field
+from geomtorsion.exact.generic_point import TRIES
 from geomtorsion.geometry.components import Entries
+from geomtorsion.geometry.validation import with_functions
 from geomtorsion.support.checks import fraction, shown
 
 Elements = dict[tuple[int, int], Element]
 Row = dict[int, Element]
-
-# Points at which signs are read until they are as requested.
-MOST = 60
 
 
 def orthonormal_rows(
@@ -124,7 +123,7 @@ def _signs(
 ) -> dict[int, int]:
     """Signs of the squares at the first point where they are finite and as requested."""
     others: list[dict[int, int]] = []
-    for point in islice(points, MOST):
+    for point in islice(points, TRIES):
         signs = _signs_at(forms, point)
         if signs is None:
             continue
@@ -148,7 +147,7 @@ def _signs_at(
     signs = {}
     for place, (square, _) in forms.items():
         try:
-            value = complex(square.evaluate(point))
+            value = complex(square.evaluate(with_functions(square, point)))
         except ArithmeticError:
             return None
         # So near a zero or a pole the sign of a double is rounding.

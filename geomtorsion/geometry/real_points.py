@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from sympy.core.function import AppliedUndef
 
 from geomtorsion.codegen.expression_graph import graph
 from geomtorsion.errors import CoordinateError, GeomtorsionError
-from geomtorsion.exact.candidates import Bounds, Candidates
+from geomtorsion.exact.candidates import SCALES, Bounds, Candidates
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.checks import expression
 
@@ -24,8 +25,8 @@ RationalPoint = dict[sp.Symbol, sp.Rational]
 BATCHES = (96, 384, 3072)
 # A wall nearer than this is met, relative to its median over the candidates: rounding of doubles.
 NEAR = 1e-6
-# More than this from the origin of a scale counts as a number with a unit.
-WIDE = 64.0
+# A number beyond the usual scales counts as one with a unit.
+WIDE = max(SCALES)
 # Names of the coordinate that should be timelike; without one it is the first.
 TIMES = ("t", "T", "tau", "time")
 
@@ -36,17 +37,19 @@ class Group:
 
     numbers: of its candidates, the preferred one first.
     signature: signs of the metric.
+    is_preferred: whether the first is positive, with a time coordinate where there is a time.
     """
 
     numbers: tuple[int, ...]
     signature: tuple[int, ...]
+    is_preferred: bool = True
 
 
 class RealPoints:
-    """Points where a matrix is real, finite and regular, those of the preferred region first.
+    """Points where a matrix is real, finite and regular, the preferred region first.
 
     coordinates, parameters, relations: of the frame.
-    kind: "coframe", "legs", "metric", or nothing for entries that are no matrix.
+    kind: "coframe", "legs", "metric", or empty for entries outside of a matrix.
     entries: the matrix as expressions, (row, column) -> expression.
     eta: of a coframe or of legs: the frame metric; of a metric: requested signs or None.
     twins: symbols that count as another of the same name.
@@ -64,13 +67,13 @@ class RealPoints:
         twins: Mapping[sp.Basic, sp.Symbol] | None = None,
     ) -> None:
         self.coordinates, self.parameters = tuple(coordinates), tuple(parameters)
-        self.relations = tuple(relations)
+        self.relations = tuple(x for x in relations if x != sp.true)
         self.is_declared = bool(self.relations)
         self.kind, self._entries, self._eta = kind, dict(entries or {}), eta
         self._complex, self._twins = complex_, dict(twins or {})
         self._made: dict[int, Table] = {}
 
-    # -- what is evaluated -------------------------------------------------------------------------
+    # -- formulas ----------------------------------------------------------------------------------
 
     @property
     def symbols(self) -> tuple[sp.Symbol, ...]:
@@ -140,15 +143,19 @@ class RealPoints:
 
     @cached_property
     def table(self) -> Table:
-        """The first candidates among which there are real points, in groups."""
-        with_points = (table for table in self._tables() if table.groups)
-        return next(with_points, None) or self.batch(BATCHES[-1])
+        """The first candidates with real points of the preferred kind, else with any, in groups."""
+        # Far from one, a region of the preferred signs is met later than another one.
+        for preferred in (True, False):
+            for table in self._tables():
+                if table.groups and (table.groups[0].is_preferred or not preferred):
+                    return table
+        return self.batch(BATCHES[-1])
 
     def _tables(self) -> Iterator[Table]:
         return map(self.batch, BATCHES)
 
     def batch(self, size: int) -> Table:
-        """The first candidates, as many as a size says."""
+        """The first candidates, in a number given by the size."""
         if size not in self._made:
             self._made[size] = Table(self, size)
         return self._made[size]
@@ -156,11 +163,11 @@ class RealPoints:
     def points(self) -> Iterator[dict[sp.Expr, sp.Rational]]:
         """Values of symbols and unknown functions: real points, the preferred one first.
 
-        Where there is none, points that satisfy the relations: what is read at them is refused
+        Where there is none, points that satisfy the relations: a root read at them is refused
         with its own reason.
         """
         seen = set[int]()
-        for table in self._tables():
+        for table in chain([self.table], self._tables()):
             for number in (k for group in table.groups for k in group.numbers):
                 if number not in seen:
                     seen.add(number)
@@ -219,7 +226,8 @@ class RealPoints:
         time = next((names.index(name) for name in TIMES if name in names), 0)
         first = np.sign(symmetric[:, time, time])
         rank = np.full(len(metrics), 2)
-        rank[negative == 0] = 0
+        # Unknown functions may have any size: none makes -1 + epsilon*h a positive metric.
+        rank[negative == 0] = 1 if self.unknown else 0
         rank[(negative == 1) & (first < 0)] = 1
         rank[(n > 2) & (negative == n - 1) & (first > 0)] = 1
         if self.kind == "metric" and self._eta is not None:
@@ -282,9 +290,13 @@ class Table:
         rank, signs = points.preference(metrics)
         good &= rank < 3
         self.good = good
+        # Unknown functions are positive if they can be: -a**2, and E, F, G of a surface.
+        functions = [isinstance(x, AppliedUndef) for x in (*points.symbols, *points.unknown)]
+        reversed_functions = (self.values[functions] < 0).sum(axis=0)
         members: dict[tuple[Any, ...], list[int]] = {}
         for k in map(int, np.flatnonzero(good)):
-            key = (int(rank[k]), *map(int, signs[k]), *map(int, np.sign(np.real(below[:, k]))))
+            walls_here = map(int, np.sign(np.real(below[:, k])))
+            key = (int(reversed_functions[k]), int(rank[k]), *map(int, signs[k]), *walls_here)
             members.setdefault(key, []).append(k)
         symbols = self.values[: len(points.symbols)]
         negative = (symbols < 0).sum(axis=0)
@@ -296,12 +308,15 @@ class Table:
             return (negative[k], -worth[k], k)
 
         ranked = [(key, sorted(some, key=order)) for key, some in members.items()]
-        ranked.sort(key=lambda pair: (pair[0][0], negative[pair[1][0]], -len(pair[1])))
+        ranked.sort(key=lambda pair: (*pair[0][:2], negative[pair[1][0]], -len(pair[1])))
         n = len(points.coordinates)
-        self.groups = [Group(tuple(some), tuple(key[1 : n + 1])) for key, some in ranked]
+        self.groups = [
+            Group(tuple(some), tuple(key[2 : n + 2]), key[1] < 2 and not negative[some[0]])
+            for key, some in ranked
+        ]
 
     def refusal(self) -> str:
-        """The conditions that hold nowhere among the candidates, alone or in pairs."""
+        """The conditions that hold nowhere among the candidates, each by itself or in pairs."""
         declared = {str(relation) for relation in self._points.relations}
         for k, (one, first) in enumerate(self.conditions):
             if not first.any():
@@ -464,7 +479,7 @@ def interval(symbol: sp.Symbol, relations: Iterable[sp.Basic]) -> Bounds:
 
 
 def check_met(points: RealPoints) -> None:
-    """Refuse a domain in which no candidate lies.
+    """Refuse a domain without a candidate inside.
 
     Raises
     ------

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class Condition:
-    """Relations that say on which side of one wall a point is.
+    """Relations that hold on one side of a wall.
 
     relations: one inequality, or two that bound an angle.
     arguments: the symbols of the columns at which it is checked.
@@ -49,11 +49,13 @@ def conditions_of(
     source: RealPoints,
     arguments: Sequence[sp.Expr],
 ) -> list[Condition]:
-    """Conditions for walls with signs, in the order of their symbols, those of parameters first."""
+    """Conditions for walls with signs, in the order of their symbols, parameters first."""
     relations: list[tuple[Any, ...]] = []
     for wall, sign in walls:
         beside = _beside_vertex(wall, sign, symbols, point)
-        relations.append((*_solved(wall, sign, symbols), *beside))
+        solved = _solved(wall, sign, symbols)
+        # Another wall may make one of two bounds of an angle needless.
+        relations += [(*solved, *beside)] if beside else [(one,) for one in solved]
     used = {s for some in relations for r in some for s in r.free_symbols}
     # Sizes and masses: a region is described for the signs that parameters have at its point.
     positive = [

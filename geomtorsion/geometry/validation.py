@@ -382,17 +382,8 @@ def candidate_points(
     return points
 
 
-def with_functions(element: Element, point: RationalPoint) -> dict[Any, Any]:
-    """A point, with unknown functions set to one and their derivatives to zero."""
-    values: dict[Any, Any] = dict(point)
-    for generator in element.field.generators:
-        if generator.kind == "jet":
-            values[generator.shown] = 0 if isinstance(generator.shown, sp.Derivative) else 1
-    return values
-
-
-def with_generic_functions(element: Element, point: RationalPoint) -> dict[Any, Any]:
+def with_functions(element: Element, point: Mapping[Any, Any]) -> dict[Any, Any]:
     """A point, with unknown functions as they are where the signs of roots were read."""
-    field = element.field
-    jets = [generator for generator in field.generators if generator.kind == "jet"]
-    return {**point, **{g.shown: field.sample.value(field.generator_element(g)) for g in jets}}
+    jets = [one.shown for one in element.field.generators if one.kind == "jet"]
+    sample = element.field.sample
+    return {**{shown: sample.number_of(shown) for shown in jets}, **point}

@@ -7,6 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from geomtorsion.support.caching import read_only
 from geomtorsion.support.precision import GOLDEN
 
 # A motion is changed after each of so many equal numbers of steps: roundings are many where steps
@@ -90,4 +91,4 @@ def random_parts(first: int, size: int) -> np.ndarray:
         bits = (bits ^ bits >> np.uint64(shift)) * np.uint64(factor) & low
     is_positive = (bits ^ bits >> np.uint64(16)) & np.uint64(1) == 1
     sizes = np.where(columns % 2 == 1, 1.0, GOLDEN)
-    return np.where(is_positive, sizes, -sizes)
+    return read_only(np.where(is_positive, sizes, -sizes))

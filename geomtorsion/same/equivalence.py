@@ -23,6 +23,7 @@ from geomtorsion.same.scalars import contradiction, is_excluded, scalars
 from geomtorsion.same.signs import mirror_images, opposite_signs
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
+from geomtorsion.support.copies import content_hash, equal_content, only_fields
 from geomtorsion.support.displays import drawn_by
 from geomtorsion.support.exclusive import exclusive
 
@@ -175,6 +176,15 @@ class Equivalence:
     orientation: bool = False
     parameters: Mapping[str, sp.Rational] = field(default_factory=dict)
     near: np.ndarray | None = field(default=None, repr=False)
+
+    def __eq__(self, other: object) -> bool:
+        return equal_content(self, other)
+
+    def __hash__(self) -> int:
+        return content_hash(self)
+
+    def __getstate__(self) -> dict[str, object]:
+        return only_fields(self)
 
     @property
     def verdict(self) -> str:

@@ -24,6 +24,7 @@ from geomtorsion.same.scalars import is_excluded
 from geomtorsion.spaces.registry import CHARTS, names, shipped_space
 from geomtorsion.support import checks
 from geomtorsion.support.allowance import check_limits
+from geomtorsion.support.copies import content_hash, equal_content, only_fields
 
 # Parameters are looked for as a rational number times powers of the parameters of the frame.
 POWERS = (Fraction(0), Fraction(1), Fraction(-1), Fraction(2), Fraction(-2), Fraction(1, 2))
@@ -34,7 +35,7 @@ CLOSE = 0.1 / LARGEST**2
 POINTS = 3
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Identified:
     """A shipped space that a frame is.
 
@@ -50,6 +51,15 @@ class Identified:
     parameters: Mapping[str, sp.Expr]
     equivalence: Equivalence
 
+    def __eq__(self, other: object) -> bool:
+        return equal_content(self, other)
+
+    def __hash__(self) -> int:
+        return content_hash(self)
+
+    def __getstate__(self) -> dict[str, object]:
+        return only_fields(self)
+
     def __str__(self) -> str:
         values = ", ".join(f"{k} = {v}" for k, v in self.parameters.items())
         with_values = f" with {values}" if values else ""
@@ -59,7 +69,7 @@ class Identified:
         return str(self)
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Identification:
     """Result of `identify`: properties of a frame, and shipped spaces that are the same geometry.
 
@@ -79,6 +89,15 @@ class Identification:
     classification: Classification
     assumption: str = ""
     negated: bool = False
+
+    def __eq__(self, other: object) -> bool:
+        return equal_content(self, other)
+
+    def __hash__(self) -> int:
+        return content_hash(self)
+
+    def __getstate__(self) -> dict[str, object]:
+        return only_fields(self)
 
     def __bool__(self) -> bool:
         return bool(self.matches) or self.classification.curvature is not None

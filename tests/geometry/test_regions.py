@@ -112,7 +112,7 @@ def test_parameters_are_positive() -> None:
 
 
 def test_a_declared_domain_is_the_region() -> None:
-    """The relations are those of the domain, and parameters get values consistent with it."""
+    """The relations are the domain, and parameters get values consistent with it."""
     frame = gt.Frame("t r", diagonal("sqrt(r-k)", "1"), parameters="k", domain="r > k, k > 5")
     region = frame.region
     assert region.relations == frame.domain
@@ -122,13 +122,13 @@ def test_a_declared_domain_is_the_region() -> None:
 
 
 def test_a_domain_that_is_too_large_is_narrowed() -> None:
-    """Where the declared domain contains a wall, the region says which side was assumed."""
+    """Where the declared domain contains a wall, the region names the side that was assumed."""
     region = gt.Frame("t r", diagonal("sqrt(1-2/r)", "1"), domain="r > 0").region
     assert region.assumed
     assert region.point[region._walls.symbols[1]] > 2
 
 
-def test_the_box_lies_on_one_side_of_all_walls() -> None:
+def test_the_box_is_on_one_side_of_all_walls() -> None:
     """Outside of two horizons the signs are those inside both; the box is in one of the parts."""
     delta = "r**2 - 2*M*r + a**2"
     frame = gt.Frame("t r", diagonal(f"sqrt({delta})", f"1/sqrt({delta})"), parameters="M a")

@@ -37,7 +37,7 @@ from geomtorsion.materials.readers import is_source
 from geomtorsion.ode import Engine
 from geomtorsion.pictures.style import can_draw, save
 from geomtorsion.spaces import pair_problems
-from geomtorsion.support.files import write_text
+from geomtorsion.support.files import make_folder, write_text
 from geomtorsion.support.outgoing import duration_text
 from geomtorsion.support.progress import bar
 
@@ -183,7 +183,7 @@ def _refuse(given: dict[str, str | None], got: str) -> None:
 
 def _write(table: prices.PriceList, folder: Path, form: str) -> None:
     """Table as data, and the figure where matplotlib is installed."""
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     data, rows, figure = (folder / f"price.{end}" for end in ("json", "csv", form))
     write_text(data, json.dumps(table.to_json(), indent=2, ensure_ascii=False) + "\n")
     table.to_csv(rows)
