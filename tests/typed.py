@@ -25,6 +25,7 @@ class Typed:
     values: dict[str, str] = field(default_factory=dict)
     curvature: str = ""
     words: tuple[str, ...] = ()
+    undecided: tuple[str, ...] = ()
     slow: bool = False
 
     @property
