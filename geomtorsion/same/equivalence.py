@@ -109,6 +109,7 @@ def _compared(
     (one, first), (two, second) = sides
     for frame in (one, two):
         refuse_functions(frame)
+    assumptions = one.region.assumption, two.region.assumption
     values = parameter_values(one, two)
     if values:
         own = [{k: v for k, v in values.items() if k in map(str, f.parameters)} for f in (one, two)]
@@ -119,9 +120,8 @@ def _compared(
         )
     invariants = Invariants(one, keep, first)
     equal = one == two and first == second
-    return Equivalence(
-        invariants, invariants if equal else Invariants(two, keep, second), orientation, values
-    )
+    other = invariants if equal else Invariants(two, keep, second)
+    return Equivalence(invariants, other, orientation, values, assumptions)
 
 
 def refuse_functions(frame: Frame) -> None:
@@ -168,6 +168,7 @@ class Equivalence:
     one, two: their invariants.
     orientation: whether left and right are kept apart.
     parameters: values that were given to parameters, by name.
+    assumptions: the regions that were assumed for frames without a declared domain, in words.
     near: coordinates of the second geometry from which the search for a point begins, if known.
     """
 
@@ -175,6 +176,7 @@ class Equivalence:
     two: Invariants
     orientation: bool = False
     parameters: Mapping[str, sp.Rational] = field(default_factory=dict)
+    assumptions: tuple[str, str] = ("", "")
     near: np.ndarray | None = field(default=None, repr=False)
 
     def __eq__(self, other: object) -> bool:
@@ -200,7 +202,8 @@ class Equivalence:
     def certainty(self) -> Certainty:
         """How sure the verdict is.
 
-        "different" is proved, up to the chance of error of ranks modulo a prime. "same" is proved
+        "different" is proved, up to the chance of error of ranks modulo a prime, or rests on signs
+        that were read at some hundred points of both regions. "same" is proved
         where all invariants are constants that agree exactly; otherwise its error is the largest
         difference of invariants at the matched point, as two geometries that differ agree to so
         many digits only by accident.
@@ -381,9 +384,9 @@ class Equivalence:
             assert self.match is not None
             rows["first point"] = _point_text(self.match.start)
             rows["second point"] = _point_text(self.match.goal)
-        for which, inv in (("first", self.one), ("second", self.two)):
-            if inv.frame.region.assumed:
-                rows[f"{which} region"] = inv.frame.region.assumption
+        for which, text in zip(("first", "second"), self.assumptions, strict=True):
+            if text:
+                rows[f"{which} region"] = text
         if self.parameters:
             rows["at"] = ", ".join(f"{k} = {v}" for k, v in self.parameters.items())
         return rows

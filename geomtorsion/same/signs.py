@@ -1,13 +1,20 @@
-"""Signs: invariants of one sign in a whole region, by which two geometries are proved different."""
+"""Signs: invariants of one sign in a whole region, by which two geometries differ."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from geomtorsion.errors import LimitError
 from geomtorsion.exact import Certainty, Element
 from geomtorsion.exact.element import least_certain
 from geomtorsion.geometry import contract, levi_civita
 from geomtorsion.same.invariants import Invariants
+from geomtorsion.same.scalars import is_constant
+
+# Terms of an element that is evaluated all over a region.
+LONGEST = 1_000
+# Signs are read at some hundred points all over a region; after so many a different one is rarer.
+SAMPLED = Certainty(proved=False, error=1e-2)
 
 
 def opposite_signs(
@@ -32,11 +39,23 @@ def _opposite(
 ) -> tuple[str, Certainty] | None:
     words = {1: "positive", -1: "negative"}
     for name, a, b in rows:
-        signs = one.frame.region.sign(a), two.frame.region.sign(b)
+        signs = _sign(one, a), _sign(two, b)
         if signs in ((1, -1), (-1, 1)):
             text = f"{name} is {words[signs[0]]} for the first and {words[signs[1]]} for the second"
-            return f"{text} geometry", least_certain([a.certainty, b.certainty])
+            constant = is_constant(one, a) and is_constant(two, b)
+            sure = [a.certainty, b.certainty, *([] if constant else [SAMPLED])]
+            return f"{text} geometry", least_certain(sure)
     return None
+
+
+def _sign(invariants: Invariants, x: Element) -> int | None:
+    """The sign of an element in the region of its frame; None: both signs, or not decided."""
+    if x.length > LONGEST:
+        return None
+    try:
+        return invariants.frame.region.sign(x)
+    except LimitError:
+        return None
 
 
 def _null_energy(invariants: Invariants) -> Element | None:

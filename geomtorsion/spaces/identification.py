@@ -186,7 +186,7 @@ def identify(frame: FrameLike, keep: str = "metric", *, every: bool = False) -> 
         if matches:
             break
     parts = tuple(matches), tuple(undecided), tuple(special)
-    return Identification(*parts, query.classification, frame.region.assumption, negated)
+    return Identification(*parts, query.classification, query.assumption, negated)
 
 
 def _negated(frame: Frame) -> Frame:
@@ -254,6 +254,7 @@ class _Query:
     one: Invariants
     values: Mapping[str, sp.Rational]
     classification: Classification
+    assumption: str
 
     @classmethod
     def of(cls, frame: Frame, keep: str) -> _Query:
@@ -262,7 +263,7 @@ class _Query:
         values = {str(x): point[x] for x in frame.parameters}
         whole = Invariants(frame, keep)
         one = Invariants(frame.subs(values), keep) if values else whole
-        return cls(one, values, classification(whole))
+        return cls(one, values, classification(whole), frame.region.assumption)
 
     def compared(self, charts: tuple[str, ...], every: bool) -> tuple[list[Identified], bool]:
         """The first or every chart that is the same, and whether none is found or excluded."""
@@ -300,7 +301,9 @@ class _Query:
                 other = _member(space.frame, numbers)
                 two = Invariants(other, self.one.keep)
                 near = place if name == charts[0] else None
-                equivalence = Equivalence(self.one, two, parameters=self.values, near=near)
+                equivalence = Equivalence(
+                    self.one, two, False, self.values, (self.assumption, ""), near
+                )
                 verdict = equivalence.verdict
             except GeomtorsionError:
                 # Values that the space does not allow.

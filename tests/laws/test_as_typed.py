@@ -54,7 +54,7 @@ def test_typed_frames_are_identified(row: Typed):
     found = gt.spaces.identify(row.frame)
     assert found.classification.symmetries == row.symmetries
     if row.curvature:
-        names = {s: sp.Symbol(s, real=True) for s in row.parameters.split()}
+        names = {str(s): s for s in row.frame.parameters}
         truth = gt.parse_expression(row.curvature, names)
         assert sp.simplify(found.classification.curvature - truth) == 0
     for words in row.words:
@@ -79,6 +79,7 @@ def test_typed_frames_are_the_same_as_themselves(row: Typed):
         result = gt.same_geometry(frame, row.frame, keep)
         assert result.verdict == "same", result
         assert frame.region.assumption in str(result)
+        assert (result.match.start.keys()) == set(frame.coordinates)
 
 
 @pytest.mark.parametrize("row", rows(SHARP[2:12]))
@@ -99,4 +100,4 @@ def test_what_takes_a_frame_works_as_typed(row: Typed):
         solution = gt.solve(motion, 0.01)
     except GeomtorsionError as refusal:
         pytest.fail(f"no motion from the region's own point: {refusal}")
-    assert solution.t[-1] == pytest.approx(0.01)
+    assert solution.times[-1] == pytest.approx(0.01)

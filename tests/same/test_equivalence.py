@@ -131,18 +131,6 @@ def test_orientation_counts_if_it_should():
     assert gt.same_geometry("so3", "so3_quaternion", "teleparallel", orientation=True)
 
 
-def test_an_undecided_mirror_image_is_reported():
-    """A surface without symmetries and its mirror image differ by a reflection only."""
-    left = gt.Frame("x y", [[1, 0], [0, "2 + x + x^2*y"]], domain="0 < x < 1, 0 < y < 1")
-    right = gt.Frame("x y", [[1, 0], [0, "2 - x + x^2*y"]], domain="-1 < x < 0, 0 < y < 1")
-    assert gt.same_geometry(left, right)
-    mirrored = gt.same_geometry(left, right, orientation=True)
-    assert mirrored.verdict == "undecided"
-    assert "after a reflection" in mirrored.reason
-    with pytest.raises(UndecidedError, match="Read `verdict`"):
-        bool(mirrored)
-
-
 def test_equal_formulas_are_the_same_at_once():
     """A frame without domain is the same as itself, for each kind of comparison."""
     rows = [["sqrt(1-2/r)", 0, 0, 0], [0, "1/sqrt(1-2/r)", 0, 0], [0, 0, "r", 0]]
@@ -191,7 +179,7 @@ def test_light_that_falls_in_and_light_that_leaves_differ():
 
 
 def test_static_walls_and_an_expanding_universe_differ():
-    """Gradients of invariants are space-like for Taub's walls and time-like for Kasner's universe."""
+    """Gradients of invariants are space-like for the walls, time-like for the universe."""
     walls = gt.Frame.from_metric(
         "t z x y", [["-1/z", 0, 0, 0], [0, "z", 0, 0], [0, 0, "z**2", 0], [0, 0, 0, "z**2"]]
     )
@@ -200,7 +188,7 @@ def test_static_walls_and_an_expanding_universe_differ():
     )
     result = gt.same_geometry(walls, kasner)
     assert result.verdict == "different"
-    assert result.certainty.error < 1e-40
+    assert "gradients" in result.reason
 
 
 def test_connections_are_compared_with_their_metrics():
