@@ -1,4 +1,4 @@
-"""Metrics and frames as people type them, with what is true of them (data/as_typed.toml)."""
+"""Metrics and frames as people type them, with their truth (data/as_typed.toml)."""
 
 import tomllib
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""Classification: what is true of a geometry at once, such as flat, vacuum or Petrov type D."""
+"""Classification: properties of one geometry, such as flat, vacuum or Petrov type D."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Classification:
         convention of signs; None: not constant, or undecided.
     scalar: the constant curvature scalar; None: not constant.
     einstein: the constant c in R_ab = c g_ab; None: no such constant, or undecided.
-    conformally_flat: whether angles are those of flat space; None: undecided.
+    conformally_flat: whether a factor makes the metric flat; None: undecided.
     parallel: whether the legs have no torsion; None: the legs are free to turn, or undecided.
     petrov: the Petrov type I, II, D, III, N or O of a space-time; empty: not four dimensions with
         one time.

@@ -9,11 +9,12 @@ import numpy as np
 
 from geomtorsion.same.invariants import Invariants
 from geomtorsion.same.values import ROUNDING, Array, Evaluation, Values
+from geomtorsion.support.precision import EPS
 
 # Points of the region among which starts are chosen.
 POINTS = 200
-# The largest logarithm of a positive symbol, in units of the scale of lengths.
-LARGEST = 30.0
+# The largest logarithm of a positive symbol: beyond it sums of floats forget the smaller term.
+LARGEST = -np.log(EPS)
 
 
 class Demands:
@@ -58,7 +59,7 @@ class Demands:
         return None if numbers is None else (numbers - self.aim) / self.size
 
     def scale(self, y: Array) -> float | None:
-        """Lengths of the point of the first geometry in units of those of the second."""
+        """Factor from lengths at a point of the second geometry to lengths at the first."""
         numbers = self._at(y)
         if numbers is None:
             return None

@@ -10,15 +10,14 @@ import sympy as sp
 
 from geomtorsion.same.demands import Demands, best_starts
 from geomtorsion.same.invariants import Invariants
-from geomtorsion.same.matching import coordinate_bounds, floats, least_squares
+from geomtorsion.same.matching import ALIKE, coordinate_bounds, floats, least_squares
 from geomtorsion.same.values import Array, Evaluation
 from geomtorsion.support.allowance import check_limits
-from geomtorsion.support.precision import EPS
 
 # A parameter that may change by this factor without effect is zero, infinite or free.
-STRETCH = 1e3
-# Sum of squares of relative differences at which parameters fit: rounding errors, some hundred.
-ENOUGH = 1e4 * EPS
+STRETCH = ALIKE**-0.5
+# Sum of squares of relative differences at which parameters fit.
+ENOUGH = ALIKE**2
 
 
 @dataclass(frozen=True, eq=False)

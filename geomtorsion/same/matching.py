@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
-from typing import Any
 
 import mpmath
 import numpy as np
@@ -23,10 +22,10 @@ from geomtorsion.support.precision import EPS, working_digits
 # Digits to which invariants are compared, and those with which they are computed.
 DIGITS = 50
 WORKING = DIGITS + 15
-# Relative difference of invariants that is used for points where they are not finite.
-FAR = 1e3
 # Singular values that are zero up to the errors of floats, in units of the largest.
 ALIKE = 1e-6
+# Relative difference of invariants that is used for points where they are not finite.
+FAR = ALIKE**-0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -284,7 +283,7 @@ def coordinate_bounds(frame: Frame, symbols: Sequence[sp.Symbol]) -> tuple[Array
     return low, high
 
 
-def lies_in(frame: Frame, place: Sequence[Any]) -> bool:
+def lies_in(frame: Frame, place: Array) -> bool:
     """Whether the region of a frame contains a point."""
     point = {q: sp.Float(float(x)) for q, x in zip(frame.coordinates, place, strict=True)}
     return all(relation.subs(point) != sp.false for relation in frame.region.relations)

@@ -8,12 +8,12 @@ import mpmath
 import numpy as np
 
 from geomtorsion.same.invariants import Invariants
+from geomtorsion.same.matching import DIGITS
 from geomtorsion.same.values import Array, Evaluation
 from geomtorsion.support.precision import working_digits
 
-# Digits of the point, and those to which matrices that vanish are zero.
-DIGITS = 50
-ZERO = 25
+# Matrices whose entries are smaller than half of the digits vanish.
+ZERO = DIGITS // 2
 
 
 def petrov_type(metric: Invariants) -> str:
@@ -26,7 +26,7 @@ def petrov_type(metric: Invariants) -> str:
                                                                 [Stephani2003], section 4.2
     """
     evaluation = Evaluation(metric, 0)
-    points = islice(metric.frame.region.points(), 20)
+    points = islice(metric.frame.region.points(), DIGITS)
     values = next((v for p in points if (v := evaluation.at(p, DIGITS)) is not None), None)
     if values is None:
         return ""

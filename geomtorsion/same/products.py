@@ -80,9 +80,9 @@ def _matrices(metric: Invariants, generators: Sequence) -> tuple[list[Array], Ar
             g = np.asarray(product.at(point), dtype=complex)
         except SingularPointError:
             continue
-        if all(np.all(np.abs(x.imag) <= ROUNDING) for x in (*matrices, g)):
+        if all(np.all(np.abs(np.imag(x)) <= ROUNDING) for x in (*matrices, g)):
             sizes = [np.max(np.abs(x), initial=0) or 1.0 for x in matrices]
-            return [x.real / s for x, s in zip(matrices, sizes, strict=True)], g.real
+            return [np.real(x) / s for x, s in zip(matrices, sizes, strict=True)], np.real(g)
         return None
     return None
 
@@ -95,7 +95,7 @@ def _kernel(matrix: Array) -> Array:
 
 
 def _split(matrices: Sequence[Array], g: Array, basis: Array) -> list[Array] | None:
-    """The parts of a space that the matrices leave alone; None where they do not add up."""
+    """The invariant subspaces of the matrices; None where they do not span the space."""
     n = len(g)
     eye = np.eye(n)
     conditions = [np.kron(x, eye) + np.kron(eye, x) for x in matrices]
@@ -103,20 +103,20 @@ def _split(matrices: Sequence[Array], g: Array, basis: Array) -> list[Array] | N
     parallel = _kernel(np.concatenate(conditions))
     if not len(parallel) or not len(basis):
         return []
-    # Fixed numbers of no particular ratio tell the eigenvalues apart.
+    # Fixed numbers of no particular ratio, so that no eigenvalues coincide by accident.
     mixed = np.sqrt(2 + np.arange(len(parallel))) @ parallel
     inside = basis @ (np.linalg.inv(g) @ mixed.reshape(n, n)) @ np.linalg.pinv(basis)
     values, vectors = np.linalg.eig(inside.T)
-    if np.max(np.abs(values.imag)) > ROUNDING or np.linalg.cond(vectors) > 1 / ROUNDING:
+    if np.max(np.abs(np.imag(values))) > ROUNDING or np.linalg.cond(vectors) > 1 / ROUNDING:
         return None
-    order = np.argsort(values.real)
+    order = np.argsort(np.real(values))
     parts: list[list[int]] = []
     for k in order:
         if parts and abs(values[k] - values[parts[-1][-1]]) < np.sqrt(ROUNDING):
             parts[-1].append(k)
         else:
             parts.append([k])
-    return [vectors.real[:, part].T @ basis for part in parts]
+    return [np.real(vectors)[:, part].T @ basis for part in parts]
 
 
 def _swapped(n: int) -> Array:

@@ -22,9 +22,9 @@ def opposite_signs(
 ) -> tuple[str, Certainty] | None:
     """A scalar, or the energy of light-like matter, of opposite signs in the two regions."""
     pairs = [(name, a, second[name]) for name, a in first.items()]
-    energies = _null_energy(one), _null_energy(two)
-    if None not in energies:
-        pairs.append(("the null energy R_ab k^a k^b", *energies))
+    energy, other = _null_energy(one), _null_energy(two)
+    if energy is not None and other is not None:
+        pairs.append(("the null energy R_ab k^a k^b", energy, other))
     return _opposite(pairs, one, two)
 
 
@@ -39,9 +39,9 @@ def _opposite(
 ) -> tuple[str, Certainty] | None:
     words = {1: "positive", -1: "negative"}
     for name, a, b in rows:
-        signs = _sign(one, a), _sign(two, b)
-        if signs in ((1, -1), (-1, 1)):
-            text = f"{name} is {words[signs[0]]} for the first and {words[signs[1]]} for the second"
+        left, right = _sign(one, a), _sign(two, b)
+        if left is not None and right is not None and left * right < 0:
+            text = f"{name} is {words[left]} for the first and {words[right]} for the second"
             constant = is_constant(one, a) and is_constant(two, b)
             sure = [a.certainty, b.certainty, *([] if constant else [SAMPLED])]
             return f"{text} geometry", least_certain(sure)

@@ -102,7 +102,7 @@ class Values:
         return np.array([*traces, *(np.trace(m @ m @ m) for m in mixed)])
 
     def scalar_weights(self, weights: Sequence[int]) -> Array:
-        """Powers of 1/length of the scalars, from those of the tensors without derivatives."""
+        """Powers of 1/length of the scalars, from the powers of the tensors in order 0."""
         single = [power * (weights[place] + order) for _, order, place, power in self._powers]
         pairs = [a + b for j, a in enumerate(single) for b in single[j:]]
         return np.array([*single, *pairs, *(3 * a for a in single)])

@@ -216,7 +216,7 @@ def _candidates(
         if frame.dimension != own.dimension or _has_functions(frame):
             continue
         other = _classification(charts[0], keep)
-        # Parameters of a flat metric are those of its legs.
+        # In flat spaces only the legs depend on parameters.
         if other.is_flat and keep == "metric" and frame.parameters:
             continue
         if not own.excludes(other):

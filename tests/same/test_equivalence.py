@@ -145,7 +145,7 @@ def test_equal_formulas_are_the_same_at_once():
     assert image["r"] == pytest.approx(5, abs=1e-9)
 
 
-def test_points_of_a_verdict_lie_in_the_declared_domains():
+def test_points_of_a_verdict_are_in_the_declared_domains():
     """Both points of a match satisfy the domains of their frames."""
     for name, other in (("s2", "s2"), ("schwarzschild", "schwarzschild_cartesian")):
         one = space(name, MASS if "black" in gt.spaces.titles()[name] else {"R": 2})
