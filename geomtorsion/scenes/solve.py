@@ -157,15 +157,14 @@ def checked_states(form: ClosedForm, times: np.ndarray) -> CheckedStates:
     except (TimeError, OverflowError) as error:
         raise AccuracyError(f"closed form: {error}") from error
     if not np.isfinite(states).all():
-        raise AccuracyError("closed form: expected finite states. Integrate instead.")
+        raise AccuracyError("closed form: expected finite states, got others.")
     ran = perf_counter() - began
     began = perf_counter()
     defect, compiled = _defect(form, float(times[-1]))
     error = defect + ROUNDING + form.drift(float(times[-1]))
     if not error <= form.scene.accuracy:
         raise AccuracyError(
-            f"closed form: expected an error up to {form.scene.accuracy:.3g}, got {error:.3g}. "
-            "Integrate instead."
+            f"closed form: expected an error up to {form.scene.accuracy:.3g}, got {error:.3g}."
         )
     return CheckedStates(states, error, compiled, ran, perf_counter() - began - compiled)
 
@@ -179,7 +178,8 @@ def _defect(form: ClosedForm, last: float) -> tuple[float, float]:
     ode, start = form.scene.ode, form.scene.start
     speed = math.hypot(*(float(x) for x in start.omega or ()))
     reach = min(abs(last), 2 * math.pi * CHECKED_TURNS / speed if speed else abs(last))
-    times = np.linspace(0.0, math.copysign(reach, last), CHECKED_TURNS + 1)
+    places = CHECKED_TURNS + 1 if reach else 1
+    times = np.linspace(0.0, math.copysign(reach, last), places)
     values = form.states(times)
     engine, _ = batch_engine(None, ode)
     stage, compiled = ode.first_stage(engine.precision, 0.0), 0.0
@@ -195,8 +195,7 @@ def _defect(form: ClosedForm, last: float) -> tuple[float, float]:
     most = ROUNDING * math.exp(speed * reach / CHECKED_TURNS)
     if not defect <= most:
         raise AccuracyError(
-            f"closed form: expected the equations to hold to {most:.3g}, got {defect:.3g}. "
-            "Integrate instead."
+            f"closed form: expected the equations to hold to {most:.3g}, got {defect:.3g}."
         )
     return defect, compiled
 

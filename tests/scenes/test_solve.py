@@ -149,7 +149,7 @@ def test_small_mistakes_of_a_closed_form_are_seen(mistake, omega, t, monkeypatch
         checked_states(ClosedForm(scene.with_values(accuracy=1e-3)), scene.times)
 
 
-def test_a_refused_closed_form_says_why(monkeypatch):
+def test_the_reason_names_the_defect_of_a_refused_closed_form(monkeypatch):
     """The reason for the engine names the defect, and the motion is right all the same."""
     scene = gt.scenes.load("dzhanibekov")
     right = scene.run()
@@ -175,6 +175,19 @@ def test_reported_errors_next_to_the_unstable_axis(push, t):
     assert result.closed_form
     assert result.error < 1e-11
     assert np.abs(result["omega"][-1] - truth).max() <= result.error * np.abs(truth).max()
+
+
+@pytest.mark.parametrize("omega", [(0, 1, 1e-3), (0, 0, 0), (0, 0, 1)])
+@pytest.mark.parametrize("t", [0.0, 1e-300, -50.0])
+def test_trivial_times_and_rates(omega, t):
+    """The start itself, next to no time, time backwards; rest and constant rates."""
+    start = gt.State(omega=omega, quaternion=(1, 0, 0, 0))
+    scene = gt.Scene(gt.Body(moments=(1, 2, 3)), (), start, ["omega", "quaternion"], t=[t])
+    result, stepped = scene.run(), scene.run(engine=gt.RungeKutta())
+    assert result.closed_form
+    assert result.error < ROUNDED
+    for name in ("omega", "quaternion"):
+        assert np.abs(result[name] - stepped[name]).max() < 1e-9
 
 
 def test_solution_of_a_closed_form():
