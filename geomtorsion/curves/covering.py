@@ -15,6 +15,7 @@ from geomtorsion.errors import StartError
 from geomtorsion.geometry import Connection, Frame, levi_civita
 from geomtorsion.ode.numbers import Numbers, Real, floats
 from geomtorsion.support import checks
+from geomtorsion.support.precision import HALF
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +117,9 @@ def _elsewhere(
         levi_civita(whole if name == atlas.home else home.frame), begin.tolist(),
         frame_velocity=[0] * n, parameters=numbers, atlas=moved,
     )  # fmt: skip
-    own = (atlas.home, points[0]) if name != atlas.home and atlas.home in first else None
+    # Nearer to its edge the home frame keeps less than half of the digits.
+    is_regular = first.get(atlas.home, 0.0) > HALF
+    own = (atlas.home, points[0]) if name != atlas.home and is_regular else None
     if both:
         return Ends(problem, target, own=own)
     label = _best(atlas, last)

@@ -119,6 +119,9 @@ def substituted(frame: Frame, put: Substitution) -> Frame:
     }
     rows = [flat[n * i : n * (i + 1)] for i in range(n)]
     replaced = maker(type(frame), shape)(frame.coordinates, rows, **arguments)
+    if not put.functions:
+        # Charts of the whole frame hold for this one, with the same values.
+        replaced.attached["substituted"] = (frame, dict(put.symbols))
     names = {symbol.name: put(quantity) for symbol, quantity in frame.names.items()}
     # A quantity that became a number needs no name.
     names = {x: q for x, q in names.items() if q.free_symbols and not q.has(*INFINITE)}

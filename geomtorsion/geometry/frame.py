@@ -61,7 +61,8 @@ class Frame:
     name: its name in messages and pages.
     field: the exact field of all components.
     given: the matrices it was made from, as exact elements: eta and coframe, legs or metric.
-    attached: data that do not follow from the frame: its "atlas" and "names" for printing.
+    attached: data that do not follow from the frame: its "atlas", "names" for printing, and from
+        which frame by which values it was "substituted".
 
     To make one: coframe (rows i, columns mu) as nested lists or a sympy matrix; signature None
     (all +1), a tuple of signs, a text such as "-+++", or a constant symmetric matrix eta; domain
@@ -273,7 +274,10 @@ class Frame:
 
     @cached_property
     def coframe(self) -> Tensor:
-        """e^i_mu, slots Ud: rows i, columns mu; inverse to legs."""
+        """e^i_mu, slots Ud: rows i, columns mu; inverse to legs.
+
+        A capital is a leg slot, a small letter a coordinate slot; along the legs: `.in_frame()`.
+        """
         return Tensor(self, "Ud", frame_matrices.coframe(self), (), "e", "coframe")
 
     @cached_property
@@ -289,17 +293,26 @@ class Frame:
 
     @cached_property
     def legs(self) -> Tensor:
-        """E_i^mu, slots uD: legs[mu, i], one leg per column."""
+        """E_i^mu, slots uD: legs[mu, i], one leg per column.
+
+        A capital is a leg slot, a small letter a coordinate slot; along the legs: `.in_frame()`.
+        """
         return Tensor(self, "uD", frame_matrices.legs(self), (), "E", "legs")
 
     @cached_property
     def metric(self) -> Tensor:
-        """g_{mu nu} = e^i_mu eta_ij e^j_nu, slots dd."""
+        """g_{mu nu} = e^i_mu eta_ij e^j_nu, slots dd.
+
+        Coordinate slots; along the legs: `.in_frame()`.
+        """
         return Tensor(self, "dd", frame_matrices.metric(self), symmetric(2), "g", "metric")
 
     @cached_property
     def inverse_metric(self) -> Tensor:
-        """g^{mu nu}, slots uu."""
+        """g^{mu nu}, slots uu.
+
+        Coordinate slots; along the legs: `.in_frame()`.
+        """
         return Tensor(
             self, "uu", frame_matrices.inverse_metric(self), symmetric(2), "g", "inverse metric"
         )
@@ -314,6 +327,8 @@ class Frame:
         """Object of anholonomy C_ij^k, slots DDU: de^k = (1/2) C_ij^k e^i ^ e^j.
 
         It equals 2 S_ij^k of the Cartan connection and minus the structure functions of the legs.
+
+        Leg slots; in coordinates: `.in_coordinates()`.
         """
         return frame_matrices.anholonomy(self)
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,7 +17,16 @@ from geomtorsion.ode import Checkpoint, Cost, Engine, solve
 from geomtorsion.ode.checkpoint import fingerprint
 from geomtorsion.ode.numbers import checked_times
 from geomtorsion.ode.solution import DOUBLE
-from geomtorsion.prices import Claim, Offer, Request, Way, motion_offer, tabulated, truth_of
+from geomtorsion.prices import (
+    Bounds,
+    Claim,
+    Offer,
+    Request,
+    Way,
+    motion_offer,
+    tabulated,
+    truth_of,
+)
 from geomtorsion.prices.offer import at
 from geomtorsion.rigid import FreeTop, attitude, free_top
 from geomtorsion.scenes.context import OMEGA, POSITION, QUATERNION, VELOCITY, VERTICAL
@@ -252,28 +261,43 @@ def _in_closed_form(scene: Scene, form: ClosedForm) -> SceneResult | None:
 
 
 def scene_offer(scene: Scene, request: Request) -> Offer:
-    """The ways to the motion of a scene: its closed form where it has one, engines, a proof."""
+    """The ways to the motion of a scene: its closed form where it has one, engines, a proof.
+
+    A row with an error estimate is the price of `run`: of the scene, or of an engine.
+    """
     request = at(request, scene.times)
-    form = closed_form(scene)
-    name = scene.title or scene.name or "scene"
-    if form is None:
-        return motion_offer(scene.ode, request, name=name)
-    ready = partial(_by_formula, scene, form)
-    way = Way("closed form", "estimate", ready, request.accuracies)
-    return motion_offer(scene.ode, request, name=name, more=(way,))
+    name, more = scene.title or scene.name or "scene", []
+    if closed_form(scene) is not None:
+        ready = partial(_run_by, scene, None)
+        more = [Way("closed form", "estimate", ready, request.accuracies)]
+    solved = partial(_run_by, scene)
+    offer = motion_offer(scene.ode, request, name=name, more=more, solved=solved)
+    return replace(offer, judge=partial(_judged, scene, offer.judge))
 
 
-def _by_formula(scene: Scene, form: ClosedForm, accuracy: float) -> Callable[[], Claim]:
-    """The closed form with its check against the integrator."""
-    asked = replace(form, scene=replace(scene, accuracy=accuracy))
-    grid = checked_times(scene.times)[1]
+def _run_by(scene: Scene, engine: Engine | None, accuracy: float) -> Callable[[], Claim]:
+    """A run of the scene; without an engine by its closed form."""
+    asked = replace(scene, accuracy=accuracy)
 
     def run() -> Claim:
-        motion = checked_states(asked, grid)
-        if motion is None:
+        result = asked.run(engine)
+        if engine is None and result.form is None:
             raise AccuracyError(
                 f"expected accuracy {accuracy:.3g}; the closed form fails its check."
             )
-        return Claim(tabulated(scene.ode, grid, "", motion.states), motion.error)
+        return Claim(result, result.error)
 
     return run
+
+
+def _judged(
+    scene: Scene, judge: Callable[[Any, float], Bounds | None], value: Any, accuracy: float
+) -> Bounds | None:
+    """Bounds of the true error of a run, from the states of its equations."""
+    if isinstance(value, SceneResult):
+        grid = checked_times(scene.times)[1]
+        if value.solved is not None:
+            value = value.solved.trajectory
+        elif value.form is not None:
+            value = tabulated(scene.ode, grid, "", value.form.states(grid))
+    return judge(value, accuracy)

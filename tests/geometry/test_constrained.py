@@ -260,6 +260,16 @@ def test_constraints_in_a_tetrad_file(tmp_path):
         gt.read(file)
 
 
+def test_a_metric_whose_positivity_depends_on_parameters():
+    """The inequality to declare is named; declared, the connection exists."""
+    x, y, m, k = sp.symbols("x y m k", positive=True)
+    metric = [[m, k], [k, m]]
+    with pytest.raises(MetricError, match=r"domain=\[\.\.\., '-2\*k \+ 2\*m > 0'\]"):
+        gt.constrained(gt.Frame.from_metric([x, y], metric), ["dx + dy"])
+    declared = gt.Frame.from_metric([x, y], metric, domain="-2*k + 2*m > 0")
+    assert gt.constrained(declared, ["dx + dy"]).allowed == (0,)
+
+
 def end_with_multipliers(forms, start, velocity, t, masses=None):
     """Coordinates at t of a body under forms a_r(q) q' = 0, by d'Alembert with multipliers (scipy).
 
