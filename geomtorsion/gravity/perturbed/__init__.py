@@ -2,14 +2,18 @@
 
 from geomtorsion.gravity.perturbed.cosmology import TensorModes, tensor_modes
 from geomtorsion.gravity.perturbed.particles import Particle, Spectrum, spectrum
+from geomtorsion.gravity.perturbed.quasi_normal import Mode, Ringing, ringing
 from geomtorsion.gravity.perturbed.weak_field import PostNewtonian, post_newtonian
 
 __all__ = [
+    "Mode",
     "Particle",
     "PostNewtonian",
+    "Ringing",
     "Spectrum",
     "TensorModes",
     "post_newtonian",
+    "ringing",
     "spectrum",
     "tensor_modes",
 ]

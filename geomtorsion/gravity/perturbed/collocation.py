@@ -9,14 +9,14 @@ finer grids.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import mpmath
 import numpy as np
 import scipy.linalg
 import sympy as sp
-from flint import acb, acb_mat, arb, ctx
+from flint import acb, acb_mat, ctx
 
 from geomtorsion.errors import AccuracyError
 from geomtorsion.support.caching import cached_property
@@ -31,6 +31,8 @@ ROUGH = (30, 38)
 FIRST, STEP, LAST = 44, 12, 128
 # Frequencies that are looked for, in units of 1/r_h: oscillations, and damping.
 SLOWEST, LEAST, MOST = 0.02, 0.004, 4.0
+# Relative distance from a rough frequency that the iteration may go, and the steps it may take.
+NEAR, STEPS = 0.1, 30
 
 
 @dataclass(frozen=True)
@@ -81,7 +83,7 @@ class Radial:
         return len(self.scales)
 
     @cached_property
-    def _pieces(self) -> list[list[list[tuple[int, int, object]]]]:
+    def _pieces(self) -> list[list[list[tuple[int, int, Callable[[mpmath.mpf], mpmath.mpc]]]]]:
         """For each row and field: power of w, order of d/dx, and its factor as a function of r."""
         s, x = self.hole.leaving, self.hole.place
         dx = sp.diff(x, R)
@@ -105,7 +107,9 @@ class Radial:
                     parts = ({(0, 0): sp.S.One}, once, twice)[in_r]
                     for (power, order), factor in parts.items():
                         key = (power + in_t, order)
-                        total[key] = total.get(key, sp.S.Zero) + (-sp.I) ** in_t * c * factor * scale
+                        total[key] = (
+                            total.get(key, sp.S.Zero) + (-sp.I) ** in_t * c * factor * scale
+                        )
                 line.append(
                     [(*key, sp.lambdify(R, value, "mpmath")) for key, value in total.items()]
                 )
@@ -114,15 +118,16 @@ class Radial:
 
     def matrices(self, count: int) -> list[mpmath.matrix]:
         """Matrices of the powers of w on a grid with this number of nodes."""
-        nodes, slopes = grid(count)
-        second = slopes * slopes
+        nodes, slopes, second = grid(count)
         radii = [self.hole.radius(x) for x in nodes]
         n = self.size * count
         highest = max(p for line in self._pieces for one in line for p, _, _ in one)
         result = [mpmath.matrix(n, n) for _ in range(highest + 1)]
         for a, line in enumerate(self._pieces):
             for k, r in enumerate(radii):
-                values = [[(p, order, mpmath.mpmathify(g(r))) for p, order, g in one] for one in line]
+                values = [
+                    [(p, order, mpmath.mpmathify(g(r))) for p, order, g in one] for one in line
+                ]
                 size = max(abs(v) for one in values for *_, v in one)
                 row = a * count + k
                 for b, one in enumerate(values):
@@ -137,18 +142,25 @@ class Radial:
         return result
 
 
-def grid(count: int) -> tuple[list[mpmath.mpf], mpmath.matrix]:
-    """Chebyshev's nodes between 0 and 1, and the matrix of d/dx on polynomials through them."""
+def grid(count: int) -> tuple[list[mpmath.mpf], mpmath.matrix, mpmath.matrix]:
+    """Chebyshev's nodes between 0 and 1, and d/dx and its square on polynomials through them.
+
+    [Berrut and Trefethen 2004], barycentric weights.
+    """
     angles = [mpmath.pi * (k + mpmath.mpf(1) / 2) / count for k in range(count)]
     nodes = [(1 - mpmath.cos(angle)) / 2 for angle in angles]
     weights = [(-1) ** k * mpmath.sin(angle) for k, angle in enumerate(angles)]
-    slopes = mpmath.matrix(count, count)
+    slopes, second = mpmath.matrix(count, count), mpmath.matrix(count, count)
     for i in range(count):
         for j in range(count):
             if i != j:
                 slopes[i, j] = weights[j] / weights[i] / (nodes[i] - nodes[j])
         slopes[i, i] = -mpmath.fsum(slopes[i, j] for j in range(count) if j != i)
-    return nodes, slopes
+        for j in range(count):
+            if i != j:
+                second[i, j] = 2 * slopes[i, j] * (slopes[i, i] - 1 / (nodes[i] - nodes[j]))
+        second[i, i] = -mpmath.fsum(second[i, j] for j in range(count) if j != i)
+    return nodes, slopes, second
 
 
 def rough(radial: Radial) -> list[complex]:
@@ -181,80 +193,67 @@ def _eigenvalues(matrices: Sequence[mpmath.matrix]) -> np.ndarray:
 
 
 def frequencies(radial: Radial, modes: int, digits: int) -> list[tuple[acb, float]]:
-    """Frequencies with their errors: how much the last refinement of the grid changed them.
+    """Frequencies with their errors: twice the change by the last refinement of the grid.
 
     Raises
     ------
     AccuracyError
         The digits are not reached, or there are fewer modes.
     """
-    work = digits + 30
-    with mpmath.workdps(work):
-        starts = rough(radial)
-        found: list[tuple[acb, float]] = []
-        count = FIRST
-        open_starts = [(w, None) for w in starts]
-        settled: dict[int, tuple[acb, float]] = {}
-        latest: dict[int, acb] = {}
-        changes: dict[int, float] = {}
-        old = ctx.dps
-        ctx.dps = work + LAST // 2
-        try:
-            with mpmath.workdps(work + LAST // 2):
-                while count <= LAST:
-                    matrices = [_ball(m) for m in radial.matrices(count)]
-                    for k, (start, _) in enumerate(open_starts):
-                        if k in settled:
-                            continue
-                        value = _newton(matrices, latest.get(k, acb(start.real, start.imag)))
-                        if value is None:
-                            continue
-                        if k in latest:
-                            change = float(abs(value - latest[k]).mid())
-                            changes[k] = change
-                            if change < 10.0**-digits * float(abs(value).mid()) / 2:
-                                settled[k] = (value, 2 * change)
-                        latest[k] = value
-                    distinct = _distinct(settled)
-                    if len(distinct) >= modes:
-                        found = distinct[:modes]
-                        break
-                    count += STEP
-        finally:
-            ctx.dps = old
-    if len(found) < modes:
-        reached = sorted(changes.values())
-        raise AccuracyError(
-            f"ringing: expected {modes} frequencies with {digits} digits, got "
-            f"{len(_distinct(settled))}; the others changed by "
-            f"{', '.join(f'{x:.0e}' for x in reached[:modes]) or 'more than their size'} on the "
-            "finest grid. Request fewer digits or modes."
-        )
-    return found
+    with mpmath.workdps(digits + 30):
+        latest: dict[int, acb] = {k: acb(w.real, w.imag) for k, w in enumerate(rough(radial))}
+    settled: dict[int, tuple[acb, float]] = {}
+    changes: dict[int, float] = {}
+    distinct: list[tuple[acb, float]] = []
+    # A finer grid loses more digits.
+    work = digits + 30 + LAST // 2
+    with mpmath.workdps(work), ctx.workdps(work):
+        for count in range(FIRST, LAST + 1, STEP):
+            matrices = [_ball(m) for m in radial.matrices(count)]
+            for k in sorted(latest.keys() - settled.keys()):
+                value = _newton(matrices, latest[k])
+                if value is None:
+                    del latest[k]
+                    continue
+                changes[k] = _size(value - latest[k])
+                latest[k] = value
+                if count > FIRST and changes[k] < 10.0**-digits * _size(value) / 2:
+                    settled[k] = value, 2 * changes[k]
+            distinct = _distinct(settled)
+            if len(distinct) >= modes:
+                return distinct[:modes]
+            if latest.keys() == settled.keys():
+                break
+    left = sorted(x for k, x in changes.items() if k not in settled)[:modes]
+    raise AccuracyError(
+        f"ringing: expected {modes} frequencies with {digits} digits, got {len(distinct)}; the "
+        f"finest grid changed others by {', '.join(f'{x:.0e}' for x in left) or 'nothing'}. "
+        "Request fewer digits or modes."
+    )
+
+
+def _size(value: acb) -> float:
+    return float(abs(value).mid())
 
 
 def _distinct(settled: Mapping[int, tuple[acb, float]]) -> list[tuple[acb, float]]:
     """Frequencies that differ, those damped least first."""
     kept: list[tuple[acb, float]] = []
     for value, error in sorted(settled.values(), key=lambda one: -float(one[0].imag.mid())):
-        if all(float(abs(value - other).mid()) > 100 * (error + e) for other, e in kept):
+        if all(_size(value - other) > 100 * (error + e) for other, e in kept):
             kept.append((value, error))
     return kept
 
 
 def _ball(matrix: mpmath.matrix) -> acb_mat:
-    def entry(x: mpmath.mpc) -> acb:
-        z = mpmath.mpc(x)
-        return acb(arb(mpmath.nstr(z.real, ctx.dps)), arb(mpmath.nstr(z.imag, ctx.dps)))
-
-    return acb_mat(matrix.rows, matrix.cols, [entry(x) for x in matrix])
+    return acb_mat(matrix.rows, matrix.cols, [acb(x) for x in matrix])
 
 
 def _newton(matrices: Sequence[acb_mat], start: acb) -> acb | None:
     """The eigenvalue near a start; None where the iteration leaves its neighbourhood."""
     w, n = start, matrices[0].nrows()
     vector = acb_mat(n, 1, [acb(1)] * n)
-    for _ in range(30):
+    for _ in range(STEPS):
         whole, slope = matrices[0], matrices[0] * acb(0)
         for k, matrix in enumerate(matrices[1:], 1):
             whole = whole + matrix * w**k
@@ -263,12 +262,12 @@ def _newton(matrices: Sequence[acb_mat], start: acb) -> acb | None:
             moved = whole.solve(slope * vector, algorithm="approx")
         except ZeroDivisionError:
             return w
-        peak = max(range(n), key=lambda k: float(abs(moved[k, 0]).mid()))
+        peak = max(range(n), key=lambda k: _size(moved[k, 0]))
         step = (vector[peak, 0] / moved[peak, 0]).mid()
         vector = acb_mat(n, 1, [(moved[k, 0] / moved[peak, 0]).mid() for k in range(n)])
         w = (w - step).mid()
-        if float(abs(w - start).mid()) > 0.1 * float(abs(start).mid()):
+        if _size(w - start) > NEAR * _size(start):
             return None
-        if float(abs(step).mid()) < 10.0 ** (-ctx.dps / 2):
+        if _size(step) < 10.0 ** (-ctx.dps / 2):
             return w
     return None

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import mpmath
 import sympy as sp
@@ -19,6 +20,7 @@ from geomtorsion.gravity.matter import maxwell, scalar_field
 from geomtorsion.gravity.perturbed.collocation import Hole, R, Radial, Row, frequencies
 from geomtorsion.gravity.perturbed.geometries import ETA, GEOMETRIES, SMALL, theory_in
 from geomtorsion.support import checks
+from geomtorsion.support.displays import Plot, drawn_by, figure_by
 
 T, THETA, PHI = sp.symbols("t theta phi")
 # A direction at which the angular factors are rational and, for l below 30, not zero.
@@ -45,8 +47,18 @@ class Mode:
         """omega as a Python number."""
         return complex(self.omega)
 
+    @property
+    def _digits(self) -> int:
+        """Digits behind the point that the error allows."""
+        return max(int(-mpmath.log10(self.error or mpmath.eps)), 1)
+
+    def to_json(self) -> dict[str, Any]:
+        """The mode as plain data."""
+        real, imag = (mpmath.nstr(x, self._digits) for x in (self.omega.real, self.omega.imag))
+        return {"l": self.l, "parity": self.parity, "real": real, "imag": imag, "error": self.error}
+
     def __str__(self) -> str:
-        digits = max(int(-mpmath.log10(self.error or mpmath.eps)), 1)
+        digits = self._digits
         kind = f"{self.parity}, " * bool(self.parity)
         real = mpmath.nstr(self.omega.real, digits)
         imag = mpmath.nstr(-self.omega.imag, digits)
@@ -63,6 +75,17 @@ class Ringing:
     lagrangian: Lagrangian
     f: sp.Expr
     modes: tuple[Mode, ...]
+
+    _repr_html_ = drawn_by("ringing", "ringing_html")
+    plot: ClassVar[Plot] = figure_by("ringing", "draw_ringing")
+
+    def to_json(self) -> dict[str, Any]:
+        """Modes as plain data, each part of a frequency as text with all its digits."""
+        return {
+            "lagrangian": str(self.lagrangian.expression),
+            "f": str(self.f),
+            "modes": [one.to_json() for one in self.modes],
+        }
 
     def __str__(self) -> str:
         head = f"ringing of f = {self.f} in {self.lagrangian!r}"
@@ -135,14 +158,15 @@ def ringing(
     f = _static(as_frame(frame, "frame", GravityError), values)
     hole = Hole(f, *_horizons(f))
     fixed = theory_in(_with_values(theory, values), geometry)
-    found = []
-    for name in (("axial", "polar") if parity == "both" else (parity,)) if kind == "gravity" else ("",):
-        radial = _SYSTEMS[kind, name](fixed, geometry, hole, l)
-        found += [
-            Mode(omega=_complex(w), error=error, parity=name, l=l)
-            for w, error in frequencies(radial, modes, digits)
-        ]
-    return Ringing(fixed, f, tuple(found))
+    parities = ("",)
+    if kind == "gravity":
+        parities = ("axial", "polar") if parity == "both" else (parity,)
+    rings = [
+        Mode(omega=_complex(w), error=error, parity=name, l=l)
+        for name in parities
+        for w, error in frequencies(_SYSTEMS[kind, name](fixed, geometry, hole, l), modes, digits)
+    ]
+    return Ringing(fixed, f, tuple(rings))
 
 
 # -- the hole --------------------------------------------------------------------------------------
@@ -217,8 +241,8 @@ def _horizons(f: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     if limit == -sp.oo and len(real) > 1:
         return real[-2], real[-1]
     raise GravityError(
-        f"ringing: expected a hole that is flat far away or has a horizon of de Sitter, got f = {f}."
-        " Give other parameters."
+        f"ringing: expected a hole that is flat far away or has a horizon of de Sitter, got f = "
+        f"{f}. Give other parameters."
     )
 
 
@@ -235,11 +259,9 @@ def _functions(*names: str) -> list[sp.Expr]:
 
 
 def _frame(f: sp.Expr, rows: sp.Matrix) -> Frame:
-    inner, outer = _horizons(f)
-    low, high = sp.Rational(str(inner.n(15))), None if outer == sp.oo else sp.Rational(str(outer.n(15)))
-    domain = [low < R, THETA > 0, sp.pi > THETA]
-    if high is not None:
-        domain.append(high > R)
+    """A frame outside of the hole, expanded in the wave."""
+    inner, outer = (sp.nsimplify(x.n(15), rational=True) for x in _horizons(f))
+    domain = [inner < R, THETA > 0, sp.pi > THETA, *([outer > R] if outer != sp.oo else [])]
     frame = Frame((T, R, THETA, PHI), rows, signature=ETA, parameters=[SMALL], domain=domain)
     return frame.expanded(SMALL, 1)
 
@@ -260,8 +282,8 @@ def _radial(element: Element, fields: Sequence[sp.Expr]) -> Row:
     return row
 
 
-def _symmetric(lagrangian: Lagrangian, geometry: str, frame: Frame) -> Tensor:
-    """E_ij + E_ji of a solution."""
+def _lower(lagrangian: Lagrangian, geometry: str, frame: Frame) -> Tensor:
+    """E_ij of a solution."""
     system = equations(GEOMETRIES[geometry].connection(frame), lagrangian)
     lower = system.E.lowered(1)
     for index, x in sorted(lower.order(0).components.nonzero.items()):
@@ -273,6 +295,7 @@ def _symmetric(lagrangian: Lagrangian, geometry: str, frame: Frame) -> Tensor:
 
 
 def _sum(tensor: Tensor, i: int, j: int) -> Element:
+    """E_ij + E_ji, or E_ii."""
     one = tensor.element(i, j)
     return one if i == j else one + tensor.element(j, i)
 
@@ -283,7 +306,7 @@ def _axial(lagrangian: Lagrangian, geometry: str, hole: Hole, l: int) -> Radial:
     slope = sp.legendre(l, sp.cos(THETA)).diff(THETA)
     rows = sp.diag(sp.sqrt(f), 1 / sp.sqrt(f), R, R * sp.sin(THETA))
     rows[3, 0], rows[3, 1] = SMALL * h0 * slope / R, SMALL * h1 * slope / R
-    tensor = _symmetric(lagrangian, geometry, _frame(f, rows))
+    tensor = _lower(lagrangian, geometry, _frame(f, rows))
     system = [_radial(_sum(tensor, *index), [h0, h1]) for index in ((2, 3), (1, 3))]
     return Radial(hole, system, [R, R / f])
 
@@ -300,7 +323,7 @@ def _polar(lagrangian: Lagrangian, geometry: str, hole: Hole, l: int) -> Radial:
         R * sp.sin(THETA) * (1 + half * k),
     )
     rows[1, 0] = SMALL * shape * h1 * sp.sqrt(f)
-    tensor = _symmetric(lagrangian, geometry, _frame(f, rows))
+    tensor = _lower(lagrangian, geometry, _frame(f, rows))
     fields = [h0, h1, h2, k]
     stress = _radial(tensor.element(2, 2) - tensor.element(3, 3), fields)
     one, two = stress[0], stress[2]
