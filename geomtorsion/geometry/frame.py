@@ -23,6 +23,7 @@ from geomtorsion.geometry import (
 )
 from geomtorsion.geometry.components import Components, alternating, inverse, symmetric
 from geomtorsion.geometry.from_arrays import tensor_from_array
+from geomtorsion.geometry.regions import Region, regions
 from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.tensor import Scalar, Tensor
 from geomtorsion.support import checks
@@ -121,9 +122,12 @@ class Frame:
         branches: Mapping[sp.Expr, sp.Expr] | None = None,
     ) -> None:
         n, entries = validation.typed_entries(coframe, "coframe", coordinates, parameters)
-        opened = validation.opened(coordinates, n, entries, parameters, domain, complex, branches)
+        signs = validation.signature_entries(signature, n)
+        opened = validation.opened(
+            coordinates, n, entries, parameters, domain, complex, branches, "coframe", signs
+        )
         elements = validation.read_matrix(opened.field, entries, "coframe")
-        eta = validation.read_signature(opened.field, signature, n)
+        eta = validation.read_signature(opened.field, signs, n)
         validation.check_regular(opened.field, elements, n, "coframe")
         self.fill(opened, name, {"coframe": elements, "eta": eta}, ("coframe", entries))
 
@@ -407,6 +411,42 @@ class Frame:
     def branches(self) -> tuple[Branch, ...]:
         """Signs chosen for roots whose sign does not follow from the domain."""
         return self.field.branches
+
+    @cached_property
+    def regions(self) -> tuple[Region, ...]:
+        """Regions where the coframe is real, finite and regular, the preferred one first.
+
+        Raises
+        ------
+        CoordinateError
+            No point was found in any; the message names conditions that exclude each other.
+
+        Examples
+        --------
+        >>> [str(region) for region in Frame("t r", [["sqrt(r**2 - 1)", 0], [0, 1]]).regions]
+        ['r > 1', 'r < -1']
+        """
+        return regions(self)
+
+    @property
+    def region(self) -> Region:
+        """The region where signs are read: the declared domain, or the preferred one.
+
+        Without a domain it is searched: the first coordinate timelike if the metric has one time,
+        parameters and coordinates positive, far from walls.
+
+        Raises
+        ------
+        CoordinateError
+            No point was found in any.
+
+        Examples
+        --------
+        >>> frame = Frame("r phi", [[1, 0], [0, "r"]])
+        >>> frame.region, frame.region.assumed
+        (Region(r > 0), True)
+        """
+        return self.regions[0]
 
     @cached_property
     def sample_point(self) -> validation.RationalPoint:

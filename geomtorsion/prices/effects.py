@@ -202,6 +202,12 @@ def called_for(
     has to stay within the accuracy, and so does the change by all of them together, which has a run
     of its own. The integration gets the rest of the accuracy.
 
+    A watched quantity that is small beside its neighbours has its own size: runs get finer until it
+    is resolved, and `unresolved` lists what rounding hides. Where a change of the start grows, the
+    influence is also measured from a start beside this one. A force of time that acts for less than
+    a step (down to 1e-5 of the motion) is called for with a note, because no run shows its
+    influence.
+
     Parameters
     ----------
     thing

@@ -92,7 +92,7 @@ def test_copies_have_the_same_sign():
     """A pickled field refuses what the field refuses."""
     frame = line("abs(x)", domain=["x < 0"])
     assert pickle.loads(pickle.dumps(frame)).coframe[1, 1] == -x
-    field = Field([x], inside=lambda: iter([{x: 1}, {x: -1}]))
+    field = line("x + 2", domain=["x > -1"]).field
     with pytest.raises(ExpressionError, match="which has both"):
         field.read(sp.Abs(x))
     assert Field([x]).read(sp.Abs(x - 9)).sympy == 9 - x
