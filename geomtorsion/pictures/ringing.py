@@ -45,7 +45,9 @@ def draw_ringing(rings: Ringing) -> Figure:
     plane.margins(0.2)
     plane.set_ylim(bottom=0)
     if any(one.parity for one in rings.modes):
-        plane.legend(frameon=False, fontsize=9)
+        plane.legend(
+            frameon=False, fontsize=9, loc="lower center", bbox_to_anchor=(0.5, 1), ncols=2
+        )
     slowest = max(rings.modes, key=lambda one: one.frequency.imag).frequency
     times = np.linspace(0, 5 / -slowest.imag, 600)
     wave.plot(times, np.exp(slowest.imag * times) * np.cos(slowest.real * times),
