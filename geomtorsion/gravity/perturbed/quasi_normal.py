@@ -116,8 +116,8 @@ def ringing(
     Parameters
     ----------
     lagrangian
-        As in `gravity.equations`, with the values of its constants. A Lagrangian of a scalar field
-        alone, "-X/2", or of a Maxwell field alone, "-F2/4", is a test field on the frame.
+        As in `gravity.equations`, with the values of its constants. A Lagrangian of only a
+        scalar field, "-X/2", or only a Maxwell field, "-F2/4", is a test field on the frame.
     frame
         A frame or space with the metric -f dt^2 + dr^2/f + r^2 dOmega^2.
     l
