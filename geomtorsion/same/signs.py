@@ -6,13 +6,12 @@ from collections.abc import Iterator, Mapping
 
 from geomtorsion.errors import LimitError
 from geomtorsion.exact import Certainty, Element
+from geomtorsion.exact.common_values import LONGEST
 from geomtorsion.exact.element import least_certain
 from geomtorsion.geometry import contract, levi_civita
 from geomtorsion.same.invariants import Invariants
 from geomtorsion.same.scalars import is_constant
 
-# Terms of an element that is evaluated all over a region.
-LONGEST = 1_000
 # Signs are read at some hundred points all over a region; after so many a different one is rarer.
 SAMPLED = Certainty(proved=False, error=1e-2)
 

@@ -31,8 +31,6 @@ POWERS = (Fraction(0), Fraction(1), Fraction(-1), Fraction(2), Fraction(-2), Fra
 # The largest denominator of that rational number; it must be met far more exactly than by chance.
 LARGEST = 1000
 CLOSE = 0.1 / LARGEST**2
-# Points of the frame at which parameters are fitted, one after the other.
-POINTS = 3
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -319,9 +317,10 @@ class _Query:
     def _fitting(self, two: Invariants) -> Iterator[tuple[np.ndarray | None, dict[str, sp.Expr]]]:
         """Coordinates and values of parameters at which the invariants of a point recur."""
         tried = set[tuple[sp.Expr, ...]]()
-        points = list(islice(self.one.frame.region.points(), POINTS))
+        # A few points, each from a few starts.
+        points = islice(self.one.frame.region.points(), TRIES // 4)
         for number, start in enumerate(points):
-            for fit in parameters_near(self.one, start, two, TRIES // POINTS):
+            for fit in parameters_near(self.one, start, two, TRIES // 3):
                 options = [list(islice(_expressions(x, self.values), 4)) for x in fit.values]
                 for chosen in product(*options):
                     if chosen not in tried:
