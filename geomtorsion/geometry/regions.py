@@ -132,6 +132,20 @@ class Region:
         for number in count():
             yield within.exact(number)
 
+    def surrounds(self, values: Mapping[Any, Any]) -> bool:
+        """Whether values of its symbols are in the box around the point, without a wall between.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame
+        >>> r, theta = sp.symbols("r theta")
+        >>> region = Frame([r, theta], [[1, 0], [0, r]]).region
+        >>> region.surrounds(region.point), region.surrounds({r: -1, theta: 1})
+        (True, False)
+        """
+        return all(relation.subs(values) == sp.true for relation in self.box)
+
     @property
     def _sides(self) -> Iterator[tuple[sp.Symbol, Any, Any]]:
         pairs: Any = zip(self.point, self.box[::2], self.box[1::2], strict=True)
