@@ -340,6 +340,21 @@ def test_importing_is_light():
     assert not framed & {"multiprocessing", "asyncio", *HEAVY}
 
 
+def test_help_is_light():
+    """The list of commands needs no library of mathematics; a refused name of a command neither."""
+    for argument in ("--help", "--version", "geomtry"):
+        code = (
+            "import atexit, sys; from geomtorsion.cli import main\n"
+            "names = ('sympy', 'flint', 'numpy', 'mpmath')\n"
+            "atexit.register(lambda: print('loaded', *(x for x in names if x in sys.modules)))\n"
+            f"sys.argv = ['geomtorsion', {argument!r}]; main()"
+        )
+        done = subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=False, cwd=ROOT
+        )
+        assert done.stdout.splitlines()[-1].split() == ["loaded"], argument
+
+
 def test_importing_is_quiet():
     """Importing prints nothing and warns of nothing."""
     done = subprocess.run(

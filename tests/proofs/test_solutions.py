@@ -14,6 +14,7 @@ from tests.ode.engines import needs_heyoka
 from tests.proofs.campaign import FAMILIES, campaign
 
 
+@needs_heyoka
 @pytest.mark.parametrize("seed", [1])
 def test_one_motion_of_each_family(seed):
     """Each motion is proved, and its error holds."""
