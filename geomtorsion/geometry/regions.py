@@ -127,6 +127,19 @@ class Region:
                 if tuple(point.values()) not in seen:
                     seen.add(tuple(point.values()))
                     yield point
+        yield from self.near()
+
+    def near(self) -> Iterator[dict[sp.Symbol, sp.Rational]]:
+        """Generic rational points in the box around the point, without end.
+
+        Examples
+        --------
+        >>> from geomtorsion.geometry import Frame
+        >>> region = Frame("r theta", [[1, 0], [0, "r"]]).region
+        >>> region.surrounds(next(region.near()))
+        True
+        """
+        walls = self._walls
         bounds = {s: (_fraction(low.lts), _fraction(high.gts)) for s, low, high in self._sides}
         within = Candidates(walls.symbols, len(walls.symbols), bounds)
         for number in count():
