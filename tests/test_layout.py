@@ -97,7 +97,8 @@ CEILINGS = {
     # 2 are the number of points tried and the distance from a wall, where a region is searched.
     # One separates a pole of the rates from a removable one.
     # One more: the samples that look for pulses between steps.
-    "tuned constants": 172,
+    # 8: the grids and the search of the frequencies of a hole.
+    "tuned constants": 180,
     # Two more than before: converters of arguments are three files by kind instead of one of 1,000.
     # Two more: kinetic metrics and forces are files of their own.
     # One more: squares that roots hide in circular functions.
@@ -109,7 +110,7 @@ CEILINGS = {
 }
 # Lines of code below and above the wall, rounded up to five hundreds, without docstrings, comments
 # and blanks. A change that needs more raises a number and states in its commit what users get.
-BUDGET = {"below the wall": 48000, "above the wall": 51000}
+BUDGET = {"below the wall": 48000, "above the wall": 52000}
 # What a program that imports the package does not wait for.
 LATER = ("sympy", "flint", "mpmath", "numpy", "multiprocessing", "asyncio", "tomllib", "sqlite3")
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")
