@@ -290,6 +290,32 @@ def test_measures_find_examples():
     ]
 
 
+# Who draws points: the candidates, and the two files that select real ones among them.
+DRAWN_IN = ("exact/candidates.py", "exact/generic_point.py", "geometry/real_points.py")
+# Further files with points of their own, with the reason.
+DRAWN_ELSEWHERE = {
+    "exact/modular.py": "points modulo a prime, which decide zero",
+    "geometry/regions.py": "points between the bounds of a box, which a region returns",
+    "loops/brownian.py": "the noise of a random motion",
+    "same/matching.py": "turns at which a match begins",
+    "exact/polynomials.py": "numbers modulo a prime",
+    "exact/square_factors.py": "numbers modulo a prime",
+}
+DRAWING = re.compile(
+    r"\bCandidates\(|value_of_name\(|import random|from random|default_rng|sqrt\(PRIMES"
+)
+
+
+def test_no_other_module_draws_a_point():
+    """Below the wall a generic point comes from the region of a frame, and from nowhere else."""
+    below = {part for floor in BELOW_THE_WALL for part in floor}
+    drawing = {
+        name_of(file) for file in FILES if part_of(file) in below and DRAWING.search(text_of(file))
+    }
+    assert set(DRAWN_IN[:2]) <= drawing
+    assert drawing <= {*DRAWN_IN, *DRAWN_ELSEWHERE}
+
+
 def test_a_first_motion_can_be_followed():
     """From a Kerr geodesic to the end of its solution, few files run and few calls are nested."""
     walked = [sys.executable, "-m", "tests.walked"]
