@@ -35,10 +35,12 @@ def total_error(scene: gt.Scene, part: gt.Scene, accuracy: float) -> float:
 
 
 def satellite() -> gt.Solution:
-    """A satellite of a flattened planet, with a moon far away."""
+    """A satellite of a flattened planet, with a moon far away and a trace of air."""
     attraction = {"centre": "-1/r", "flattening": "-1/(2000 r^3)", "moon": "-r^2/10^8"}
     flat = gt.levi_civita("flat_polar")
-    return gt.solve(gt.autoparallel(flat, [1, 0], [0, 1.1], potential=attraction), 10)
+    drag = {"air": ["-u1/10^7", "-u2/10^7"]}
+    orbit = gt.autoparallel(flat, [1, 0], [0, 1.1], potential=attraction, force=drag)
+    return gt.solve(orbit, 10)
 
 
 def universe() -> gt.Solution:

@@ -5,9 +5,13 @@ from __future__ import annotations
 import os
 import re
 import shutil
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
 from typing import Any, NoReturn
 from urllib.parse import parse_qs, urlsplit
 
@@ -71,6 +75,32 @@ def browser(playwright: Any) -> Iterator[Any]:
     """Browser without an open window."""
     with _chromium(playwright.chromium.launch) as launched:
         yield launched
+
+
+class _Quiet(SimpleHTTPRequestHandler):
+    """A server of files that writes no log and has an empty icon."""
+
+    def do_GET(self) -> None:
+        if self.path == "/favicon.ico":
+            self.send_response(204)
+            self.end_headers()
+        else:
+            super().do_GET()
+
+    def log_message(self, format: str, *args: object) -> None:
+        pass
+
+
+@contextmanager
+def hosted(file: Path) -> Iterator[str]:
+    """Address at which a file and its folder are served; a `file:` page has no origin."""
+    handler = partial(_Quiet, directory=str(file.parent))
+    with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        try:
+            yield f"http://127.0.0.1:{server.server_port}/{file.name}"
+        finally:
+            server.shutdown()
 
 
 @pytest.fixture(scope="session")
@@ -162,7 +192,7 @@ def watched(context: Any) -> Iterator[Watched]:
     seen = opened(context)
     yield seen
     seen.page.close()
-    assert seen.errors == []
+    assert seen.errors == [], seen.errors
 
 
 @pytest.fixture
@@ -191,7 +221,7 @@ def shared_lab(context: Any, address: str, shared_pages: list[Watched]) -> Itera
     seen.page.set_viewport_size(WINDOW)
     seen.tab(FIRST_TAB).wait_for_selector("#compass iframe")
     yield seen
-    assert seen.errors == []
+    assert seen.errors == [], seen.errors
 
 
 def _is_untouched(seen: Watched) -> bool:

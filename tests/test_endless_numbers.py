@@ -16,6 +16,7 @@ from geomtorsion.ode import ODE, RungeKutta, SavedSolution, solve
 from geomtorsion.scenes.files import read_file as read_scene
 from geomtorsion.spaces.files import read_file as read_space
 from tests.cli.running import run
+from tests.rounding import ROUNDED
 
 # Refused before they are computed, which would take hours or all memory.
 x, y, a = sp.symbols("x y a", positive=True)
@@ -130,4 +131,4 @@ def test_numbers_of_sympy(use: Callable[[sp.Expr], object], number: sp.Expr):
 def test_numbers_of_use(text: str, value: float):
     """Numbers that can be computed are accepted."""
     read = ODE.of({"x": "-x"}, [text]).start[0]
-    assert float(read) == pytest.approx(value, rel=1e-14)
+    assert float(read) == pytest.approx(value, rel=ROUNDED)

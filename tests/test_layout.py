@@ -74,6 +74,7 @@ LONG: dict[str, str] = {
     "exact/tower.py": "the arithmetic of a field: generators, sums, denominators, factors",
     "geometry/connection.py": "all that a connection can be asked; half is documentation",
     "loops/exact_integral.py": "line integrals in closed form: kinds of integrands, side by side",
+    "gravity/equations.py": "all that field equations can be asked; half is documentation",
     "geometry/forms.py": "the exterior calculus: a form, its algebra and its derivatives",
     "geometry/frame.py": "all that a frame can be asked; two thirds are documentation",
     "geometry/components.py": "sparse arrays with their symmetries, products and inverses",
@@ -92,14 +93,15 @@ CEILINGS = {
     "inner imports without a reason": 0,
     "percent of Any": 3.6,
     # 17 of these choose steps and precision in proofs; no ball depends on them.
-    "tuned constants": 167,
+    "tuned constants": 168,
     # Two more than before: converters of arguments are three files by kind instead of one of 1,000.
-    "files of a first motion": 45,
+    # Two more: kinetic metrics and forces are files of their own.
+    "files of a first motion": 47,
     "frames of a first motion": 26,
 }
 # Lines of code below and above the wall, rounded up to five hundreds, without docstrings, comments
 # and blanks. A change that needs more raises a number and states in its commit what users get.
-BUDGET = {"below the wall": 46000, "above the wall": 49000}
+BUDGET = {"below the wall": 46500, "above the wall": 51000}
 # What a program that imports the package does not wait for.
 LATER = ("sympy", "flint", "mpmath", "numpy", "multiprocessing", "asyncio", "tomllib", "sqlite3")
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")

@@ -22,6 +22,7 @@ from geomtorsion.errors import (
 )
 from geomtorsion.ode import ODE, At, RungeKutta, solve, solve_many
 from geomtorsion.scenes import effects
+from tests.rounding import ROUNDED
 
 LONG = int("9" * 999)
 ODD: list[Any] = [
@@ -156,4 +157,4 @@ def test_tiny_numbers_that_are_quotients_of_long_ones() -> None:
     """(10^399 + 1)/10^400 acts as a tenth, although both its parts exceed all floats."""
     tenth = Fraction(10**399 + 1, 10**400)
     solution = equations("-x", outputs={"a": f"x*{tenth}"})
-    assert solution["a"] == pytest.approx(solution["x"] / 10, rel=1e-15)
+    assert solution["a"] == pytest.approx(solution["x"] / 10, rel=ROUNDED)

@@ -232,7 +232,7 @@ Parameters = Annotated[
         "--set",
         "--parameters",
         metavar="NAME=X,...",
-        text="Values of the parameters of the frame; may be repeated.",
+        text="Values of the parameters of the frame and of forces; may be repeated.",
     ),
 ]
 Moments = Annotated[
@@ -241,6 +241,17 @@ Moments = Annotated[
         metavar="I,...",
         text="Kinetic metric of the geodesic: a moment of inertia for each leg.",
     ),
+]
+Force = Annotated[
+    str | None,
+    option(
+        metavar="F,...",
+        text="Force along each leg, of coordinates, velocities u1, u2, ..., t and parameters: "
+        '"-k*u1, -k*u2".',
+    ),
+]
+Potential = Annotated[
+    str | None, option(metavar="V", text='Potential of a force, as "-1/r"; t and parameters also.')
 ]
 
 # -- changes to a scene ---------------------------------------------------------------------------

@@ -17,7 +17,7 @@ from geomtorsion.materials import Burgers, Source, Survey
 from geomtorsion.materials.burgers import Json
 from geomtorsion.pictures.measured import draw_circuits, draw_survey
 from geomtorsion.pictures.style import can_draw, save
-from geomtorsion.support.files import write_text
+from geomtorsion.support.files import make_folder, write_text
 from geomtorsion.support.progress import bar
 
 
@@ -69,7 +69,7 @@ def show_burgers(
         for result in results:
             explain(result)
     if output is not None:
-        output.mkdir(parents=True, exist_ok=True)
+        make_folder(output)
         target = output / "burgers.json"
         write_text(target, json.dumps(document, indent=2) + "\n")
         written = [target]
@@ -147,7 +147,7 @@ def _row(numbers: Sequence[float]) -> str:
 
 def write_survey(survey: Survey, document: Json, folder: Path, picture: str) -> list[Path]:
     """map.csv, map.npz, map.json and, if matplotlib is installed, a picture."""
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     paths = [folder / f"map.{end}" for end in ("csv", "npz", "json")]
     with working("writing") as progress:
         progress("table")

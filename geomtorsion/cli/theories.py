@@ -100,6 +100,13 @@ def model_of(source: str) -> Model | None:
     return gravity.read_model(path) if "theory" in read_toml(path).data else None
 
 
+def theory_of(lagrangian: str) -> Lagrangian | str:
+    """A named theory, the theory in a file, or the formula itself."""
+    if lagrangian.endswith(".toml"):
+        return gravity.read_theory(lagrangian)
+    return getattr(gravity, lagrangian) if lagrangian in THEORIES else lagrangian
+
+
 def field_equations(
     space: Space,
     lagrangian: str,
@@ -110,9 +117,7 @@ def field_equations(
     potentials: Sequence[str] | None = None,
 ) -> FieldEquations:
     """The field equations of a Lagrangian, of a named theory or of a theory file on a space."""
-    theory = getattr(gravity, lagrangian) if lagrangian in THEORIES else lagrangian
-    if lagrangian.endswith(".toml"):
-        theory = gravity.read_theory(lagrangian)
+    theory = theory_of(lagrangian)
     riemannian = isinstance(theory, Lagrangian) and theory.geometry == "riemannian"
     chosen = connections or [Over.levi_civita if riemannian else Over.own]
     own = [connection_of(space, one) for one in chosen]

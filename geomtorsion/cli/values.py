@@ -162,6 +162,8 @@ def start_options(
     t: str | None,
     parameters: list[str] | None,
     moments: str | None,
+    force: str | None = None,
+    potential: str | None = None,
 ) -> dict[str, Any]:
     """The arguments of a pair of curves, from options as they were typed."""
     return {
@@ -171,6 +173,8 @@ def start_options(
         "t": None if t is None else number(t, "t"),
         "parameters": named_numbers(parameters or ()),
         "moments": numbers(moments, "moments"),
+        "force": None if force is None else separated(force),
+        "potential": potential,
     }
 
 

@@ -91,13 +91,17 @@ def autoparallel(
         `Solution.stopped_by` is that one. The curve is followed in charts whose maps give what
         occurs in it without jumps.
     force
-        F_k in the frame, n functions of the coordinates (expressions or text): F_k u^k is the power
-        where g(v, v)/2 is the kinetic energy. Zero if not given. Under constraints only the parts
-        along the permitted legs act. Several forces have names: {"push": [...], "pull": [...]}.
+        F_k in the frame, n functions (expressions or text) of the coordinates, of the velocities
+        u1, u2, ... along the legs (u^i = e^i_mu q'^mu; in Cartesian coordinates u1 = x'), of the
+        curve parameter t and of parameters: drag ["-k*u1", "-k*u2"], a magnetic field
+        ["B*u2", "-B*u1"], ["cos(w*t)", 0]. F_k u^k is the power where g(v, v)/2 is the kinetic
+        energy. Zero if not given. Under constraints only the parts along the permitted legs act.
+        Several forces have names: {"push": [...], "drag": [...]}. Where t is a coordinate, the
+        curve parameter is tau. A name that is used in no frame is a parameter if `parameters` has
+        its value.
     potential
-        V, a function of the coordinates, which adds F_k = -E_k^mu dV/dq^mu; several have names:
-        {"sun": "-1/r", "flattening": "J/r**3"}. For forces that depend on velocity or time use
-        `equations_of_motion`.
+        V, a function of the coordinates, t and parameters, which adds F_k = -E_k^mu dV/dq^mu;
+        several have names: {"sun": "-1/r", "flattening": "J/r**3"}.
 
     Raises
     ------
@@ -138,7 +142,8 @@ def autoparallel(
         law = CartanAutoparallel()
     elif connection.kind == "levi-civita":
         law = Geodesic()
-    law = forced(law, connection, force, potential)
+    names = checks.by_name(parameters, "parameters", StartError)
+    law = forced(law, connection, force, potential, names)
     problem = _posed(
         "autoparallel", connection.frame, law, start, velocity, frame_velocity, parameters, causal,
         atlas, stop,
@@ -159,19 +164,21 @@ def geodesic(
     causal: str | None = None,
     atlas: Atlas | None = None,
     stop: object = None,
+    force: object = None,
+    potential: object = None,
 ) -> CurveProblem:
     """A shortest line for the metric of the frame, or for a kinetic metric G_ij e^i e^j.
 
     Equation
     --------
-    G_kl u'^l = C_kj^i u^j G_im u^m                 [FizievKleinert1994], eq. (1), (2) without force
+    G_kl u'^l = C_kj^i u^j G_im u^m + F_k           [FizievKleinert1994], eq. (1), (2)
 
     Parameters
     ----------
     space
         a frame, a space or the name of a shipped one; a connection contributes only its frame.
-    start, velocity, frame_velocity, parameters, causal, atlas, stop
-        as in `autoparallel`.
+    start, velocity, frame_velocity, parameters, causal, atlas, stop, force, potential
+        as in `autoparallel`; F_k u^k is the power where G_ij u^i u^j / 2 is the kinetic energy.
     metric
         kinetic metric in the frame, constant: n moments I_i, or a symmetric n x n matrix, of
         numbers or exact constants such as sqrt(2); None takes eta.
@@ -189,9 +196,20 @@ def geodesic(
     u1' = (-1)*u2*u3
     u2' = (1)*u1*u3
     u3' = (-1/3)*u1*u2
+
+    The same top with friction:
+
+    >>> damped = geodesic(load("so3").frame, frame_velocity=[1, 2, 3], metric=[1, 2, 3],
+    ...                   force=["-k*u1", "-k*u2", "-k*u3"], parameters={"k": 0.1})
+    >>> print(damped.text)
+    u1' = (-1)*u2*u3 + (-k*u1)
+    u2' = (1)*u1*u3 + (-k*u2/2)
+    u3' = (-1/3)*u1*u2 + (-k*u3/3)
     """
     frame = space if isinstance(space, Frame) else frame_of(space, "space")
+    names = checks.by_name(parameters, "parameters", StartError)
     law = Geodesic(None if metric is None else kinetic_metric(metric, frame))
+    law = forced(law, frame, force, potential, names)
     return _posed(
         "geodesic", frame, law, start, velocity, frame_velocity, parameters, causal, atlas, stop
     )
@@ -351,7 +369,8 @@ def _posed(
             atlas.checked_for.add(frame)
     # A law may bring parameters of its own into the field (a blend, a spin connection).
     law.rates(frame, [f"u{k}" for k in range(frame.dimension)])
-    numbers = checked_parameters(frame, parameters)
+    more = law.parameters if isinstance(law, Forced) else ()
+    numbers = checked_parameters(frame, parameters, more)
     place = None if start is None else checked_start(frame, start, numbers)
     speeds, rates = frame_velocities(frame, place, velocity, frame_velocity, numbers)
     check_causal(frame, speeds, causal)
@@ -378,5 +397,5 @@ def law_key(law: Law) -> str:
         # The law holds its connection, so that this number stays its own.
         return f"equations of {id(law.connection)}"
     if isinstance(law, Forced):
-        return f"{law_key(law.law)} with {[one.content for one in law.forces]}"
+        return f"{law_key(law.law)} with {[one.content for one in law.forces]} {law.clock}"
     return f"equations of {law}"

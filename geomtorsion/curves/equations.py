@@ -14,17 +14,16 @@ import sympy as sp
 
 from geomtorsion.codegen import Graph, Products, graph
 from geomtorsion.curves.atlas import Chart
-from geomtorsion.curves.kinetic import fractions_of, weighted
+from geomtorsion.curves.kinetic import fractions_of, lowered, raising, weighted
 from geomtorsion.errors import ChartEdgeError, StartError
 from geomtorsion.exact.form import of_same_sign
 from geomtorsion.geometry import from_nonmetricity, from_torsion
-from geomtorsion.geometry.components import inverse
+from geomtorsion.ode.rates import CLOCK
 from geomtorsion.ode.system import System
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.copies import only_fields
 
 if TYPE_CHECKING:
-    from geomtorsion.exact import Element
     from geomtorsion.geometry import Connection, Frame
 
 Number = TypeVar("Number")
@@ -34,10 +33,14 @@ NONMETRICITY = "nonmetricity, which changes the length of the velocity"
 
 @dataclass(frozen=True)
 class Rates:
-    """Rates of u^0 ... u^(n-1); constants are extra parameters with their exact values."""
+    """Rates of u^0 ... u^(n-1); constants are extra parameters with their exact values.
+
+    clock: name of the curve parameter where the rates depend on it; it counts in units of CLOCK.
+    """
 
     products: tuple[Products, ...]
     constants: Mapping[str, Fraction] = field(default_factory=dict)
+    clock: str = ""
 
 
 class Law(Protocol):
@@ -192,12 +195,7 @@ class Geodesic:
         fractions = () if self.metric is None else fractions_of(self.metric)
         if fractions:
             return Rates(*weighted(frame, fractions, twist, names))
-        up, down = frame.inverse_eta.components.rows, frame.eta.components.rows
-        if self.metric is not None:
-            n, down = frame.dimension, _lowered(frame, self.metric)
-            entries = {(i, j): value for i, row in enumerate(down) for j, value in row}
-            raised = sorted(inverse(frame.field, entries, n).items(), key=lambda item: item[0])
-            up = [[(row, value) for (row, j), value in raised if j == k] for k in range(n)]
+        up, down = raising(frame, self.metric), lowered(frame, self.metric)
         collected: dict[tuple[int, int, int], list[Any]] = {}
         for (k, j, i), value in twist.items():
             for row, first in up[k]:
@@ -209,7 +207,7 @@ class Geodesic:
     def invariants(self, frame: Frame, names: Sequence[str]) -> dict[str, Products]:
         """Energy, momenta of coordinates that do not occur, and the size of the momentum."""
         invariants = {"energy" if self.metric else "norm": _square(frame, self.metric, names)}
-        lower = _lowered(frame, self.metric)
+        lower = lowered(frame, self.metric)
         for mu in _cyclic(frame):
             terms = []
             for (i, column), value in frame.coframe.components.nonzero.items():
@@ -247,20 +245,9 @@ def _products(
     return tuple(map(tuple, rates))
 
 
-def _lowered(frame: Frame, metric: Any) -> list[list[tuple[int, Element]]]:
-    """Rows of G_ij as elements: pairs (j, element)."""
-    if metric is None:
-        return [list(row) for row in frame.eta.components.rows]
-    rational, read = frame.field.rational, frame.field.read
-    return [
-        [(j, rational(x) if isinstance(x, Fraction) else read(x)) for j, x in enumerate(row) if x]
-        for row in metric
-    ]
-
-
 def _square(frame: Frame, metric: Any, names: Sequence[str]) -> Products:
     """G_ij u^i u^j."""
-    rows = _lowered(frame, metric)
+    rows = lowered(frame, metric)
     return tuple((x, (names[i], names[j])) for i, row in enumerate(rows) for j, x in row)
 
 
@@ -278,16 +265,19 @@ def _is_bi_invariant(frame: Frame) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Equations:
-    """A law in a chart: coordinates first, then velocities (unless constant), then carried states.
+    """A law in a chart: coordinates, velocities (unless constant), a clock, then carried states.
 
     chart: the chart, or None if only velocities are followed.
     states, parameters: names, as in a `System`.
     rates: for each state a sum of products (element, names that multiply it).
     groups: indices of states that are measured together: time; other coordinates; velocities; ...
+        not the clock.
     velocities: names of u^i; states or, if constant, parameters.
     carried: names of states that are carried along (transported vectors, a deviation).
     constants: parameters that the law brought, with exact values.
     invariants: sums of products over states and parameters that do not change.
+    clock: name of the state that is the curve parameter in units of CLOCK, where rates depend on
+        it; empty otherwise.
     """
 
     chart: Chart | None
@@ -299,6 +289,7 @@ class Equations:
     carried: tuple[str, ...] = ()
     constants: Mapping[str, Fraction] = field(default_factory=dict)
     invariants: Mapping[str, Products] = field(default_factory=dict)
+    clock: str = ""
 
     def __getstate__(self) -> dict[str, object]:
         return only_fields(self)
@@ -309,10 +300,13 @@ class Equations:
         arguments = (*self.states, *self.parameters)
         rates = graph(arguments, self.rates, self.parameters)
         margin, end = self.guard_terms
+        groups, clock = self.groups, None
+        if self.clock:
+            groups, clock = (*groups, (self.states.index(self.clock),)), (self.clock, CLOCK)
         if not margin:
-            return System(self.states, self.parameters, rates, self.groups)
+            return System(self.states, self.parameters, rates, groups, clock=clock)
         guard, final = (graph(arguments, terms, self.parameters) for terms in (margin, end))
-        return System(self.states, self.parameters, rates, self.groups, guard, final)
+        return System(self.states, self.parameters, rates, groups, guard, final, clock)
 
     @property
     def guard_terms(self) -> tuple[list[Any], list[Any]]:
@@ -338,14 +332,33 @@ class Equations:
         """Number of coordinates that are states."""
         return 0 if self.chart is None else len(self.chart.coordinates)
 
+    @property
+    def plain_width(self) -> int:
+        """Number of states without those that are carried along."""
+        return len(self.states) - len(self.carried)
+
+    @cached_property
+    def terms(self) -> Mapping[str, list[tuple[sp.Expr, tuple[str, ...]]]]:
+        """Rates as sums of (coefficient, names that multiply it), in the time of users."""
+        return {
+            name: [(self._in_time(c.sympy), names) for c, names in rate]
+            for name, rate in zip(self.states, self.rates, strict=True)
+            if name != self.clock
+        }
+
+    def _in_time(self, coefficient: sp.Expr) -> sp.Expr:
+        """A coefficient over the curve parameter instead of the clock."""
+        ticks = {s: s / CLOCK for s in coefficient.free_symbols if str(s) == self.clock}
+        return coefficient.xreplace(ticks)
+
     @cached_property
     def expressions(self) -> Mapping[str, sp.Expr]:
         """Rates of coordinates, velocities and carried quantities, over real symbols by name."""
         real = {name: sp.Symbol(name, real=True) for name in (*self.states, *self.parameters)}
         values = {real[name]: sp.Rational(x) for name, x in self.constants.items() if name in real}
         table: dict[str, sp.Expr] = {}
-        for name, rate in zip(self.states, self.rates, strict=True):
-            total = sp.Add(*(sp.Mul(c.sympy, *(real[x] for x in names)) for c, names in rate))
+        for name, rate in self.terms.items():
+            total = sp.Add(*(sp.Mul(c, *(real[x] for x in names)) for c, names in rate))
             own = {s: real[s.name] for s in total.free_symbols if isinstance(s, sp.Symbol)}
             table[name] = total.xreplace(own).xreplace(values)
         # Constant velocities are parameters of the equations.
@@ -432,8 +445,13 @@ def written(frame: Frame, law: Law, chart: Chart | None) -> Equations:
         products += rates.products
         constants = rates.constants
     groups = [] if chart is None else list(chart.groups)
+    clock = ""
     if rates is not None:
         groups.append(tuple(range(width, len(states))))
+        clock = rates.clock
+    if clock:
+        states.append(clock)
+        products.append(((base.field.rational(1, CLOCK), ()),))
     invariants = dict(law.invariants(base, names)) if rates is not None else {}
     if chart is None or chart.frame is None:
         invariants = {k: v for k, v in invariants.items() if _is_constant(v, frame)}
@@ -444,7 +462,7 @@ def written(frame: Frame, law: Law, chart: Chart | None) -> Equations:
     parameters = (*symbols_in(every, states), *extra, *constants)
     return Equations(
         chart, tuple(states), parameters, tuple(products), tuple(groups), names, (), constants,
-        invariants,
+        invariants, clock,
     )  # fmt: skip
 
 

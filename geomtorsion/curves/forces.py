@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
 
+import sympy as sp
+
 from geomtorsion.codegen import Products
-from geomtorsion.curves.equations import Law, Rates
-from geomtorsion.errors import ArgumentError, ChartEdgeError, ShapeError
-from geomtorsion.exact import Element, parse_expression
+from geomtorsion.curves.equations import Geodesic, Law, Rates, velocity_names
+from geomtorsion.curves.kinetic import raising
+from geomtorsion.errors import ArgumentError, ChartEdgeError, ExpressionError, ShapeError
+from geomtorsion.exact import Element, Field, parse_expression
 from geomtorsion.geometry import Connection, Frame
+from geomtorsion.ode.rates import CLOCK
 from geomtorsion.support import checks
 
 FORCE = "force of the problem"
 POTENTIAL = "force of a potential"
+# Names of the curve parameter in a force: the first that no coordinate or parameter has.
+TIMES = ("t", "tau", "lambda_")
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,12 +28,14 @@ class Force:
     """One of the forces on a motion.
 
     name: its key. acceleration: F^k in the frame, one for each leg; zero along forbidden legs.
-    potential: V with F_k = -E_k(V), or None.
+    potential: V with F_k = -E_k(V), zero for a force that never does work, or None.
+    is_potential: whether it was given by its potential.
     """
 
     name: str
     acceleration: tuple[Element, ...]
     potential: Element | None = field(default=None, repr=False)
+    is_potential: bool = False
 
     @property
     def content(self) -> tuple[object, ...]:
@@ -38,16 +46,22 @@ class Force:
 
 @dataclass(frozen=True, eq=False)
 class Forced:
-    """A law with accelerations that depend on the position.
+    """A law with accelerations that depend on position, velocity and time.
 
     law: the law without the forces.
     frame: the frame in whose coordinates the forces are given.
     forces: at least one.
+    field: of their elements; the field of the frame where they depend on its symbols only.
+    parameters: symbols that occur only in the forces.
+    clock: name of the curve parameter where a force depends on it; empty otherwise.
     """
 
     law: Law
     frame: Frame
     forces: tuple[Force, ...]
+    field: Field
+    parameters: tuple[sp.Symbol, ...] = ()
+    clock: str = ""
 
     needs_frame = needs_chart = True
     is_quadratic = False
@@ -55,7 +69,7 @@ class Forced:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Forced):
             return NotImplemented
-        if (self.law, self.frame) != (other.law, other.frame):
+        if (self.law, self.frame, self.clock) != (other.law, other.frame, other.clock):
             return False
         return [x.content for x in self.forces] == [x.content for x in other.forces]
 
@@ -66,15 +80,16 @@ class Forced:
     def acceleration(self) -> tuple[Element, ...]:
         """F^k of all forces together, one for each leg."""
         columns = zip(*(one.acceleration for one in self.forces), strict=True)
-        return tuple(self.frame.field.sum([(1, x) for x in column]) for column in columns)
+        return tuple(self.field.sum([(1, x) for x in column]) for column in columns)
 
     @property
     def potential(self) -> Element | None:
-        """V of all forces together; None if one of them has no potential."""
+        """V of all forces together; None if one of them has none, or it changes with time."""
         heights = [one.potential for one in self.forces if one.potential is not None]
         if len(heights) < len(self.forces):
             return None
-        return self.frame.field.sum([(1, x) for x in heights])
+        total = self.field.sum([(1, x) for x in heights])
+        return None if any(symbol.name == self.clock for symbol in total.symbols) else total
 
     @property
     def text(self) -> str:
@@ -84,14 +99,16 @@ class Forced:
     @property
     def effects(self) -> Mapping[str, str]:
         """Effects of the law, and each force."""
-        words = {x.name: FORCE if x.potential is None else POTENTIAL for x in self.forces}
+        words = {x.name: POTENTIAL if x.is_potential else FORCE for x in self.forces}
         return {**self.law.effects, **words}
 
     def without(self, effects: frozenset[str]) -> Law:
         """The law without some effects; with no force left, the law that remains."""
         law = self.law.without(effects)
         forces = tuple(one for one in self.forces if one.name not in effects)
-        return Forced(law, self.frame, forces) if forces else law
+        if not forces:
+            return law
+        return replace(self, law=law, forces=forces)
 
     def rates(self, frame: Frame, names: Sequence[str]) -> Rates | None:
         """The rates of the law, and the acceleration."""
@@ -102,28 +119,110 @@ class Forced:
             )
         free = self.law.rates(frame, names)
         rows = ((),) * frame.dimension if free is None else free.products
+        acceleration = self.acceleration
         pushed = [
             (*row, *(() if value.is_zero else ((value, ()),)))
-            for row, value in zip(rows, self.acceleration, strict=True)
+            for row, value in zip(rows, acceleration, strict=True)
         ]
-        return Rates(tuple(pushed), {} if free is None else free.constants)
+        used = {symbol.name for value in acceleration for symbol in value.symbols}
+        clock = self.clock if self.clock in used else ""
+        return Rates(tuple(pushed), {} if free is None else free.constants, clock)
 
     def invariants(self, frame: Frame, names: Sequence[str]) -> dict[str, Products]:
         """The energy, where there is a potential."""
-        norm, height = self.law.invariants(frame, names).get("norm"), self.potential
-        if norm is None or height is None:
+        kept, height = self.law.invariants(frame, names), self.potential
+        square = kept.get("norm") or kept.get("energy")
+        if square is None or height is None:
             return {}
-        halves = tuple((value * frame.field.rational(1, 2), which) for value, which in norm)
+        halves = tuple((value * frame.field.rational(1, 2), which) for value, which in square)
         return {"energy": (*halves, (height, ()))}
 
 
-def forced(law: Law, connection: Connection, force: object, potential: object) -> Law:
-    """The law with forces F_k and potentials V, functions of the coordinates; one each, or by name.
+@dataclass(frozen=True, eq=False)
+class _Setting:
+    """What a force may depend on.
+
+    frame: its coordinates and parameters. velocities: names of u^i, u^i = e^i_mu q'^mu.
+    time: name of the curve parameter. parameters: names of the values that were given.
+    """
+
+    frame: Frame
+    velocities: tuple[str, ...]
+    time: str
+    parameters: tuple[str, ...]
+
+    @property
+    def own(self) -> dict[str, sp.Symbol]:
+        """Symbols of the frame by name."""
+        return {symbol.name: symbol for symbol in self.frame.field.symbols}
+
+    @property
+    def symbols(self) -> dict[str, sp.Symbol]:
+        """All symbols by name; the frame has precedence."""
+        more = (*self.velocities, self.time, *self.parameters)
+        return {name: sp.Symbol(name, real=True) for name in more} | self.own
+
+    def words(self, *, moving: bool) -> str:
+        """Names in a sentence."""
+        coordinates = ", ".join(symbol.name for symbol in self.frame.coordinates)
+        known = {symbol.name for symbol in self.frame.coordinates}
+        names = dict.fromkeys((*self.own, *self.parameters))
+        others = ", ".join(name for name in names if name not in known)
+        text = f"Use the coordinates {coordinates}"
+        if moving:
+            text += f", the velocities {', '.join(self.velocities)} along the legs"
+        text += f", the curve parameter {self.time}"
+        text += f", the parameters {others}" if others else ""
+        return f"{text}, or give a parameter its value: parameters={{'name': 1}}."
+
+    def read(self, where: str, value: object, *, moving: bool) -> sp.Expr:
+        """An expression over `symbols`; other symbols of sympy become parameters."""
+        table = self.symbols
+        if not moving:
+            table = {k: x for k, x in table.items() if k in self.own or k not in self.velocities}
+        reader = partial(
+            parse_expression, symbols=table, where=where, unknown=self.words(moving=moving)
+        )
+        read = checks.expression(value, where, read=reader)
+        # A parameter keeps the assumptions of the user's symbol.
+        bound = {x: table[x.name] for x in read.free_symbols if x.name in table}
+        read = read.xreplace({x: y for x, y in bound.items() if y.name not in self.parameters})
+        if not moving and {x.name for x in read.free_symbols} & {*self.velocities} - {*self.own}:
+            raise ExpressionError(
+                f"{where}: expected a function of position and time, got {checks.shown(value)}, "
+                "which depends on the velocity. Give it as a force."
+            )
+        return read
+
+    def field(self, entries: Iterable[sp.Expr]) -> tuple[Field, tuple[sp.Symbol, ...], str]:
+        """The field of some expressions, the parameters that only they have, and their clock."""
+        frame, own = self.frame, set(self.frame.field.symbols)
+        used = {x for one in entries for x in one.free_symbols} - own
+        if not used:
+            return frame.field, (), ""
+        new = sorted(used, key=lambda symbol: symbol.name)
+        clock = self.time if any(x.name == self.time for x in new) else ""
+        constant = tuple(x for x in new if x.name not in {*self.velocities, clock})
+        return frame.field.exact.with_symbols(new), constant, clock
+
+
+def forced(
+    law: Law,
+    connection: Connection | Frame,
+    force: object,
+    potential: object,
+    parameters: Iterable[str] = (),
+) -> Law:
+    """The law with forces F_k and potentials V; one each, or by name.
+
+    parameters: names that have a value.
 
     Raises
     ------
     ShapeError
         A force has not one component for each leg.
+    ExpressionError
+        A name in it is unknown, or a potential depends on a velocity.
     ArgumentError
         A name is empty, occurs twice, or is an effect of the law.
     """
@@ -138,11 +237,68 @@ def forced(law: Law, connection: Connection, force: object, potential: object) -
                 f"force, potential: expected different names, got {checks.shown(name)} twice. "
                 f"{', '.join(law.effects) or 'Nothing'} is a name of the law."
             )
-    forces = [
-        _of_potential(connection, name, value) if height else _of_force(connection, name, value)
+    frame = connection if isinstance(connection, Frame) else connection.frame
+    setting = _setting(frame, parameters)
+    entries = [
+        [setting.read(name, value, moving=False)] if height else _components(setting, name, value)
         for name, value, height in given
     ]
-    return Forced(law, connection.frame, tuple(forces))
+    entries = _one_symbol_each(entries)
+    over, own, clock = setting.field(x for row in entries for x in row)
+    projection = _Projection(law, connection, over)
+    ticks = {
+        x: CLOCK * x for row in entries for y in row for x in y.free_symbols if x.name == clock
+    }
+    forces = []
+    for (name, _, height), row in zip(given, entries, strict=True):
+        places = [name] if height else [f"{name}[{k}]" for k in range(len(row))]
+        pairs = [(place, x.xreplace(ticks)) for place, x in zip(places, row, strict=True)]
+        values = frame.read(pairs) if over is frame.field else _read(over, pairs, setting)
+        make = projection.of_potential if height else projection.of_force
+        forces.append(make(name, values, setting.velocities))
+    return Forced(law, frame, tuple(forces), over, own, clock)
+
+
+def _setting(frame: Frame, parameters: Iterable[str]) -> _Setting:
+    """The names of a frame, and names of further parameters."""
+    names = {symbol.name for symbol in frame.field.symbols}
+    more = tuple(name for name in parameters if name not in names)
+    free = (name for name in TIMES if name not in names and name not in more)
+    velocities = velocity_names(frame)
+    time = next(free, "")
+    for name in more:
+        if name in velocities:
+            raise ArgumentError(
+                f"parameters: expected names that are not velocities, got {name}: "
+                f"{', '.join(velocities)} are the velocities along the legs. Rename it."
+            )
+    return _Setting(frame, velocities, time, more)
+
+
+def _read(
+    over: Field, pairs: Sequence[tuple[str, sp.Expr]], setting: _Setting
+) -> Sequence[Element]:
+    """Expressions in a field of their own; roots that change sign with the velocity are refused."""
+    values = over.read_all(pairs)
+    moving = {*setting.velocities, setting.time}
+    for branch in over.branches:
+        if moving & {symbol.name for symbol in branch.radical.free_symbols}:
+            raise ExpressionError(
+                f"{pairs[0][0]}: {branch.radical} is not smooth where {branch.read_as} changes "
+                "sign. Write the side that holds, or a smooth function."
+            )
+    return values
+
+
+def _one_symbol_each(entries: Sequence[Sequence[sp.Expr]]) -> list[list[sp.Expr]]:
+    """Expressions where each name is one symbol: the declared one, if there is one."""
+    table: dict[str, sp.Symbol] = {}
+    every = {x for row in entries for one in row for x in one.free_symbols}
+    for symbol in sorted(every, key=sp.srepr):
+        if table.get(symbol.name) in (None, sp.Symbol(symbol.name, real=True)):
+            table[symbol.name] = symbol
+    twins = {x: table[x.name] for x in every}
+    return [[one.xreplace(twins) for one in row] for row in entries]
 
 
 def _by_name(values: object, what: str) -> list[tuple[str, object]]:
@@ -156,42 +312,62 @@ def _by_name(values: object, what: str) -> list[tuple[str, object]]:
     ]
 
 
-def _read(frame: Frame, where: str, value: object) -> Element:
-    names = {symbol.name: symbol for symbol in frame.field.symbols}
-    reader = partial(parse_expression, symbols=names, where=where)
-    (element,) = frame.read([(where, checks.expression(value, where, read=reader))])
-    return element
-
-
-def _of_force(connection: Connection, name: str, force: object) -> Force:
-    """A force from its components F_k."""
-    frame = connection.frame
-    n = frame.dimension
+def _components(setting: _Setting, name: str, force: object) -> list[sp.Expr]:
+    """The components F_k of a force."""
     entries = checks.entries(force, name, ShapeError)
-    checks.check_one_each(entries, n, "legs", name, ShapeError)
-    values = [_read(frame, f"{name}[{k}]", value) for k, value in enumerate(entries)]
-    return Force(name, _raised(connection, values))
+    checks.check_one_each(entries, setting.frame.dimension, "legs", name, ShapeError)
+    return [setting.read(f"{name}[{k}]", value, moving=True) for k, value in enumerate(entries)]
 
 
-def _of_potential(connection: Connection, name: str, potential: object) -> Force:
-    """The force F_k = -E_k(V)."""
-    frame = connection.frame
-    height = _read(frame, name, potential)
-    slopes: dict[int, list[tuple[int, Element]]] = {}
-    for (mu, k), leg in frame.legs.components.nonzero.items():
-        slopes.setdefault(k, []).append((-1, leg * height.diff(frame.coordinates[mu])))
-    values = [frame.field.sum(slopes.get(k, [])) for k in range(frame.dimension)]
-    return Force(name, _raised(connection, values), height)
+@dataclass(frozen=True, eq=False)
+class _Projection:
+    """Accelerations F^k from forces F_k: raised with the kinetic metric, on the permitted legs."""
 
+    law: Law
+    connection: Connection | Frame
+    field: Field
 
-def _raised(connection: Connection, values: Sequence[Element]) -> tuple[Element, ...]:
-    """F^k along the permitted legs."""
-    frame = connection.frame
-    permitted = range(frame.dimension) if connection.allowed is None else connection.allowed
-    raised = frame.inverse_eta.components.rows
-    return tuple(
-        frame.field.sum([(1, x, values[j]) for j, x in raised[k]])
-        if k in permitted
-        else frame.field.zero
-        for k in range(frame.dimension)
-    )
+    @property
+    def frame(self) -> Frame:
+        """The frame of the components."""
+        one = self.connection
+        return one if isinstance(one, Frame) else one.frame
+
+    def _over(self, element: Element) -> Element:
+        """An element of the frame in the field of the forces."""
+        return element if element.field is self.field else self.field.read(element.sympy)
+
+    def of_force(self, name: str, values: Sequence[Element], velocities: Sequence[str]) -> Force:
+        """A force from its components F_k."""
+        speeds = {s.name: self.field.symbol(s) for s in self.field.symbols if s.name in velocities}
+        pushed = [(x, u) for x, u in zip(values, velocities, strict=True) if not x.is_zero]
+        height = None
+        # The power of F_k along a velocity on which no force depends does not cancel.
+        if pushed and all(u in speeds for _, u in pushed):
+            power = self.field.sum([(1, value, speeds[u]) for value, u in pushed])
+            height = self.field.zero if power.is_zero else None
+        return Force(name, self._raised(values), height)
+
+    def of_potential(self, name: str, values: Sequence[Element], _: Sequence[str]) -> Force:
+        """The force F_k = -E_k(V)."""
+        (height,), frame = values, self.frame
+        slopes: dict[int, list[tuple[int, Element, Element]]] = {}
+        for (mu, k), leg in frame.legs.components.nonzero.items():
+            slope = height.diff(frame.coordinates[mu])
+            slopes.setdefault(k, []).append((-1, self._over(leg), slope))
+        rows = [self.field.sum(slopes.get(k, [])) for k in range(frame.dimension)]
+        return Force(name, self._raised(rows), height, is_potential=True)
+
+    def _raised(self, values: Sequence[Element]) -> tuple[Element, ...]:
+        """F^k along the permitted legs."""
+        frame, allowed = self.frame, None
+        if isinstance(self.connection, Connection):
+            allowed = self.connection.allowed
+        permitted = range(frame.dimension) if allowed is None else allowed
+        rows = raising(frame, self.law.metric if isinstance(self.law, Geodesic) else None)
+        return tuple(
+            self.field.sum([(1, self._over(x), values[j]) for j, x in rows[k]])
+            if k in permitted
+            else self.field.zero
+            for k in range(frame.dimension)
+        )

@@ -1,4 +1,4 @@
-"""Kinetic: rates of geodesics of a kinetic metric of fractions, u'^l = G^lk C_kj^i G_im u^j u^m."""
+"""Kinetic: a constant kinetic metric G_ij, and rates u'^l = G^lk C_kj^i G_im u^j u^m."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from geomtorsion.codegen import Products
+from geomtorsion.geometry.components import inverse
 from geomtorsion.ode.rates import SMALL
 
 if TYPE_CHECKING:
@@ -56,6 +57,27 @@ def weighted(
                 rates[row].append((element, (name, *pair)))
     named = {name: value for value, name in constants.items()}
     return tuple(map(tuple, rates)), named
+
+
+def lowered(frame: Frame, metric: Any) -> list[list[tuple[int, Element]]]:
+    """Rows of G_ij as elements: pairs (j, element)."""
+    if metric is None:
+        return [list(row) for row in frame.eta.components.rows]
+    rational, read = frame.field.rational, frame.field.read
+    return [
+        [(j, rational(x) if isinstance(x, Fraction) else read(x)) for j, x in enumerate(row) if x]
+        for row in metric
+    ]
+
+
+def raising(frame: Frame, metric: Any = None) -> list[list[tuple[int, Element]]]:
+    """Rows of the inverse of G_ij (of eta_ij if None) as elements: pairs (j, element)."""
+    if metric is None:
+        return [list(row) for row in frame.inverse_eta.components.rows]
+    n, lower = frame.dimension, lowered(frame, metric)
+    entries = {(i, j): value for i, row in enumerate(lower) for j, value in row}
+    raised = sorted(inverse(frame.field, entries, n).items(), key=lambda item: item[0])
+    return [[(i, value) for (i, j), value in raised if j == k] for k in range(n)]
 
 
 def fractions_of(metric: Sequence[Sequence[Fraction | sp.Expr]]) -> list[list[Fraction]]:

@@ -39,6 +39,8 @@ def closed_form(
     """
     stage = problem.first_stage(CONSTANT_BITS, 0.0)
     equations = problem.equations(stage.label)
+    if equations.clock:
+        return None
     slopes = [derivative(rate, name) for rate in equations.rates for name in equations.states]
     if any(derivative(slope, name) for slope in slopes for name in equations.states):
         return None

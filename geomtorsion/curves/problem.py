@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -52,6 +52,7 @@ from geomtorsion.ode.numbers import (
     perturbed,
     precision_of,
 )
+from geomtorsion.ode.rates import CLOCK
 from geomtorsion.ode.roots import nearest_to_zero
 from geomtorsion.ode.terms import expression, symbol_table
 from geomtorsion.ode.trajectory import Event, Segment, Stage, State, Trajectory
@@ -348,8 +349,8 @@ class CurveProblem:
         """The equations of motion, written out line by line."""
         equations = self.equations()
         lines = []
-        for name, rate in zip(equations.states, equations.rates, strict=True):
-            terms = " + ".join("*".join([f"({c.sympy})", *names]) for c, names in rate)
+        for name, rate in equations.terms.items():
+            terms = " + ".join("*".join([f"({c})", *names]) for c, names in rate)
             lines.append(f"{name}' = {terms or '0'}")
         if not equations.moves:
             lines += [f"{name}' = 0" for name in equations.velocities]
@@ -360,8 +361,8 @@ class CurveProblem:
         """The equations of motion in LaTeX."""
         equations = self.equations()
         lines = []
-        for name, rate in zip(equations.states, equations.rates, strict=True):
-            total = sp.Add(*(sp.Mul(c.sympy, *(sp.Symbol(n) for n in names)) for c, names in rate))
+        for name, rate in equations.terms.items():
+            total = sp.Add(*(sp.Mul(c, *(sp.Symbol(n) for n in names)) for c, names in rate))
             lines.append(f"\\dot{{{latex_of(sp.Symbol(name))}}} &= {latex_of(total)}")
         if not equations.moves:
             lines += [f"\\dot{{{latex_of(sp.Symbol(n))}}} &= 0" for n in equations.velocities]
@@ -463,12 +464,16 @@ class CurveProblem:
         """The motion in one chart from a time on, and the stage after it where the chart ends."""
         equations = self.equations(label)
         moving = point.velocities if equations.moves else []
-        states: Sequence[Real] | np.ndarray = [*point.coordinates, *moving, *point.carried]
         numbers: Sequence[Real] | np.ndarray = equations.numbers(self.parameters, point.velocities)
+        states: Sequence[Real] | np.ndarray = [*point.coordinates, *moving, *point.carried]
         if perturbation:
             if not begin:
                 states = perturbed(states, perturbation, precision, all_of_them=True)
             numbers = perturbed(numbers, perturbation, precision, all_of_them=False)
+        if equations.clock:
+            # It begins exactly where it does.
+            place, rows = len(point.coordinates) + len(moving), list(states)
+            states = [*rows[:place], begin / CLOCK, *rows[place:]]
         if precision == 53:
             states, numbers = (np.array(floats(row)) for row in (states, numbers))
         follow = stop = None
@@ -537,7 +542,8 @@ class CurveProblem:
         equations, values = self.equations(label), list(state)
         width, n = equations.width, len(velocities)
         if equations.moves:
-            return MovingPoint(values[:width], values[width : width + n], values[width + n :])
+            carried = values[equations.plain_width :]
+            return MovingPoint(values[:width], values[width : width + n], carried)
         return MovingPoint(values[:width], velocities, values[width:])
 
     def rows(self, segment: Segment, states: np.ndarray, label: str) -> np.ndarray:
@@ -698,13 +704,15 @@ class CurveProblem:
 
     def slopes(self, term: object, by: str, moment: Moment) -> tuple[np.ndarray, np.ndarray]:
         """Derivatives of a term by a parameter at fixed times, and by the curve parameter."""
-        rates = self.equations(self.charts[0]).expressions
-        every = tuple(dict.fromkeys((*rates, *self.parameters, "t")))
+        equations = self.equations(self.charts[0])
+        rates = equations.expressions
+        times = ("t", *((equations.clock,) if equations.clock else ()))
+        every = tuple(dict.fromkeys((*rates, *self.parameters, *times)))
         read = expression(term, "event_times", symbol_table(every), smooth=False)
         terms = term_slopes(read, rates, by, "t", tuple(self.parameters))
         function = graph(every, list(terms), factor=False).numpy()
         numbers = {name: float(value) for name, value in self.parameters.items()}
-        table = {"t": moment.time} | numbers | {name: moment[name] for name in rates}
+        table = dict.fromkeys(times, moment.time) | numbers | {x: moment[x] for x in rates}
         across, along = function(*(table[name] for name in every))
         return across, along
 
@@ -770,9 +778,14 @@ def _number(value: Real) -> str:
 CAUSAL = ("timelike", "null", "spacelike")
 
 
-def checked_parameters(frame: Frame, parameters: Mapping[Any, Any] | None) -> dict[str, Real]:
-    """Parameters by name, each one known to the frame, finite and as it was declared."""
-    symbols = {s.name: s for s in frame.field.symbols if s not in frame.coordinates}
+def checked_parameters(
+    frame: Frame, parameters: Mapping[Any, Any] | None, more: Iterable[sp.Symbol] = ()
+) -> dict[str, Real]:
+    """Parameters by name, each one known to the frame, finite and as it was declared.
+
+    more: parameters that occur only in forces.
+    """
+    symbols = {s.name: s for s in (*frame.field.symbols, *more) if s not in frame.coordinates}
     numbers: dict[str, Real] = {}
     for name, value in checks.by_name(parameters, "parameters", StartError).items():
         kind = "a parameter of this frame"
@@ -808,7 +821,7 @@ def checked_start(frame: Frame, start: object, parameters: Mapping[str, Real]) -
             checks.check_declared(symbol, value)
     point = {s.name: float(x) for s, x in zip(frame.coordinates, place, strict=True)}
     where = ", ".join(f"{name} = {value:.6g}" for name, value in point.items())
-    point |= {name: float(value) for name, value in parameters.items()}
+    point |= _of_frame(frame, parameters)
     try:
         size = abs(complex(frame.determinant.element().evaluate(point)))
         if not _has_legs(frame, point):
@@ -828,6 +841,12 @@ def checked_start(frame: Frame, start: object, parameters: Mapping[str, Real]) -
             f"determinant vanishes or has no value. {_advice(frame, point)}"
         )
     return place
+
+
+def _of_frame(frame: Frame, parameters: Mapping[str, Real]) -> dict[str, float]:
+    """Values of the parameters of the frame, without parameters of forces."""
+    names = {symbol.name for symbol in frame.field.symbols}
+    return {name: float(value) for name, value in parameters.items() if name in names}
 
 
 def _advice(frame: Frame, point: Mapping[str, float]) -> str:
@@ -899,7 +918,7 @@ def frame_velocities(
             "velocity: expected a start with it, got none. Give a start, or frame_velocity (u^i)."
         )
     point = {s.name: float(x) for s, x in zip(frame.coordinates, start, strict=True)}
-    point |= {name: float(value) for name, value in parameters.items()}
+    point |= _of_frame(frame, parameters)
     coframe = frame.coframe.at(point)
     speeds = np.real(coframe) @ np.array(floats(rates))
     return tuple(speeds.tolist()), rates

@@ -202,7 +202,8 @@ def taken_apart(
     blocks = [states for _, states in pieces]
     states = blocks[0] if len(blocks) == 1 else np.concatenate(blocks)
     if equations.moves:
-        return states[:, :width], states[:, width : width + n], states[:, width + n :]
+        carried = states[:, equations.plain_width :]
+        return states[:, :width], states[:, width : width + n], carried
     numbers = Taylor(bits)
     places = [equations.parameters.index(name) for name in equations.velocities]
     own = [numbers.array([one.stage.parameters[k] for k in places]) for one, _ in pieces]
@@ -490,6 +491,9 @@ def laid_out(problem: CurveProblem, place: np.ndarray | None, velocities: np.nda
             "omit it and use event_times."
         )
     sizes = np.abs(velocities).max(axis=1)
+    if not problem.law.is_quadratic:
+        # As `CurveProblem.time_unit`: the path depends on the speed.
+        sizes = np.ones(len(velocities))
     units = np.where(sizes > 0, 2.0 ** np.round(np.log2(np.where(sizes > 0, sizes, 1))), 1.0)
     scaled = velocities / units[:, None]
     varied = {"frame_velocity": velocities}
@@ -500,7 +504,9 @@ def laid_out(problem: CurveProblem, place: np.ndarray | None, velocities: np.nda
         place, scaled = converted(problem, problem.atlas.home, label, place, scaled)
     equations = problem.equations(label)
     varied["own_velocity"] = scaled * units[:, None]
-    parts = [part for part in (place, scaled if equations.moves else None) if part is not None]
+    clock = np.zeros((len(scaled), 1)) if equations.clock else None
+    moving = scaled if equations.moves else None
+    parts = [part for part in (place, moving, clock) if part is not None]
     number = len(scaled)
     values = equations.numbers(problem.parameters, list(scaled.T))
     columns = [np.broadcast_to(np.asarray(x, dtype=float), number) for x in values]

@@ -164,7 +164,7 @@ def linearized(plain: Equations, names: Sequence[str], by: str = "") -> tuple[Pr
     names: of the changes. Velocities that are constant have changes that are constant.
     """
     moving = (*plain.states[: plain.width], *plain.velocities)
-    rates: list[Products] = list(plain.rates)
+    rates: list[Products] = list(plain.rates[: len(names)])
     rates += [()] * (len(names) - len(rates))
     rows = []
     for rate in rates:

@@ -10,7 +10,8 @@ from geomtorsion.exact.element import Certainty, Element
 from geomtorsion.exact.field import Field
 from geomtorsion.exact.functions import unknown_functions
 from geomtorsion.exact.generators import Branch, Generator
-from geomtorsion.exact.linear import Reduced, reduced, sign, signature, vanishes
+from geomtorsion.exact.jets import linear_parts
+from geomtorsion.exact.linear import Reduced, reduced, sign, signature, squares, vanishes
 from geomtorsion.exact.parsing import parse_expression, read_tokens
 from geomtorsion.exact.printing import PrintedOnce, TexPrinter
 from geomtorsion.exact.relations import Echelon, vanishing_sums
@@ -31,12 +32,14 @@ __all__ = [
     "Truncated",
     "TruncatedField",
     "limits",
+    "linear_parts",
     "names",
     "parse_expression",
     "read_tokens",
     "reduced",
     "sign",
     "signature",
+    "squares",
     "syntax",
     "tokens",
     "units",

@@ -267,6 +267,18 @@ class Field(Tower):
             sample={**self._given_sample, symbol: value},
         )
 
+    def with_symbols(self, symbols: Sequence[sympy.Symbol]) -> Field:
+        """A field over more symbols, with the same domain and branches."""
+        given = self._given_sample
+        # Values of which none is a simple multiple of another, where the domain needs a point.
+        more = {s: sympy.Rational(101 + 12 * k, 97) for k, s in enumerate(symbols)} if given else {}
+        return Field(
+            (*self.symbols, *symbols),
+            complex=self.is_complex,
+            sample=given | more,
+            branches=self.chosen,
+        )
+
     def declare(self, symbols: Iterable[sympy.Symbol]) -> None:
         """Add parameters after the field was made, such as the share of a blend."""
         self._add_symbols([symbol for symbol in symbols if symbol not in self._symbol_elements])

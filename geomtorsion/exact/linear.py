@@ -150,12 +150,19 @@ def sign(field: Field, x: Element) -> int:
 
 
 def signature(field: Field, form: Sequence[Sequence[Element]]) -> tuple[int, int, int]:
-    """How many squares of a symmetric form are positive, negative and zero (Lagrange, Sylvester).
+    """How many squares of a symmetric form are positive, negative and zero (Sylvester).
 
     The signs hold at the sample values of the symbols, the number of zeros for generic ones.
     """
+    signs = [sign(field, x) for x in squares(field, form)]
+    positive = signs.count(1)
+    return positive, len(signs) - positive, len(form) - len(signs)
+
+
+def squares(field: Field, form: Sequence[Sequence[Element]]) -> list[Element]:
+    """Coefficients of a symmetric form as a sum of squares (Lagrange), without zeros."""
     rows = [list(row) for row in form]
-    signs: list[int] = []
+    coefficients: list[Element] = []
     while rows:
         n = len(rows)
         k = next((k for k in range(n) if not vanishes(rows[k][k])), None)
@@ -172,12 +179,11 @@ def signature(field: Field, form: Sequence[Sequence[Element]]) -> tuple[int, int
             for j in range(n):
                 rows[j][k] = rows[j][k] + rows[j][i]
         pivot = rows[k]
-        signs.append(sign(field, pivot[k]))
+        coefficients.append(pivot[k])
         inverse = pivot[k].inverse()
         others = [j for j in range(n) if j != k]
         rows = [
             [field.sum([(1, rows[i][j]), (-1, pivot[i], pivot[j], inverse)]) for j in others]
             for i in others
         ]
-    positive = signs.count(1)
-    return positive, len(signs) - positive, len(form) - len(signs)
+    return coefficients

@@ -38,6 +38,7 @@ def parse_expression(
     where: str = "expression",
     limits: Limits | None = None,
     decimals: bool = False,
+    unknown: str = "",
 ) -> sympy.Expr:
     """Read a sympy expression from text that may come from anywhere.
 
@@ -62,6 +63,8 @@ def parse_expression(
     decimals
         Whether decimal numbers are read, as the fractions that they are written as: 0.1 is 1/10.
         Otherwise they are refused.
+    unknown
+        What errors advise about an unknown name; by default to declare it as a parameter.
 
     Returns
     -------
@@ -105,7 +108,8 @@ def parse_expression(
             )
     source = Source(text, where)
     tokens = tokens_of(source, {*symbols, *(functions or ())}, limits, decimals=decimals)
-    return read_tokens(source, with_products(source, tokens), symbols, functions, limits)
+    nodes = with_products(source, tokens)
+    return read_tokens(source, nodes, symbols, functions, limits, unknown)
 
 
 def read_tokens(
@@ -114,10 +118,12 @@ def read_tokens(
     symbols: Mapping[str, sympy.Symbol],
     functions: Mapping[str, Any] | None,
     limits: Limits,
+    unknown: str = "",
 ) -> sympy.Expr:
     """Read an expression from the tokens of any notation; see `parse_expression`."""
     try:
-        return _Reader(source, symbols, functions, limits).read(parse(source, tokens, limits))
+        reader = _Reader(source, symbols, functions, limits, unknown)
+        return reader.read(parse(source, tokens, limits))
     except (RecursionError, MemoryError):
         raise source.limit(0, 1, too_deep(limits), "Write it flatter.") from None
 
@@ -130,6 +136,7 @@ class _Reader:
     symbols: Mapping[str, sympy.Symbol]
     functions: Mapping[str, Any] | None
     limits: Limits
+    unknown: str = ""
     denominator: int = field(default=1)
 
     def read(self, node: Node) -> sympy.Expr:
@@ -223,7 +230,7 @@ class _Reader:
         # I1 is near to I by its letters only: a constant of one letter is meant where all agree.
         constants = [one for one in CONSTANTS if len(one) > 1 or one.lower() == name.lower()]
         names = [*self.symbols, *(self.functions or ()), *constants]
-        remedy = f"Otherwise declare {name} as a parameter."
+        remedy = self.unknown or f"Otherwise declare {name} as a parameter."
         near = near_names(name, names)
         remedy = f"Did you mean {near}? {remedy}" if near else remedy.removeprefix("Otherwise ")
         reason = f"{name} is neither a coordinate nor a declared parameter"

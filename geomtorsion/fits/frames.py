@@ -63,7 +63,7 @@ def fit_frame(
     >>> points = [[0, 1], [0, 2]]
     >>> print(fit_frame(stretched, points, measured, 0.01, ["s"], parameters={"s": 0}))
     s = 0.104 +- 0.0045
-    chi^2 = 0.2 of 7 degrees of freedom (chance 1), 8 solves
+    chi^2 = 0.2 of 7 degrees of freedom (chance 1)
     """
     frame = as_frame(frame)
     n, symbols = frame.dimension, {symbol.name: symbol for symbol in frame.parameters}

@@ -63,7 +63,7 @@ def fit_loops(
     >>> measured = [[0, 0, 2.9], [0, 0, 3.2]]
     >>> print(fit_loops(screw, circles, measured, 0.1, ["b"], parameters={"b": 1}))
     b = 3.05 +- 0.071
-    chi^2 = 4.5 of 5 degrees of freedom (chance 0.48), 7 solves
+    chi^2 = 4.5 of 5 degrees of freedom (chance 0.48)
     """
     frame = as_frame(frame)
     circuits = [checks.instance(x, Loop, "loops") for x in checks.entries(loops, "loops")]

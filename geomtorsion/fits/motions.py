@@ -75,7 +75,7 @@ def fit(
     >>> print(result)
     k = 4.0013 +- 0.003
     x = 1.0016 +- 0.0019
-    chi^2 = 38 of 48 degrees of freedom (chance 0.85), 6 solves
+    chi^2 = 38 of 48 degrees of freedom (chance 0.85)
     """
     if not isinstance(problem, ODE | CurveProblem):
         raise StartError(

@@ -124,7 +124,7 @@ class Fit:
                 lines.append(f"{name} = {value:.6g}, not determined")
         lines.append(
             f"chi^2 = {self.chi2:.4g} of {self.degrees} degrees of freedom "
-            f"(chance {self.chance:.2g}), {self.solves} solves"
+            f"(chance {self.chance:.2g})"
         )
         return "\n".join([*lines, *(f"warning: {text}" for text in self.warnings)])
 

@@ -9,7 +9,7 @@ above tensor. The other imports are for types, or within a method that needs a f
 
 from geomtorsion.geometry import connections, notation, quantities, validation
 from geomtorsion.geometry.brackets import Brackets
-from geomtorsion.geometry.components import antisymmetric, symmetric
+from geomtorsion.geometry.components import antisymmetric, determinant, symmetric
 from geomtorsion.geometry.connection import Connection
 from geomtorsion.geometry.connections import (
     blend,
@@ -60,6 +60,7 @@ __all__ = [
     "connections",
     "constrained",
     "contract",
+    "determinant",
     "embedded",
     "from_coefficients",
     "from_contortion",

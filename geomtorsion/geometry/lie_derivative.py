@@ -151,26 +151,49 @@ def _of_connection(connection: Connection, xi: Tensor) -> Tensor:
     return Tensor(frame, "ddu", rule, symmetry, "L\\Gamma", "Lie derivative of a connection")
 
 
-def lie_bracket(frame: Frame, first: object, second: object) -> Tensor:
+@overload
+def lie_bracket(frame: Frame, first: object, second: object) -> Tensor: ...
+@overload
+def lie_bracket(frame: object, first: object) -> Tensor: ...
+def lie_bracket(frame: object, first: object, second: object = None) -> Tensor:
     """Lie bracket [first, second]^a = first^m d_m second^a - second^m d_m first^a, slot u.
 
     Parameters
     ----------
+    frame
+        May be omitted if a vector field is a tensor, which belongs to a frame.
     first, second
         Vector fields: expressions in the coordinate basis, shape (n,), or tensors with slot u, U.
 
     Raises
     ------
     ShapeError
-        A vector has not one component for each coordinate.
+        A vector has not one component for each coordinate, or the tensors belong to two frames.
+    ArgumentError
+        There is no frame, or one vector field is missing.
 
     Examples
     --------
     >>> import sympy as sp
     >>> from geomtorsion.geometry import Frame, lie_bracket
     >>> x, y = sp.symbols("x y")
-    >>> lie_bracket(Frame([x, y], [[1, 0], [0, 1]]), [1, 0], [-y, x]).nonzero()
+    >>> plane = Frame([x, y], [[1, 0], [0, 1]])
+    >>> turn = lie_bracket(plane, [1, 0], [-y, x])
+    >>> turn.nonzero()
     {(1,): 1}
+    >>> lie_bracket(turn, [y, 0]).nonzero()
+    {(0,): 1}
     """
-    checks.instance(frame, Frame, "frame")
-    return lie(vector(frame, first, "first"), vector(frame, second, "second"))
+    if second is None:
+        if isinstance(frame, Frame):
+            raise ArgumentError("second: expected a second vector field, got none.")
+        fields = (frame, first)
+        home = next((field.frame for field in fields if isinstance(field, Tensor)), None)
+        if home is None:
+            raise ArgumentError(
+                "frame: expected a frame, or a vector field that is a tensor, got "
+                f"{checks.shown(frame)}. Give the frame first: lie_bracket(frame, first, second)."
+            )
+    else:
+        home, fields = checks.instance(frame, Frame, "frame"), (first, second)
+    return lie(vector(home, fields[0], "first"), vector(home, fields[1], "second"))

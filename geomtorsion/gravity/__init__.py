@@ -1,5 +1,6 @@
 """Gravity: a Lagrangian of torsion, curvature and nonmetricity in, field equations out."""
 
+from geomtorsion.gravity import perturbed
 from geomtorsion.gravity.boundary import Shooting, shoot
 from geomtorsion.gravity.equations import FieldEquations, equations
 from geomtorsion.gravity.fluids import fluid, torsion_from_spin, weyssenhoff
@@ -66,6 +67,7 @@ __all__ = [
     "names",
     "new_gr",
     "newman_penrose",
+    "perturbed",
     "poincare",
     "read_model",
     "read_theory",

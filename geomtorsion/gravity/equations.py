@@ -23,6 +23,7 @@ from geomtorsion.gravity.lagrangian import Lagrangian, Reading, known_as
 from geomtorsion.gravity.matter import MatterField, numbered
 from geomtorsion.gravity.momenta import Momenta
 from geomtorsion.gravity.naming import Call, calls_of, jet_names
+from geomtorsion.gravity.operator import LinearOperator, operator
 from geomtorsion.gravity.reduction import Reduction, reduced
 from geomtorsion.gravity.residuals import Sources
 from geomtorsion.gravity.unknown_terms import terms_of
@@ -379,10 +380,39 @@ class FieldEquations:
         """
         return reduced(self._sources, variable, conditions)
 
+    def operator(self, fields: Iterable[str | sp.Expr]) -> LinearOperator:
+        """First order about a background as a polynomial matrix in d/dx, one row for each field.
+
+        The frame, the connection or the matter contain the fields times a small parameter, and the
+        frame is expanded in it. Row f is the first order of dS/df.
+
+        fields: unknown functions of the coordinates, or their names.
+
+        Raises
+        ------
+        GravityError
+            The frame is not expanded, the background is not a solution, or other small fields
+            occur.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> import geomtorsion as gt
+        >>> t, z, epsilon = sp.symbols("t z epsilon")
+        >>> h = sp.Function("h")(t, z)
+        >>> rows = [[1, 0, 0], [0, 1 + epsilon * h, 0], [0, 0, 1]]
+        >>> plane = gt.Frame([t, sp.Symbol("x"), z], rows, signature="-++", parameters=[epsilon])
+        >>> equations = gt.gravity.equations(gt.cartan(plane.expanded("epsilon", 1)), "vector2")
+        >>> equations.operator([h]).symbol({"t": "s", "z": "p"})
+        Matrix([[-2*p**2 + 2*s**2]])
+        """
+        return operator(self._sources, fields)
+
     @property
     def _sources(self) -> Sources:
         parts = self.E, self.M, self.connection_equations, self.matter_equations
-        return Sources(self.connections, self.matter, self.momenta[0].fields, self.scalars, *parts)
+        matter = (*self._fields, *self._fluids)
+        return Sources(self.connections, matter, self.momenta[0].fields, self.scalars, *parts)
 
     # -- identities ----------------------------------------------------------------------------
 

@@ -18,6 +18,7 @@ from geomtorsion.loops.quadrature import (
     places,
     ray_rule,
 )
+from geomtorsion.support.caching import read_only
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,7 +172,7 @@ class Square:
 def even_ray_rule(points: int) -> tuple[np.ndarray, np.ndarray]:
     """Nodes on (0, 1) and weights for the weight s, exact for even powers to 4 points - 2."""
     x, w = gauss_rule(points)
-    return np.sqrt(x), w / 2
+    return read_only(np.sqrt(x)), read_only(w / 2)
 
 
 @cache
@@ -190,4 +191,4 @@ def _rays(first: int, level: int) -> int:
 @cache
 def pairs_of(n: int) -> np.ndarray:
     """Both members of each pair of n coordinates, the first below the second, (2, pairs)."""
-    return np.array(np.triu_indices(n, 1))
+    return read_only(np.array(np.triu_indices(n, 1)))

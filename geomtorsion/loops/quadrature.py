@@ -8,8 +8,10 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+import scipy  # loads its subpackages at first use
 
 from geomtorsion.loops.arcs import Arc, at_arcs
+from geomtorsion.support.caching import read_only
 from geomtorsion.support.precision import GOLDEN, HALF
 
 # From offsets and slopes, shape (n, k) each, to values of shape (m, k).
@@ -214,7 +216,7 @@ def kronrod_rule() -> Rule:
     coarse = np.zeros(8)
     coarse[1::2] = GAUSS_WEIGHTS
     fine, coarse = (np.concatenate([w[:-1], w[::-1]]) / 2 for w in (weights, coarse))
-    return Rule((1 + nodes) / 2, fine, coarse)
+    return Rule(read_only((1 + nodes) / 2), read_only(fine), read_only(coarse))
 
 
 @cache
@@ -222,28 +224,22 @@ def gauss_pair(few: int, many: int) -> Rule:
     """Two rules of Gauss: fewer points than Kronrod's where most integrals are easy."""
     (x, w), (y, u) = (gauss_rule(k) for k in (many, few))
     zeros = np.zeros
-    return Rule(
-        np.concatenate([x, y]), np.concatenate([w, zeros(few)]), np.concatenate([zeros(many), u])
-    )
+    columns = ([x, y], [w, zeros(few)], [zeros(many), u])
+    return Rule(*(read_only(np.concatenate(column)) for column in columns))
 
 
 @cache
 def gauss_rule(points: int) -> tuple[np.ndarray, np.ndarray]:
     """Nodes on (0, 1) and weights of Gauss and Legendre."""
     x, w = np.polynomial.legendre.leggauss(points)
-    return (1 + x) / 2, w / 2
+    return read_only((1 + x) / 2), read_only(w / 2)
 
 
 @cache
 def ray_rule(points: int) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes on (0, 1) and weights for the weight s: Gauss and Jacobi, by Golub and Welsch."""
-    k = np.arange(points)
-    # Recurrence of the Jacobi polynomials with alpha = 0, beta = 1 on (-1, 1).
-    diagonal = 1.0 / ((2 * k + 1) * (2 * k + 3))
-    j = k[1:]
-    off = np.sqrt(j * (j + 1.0)) / (2 * j + 1)
-    nodes, vectors = np.linalg.eigh(np.diag(diagonal) + np.diag(off, 1) + np.diag(off, -1))
-    return (1 + nodes) / 2, vectors[0] ** 2 / 2
+    """Nodes on (0, 1) and weights for the weight s: Gauss and Jacobi."""
+    x, w = scipy.special.roots_jacobi(points, 0, 1)
+    return read_only((1 + x) / 2), read_only(w / 4)
 
 
 def kronrod(

@@ -12,6 +12,7 @@ from geomtorsion.errors import LoopError
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Arc, at_arcs, shown
 from geomtorsion.loops.quadrature import MOST_AT_ONCE, NARROWEST, PIECE, ROUNDING, intervals
+from geomtorsion.support.caching import read_only
 from geomtorsion.support.precision import HALF
 
 # From offsets and slopes, shape (n, k), to omega (k, n, n) and theta (k, n).
@@ -177,7 +178,7 @@ def collocation(stages: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     integrals = np.empty((stages, stages))
     integrals[:, 0] = x + 1
     integrals[:, 1:] = (values[:, 2:] - values[:, :-2]) / (2 * k[1:] + 1)
-    return (x + 1) / 2, w / 2, integrals @ expansion / 2
+    return read_only((x + 1) / 2), read_only(w / 2), read_only(integrals @ expansion / 2)
 
 
 def inner_turns(omega: np.ndarray, weights: np.ndarray) -> np.ndarray:

@@ -15,6 +15,7 @@ import sympy as sp
 from geomtorsion.codegen import exact_number, rational
 from geomtorsion.errors import AccuracyError, ShapeError, StartError, TimeError
 from geomtorsion.support import checks
+from geomtorsion.support.caching import read_only
 from geomtorsion.support.precision import GOLDEN, working_precision
 
 # A finite real number as it came: a float, a fraction, an exact sympy number, a longer float.
@@ -151,10 +152,8 @@ def checked_accuracy(accuracy: object) -> float:
 
 @lru_cache(maxsize=64)
 def _samples(last: float) -> np.ndarray:
-    """Even samples up to a time; not to be written to."""
-    grid = np.linspace(0.0, last, PARTS + 1) if last else np.zeros(1)
-    grid.flags.writeable = False
-    return grid
+    """Even samples up to a time."""
+    return read_only(np.linspace(0.0, last, PARTS + 1) if last else np.zeros(1))
 
 
 TIMES = "a number or a list of numbers"

@@ -18,6 +18,7 @@ import numpy as np
 from geomtorsion.ode.numbers import floats
 from geomtorsion.ode.system import Batch, System, Track
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory
+from geomtorsion.support.caching import read_only
 
 if TYPE_CHECKING:
     from geomtorsion.ode.error_estimate import Comparable
@@ -262,7 +263,7 @@ def _signs(block: int, size: int) -> np.ndarray:
     count = BLOCK if block else 1
     random = np.random.Generator(np.random.PCG64(block))
     bits = np.frombuffer(random.bytes(count * size * SETS // 8), np.uint8)
-    return (2 * np.unpackbits(bits).astype(np.int8) - 1).reshape(count, size, SETS)
+    return read_only((2 * np.unpackbits(bits).astype(np.int8) - 1).reshape(count, size, SETS))
 
 
 def _steps(

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.measured import draw_circuits, draw_survey
     from geomtorsion.pictures.network import draw_dislocations, draw_lines, draw_network
     from geomtorsion.pictures.notebook_pictures import draw_plan
+    from geomtorsion.pictures.particles import draw_particles
     from geomtorsion.pictures.prices import draw_price
     from geomtorsion.pictures.report import write_report
     from geomtorsion.pictures.solutions import draw_solution
@@ -45,6 +46,7 @@ _HOMES = {
     "draw_loop": "loops",
     "draw_map": "loops",
     "draw_network": "network",
+    "draw_particles": "particles",
     "draw_plan": "notebook_pictures",
     "draw_price": "prices",
     "draw_solution": "solutions",
@@ -68,6 +70,7 @@ __all__ = [
     "draw_loop",
     "draw_map",
     "draw_network",
+    "draw_particles",
     "draw_plan",
     "draw_price",
     "draw_solution",

@@ -10,7 +10,7 @@ from typing import Any
 
 from geomtorsion.curves import CurveProblem
 from geomtorsion.errors import AccuracyError, ArgumentError, GeomtorsionError
-from geomtorsion.geometry import Connection, Frame, Tensor
+from geomtorsion.geometry import Connection, Curvature, Frame, Tensor, Torsion
 from geomtorsion.geometry.connections import HasConnection
 from geomtorsion.loops import BurgersVector, Development, HasBurgers
 from geomtorsion.ode import ODE, Engine, Ensemble, Solution
@@ -30,7 +30,7 @@ KINDS: tuple[tuple[Any, Callable[[Any, Request], Offer]], ...] = (
     ((BurgersVector, Development), loops.result_offer),
     (Proof, loops.proof_offer),
     (Connection, loops.development_offer),
-    (Tensor, tensors.tensor_offer),
+    ((Tensor, Torsion, Curvature), tensors.tensor_offer),
     (HasPrice, lambda thing, request: thing.offer(request)),
     (HasBurgers, loops.measured_offer),
     ((Frame, HasConnection, str), loops.burgers_offer),
@@ -65,8 +65,8 @@ def price(
         ensemble, a Burgers vector, a development, a proof.
     at
         times for a problem (10 by default); a loop for a frame, connection or measured data; a
-        number of cells for the survey of a grid; a point for a tensor; nothing for a result or a
-        scene, which know theirs.
+        number of cells for the survey of a grid; a point for a tensor, by names or as a list of
+        all coordinates; nothing for a result or a scene, which know theirs.
     accuracies
         relative errors to request.
     engines

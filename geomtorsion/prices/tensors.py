@@ -9,26 +9,38 @@ import mpmath
 import numpy as np
 
 from geomtorsion.errors import ArgumentError
-from geomtorsion.geometry import Tensor
+from geomtorsion.geometry import Curvature, Tensor, Torsion
 from geomtorsion.prices import offer as offers
 from geomtorsion.prices.offer import Bounds, Claim, Offer, Request, Way
 from geomtorsion.support import checks
 from geomtorsion.support.precision import working_digits
 
 
-def tensor_offer(tensor: Tensor, request: Request) -> Offer:
-    """The price of all components of a tensor at request.at, {coordinate or parameter: value}.
+def tensor_offer(thing: Tensor | Torsion | Curvature, request: Request) -> Offer:
+    """The price of all components of a tensor at request.at.
+
+    thing: a tensor; a torsion means S, a curvature the Riemann tensor, as they print.
+    at: {coordinate or parameter: value}, or the values of all coordinates in order.
 
     Raises
     ------
     ArgumentError
-        The search found no point.
+        There is no point, or it has not one value for each coordinate.
     """
     if request.at is None:
         raise ArgumentError(
             "at: expected a point for a tensor, got None. Give one, such as {'r': 3}."
         )
-    point = {**checks.table(request.at, "point"), **(request.parameters or {})}
+    if isinstance(thing, Tensor):
+        tensor = thing
+    else:
+        tensor = thing.S if isinstance(thing, Torsion) else thing.riemann
+    place = request.at
+    if checks.is_list(place):
+        coordinates = tensor.frame.coordinates
+        values = checks.numbers(place, len(coordinates), "at", ArgumentError)
+        place = dict(zip(coordinates, values, strict=True))
+    point = {**checks.table(place, "at"), **(request.parameters or {})}
     # Twice as many digits as the finest row.
     digits = 2 * max(offers.digits_of(a) for a in (*request.accuracies, *request.proved))
     truth = tensor.at(point, digits=digits)

@@ -78,13 +78,16 @@ class CurveCourse:
 
     def names(self, label: str) -> tuple[str, ...]:
         """Coordinates of the chart, velocities if they change, carried quantities."""
-        return self.problem.equations(label).states
+        equations = self.problem.equations(label)
+        return tuple(name for name in equations.states if name != equations.clock)
 
     def shown(self, label: str, box: Sequence[arb]) -> list[arb]:
         """Velocities in units of the time of users."""
         equations, unit = self.problem.equations(label), arb(self.problem.time_unit)
         numbers = list(box)
         first = equations.width
+        if equations.clock:
+            numbers.pop(equations.plain_width - 1)
         if equations.moves:
             n = len(equations.velocities)
             numbers[first : first + n] = [x * unit for x in numbers[first : first + n]]
@@ -147,7 +150,9 @@ class CurveCourse:
         if problem.carried is not None:
             pairs = zip(problem.carried.start, problem.carried.speed_powers, strict=True)
             carried = [exact_ball(x) / unit if power else exact_ball(x) for x, power in pairs]
-        return LohnerSet.of([*coordinates, *velocities, *carried])
+        # Equations with a clock have one chart, where the motion begins at zero.
+        clock = [arb(0)] if problem.equations().clock else []
+        return LohnerSet.of([*coordinates, *velocities, *clock, *carried])
 
     def _velocities(self, coordinates: Sequence[arb]) -> list[arb]:
         """u^i, from q'^mu where that was given."""

@@ -23,6 +23,7 @@ from geomtorsion.same.matching import DIGITS, FINENESS, Match, Search
 from geomtorsion.same.scalars import contradiction, scalars
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
+from geomtorsion.support.copies import content_hash, equal_content, only_fields
 from geomtorsion.support.displays import drawn_by
 from geomtorsion.support.exclusive import exclusive
 
@@ -167,6 +168,15 @@ class Equivalence:
     two: Invariants
     orientation: bool = False
     parameters: Mapping[str, sp.Rational] = field(default_factory=dict)
+
+    def __eq__(self, other: object) -> bool:
+        return equal_content(self, other)
+
+    def __hash__(self) -> int:
+        return content_hash(self)
+
+    def __getstate__(self) -> dict[str, object]:
+        return only_fields(self)
 
     @property
     def verdict(self) -> str:

@@ -10,6 +10,7 @@ from geomtorsion.exact import Certainty, Echelon, Element
 from geomtorsion.exact.element import least_certain
 from geomtorsion.geometry import Connection, Frame, Tensor, cartan, levi_civita
 from geomtorsion.support.caching import cached_property
+from geomtorsion.support.copies import content_hash, equal_content, only_fields
 from geomtorsion.support.exclusive import exclusive
 
 Index = tuple[int, ...]
@@ -42,6 +43,15 @@ class Invariants:
     frame: Frame
     keep: str
     connection: Connection | None = None
+
+    def __eq__(self, other: object) -> bool:
+        return equal_content(self, other)
+
+    def __hash__(self) -> int:
+        return content_hash(self)
+
+    def __getstate__(self) -> dict[str, object]:
+        return only_fields(self)
 
     @property
     def turns(self) -> bool:

@@ -20,6 +20,7 @@ from geomtorsion.same.matching import parameters_near
 from geomtorsion.spaces.registry import names, shipped_space
 from geomtorsion.support import checks
 from geomtorsion.support.allowance import check_limits
+from geomtorsion.support.copies import content_hash, equal_content, only_fields
 
 # Parameters are looked for as a rational number times powers of the parameters of the frame.
 POWERS = (Fraction(0), Fraction(1), Fraction(-1), Fraction(2), Fraction(-2), Fraction(1, 2))
@@ -28,7 +29,7 @@ LARGEST = 1000
 CLOSE = 0.1 / LARGEST**2
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Identified:
     """A shipped space that a frame is.
 
@@ -43,6 +44,15 @@ class Identified:
     parameters: Mapping[str, sp.Expr]
     equivalence: Equivalence
 
+    def __eq__(self, other: object) -> bool:
+        return equal_content(self, other)
+
+    def __hash__(self) -> int:
+        return content_hash(self)
+
+    def __getstate__(self) -> dict[str, object]:
+        return only_fields(self)
+
     def __str__(self) -> str:
         values = ", ".join(f"{k} = {v}" for k, v in self.parameters.items())
         with_values = f" with {values}" if values else ""
@@ -52,7 +62,7 @@ class Identified:
         return str(self)
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Identification:
     """The shipped spaces that a frame is.
 
@@ -62,6 +72,15 @@ class Identification:
 
     matches: tuple[Identified, ...]
     undecided: tuple[str, ...]
+
+    def __eq__(self, other: object) -> bool:
+        return equal_content(self, other)
+
+    def __hash__(self) -> int:
+        return content_hash(self)
+
+    def __getstate__(self) -> dict[str, object]:
+        return only_fields(self)
 
     def __bool__(self) -> bool:
         return bool(self.matches)

@@ -149,6 +149,8 @@ def solve_pair(
     t: float | None = None,
     parameters: Mapping[str, float] | None = None,
     moments: Sequence[float] | None = None,
+    force: object = None,
+    potential: object = None,
     accuracy: float = 1e-10,
     engine: Engine | None = None,
     samples: int = 401,
@@ -167,6 +169,8 @@ def solve_pair(
     moments
         kinetic metric of the geodesic, one number for each frame vector; the metric of
         the frame if None.
+    force, potential
+        on both motions, as in `autoparallel`.
     progress
         called with the part that is done, from 0 to 1, and the name of the motion being solved.
 
@@ -192,6 +196,8 @@ def solve_pair(
         t=t,
         parameters=parameters,
         moments=moments,
+        force=force,
+        potential=potential,
     )
     times = _times(last, samples)
     stops: dict[str, str] = {}
@@ -213,6 +219,8 @@ def pair_problems(
     t: float | None = None,
     parameters: Mapping[str, float] | None = None,
     moments: Sequence[float] | None = None,
+    force: object = None,
+    potential: object = None,
 ) -> tuple[dict[str, CurveProblem], tuple[str, ...], float]:
     """Both problems by name, the names of chosen values, and the last time.
 
@@ -245,6 +253,8 @@ def pair_problems(
         "velocity": velocity,
         "frame_velocity": frame_velocity,
         "parameters": numbers,
+        "force": force,
+        "potential": potential,
     }
     problems = {
         "autoparallel": autoparallel(connection, **begin),

@@ -6,6 +6,9 @@ import functools
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    import numpy as np
+
+if TYPE_CHECKING:
     from functools import cached_property as cached_property
 else:
 
@@ -25,3 +28,16 @@ else:
                 # Two threads may compute it: the first value stays.
                 cache.setdefault(self.attrname, self.func(instance))
             return cache[self.attrname]
+
+
+def read_only(array: np.ndarray) -> np.ndarray:
+    """Return an array that all callers of a cached function share, locked against writing.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> read_only(np.zeros(2)).flags.writeable
+    False
+    """
+    array.flags.writeable = False
+    return array

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, as_completed
-from typing import Any, Protocol, TypeVar
+from dataclasses import dataclass
+from typing import Any, Generic, Protocol, TypeVar
 
 from geomtorsion.errors import ArgumentError, GeomtorsionError, WorkerError
 from geomtorsion.support.checks import shown
@@ -59,7 +60,8 @@ def each_done(
     Raises
     ------
     WorkerError
-        A worker ended, or raised an error that is not ours; `part` is the number of its part.
+        A worker ended, raised an error that is not ours, or returned something else than its
+        result; `part` is the number of its part.
 
     Examples
     --------
@@ -69,7 +71,7 @@ def each_done(
     if executor is None:
         yield from ((k, function(*part)) for k, part in enumerate(parts))
         return
-    futures: dict[Future[T], int] = {}
+    futures: dict[Future[Returned[T]], int] = {}
     try:
         for k, part in enumerate(parts):
             futures[_submitted(executor, function, part, k)] = k
@@ -80,21 +82,51 @@ def each_done(
             future.cancel()
 
 
+@dataclass(frozen=True)
+class Returned(Generic[T]):
+    """The result of one part, distinct from whatever else a future may hold.
+
+    part: its number.
+    """
+
+    part: int
+    value: T
+
+
+def _called(function: Callable[..., T], part: tuple[Any, ...], k: int) -> Returned[T]:
+    """The result of one part, in the process of a worker."""
+    return Returned(k, function(*part))
+
+
 def _submitted(
     executor: Executor, function: Callable[..., T], part: tuple[Any, ...], k: int
-) -> Future[T]:
+) -> Future[Returned[T]]:
     """The future result of one part."""
     try:
-        return executor.submit(function, *part)
+        future = executor.submit(_called, function, part, k)
     except Exception as error:  # pools of any library, each with its own errors
         raise WorkerError.of(error, k) from error
+    if not isinstance(future, Future):
+        raise WorkerError(
+            "executor: expected submit to return a future of concurrent.futures, got "
+            f"{shown(future)}.",
+            k,
+        )
+    return future
 
 
-def _result(future: Future[T], k: int) -> T:
+def _result(future: Future[Returned[T]], k: int) -> T:
     """The result of one part."""
     try:
-        return future.result()
+        result = future.result()
     except GeomtorsionError:
         raise
     except Exception as error:  # whatever a worker or its library raises
         raise WorkerError.of(error, k) from error
+    if not (isinstance(result, Returned) and result.part == k):
+        raise WorkerError(
+            "executor: expected a future with the result of the submitted call, got one with "
+            f"{shown(result)}.",
+            k,
+        )
+    return result.value

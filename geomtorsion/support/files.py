@@ -297,6 +297,18 @@ or directory. Name a file in a folder that exists.
         ) from None
 
 
+def make_folder(path: object) -> Path:
+    """Make a folder, with the folders that hold it; nothing if it exists.
+
+    Raises
+    ------
+    FileFormatError
+        The system does not allow it, or a file has this name.
+    """
+    with written(path, is_folder=True) as folder:
+        return folder
+
+
 @contextmanager
 def _beside(path: Path) -> Iterator[Path]:
     """A temporary file beside a file, which it replaces when the block ends without an error."""

@@ -14,13 +14,14 @@ import geomtorsion as gt
 from geomtorsion import errors
 from geomtorsion.cli.exits import more_on
 from tests.cli.running import run
+from tests.processes import interruptible
 
 ROOT = Path(__file__).parent.parent.parent
 
 
 def process(*arguments: str, run=("-m", "geomtorsion"), **options) -> subprocess.Popen:
     """The command in a process of its own."""
-    return subprocess.Popen(
+    return interruptible(
         [sys.executable, *run, *arguments],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,

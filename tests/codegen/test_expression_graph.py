@@ -17,6 +17,7 @@ from geomtorsion.errors import ExpressionError, MissingValueError
 from geomtorsion.exact import Field
 from tests import strategies
 from tests.codegen.systems import NAMES, SPACES, SYMBOLS, TABLE, geodesic_graph, geodesic_rates
+from tests.rounding import ROUNDED
 
 x, y, z, a, b = SYMBOLS
 TEXTS = (
@@ -78,7 +79,7 @@ def test_printers_without_an_engine(kind, factor):
     assert found.shape == (len(outputs), 2, 3)
     assert found[:, 1, 2] == pytest.approx(wanted, rel=1e-13)
     exact = made.exactly([sp.Rational(value) for value in POINT])
-    assert [float(value) for value in exact] == pytest.approx(wanted, rel=1e-15)
+    assert [float(value) for value in exact] == pytest.approx(wanted, rel=ROUNDED)
 
 
 @pytest.mark.parametrize(("kind", "factor"), CASES)
@@ -102,9 +103,9 @@ def test_kinks_have_values_but_no_taylor_series():
     found = trees(KINKED)
     made = graph(NAMES, found)
     wanted = expected(found)
-    assert made.python()(*POINT) == pytest.approx(wanted, rel=1e-14)
-    assert made.numpy()(*POINT) == pytest.approx(wanted, rel=1e-14)
-    assert [float(value) for value in made.exactly(POINT)] == pytest.approx(wanted, rel=1e-14)
+    assert made.python()(*POINT) == pytest.approx(wanted, rel=ROUNDED)
+    assert made.numpy()(*POINT) == pytest.approx(wanted, rel=ROUNDED)
+    assert [float(value) for value in made.exactly(POINT)] == pytest.approx(wanted, rel=ROUNDED)
     hy = pytest.importorskip("heyoka")
     known = dict(zip(NAMES, hy.make_vars(*NAMES), strict=True))
     with pytest.raises(ExpressionError, match="no Taylor series"):
@@ -135,7 +136,7 @@ def test_random_expressions_by_all_printers(expression, point):
                 (scale,) = made.sizes(*map(float, point))
             except ZeroDivisionError:
                 continue
-            assert abs(mpmath.mpf(str(wanted)) - float(exact)) <= 1e-14 * (1 + abs(float(exact)))
+            assert abs(mpmath.mpf(str(wanted)) - float(exact)) <= ROUNDED * (1 + abs(float(exact)))
             if not math.isfinite(scale):
                 continue
             bound = 1e-12 * (1 + scale)
@@ -181,7 +182,7 @@ def test_spaces_against_their_elements(name):
             assert difference(one, two) < 1e-50
         floats = [float(value) for value in point.values()]
         assert made.python()(*floats) == pytest.approx(
-            list(map(float, wanted)), rel=1e-12, abs=1e-14
+            list(map(float, wanted)), rel=1e-12, abs=ROUNDED
         )
 
 
@@ -251,7 +252,7 @@ def test_sizes_add_up_the_sizes_of_the_terms():
         (abs(px) + abs(py)) / abs(px - pz),
         abs(np.sin(px)) + 1,
     ]
-    assert made.sizes(*point, 0.0, 0.0) == pytest.approx(np.array(wanted), rel=1e-14)
+    assert made.sizes(*point, 0.0, 0.0) == pytest.approx(np.array(wanted), rel=ROUNDED)
 
 
 def test_arrays_without_values():
@@ -386,8 +387,8 @@ def test_special_functions_come_from_scipy():
     element = Field([x]).read(sp.erf(x) + sp.besselj(0, x))
     made = graph(["x"], [element])
     wanted = float(sp.erf(sp.Rational(1, 2)) + sp.besselj(0, sp.Rational(1, 2)))
-    assert made.python()(0.5) == pytest.approx((wanted,), rel=1e-14)
-    assert made.numpy()([0.5])[0] == pytest.approx([wanted], rel=1e-14)
+    assert made.python()(0.5) == pytest.approx((wanted,), rel=ROUNDED)
+    assert made.numpy()([0.5])[0] == pytest.approx([wanted], rel=ROUNDED)
 
 
 def test_text_becomes_a_function_once():

@@ -9,6 +9,7 @@ from geomtorsion.codegen import graph
 from geomtorsion.codegen.reading import merged
 from geomtorsion.exact import Field
 from geomtorsion.exact.form import Sum, form
+from tests.rounding import ROUNDED
 
 X, Y = sp.symbols("x y", real=True)
 SHORTER = {
@@ -36,7 +37,7 @@ def test_fewer_terms(expression):
     found = graph(["x", "y"], [Field([X, Y]).read(expression)]).python()(20.0, 1.5)
     with mpmath.workdps(40):
         exact = sp.lambdify([X, Y], expression, "mpmath")(mpmath.mpf(20), mpmath.mpf("1.5"))
-    assert found[0] == pytest.approx(float(exact), rel=1e-14)
+    assert found[0] == pytest.approx(float(exact), rel=ROUNDED)
 
 
 @pytest.mark.parametrize("expression", AS_LONG.values(), ids=AS_LONG.keys())
@@ -50,8 +51,8 @@ def test_small_arguments_keep_their_digits():
     elements = [Field([X]).read(e) for e in (sp.sinh(X), sp.tanh(X), sp.cosh(X) + sp.sinh(X) - 1)]
     small = 1e-9
     values = graph(["x"], elements).numpy()(np.array([small]))
-    assert values[0] == pytest.approx(small, rel=1e-14)
-    assert values[1] == pytest.approx(small, rel=1e-14)
+    assert values[0] == pytest.approx(small, rel=ROUNDED)
+    assert values[1] == pytest.approx(small, rel=ROUNDED)
     assert values[2] == pytest.approx(small, rel=1e-6)
 
 

@@ -29,6 +29,7 @@ from tests.codegen.systems import (
     y,
     z,
 )
+from tests.rounding import ROUNDED
 
 
 @pytest.mark.parametrize(
@@ -118,7 +119,7 @@ def test_long_sums_are_not_factored():
     made = graph(NAMES, [output])
     assert made == graph(NAMES, [output], factor=False)
     expected = sum(0.5**i * 1.5**j * 2.0**k for i in range(6) for j in range(6) for k in range(6))
-    assert made.python()(0.5, 1.5, 2.0, 0.0, 0.0) == pytest.approx((expected,), rel=1e-14)
+    assert made.python()(0.5, 1.5, 2.0, 0.0, 0.0) == pytest.approx((expected,), rel=ROUNDED)
 
 
 @pytest.mark.parametrize(("terms", "left"), [(80, 1), (95, 2)])

@@ -19,6 +19,7 @@ from geomtorsion.ode import solve
 from geomtorsion.spaces import load, names
 from tests.chosen import one_in
 from tests.ode.engines import every_engine
+from tests.rounding import ROUNDED
 
 PARAMETERS = {
     "s2": {"R": 2.0},
@@ -88,7 +89,7 @@ def test_changes_keep_the_frame(change):
     )
     point = dict(zip(chart.names, map(float, there), strict=True)) | numbers
     if chart.keeps_frame:
-        assert pushed == pytest.approx(chart.frame_vectors.at(point), abs=1e-14)
+        assert pushed == pytest.approx(chart.frame_vectors.at(point), abs=ROUNDED)
     else:
         assert chart.frame is not None
         turn = chart.coframe.at(point) @ pushed

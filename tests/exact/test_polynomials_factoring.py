@@ -22,6 +22,7 @@ from geomtorsion.exact.polynomials import (
     is_irreducible_on_a_line,
     known_taken_out,
 )
+from tests.processes import interruptible
 
 ROOT = Path(__file__).parents[2]
 CTX = fmpq_mpoly_ctx.get(["x", "y"], Ordering.lex)
@@ -114,7 +115,7 @@ def test_ctrl_c_ends_it():
     code = "import geomtorsion as gt, sympy\nx, y = sympy.symbols('x y', positive=True)\n"
     code += f"value = {sp.expand(SLOW)}\nprint('reads', flush=True)\n"
     code += "gt.Frame([x, y], [[sympy.sqrt(value), 0], [0, 1]])\n"
-    with subprocess.Popen(
+    with interruptible(
         [sys.executable, "-c", code],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,

@@ -6,6 +6,7 @@ import pytest
 
 from geomtorsion.errors import ExpressionError, LimitError, UnitError
 from geomtorsion.exact.units import quantity, unit, with_unit
+from tests.rounding import ROUNDED
 
 
 @pytest.mark.parametrize(
@@ -39,7 +40,7 @@ from geomtorsion.exact.units import quantity, unit, with_unit
 )
 def test_quantities(given, field, value):
     """A quantity as a person writes it has its value in the unit of the field, up to rounding."""
-    assert quantity(given, field) == pytest.approx(value, rel=4e-16)
+    assert quantity(given, field) == pytest.approx(value, rel=ROUNDED)
 
 
 @pytest.mark.parametrize(

@@ -124,6 +124,10 @@ REFUSALS = [
     (lambda: gt.lie([1, 0, 0], 3), "expected a tensor"),
     (lambda: gt.lie(BALL.vector([1, 0, 0]), SPACE), "xi: expected a tensor over this frame"),
     (lambda: gt.lie(SPACE.metric, SPACE), "one index"),
+    (lambda: gt.lie_bracket(SPACE, [1, 0, 0]), "second: expected a second vector field"),
+    (lambda: gt.lie_bracket([1, 0, 0], [0, 1, 0]), "Give the frame first"),
+    (lambda: gt.lie_bracket(SPACE.vector([1, 0, 0]), [0, 1]), "second: expected 3 entries"),
+    (lambda: gt.lie_bracket(SPACE.vector([1, 0, 0]), BALL.vector([1, 0, 0])), "over another frame"),
     (
         lambda: gt.levi_civita(gt.spaces.load("s2").frame).curvature.schouten[0, 0],
         "three dimensions",

@@ -11,11 +11,12 @@ from geomtorsion.geometry import Frame
 from geomtorsion.loops import Loop, burgers_vector
 from geomtorsion.spaces import load
 from tests.loops.reference import reference
+from tests.rounding import ROUNDED
 
 # Promise of the library, accuracy for shipped spaces, and factor by which its own estimate may be
 # too small.
 PROMISED = 1e-12
-REACHED = 1e-14
+REACHED = ROUNDED
 HONEST = 10
 
 PLACES = {
@@ -92,7 +93,7 @@ def test_far_below_all_doubles(radius: float) -> None:
         length = mpmath.pi * mpmath.mpf(radius) ** 2
         exact = (length * mpmath.cos(mpmath.mpf(0.3)), -length * mpmath.sin(mpmath.mpf(0.3)))
         for one, two in zip(b.numbers, exact, strict=False):
-            assert abs(one - two) <= 1e-14 * abs(two)
+            assert abs(one - two) <= ROUNDED * abs(two)
 
 
 def test_torsion_much_smaller_than_the_gradient() -> None:

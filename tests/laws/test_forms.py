@@ -159,6 +159,8 @@ def test_derivatives_of_tensors_and_connections_along_a_field() -> None:
         both = lie(xi, lie(eta, mixed)) - lie(eta, lie(xi, mixed))
         assert both == lie(lie_bracket(frame, xi, eta), mixed)
         assert lie(xi, eta) == -lie(eta, xi)
+        assert lie_bracket(xi, eta) == lie_bracket(frame, xi, eta) == lie(xi, eta)
+        assert lie_bracket(xi, xi) == 0
         # Torsion is the antisymmetric part of the coefficients.
         gamma = lie(xi, connection)
         assert gamma - Tensor(frame, "ddu", lambda i: gamma.element(i[1], i[0], i[2])) == lie(

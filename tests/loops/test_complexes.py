@@ -12,6 +12,7 @@ from scipy.spatial import Delaunay
 
 from geomtorsion.errors import NetworkError
 from geomtorsion.loops import Complex
+from tests.rounding import ROUNDED
 
 
 @pytest.mark.parametrize(
@@ -60,7 +61,7 @@ def test_faces_of_a_grid_turn_from_the_first_axis_to_the_second():
     # xy and yz turn about +z and +x; xz, from x to z, about -y.
     assert (areas.sum(axis=0) == [18, -16, 18]).all()
     outward = grid.cells @ (areas * centres).sum(axis=1) / 3
-    assert np.abs(outward - 1).max() < 1e-15
+    assert np.abs(outward - 1).max() < ROUNDED
 
 
 @pytest.mark.parametrize("dimension", [2, 3])

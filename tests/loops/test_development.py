@@ -21,6 +21,7 @@ from geomtorsion.loops.affine_form import AffineForm
 from geomtorsion.loops.paths import developed_path
 from geomtorsion.loops.transport import product
 from tests.loops.digits import sphere_closure
+from tests.rounding import ROUNDED
 
 theta, phi = sp.symbols("theta phi", real=True)
 x, y, z = sp.symbols("x y z", real=True)
@@ -57,7 +58,7 @@ def test_cartan_development_is_the_burgers_vector(plane, radius):
     turn, b = develop(cartan(frame), loop), burgers_vector(frame, loop)
     scale = np.abs(b.vector).max()
     assert not turn.motion.turn.any()
-    assert np.abs(turn.burgers - b.vector).max() <= 1e-14 * scale + 1e-17 * radius**2
+    assert np.abs(turn.burgers - b.vector).max() <= ROUNDED * scale + 1e-17 * radius**2
     assert turn.check.agrees
 
 
@@ -73,8 +74,8 @@ def test_sphere_turns_by_the_area_at_every_radius(sphere, radius):
         )
         turn = develop(sphere, Loop.circle([1.0, 0.3], float(radius)))
         missed = abs(mpmath.mpf(turn.angle) / area - 1)
-    assert missed < 2e-14
-    assert turn.turn_error >= abs(turn.angle) * float(missed) * 0.5 or missed < 1e-15
+    assert missed < ROUNDED
+    assert turn.turn_error >= abs(turn.angle) * float(missed) * 0.5 or missed < ROUNDED
 
 
 @pytest.mark.parametrize("radius", [1e-1, 1e-3, 1e-6])
@@ -161,12 +162,12 @@ def test_loops_compose_reverse_and_repeat(so3_half):
     two = Loop.polygon([[0, 1, 0], [0, 1.4, 0], [0.1, 1.0, 0.5]])
     a, b = develop(so3_half, one).motion, develop(so3_half, two).motion
     both = develop(so3_half, one.then(two)).motion
-    assert np.abs(both.increment - (a @ b).increment).max() < 1e-14
+    assert np.abs(both.increment - (a @ b).increment).max() < ROUNDED
     assert np.abs((a @ b).increment - (b @ a).increment).max() > 1e-4
     back = develop(so3_half, one.reversed()).motion
-    assert np.abs((a @ back).increment).max() < 1e-15
+    assert np.abs((a @ back).increment).max() < ROUNDED
     thrice = develop(so3_half, one.times(3)).motion
-    assert np.abs(thrice.matrix - np.linalg.matrix_power(a.matrix, 3)).max() < 1e-14
+    assert np.abs(thrice.matrix - np.linalg.matrix_power(a.matrix, 3)).max() < ROUNDED
 
 
 def test_development_does_not_depend_on_the_parameter(general):
@@ -222,10 +223,10 @@ def test_boosts_keep_the_lorentz_metric():
     assert np.abs(turn.rotation @ eta @ turn.rotation.T - eta).max() < 1e-13
     # dt dr plaquette at fixed angles: a boost by integral of d(h h')... = M (1/r1^2 - 1/r2^2) dt.
     rapidity = 1.0 * (1 / 6.0**2 - 1 / 6.5**2) * 3.0
-    assert abs(np.arcsinh(turn.rotation[0, 1]) ** 2 - rapidity**2) < 1e-15
+    assert abs(np.arcsinh(turn.rotation[0, 1]) ** 2 - rapidity**2) < ROUNDED
     with pytest.raises(LoopError, match="not a rotation"):
         _ = turn.angle
-    assert np.abs(np.abs(turn.frank[0, 1]) - rapidity) < 1e-14
+    assert np.abs(np.abs(turn.frank[0, 1]) - rapidity) < ROUNDED
 
 
 def test_open_paths_follow_straight_lines_of_the_plane():
@@ -295,7 +296,7 @@ def test_tiny_loops_are_the_flux_at_their_centre(general, radius):
     rho, tau = AffineForm(general).over(np.array(centre)[:, None], unit[0], unit[1])
     found = develop(general, Loop.circle(centre, radius)).motion.increment / (np.pi * radius**2)
     expected = _affine(rho[0], tau[0])
-    assert np.abs(found - expected).max() < 20 * radius + 1e-14
+    assert np.abs(found - expected).max() < 20 * radius + ROUNDED
     assert np.abs(expected).max() > 0.5
 
 

@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 
 from geomtorsion.errors import ArgumentError, ExpressionError, LoopError, MissingValueError
 from geomtorsion.loops import Loop
+from tests.rounding import ROUNDED
 
-SAME = 1e-14  # areas and lengths are sums of a few dozen rounded terms
+SAME = ROUNDED  # areas and lengths are sums of a few dozen rounded terms
 
 TRIANGLE = [[0, 0], [1, 0], [0, 1]]
 numbers = st.floats(-3, 3, allow_nan=False)

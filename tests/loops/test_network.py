@@ -12,6 +12,7 @@ from geomtorsion.errors import LimitError, MissingValueError, NetworkError
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import EdgeList, Loop, Network, burgers_vector, parallel_screws
 from geomtorsion.loops.spanning_forest import spanning_forest
+from tests.rounding import ROUNDED
 
 
 def grid_graph(shape: tuple[int, ...], shift: float, diagonals: bool = False) -> nx.Graph:
@@ -78,8 +79,8 @@ def test_sense_and_start_of_a_cycle(screws):
     net = Network(screws, grid_graph((4, 4), 0.2))
     cycle = next(c.cycle for c in net.basis_burgers() if abs(c.vector[2]) > 0.1)
     forth, back = net.burgers(cycle), net.burgers(cycle[::-1])
-    assert np.abs(forth.vector + back.vector).max() < 1e-15
-    assert np.abs(forth.vector - net.burgers(cycle[2:] + cycle[:2]).vector).max() < 1e-15
+    assert np.abs(forth.vector + back.vector).max() < ROUNDED
+    assert np.abs(forth.vector - net.burgers(cycle[2:] + cycle[:2]).vector).max() < ROUNDED
     assert (net.burgers((*cycle, cycle[0])).vector == forth.vector).all()
 
 

@@ -7,6 +7,7 @@ import geomtorsion.spaces as spaces
 from geomtorsion.errors import LoopError
 from geomtorsion.geometry import cartan, levi_civita
 from geomtorsion.loops import AffineMap, Loop, develop, develop_path, develop_period, dispiration
+from tests.rounding import ROUNDED
 
 TURN = 2 * np.pi
 ROUND = {"phi": TURN}
@@ -54,10 +55,10 @@ def test_paths_compose_to_the_whole():
     points = [[0.1, 1.0, 0.2], [0.4, 1.2, 0.0], [0.9, 0.7, 0.5]]
     whole = develop_path(bar, points)
     pieces = develop_path(bar, points[:2]) @ develop_path(bar, points[1:])
-    assert np.abs(whole.increment - pieces.increment).max() < 1e-14
+    assert np.abs(whole.increment - pieces.increment).max() < ROUNDED
     there_and_back = whole @ develop_path(bar, points[::-1])
-    assert np.abs(there_and_back.increment).max() < 1e-14
-    assert np.abs((whole @ whole.inverse).increment).max() < 1e-15
+    assert np.abs(there_and_back.increment).max() < ROUNDED
+    assert np.abs((whole @ whole.inverse).increment).max() < ROUNDED
 
 
 def test_paths_that_do_not_close_are_refused():
@@ -84,7 +85,7 @@ def test_motions_have_invariants_to_the_last_digit():
         turn = -np.sin(angle) * cross + 2 * np.sin(angle / 2) ** 2 * cross @ cross
         shift = 0.25 * axis - turn @ np.array([1.0, 0.0, -1.0])
         found = AffineMap.of(turn, shift)
-        assert abs(found.angle / angle - 1) < 1e-14
+        assert abs(found.angle / angle - 1) < ROUNDED
         direction = found.axis
         assert direction is not None
         assert np.abs(direction - axis).max() < 1e-8
@@ -109,6 +110,6 @@ def test_motions_of_other_kinds_are_refused():
     with pytest.raises(ValueError, match="square matrix"):
         AffineMap.of(np.zeros((2, 2)), [0.0, 0.0, 0.0])
     half = AffineMap.of(np.diag([-2.0, -2.0, 0.0]), [0.0, 0.0, 0.0])
-    assert abs(half.angle - np.pi) < 1e-15
+    assert abs(half.angle - np.pi) < ROUNDED
     with pytest.raises(LoopError, match="half a turn"):
         _ = half.frank

@@ -9,8 +9,7 @@ from geomtorsion.loops import Loop, quadrature
 from geomtorsion.loops.arcs import Ellipse
 from geomtorsion.loops.chains import ClosedCurve, Square
 from geomtorsion.loops.quadrature import Integrand, integrate, kronrod_rule, ray_rule, trapezoid
-
-ROUNDED = 1e-14  # sums of some ten rounded terms
+from tests.rounding import ROUNDED
 
 CIRCLE = Loop.circle([0, 0], 1).parts[0].arcs
 TRIANGLE = Loop.polygon([[0, 0], [1, 0], [0, 1]], centre=[0, 0]).parts[0].arcs
@@ -32,7 +31,7 @@ def test_rays_are_exact_with_their_weight(points: int) -> None:
     """Gauss-Jacobi rule: integral of s * s^p, exact to degree 2 points - 1."""
     s, w = ray_rule(points)
     for power in range(2 * points):
-        assert w @ s**power == pytest.approx(1 / (power + 2), rel=1e-14)
+        assert w @ s**power == pytest.approx(1 / (power + 2), rel=ROUNDED)
 
 
 @pytest.mark.parametrize("level", range(4))

@@ -13,6 +13,7 @@ from geomtorsion.materials.images import LatticeImage
 from geomtorsion.materials.maps import Circuit, OrientationMap
 from geomtorsion.materials.rings import Rings
 from geomtorsion.materials.windows import Windows
+from tests.rounding import ROUNDED
 
 AXES = [np.linspace(0, 1, 81), np.linspace(2, 3.2, 97)]
 X, Y = np.meshgrid(*AXES, indexing="ij")
@@ -185,7 +186,7 @@ def test_a_dark_spot_of_an_image_is_passed():
     own = phases.burgers(Loop.plaquette([float(i), float(j)], (60, 60)))
     assert own.whole.tolist() == survey.whole[:, i, j].tolist()
     assert own.area == np.asarray(survey.area)[i, j]
-    assert own.chance <= np.asarray(survey.estimated.chance)[i, j] + 1e-15
+    assert own.chance <= np.asarray(survey.estimated.chance)[i, j] + ROUNDED
 
 
 def test_detours_are_numbers_in_results():

@@ -10,6 +10,7 @@ from geomtorsion.errors import AccuracyError
 from geomtorsion.geometry import Frame, cartan
 from geomtorsion.ode import ODE, Taylor, solve, solve_many
 from tests.ode.engines import every_engine, needs_heyoka
+from tests.rounding import ROUNDED
 
 X, Y = sp.symbols("x y", real=True)
 WALL, BUMP = 2 + sp.tanh(Y), 1 + sp.exp(-(Y**2))
@@ -87,7 +88,7 @@ def test_a_straight_line_has_all_digits(engine, accuracy):
     solution = solve(line, 7.5, accuracy, engine)
     assert solution.error <= accuracy
     found = [float(x) for x in solution.states[-1]]
-    assert found == pytest.approx([14 / 5, 501 / 40], rel=4e-16, abs=0)
+    assert found == pytest.approx([14 / 5, 501 / 40], rel=ROUNDED, abs=0)
 
 
 def test_members_on_straight_lines_have_all_digits():

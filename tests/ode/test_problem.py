@@ -17,6 +17,7 @@ from geomtorsion.errors import (
 from geomtorsion.exact import Field
 from geomtorsion.ode import ODE, At, RungeKutta, When, solve, solve_many
 from geomtorsion.ode.rates import default_groups
+from tests.rounding import ROUNDED
 
 
 def swing(**more):
@@ -111,7 +112,7 @@ def test_numbers_put_back_give_the_value():
     assert not {"a", "b"} & set(system.parameters)
     found = system.scalar_function(0.7, -1.3, 0, *map(float, made.run_numbers(made.parameters)))
     for value, term in zip(found, terms, strict=True):
-        assert value == pytest.approx(float(term.evalf(subs=point)), rel=1e-14)
+        assert value == pytest.approx(float(term.evalf(subs=point)), rel=ROUNDED)
     assert "**2.0" not in system.rates.python_source()
 
 
@@ -134,7 +135,7 @@ def test_graphs_on_every_kind_of_number():
     values = made.numpy()(np.array([0.5, 3.0]))
     for value, term in zip(values, terms, strict=True):
         exact = [float(term.subs(x, at)) for at in (0.5, 3)]
-        assert np.broadcast_to(value, 2) == pytest.approx(exact, rel=1e-14)
+        assert np.broadcast_to(value, 2) == pytest.approx(exact, rel=ROUNDED)
     long = made.exactly([Fraction(1, 2)])
     with mpmath.workdps(50):
         assert abs(long[1] - mpmath.sin(mpmath.mpf(1) / 2)) < mpmath.mpf(10) ** -50

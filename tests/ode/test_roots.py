@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from geomtorsion.ode.roots import crossings
+from tests.rounding import ROUNDED
 
 
 @pytest.mark.parametrize(("reach", "seen"), [(0.25, True), (0.4, False)])
@@ -27,4 +28,4 @@ def test_crossings_in_one_direction(direction, turns, backwards):
     if backwards:
         times, direction, turns = times[::-1], -direction, turns[::-1]
     found = crossings(np.sin, times, np.sin(times), direction)
-    assert found == pytest.approx(np.pi * np.array(turns), rel=1e-14)
+    assert found == pytest.approx(np.pi * np.array(turns), rel=ROUNDED)

@@ -35,6 +35,7 @@ from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.numbers import perturbed
 from geomtorsion.support.precision import GOLDEN
 from tests.ode.engines import every_engine, needs_heyoka
+from tests.rounding import ROUNDED
 
 QUATERNION = {
     "q0": "-(q1*w1 + q2*w2 + q3*w3)/2",
@@ -65,8 +66,8 @@ def test_error_and_its_estimate(engine, accuracy):
     assert len(sol.times) == 65
     assert true <= accuracy
     assert sol.error <= accuracy
-    assert sol.error >= 0.1 * true or true < 1e-15
-    assert sol.error <= 100 * true or true < 1e-14
+    assert sol.error >= 0.1 * true or true < ROUNDED
+    assert sol.error <= 100 * true or true < ROUNDED
 
 
 @every_engine
@@ -179,9 +180,9 @@ def test_unit_states(engine):
         normalized=[("q0", "q1", "q2", "q3")],
     )
     sol = solve(turn, 200.0, 1e-8, engine)
-    assert np.abs((sol.states**2).sum(axis=1) - 1).max() < 5e-16
+    assert np.abs((sol.states**2).sum(axis=1) - 1).max() < ROUNDED
     between = sol.at(np.linspace(0, 200, 333)).states
-    assert np.abs((between**2).sum(axis=1) - 1).max() < 5e-16
+    assert np.abs((between**2).sum(axis=1) - 1).max() < ROUNDED
     rate = np.sqrt(0.3**2 + 1.1**2 + 2.2**2)
     assert sol["q3"] == pytest.approx(2.2 / rate * np.sin(rate * sol.times / 2), abs=2e-8)
 
@@ -331,7 +332,7 @@ def test_states_that_are_rounding_only():
     cancels = "sqrt(1 + x**2)*(sin(x)*cos(y) + cos(x)*sin(y) - sin(x + y))"
     idle = ODE.of({"zero": cancels, "x": "-x", "y": "1/7"}, [0, 1, 1])
     sol = solve(idle, 5.0, 1e-9)
-    assert np.abs(sol["zero"]).max() < 1e-14
+    assert np.abs(sol["zero"]).max() < ROUNDED
     assert sol["x"][-1] == pytest.approx(np.exp(-5.0), rel=1e-6)
     small = solve(ODE.of({"a": "1e-12*cos(t)", "b": "1"}, [0, 1]), 5.0, 1e-9)
     assert small["a"] == pytest.approx(1e-12 * np.sin(small.times), abs=2e-21)
@@ -389,7 +390,7 @@ def test_length_is_kept_at_every_cut(tmp_path):
     segments = sol.trajectory.segments
     lengths = [np.linalg.norm([float(x) for x in one.stage.start]) for one in segments]
     assert len(lengths) == 64
-    assert np.abs(np.array(lengths) - 1).max() < 5e-16
+    assert np.abs(np.array(lengths) - 1).max() < ROUNDED
     plain = np.linalg.norm(segments[-1].run.last)
     assert abs(plain - 1) > 1e-14
 

@@ -10,6 +10,7 @@ import sympy as sp
 from geomtorsion.curves import geodesic
 from geomtorsion.geometry import Frame
 from geomtorsion.spaces import load
+from tests.rounding import ROUNDED
 
 
 def problems():
@@ -57,10 +58,10 @@ def test_all_routes(name):
         point = [*states.tolist(), *values]
         table = dict(zip((*system.states, *system.parameters), point, strict=True))
         expected = [float(x) for x in plain_values(equations.rates, table)]
-        assert system.scalar_function(*point) == pytest.approx(expected, rel=1e-12, abs=1e-15)
+        assert system.scalar_function(*point) == pytest.approx(expected, rel=1e-12, abs=ROUNDED)
         arrays = system.array_function(*(np.full(3, value) for value in states), *values)
         for array, value in zip(arrays, expected, strict=True):
-            assert np.broadcast_to(array, 3) == pytest.approx(value, rel=1e-12, abs=1e-15)
+            assert np.broadcast_to(array, 3) == pytest.approx(value, rel=1e-12, abs=ROUNDED)
         found = system.jacobian(states.tolist(), values)
         for k, state in enumerate(system.states):
             # Central differences at 60 digits have 38 right.
@@ -71,7 +72,7 @@ def test_all_routes(name):
                     plain_values(equations.rates, table | {state: here + h}) for h in (step, -step)
                 )
                 slopes = [float((x - y) / (2 * step)) for x, y in zip(up, down, strict=True)]
-            assert found[:, k] == pytest.approx(slopes, rel=1e-11, abs=1e-15)
+            assert found[:, k] == pytest.approx(slopes, rel=1e-11, abs=ROUNDED)
         if system.guard is not None:
             margin = system.guard_at(states.tolist(), values)
             again = system.guard_along(np.tile(states[:, None], 3), values)
@@ -98,6 +99,6 @@ def test_constants_of_one_motion_and_of_many(k):
     given = np.array([k, 3.0, 1.0])
     hoisted = system.hoisted
     one = hoisted.numbers(given)
-    assert one[3] == pytest.approx(3 / (1 + np.exp(min(k, 700.0))), rel=1e-15, abs=1e-300)
+    assert one[3] == pytest.approx(3 / (1 + np.exp(min(k, 700.0))), rel=ROUNDED, abs=1e-300)
     assert hoisted.numbers(np.array([given] * 2)).tolist() == [one.tolist()] * 2
     assert hoisted.system.array_function(0.0, 0.0, *one).tolist() == [one[3], 1.0]

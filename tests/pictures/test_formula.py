@@ -25,7 +25,7 @@ from geomtorsion.pictures.latex import equation_latex, latex_label, latex_name, 
 from geomtorsion.pictures.report import write_report
 from geomtorsion.pictures.text import greek_name
 from geomtorsion.teaching.exercises.sheets import write_sheet
-from tests.browser import Watched
+from tests.browser import Watched, hosted
 from tests.pictures.test_text import _expressions
 
 # Elements of MathML Core that browsers support: no mfenced, no entities.
@@ -246,25 +246,26 @@ def test_every_letter_and_sign_is_in_it(watched: Watched):
 def test_a_report_brings_its_font(name: str, watched: Watched, tmp_path: Path):
     """The report uses its own font, brackets are as high as their matrix, no index is cut off."""
     page = watched.page
-    page.goto(write_report(spaces.load(name), tmp_path, pictures=False).as_uri())
-    page.evaluate("document.fonts.ready")
-    assert fonts_of(page, LEAVES) == {("STIX Two Math", True)}
-    heights = page.locator("#metric mtable").evaluate_all(
-        """(all) => all.map((m) => [m.getBoundingClientRect().height,
-            m.previousElementSibling.getBoundingClientRect().height])"""
-    )
-    assert heights
-    assert all(bracket > COVERED * matrix for matrix, bracket in heights)
-    assert cut_off(page) == []
+    with hosted(write_report(spaces.load(name), tmp_path, pictures=False)) as address:
+        page.goto(address)
+        page.evaluate("document.fonts.ready")
+        assert fonts_of(page, LEAVES) == {("STIX Two Math", True)}
+        heights = page.locator("#metric mtable").evaluate_all(
+            """(all) => all.map((m) => [m.getBoundingClientRect().height,
+                m.previousElementSibling.getBoundingClientRect().height])"""
+        )
+        assert heights
+        assert all(bracket > COVERED * matrix for matrix, bracket in heights)
+        assert cut_off(page) == []
 
 
 def test_a_sheet_brings_its_font(watched: Watched, tmp_path: Path):
     """A sheet of exercises uses its own font, and no formula is cut off."""
-    sheet = write_sheet("4", tmp_path)[0]
-    watched.page.goto(sheet.as_uri())
-    watched.page.evaluate("document.fonts.ready")
-    assert fonts_of(watched.page, LEAVES) == {("STIX Two Math", True)}
-    assert cut_off(watched.page) == []
+    with hosted(write_sheet("4", tmp_path)[0]) as address:
+        watched.page.goto(address)
+        watched.page.evaluate("document.fonts.ready")
+        assert fonts_of(watched.page, LEAVES) == {("STIX Two Math", True)}
+        assert cut_off(watched.page) == []
 
 
 def test_the_page_brings_its_font(shared_lab: Watched):

@@ -13,6 +13,7 @@ from geomtorsion.proofs.paths import arcs_of, spline_coefficients
 from geomtorsion.proofs.wanted import Wanted
 from geomtorsion.support.precision import ball_precision
 from tests.proofs.test_prove import as_if_around
+from tests.rounding import ROUNDED
 
 X, Y, Z = sp.symbols("x y z", real=True)
 SO3 = gt.spaces.load("so3").frame
@@ -54,7 +55,7 @@ def test_floats_are_dyadic_and_fractions_exact():
         1
     ]
     assert not one.overlaps(other)
-    assert abs(one - other) < 1e-15
+    assert abs(one - other) < ROUNDED
     sides = [proved(frame, gt.Loop.plaquette([0, 0], steps), 25)[1]
              for steps in ((0.1, 0.3), (Fraction(1, 10), Fraction(3, 10)))]  # fmt: skip
     assert not sides[0].overlaps(sides[1])
@@ -113,7 +114,7 @@ def test_a_spline_is_the_curve_that_the_library_follows():
             for s in (0.0, 0.25, 0.9):
                 floats = part.points(arc, s)[0][:, 0]
                 for x, y in zip(floats, ball.places(arb(s)), strict=True):
-                    assert abs(y - float(x)) < 1e-14
+                    assert abs(y - float(x)) < ROUNDED
 
 
 def test_wrong_splines_would_be_seen(monkeypatch):

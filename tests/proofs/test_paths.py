@@ -7,6 +7,7 @@ from flint import acb, arb
 import geomtorsion as gt
 from geomtorsion.proofs.paths import arcs_of, spline_coefficients
 from geomtorsion.support.precision import ball_precision
+from tests.rounding import ROUNDED
 
 
 @pytest.fixture(autouse=True)
@@ -37,7 +38,7 @@ def test_arcs_are_the_arcs_of_the_loop(loop):
                 values = ball_arc.path(acb(s), False)
                 n = loop.dimension
                 for k in range(n):
-                    assert abs(values[k].real - float(points[k, 0])) < 1e-14
+                    assert abs(values[k].real - float(points[k, 0])) < ROUNDED
                     assert abs(values[n + k].real - float(slopes[k, 0])) < 1e-13
                     assert ball_arc.places(arb(s))[k].overlaps(values[k].real)
 

@@ -17,6 +17,7 @@ from geomtorsion.rigid.free_top import free_top
 from tests.chosen import one_in
 from tests.ode.engines import needs_heyoka
 from tests.rigid.free_top_truth import by_integrals, by_series
+from tests.rounding import ROUNDED
 
 TILTED = (0.5, -0.5, 0.5, -0.5)
 SIGNS = [(1, 1, 1), (-1, 1, 1), (1, -1, 1), (1, 1, -1), (-1, -1, 1), (-1, -1, -1)]
@@ -132,9 +133,9 @@ def test_no_error_builds_up_with_time(time):
     rates, matrix = by_integrals(moments, omega, time)
     top = free_top(moments, omega)
     pairs = zip(rates, map(mpmath.mpf, top.omega(time)), strict=True)
-    assert max(abs(float(x - y)) for x, y in pairs) < 1e-15
+    assert max(abs(float(x - y)) for x, y in pairs) < ROUNDED
     columns = [rotated(top.quaternion(time), np.eye(3)[k]) for k in range(3)]
-    assert abs(np.array(matrix.tolist(), dtype=float) - np.transpose(columns)).max() < 5e-15
+    assert abs(np.array(matrix.tolist(), dtype=float) - np.transpose(columns)).max() < ROUNDED
 
 
 def test_the_two_truths_agree():
@@ -152,10 +153,10 @@ def test_energy_and_momentum_stay_for_a_million(omega):
     times = np.linspace(0, 1e6, 2000)
     rates, attitude = top.omega(times), top.quaternion(times)
     energy = (np.array(top.moments) * rates**2).sum(axis=1) / 2
-    assert abs(energy / top.energy - 1).max() < 5e-15
+    assert abs(energy / top.energy - 1).max() < ROUNDED
     momentum = rotated(attitude, rates * np.array(top.moments))
-    assert abs(momentum - top.momentum).max() < 1e-14 * np.linalg.norm(top.momentum)
-    assert abs((attitude**2).sum(axis=1) - 1).max() < 2e-15
+    assert abs(momentum - top.momentum).max() < ROUNDED * np.linalg.norm(top.momentum)
+    assert abs((attitude**2).sum(axis=1) - 1).max() < ROUNDED
 
 
 def test_first_flip_of_a_racket_thrown_1e_12_off():
@@ -173,8 +174,8 @@ def test_first_flip_of_a_racket_thrown_1e_12_off():
         first = (2 * mpmath.ellipk(m) - u0) / rate
         between = 2 * mpmath.ellipk(m) / rate
     top = free_top((1, 2, 3), (offset, 1, offset))
-    assert top.first_flip == pytest.approx(float(first), rel=1e-15)
-    assert top.flip_time == pytest.approx(float(between), rel=1e-15)
+    assert top.first_flip == pytest.approx(float(first), rel=ROUNDED)
+    assert top.flip_time == pytest.approx(float(between), rel=ROUNDED)
     assert top.period == 2 * top.flip_time
     before, after = top.omega([top.first_flip - 1e-9, top.first_flip + 1e-9])
     assert before[1] * after[1] < 0
@@ -187,7 +188,7 @@ def test_first_flip_is_the_first():
         top = free_top((1, 2, 3), rng.normal(size=3))
         inside = top.omega(np.linspace(1e-9, top.first_flip - 1e-9, 50))[:, 1]
         assert (np.sign(inside) == np.sign(inside[0])).all()
-        assert abs(top.omega(top.first_flip)[1]) < 1e-14
+        assert abs(top.omega(top.first_flip)[1]) < ROUNDED
 
 
 def test_kinds_and_their_periods():
@@ -199,7 +200,7 @@ def test_kinds_and_their_periods():
     cone = free_top((1, 1, 2), (1, 0, 0.25))
     # Omega_c rotates at (I_3 - I_1) Omega_3 / I_1.
     assert cone.kind == "symmetric"
-    assert cone.period == pytest.approx(2 * math.pi / 0.25, rel=1e-15)
+    assert cone.period == pytest.approx(2 * math.pi / 0.25, rel=ROUNDED)
     edge = free_top((4, 5, 9), (3, 0.5, 1))
     assert edge.kind == "separatrix"
     assert math.isinf(edge.period)
@@ -216,7 +217,7 @@ def test_the_quaternion_is_continuous():
 
 def test_the_start_is_where_it_was_asked_to_be():
     top = free_top((1, 3, 2), (0.1, -2, 0.3), TILTED)
-    assert abs(top.states(0.0) - np.array([0.1, -2, 0.3, *TILTED])).max() < 1e-15
+    assert abs(top.states(0.0) - np.array([0.1, -2, 0.3, *TILTED])).max() < ROUNDED
 
 
 def test_any_shape_of_times():
@@ -232,7 +233,7 @@ def test_products_of_quaternions_turn_one_after_the_other():
     rng = np.random.default_rng(0)
     p, q = (x / np.linalg.norm(x) for x in rng.normal(size=(2, 4)))
     v = rng.normal(size=3)
-    assert abs(rotated(product(p, q), v) - rotated(p, rotated(q, v))).max() < 1e-14
+    assert abs(rotated(product(p, q), v) - rotated(p, rotated(q, v))).max() < ROUNDED
 
 
 def test_turns_are_exact_for_whole_numbers():
@@ -243,7 +244,7 @@ def test_turns_are_exact_for_whole_numbers():
     counts = np.array([1.0, 7.0, 1e6 + 3, 2.0**50 + 1, -5.0])
     for count, found in zip(counts, turns(counts, long), strict=True):
         whole = Fraction(count) * exact
-        assert abs(float(whole - round(whole)) - found) < 2e-16
+        assert abs(float(whole - round(whole)) - found) < ROUNDED
 
 
 def test_times_are_reduced_exactly():
@@ -254,7 +255,7 @@ def test_times_are_reduced_exactly():
     for k, time in enumerate(times):
         whole = Fraction(offset.high) + Fraction(offset.low) + Fraction(time)
         rest = whole - int(count[k]) * (Fraction(step.high) + Fraction(step.low))
-        assert abs(float(rest - Fraction(high[k]))) < 3e-16
+        assert abs(float(rest - Fraction(high[k]))) < ROUNDED
         assert abs(high[k]) < 1.58
 
 
@@ -265,7 +266,7 @@ def test_moments_and_rates_of_any_size(unit, rate):
     moments, omega, times = np.array([1, 1.6, 2.1]), np.array([0.3, 1, 0.2]), np.array([0.0, 1, 7])
     top = free_top(tuple(unit * moments), tuple(rate * omega))
     expected = free_top(tuple(moments), tuple(omega)).quaternion(times)
-    assert top.quaternion(times / rate) == pytest.approx(expected, abs=4e-15)
+    assert top.quaternion(times / rate) == pytest.approx(expected, abs=ROUNDED)
     for far in (1.1e77, 0.9e-77):
         with pytest.raises(StartError, match=r"expected sizes between 1e-77 and 1e\+77"):
             free_top((far, far, far), tuple(omega))
@@ -285,4 +286,4 @@ def test_the_taylor_engine_in_34_digits_comes_to_the_same(omega):
     flow = gt.ODE.of(rates, [*omega, *TILTED], normalized=(("q0", "q1", "q2", "q3"),))
     solution = gt.solve(flow, np.linspace(0, 100, 11), 1e-20, gt.Taylor(precision=113))
     truth = np.asarray(solution.states, dtype=float)
-    assert abs(free_top((1, 2, 3), omega, TILTED).states(solution.times) - truth).max() < 3e-15
+    assert abs(free_top((1, 2, 3), omega, TILTED).states(solution.times) - truth).max() < ROUNDED

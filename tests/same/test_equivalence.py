@@ -36,8 +36,13 @@ PAIRS = [
     ("schwarzschild_cartesian", MASS, "schwarzschild_isotropic", DOUBLE, D, D, D),
     ("schwarzschild", MASS, "schwarzschild_cartesian", MASS, D, D, S),
     ("schwarzschild", MASS, "schwarzschild_falling", MASS, D, D, S),
-    ("kerr", KERR, "kerr_kinnersley", KERR, D, D, S),
-    ("kerr", KERR, "kerr", {"M": 1, "a": 2 * M}, D, D, D),
+    *(
+        pytest.param(pair, marks=pytest.mark.slow)
+        for pair in (
+            ("kerr", KERR, "kerr_kinnersley", KERR, D, D, S),
+            ("kerr", KERR, "kerr", {"M": 1, "a": 2 * M}, D, D, D),
+        )
+    ),
 ]
 
 

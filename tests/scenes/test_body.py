@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from geomtorsion.errors import BodyError
 from geomtorsion.scenes import Body
+from tests.rounding import ROUNDED
 
 
 def integrated(points, weights):
@@ -60,7 +61,7 @@ def cloud(kind):
 )
 def test_shapes(kind, body):
     points, weights = cloud(kind)
-    assert weights.sum() == pytest.approx(1, rel=1e-14)
+    assert weights.sum() == pytest.approx(1, rel=ROUNDED)
     assert np.abs(body.tensor - integrated(points, weights)).max() < 1e-13
 
 
@@ -87,7 +88,7 @@ def test_points(masses):
     if np.linalg.eigvalsh(expected)[0] < 1e-6:
         return
     body = Body.points([(m, (x, y, z)) for m, x, y, z in masses])
-    assert body.mass == pytest.approx(weights.sum(), rel=1e-15)
+    assert body.mass == pytest.approx(weights.sum(), rel=ROUNDED)
     assert np.abs(body.tensor - expected).max() <= 1e-13 * np.abs(expected).max()
 
 
@@ -97,11 +98,11 @@ def test_principal_axes():
     for _ in range(20):
         turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
         body = Body(1.0, inertia=turn @ np.diag([3.0, 1.0, 2.5]) @ turn.T)
-        assert np.allclose(body.principal_moments, [1, 2.5, 3], rtol=1e-14)
+        assert np.allclose(body.principal_moments, [1, 2.5, 3], rtol=ROUNDED)
         axes = body.principal_axes
-        assert np.linalg.det(axes) == pytest.approx(1, abs=1e-14)
+        assert np.linalg.det(axes) == pytest.approx(1, abs=ROUNDED)
         again = axes @ np.diag(body.principal_moments) @ axes.T
-        assert np.abs(again - body.tensor).max() < 1e-14
+        assert np.abs(again - body.tensor).max() < ROUNDED
     ordered = Body(moments=(3, 1, 2))
     assert ordered.principal_moments.tolist() == [1, 2, 3]
     assert np.abs(ordered.principal_axes).tolist() == [[0, 0, 1], [1, 0, 0], [0, 1, 0]]

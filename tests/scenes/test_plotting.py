@@ -10,6 +10,7 @@ from geomtorsion.errors import SceneError, UnknownNameError
 from geomtorsion.scenes import Body, Scene, SceneResult, State, load
 from geomtorsion.scenes.plotting import drawings, finely, plot
 from geomtorsion.scenes.saving import write_run
+from tests.rounding import ROUNDED
 
 pytest.importorskip("matplotlib")
 
@@ -103,7 +104,7 @@ def test_drifts_over_time_agree_with_the_result():
         assert drifts.keys() == result.drift.keys()
         for key, values in drifts.items():
             assert values.shape == result.times.shape
-            assert values.max() == pytest.approx(result.drift[key], rel=1e-6, abs=1e-15)
+            assert values.max() == pytest.approx(result.drift[key], rel=1e-6, abs=ROUNDED)
 
 
 def test_everything_about_a_run_in_one_place(tmp_path):

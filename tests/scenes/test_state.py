@@ -11,6 +11,7 @@ import pytest
 from geomtorsion.errors import BodyError, SceneError, StartError, UnknownNameError
 from geomtorsion.scenes import Body, State
 from geomtorsion.scenes.effects import Spring
+from tests.rounding import ROUNDED
 from tests.scenes.brute import zyz
 
 
@@ -19,8 +20,8 @@ def test_three_ways_to_give_an_attitude():
     by_euler: Any = State(omega=(0, 0, 1), euler=angles).attitude
     by_matrix: Any = State(omega=(0, 0, 1), matrix=zyz(*angles).tolist()).attitude
     by_quaternion: Any = State(omega=(0, 0, 1), quaternion=by_euler.tolist()).attitude
-    assert np.abs(by_euler - by_matrix).max() < 4e-16
-    assert np.abs(by_euler - by_quaternion).max() < 2e-16
+    assert np.abs(by_euler - by_matrix).max() < ROUNDED
+    assert np.abs(by_euler - by_quaternion).max() < ROUNDED
     assert State(omega=(0, 0, 1)).attitude is None
 
 
@@ -28,7 +29,7 @@ def test_other_conventions():
     """Yaw, pitch, roll about body axes are roll, pitch, yaw about space axes."""
     one: Any = State(euler=(0.3, 0.2, 0.1), euler_convention="ZYX").attitude
     two: Any = State(euler=(0.1, 0.2, 0.3), euler_convention="xyz").attitude
-    assert np.abs(one - two).max() < 2e-16
+    assert np.abs(one - two).max() < ROUNDED
     assert State(euler_convention="paper").euler_convention == "zyz"
 
 
@@ -85,7 +86,7 @@ def test_unknown_convention():
 )
 def test_texts_with_units(call, value):
     """Numbers of bodies, starts and effects may be texts with a unit."""
-    assert call() == pytest.approx(value, rel=1e-15)
+    assert call() == pytest.approx(value, rel=ROUNDED)
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,8 @@
 # Some results may be None in general, and some tests pass bad input.
 # pyright: reportOptionalOperand=false, reportOptionalMemberAccess=false, reportArgumentType=false
 
+import pickle
+
 import pytest
 import sympy as sp
 
@@ -53,3 +55,20 @@ def test_a_new_space_matches_no_shipped_space():
         gt.spaces.identify("frw")
     with pytest.raises(ArgumentError, match="keep"):
         gt.spaces.identify("s2", "legz")
+
+
+def test_results_are_equal_by_content():
+    """Two results of one call are equal, as are their hashes and their copies by pickle."""
+    frame = gt.Frame("u v", [[3, 0], [0, "3*cos(u)"]], domain="0 < u < 1")
+    one, two = gt.spaces.identify(frame), gt.spaces.identify(frame)
+    copy = pickle.loads(pickle.dumps(one))
+    for other in (two, copy):
+        assert other == one
+        assert hash(other) == hash(one)
+        assert other.matches[0] == one.matches[0]
+        assert other.matches[0].equivalence == one.matches[0].equivalence
+    assert copy.matches[0].equivalence.verdict == "same"
+    larger = gt.spaces.identify(gt.Frame("u v", [[4, 0], [0, "4*cos(u)"]], domain="0 < u < 1"))
+    nothing = gt.spaces.identify(gt.Frame("u v", [["3/u", 0], [0, "3/u"]], domain="u > 0"))
+    assert len({one, two, copy, larger, nothing}) == 3
+    assert one != "s2"

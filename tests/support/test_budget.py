@@ -43,6 +43,13 @@ def test_three_runs_predict_the_rest():
     assert model.digits_for(10 * law(12)) == 12
 
 
+def test_no_prediction_is_below_the_fastest_run():
+    """A parabola through times that fall and rise dips below zero; a prediction does not."""
+    model = TimeModel.of([2, 7, 12], [1.0, 0.01, 3.0])
+    assert model.at(5.5) == 0.01
+    assert model.at(12) == pytest.approx(3.0)
+
+
 @pytest.mark.parametrize(("least", "most"), [(0.05, 3), (0.4, 9), (3.0, 12)])
 def test_the_chosen_accuracy_takes_the_time(least, most, monkeypatch):
     """The chosen accuracy takes at least four fifths of the time, and no more than all of it."""

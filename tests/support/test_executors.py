@@ -157,6 +157,36 @@ def test_errors_of_ours_are_raised_as_they_are():
         gt.solve_many(edge, [[0.1], [0.2]], 5.0, 1e-8, executor=Here())
 
 
+def future_of(value: object) -> Future[Any]:
+    """A future that is done."""
+    future: Future[Any] = Future()
+    future.set_result(value)
+    return future
+
+
+@pytest.mark.parametrize(
+    ("returned", "words"),
+    [
+        (future_of(None), "a future with the result of the submitted call, got one with None"),
+        (future_of((0, 1.0)), "a future with the result of the submitted call, got one with"),
+        (None, "submit to return a future of concurrent.futures, got None"),
+    ],
+)
+def test_an_executor_that_loses_results(returned, words):
+    """A future without the result of its call is an error of a worker."""
+
+    class Losing:
+        def submit(self, *_: object) -> object:
+            return returned
+
+    for call in (
+        lambda pool: gt.solve_many(SWING, STARTS, 1.0, 1e-6, executor=pool),
+        lambda pool: gt.burgers_vectors(SCREW, CENTRES, 0.2, parameters={"b": 1}, executor=pool),
+    ):
+        with pytest.raises(WorkerError, match=words):
+            call(Losing())
+
+
 @pytest.mark.parametrize("executor", [3, "dask", ThreadPoolExecutor, object()])
 def test_other_things_are_refused(executor):
     """Only what takes work is an executor."""

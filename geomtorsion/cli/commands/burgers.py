@@ -23,7 +23,7 @@ from geomtorsion.pictures.loops import draw_closure
 from geomtorsion.pictures.style import save
 from geomtorsion.proofs import prove
 from geomtorsion.support.checks import cut
-from geomtorsion.support.files import write_text
+from geomtorsion.support.files import make_folder, write_text
 from geomtorsion.support.outgoing import number_text, size_text
 
 MOST_PICTURES = 12
@@ -246,7 +246,7 @@ def _explain(result: dict[str, Any]) -> None:
 
 def _save(document: dict[str, Any], vectors: Sequence[BurgersVector | None], folder: Path) -> None:
     """burgers.json and a picture of each of the first loops."""
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     target = folder / "burgers.json"
     # A file of thousands of loops must not create thousands of pictures.
     drawn = [vector for vector in vectors if vector is not None][:MOST_PICTURES]

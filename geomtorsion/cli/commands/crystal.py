@@ -25,7 +25,13 @@ from geomtorsion.materials.lines import DislocationNetwork
 from geomtorsion.pictures.network import draw_lines
 from geomtorsion.pictures.style import SERIES, Stroke, save
 from geomtorsion.support.checks import cut, shown
-from geomtorsion.support.files import check_resumption, plain_float, write_text, written
+from geomtorsion.support.files import (
+    check_resumption,
+    make_folder,
+    plain_float,
+    write_text,
+    written,
+)
 from geomtorsion.support.outgoing import csv_cell
 from geomtorsion.support.progress import bar
 from geomtorsion.teaching.lab.turning import Curve, Film, turnable
@@ -366,7 +372,7 @@ def _loop(line: Json) -> str:
 
 def _save(document: Json, net: DislocationNetwork, folder: Path) -> None:
     """JSON of all frames, tracks of several, and the last one as lines and pictures."""
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     frames, name = document["frames"], document["file"]
     paths = [folder / "crystal.json", folder / "crystal.html"]
     write_text(paths[0], json.dumps(document, indent=1) + "\n")

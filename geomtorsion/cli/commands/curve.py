@@ -12,12 +12,14 @@ from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.options import (
     NO_PICTURES,
     EngineName,
+    Force,
     FrameVelocity,
     LastTime,
     Moments,
     Parameters,
     PictureFormat,
     Pictures,
+    Potential,
     Proved,
     SpaceOrFile,
     Start,
@@ -49,6 +51,8 @@ def curve(
     t: LastTime = None,
     parameters: Parameters = None,
     moments: Moments = None,
+    force: Force = None,
+    potential: Potential = None,
     accuracy: Annotated[
         float, typer.Option(metavar="X", help="Largest error of the result, relative to its size.")
     ] = 1e-10,
@@ -73,13 +77,16 @@ def curve(
       geomtorsion curve so3 --moments 1,2,3 --t 20 --accuracy 1e-12
       geomtorsion curve my-tetrad.toml --set M=1 -o curves
       geomtorsion curve kerr --t 100 --proved
+      geomtorsion curve s2 --force "B*u2, -B*u1" --set R=1,B=2 --t 6
     """
     space = open_space(source)
     written: list[Path] = []
     with bar(space.name) as show:
         pair = solve_pair(
             space,
-            **start_options(start, velocity, frame_velocity, t, parameters, moments),
+            **start_options(
+                start, velocity, frame_velocity, t, parameters, moments, force, potential
+            ),
             accuracy=accuracy,
             engine=engine_of(engine),
             samples=samples,

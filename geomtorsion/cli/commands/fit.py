@@ -15,11 +15,13 @@ import typer
 from geomtorsion.cli.options import (
     NO_PICTURES,
     EngineName,
+    Force,
     FrameVelocity,
     Moments,
     Parameters,
     PictureFormat,
     Pictures,
+    Potential,
     SpaceOrFile,
     Start,
     Velocity,
@@ -77,6 +79,8 @@ def fit(
     frame_velocity: FrameVelocity = None,
     parameters: Parameters = None,
     moments: Moments = None,
+    force: Force = None,
+    potential: Potential = None,
     accuracy: Annotated[
         float, typer.Option(metavar="X", help="Largest relative error of each solve.")
     ] = 1e-10,
@@ -102,7 +106,9 @@ def fit(
     if sigma is not None:
         noise = _noise(sigma, list(values))
     with working(space.name):
-        options = start_options(start, velocity, frame_velocity, None, parameters, moments)
+        options = start_options(
+            start, velocity, frame_velocity, None, parameters, moments, force, potential
+        )
         problems, chosen, _ = pair_problems(space, **options)
         problem = problems[curve.value]
         names = [name.strip() for name in free.split(",")]

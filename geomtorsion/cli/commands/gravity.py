@@ -32,12 +32,13 @@ from geomtorsion.gravity.fluids import Fluid
 from geomtorsion.ode import Solution
 from geomtorsion.pictures.field_equations import field_equations_data
 from geomtorsion.pictures.latex import text_label, text_marks
-from geomtorsion.pictures.style import can_draw
+from geomtorsion.pictures.style import can_draw, save
 from geomtorsion.pictures.text import expression_text
 from geomtorsion.prices import called_for
 from geomtorsion.proofs import prove
 from geomtorsion.spaces import Space
 from geomtorsion.support.checks import shown
+from geomtorsion.support.files import make_folder
 from geomtorsion.support.outgoing import number_text
 
 # Characters of a number in a table, and its digits.
@@ -266,12 +267,12 @@ def _error(solution: Solution, name: str) -> float:
 
 def _written(solution: Solution, folder: Path) -> list[Path]:
     """The files of a solution."""
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     paths = [folder / "solution.npz"]
     solution.save(paths[0])
     if can_draw():
         paths.append(folder / "solution.png")
-        solution.plot().savefig(paths[1])
+        save(solution.plot(), paths[1])
     return paths
 
 

@@ -20,7 +20,7 @@ from geomtorsion.loops import Loop
 from geomtorsion.materials.lines import DislocationNetwork, LineFamily
 from geomtorsion.pictures.network import draw_lines
 from geomtorsion.pictures.style import save
-from geomtorsion.support.files import write_text
+from geomtorsion.support.files import make_folder, write_text
 from geomtorsion.support.progress import bar
 
 
@@ -213,7 +213,7 @@ def _save(
     folder: Path,
 ) -> None:
     """network.json and network.png."""
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     written = [folder / "network.json", folder / "network.png"]
     try:
         save(draw_lines(net, loops, symmetry), written[1])

@@ -13,12 +13,14 @@ from geomtorsion import prices
 from geomtorsion.cli.loops import named_loop
 from geomtorsion.cli.options import (
     NO_PICTURES,
+    Force,
     FrameVelocity,
     LastTime,
     Moments,
     Parameters,
     PictureFormat,
     Pictures,
+    Potential,
     Priced,
     Start,
     Velocity,
@@ -35,7 +37,7 @@ from geomtorsion.materials.readers import is_source
 from geomtorsion.ode import Engine
 from geomtorsion.pictures.style import can_draw, save
 from geomtorsion.spaces import pair_problems
-from geomtorsion.support.files import write_text
+from geomtorsion.support.files import make_folder, write_text
 from geomtorsion.support.outgoing import duration_text
 from geomtorsion.support.progress import bar
 
@@ -65,6 +67,8 @@ def price(
     t: LastTime = None,
     parameters: Parameters = None,
     moments: Moments = None,
+    force: Force = None,
+    potential: Potential = None,
     accuracies: Annotated[
         str, typer.Option(metavar="X,...", help="Requested accuracies, one row each.")
     ] = "1e-3,1e-6,1e-9,1e-12",
@@ -108,7 +112,7 @@ def price(
         "memory": memory,
     }
     motion = {"--start": start, "--velocity": velocity, "--frame-velocity": frame_velocity}
-    motion |= {"--moments": moments, "--curve": curve}
+    motion |= {"--moments": moments, "--force": force, "--potential": potential, "--curve": curve}
     lines: list[str] = []
     if is_scene(source):
         _refuse(
@@ -134,7 +138,9 @@ def price(
     else:
         space = space_or_hint(source)
         with working(space.name) as progress:
-            options = start_options(start, velocity, frame_velocity, t, parameters, moments)
+            options = start_options(
+                start, velocity, frame_velocity, t, parameters, moments, force, potential
+            )
             problems, chosen, last = pair_problems(space, **options)
             progress("measuring")
             problem = problems[(curve or Curve.geodesic).value]
@@ -177,7 +183,7 @@ def _refuse(given: dict[str, str | None], got: str) -> None:
 
 def _write(table: prices.PriceList, folder: Path, form: str) -> None:
     """Table as data, and the figure where matplotlib is installed."""
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     data, rows, figure = (folder / f"price.{end}" for end in ("json", "csv", form))
     write_text(data, json.dumps(table.to_json(), indent=2, ensure_ascii=False) + "\n")
     table.to_csv(rows)

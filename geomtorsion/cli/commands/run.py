@@ -36,7 +36,7 @@ from geomtorsion.scenes import Scene, SceneResult
 from geomtorsion.scenes.checkpoint import partial_result
 from geomtorsion.scenes.result import write_csv
 from geomtorsion.scenes.saving import write_run, write_scene_film
-from geomtorsion.support.files import check_resumption
+from geomtorsion.support.files import check_resumption, make_folder
 from geomtorsion.support.progress import bar
 
 CHECKPOINT, PARTIAL = "checkpoint.npz", "partial.csv"
@@ -155,7 +155,7 @@ def _checkpoint(output: Path | None, *, resume: bool, overwrite: bool) -> Path |
     )  # fmt: skip
     if overwrite:
         path.unlink(missing_ok=True)
-    output.mkdir(parents=True, exist_ok=True)
+    make_folder(output)
     return path
 
 

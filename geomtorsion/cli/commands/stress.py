@@ -20,7 +20,7 @@ from geomtorsion.materials.readers import is_source, open_source
 from geomtorsion.pictures.stress import COMPONENTS, draw_stress
 from geomtorsion.pictures.style import can_draw, save
 from geomtorsion.support.checks import choice, shown
-from geomtorsion.support.files import ending, finite_number, write_text
+from geomtorsion.support.files import ending, finite_number, make_folder, write_text
 from geomtorsion.support.progress import bar
 
 # Options in messages of the library -> as typed.
@@ -201,7 +201,7 @@ def _explain(document: dict[str, Any]) -> None:
 
 def _save(result: Stresses, document: dict[str, Any], component: str, folder: Path) -> None:
     """stress.json with the forces, stress.vtk and stress.png."""
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     if isinstance(result.source, DislocationNetwork):
         document = {**document, "forces": result.forces.tolist()}
     paths = [folder / "stress.json", folder / "stress.vtk"]

@@ -11,6 +11,7 @@ from geomtorsion.materials.crystals.lattices import LATTICES, Lattice
 from geomtorsion.materials.crystals.method import METHOD
 from geomtorsion.materials.maps import LaueGroup, laue_group
 from geomtorsion.rigid.attitude import matrix_from_quaternion, quaternion_from_matrix
+from geomtorsion.support.caching import read_only
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,4 +157,4 @@ def _seeds(lattice: Lattice) -> np.ndarray:
             seen |= {(int(image[a]), int(image[b])) for image in images}
             pairs.append((a, b))
     first, second = np.array(pairs).T
-    return triads(unit[first], unit[second])
+    return read_only(triads(unit[first], unit[second]))

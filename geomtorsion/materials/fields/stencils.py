@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy  # loads its subpackages at first use
 
-from geomtorsion.support.caching import cached_property
+from geomtorsion.support.caching import cached_property, read_only
 from geomtorsion.support.precision import HALF
 
 if TYPE_CHECKING:
@@ -38,30 +38,35 @@ def lagrange(count: int, t: np.ndarray) -> np.ndarray:
 def edge_weights(count: int) -> np.ndarray:
     """Integrals of polynomials through count nodes over the edge from node s to s + 1, row s."""
     if count == 1:
-        return np.ones((1, 1))
+        return read_only(np.ones((1, 1)))
     x, w = np.polynomial.legendre.leggauss(count // 2 + 1)
     first = np.arange(count - 1)
     parts = zip(((x + 1) / 2).tolist(), (w / 2).tolist(), strict=True)
     weights = np.zeros((count - 1, count))
     for node, weight in parts:
         weights += weight * lagrange(count, first + node).T
-    return weights
+    return read_only(weights)
 
 
 @cache
 def slope_weights(count: int) -> np.ndarray:
-    """Derivatives at node s, row s, of the polynomials through count nodes (spacing 1)."""
+    """Derivatives at node s, row s, of the polynomials through count nodes (spacing 1).
+
+    Barycentric formula (Berrut and Trefethen 2004, section 9.3).
+    """
     k = np.arange(count)
-    powers = np.linalg.inv(np.vander(k.astype(float), increasing=True))
-    return np.array(
-        [sum(m * powers[m] * t ** (m - 1) for m in range(1, count)) for t in k.astype(float)]
-    )
+    # Binomials are exact, unlike the weights of scipy, whose last digits are random.
+    weights = (-1.0) ** k * scipy.special.binom(count - 1, k)
+    slopes = weights / weights[:, None] / (k[:, None] - k + np.eye(count))
+    np.fill_diagonal(slopes, 0.0)
+    np.fill_diagonal(slopes, -slopes.sum(axis=1))
+    return read_only(slopes)
 
 
 @cache
 def step_weights(count: int) -> np.ndarray:
     """As `slope_weights`, for differences between neighbours, shape (count, count - 1)."""
-    return np.cumsum(slope_weights(count)[:, :0:-1], axis=1)[:, ::-1]
+    return read_only(np.cumsum(slope_weights(count)[:, :0:-1], axis=1)[:, ::-1])
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,6 +22,8 @@ ErrorClass = type[GeomtorsionError]
 Kind = TypeVar("Kind", bound=object)
 Word = TypeVar("Word", str, int)
 
+# Entries of a long list that a message shows, the first number with which it is short enough.
+SHOWN_ENTRIES = (8, 4, 2, 1)
 # Remedy where a zero cannot be decided.
 KNOWN_IDENTITIES = "Use functions whose identities the library knows (roots, sin, exp, ...)."
 _SMALL: dict[str, str] = dict(
@@ -330,20 +332,55 @@ def cut(text: str, most: int = LONGEST_SHOWN) -> str:
 
 
 def shown(value: object) -> str:
-    """The repr of a value, shortened for a message; never an error of its own.
+    """A value in one line of at most 200 characters for a message; never an error of its own.
+
+    Long arrays and tables are described by their shape and long lists by their first entries. An
+    object that prints several lines is shown by its first line.
 
     Examples
     --------
     >>> shown("r"), len(shown("r" * 10**6))
     ("'r'", 200)
+    >>> shown(list(range(1000)))
+    '[0, 1, 2, 3, 4, 5, 6, 7, ...] (1000 entries)'
     """
     try:
-        # The beginning of a long text is enough; its repr would be as long as the text.
-        start = value[: LONGEST_SHOWN + 1] if isinstance(value, str | bytes) else value
-        return cut(repr(start))
+        return cut(_one_line(value))
     except Exception:  # noqa: BLE001
         # A whole number of 5,000 digits has no repr, and __repr__ of others may do anything.
         return f"a value of type {type(value).__name__}"
+
+
+def _one_line(value: object) -> str:
+    """The repr of a value without line breaks, or a description where it is long."""
+    if isinstance(value, str | bytes):
+        # The beginning of a long text is enough; its repr would be as long as the text.
+        return repr(value[: LONGEST_SHOWN + 1])
+    kind = type(value).__name__
+    if isinstance(value, list | tuple | dict | set | frozenset):
+        whole = "" if len(value) > LONGEST_SHOWN else _joined(repr(value))
+        if 0 < len(whole) <= LONGEST_SHOWN:
+            return whole
+        if isinstance(value, list | tuple):
+            for count in SHOWN_ENTRIES:
+                first = _joined(repr(value[:count]))
+                entries = f"{first[:-1].rstrip(',')}, ...{first[-1]} ({len(value)} entries)"
+                if len(entries) <= LONGEST_SHOWN:
+                    return entries
+        return f"a {kind} of length {len(value)}"
+    text, shape = repr(value), getattr(value, "shape", None)
+    if not isinstance(shape, tuple):
+        return text.strip().partition("\n")[0]
+    whole = _joined(text)
+    if len(whole) <= LONGEST_SHOWN and ("\n" not in text or text.startswith(("array", "Matrix"))):
+        return whole
+    # Tables print their names of rows and columns, which are of no use in one line.
+    return f"an array of shape {shape}" if kind == "ndarray" else f"a {kind} of shape {shape}"
+
+
+def _joined(text: str) -> str:
+    """A text of several lines in one, without the blanks that indent lines."""
+    return " ".join(line.strip() for line in text.splitlines())
 
 
 def _written(key: object) -> str:

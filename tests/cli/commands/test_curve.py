@@ -2,6 +2,7 @@
 
 import csv
 import json
+import math
 from pathlib import Path
 
 import mpmath
@@ -153,3 +154,19 @@ def test_proved_prints_certain_digits():
     assert text.count("proved at t = 2, 15 digits") == 2
     assert text.count("holds: proved") == 2
     assert "theta = 1." in text
+
+
+def test_forces_and_their_parameters(tmp_path):
+    """--force and --potential act on both curves; an unknown name is refused with its remedy."""
+    file = tmp_path / "plane.toml"
+    file.write_text('coordinates = ["x", "y"]\ncoframe = [[1, 0], [0, 1]]\n')
+    place = "--start 1,0 --velocity 0,0 --t 2".split()
+    options = [*place, "-o", str(tmp_path / "out"), *CHEAP]
+    made = run("curve", str(file), "--force=-k*u1+sin(t), 0", "--set", "k=0", *options)
+    assert "geodesic" in made.stdout
+    table = table_of(tmp_path / "out")
+    column = next(name for name in table if name.endswith("x") and "geodesic" in name)
+    assert abs(float(table[column][-1]) - (1 + 2 - math.sin(2))) < 1e-7
+    refused = run("curve", str(file), "--force", "-k*u1, 0", *options, code=2)
+    assert "u1, u2 along the legs" in refused.output
+    assert "--set" in refused.output

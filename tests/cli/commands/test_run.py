@@ -18,6 +18,7 @@ from geomtorsion.pictures import scene_film
 from geomtorsion.scenes import SceneResult, load, read_file
 from geomtorsion.support.workers import Bounds, work_within
 from tests.cli.running import run
+from tests.processes import interruptible
 
 SLOW = """\
 watch = ["omega", "energy"]
@@ -182,7 +183,7 @@ class Started:
         file = folder / "slow.toml"
         file.write_text(SLOW)
         command = [sys.executable, "-c", HIDING, "run", str(file), "-o", str(self.out), *more]
-        self.process = subprocess.Popen(
+        self.process = interruptible(
             [*command, "--engine", "rungekutta"],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,

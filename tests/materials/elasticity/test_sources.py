@@ -27,6 +27,7 @@ from geomtorsion.errors import (
 )
 from geomtorsion.materials.elasticity import Stresses
 from tests.real import real
+from tests.rounding import ROUNDED
 
 STEEL = ElasticConstants.isotropic(80.0, 0.3, unit="GPa")
 BOX = Box.of_bounds([0, 0, 0], [4, 4, 4])
@@ -147,7 +148,7 @@ def test_a_box_without_lines_has_only_its_load():
     empty = LineArrays(np.zeros((0, 3)), np.zeros((0, 2), int), np.zeros((0, 3)), BOX)
     net = DislocationNetwork.of_arrays(empty)
     found = stresses(net, STEEL, shape=8, mean_stress=np.eye(3))
-    np.testing.assert_allclose(found.stress[:, :, 1, 2, 3], np.eye(3), atol=1e-15)
+    np.testing.assert_allclose(found.stress[:, :, 1, 2, 3], np.eye(3), atol=ROUNDED)
     assert (found.error, found.forces.shape) == (0.0, (0, 3))
 
 

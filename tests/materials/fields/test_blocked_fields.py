@@ -20,6 +20,7 @@ from geomtorsion.materials.fields.large_arrays import opened
 from geomtorsion.materials.readers import is_array, is_source, open_in_blocks, open_source
 from tests.cli import running
 from tests.materials.test_readers import grid
+from tests.processes import interruptible
 
 ROOT = Path(__file__).parents[3]
 
@@ -146,7 +147,7 @@ def test_killed_and_taken_up_again(tmp_path, end):
     given = ["map", str(path), "--size", "5", "--sigma", "0.001"]
     out = tmp_path / "out"
     command = [sys.executable, "-m", "geomtorsion", *given, "--blocks", "10", "-o", str(out)]
-    began = subprocess.Popen(command, cwd=ROOT)
+    began = interruptible(command, cwd=ROOT)
     for _ in range(3000):
         if len(chunks(out)) > 10:
             break
@@ -167,7 +168,7 @@ def test_stopped_by_hand(tmp_path):
     np.save(tmp_path / "field.npy", values((100, 80)))
     command = [sys.executable, "-m", "geomtorsion", "map", str(tmp_path / "field.npy"), "--blocks",
                "8", "-o", str(tmp_path / "out")]  # fmt: skip
-    began = subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE)
+    began = interruptible(command, cwd=ROOT, stderr=subprocess.PIPE)
     for _ in range(3000):
         if chunks(tmp_path / "out"):
             break

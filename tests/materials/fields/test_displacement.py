@@ -14,6 +14,7 @@ from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.fields.stencils import Rule
 from geomtorsion.materials.readers import open_in_blocks, open_source
 from tests.loops.edge_dislocation import displacement
+from tests.rounding import rounded
 
 B = 0.286
 AXIS = np.linspace(-3, 3, 60)
@@ -321,7 +322,7 @@ def test_a_file_keeps_the_displacement(tmp_path, branch, sigma):
         open_in_blocks(tmp_path / "u.npz")
 
 
-@pytest.mark.parametrize("order", [2, 4, 6])
+@pytest.mark.parametrize("order", [2, 4, 6, 10])
 @pytest.mark.parametrize("periodic", [False, True])
 def test_slopes_from_steps_are_slopes_from_values(order, periodic):
     """Differences of neighbours give the slopes of the values, at the edges and beside holes."""
@@ -330,5 +331,18 @@ def test_slopes_from_steps_are_slopes_from_values(order, periodic):
     holes[11] = True
     rule = Rule.of(order, holes, periodic, slopes=True)
     steps = np.diff(values, append=values[:1]) if periodic else np.diff(values)
-    assert rule.matrix_of_steps @ steps == pytest.approx(rule.matrix @ values, abs=1e-12)
+    terms = abs(rule.matrix) @ abs(values)
+    assert rule.matrix_of_steps @ steps == pytest.approx(rule.matrix @ values, abs=rounded(terms))
     assert not rule.known[11]
+
+
+@pytest.mark.parametrize("order", [2, 4, 6, 12])
+def test_slopes_of_polynomials_are_exact(order):
+    """A stencil of m nodes differentiates powers up to m - 1, to roundings of its terms."""
+    places = np.arange(16.0) - 7.5
+    rule = Rule.of(order, np.zeros((16, 1), dtype=bool), False, slopes=True)
+    for power in range(order + 1):
+        values = places**power
+        exact = power * places ** max(power - 1, 0)
+        terms = abs(rule.matrix) @ abs(values)
+        assert rule.matrix @ values == pytest.approx(exact, abs=rounded(terms))

@@ -7,6 +7,7 @@ from geomtorsion.errors import GridError
 from geomtorsion.loops import Loop
 from geomtorsion.materials.fields import SampledFrame
 from tests.chosen import one_in
+from tests.rounding import ROUNDED
 
 AXES = [np.linspace(-1, 1, 31), np.linspace(0, 2, 29)]
 X, Y = np.meshgrid(*AXES, indexing="ij")
@@ -285,7 +286,7 @@ def test_both_parts_are_shown_apart():
     a, b = quiet.burgers(loop), noisy.burgers(loop)
     assert a.noise == 0
     assert a.error == a.systematic_error
-    assert b.error == pytest.approx(np.hypot(b.systematic_error, b.noise), rel=1e-15)
+    assert b.error == pytest.approx(np.hypot(b.systematic_error, b.noise), rel=ROUNDED)
     assert b.sigmas.shape == (2,)
     assert "noise" in repr(b)
     assert b.vector == pytest.approx(a.vector, abs=0)

@@ -23,6 +23,7 @@ from geomtorsion.loops import (
     parallel_screws,
 )
 from geomtorsion.materials.fields import SampledFrame, blocked_map
+from tests.rounding import ROUNDED
 
 ORDERS = (2, 4, 6, 8)
 x, y, z = sp.symbols("x y z", real=True)
@@ -56,7 +57,7 @@ def test_loops_converge_with_their_order_and_errors_hold(wavy, order):
         found = sampled(wavy, count, order).burgers(loop)
         errors.append(np.abs(found.vector - exact).max())
         assert errors[-1] <= found.error
-        assert found.systematic["quadrature"] < 0.1 * found.systematic["interpolation"] + 1e-14
+        assert found.systematic["quadrature"] < 0.1 * found.systematic["interpolation"] + ROUNDED
     assert np.log2(errors[0] / errors[1]) > order - 0.8
 
 
@@ -164,7 +165,7 @@ def test_npz_and_netcdf_come_back(tmp_path, wavy):
     beta = grid.coframe - np.eye(3)[:, :, None, None, None]
     names = {f"axis_{name}": axis for name, axis in zip("xyz", grid.axes, strict=True)}
     np.savez(tmp_path / "beta.npz", **{"distortion": beta, **names})  # type: ignore[arg-type]
-    assert np.abs(SampledFrame.read(tmp_path / "beta.npz").coframe - grid.coframe).max() < 1e-15
+    assert np.abs(SampledFrame.read(tmp_path / "beta.npz").coframe - grid.coframe).max() < ROUNDED
     with netcdf_file(tmp_path / "grid.nc", "w") as data:
         for name, axis in zip("xyz", grid.axes, strict=True):
             data.createDimension(name, len(axis))

@@ -7,6 +7,7 @@ from geomtorsion.errors import GeomtorsionError
 from geomtorsion.loops import Loop
 from geomtorsion.materials.fields import ScatteredFrame
 from tests.loops.edge_dislocation import displacement, distortion
+from tests.rounding import ROUNDED
 
 B = 0.25
 RNG = np.random.default_rng(1)
@@ -91,7 +92,7 @@ def test_a_loop_is_the_sum_of_its_triangles():
     triangles = frame.burgers_map()
     edges, senses = frame.cochain.complex.steps(nodes[:-1], nodes[1:])
     chain = {int(e): int(s) for e, s in zip(edges, senses, strict=True)}
-    assert frame.burgers(chain).vector == pytest.approx(one.vector, abs=1e-15)
+    assert frame.burgers(chain).vector == pytest.approx(one.vector, abs=ROUNDED)
     # The triangles inside are those around whose middles the path winds.
     way = POINTS[nodes]
     a, b = (way[:, None] - triangles.places.T for way in (way[:-1], way[1:]))

@@ -11,6 +11,7 @@ import pytest
 from geomtorsion.errors import FileFormatError, NetworkError
 from geomtorsion.materials.lines import Box, DislocationNetwork, LineArrays
 from geomtorsion.materials.lines.crystal_analysis import Cluster, crystal_analysis_text
+from tests.rounding import ROUNDED
 
 # Two Shockley partials of a relaxed edge dislocation in copper, as OVITO 3.17.2 wrote them.
 FILE = Path(__file__).parents[2] / "data" / "partials.ca"
@@ -40,10 +41,10 @@ def test_units_of_the_lattice_and_families(tmp_path: Path):
     assert "1/2<110> (Perfect)" in text
     rows = text.splitlines()
     local = np.array(rows[rows.index("DISLOCATIONS 1") + 2].split(), dtype=float)
-    assert local == pytest.approx([0.5, -0.5, 0], abs=1e-14)
+    assert local == pytest.approx([0.5, -0.5, 0], abs=ROUNDED)
     (tmp_path / "a.ca").write_text(text)
     (back,) = DislocationNetwork.read(tmp_path / "a.ca").polylines
-    assert np.array(back.burgers) == pytest.approx(b, abs=1e-14)
+    assert np.array(back.burgers) == pytest.approx(b, abs=ROUNDED)
 
 
 def test_three_lines_at_a_node_and_an_end_at_a_surface(tmp_path: Path):
@@ -120,14 +121,14 @@ def test_clusters_have_their_own_axes(tmp_path: Path):
     ]  # fmt: skip
     first = rows.index("DISLOCATIONS 2")
     found = [np.array(rows[first + 2 + 6 * k].split(), float) for k in (0, 1)]
-    assert found[0] == pytest.approx([0.5, -0.5, 0], abs=1e-14)
-    assert found[1] == pytest.approx([0.5, 0.5, -0.5], abs=1e-14)
+    assert found[0] == pytest.approx([0.5, -0.5, 0], abs=ROUNDED)
+    assert found[1] == pytest.approx([0.5, 0.5, -0.5], abs=ROUNDED)
     assert [rows[first + 3 + 6 * k] for k in (0, 1)] == ["1", "2"]
     between = np.array(rows[rows.index("TRANSITION 0 1") + 1].split(), float).reshape(3, 3)
-    assert matrices[1] @ between @ found[0] == pytest.approx(b[0], abs=1e-14)
+    assert matrices[1] @ between @ found[0] == pytest.approx(b[0], abs=ROUNDED)
     (tmp_path / "a.ca").write_text(text)
     back = DislocationNetwork.read(tmp_path / "a.ca").polylines
-    assert [np.array(one.burgers) for one in back] == [pytest.approx(x, abs=1e-14) for x in b]
+    assert [np.array(one.burgers) for one in back] == [pytest.approx(x, abs=ROUNDED) for x in b]
 
 
 def test_grains_keep_their_numbers(tmp_path: Path):

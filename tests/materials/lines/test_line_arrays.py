@@ -9,6 +9,7 @@ import pytest
 from geomtorsion.errors import NetworkError
 from geomtorsion.materials.lines import Box, LineArrays
 from tests.materials.lines.synthetic_networks import rings
+from tests.rounding import ROUNDED
 
 BOX = Box.of_bounds([0, 0, 0], [4, 4, 4])
 
@@ -42,7 +43,7 @@ def test_character_is_the_share_along_the_line():
     """Screw, edge, and 60 degrees between b and the line."""
     turned = [[1, 0, 0], [0, 1, 0], [0.5, np.sqrt(0.75), 0]]
     lines = LineArrays([[0, 0, 0], [2, 0, 0]], [[0, 1]] * 3, turned)
-    assert lines.screw_shares == pytest.approx([1, 0, 0.25], abs=1e-15)
+    assert lines.screw_shares == pytest.approx([1, 0, 0.25], abs=ROUNDED)
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ import pytest
 from geomtorsion.errors import NetworkError
 from geomtorsion.materials.lines import Box, DislocationNetwork, LineArrays
 from geomtorsion.materials.lines.line_families import LATTICES, lattice_coordinates
+from tests.rounding import ROUNDED
 
 BOX = Box.of_bounds([0, 0, 0], [10, 10, 10])
 
@@ -42,10 +43,10 @@ def test_densities_add_up_and_characters_are_known():
     net = network([[1, 0, 0], [0, 1, 0], [2, 0, 0]], [[2, 0, 0], [3, 0, 0], [1, 1, 0]])
     long, short = net.families()
     assert (long.name, long.lines, long.length) == ("1 <1 0 0>", 2, 5)
-    assert long.screw == pytest.approx(2 / 5, abs=1e-15)
-    assert short.edge == pytest.approx(0.5, abs=1e-15)
-    assert long.density + short.density == pytest.approx(net.density, rel=1e-15)
-    assert net.density == pytest.approx((5 + np.sqrt(2)) / 1000, rel=1e-15)
+    assert long.screw == pytest.approx(2 / 5, abs=ROUNDED)
+    assert short.edge == pytest.approx(0.5, abs=ROUNDED)
+    assert long.density + short.density == pytest.approx(net.density, rel=ROUNDED)
+    assert net.density == pytest.approx((5 + np.sqrt(2)) / 1000, rel=ROUNDED)
 
 
 def test_the_mean_nye_tensor_of_one_line():

@@ -12,6 +12,7 @@ import pytest
 from geomtorsion.errors import ArgumentError, FileFormatError, NetworkError
 from geomtorsion.materials.lines import Box, DislocationNetwork, LineArrays
 from tests.materials.lines.synthetic_networks import rings, straight
+from tests.rounding import ROUNDED
 
 BOX = Box.of_bounds([0, 0, 0], [8, 8, 8])
 
@@ -59,7 +60,7 @@ def test_written_lines_read_back(tmp_path: Path, name: str, kind: str) -> None:
     assert len(back.junctions) == len(net.junctions)
     assert np.array_equal(back.box.vectors, net.box.vectors)
     assert np.array_equal(back.box.periodic, net.box.periodic)
-    assert back.nye == pytest.approx(net.nye, abs=1e-15)
+    assert back.nye == pytest.approx(net.nye, abs=ROUNDED)
     assert back.node_rule() == net.node_rule() == ()
 
 

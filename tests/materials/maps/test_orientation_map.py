@@ -17,6 +17,7 @@ from geomtorsion.materials.maps import (
 from tests.materials.maps.synthetic import NICKEL, bent, bunge, euler, noisy_wall, wall
 from tests.materials.maps.test_map_files import ctf, write
 from tests.real import real
+from tests.rounding import ROUNDED
 
 
 @pytest.mark.parametrize("degrees", [1, 5, 15])
@@ -39,7 +40,7 @@ def test_the_sense_of_b():
     g = bunge(angles)
     by_hand = (g[0, 0] + g[0, 1])[:, 0] + (g[0, 1] + g[1, 1])[:, 1]
     by_hand = by_hand - (g[1, 1] + g[1, 0])[:, 0] - (g[1, 0] + g[0, 0])[:, 1]
-    assert found.vector == pytest.approx(by_hand / 2, abs=1e-15)
+    assert found.vector == pytest.approx(by_hand / 2, abs=ROUNDED)
 
 
 def test_noise_of_a_wall():
@@ -137,7 +138,7 @@ def test_the_cochain_closes_as_circuits_do():
     ring = [(1, 1), (1, 2), (1, 3), (2, 3), (3, 3), (3, 2), (3, 1), (2, 1)]
     found = crystal.cochain.around([7 * r + c for r, c in ring])
     assert found.vector == pytest.approx(
-        crystal.burgers(Circuit.square((1, 1), 2)).vector, abs=1e-14
+        crystal.burgers(Circuit.square((1, 1), 2)).vector, abs=ROUNDED
     )
 
 

@@ -7,6 +7,7 @@ import pytest
 from geomtorsion.errors import OrientationError
 from geomtorsion.materials.maps import Phase, slip_families
 from tests.materials.maps.synthetic import NICKEL
+from tests.rounding import ROUNDED
 
 ZINC = ((2.66, 2.66, 4.95), (90, 90, 120))
 
@@ -67,7 +68,7 @@ def test_nearly_flat_cells_keep_their_digits(angles):
         cosine = (mpmath.cos(alpha) - mpmath.cos(beta) * mpmath.cos(gamma)) / mpmath.sin(gamma)
         height = float(5 * mpmath.sqrt(mpmath.sin(beta) ** 2 - cosine**2))
     found = Phase("low", "-1", (3, 4, 5), (*angles[:2], last)).lattice[2, 2]
-    assert found == pytest.approx(height, rel=1e-14)
+    assert found == pytest.approx(height, rel=ROUNDED)
 
 
 def test_a_lattice_without_the_symmetry_of_its_group():

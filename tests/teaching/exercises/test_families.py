@@ -6,6 +6,7 @@ import pytest
 from geomtorsion import spaces
 from geomtorsion.teaching.exercises.draw import Draw
 from geomtorsion.teaching.exercises.families import SHIPPED, Body, bodies, matrix_of
+from tests.rounding import ROUNDED
 
 
 @pytest.mark.parametrize("times", [(1, 1, 1), (2, 1, 1), (1, 3, 1), (1, 1, 2)])
@@ -20,7 +21,7 @@ def test_frames_belong_to_their_attitude(axes, times):
         return np.array(matrix.subs(here).tolist(), dtype=float)
 
     body_space = numbers_of(turn)
-    assert body_space.T @ body_space == pytest.approx(np.eye(3), abs=1e-14)
+    assert body_space.T @ body_space == pytest.approx(np.eye(3), abs=ROUNDED)
     for mu, angle in enumerate(angles):
         slope = numbers_of(turn.diff(angle))
         for table, matrix in (

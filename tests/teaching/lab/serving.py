@@ -11,6 +11,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from tests.processes import interruptible
+
 ROOT = Path(__file__).parents[3]
 # Seconds within which a server on a loaded machine must print its address.
 STARTING = 60
@@ -20,7 +22,7 @@ STARTING = 60
 def served(*options: str) -> Iterator[str]:
     """The address of a page that is served by the command line."""
     environment = os.environ | {"PYTHONPATH": str(ROOT), "PYTHONUNBUFFERED": "1"}
-    process = subprocess.Popen(
+    process = interruptible(
         [sys.executable, "-m", "geomtorsion", "lab", "--port", "0", *options],
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,

@@ -11,7 +11,7 @@ import pytest
 
 from geomtorsion import exercises
 from geomtorsion.teaching.lab.export import RADII, write_pages
-from tests.browser import Watched
+from tests.browser import Watched, hosted
 
 
 @pytest.fixture(scope="module")
@@ -101,20 +101,22 @@ def test_an_exercise_names_the_command_that_checks_it(pages: tuple[Path, ...]):
 def test_a_page_in_the_browser(watched: Watched, pages: tuple[Path, ...], place: int):
     """Without a server a page loads only its file, and it fits a window of 400 pixels."""
     page = watched.page
-    page.goto(pages[place].as_uri())
-    page.wait_for_load_state()
-    assert {url.partition(":")[0] for url in watched.asked} <= {"file", "about"}
-    page.set_viewport_size({"width": 400, "height": 800})
-    assert page.evaluate("document.documentElement.scrollWidth") <= 400
+    with hosted(pages[place]) as address:
+        page.goto(address)
+        page.wait_for_load_state()
+        assert {url for url in watched.asked if not url.startswith("about:")} == {address}
+        page.set_viewport_size({"width": 400, "height": 800})
+        assert page.evaluate("document.documentElement.scrollWidth") <= 400
 
 
 def test_the_slider_of_a_page_works(watched: Watched, pages: tuple[Path, ...]):
     """The slider changes the radius without a server."""
     page = watched.page
     [loops] = [page for page in pages if page.name == "loops.html"]
-    page.goto(loops.as_uri())
-    slider = page.locator('input[data-slides="loops-so3"]')
-    slider.fill("2")
-    shown = page.locator("#loops-so3 > section:visible")
-    assert shown.count() == 1
-    assert f"radius {RADII[2]:g}" in shown.inner_text()
+    with hosted(loops) as address:
+        page.goto(address)
+        slider = page.locator('input[data-slides="loops-so3"]')
+        slider.fill("2")
+        shown = page.locator("#loops-so3 > section:visible")
+        assert shown.count() == 1
+        assert f"radius {RADII[2]:g}" in shown.inner_text()

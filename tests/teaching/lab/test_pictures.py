@@ -17,6 +17,7 @@ from geomtorsion.teaching.lab.paths import paths
 from geomtorsion.teaching.lab.space_info import drawable, space_info
 from geomtorsion.teaching.lab.top import WATCHED, top
 from tests.chosen import one_in
+from tests.rounding import ROUNDED
 
 PI = math.pi
 
@@ -58,7 +59,7 @@ def test_the_plane_has_a_sense():
     """A loop in the plane (n, m) has the opposite sense, so each number changes its sign."""
     one = closure_failure("so3", [0.3, 1.0, 0.2], 0.2, [0, 1])
     two = closure_failure("so3", [0.3, 1.0, 0.2], 0.2, [1, 0])
-    assert np.allclose(one["expected"], -np.array(two["expected"]), rtol=1e-14, atol=0)
+    assert np.allclose(one["expected"], -np.array(two["expected"]), rtol=ROUNDED, atol=0)
     assert one["expected"] != two["expected"]
 
 

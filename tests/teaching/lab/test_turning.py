@@ -13,7 +13,7 @@ import pytest
 from geomtorsion.pictures.style import SERIES
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.turning import Curve, Film, turnable
-from tests.browser import WINDOW
+from tests.browser import WINDOW, hosted
 
 TIMES = 241
 # The frame of the animation after half of its time, within one frame.
@@ -34,9 +34,10 @@ def animation(browser: Any, tmp_path: Path) -> Iterator[Any]:
     wrong: list[str] = []
     page.on("pageerror", lambda error: wrong.append(str(error)))
     page.clock.install(time=0)
-    page.goto((tmp_path / "animation.html").as_uri())
-    page.clock.pause_at(1000)
-    yield page
+    with hosted(tmp_path / "animation.html") as address:
+        page.goto(address)
+        page.clock.pause_at(1000)
+        yield page
     context.close()
     assert wrong == []
 
@@ -92,10 +93,11 @@ def test_a_cone_is_filled_once(browser: Any, tmp_path: Path):
         path = tmp_path / f"cone{turns}.html"
         path.write_text(turnable(Film("cone", "A cone", ("", "", ""), (rim,))), "utf-8")
         page = browser.new_page(viewport=WINDOW)
-        page.goto(path.as_uri())
-        ink = page.locator("#space").evaluate(
-            "e => [...e.getContext('2d').getImageData(0, 0, e.width, e.height).data]"
-        )
+        with hosted(path) as address:
+            page.goto(address)
+            ink = page.locator("#space").evaluate(
+                "e => [...e.getContext('2d').getImageData(0, 0, e.width, e.height).data]"
+            )
         # Pixels of the surface only: 18 % of full opacity.
         shades.append(np.count_nonzero(np.array(ink[3::4]) == round(0.18 * 255)))
         page.close()

@@ -1,0 +1,101 @@
+"""spectrum: the particles of a theory of gravity about flat space."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from geomtorsion import gravity
+from geomtorsion.cli.options import Form, directory, option
+from geomtorsion.cli.results import say_on_error
+from geomtorsion.cli.terminal import working, wrapped
+from geomtorsion.cli.theories import (
+    ConstantsOption,
+    InvariantOption,
+    LagrangianOption,
+    theory_of,
+)
+from geomtorsion.cli.values import assigned
+from geomtorsion.errors import ArgumentError
+from geomtorsion.gravity import perturbed
+from geomtorsion.pictures.particles import draw_particles
+from geomtorsion.pictures.style import can_draw, save
+from geomtorsion.support.files import write_text
+
+
+def spectrum(
+    lagrangian: LagrangianOption = None,
+    geometry: Annotated[
+        str | None,
+        option(
+            "-g",
+            "--geometry",
+            metavar="NAME",
+            text="riemannian, teleparallel, 'symmetric teleparallel', poincare (metric connection "
+            "with torsion) or metric-affine. A named theory has its own.",
+        ),
+    ] = None,
+    constants: ConstantsOption = "",
+    invariant: InvariantOption = None,
+    scalars: Annotated[str, option(metavar="NAMES", text='Scalar fields, such as "phi chi".')] = "",
+    vectors: Annotated[
+        int, typer.Option(metavar="N", help="How many vector fields A, with F2 and A_a.")
+    ] = 0,
+    values: Annotated[
+        list[str] | None,
+        option("--set", metavar="NAME=VALUE", text="Value of a coupling. May be repeated."),
+    ] = None,
+    form: Annotated[
+        Form, typer.Option("--format", help="text to read, json for programs.")
+    ] = Form.text,
+    output: Annotated[
+        Path | None,
+        directory("Directory for spectrum.json and spectrum.png, created if missing."),
+    ] = None,
+) -> None:
+    """List the particles of a theory about flat space: spin, parity, mass and sign of the energy.
+
+    Masses and signs are formulas in the couplings. The last line is the condition for a theory
+    without ghosts and tachyons.
+
+    \b
+    Examples:
+      geomtorsion spectrum -L "R/2 + c*R**2" -g riemannian
+      geomtorsion spectrum -L "R/2 + c*holst**2 + d*axial2" -g poincare --set d=0
+      geomtorsion spectrum -L "R/2 + a*R7 + b*Q3" -g metric-affine -o vector
+    """
+    if lagrangian is None:
+        raise ArgumentError(
+            "spectrum: expected a Lagrangian, got none. Give -L 'R/2 + c*R**2' -g riemannian."
+        )
+    named = [assigned(one, "--invariant", "Y = R_abcd R^abdc") for one in invariant or ()]
+    given = dict(assigned(one, "--set", "c=1") for one in values or ())
+    with working(lagrangian):
+        result = perturbed.spectrum(
+            theory_of(lagrangian),
+            geometry,
+            scalars=scalars,
+            vectors=vectors,
+            constants=constants,
+            invariants=[gravity.invariant(name, formula) for name, formula in named],
+        )
+        if given:
+            result = result.subs(given)
+        lines = str(result).splitlines()
+    document = result.to_json()
+    if form is Form.json:
+        typer.echo(json.dumps(document, indent=2))
+    else:
+        for line in lines:
+            typer.echo(wrapped(line))
+    if output is not None:
+        output.mkdir(parents=True, exist_ok=True)
+        paths = [output / "spectrum.json"]
+        write_text(paths[0], json.dumps(document, indent=2) + "\n")
+        if can_draw():
+            paths.append(output / "spectrum.png")
+            save(draw_particles(result), paths[-1])
+        say_on_error(paths)

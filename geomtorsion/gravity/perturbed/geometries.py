@@ -1,0 +1,169 @@
+"""Geometries: small fields about flat space, and the frame and connection that they make."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import sympy as sp
+
+from geomtorsion.errors import GravityError
+from geomtorsion.geometry import (
+    Connection,
+    Frame,
+    cartan,
+    from_coefficients,
+    from_spin_connection,
+    levi_civita,
+)
+from geomtorsion.gravity.lagrangian import Lagrangian
+from geomtorsion.gravity.matter import MatterField, maxwell, scalar_field
+from geomtorsion.support import checks
+
+# Coordinates of flat space; a wave travels along z.
+T, X, Y, Z = sp.symbols("t x y z")
+ETA = (-1, 1, 1, 1)
+SMALL = sp.Symbol("small_wave")
+
+
+@dataclass(frozen=True)
+class Component:
+    """One component of a small tensor field.
+
+    name: of the tensor. indices: from 0, the time, to 3. antisymmetric: whether the last two
+    indices exchange with a sign, so that only the smaller first is listed.
+    """
+
+    name: str
+    indices: tuple[int, ...]
+    antisymmetric: bool = False
+
+    def moved(self, slot: int, index: int) -> tuple[Component, int] | None:
+        """The component with another index in a slot, and a sign; None where it vanishes."""
+        indices = [*self.indices]
+        indices[slot] = index
+        sign = 1
+        if self.antisymmetric:
+            *_, i, j = indices
+            if i == j:
+                return None
+            if i > j:
+                indices[-2:], sign = [j, i], -1
+        return Component(self.name, tuple(indices), self.antisymmetric), sign
+
+    @property
+    def function(self) -> sp.Expr:
+        """The component as an unknown function of t and z."""
+        return sp.Function("_".join([self.name, *map(str, self.indices)]))(T, Z)
+
+
+def _tensor(name: str, rank: int) -> list[Component]:
+    return [Component(name, indices) for indices in product(range(4), repeat=rank)]
+
+
+def _value(components: Sequence[Component], name: str, *indices: int) -> sp.Expr:
+    return SMALL * Component(name, indices).function
+
+
+def _cartan(frame: Frame) -> Connection:
+    return cartan(frame)
+
+
+def _levi_civita(frame: Frame) -> Connection:
+    return levi_civita(frame)
+
+
+def _symmetric_teleparallel(frame: Frame) -> Connection:
+    """The connection whose coefficients vanish in these coordinates (the coincident gauge)."""
+    return from_coefficients(frame, [[[0] * 4] * 4] * 4)
+
+
+def _poincare(frame: Frame) -> Connection:
+    def omega(a: int, i: int, j: int) -> sp.Expr:
+        if i == j:
+            return sp.S.Zero
+        sign = 1 if i < j else -1
+        one = Component("w", (a, min(i, j), max(i, j)), antisymmetric=True)
+        return ETA[j] * sign * SMALL * one.function
+
+    return from_spin_connection(frame, _rows(omega))
+
+
+def _metric_affine(frame: Frame) -> Connection:
+    def omega(a: int, i: int, j: int) -> sp.Expr:
+        return ETA[j] * SMALL * Component("w", (a, i, j)).function
+
+    return from_spin_connection(frame, _rows(omega))
+
+
+def _rows(rule: Callable[[int, int, int], sp.Expr]) -> list[list[list[sp.Expr]]]:
+    n = range(4)
+    return [[[rule(a, i, j) for j in n] for i in n] for a in n]
+
+
+_TURNING = [
+    Component("w", (a, i, j), antisymmetric=True)
+    for a in range(4)
+    for i in range(4)
+    for j in range(i + 1, 4)
+]
+
+
+@dataclass(frozen=True)
+class FlatGeometry:
+    """A kind of geometry about flat space.
+
+    connection: of a frame. fields: components of the connection that vary on their own.
+    theory: geometry of a Lagrangian, see `gravity.Lagrangian`.
+    """
+
+    connection: Callable[[Frame], Connection]
+    fields: tuple[Component, ...]
+    theory: str
+
+
+GEOMETRIES = {
+    "riemannian": FlatGeometry(_levi_civita, (), "riemannian"),
+    "teleparallel": FlatGeometry(_cartan, (), "teleparallel"),
+    "symmetric teleparallel": FlatGeometry(_symmetric_teleparallel, (), "symmetric teleparallel"),
+    "poincare": FlatGeometry(_poincare, tuple(_TURNING), "any"),
+    "metric-affine": FlatGeometry(_metric_affine, tuple(_tensor("w", 3)), "metric-affine"),
+}
+# Geometry of a theory -> the one of its small fields.
+OF_THEORY = {"metric": "poincare", "any": "poincare"}
+
+
+def geometry_of(lagrangian: object, name: object) -> str:
+    """The name of the geometry: given, or the one for which the theory is meant."""
+    if name is None:
+        if not isinstance(lagrangian, Lagrangian):
+            raise GravityError(
+                "geometry: expected a geometry, got none for a Lagrangian in text. Give one of "
+                f"{', '.join(GEOMETRIES)}."
+            )
+        return OF_THEORY.get(lagrangian.geometry, lagrangian.geometry)
+    return checks.choice(name, tuple(GEOMETRIES), "geometry", GravityError)
+
+
+def small_frame() -> tuple[Frame, list[Component]]:
+    """Flat space with a small wave in its coframe, e^i_m = delta^i_m + epsilon h^i_m."""
+    h = _tensor("h", 2)
+    rows = [[int(i == m) + _value(h, "h", i, m) for m in range(4)] for i in range(4)]
+    frame = Frame([T, X, Y, Z], rows, signature=ETA, parameters=[SMALL])
+    return frame.expanded(SMALL, 1), h
+
+
+def small_matter(scalars: Sequence[str], vectors: int) -> tuple[list[MatterField], list[Component]]:
+    """Scalar fields by name and vector fields, all small."""
+    matter: list[MatterField] = []
+    components: list[Component] = []
+    for name in scalars:
+        one = Component(f"s_{name}", ())
+        matter.append(scalar_field(SMALL * one.function, None if name == "phi" else name))
+        components.append(one)
+    for number in range(1, vectors + 1):
+        own = [Component(f"A{number}", (k,)) for k in range(4)]
+        matter.append(maxwell([SMALL * one.function for one in own]))
+        components += own
+    return matter, components

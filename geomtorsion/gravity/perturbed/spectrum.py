@@ -1,0 +1,362 @@
+"""Spectrum: the particles of a theory about flat space, with mass, spin, parity and energy."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+import sympy as sp
+
+from geomtorsion.errors import GravityError
+from geomtorsion.exact import parse_expression
+from geomtorsion.gravity.equations import equations
+from geomtorsion.gravity.invariants import Invariant
+from geomtorsion.gravity.lagrangian import Lagrangian, known_as
+from geomtorsion.gravity.perturbed.blocks import VARIABLE, Block, Waves
+from geomtorsion.gravity.perturbed.conditions import all_positive, positive_part, positive_roots
+from geomtorsion.gravity.perturbed.geometries import (
+    GEOMETRIES,
+    Component,
+    geometry_of,
+    small_frame,
+    small_matter,
+)
+from geomtorsion.gravity.perturbed.sectors import Sector, helicities, spins
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.displays import Plot, drawn_by, figure_by
+
+
+@dataclass(frozen=True, kw_only=True)
+class Particle:
+    """One kind of particle.
+
+    spin: of a massive particle; of a massless one the size of its helicity.
+    parity: +1 or -1; 0 where terms of both parities mix, and for massless particles.
+    mass2: the square of the mass, a formula in the couplings; None where only `equation` is known.
+        The particle is then one for each root.
+    equation: polynomial in m2 that the square of the mass solves.
+    energy: an expression in the couplings, and m2 where mass2 is None, that has the sign of the
+        energy; None for a dipole (a double pole).
+    number: of independent modes.
+    """
+
+    spin: int
+    parity: int
+    mass2: sp.Expr | None
+    equation: sp.Expr
+    energy: sp.Expr | None
+    number: int
+
+    @property
+    def is_massless(self) -> bool:
+        """Whether it moves with the speed of light."""
+        return self.mass2 == 0
+
+    @property
+    def is_tachyon(self) -> bool:
+        """Whether its mass^2 is a number that is not positive."""
+        mass2 = self.mass2
+        return mass2 is not None and mass2 != 0 and (mass2.is_negative or mass2.is_real is False)
+
+    @property
+    def is_dipole(self) -> bool:
+        """Whether its propagator has a double pole, so that its waves grow in time."""
+        return self.energy is None
+
+    @property
+    def label(self) -> str:
+        """Spin and parity, 2+, or the helicities, +-2."""
+        if self.is_massless:
+            return f"+-{self.spin}" if self.spin else "0"
+        return f"{self.spin}{'-+'[self.parity > 0] if self.parity else ''}"
+
+    def to_json(self) -> dict[str, Any]:
+        """The particle as plain data, with formulas as text."""
+        return {
+            "spin": self.spin,
+            "parity": self.parity,
+            "massless": self.is_massless,
+            "mass2": None if self.mass2 is None else str(self.mass2),
+            "equation": str(self.equation),
+            "energy": None if self.energy is None else str(self.energy),
+            "number": self.number,
+        }
+
+    def __str__(self) -> str:
+        kind = "massless, helicity " if self.is_massless else "spin "
+        mass = "" if self.is_massless else f", m^2 = {self.mass2}"
+        if self.mass2 is None:
+            mass = f", m^2 from {self.equation} = 0"
+        elif self.is_tachyon:
+            mass += " (tachyon)"
+        energy = "double pole" if self.energy is None else f"energy {_energy_text(self.energy)}"
+        modes = f"{self.number} mode{'s' if self.number > 1 else ''}"
+        return f"{kind}{self.label}{mass}, {energy}, {modes}"
+
+
+def _energy_text(energy: sp.Expr) -> str:
+    if energy.is_positive:
+        return "positive"
+    if energy.is_negative:
+        return "negative (ghost)"
+    return f"of the sign of {energy}"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Spectrum:
+    """Particles of a theory about flat space.
+
+    lagrangian: the theory. geometry: the name of its geometry. waves: the operator.
+    components: the small fields.
+
+    Examples
+    --------
+    >>> from geomtorsion.gravity import perturbed
+    >>> print(perturbed.spectrum("R/2 + c*R**2", "riemannian"))
+    2 particles, 3 degrees of freedom, 10 gauge functions
+    massless, helicity +-2, energy positive, 2 modes
+    spin 0+, m^2 = 1/(12*c), energy positive, 1 mode
+    healthy where c > 0
+    """
+
+    lagrangian: Lagrangian
+    geometry: str
+    waves: Waves
+    components: tuple[Component, ...]
+
+    @cached_property
+    def particles(self) -> tuple[Particle, ...]:
+        """All particles: massless ones first, then by spin and parity."""
+        return (*self._massless(), *self._massive)
+
+    @property
+    def gauge(self) -> int:
+        """The number of gauge functions: combinations of fields that the equations leave free."""
+        return self.waves.size - self.waves.rank
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """The number of independent modes."""
+        return sum(one.number for one in self.particles)
+
+    @cached_property
+    def healthy(self) -> sp.Basic:
+        """The condition in the couplings that there is no ghost and no tachyon.
+
+        True or False where it holds for all couplings or for none.
+        """
+        expressions: list[sp.Expr] = []
+        for one in self.particles:
+            if one.energy is None:
+                return sp.false
+            if one.mass2 is None:
+                expressions += positive_roots(sp.Poly(one.equation, VARIABLE), one.energy)
+            elif one.is_tachyon:
+                return sp.false
+            else:
+                expressions += [one.energy] if one.is_massless else [one.mass2, one.energy]
+        return all_positive(expressions)
+
+    def subs(self, values: Mapping[Any, object] | None = None, **named: object) -> Spectrum:
+        """The spectrum for values of couplings, counted again.
+
+        A particle whose mass goes to infinity at these values is omitted.
+
+        Examples
+        --------
+        >>> from geomtorsion.gravity import perturbed
+        >>> perturbed.spectrum("R/2 + c*R**2", "riemannian").subs(c=0).degrees_of_freedom
+        2
+        """
+        names = {s.name: s for s in self.waves.couplings}
+        replaced = {}
+        for name, value in {**(values or {}), **named}.items():
+            symbol = names[checks.known_name(str(name), names, "coupling", GravityError)]
+            replaced[symbol] = checks.expression(
+                value, str(name), GravityError, read=lambda text: parse_expression(text, names)
+            )
+        return Spectrum(self.lagrangian, self.geometry, self.waves.subs(replaced), self.components)
+
+    def __str__(self) -> str:
+        count = len(self.particles)
+        head = f"{count} particle{'s' if count != 1 else ''}, {self.degrees_of_freedom} degrees of "
+        head += f"freedom, {self.gauge} gauge functions"
+        return "\n".join([head, *map(str, self.particles), _healthy_text(self.healthy)])
+
+    __repr__ = __str__
+    _repr_html_ = drawn_by("particles", "spectrum_html")
+    plot: ClassVar[Plot] = figure_by("particles", "draw_particles")
+
+    def to_json(self) -> dict[str, Any]:
+        """Particles and counts as plain data, with formulas as text."""
+        return {
+            "lagrangian": str(self.lagrangian.expression),
+            "geometry": self.geometry,
+            "degrees_of_freedom": self.degrees_of_freedom,
+            "gauge_functions": self.gauge,
+            "particles": [one.to_json() for one in self.particles],
+            "healthy": str(self.healthy),
+        }
+
+    # -- particles at rest -----------------------------------------------------------------------
+
+    @cached_property
+    def _massive(self) -> tuple[Particle, ...]:
+        return tuple(
+            one
+            for sector in _coupled(self.waves, spins(self.components), at_rest=True)
+            for one in _particles(self.waves.block(sector, at_rest=True))
+        )
+
+    # -- along the light cone --------------------------------------------------------------------
+
+    def _massless(self) -> list[Particle]:
+        particles = []
+        for sector in _coupled(self.waves, helicities(self.components), at_rest=False):
+            helicity, mirror = sector.label
+            # Both mirror signs of a helicity have the same waves.
+            if helicity and mirror < 0:
+                continue
+            block = self.waves.block(sector, at_rest=False)
+            w = sp.Dummy("w")
+            count = block.multiplicity(sp.Poly(w - 1, w))
+            if not count:
+                continue
+            share = 2 if helicity and mirror else 1
+            weights = block.modes(sp.S.One)
+            rest = (count - len(weights)) * share
+            energies = [positive_part(weight.sympy) for weight in weights]
+            particles += [_massless(helicity, energy, share) for energy in energies]
+            if rest:
+                particles.append(_massless(helicity, None, rest))
+        return particles
+
+
+def _massless(helicity: int, energy: sp.Expr | None, number: int) -> Particle:
+    return Particle(
+        spin=helicity, parity=0, mass2=sp.S.Zero, equation=VARIABLE, energy=energy, number=number
+    )
+
+
+def _coupled(waves: Waves, sectors: list[Sector], *, at_rest: bool) -> list[Sector]:
+    """Sectors; both parities of a spin are one sector where terms of odd parity mix them."""
+    joined: list[Sector] = []
+    for sector in sectors:
+        partner = next((one for one in joined if one.label[0] == sector.label[0]), None)
+        if partner is not None and waves.couples(partner, sector, at_rest):
+            joined[joined.index(partner)] = partner.joined(sector)
+        else:
+            joined.append(sector)
+    return joined
+
+
+def _particles(block: Block) -> Iterator[Particle]:
+    """Massive particles of a block at rest."""
+    spin, parity = block.sector.label
+    for factor in block.factors:
+        if factor.as_expr() == VARIABLE or not (count := block.multiplicity(factor)):
+            continue
+        # Mass and energy of one or more particles.
+        kinds: list[tuple[sp.Expr | None, sp.Expr | None, int]] = []
+        if factor.degree() == 1:
+            mass2 = sp.factor(-factor.nth(0) / factor.nth(1))
+            weights = block.modes(mass2)
+            kinds = [(mass2, positive_part(x.sympy), 1) for x in weights]
+            if count > len(kinds):
+                kinds.append((mass2, None, count - len(kinds)))
+        else:
+            weight = block.weight(factor) if count == 1 else None
+            if factor.free_symbols_in_domain:
+                kinds = [(None, weight and positive_part(weight), count * factor.degree())]
+            else:
+                for root in factor.all_roots():
+                    energy = weight and sp.sign(weight.xreplace({VARIABLE: root}).evalf(50))
+                    kinds.append((root, energy, count))
+        for mass2, energy, number in kinds:
+            yield Particle(
+                spin=spin,
+                parity=parity,
+                mass2=mass2,
+                equation=factor.as_expr(),
+                energy=energy,
+                number=number * (2 * spin + 1),
+            )
+
+
+def _healthy_text(condition: sp.Basic) -> str:
+    if condition == sp.true:
+        return "healthy: no ghost, no tachyon"
+    if condition == sp.false:
+        return "not healthy for any couplings: a ghost or a tachyon remains"
+    parts = condition.args if isinstance(condition, sp.And) else (condition,)
+    return f"healthy where {', '.join(map(str, parts))}"
+
+
+def spectrum(
+    lagrangian: Lagrangian | str | sp.Expr,
+    geometry: str | None = None,
+    *,
+    scalars: str | Iterable[str] = (),
+    vectors: int = 0,
+    constants: str | sp.Symbol | Iterable[str | sp.Symbol] = (),
+    invariants: Invariant | Iterable[Invariant] = (),
+) -> Spectrum:
+    """Particles of a theory of gravity about flat space, exactly.
+
+    Parameters
+    ----------
+    lagrangian
+        As in `gravity.equations`; couplings stay symbols.
+    geometry
+        "riemannian", "teleparallel", "symmetric teleparallel", "poincare" (metric connection with
+        torsion) or "metric-affine". A `gravity.Lagrangian` knows its own.
+    scalars
+        Names of scalar fields, "phi" or "phi chi"; the first has the kinetic term X.
+    vectors
+        How many vector fields A, with F2, F2_2, ...
+    constants, invariants
+        As in `gravity.equations`.
+
+    Returns
+    -------
+    Spectrum
+
+    Raises
+    ------
+    GravityError
+        Flat space is not a solution, or the Lagrangian is not one of the geometry.
+
+    Examples
+    --------
+    >>> from geomtorsion.gravity import perturbed
+    >>> perturbed.spectrum("T", "teleparallel").degrees_of_freedom
+    2
+    """
+    name = geometry_of(lagrangian, geometry)
+    kind = GEOMETRIES[name]
+    frame, fields = small_frame()
+    matter, more = small_matter(_names(scalars), checks.count(vectors, "vectors", GravityError, 0))
+    components = [*fields, *kind.fields, *more]
+    theory = known_as(lagrangian)
+    if not isinstance(lagrangian, Lagrangian):
+        theory = replace(theory, geometry=kind.theory)
+    system = equations(
+        kind.connection(frame), theory, matter, constants=constants, invariants=invariants
+    )
+    taken = sorted(map(str, system.expression.free_symbols & {*frame.coordinates, VARIABLE}))
+    if taken:
+        raise GravityError(
+            f"lagrangian: expected couplings, got {taken[0]}, which is "
+            f"{'a coordinate' if taken[0] != VARIABLE.name else 'the square of a mass'} here. Give "
+            "the coupling another name."
+        )
+    operator = system.operator([one.function for one in components])
+    return Spectrum(theory, name, Waves.of(operator, {}), tuple(components))
+
+
+def _names(scalars: str | Iterable[str]) -> list[str]:
+    if isinstance(scalars, str):
+        return scalars.replace(",", " ").split()
+    return [str(one) for one in checks.entries(scalars, "scalars", GravityError)]

@@ -1,0 +1,246 @@
+"""Particle spectra: published masses, energies and numbers of modes."""
+
+import pytest
+import sympy as sp
+
+import geomtorsion as gt
+from geomtorsion import gravity
+from geomtorsion.errors import GeomtorsionError, GravityError
+from geomtorsion.gravity import perturbed
+
+# Quadratic Poincare gauge theory in the couplings of Karananas (2014).
+KARANANAS = (
+    "lam*R + (r4 + r5)*R4 + (r4 - r5)*R5 + (r1/3 + r2/6)*R1 + (2*r1/3 - 2*r2/3)*R2"
+    " + (r1/3 + r2/6 - r3)*R3"
+    " - (lam/4 + t1/3 + t2/12)*T1 + (-lam/2 - t1/3 + t2/6)*T2 - (-lam - t1/3 + 2*t3/3)*T3"
+)
+COUPLINGS = "lam r1 r2 r3 r4 r5 t1 t2 t3"
+lam, r1, r2, r3, r4, r5, t1, t2, t3 = sp.symbols(COUPLINGS)
+
+
+@pytest.fixture(scope="module")
+def poincare() -> perturbed.Spectrum:
+    return perturbed.spectrum(KARANANAS, "poincare", constants=COUPLINGS)
+
+
+# Lagrangian, geometry, gauge functions, massless helicities, massive spins and parities.
+COUNTS = [
+    ("R/2", "riemannian", 10, [2], []),
+    ("-T/2", "teleparallel", 10, [2], []),
+    ("R/2", "poincare", 10, [2], []),
+    # Local Lorentz, translations, and the projective change of the connection.
+    ("R/2", "metric-affine", 14, [2], []),
+    ("-Q/2", "symmetric teleparallel", 10, [2], []),
+    ("R/2 + c*R**2", "riemannian", 10, [2], [(0, 1)]),
+    # Stelle: a massive ghost of spin 2.
+    ("R/2 + c*R**2 + b*P1", "riemannian", 10, [2], [(0, 1), (2, 1)]),
+    ("R/2 - F2/4", "riemannian", 11, [1, 2], []),
+    # The antisymmetric part of the tetrad becomes a Kalb-Ramond field.
+    ("-T/2 + c*axial2", "teleparallel", 7, [0, 2], []),
+    # Without a trace of the curvature the Weyl rescaling is one more freedom.
+    ("P1", "riemannian", 11, None, []),
+    ("0*R", "riemannian", 16, [], []),
+    ("R", "teleparallel", 16, [], []),
+]
+
+
+@pytest.mark.parametrize(("lagrangian", "geometry", "gauge", "massless", "massive"), COUNTS)
+def test_modes_and_gauge_functions(
+    lagrangian: str, geometry: str, gauge: int, massless: list[int] | None, massive: list
+) -> None:
+    vectors = int("F2" in lagrangian)
+    spectrum = perturbed.spectrum(lagrangian, geometry, vectors=vectors)
+    assert spectrum.gauge == gauge
+    assert [(x.spin, x.parity) for x in spectrum.particles if not x.is_massless] == massive
+    if massless is not None:
+        assert [x.spin for x in spectrum.particles if x.is_massless] == massless
+
+
+# Masses of Karananas (2014); signs of Hayashi and Shirafuji (1980), Sezgin and van Nieuwenhuizen.
+MASSES = {
+    (0, -1): -t2 / r2,
+    (0, 1): lam * t3 / (2 * (t3 - lam) * (r1 - r3 + 2 * r4)),
+    (1, 1): -3 * t1 * t2 / (2 * (t1 + t2) * (2 * r3 + r5)),
+    (1, -1): -3 * t1 * t3 / (2 * (t1 + t3) * (r1 + r4 + r5)),
+    (2, 1): -lam * t1 / (2 * (lam + t1) * (2 * r1 - 2 * r3 + r4)),
+    (2, -1): -t1 / (2 * r1),
+}
+
+
+def test_all_masses_of_poincare_gauge_theory(poincare: perturbed.Spectrum) -> None:
+    """Six massive particles and the graviton: 18 + 2 modes, 10 gauge functions."""
+    masses = {(x.spin, x.parity): x.mass2 for x in poincare.particles if not x.is_massless}
+    assert masses.keys() == MASSES.keys()
+    for key, value in MASSES.items():
+        assert sp.cancel(masses[key] - value) == 0
+    assert (poincare.degrees_of_freedom, poincare.gauge) == (20, 10)
+
+
+# Healthy where, from the papers above: for one spin.
+@pytest.mark.parametrize(
+    ("spin", "parity", "condition"),
+    [(0, -1, (t2 > 0) & (r2 < 0)), (2, -1, (t1 > 0) & (r1 < 0))],
+)
+def test_energies_of_poincare_gauge_theory(
+    poincare: perturbed.Spectrum, spin: int, parity: int, condition: sp.Basic
+) -> None:
+    (one,) = [x for x in poincare.particles if (x.spin, x.parity) == (spin, parity)]
+    for values in ({t1: 1, t2: 2, r1: 3, r2: 5}, {t1: 1, t2: 2, r1: -3, r2: -5},
+                   {t1: -1, t2: -2, r1: 3, r2: 5}, {t1: -1, t2: -2, r1: -3, r2: -5}):  # fmt: skip
+        assert one.mass2 is not None
+        assert one.energy is not None
+        healthy = one.mass2.subs(values) > 0 and one.energy.subs(values) > 0
+        assert healthy == bool(condition.subs(values))
+
+
+def test_all_spins_together_are_never_healthy(poincare: perturbed.Spectrum) -> None:
+    """No couplings make all six particles healthy (Sezgin and van Nieuwenhuizen 1980)."""
+    assert poincare.healthy == sp.false
+
+
+def test_a_singular_coupling_removes_a_mode(poincare: perturbed.Spectrum) -> None:
+    """Without r2 the pseudoscalar does not move: fewer modes, and no infinite mass."""
+    fewer = poincare.subs(r2=0)
+    assert (0, -1) not in {(x.spin, x.parity) for x in fewer.particles}
+    assert fewer.degrees_of_freedom == poincare.degrees_of_freedom - 1
+
+
+def test_healthy_conditions_of_the_pseudoscalar() -> None:
+    spectrum = perturbed.spectrum("R/2 + c*holst**2 + d*axial2", "poincare")
+    c, d = sp.symbols("c d")
+    (scalar,) = [x for x in spectrum.particles if not x.is_massless]
+    assert (scalar.spin, scalar.parity) == (0, -1)
+    assert set(spectrum.healthy.args) == {c > 0, 8 * d - 1 < 0}
+
+
+def test_a_vector_in_the_connection() -> None:
+    """R/2 + a R7 + b Q3: one vector of mass^2 2 b/a."""
+    a, b = sp.symbols("a b")
+    spectrum = perturbed.spectrum("R/2 + a*R7 + b*Q3", "metric-affine")
+    (vector,) = [x for x in spectrum.particles if not x.is_massless]
+    assert (vector.spin, vector.parity, vector.number) == (1, -1, 3)
+    assert sp.cancel(vector.mass2 - 2 * b / a) == 0
+
+
+@pytest.mark.parametrize(
+    ("lagrangian", "mass2", "sign"),
+    [
+        ("R/2 - X/2 - mu*phi**2/2", "mu", 1),
+        ("R/2 + X/2 + mu*phi**2/2", "mu", -1),
+        ("R/2 - X/2 + mu*phi**2/2 - phi**4", "-mu", 1),
+    ],
+)
+def test_scalar_fields(lagrangian: str, mass2: str, sign: int) -> None:
+    spectrum = perturbed.spectrum(lagrangian, "riemannian", scalars="phi", constants="mu")
+    (scalar,) = [x for x in spectrum.particles if not x.is_massless]
+    assert scalar.mass2 == sp.Symbol("mu") * (-1 if mass2 == "-mu" else 1)
+    assert scalar.energy == sign
+
+
+def test_two_scalars_that_mix_have_the_roots_of_their_mass_matrix() -> None:
+    lagrangian = "R/2 - X/2 - X_2/2 - a*phi**2/2 - b*phi_2**2/2 - c*phi*phi_2"
+    spectrum = perturbed.spectrum(lagrangian, "riemannian", scalars=["phi", "phi_2"])
+    a, b, c = sp.symbols("a b c")
+    (both,) = [x for x in spectrum.particles if not x.is_massless]
+    m2 = sp.Symbol("mass2")
+    assert both.mass2 is None
+    assert sp.expand(both.equation - sp.Matrix([[a - m2, c], [c, b - m2]]).det()) == 0
+    positive = {a: 2, b: 3, c: 1}
+    for values in (positive, {**positive, c: 3}, {a: -2, b: -3, c: 1}, {a: 2, b: -1, c: 0.5}):
+        matrix = sp.Matrix([[a, c], [c, b]]).subs(values)
+        assert bool(spectrum.healthy.subs(values)) == bool(matrix.is_positive_definite)
+    numbers = {x.mass2 for x in spectrum.subs(a=2, b=3, c=1).particles if x.spin == 0}
+    assert numbers == {*sp.Matrix([[2, 1], [1, 3]]).eigenvals()}
+
+
+def test_a_vector_with_a_mass() -> None:
+    square = gravity.invariant("A2", "A_a A^a")
+    spectrum = perturbed.spectrum(
+        "R/2 - F2/4 - mu*A2/2", "riemannian", vectors=1, constants="mu", invariants=square
+    )
+    (vector,) = [x for x in spectrum.particles if not x.is_massless]
+    assert (vector.spin, vector.parity, vector.mass2) == (1, -1, sp.Symbol("mu"))
+    assert spectrum.healthy == (sp.Symbol("mu") > 0)
+
+
+# -- laws ------------------------------------------------------------------------------------------
+
+
+def particles(lagrangian: str, geometry: str, **options: object) -> tuple:
+    return perturbed.spectrum(lagrangian, geometry, **options).particles  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("one", "two", "geometry"),
+    [
+        ("R/2 + c*R**2", "R/2 + c*R**2 + b*GB", "riemannian"),
+        ("R/2 + c*R**2", "R/2 + c*R**2 + b*pontryagin", "riemannian"),
+        ("R/2 + c*holst**2 + d*axial2", "R/2 + c*holst**2 + d*axial2 + b*nieh_yan", "poincare"),
+        ("R/2 + c*holst**2 + d*axial2", "R/2 + c*holst**2 + d*axial2 + b*GB", "poincare"),
+    ],
+)
+def test_boundary_terms_change_nothing(one: str, two: str, geometry: str) -> None:
+    assert particles(one, geometry) == particles(two, geometry)
+
+
+def test_torsion_scalar_and_curvature_scalar_have_one_spectrum() -> None:
+    assert particles("R/2", "riemannian") == particles("-T/2", "teleparallel")
+
+
+def test_a_linear_change_of_couplings_changes_only_the_formulas() -> None:
+    u, v, a, b = sp.symbols("u v a b")
+    one = particles("R/2 + a*R**2 + b*P1", "riemannian")
+    two = particles("R/2 + (u + v)*R**2 + (u - v)*P1", "riemannian")
+    for x, y in zip(one, two, strict=True):
+        assert sp.cancel(x.mass2.subs({a: u + v, b: u - v}, simultaneous=True) - y.mass2) == 0
+
+
+def test_each_particle_has_frequencies_along_z(poincare: perturbed.Spectrum) -> None:
+    """Moving waves have as many modes as all particles: w^2 = 1 + m^2 for each helicity."""
+    from geomtorsion.gravity.perturbed.sectors import helicities
+
+    total = 0
+    for sector in helicities(poincare.components):
+        total += poincare.waves.block(sector, at_rest=False).divisor.degree() // 2
+    assert total == poincare.degrees_of_freedom
+
+
+# -- refusals --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: perturbed.spectrum("R/2 + Lambda", "riemannian"), "solves the equations"),
+        (lambda: perturbed.spectrum("R/2", "riemann"), "expected one of riemannian"),
+        (lambda: perturbed.spectrum("R/2"), "geometry: expected a geometry"),
+        (lambda: perturbed.spectrum("R/2 + x*R**2", "riemannian"), "x, which is a coordinate"),
+        (lambda: perturbed.spectrum("R/2 + c*Ric2", "riemannian"), "Ric2"),
+        (lambda: perturbed.spectrum("R/2 - X/2", "riemannian"), "X"),
+        (lambda: perturbed.spectrum(gravity.tegr, "riemannian"), "teleparallel"),
+        (lambda: perturbed.spectrum("R/2 + c*R**2", "riemannian").subs(d=1), "expected"),
+        (lambda: perturbed.spectrum("R/2", "riemannian", vectors=-1), "vectors"),
+        (lambda: gravity.equations(gt.levi_civita("schwarzschild"), "R").operator([]), "expanded"),
+    ],
+)
+def test_refusals(call, words: str) -> None:
+    with pytest.raises(GeomtorsionError, match=words):
+        call()
+
+
+def test_an_operator_needs_all_small_fields() -> None:
+    t, x, small = sp.symbols("t x small")
+    u, v = sp.Function("u")(t, x), sp.Function("v")(t, x)
+    plane = gt.Frame([t, x], [[1, 0], [0, 1]], signature="-+", parameters=[small])
+    matter = [gravity.scalar_field(small * u), gravity.scalar_field(small * v)]
+    connection = gt.levi_civita(plane.expanded("small", 1))
+    equations = gravity.equations(connection, "-X/2 - X_2/2 - phi*phi_2", matter)
+    operator = equations.operator([u, v])
+    assert operator.is_self_adjoint
+    s, p = sp.symbols("s p")
+    wave = p**2 - s**2
+    assert operator.symbol({"t": s, "x": p}) == sp.Matrix([[wave, -1], [-1, wave]])
+    with pytest.raises(GravityError, match="Name all small fields"):
+        equations.operator([u])
+    with pytest.raises(GravityError, match="none for x"):
+        operator.symbol({"t": s})
