@@ -95,13 +95,13 @@ CEILINGS = {
     # 17 of these choose steps and precision in proofs; no ball depends on them.
     "tuned constants": 168,
     # Two more than before: converters of arguments are three files by kind instead of one of 1,000.
-    # Two more: kinetic metrics and forces are files of their own.
-    "files of a first motion": 47,
+    # Two more: kinetic metrics and forces are files of their own. One more: roundings of an answer.
+    "files of a first motion": 48,
     "frames of a first motion": 26,
 }
 # Lines of code below and above the wall, rounded up to five hundreds, without docstrings, comments
 # and blanks. A change that needs more raises a number and states in its commit what users get.
-BUDGET = {"below the wall": 46500, "above the wall": 51000}
+BUDGET = {"below the wall": 47000, "above the wall": 51000}
 # What a program that imports the package does not wait for.
 LATER = ("sympy", "flint", "mpmath", "numpy", "multiprocessing", "asyncio", "tomllib", "sqlite3")
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")

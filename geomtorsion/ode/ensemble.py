@@ -395,6 +395,7 @@ class _Job:
             self.tolerance = tolerance
             answer = self._batch("run_seconds", pending, tolerance, show, inexact=inexact)
             reference = self._batch("check_seconds", pending, finer, None, limit)
+            assert answer.away is not None
             away = CERTAIN * 2.0**-self.engine.precision * answer.away
             moved = replace(answer, states=answer.states + away)
             gaps, noise = (self._differences(pending, answer, x) for x in (reference, moved))

@@ -21,7 +21,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from geomtorsion.ode.numbers import floats
-from geomtorsion.ode.roundings import rounded
+from geomtorsion.ode.roundings import Comparable, rounded
 from geomtorsion.ode.system import Engine, columns
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory
 from geomtorsion.support.precision import GOLDEN
@@ -38,27 +38,6 @@ AIM = 0.1
 NOISE = 100.0
 # They differ by more than this fraction of their size, because rounding errors are not smaller.
 UNALIKE = 1 / NOISE
-
-
-class Comparable(Protocol):
-    """What knows how to read states of a motion for comparison."""
-
-    def rows(self, segment: Segment, states: np.ndarray, label: str) -> np.ndarray:
-        """States of a segment in the coordinates of a label, shape (m, size)."""
-        ...
-
-    def read_gaps(
-        self, one: Trajectory, two: Trajectory, count: int, accuracy: float, /
-    ) -> list[tuple[np.ndarray, float]]:
-        """What a reader gets at the first samples: differences at each, and the size of all.
-
-        accuracy: the part of a size below which differences do not count.
-        """
-        ...
-
-    def first_stage(self, precision: int, perturbation: float, /) -> Stage:
-        """The equations with their start; perturbation: the part by which numbers are changed."""
-        ...
 
 
 class Integration(Protocol):
@@ -79,7 +58,7 @@ class Verified(NamedTuple):
     error: relative to the size of each group of states; infinite where nothing could be compared.
     runs: all runs that were made.
     growth: the error of steps in units of what each of them omits.
-    unit: the error of roundings in units of those of all steps, if none were amplified.
+    unit: by which factor the motion amplifies the roundings of all steps.
     """
 
     answer: Trajectory
@@ -135,7 +114,7 @@ def verified(
             best = Verified(answer, reference, away, error, (), growth, unit)
         if error <= accuracy or stays or answer.outcome == "stuck":
             break
-        # A long step did not see what the finer run saw: a finer tolerance is no remedy.
+        # A long step did not see what the finer run saw: the tolerance need not change.
         missing = 1.0 if blind else (accuracy - noise) / gap
         tolerance, answer = next_tolerance(engine, tolerance, missing), reference
     assert best is not None

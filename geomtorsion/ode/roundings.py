@@ -11,29 +11,48 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
 from geomtorsion.ode.numbers import floats
-from geomtorsion.ode.system import Batch, System, Track
+from geomtorsion.ode.system import STEPS_AT_ONCE, Batch, System, Track
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory
 from geomtorsion.support.caching import read_only
-
-if TYPE_CHECKING:
-    from geomtorsion.ode.error_estimate import Comparable
+from geomtorsion.support.precision import EPS
 
 # Mean squares of so many sets are right to some 18 %.
 SETS = 16
-# Steps that are solved at once: decides about memory, not about results.
-BLOCK = 4096
 # Half a unit in the last place is the largest rounding; all below it are as likely.
 EVEN = 1 / math.sqrt(3)
-# Relative changes for differences that stand for derivatives.
-SMALL = 2.0**-24
+# Relative change for difference quotients.
+SMALL = math.sqrt(EPS)
+# Largest rate times a step of which the third power leaves half of the digits.
+STIFF = EPS ** (-1 / 6)
 # Nodes and weights of Lobatto's rule of order six, on [-1/2, 1/2].
 NODES = np.array([-0.5, -math.sqrt(0.05), math.sqrt(0.05), 0.5])
 WEIGHTS = np.array([1, 5, 5, 1]) / 12
+
+
+class Comparable(Protocol):
+    """What knows how to read states of a motion for comparison."""
+
+    def rows(self, segment: Segment, states: np.ndarray, label: str) -> np.ndarray:
+        """States of a segment in the coordinates of a label, shape (m, size)."""
+        ...
+
+    def read_gaps(
+        self, one: Trajectory, two: Trajectory, count: int, accuracy: float, /
+    ) -> list[tuple[np.ndarray, float]]:
+        """What a reader gets at the first samples: differences at each, and the size of all.
+
+        accuracy: the part of a size below which differences do not count.
+        """
+        ...
+
+    def first_stage(self, precision: int, perturbation: float, /) -> Stage:
+        """The equations with their start; perturbation: the part by which numbers are changed."""
+        ...
 
 
 def rounded(problem: Comparable, answer: Trajectory, deviations: float) -> Trajectory:
@@ -69,7 +88,9 @@ def _moved(segment: Segment, away: np.ndarray, last: np.ndarray) -> Segment:
         rates = np.asarray(stage.system.scalar_rates(numbers)(0.0, state))
         across, along = (_slope(stage.system, state, x, numbers) for x in (last, rates))
         with np.errstate(all="ignore"):
-            later = -across / np.float64(along) if across else 0.0
+            # A guard that overflows has no slope.
+            known = across and math.isfinite(across) and math.isfinite(along)
+            later = -across / np.float64(along) if known else 0.0
             last = last + later * rates
         reached = reached + type(reached)(later)
     result = segment.resampled(segment.times, _sum(segment.states, away))
@@ -121,7 +142,7 @@ def _after(
 
 
 def unless_jumped(before: np.ndarray, after: np.ndarray, sets: np.ndarray) -> np.ndarray:
-    """Sets of roundings without those of states that an event sets to a value."""
+    """Sets of roundings; states that an event sets to a value have none."""
     near = np.abs(after - before) <= SMALL * np.abs(before).max(axis=-1, keepdims=True)
     return np.where(near[..., None], sets, 0.0)
 
@@ -143,10 +164,12 @@ def carried(
     """
     along = [_deviations(sets[None])]
     sizes, values = _sizes(system, track.states), np.array(numbers)
-    for k in range(0, len(track.times) - 1, BLOCK):
-        part = Track(track.times[k : k + BLOCK + 1], track.states[k : k + BLOCK + 1])
+    for k in range(0, len(track.times) - 1, STEPS_AT_ONCE):
+        part = Track(
+            track.times[k : k + STEPS_AT_ONCE + 1], track.states[k : k + STEPS_AT_ONCE + 1]
+        )
         begins = np.arange(len(part.times) - 1)
-        signs = _signs(k // BLOCK + 1, system.size)[begins]
+        signs = _signs(k // STEPS_AT_ONCE + 1, system.size)[begins]
         share = signs * math.sqrt(steps / (len(track.times) - 1))
         made = _steps(system, part, begins, values, inexact, share, sizes)
         rows = _followed(*made, sets / sizes[:, None]) * sizes[:, None]
@@ -167,11 +190,11 @@ class Carried:
 
     @classmethod
     def at_start(cls, states: np.ndarray, inexact: np.ndarray) -> Carried:
-        """Those of the starts themselves."""
+        """Roundings of the starts."""
         return cls(np.abs(states)[:, :, None] * EVEN * _signs(0, states.shape[1])[0], inexact)
 
     def of(self, members: slice | np.ndarray) -> Carried:
-        """Those of some members."""
+        """The roundings of some members."""
         return replace(self, sets=self.sets[members])
 
     def scaled(self, sizes: np.ndarray) -> Carried:
@@ -187,7 +210,7 @@ def along_members(batch: Batch, carried: Carried) -> tuple[np.ndarray, np.ndarra
     left = [k for k in sorted(batch.tracks) if batch.finished[k]]
     while left:
         points = np.cumsum([len(batch.tracks[k].times) for k in left])
-        some = left[: max(1, int(np.searchsorted(points, BLOCK)))]
+        some = left[: max(1, int(np.searchsorted(points, STEPS_AT_ONCE)))]
         left = left[len(some) :]
         tracks = [batch.tracks[k] for k in some]
         rows, sets[some] = carried_together(
@@ -213,7 +236,7 @@ def carried_together(
         steps: of each, shape (number,).
     """
     counts = np.array([len(track.times) for track in tracks])
-    if len(tracks) == 1 or counts.max() > BLOCK:
+    if len(tracks) == 1 or counts.max() > STEPS_AT_ONCE:
         each = zip(tracks, numbers, sets, steps, strict=True)
         every = [carried(system, one, row, inexact, own, k) for one, row, own, k in each]
         return [along for along, _ in every], np.stack([last for _, last in every])
@@ -250,7 +273,7 @@ def _deviations(sets: np.ndarray) -> np.ndarray:
 
 
 def _sizes(system: System, states: np.ndarray) -> np.ndarray:
-    """Size of each state along the way; of one that is as good as zero, that of its group."""
+    """Size of each state along the way; a state near zero takes the size of its group."""
     sizes = np.abs(states).max(axis=0)
     for group in map(list, system.groups):
         sizes[group] = np.maximum(sizes[group], SMALL * sizes[group].max())
@@ -259,8 +282,8 @@ def _sizes(system: System, states: np.ndarray) -> np.ndarray:
 
 @lru_cache(maxsize=32)
 def _signs(block: int, size: int) -> np.ndarray:
-    """Random signs for each step of a block, the same in each call, shape (BLOCK, size, SETS)."""
-    count = BLOCK if block else 1
+    """Random signs for each step of a block, the same in each call, shape (k, size, SETS)."""
+    count = STEPS_AT_ONCE if block else 1
     random = np.random.Generator(np.random.PCG64(block))
     bits = np.frombuffer(random.bytes(count * size * SETS // 8), np.uint8)
     return read_only((2 * np.unpackbits(bits).astype(np.int8) - 1).reshape(count, size, SETS))
@@ -288,40 +311,44 @@ def _steps(
     with np.errstate(all="ignore"):
         width = (points.times[ends] - points.times[begins])[:, None]
         rates = _rows(system.array_function, states, numbers, n)
-        jacobian = _rows(system.array_jacobian, states, numbers, n * n).reshape(-1, n, n)
+        jacobian = _jacobians(system, states, numbers)
         bends = np.matmul(jacobian, rates[:, :, None])[:, :, 0]
         slopes = width * rates[begins], width * rates[ends]
         curves = width**2 * bends[begins], width**2 * bends[ends]
         nodes = [jacobian[begins], jacobian[ends]]
         for at in 0.5 + NODES[1:3]:
             between = _between(states[begins], states[ends], slopes, curves, at, sizes)
-            inner = _rows(system.array_jacobian, between, own, n * n)
-            nodes.insert(-1, inner.reshape(-1, n, n))
+            nodes.insert(-1, _jacobians(system, between, own))
         scaled = width[:, :, None] * sizes[..., None, :] / sizes[..., None]
         nodes = np.stack(nodes)
         moments = [np.tensordot(WEIGHTS * NODES**k, nodes, 1) * scaled for k in range(3)]
         even, odd = _propagators(*moments)
+        # Fast parts of stiff rates decay at once: Euler's backward step.
+        stiff = np.abs(moments[0]).sum(axis=2).max(axis=1) > STIFF
+        odd[stiff] = (nodes[-1] * scaled)[stiff] / 2
+        even[stiff] = np.eye(n) - odd[stiff]
         # Each step rounds its states, and the sum of the terms by which it changes them.
         terms = width * _rows(system.rates.sizes, states, numbers, n)[ends]
+        terms[stiff[:, None] | ~np.isfinite(terms)] = 0.0
         kicks = EVEN * np.hypot(states[ends], terms) / sizes
         kicks[states[begins] == states[ends]] = 0.0
         if system.clock is not None:
             kicks[:, system.states.index(system.clock[0])] = 0.0
         kicks = kicks[:, :, None] * signs
-        # Numbers of one size are rounded alike.
-        alike = np.unique(np.abs(numbers[..., inexact]), return_inverse=True)[1]
-        alike = alike.reshape(numbers[..., inexact].shape)
-        alike = alike if alike.ndim == 1 else alike[0]
-        for k in np.unique(alike):
-            moved = numbers.copy()
-            moved[..., np.flatnonzero(inexact)[alike == k]] *= 1 + SMALL
-            drift = (_rows(system.array_function, states, moved, n) - rates) / SMALL
-            drift = width * (drift[begins] + drift[ends]) / 2 / sizes
-            kicks += drift[:, :, None] * EVEN * _signs(0, n + k + 1)[0, n + k]
         try:
-            return np.linalg.solve(even - odd, even + odd), kicks
+            propagators = np.linalg.solve(even - odd, even + odd)
         except np.linalg.LinAlgError:
-            return np.full(even.shape, math.inf), kicks
+            propagators = np.full(even.shape, math.inf)
+        # Numbers of one size are rounded alike.
+        same = np.atleast_2d(np.abs(numbers))[0, inexact]
+        for k, size in enumerate(np.unique(same)):
+            moved = numbers.copy()
+            moved[..., np.flatnonzero(inexact)[same == size]] *= 1 + SMALL
+            drift = (_rows(system.array_function, states, moved, n) - rates) / SMALL
+            drift = (width * (drift[begins] + drift[ends]) / 2 / sizes)[:, :, None]
+            drift[stiff] = np.matmul(propagators[stiff], drift[stiff])
+            kicks += drift * EVEN * _signs(0, n + k + 1)[0, n + k]
+        return propagators, kicks
 
 
 def _rows(
@@ -329,6 +356,20 @@ def _rows(
 ) -> np.ndarray:
     """Values of a function of states and parameters, shape (k, size)."""
     return np.broadcast_to(function(*states.T, *numbers.T), (size, len(states))).T
+
+
+def _jacobians(system: System, states: np.ndarray, numbers: np.ndarray) -> np.ndarray:
+    """Derivatives of the rates, shape (k, size, size).
+
+    Zero for a clock, which has no roundings, and where a derivative is infinite at the beginning or
+    end of a motion, as for sqrt(x) at x = 0.
+    """
+    n = system.size
+    result = _rows(system.array_jacobian, states, numbers, n * n).reshape(-1, n, n)
+    result = np.where(np.isfinite(result), result, 0.0)
+    if system.clock is not None:
+        result[:, :, system.states.index(system.clock[0])] = 0.0
+    return result
 
 
 def _between(
@@ -350,8 +391,8 @@ def _between(
     smooth += curves[0] * r[0] + curves[1] * r[1]
     bend = np.maximum(np.abs(curves[0]), np.abs(curves[1]))
     # Derivatives of stiff rates lose all their digits.
-    wild = ~(bend <= sizes).all(axis=1)
-    return np.where(wild[:, None], begin + at * (end - begin), smooth)
+    tame = np.all(bend <= sizes, axis=1, keepdims=True)
+    return np.where(tame, smooth, begin + at * (end - begin))
 
 
 def _propagators(

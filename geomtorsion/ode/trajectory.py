@@ -221,15 +221,13 @@ class Trajectory:
 
     def track(self, k: int) -> Track:
         """Times and states after the steps of one segment; of equal steps where none are known."""
-        segment = self.segments[k]
-        if segment.run.track is not None:
-            return segment.run.track
-        count = max(2 * segment.run.steps, 1)
-        times = np.linspace(float(segment.stage.begin), float(segment.run.reached), count + 1)
+        run, begin = self.segments[k].run, float(self.segments[k].stage.begin)
+        if run.track is not None:
+            return run.track
         try:
+            times = np.linspace(begin, float(run.reached), max(2 * run.steps, 1) + 1)
             return Track(times, self._dense_output(k)(times).astype(float))
         except StartError:
-            run = segment.run
             samples = Track(run.times.astype(float), run.states.astype(float))
             return samples.ended(float(run.reached), run.last)
 
@@ -294,8 +292,7 @@ def integrate(
     def ended(outcome: str, reason: str = "") -> Trajectory:
         return Trajectory(engine, tolerance, tuple(segments), outcome, reason, longest)
 
-    end = float(times[-1])
-    sign = -1.0 if end < 0 else 1.0
+    end, sign = float(times[-1]), -1.0 if times[-1] < 0 else 1.0
     done, idle, waiting = 0, 0, list(cuts)
     while True:
         begin = float(stage.begin)
@@ -497,7 +494,7 @@ def _ended_earlier(system: System, run: Run, times: np.ndarray, numbers: State) 
 
 def close_times(begin: float, end: float, run: Run) -> np.ndarray:
     """Times close enough to see what a run did between its steps."""
-    count = max(PER_STEP * run.steps, run.evaluations, PARTS, 4 * len(run.times))
+    count = int(max(PER_STEP * run.steps, run.evaluations, PARTS, 4 * len(run.times)))
     remedy = "Ask over a shorter time, or solve to a lower accuracy."
-    checks.check_room(int(count), f"{int(count):,} times between the steps", remedy)
-    return np.linspace(begin, end, int(count) + 1)
+    checks.check_room(count, f"{count:,} times between the steps", remedy)
+    return np.linspace(begin, end, count + 1)

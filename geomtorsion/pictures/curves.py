@@ -55,12 +55,10 @@ def error_over_time(solution: Solution) -> np.ndarray | None:
     """
     if solution.reference is None:
         return None
-    errors = sum(
-        factor
-        * difference_over_samples(solution.problem, solution.trajectory, other, solution.accuracy)
-        for factor, other in ((SAFETY, solution.reference), (1.0, solution.rounded))
-        if other is not None
-    )
+    one, accuracy = solution.trajectory, solution.accuracy
+    errors = SAFETY * difference_over_samples(solution.problem, one, solution.reference, accuracy)
+    if solution.rounded is not None:
+        errors += difference_over_samples(solution.problem, one, solution.rounded, accuracy)
     return errors[len(errors) - len(solution.times) :]
 
 

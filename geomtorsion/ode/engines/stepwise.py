@@ -44,10 +44,6 @@ FLOOR = 100 * EPS
 DECAYED = 1e-6
 
 
-# Methods whose steps are long enough to need a point between their ends.
-EXPLICIT = ("generated", "DOP853")
-
-
 class Pace:
     """Longest step from a time on: a share of the step of a run to the least tolerance there.
 
@@ -259,7 +255,8 @@ def stepwise_run(
     samples[0] = y0
     order = (times * walk.sign).tolist()
     pieces: Pieces = []
-    passed, states = [first], [tuple(y0)]
+    passed: list[float] = [first]
+    states: list[Sequence[float]] = [y0]
     done, outcome, longest_step = 1, "done", 0.0
     reached, where = last, None
     inside = guard is None or guard(walk.state) > 0
@@ -276,10 +273,6 @@ def stepwise_run(
             outcome, reached, where = "stuck", walk.time, np.array(walk.state)
             break
         end = walk.time
-        if method in EXPLICIT:
-            middle = before + (end - before) / 2
-            passed.append(middle)
-            states.append(tuple(piece(np.array([middle]))[0].tolist()))
         passed.append(end)
         states.append(walk.state)
         longest_step = max(longest_step, abs(end - before))

@@ -262,12 +262,9 @@ def _integrator(
 
 __all__ = ["Taylor", "heyoka", "is_available"]
 
-# Orders of a finer run above those of the answer. With two, one critical step may dominate the
-# error of both.
+# A finer run has so many orders more. With two, one critical step may dominate the error of both
+# runs.
 FINER = 4
-# Steps of higher orders are longer. One part for so many orders is short enough for a polynomial of
-# degree five between its ends.
-ORDERS_A_PART = 9
 # Below this order, steps are no longer in proportion to the truncation error.
 LOWEST_ORDER = 6
 NO_VALUE = "the series has no finite value"
@@ -545,7 +542,8 @@ class _Tracker:
     """Callback that keeps time and state after each part of every step, in doubles."""
 
     def __init__(self, begin: Any, start: np.ndarray, order: int) -> None:
-        self._parts = 1 + order // ORDERS_A_PART
+        # A part is short enough for a polynomial of degree five, which has six coefficients.
+        self._parts = max(1, order // 6)
         self._blocks: list[Track] = []
         self._times, self._states = [float(begin)], [start.astype(float)]
 
