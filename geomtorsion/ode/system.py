@@ -279,6 +279,11 @@ class Track(NamedTuple):
     times: np.ndarray
     states: np.ndarray
 
+    def divided(self, parts: int) -> np.ndarray:
+        """Times that divide each step into so many parts."""
+        inner = np.linspace(self.times[:-1], self.times[1:], parts, endpoint=False, axis=1)
+        return np.append(inner.ravel(), self.times[-1])
+
     def ended(self, time: float, state: Sequence[Real] | np.ndarray) -> Track:
         """The steps that end before a time, and the rest of one up to it."""
         before = np.abs(self.times - self.times[0]) < abs(time - self.times[0])

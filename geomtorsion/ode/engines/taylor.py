@@ -421,7 +421,7 @@ class Taylor:
                     system, state, floats(parameters), pace, reached, abs(left), self.max_steps
                 )
 
-            tracker = _Tracker(grid[0], start, integrator.order)
+            tracker = _Tracker(integrator)
             step: dict[str, Any] = {"callback": tracker}
             if longest != math.inf:
                 step["max_delta_t"] = self.number(longest)
@@ -444,9 +444,18 @@ class Taylor:
                 lasted = abs(float(place[0] - grid[0]))
                 states = states[np.abs((grid[: len(states)] - grid[0]).astype(float)) <= lasted]
             reached, last = integrator.time, integrator.state.copy()
-            taken = tracker.track().ended(float(reached), last)
+            track = tracker.track().ended(float(reached), last)
+            step.pop("callback")
+            # Polynomials of degree five between the states stand for about so many orders.
+            parts = integrator.order // 7
+            if parts > 1 and reached != grid[0]:
+                inner = track.divided(parts)
+                at = self.array(inner)
+                at[0], at[-1] = grid[0], reached
+                _place(integrator, grid[0], start)
+                rows = integrator.propagate_grid(at, **step)[5]
+                track = Track(inner[: len(rows)], rows.astype(float)).ended(float(reached), last)
             if dense and reached != grid[0]:
-                step.pop("callback")
                 # The steps are the same with and without the grid.
                 _place(integrator, grid[0], start)
                 record = _Record(integrator, grid[0])
@@ -464,7 +473,7 @@ class Taylor:
                 None if record is None else record.dense(),
                 reason,
                 longest,
-                taken,
+                track,
             )
 
     def _propagated(
@@ -539,37 +548,31 @@ def _place(integrator: Any, at: Any, state: np.ndarray) -> None:
 
 
 class _Tracker:
-    """Callback that keeps time and state after each part of every step, in doubles."""
+    """Callback that keeps time and state after every step."""
 
-    def __init__(self, begin: Any, start: np.ndarray, order: int) -> None:
-        # A part is short enough for a polynomial of degree five, which has six coefficients.
-        self._parts = max(1, order // 6)
+    def __init__(self, integrator: Any) -> None:
+        self._state = integrator.state
         self._blocks: list[Track] = []
-        self._times, self._states = [float(begin)], [start.astype(float)]
+        self._times, self._states = [integrator.time], [integrator.state.copy()]
 
     def __call__(self, integrator: Any) -> bool:
         """Keep one step; True continues."""
-        part = integrator.last_h / self._parts
-        for k in range(self._parts - 1, 0, -1):
-            time = integrator.time - part * k
-            integrator.update_d_output(time)
-            self._times.append(float(time))
-            self._states.append(integrator.d_output.astype(float))
-        self._times.append(float(integrator.time))
-        self._states.append(integrator.state.astype(float))
-        if len(self._times) >= STEPS_AT_ONCE:
-            self._close()
+        self._times.append(integrator.time)
+        self._states.append(self._state.copy())
+        if len(self._times) == STEPS_AT_ONCE:
+            self._pack()
         return True
 
-    def _close(self) -> None:
-        """Pack the last steps."""
+    def _pack(self) -> None:
+        """Put the last steps into arrays of doubles."""
         if self._times:
-            self._blocks.append(Track(np.array(self._times), np.array(self._states)))
+            times, states = np.array(self._times), np.array(self._states)
+            self._blocks.append(Track(times.astype(float), states.astype(float)))
             self._times, self._states = [], []
 
     def track(self) -> Track:
         """All steps so far."""
-        self._close()
+        self._pack()
         return Track(*map(np.concatenate, zip(*self._blocks, strict=True)))
 
 
