@@ -8,7 +8,8 @@ from typing import Any, ClassVar
 
 # Longer values are cut in messages to their beginning and their end.
 LONGEST_SHOWN = 200
-_LONG_WORD = re.compile(rf"\S{{{LONGEST_SHOWN + 1},}}")
+# A word, or terms of an expression with their signs between them.
+_TERMS = re.compile(r"\S+(?: [-+*/] \S+)*")
 
 
 def _cut(text: str, most: int) -> str:
@@ -18,8 +19,8 @@ def _cut(text: str, most: int) -> str:
 
 
 def _shortened(message: str) -> str:
-    """A message without the middle of its longest words, so that it is never endless."""
-    words = _LONG_WORD.sub(lambda word: _cut(word[0], LONGEST_SHOWN), message)
+    """A message without the middle of long words and expressions, so that it is never endless."""
+    words = _TERMS.sub(lambda terms: _cut(terms[0], LONGEST_SHOWN), message)
     return _cut(words, 10 * LONGEST_SHOWN)
 
 

@@ -74,8 +74,8 @@ LONG: dict[str, str] = {
     "exact/tower.py": "the arithmetic of a field: generators, sums, denominators, factors",
     "geometry/connection.py": "all that a connection can be asked; half is documentation",
     "loops/exact_integral.py": "line integrals in closed form: kinds of integrands, side by side",
-    "gravity/equations.py": "all that field equations can be asked; half is documentation",
     "geometry/forms.py": "the exterior calculus: a form, its algebra and its derivatives",
+    "gravity/equations.py": "all that field equations can be asked; half is documentation",
     "geometry/frame.py": "all that a frame can be asked; two thirds are documentation",
     "geometry/components.py": "sparse arrays with their symmetries, products and inverses",
     "geometry/tensor.py": "all that a tensor can be asked; half is documentation",
@@ -89,19 +89,28 @@ LONGEST = 500
 # Counts that should fall: each ceiling is lowered as soon as the count is lower.
 CEILINGS = {
     # homes.py and indexing.py need frames for their types, and tensors need both files.
-    "files in rings": 39,
+    # A region and its walls hold their frame, which makes them.
+    "files in rings": 46,
     "inner imports without a reason": 0,
     "percent of Any": 3.6,
     # 17 of these choose steps and precision in proofs; no ball depends on them.
-    "tuned constants": 168,
+    # 2 are the number of points tried and the distance from a wall, where a region is searched.
+    # One separates a pole of the rates from a removable one.
+    # One more: the samples that look for pulses between steps.
+    "tuned constants": 172,
     # Two more than before: converters of arguments are three files by kind instead of one of 1,000.
-    # Two more: kinetic metrics and forces are files of their own. One more: roundings of an answer.
-    "files of a first motion": 48,
-    "frames of a first motion": 26,
+    # Two more: kinetic metrics and forces are files of their own.
+    # One more: squares that roots hide in circular functions.
+    # Two more: what rates divide by, and whether a motion ends where that vanishes.
+    # One more: roundings of an answer.
+    # Four of them find the region in which the motion starts.
+    "files of a first motion": 55,
+    # The first root that is read asks for a sign, and the sign for the region of the frame.
+    "frames of a first motion": 43,
 }
 # Lines of code below and above the wall, rounded up to five hundreds, without docstrings, comments
 # and blanks. A change that needs more raises a number and states in its commit what users get.
-BUDGET = {"below the wall": 47000, "above the wall": 51000}
+BUDGET = {"below the wall": 48500, "above the wall": 51000}
 # What a program that imports the package does not wait for.
 LATER = ("sympy", "flint", "mpmath", "numpy", "multiprocessing", "asyncio", "tomllib", "sqlite3")
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")
@@ -304,6 +313,21 @@ def test_importing_is_light():
     assert not imported & {*LATER, *HEAVY}
     assert {"sympy", "flint", "geomtorsion"} <= framed
     assert not framed & {"multiprocessing", "asyncio", *HEAVY}
+
+
+def test_help_is_light():
+    """The list of commands needs no library of mathematics; a refused name of a command neither."""
+    for argument in ("--help", "--version", "geomtry"):
+        code = (
+            "import atexit, sys; from geomtorsion.cli import main\n"
+            "names = ('sympy', 'flint', 'numpy', 'mpmath')\n"
+            "atexit.register(lambda: print('loaded', *(x for x in names if x in sys.modules)))\n"
+            f"sys.argv = ['geomtorsion', {argument!r}]; main()"
+        )
+        done = subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=False, cwd=ROOT
+        )
+        assert done.stdout.splitlines()[-1].split() == ["loaded"], argument
 
 
 def test_importing_is_quiet():

@@ -196,7 +196,7 @@ def resumable(left: Callable[[], str]) -> Iterator[None]:
 def stopped(stop: KeyboardInterrupt, more: str = "") -> typer.Exit:
     """Report that Ctrl-C or a limit ended the command; the exit that this leads to."""
     if isinstance(stop, ExceededError):
-        quantity, place = interrupted_work(stop.__traceback__)
+        quantity, place = interrupted_work(stop.__traceback__, functions=False)
         show_error(exceeded(f"{quantity} takes more than {stop}{place}{more}"))
         return typer.Exit(ExitCode.wrong_input)
     typer.echo(f"geomtorsion: stopped{more}", err=True)

@@ -18,6 +18,7 @@ import sympy as sp
 from numpy.typing import ArrayLike
 
 from geomtorsion.codegen.evaluation import exact_values
+from geomtorsion.codegen.poles import pole_values
 from geomtorsion.codegen.printers import (
     FUNCTIONS,
     Body,
@@ -279,6 +280,19 @@ class Graph:
     @cached_property
     def _sizes(self) -> Graph:
         return Graph(self.arguments, *term_sizes(self.steps, self.outputs))
+
+    @cached_property
+    def poles(self) -> Graph:
+        """Values at whose zeros an output may have no value: denominators and their kind.
+
+        Examples
+        --------
+        >>> import sympy
+        >>> x = sympy.Symbol("x")
+        >>> graph(["x"], [1 / (x**2 * (x - 3)), sympy.exp(-x)]).poles.python()(5.0)
+        (5.0, 2.0)
+        """
+        return Graph(self.arguments, *pole_values(self.steps), self.is_complex)
 
     def above_rounding(self) -> Graph:
         """The outputs (for roots, the radicands) minus what rounding in doubles may add.

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from geomtorsion.curves.constructors import autoparallel
-from geomtorsion.curves.problem import CurveProblem, checked_start
+from geomtorsion.curves.covering import Ends, ends_of
+from geomtorsion.curves.problem import CurveProblem
 from geomtorsion.curves.search import Followed, Search, reach_of
 from geomtorsion.curves.shooting import ROUNDING, Line, Shooter
 from geomtorsion.errors import EndpointError, GeomtorsionError
@@ -39,6 +39,8 @@ class LogMap:
     length: sqrt(|eta_ij u^i u^j|); the length of the motion, or its proper time.
     conjugate: parts of the motion, between 0 and 1, at which a point is conjugate to the start.
     guarantee: the set of motions among which it is the shortest, in words.
+    chart: name of the chart in whose frame `vector` is given: the chart of the connection's frame,
+        unless that is singular at the start.
     """
 
     vector: np.ndarray
@@ -48,6 +50,7 @@ class LogMap:
     length: float
     conjugate: tuple[float, ...]
     guarantee: str
+    chart: str
 
 
 def log_map(
@@ -79,9 +82,10 @@ def log_map(
     Parameters
     ----------
     connection, start
-        as in `exponential_map`.
+        as in `exponential_map`. A geodesic may also start at a point where the frame is singular,
+        such as the pole of a sphere, if the space has another chart there: `LogMap.chart`.
     end
-        q^mu to be reached, shape (n,).
+        q^mu to be reached, shape (n,), also such a point.
     guess
         frame velocity from which Newton's iteration starts, to choose among several answers.
     parameters, accuracy, engine
@@ -108,19 +112,24 @@ def log_map(
     n = frame.dimension
     accuracy = checked_accuracy(accuracy)
     checked_engine(engine)
-    problem = autoparallel(connection, start, frame_velocity=[0] * n, parameters=parameters)
-    target = np.array([float(x) for x in checked_start(frame, end, problem.parameters)])
+    ends = ends_of(connection, start, end, parameters)
+    problem, target = ends.problem, ends.target
     solver = _solver(problem, accuracy, engine)
 
     first = None if guess is None else checked_numbers(guess, n, "guess")
 
     def answer(aimed: float) -> LogMap:
         shooter = Shooter(problem, solver, solver.first(aimed / 10))
-        search = Search(shooter, shooter.aim(target), aimed)
-        choice = _Choice(connection, search, engine, (start, end))
+        if ends.label is None or ends.place is None:
+            aim = shooter.aim(target)
+        else:
+            aim = shooter.aim_in(ends.label, ends.place)
+        search = Search(shooter, aim, aimed)
+        choice = _Choice(connection, search, engine, (start, end), ends)
         if first is None or guess is None:
             return choice.shortest(target)
-        return choice.from_guess(shooter.weights @ np.array([float(x) for x in first]), guess)
+        velocity = ends.followed(np.array([float(x) for x in first]))
+        return choice.from_guess(shooter.weights @ velocity, guess)
 
     try:
         return answer(accuracy)
@@ -148,13 +157,14 @@ def _solver(problem: CurveProblem, accuracy: float, engine: Engine | None) -> En
 class _Choice:
     """The choice of one motion of a connection among those found from a start to an end.
 
-    ends: start and end as they were given, for messages.
+    ends: start and end as they were given, for messages; charts: where they are.
     """
 
     connection: Connection
     search: Search
     engine: Engine | None
     ends: tuple[Numbers, Numbers]
+    charts: Ends
 
     @property
     def where(self) -> str:
@@ -250,7 +260,10 @@ class _Choice:
         for hit in others:
             longer = hit.length - length
             if longer <= 4 * self.search.newton.allowed(best.vector, self.search.aim):
-                one, two = (self.search.shooter.velocity(x.vector).round(6) for x in (best, hit))
+                one, two = (
+                    self.charts.given(self.search.shooter.velocity(x.vector)).round(6)
+                    for x in (best, hit)
+                )
                 raise EndpointError(
                     f"expected one shortest motion {self.where}, got no unique answer: at least "
                     f"two have length {length:.9g}, with initial frame velocities {one.tolist()} "
@@ -308,4 +321,13 @@ class _Choice:
         if length and not shooter.is_definite:
             unit = velocity / length
             length *= float(np.sqrt(abs(unit @ shooter.eta @ unit)))
-        return LogMap(velocity, shot.size, solution, found.shots, length, conjugate, guarantee)
+        return LogMap(
+            self.charts.given(velocity),
+            shot.size,
+            solution,
+            found.shots,
+            length,
+            conjugate,
+            guarantee,
+            self.charts.chart,
+        )

@@ -214,7 +214,10 @@ class Shooter:
             problem.charts, self.home, still, problem.parameters, 53, starting=True
         )
         label = label or self.home
-        there = self._in(self.home, label, place)
+        return self.aim_in(label, self._in(self.home, label, place))
+
+    def aim_in(self, label: str, there: np.ndarray) -> Aim:
+        """A point of a chart as a target."""
         names = np.array([there])
         if opposite := self.problem.atlas.chart(label).antipodal:
             names = np.array([there, there])
@@ -242,6 +245,9 @@ class Shooter:
             point = MovingPoint(place.tolist(), unit.tolist(), [])
             moved = atlas.moved(label, self.home, point, self.problem.parameters, 53)
             columns.append([float(x) for x in moved.velocities])
+        if not np.isfinite(columns).all():
+            # The home frame is singular there: the components are those in the frame of the chart.
+            return own
         chart = atlas.chart(label)
         assert chart.frame is not None
         unweighted = np.linalg.solve(weights_of(chart.frame), own)

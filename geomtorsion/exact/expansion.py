@@ -12,7 +12,6 @@ import sympy
 from sympy.core.function import AppliedUndef
 
 from geomtorsion.errors import GeomtorsionError, SingularPointError, UndecidedError
-from geomtorsion.exact.functions import with_roots
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.exclusive import exclusive
@@ -102,7 +101,7 @@ class Expansion:
         w = self._w
         place = self.approach.place(w)
         placed = self.expression.xreplace({self.approach.symbol: place})
-        local = self._read(with_roots(placed)).sympy
+        local = self._read(placed).sympy
         powers = [power.exp for power in local.atoms(sympy.Pow) if power.base == w]
         root = lcm(*(int(x.q) for x in powers if x.is_Rational))
         return (self._read(local.xreplace({w: w**root})).sympy if root > 1 else local), root
@@ -117,7 +116,7 @@ class Expansion:
     def _at_zero(self, element: Element) -> sympy.Expr:
         """The value of an element at w = 0."""
         # Not xreplace: the derivative of an unknown function is taken first.
-        value = with_roots(element.sympy.subs(self._w, 0))
+        value = element.sympy.subs(self._w, 0)
         bad = value.has(sympy.zoo, sympy.nan, sympy.oo, -sympy.oo, sympy.AccumBounds)
         if bad or any(power.base == 0 for power in value.atoms(sympy.Pow)):
             raise _NotAnalyticError

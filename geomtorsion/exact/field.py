@@ -13,9 +13,10 @@ from geomtorsion.errors import CoordinateError
 from geomtorsion.exact import algebraic_constants, kept, polynomials
 from geomtorsion.exact.algebraic_constants import is_algebraic_constant
 from geomtorsion.exact.element import PROVED, UNDECIDED, Canonical, Certainty, Element, inside_out
-from geomtorsion.exact.evaluate import GenericPoint, arguments, evaluate
+from geomtorsion.exact.evaluate import arguments, evaluate
 from geomtorsion.exact.functions import jet
 from geomtorsion.exact.generators import Generator, Generators, Names
+from geomtorsion.exact.generic_point import Extended, GenericPoint, Places
 from geomtorsion.exact.limits import MOST_AT_ONCE, NoPointError
 from geomtorsion.exact.points import point_of, roomy_point_of
 from geomtorsion.exact.primes import BITS
@@ -208,7 +209,8 @@ class Field(Tower):
     complex
         whether the imaginary unit may occur.
     sample
-        values of symbols at a point inside the domain, for choosing branches of roots.
+        values of symbols at a point inside the domain, for choosing branches of roots; or the
+        places where that point may be, the preferred one first.
     branches
         chosen values of roots, {root as sympy expression: sympy expression}; each is checked.
 
@@ -226,7 +228,7 @@ class Field(Tower):
         symbols: Sequence[sympy.Symbol],
         *,
         complex: bool = False,
-        sample: Mapping[sympy.Symbol, Value] | None = None,
+        sample: Mapping[sympy.Symbol, Value] | Places | None = None,
         branches: Mapping[sympy.Expr, sympy.Expr] | None = None,
     ) -> None:
         if len(set(symbols)) != len(symbols):
@@ -236,8 +238,7 @@ class Field(Tower):
         # The frame that it belongs to, if any: copies of its elements share the field of the copy.
         self.owner: Any = None
         self.chosen: dict[sympy.Expr, sympy.Expr] = dict(branches or {})
-        self._given_sample = dict(sample or {})
-        self.sample: Point = GenericPoint(self, self._given_sample)
+        self.sample: Point = GenericPoint(self, sample)
         self._add_symbols(symbols)
         if complex:
             # First of all, so that later roots are compared with it.
@@ -247,7 +248,7 @@ class Field(Tower):
     def __reduce__(self) -> tuple[object, ...]:
         if self.owner is not None:
             return getattr, (self.owner, "field")
-        settings = (self.is_complex, self._given_sample, self.chosen)
+        settings = (self.is_complex, self.sample.given, self.chosen)
         return _made_again, (self.symbols, *settings)
 
     def __deepcopy__(self, _: object) -> Field:
@@ -264,18 +265,15 @@ class Field(Tower):
         return Field(
             (*self.symbols, symbol),
             complex=self.is_complex,
-            sample={**self._given_sample, symbol: value},
+            sample=Extended(self.sample, {symbol: value}),
         )
 
     def with_symbols(self, symbols: Sequence[sympy.Symbol]) -> Field:
         """A field over more symbols, with the same domain and branches."""
-        given = self._given_sample
-        # Values of which none is a simple multiple of another, where the domain needs a point.
-        more = {s: sympy.Rational(101 + 12 * k, 97) for k, s in enumerate(symbols)} if given else {}
         return Field(
             (*self.symbols, *symbols),
             complex=self.is_complex,
-            sample=given | more,
+            sample=Extended(self.sample, {}),
             branches=self.chosen,
         )
 

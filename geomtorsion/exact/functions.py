@@ -28,27 +28,6 @@ def unknown_functions(elements: Iterable[Element]) -> list[AppliedUndef]:
     return sorted(functions, key=str)
 
 
-class RootOfSquare(sympy.Function):
-    """The root of a square, which a field reads with the sign that it has in the domain.
-
-    sympy makes Abs of it as soon as the symbols in it are real, and no field reads that.
-    """
-
-    nargs = 1
-
-
-def with_roots(expression: sympy.Basic) -> sympy.Basic:
-    """An expression in which sympy has made Abs of roots, ready to be read.
-
-    Examples
-    --------
-    >>> x = sympy.Symbol("x", real=True)
-    >>> with_roots(1 + sympy.sqrt(x**2))
-    RootOfSquare(x) + 1
-    """
-    return expression.replace(sympy.Abs, RootOfSquare)
-
-
 def smooth_form(expr: sympy.Expr) -> sympy.Expr | None:
     """A function rewritten by ones that are read, None if opaque.
 

@@ -19,6 +19,8 @@ FUNCTIONS: MappingProxyType[str, tuple[Any, tuple[int, ...]]] = MappingProxyType
         "log": (sympy.log, (1, 2)),
         "ln": (sympy.log, _ONE),
         "atan2": (sympy.atan2, (2,)),
+        "abs": (sympy.Abs, _ONE),
+        "Abs": (sympy.Abs, _ONE),
         "arcsin": (sympy.asin, _ONE),
         "arccos": (sympy.acos, _ONE),
         "arctan": (sympy.atan, _ONE),
@@ -47,10 +49,8 @@ DERIVATIVE_NAMES = frozenset({"diff", "Derivative"})
 SUBSTITUTION_NAME = "Subs"
 
 _SIGN = "Give the symbol a sign among the parameters (positive, negative) and write it without."
-_SQUARE = "Write sqrt(x**2) with x positive, or the branch you mean."
 NOT_SMOOTH: MappingProxyType[str, str] = MappingProxyType(
-    dict.fromkeys(("Abs", "abs"), _SQUARE)
-    | dict.fromkeys(("sign", "Max", "Min", "max", "min"), _SIGN)
+    dict.fromkeys(("sign", "Max", "Min", "max", "min"), _SIGN)
     | dict.fromkeys(
         ("floor", "ceiling", "round", "Piecewise", "Heaviside", "DiracDelta", "Mod"),
         "Write the smooth expression of one region, and name the region as the domain.",

@@ -19,8 +19,8 @@ from sympy.core.function import AppliedUndef
 from geomtorsion.errors import CoordinateError, ExpressionError, GeomtorsionError, LimitError
 from geomtorsion.exact.arguments import Angles, Exponents
 from geomtorsion.exact.element import inside_out
-from geomtorsion.exact.functions import RootOfSquare, jet, opaque, smooth_form
-from geomtorsion.exact.generators import Generator
+from geomtorsion.exact.functions import jet, opaque, smooth_form
+from geomtorsion.exact.generators import Branch, Generator
 from geomtorsion.exact.kept import stays_kept
 from geomtorsion.exact.limits import check_exponent, check_size
 from geomtorsion.exact.points import leave_point
@@ -39,13 +39,12 @@ if TYPE_CHECKING:
 
 
 _NOT_SMOOTH = (
-    "Abs", "sign", "floor", "ceiling", "frac", "Piecewise", "Max", "Min", "Heaviside",
+    "sign", "floor", "ceiling", "frac", "Piecewise", "Max", "Min", "Heaviside",
     "DiracDelta", "re", "im", "arg", "conjugate", "Mod", "KroneckerDelta", "SingularityFunction",
 )  # fmt: skip
 _OPERATIONS = frozenset((sympy.Add, sympy.Mul, sympy.Pow))
 _INFINITE = frozenset((sympy.oo, -sympy.oo, sympy.zoo, sympy.nan))
 _REMEDIES = {
-    "Abs": "choose the sign that holds in your domain (declare the symbol positive, or write x)",
     "Piecewise": "give one frame for each piece",
 }
 
@@ -222,7 +221,7 @@ FUNCTIONS: dict[str, Rule] = {
 
 
 # Functions that keep their arguments unchanged, by name.
-_PLAIN_FUNCTIONS = {*FUNCTIONS, *INVERSE_FUNCTIONS, "log", "atan2", RootOfSquare.__name__}
+_PLAIN_FUNCTIONS = {*FUNCTIONS, *INVERSE_FUNCTIONS, "log", "atan2", "Abs"}
 
 
 class Scan:
@@ -305,7 +304,7 @@ class Reader:
                 written = entry[1]
                 if element._sympy is None and _is_longer(element, written):
                     # The input is shorter than any form of the element.
-                    element._sympy = None if written.has(RootOfSquare) else written
+                    element._sympy = None if written.has(sympy.Abs) else written
                 elements.append(element)
             self._close()
             return elements
@@ -425,7 +424,7 @@ class Reader:
         return self.exp(self.element(exponent) * self.primitives.log(self.element(base)))
 
     def _chosen(self, expr: sympy.Basic) -> Element | None:
-        """The value that the user chose for a root, checked."""
+        """The value that the user chose for a root or an absolute value, checked."""
         chosen = self.field.chosen.get(expr)
         if chosen is None:
             return None
@@ -439,7 +438,10 @@ class Reader:
         # The same root in another notation: results with it would be read as the other root.
         if value.sympy.has(expr):
             raise _chosen_by_itself(expr, chosen)
-        base, exponent = expr.args
+        if isinstance(expr, sympy.Abs):
+            base, exponent = expr.args[0] ** 2, sympy.S.Half
+        else:
+            base, exponent = expr.args
         if value ** int(exponent.q) != self.element(base) ** int(exponent.p):
             raise ExpressionError(
                 f"the branch chosen for {expr} is {chosen}, but its power {exponent.q} is not "
@@ -481,9 +483,8 @@ class Reader:
         name = type(expr).__name__
         if name in FUNCTIONS:
             return FUNCTIONS[name](self, self.element(expr.args[0]))
-        if isinstance(expr, RootOfSquare):
-            inner = self.element(expr.args[0])
-            return self.field.root(inner * inner, 2, sympy.sqrt(expr.args[0] ** 2))
+        if isinstance(expr, sympy.Abs):
+            return self._size(expr)
         if name == "log" and len(expr.args) == 1:
             argument = self.element(expr.args[0])
             value = self.primitives.log(argument)
@@ -511,6 +512,36 @@ class Reader:
         value = opaque(self.field, shown, arguments)
         self._note_meaning(self.field.generators_of(value)[0])
         return value
+
+    def _size(self, expr: sympy.Abs) -> Element:
+        """|u| as u or -u: the sign that u has at the sample point, stated as a branch.
+
+        Raises
+        ------
+        ExpressionError
+            u is complex, or has both signs in the declared domain.
+        """
+        field, chosen = self.field, self._chosen(expr)
+        if chosen is not None:
+            return chosen
+        (shown,) = expr.args
+        inner = self.element(shown)
+        if self._parts(inner)[1]._num:
+            raise ExpressionError(
+                f"{expr}: expected a real argument, got {inner}. Write the real expression of it, "
+                "such as sqrt(x**2 + y**2)"
+            )
+        sign = field.sample.sign(inner)
+        if sign is None:
+            raise ExpressionError(
+                f"{expr}: expected an argument of one sign in the declared domain, got {inner}, "
+                f"which has both. Declare one side, such as domain=[{shown} > 0], or give one "
+                "frame for each side"
+            )
+        size = inner * sign
+        if not size.sympy.is_nonnegative:
+            field.state_branch(Branch(expr, size.sympy, "", size))
+        return size
 
     def _note_meaning(self, generator: Generator) -> None:
         """What a new function known by name, or a logarithm, is in terms of others."""

@@ -12,7 +12,6 @@ from itertools import combinations
 from math import gcd, lcm, prod
 from typing import TYPE_CHECKING
 
-import mpmath
 import sympy
 from flint import fmpq, fmpz
 from flint.utils.flint_exceptions import DomainError
@@ -28,8 +27,8 @@ from geomtorsion.exact.limits import (
     terms_of_power,
 )
 from geomtorsion.exact.polynomials import prime_factors, split
+from geomtorsion.exact.square_factors import square_factors
 from geomtorsion.support.allowance import check_limits
-from geomtorsion.support.precision import working_precision
 
 if TYPE_CHECKING:
     from flint import fmpq_mpoly
@@ -72,26 +71,46 @@ def _square_root(field: Tower, element: Element, radical: sympy.Expr | None) -> 
         )
     inside = square_root_inside(field, element)
     if inside is not None:
-        positive = inside if field.sample.is_positive(inside) else -inside
+        positive = _principal(field, inside)
         _state(field, element, positive, radical)
         return positive
     taken = without_odd_roots(field, element)
     if taken is not None and taken[0] != 1:
         half, rest = taken
-        value = half * _square_root(field, rest, None)
-        return value if _matches_principal(field, value, element) else -value
+        return _principal(field, half * _square_root(field, rest, None))
     outer, content, tail = _squares_taken_out(field, element)
     if content < 0 and field.is_complex:
         # sqrt(-x) and sqrt(x) are dependent through I: one of them is enough.
-        turned = _square_root(field, -element, None) * field.imaginary
-        return turned if _matches_principal(field, turned, element) else -turned
-    generator = field.add_root(tail, 2, _is_decided(field, tail))
+        return _principal(field, _square_root(field, -element, None) * field.imaginary)
+    more = square_factors(field, field.lift(tail))
+    if more is not None:
+        inner, _, tail = _squares_taken_out(field, field.polynomial(more[1]))
+        outer = outer * inner * field.polynomial(more[0])
+    generator = _multiple_of_another(field, tail)
+    if generator is None:
+        generator = field.add_root(tail, 2, _is_decided(field, tail))
     value = outer * generator
     if not outer.is_rational:
-        if not _matches_principal(field, value, element):
+        if not field.sample.is_positive(value):
             value, outer = -value, -outer
         _state(field, element, value, radical, outer)
     return value
+
+
+def _multiple_of_another(field: Tower, tail: Element) -> Element | None:
+    """The root of a polynomial, where it is a number times a root in the field."""
+    num = field.lift(tail)
+    for generator in field.generators:
+        if generator.kind != "root" or generator.degree != 2 or not generator.depends:
+            continue
+        assert generator.tail is not None
+        other = field.lift(generator.tail)
+        ratio = num.leading_coefficient() / other.leading_coefficient()
+        # sqrt(2 x) beside sqrt(x): a quotient of the two would be singular where x = 0.
+        if ratio > 0 and not generator.tail._den and other * ratio == num:
+            number = _square_root(field, field.rational(ratio), None)
+            return field.generator_element(generator) * number
+    return None
 
 
 def _squares_taken_out(field: Tower, element: Element) -> tuple[Element, fmpz, Element]:
@@ -127,15 +146,9 @@ def _is_decided(field: Tower, tail: Element) -> bool:
     return not any(g.degree > 2 for g in field.generators_of(tail))
 
 
-def _matches_principal(field: Tower, value: Element, element: Element) -> bool:
-    """Whether value is the principal root of element at the sample point."""
-    try:
-        with working_precision(200):
-            want = mpmath.sqrt(field.sample.value(element))
-            have = field.sample.value(value)
-            return bool(abs(have - want) <= abs(have + want))
-    except (ArithmeticError, ValueError):
-        return True
+def _principal(field: Tower, value: Element) -> Element:
+    """The one of value and -value that is a principal root at the sample point."""
+    return value if field.sample.is_positive(value) else -value
 
 
 def _state(

@@ -32,11 +32,31 @@ if TYPE_CHECKING:
     from flint import fmpq_mpoly
 
     from geomtorsion.exact.element import Certainty, Value
+    from geomtorsion.exact.generic_point import Places
     from geomtorsion.exact.polynomials import Factors
 
 
 class Point(Protocol):
     """The generic point of a field, at which signs are read off; see `generic_point`."""
+
+    @property
+    def places(self) -> Places:
+        """Where the point may be."""
+        ...
+
+    @property
+    def values(self) -> dict[sympy.Expr, Any]:
+        """The values of symbols at the point."""
+        ...
+
+    @property
+    def given(self) -> dict[sympy.Expr, Any]:
+        """The values that were given; empty where the point was searched."""
+        ...
+
+    def number_of(self, shown: sympy.Expr) -> mpmath.mpf:
+        """The value of a symbol, or of an unknown function or its derivative."""
+        ...
 
     def value(self, element: Element) -> mpmath.mpf:
         """The value of an element, to about 90 digits."""
@@ -48,6 +68,10 @@ class Point(Protocol):
 
     def prefer_positive(self, element: Element) -> bool:
         """Whether an element is positive, after the point moved there if it may."""
+        ...
+
+    def sign(self, element: Element) -> int | None:
+        """+1 or -1, or None where the declared domain has both signs."""
         ...
 
     def is_surely_nonzero(self, element: Element) -> bool:

@@ -10,7 +10,6 @@ import sympy as sp
 
 from geomtorsion.errors import CoframeError, CoordinateError, ShapeError, TensorIndexError
 from geomtorsion.exact import Element, parse_expression
-from geomtorsion.exact.functions import with_roots
 from geomtorsion.exact.reading import checked
 from geomtorsion.geometry import constructors, validation
 from geomtorsion.geometry.components import Index, change_slot, effective, inverse
@@ -37,7 +36,7 @@ class Map:
     def __call__(self, expression: sp.Basic) -> sp.Expr:
         """An expression of the old coordinates in the new ones."""
         moved = expression.subs(dict(zip(self.old, self.functions, strict=True)), simultaneous=True)
-        return with_roots(moved.doit())
+        return moved.doit()
 
     def slope(self, mu: int, a: int) -> sp.Expr:
         """d old^mu / d new^a."""
@@ -142,7 +141,10 @@ def _frame_in(frame: Frame, way: Map, domain: tuple[sp.Basic, ...]) -> Frame:
         rows = way.pulled(rows)
     options = constructors.keywords(frame, shape)
     roots = {way(root): way(value) for root, value in frame.field.chosen.items()}
-    options |= {"domain": domain, "branches": {k: x for k, x in roots.items() if k.is_Pow}}
+    options |= {
+        "domain": domain,
+        "branches": {k: x for k, x in roots.items() if isinstance(k, sp.Pow | sp.Abs)},
+    }
     return constructors.maker(type(frame), shape)(way.new, rows, **options)
 
 

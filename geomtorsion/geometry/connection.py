@@ -59,7 +59,8 @@ class Connection:
     """An affine connection over a frame.
 
     frame: the frame it is made from.
-    coefficients: Gamma_ab^c, slots ddu, a the direction of differentiation.
+    coefficients: Gamma_ab^c, coordinate slots ddu, a the direction of differentiation; nested
+        lists or an array are read as in `from_coefficients`. `spin_connection` has leg slots.
     name: its name in messages.
     kind: "cartan" or "levi-civita" where a shorter way to its curvature is known, "metric" where
         it is metric compatible by its construction, else "general".
@@ -84,6 +85,16 @@ class Connection:
     allowed: tuple[int, ...] | None = None
 
     has_own_field: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        """Read coefficients that are no tensor."""
+        if not isinstance(self.coefficients, Tensor):
+            # Functions that make connections import this file.
+            from geomtorsion.geometry.connections import from_coefficients
+
+            read = from_coefficients(self.frame, self.coefficients)
+            object.__setattr__(self, "frame", read.frame)
+            object.__setattr__(self, "coefficients", read.coefficients)
 
     def __getitem__(self, index: One | tuple[One, ...]) -> Any:
         """Gamma_ab^c as a sympy expression, or an array of coefficients (see Tensor)."""
@@ -146,7 +157,10 @@ class Connection:
 
     @cached_property
     def nonmetricity(self) -> Tensor:
-        """Q_abc = D_a g_bc, slots ddd, symmetric in bc."""
+        """Q_abc = D_a g_bc, slots ddd, symmetric in bc.
+
+        Coordinate slots; along the legs: `.in_frame()`.
+        """
         lower = self.coefficients.lowered(2).components.get
         derivative = riemannian.metric_derivative(self.frame).get
 
@@ -178,6 +192,8 @@ class Connection:
         """K_ab^c = S_ab^c - S_b^c_a + S^c_ab, slots ddu; Gamma - Gamma_bar for metric connections.
 
         Its lower form K_abc is antisymmetric in b and c.
+
+        Coordinate slots; along the legs: `.in_frame()`.
         """
         if self.kind == "cartan" and is_dense(self.frame):
             # In the frame its own coefficients vanish.
@@ -196,7 +212,10 @@ class Connection:
 
     @cached_property
     def disformation(self) -> Tensor:
-        """L_ab^c with L_abc = -(Q_abc + Q_bac - Q_cab) / 2, slots ddu, symmetric in ab."""
+        """L_ab^c with L_abc = -(Q_abc + Q_bac - Q_cab) / 2, slots ddu, symmetric in ab.
+
+        Coordinate slots; along the legs: `.in_frame()`.
+        """
         nonmetricity = self.nonmetricity.components.get
 
         def rule(index: Index) -> Element:
@@ -208,7 +227,10 @@ class Connection:
 
     @cached_property
     def coframe_deviation(self) -> Tensor:
-        """W_ab^j = Gamma_ab^m e^j_m - d_a e^j_b, slots ddU: minus the derivative of the coframe."""
+        """W_ab^j = Gamma_ab^m e^j_m - d_a e^j_b, slots ddU: minus the derivative of the coframe.
+
+        A capital is a leg slot, a small letter a coordinate slot; along the legs: `.in_frame()`.
+        """
         rule = self._deviation(self.frame.coframe.components, self.frame.coframe_derivative)
         return Tensor(self.frame, "ddU", rule, (), "W", "coframe deviation", anchored=(1, 2))
 
@@ -232,7 +254,10 @@ class Connection:
 
     @cached_property
     def spin_connection(self) -> Tensor:
-        """omega_ai^j = e^j_m D_a E_i^m, slots dDU; only the first index may change its basis."""
+        """omega_ai^j = e^j_m D_a E_i^m, slots dDU; only the first index may change its basis.
+
+        A capital is a leg slot, a small letter a coordinate slot; along the legs: `.in_frame()`.
+        """
         deviation = self.coframe_deviation
         free = Tensor(self.frame, "ddU", deviation.components, (), "\\omega", "spin connection")
         turned = free._with_slot(1, "D")

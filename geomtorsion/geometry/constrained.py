@@ -118,7 +118,7 @@ def _over_legs(frame: Frame, allowed: tuple[int, ...]) -> Connection:
                 f"with product {value}. Give the constraints as one-forms, which adapts the frame."
             )
         if i == j and i in permitted and not value.as_fraction() > 0:
-            raise _not_positive(f"leg {i} of square {value}")
+            raise _not_positive(f"leg {i} of square {value}", value)
     spin = levi_civita(frame).spin_connection.components.get
     zero = frame.field.zero
 
@@ -136,10 +136,15 @@ def _over_legs(frame: Frame, allowed: tuple[int, ...]) -> Connection:
     )
 
 
-def _not_positive(found: str) -> MetricError:
+def _not_positive(found: str, square: Element) -> MetricError:
+    remedy = "Give the metric of a kinetic energy, or permit other velocities."
+    if square.symbols:
+        # The sign was read at one point; elsewhere it may be positive.
+        remedy = (
+            f"Declare where it is positive, domain=[..., '{square} > 0'] of the frame. {remedy}"
+        )
     return MetricError(
-        f"expected a metric that is positive on the permitted velocities, got {found}. Give the "
-        "metric of a kinetic energy, or permit other velocities."
+        f"expected a metric that is positive on the permitted velocities, got {found}. {remedy}"
     )
 
 
@@ -229,7 +234,7 @@ def _adapted(frame: Frame, constraints: list[Row]) -> tuple[Frame, tuple[int, ..
     forms = []
     for square, form in (squares[place] for place in range(len(free))):
         if not field.sample.is_positive(square):
-            raise _not_positive(f"a velocity of square {square}")
+            raise _not_positive(f"a velocity of square {square}", square)
         length = field.root(square, 2)
         terms = [(mu, (1, length, x, y)) for i, x in form.items() for mu, y in duals[i].items()]
         forms.append([field.sum([term for mu, term in terms if mu == nu]) for nu in range(n)])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from itertools import chain
 from typing import TYPE_CHECKING, Any, cast
 
 import sympy as sp
@@ -13,7 +14,7 @@ from geomtorsion.geometry import naming, validation
 from geomtorsion.geometry.components import inverse
 from geomtorsion.geometry.derived import derived
 from geomtorsion.geometry.groups import invariant_coframe
-from geomtorsion.geometry.orthonormalize import orthonormal_rows
+from geomtorsion.geometry.orthonormalize import orthonormal_rows, requested_signs
 from geomtorsion.geometry.substitution import INFINITE, Substitution
 
 if TYPE_CHECKING:
@@ -34,9 +35,12 @@ def from_frame(
 ) -> Frame:
     """See Frame.from_frame."""
     n, entries = validation.typed_entries(legs, "legs", coordinates, parameters)
-    opened = validation.opened(coordinates, n, entries, parameters, domain, complex, branches)
+    signs = validation.signature_entries(signature, n)
+    opened = validation.opened(
+        coordinates, n, entries, parameters, domain, complex, branches, "legs", signs
+    )
     elements = validation.read_matrix(opened.field, entries, "legs")
-    eta = validation.read_signature(opened.field, signature, n)
+    eta = validation.read_signature(opened.field, signs, n)
     validation.check_regular(opened.field, elements, n, "matrix of legs")
     coframe = inverse(opened.field, elements, n)
     frame = object.__new__(cls)
@@ -57,11 +61,17 @@ def from_metric(
 ) -> Frame:
     """See Frame.from_metric."""
     n, entries = validation.typed_entries(metric, "metric", coordinates, parameters)
-    opened = validation.opened(coordinates, n, entries, parameters, domain, False, branches)
+    signs = None
+    if signature is not None:
+        signs = requested_signs(validation.signs_or_rows(signature), n)
+    opened = validation.opened(
+        coordinates, n, entries, parameters, domain, False, branches, "metric", signs
+    )
     elements = validation.read_matrix(opened.field, entries, "metric")
     validation.check_symmetric(elements, n)
-    signs = None if signature is None else tuple(validation.signs_or_rows(signature))
-    rows, squares, eta = orthonormal_rows(opened.field, elements, n, opened.points(), signs)
+    sample = opened.field.sample
+    points = chain([sample.values], sample.places.points())
+    rows, squares, eta = orthonormal_rows(opened.field, elements, n, points, signs)
     frame = object.__new__(cls)
     matrices = {"metric": elements, "rows": rows, "squares": squares, "eta": eta}
     frame.fill(opened, name, matrices, ("metric", entries))
@@ -115,10 +125,13 @@ def substituted(frame: Frame, put: Substitution) -> Frame:
         "parameters": [one for one in frame.parameters if one not in put.symbols],
         "domain": domain,
         # A root that the substitution removed has no branch.
-        "branches": {root: value for root, value in roots.items() if root.is_Pow},
+        "branches": {k: value for k, value in roots.items() if isinstance(k, sp.Pow | sp.Abs)},
     }
     rows = [flat[n * i : n * (i + 1)] for i in range(n)]
     replaced = maker(type(frame), shape)(frame.coordinates, rows, **arguments)
+    if not put.functions:
+        # Charts of the whole frame hold for this one, with the same values.
+        replaced.attached["substituted"] = (frame, dict(put.symbols))
     names = {symbol.name: put(quantity) for symbol, quantity in frame.names.items()}
     # A quantity that became a number needs no name.
     names = {x: q for x, q in names.items() if q.free_symbols and not q.has(*INFINITE)}

@@ -66,6 +66,8 @@ class Curvature:
         """R_mnl^k, slots dddu.
 
         R_mnl^k = d_m G_nl^k - d_n G_ml^k - G_ml^t G_nt^k + G_nl^t G_mt^k
+
+        Coordinate slots; along the legs: `.in_frame()`.
         """
         frame = self.connection.frame
         if self._is_riemannian:
@@ -97,14 +99,20 @@ class Curvature:
 
     @cached_property
     def lower(self) -> Tensor:
-        """R_mnlk, slots dddd."""
+        """R_mnlk, slots dddd.
+
+        Coordinate slots; along the legs: `.in_frame()`.
+        """
         if self._is_riemannian:
             return riemannian.riemann(self.connection.frame)
         return self.riemann.lowered(3)
 
     @cached_property
     def ricci(self) -> Tensor:
-        """R_nl = R_mnl^m, slots dd: positive for spheres."""
+        """R_nl = R_mnl^m, slots dd: positive for spheres.
+
+        Coordinate slots; along the legs: `.in_frame()`.
+        """
         frame, of_metric = self.connection.frame, self._is_riemannian
         if of_metric and is_dense(frame):
             return riemannian.ricci_in_frame(frame).in_coordinates()
@@ -137,7 +145,10 @@ class Curvature:
 
     @cached_property
     def einstein(self) -> Tensor:
-        """R_nl - g_nl R / 2, slots dd."""
+        """R_nl - g_nl R / 2, slots dd.
+
+        Coordinate slots; along the legs: `.in_frame()`.
+        """
         frame, get = self.connection.frame, self.ricci.components.get
         metric = frame.metric.components.get
 
@@ -153,6 +164,8 @@ class Curvature:
 
         C_mnlk = R_mnlk - (g_mk R_nl - g_nk R_ml - g_ml R_nk + g_nl R_mk) / (n - 2)
                  + R (g_mk g_nl - g_nk g_ml) / ((n - 1) (n - 2))
+
+        Coordinate slots; along the legs: `.in_frame()`.
         """
         frame = self.connection.frame
         n = frame.dimension
@@ -181,7 +194,10 @@ class Curvature:
 
     @cached_property
     def schouten(self) -> Tensor:
-        """P_ab = (R_ab - R g_ab / (2 (n - 1))) / (n - 2), slots dd; three dimensions or more."""
+        """P_ab = (R_ab - R g_ab / (2 (n - 1))) / (n - 2), slots dd; three dimensions or more.
+
+        Coordinate slots; along the legs: `.in_frame()`.
+        """
         frame, n = self.connection.frame, self.connection.frame.dimension
         ricci, g = self.ricci.components.get, frame.metric.components.get
 
@@ -203,6 +219,8 @@ class Curvature:
 
         In three dimensions it vanishes exactly where the metric is conformally flat. Above three
         D_k C_abc^k of the Weyl tensor is (n - 3) C_abc.
+
+        Coordinate slots; along the legs: `.in_frame()`.
         """
         frame = self.connection.frame
         derivative = self.connection.covariant_derivative(self.schouten).components.get

@@ -22,11 +22,7 @@ from geomtorsion.exact.generators import Generator
 from geomtorsion.geometry.components import Index
 from geomtorsion.geometry.derived import derived
 from geomtorsion.geometry.validation import (
-    TRIES,
     RationalPoint,
-    candidate_points,
-    with_functions,
-    with_generic_functions,
 )
 from geomtorsion.support import checks
 
@@ -222,19 +218,5 @@ def _number(
 
 def sample_point(frame: Frame) -> RationalPoint:
     """See Frame.sample_point."""
-    determinant = frame.determinant.element()
-    for point in candidate_points(frame.coordinates, frame.parameters, frame.domain):
-        for fill in (with_functions, with_generic_functions):
-            values = fill(determinant, point)
-            try:
-                size = abs(complex(determinant.evaluate(values)))
-                numbers_at(frame.coframe, values)
-            except ArithmeticError:
-                continue
-            # One so small or so large may be rounding; the next point is as good.
-            if 1e-12 < size < 1e12:
-                return point
-    raise CoordinateError(
-        f"expected a point inside the domain, got none in {TRIES} tries. State the domain more "
-        "simply, as numerical bounds of each coordinate: 0 < theta, theta < pi."
-    )
+    values = frame.field.sample.values
+    return {symbol: values[symbol] for symbol in (*frame.coordinates, *frame.parameters)}

@@ -56,12 +56,9 @@ def expanded(frame: Frame, symbol: sp.Symbol, order: int) -> Frame:
         )
     matrices = {shape: matrix, "eta": {i: series.raised(x) for i, x in frame.given["eta"].items()}}
     if shape == "metric":
-        opened = validation.Opened(
-            frame.coordinates, frame.parameters, frame.domain, frame.complex, frame.field
-        )
         # Signs are taken at zero.
-        points = ({**point, symbol: sp.S.Zero} for point in opened.points())
-        signs = [int(frame.eta[i, i]) for i in range(n)]
+        points = ({**x, symbol: sp.S.Zero} for x in frame.field.sample.places.points())
+        signs = tuple(int(frame.eta[i, i]) for i in range(n))
         rows, squares, eta = orthonormal_rows(field, matrix, n, points, signs)
         matrices |= {"rows": rows, "squares": squares, "eta": eta}
     elif shape == "legs":

@@ -23,6 +23,7 @@ from geomtorsion.geometry import (
 )
 from geomtorsion.geometry.components import Components, alternating, inverse, symmetric
 from geomtorsion.geometry.from_arrays import tensor_from_array
+from geomtorsion.geometry.regions import Region, regions
 from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.tensor import Scalar, Tensor
 from geomtorsion.support import checks
@@ -61,7 +62,8 @@ class Frame:
     name: its name in messages and pages.
     field: the exact field of all components.
     given: the matrices it was made from, as exact elements: eta and coframe, legs or metric.
-    attached: data that do not follow from the frame: its "atlas" and "names" for printing.
+    attached: data that do not follow from the frame: its "atlas", "names" for printing, and from
+        which frame by which values it was "substituted".
 
     To make one: coframe (rows i, columns mu) as nested lists or a sympy matrix; signature None
     (all +1), a tuple of signs, a text such as "-+++", or a constant symmetric matrix eta; domain
@@ -81,7 +83,8 @@ class Frame:
     SignatureError
         eta is not constant, symmetric and regular.
     ExpressionError
-        An entry cannot be read exactly (Abs, Piecewise, floats, ...); the message names it.
+        An entry cannot be read exactly (Piecewise, floats, Abs of both signs in the domain, ...);
+        the message names it.
 
     Examples
     --------
@@ -119,9 +122,12 @@ class Frame:
         branches: Mapping[sp.Expr, sp.Expr] | None = None,
     ) -> None:
         n, entries = validation.typed_entries(coframe, "coframe", coordinates, parameters)
-        opened = validation.opened(coordinates, n, entries, parameters, domain, complex, branches)
+        signs = validation.signature_entries(signature, n)
+        opened = validation.opened(
+            coordinates, n, entries, parameters, domain, complex, branches, "coframe", signs
+        )
         elements = validation.read_matrix(opened.field, entries, "coframe")
-        eta = validation.read_signature(opened.field, signature, n)
+        eta = validation.read_signature(opened.field, signs, n)
         validation.check_regular(opened.field, elements, n, "coframe")
         self.fill(opened, name, {"coframe": elements, "eta": eta}, ("coframe", entries))
 
@@ -272,7 +278,10 @@ class Frame:
 
     @cached_property
     def coframe(self) -> Tensor:
-        """e^i_mu, slots Ud: rows i, columns mu; inverse to legs."""
+        """e^i_mu, slots Ud: rows i, columns mu; inverse to legs.
+
+        A capital is a leg slot, a small letter a coordinate slot; along the legs: `.in_frame()`.
+        """
         return Tensor(self, "Ud", frame_matrices.coframe(self), (), "e", "coframe")
 
     @cached_property
@@ -288,17 +297,26 @@ class Frame:
 
     @cached_property
     def legs(self) -> Tensor:
-        """E_i^mu, slots uD: legs[mu, i], one leg per column."""
+        """E_i^mu, slots uD: legs[mu, i], one leg per column.
+
+        A capital is a leg slot, a small letter a coordinate slot; along the legs: `.in_frame()`.
+        """
         return Tensor(self, "uD", frame_matrices.legs(self), (), "E", "legs")
 
     @cached_property
     def metric(self) -> Tensor:
-        """g_{mu nu} = e^i_mu eta_ij e^j_nu, slots dd."""
+        """g_{mu nu} = e^i_mu eta_ij e^j_nu, slots dd.
+
+        Coordinate slots; along the legs: `.in_frame()`.
+        """
         return Tensor(self, "dd", frame_matrices.metric(self), symmetric(2), "g", "metric")
 
     @cached_property
     def inverse_metric(self) -> Tensor:
-        """g^{mu nu}, slots uu."""
+        """g^{mu nu}, slots uu.
+
+        Coordinate slots; along the legs: `.in_frame()`.
+        """
         return Tensor(
             self, "uu", frame_matrices.inverse_metric(self), symmetric(2), "g", "inverse metric"
         )
@@ -313,6 +331,8 @@ class Frame:
         """Object of anholonomy C_ij^k, slots DDU: de^k = (1/2) C_ij^k e^i ^ e^j.
 
         It equals 2 S_ij^k of the Cartan connection and minus the structure functions of the legs.
+
+        Leg slots; in coordinates: `.in_coordinates()`.
         """
         return frame_matrices.anholonomy(self)
 
@@ -391,6 +411,42 @@ class Frame:
     def branches(self) -> tuple[Branch, ...]:
         """Signs chosen for roots whose sign does not follow from the domain."""
         return self.field.branches
+
+    @cached_property
+    def regions(self) -> tuple[Region, ...]:
+        """Regions where the coframe is real, finite and regular, the preferred one first.
+
+        Raises
+        ------
+        CoordinateError
+            No point was found in any; the message names conditions that exclude each other.
+
+        Examples
+        --------
+        >>> [str(region) for region in Frame("t r", [["sqrt(r**2 - 1)", 0], [0, 1]]).regions]
+        ['r > 1', 'r < -1']
+        """
+        return regions(self)
+
+    @property
+    def region(self) -> Region:
+        """The region where signs are read: the declared domain, or the preferred one.
+
+        Without a domain it is searched: the first coordinate timelike if the metric has one time,
+        parameters and coordinates positive, far from walls.
+
+        Raises
+        ------
+        CoordinateError
+            No point was found in any.
+
+        Examples
+        --------
+        >>> frame = Frame("r phi", [[1, 0], [0, "r"]])
+        >>> frame.region, frame.region.assumed
+        (Region(r > 0), True)
+        """
+        return self.regions[0]
 
     @cached_property
     def sample_point(self) -> validation.RationalPoint:

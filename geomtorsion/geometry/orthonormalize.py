@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import islice
+from typing import Any
+
+import sympy as sp
 
 from geomtorsion.errors import MetricError, SignatureError
 from geomtorsion.exact import Element, Field
+from geomtorsion.exact.generic_point import TRIES
 from geomtorsion.geometry.components import Entries
-from geomtorsion.geometry.validation import RationalPoint, with_functions
+from geomtorsion.geometry.validation import with_functions
 from geomtorsion.support.checks import fraction, shown
 
 Elements = dict[tuple[int, int], Element]
@@ -18,18 +23,17 @@ def orthonormal_rows(
     field: Field,
     metric: Elements,
     n: int,
-    points: Iterable[RationalPoint],
-    signature: Sequence[object] | None,
+    points: Iterable[Mapping[sp.Expr, Any]],
+    signature: tuple[int, ...] | None,
 ) -> tuple[Elements, Elements, Elements]:
     """Rows theta^i, squares q_i (diagonal) and eta with g = sum q_i theta^i theta^i.
 
     The orthonormal coframe is sqrt|q_i| theta^i, with no root taken before it is needed. Signs are
     taken at a point of the domain; a requested signature orders the rows.
     """
-    requested = _asked_signs(signature, n)
     forms = completed_squares(field, metric, n)
-    signs = _signs(field, forms, points, requested, n)
-    order = _row_order(signs, requested, n)
+    signs = _signs(field, forms, points, signature, n)
+    order = _row_order(signs, signature, n)
     rows = {(order[i], mu): x for i, (_, form) in forms.items() for mu, x in form.items()}
     squares = {(order[i], order[i]): square for i, (square, _) in forms.items()}
     eta = {(order[i], order[i]): field.rational(sign) for i, sign in signs.items()}
@@ -97,7 +101,7 @@ def _added_rows(field: Field, rows: list[Row]) -> Row:
     return total
 
 
-def _asked_signs(signature: Sequence[object] | None, n: int) -> tuple[int, ...] | None:
+def requested_signs(signature: Sequence[object] | None, n: int) -> tuple[int, ...] | None:
     """The requested signature, as whole numbers."""
     if signature is None:
         return None
@@ -113,42 +117,32 @@ def _asked_signs(signature: Sequence[object] | None, n: int) -> tuple[int, ...] 
 def _signs(
     field: Field,
     forms: dict[int, tuple[Element, Row]],
-    points: Iterable[RationalPoint],
+    points: Iterable[Mapping[sp.Expr, Any]],
     signature: tuple[int, ...] | None,
     n: int,
 ) -> dict[int, int]:
-    """Signs of the squares at the first suitable point; the requested signs, if they occur."""
-    usable: list[dict[int, int]] = []
-    for number, point in enumerate(points):
-        # A metric whose signs differ within its domain shows it at the first few points.
-        if number > 60 or (usable and signature is None):
-            break
+    """Signs of the squares at the first point where they are finite and as requested."""
+    others: list[dict[int, int]] = []
+    for point in islice(points, TRIES):
         signs = _signs_at(forms, point)
         if signs is None:
             continue
-        if signature is None or all(signs[i] == signature[i] for i in range(n)):
+        if signature is None or sorted(signs.values()) == sorted(signature):
             return signs
-        usable.append(signs)
-    if signature is not None:
-        for signs in usable:
-            if sorted(signs.values()) == sorted(signature):
-                return signs
-    if not usable:
-        signs = _signs_of_functions(field, forms, signature, n)
-        if signs is not None:
-            return signs
-        raise MetricError(
-            "the signature of the metric cannot be determined: the metric has no finite real "
-            "value at any point tried. State the domain, for instance domain=[r > 2*M]."
-        )
-    own_signs = tuple(usable[0][i] for i in range(n))
+        others.append(signs)
+    if not others:
+        reason = field.sample.places.refusal()
+        raise MetricError(f"the signature of the metric cannot be determined: {reason}")
+    own_signs = tuple(others[0][i] for i in range(n))
     raise MetricError(
         f"expected a metric of signature {signature}, got one of signature {own_signs} in its "
         "domain. Give as many minus signs as the metric has, or state the domain."
     )
 
 
-def _signs_at(forms: dict[int, tuple[Element, Row]], point: RationalPoint) -> dict[int, int] | None:
+def _signs_at(
+    forms: dict[int, tuple[Element, Row]], point: Mapping[sp.Expr, Any]
+) -> dict[int, int] | None:
     """Signs of all squares at a point, or None where one is not finite, real and non-zero."""
     signs = {}
     for place, (square, _) in forms.items():
@@ -160,34 +154,6 @@ def _signs_at(forms: dict[int, tuple[Element, Row]], point: RationalPoint) -> di
         if value.imag or not 1e-14 < abs(value.real) < 1e14:
             return None
         signs[place] = 1 if value.real > 0 else -1
-    return signs
-
-
-def _signs_of_functions(
-    field: Field,
-    forms: dict[int, tuple[Element, Row]],
-    signature: tuple[int, ...] | None,
-    n: int,
-) -> dict[int, int] | None:
-    """Signs that depend only on unknown functions: as requested, else positive if possible.
-
-    For E, F, G this is the branch sqrt(E), sqrt(E*G - F**2) of surfaces. The generic point of the
-    field is moved there, so that the roots are taken where the signs were read.
-    """
-    made_of = [g for square, _ in forms.values() for g in field.generators_of(square)]
-    if not any(generator.kind == "jet" for generator in made_of):
-        return None
-    signs: dict[int, int] = {}
-    left = [] if signature is None else list(signature)
-    for i in range(n):
-        sign = 1
-        if signature is not None:
-            sign = signature[i] if signature[i] in left else left[0]
-        signs[i] = sign if field.sample.prefer_positive(forms[i][0] * sign) else -sign
-        if signature is not None:
-            if signs[i] not in left:
-                return None
-            left.remove(signs[i])
     return signs
 
 

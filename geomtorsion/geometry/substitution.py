@@ -12,7 +12,6 @@ from sympy.core.function import AppliedUndef, UndefinedFunction
 from geomtorsion.errors import ArgumentError, CoordinateError, SingularPointError, UnknownNameError
 from geomtorsion.exact import Field, parse_expression
 from geomtorsion.exact.expansion import NEAR, Approach
-from geomtorsion.exact.functions import with_roots
 from geomtorsion.exact.reading import checked, counted_as
 from geomtorsion.support import checks
 
@@ -45,7 +44,7 @@ class Substitution:
             )
             # Derivatives of functions that were unknown before can be taken now.
             replaced = replaced.replace(_is_derivative, lambda one: one.doit())
-        return with_roots(replaced)
+        return replaced
 
     def value(self, expression: sp.Expr, where: str) -> sp.Expr:
         """An entry or component after the replacements.

@@ -19,7 +19,7 @@ from geomtorsion.geometry.forms import Form
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.homes import over_frame
 from geomtorsion.geometry.tensor import Tensor
-from geomtorsion.geometry.validation import with_generic_functions
+from geomtorsion.geometry.validation import with_functions
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.exclusive import exclusive
@@ -274,5 +274,5 @@ class Surface:
 
 def _value(frame: Frame, element: Element) -> float:
     """A value at the sample point, for signs."""
-    point = with_generic_functions(element, sample_point(frame))
+    point = with_functions(element, sample_point(frame))
     return complex(element.evaluate(point)).real

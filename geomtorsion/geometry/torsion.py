@@ -47,7 +47,10 @@ class Torsion:
 
     @cached_property
     def T(self) -> Tensor:
-        """T_ab^c = Gamma_ab^c - Gamma_ba^c, slots ddu: torsion without the half."""
+        """T_ab^c = Gamma_ab^c - Gamma_ba^c, slots ddu: torsion without the half.
+
+        Coordinate slots; along the legs: `.in_frame()`.
+        """
         connection = self.connection
         gamma = connection.coefficients.components.get
 
@@ -62,7 +65,10 @@ class Torsion:
 
     @cached_property
     def S(self) -> Tensor:
-        """S_ab^c = (Gamma_ab^c - Gamma_ba^c) / 2, slots ddu: torsion with the half."""
+        """S_ab^c = (Gamma_ab^c - Gamma_ba^c) / 2, slots ddu: torsion with the half.
+
+        Coordinate slots; along the legs: `.in_frame()`.
+        """
         whole = self.T.components.get
 
         def rule(index: Index) -> Element:
@@ -72,7 +78,10 @@ class Torsion:
 
     @cached_property
     def vector(self) -> Tensor:
-        """v_a = T_ab^b, slots d."""
+        """v_a = T_ab^b, slots d.
+
+        Coordinate slots; along the legs: `.in_frame()`.
+        """
         whole, n = self.T.components.get, self.connection.frame.dimension
 
         def rule(index: Index) -> Element:
@@ -82,7 +91,10 @@ class Torsion:
 
     @cached_property
     def axial(self) -> Tensor:
-        """T_[abc] = (T_abc + T_bca + T_cab) / 3, slots ddd: the totally antisymmetric part."""
+        """T_[abc] = (T_abc + T_bca + T_cab) / 3, slots ddd: the totally antisymmetric part.
+
+        Coordinate slots; along the legs: `.in_frame()`.
+        """
         lower = self.T.lowered(2).components.get
 
         def rule(index: Index) -> Element:
@@ -101,6 +113,8 @@ class Torsion:
         """T_abc - T_[abc] - (v_a g_bc - v_b g_ac) / (n - 1), slots ddd: the traceless part.
 
         Its contractions and its totally antisymmetric part vanish.
+
+        Coordinate slots; along the legs: `.in_frame()`.
         """
         frame = self.connection.frame
         lower, axial = self.T.lowered(2).components.get, self.axial.components.get
@@ -138,7 +152,10 @@ class Torsion:
 
     @cached_property
     def scalar(self) -> Tensor:
-        """T_abc T^abc / 4 + T_abc T^cba / 2 - v_a v^a: R_bar = -scalar - 2 D_bar_a v^a (flat)."""
+        """T_abc T^abc / 4 + T_abc T^cba / 2 - v_a v^a, rank 0.
+
+        R_bar = -scalar - 2 D_bar_a v^a for a flat connection.
+        """
         frame = self.connection.frame
 
         def rule() -> Element:
@@ -154,6 +171,8 @@ class Torsion:
 
         The derivative of the torsion scalar by T_ab^c, so that scalar = T_ab^c P^ab_c / 2. Other
         authors call it S_c^ab.
+
+        Coordinate slots; along the legs: `.in_frame()`.
         """
         frame = self.connection.frame
         upper = self.T.raised().lowered(2).components.get
@@ -176,7 +195,10 @@ class Torsion:
 
     @cached_property
     def force_coefficients(self) -> Tensor:
-        """S_a^c_b + S_b^c_a, slots ddu, symmetric: the force is this, times q'^a q'^b."""
+        """S_a^c_b + S_b^c_a, slots ddu, symmetric: the force is this, times q'^a q'^b.
+
+        Coordinate slots; along the legs: `.in_frame()`.
+        """
         frame = self.connection.frame
         lower = self.S.lowered(2).components.get
 

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import partial
 from itertools import combinations
 from typing import Any
@@ -24,22 +22,12 @@ from geomtorsion.errors import (
 from geomtorsion.exact import Element, Field, parse_expression
 from geomtorsion.exact.reading import counted_as
 from geomtorsion.geometry.components import dependence, determinant
+from geomtorsion.geometry.real_points import RationalPoint, RealPoints, check_met
 from geomtorsion.geometry.relations import relations_in
 from geomtorsion.support import checks
-from geomtorsion.support.precision import EPS
 
 Matrix = dict[tuple[int, int], Any]
 Coordinates = Sequence[sp.Symbol] | Sequence[str] | str
-
-# Number of points tried, in ranges that widen by a factor of ten.
-TRIES = 400
-# As fine as doubles: at small fractions two symbols may coincide, and with them two expressions
-# that differ everywhere else.
-FINE = round(1 / EPS)
-# Fractional parts of multiples of their square roots fill a cube evenly.
-PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61, 67, 71)
-
-RationalPoint = dict[sp.Symbol, sp.Rational]
 
 
 @dataclass(frozen=True)
@@ -52,10 +40,6 @@ class Opened:
     complex: bool
     field: Field
 
-    def points(self) -> Iterator[RationalPoint]:
-        """Points inside the domain, to read signs off."""
-        return candidate_points(self.coordinates, self.parameters, self.domain)
-
 
 def opened(
     coordinates: object,
@@ -65,8 +49,13 @@ def opened(
     domain: object,
     complex_: bool,
     branches: Mapping[sp.Expr, sp.Expr] | None,
+    kind: str = "",
+    eta: object = None,
 ) -> Opened:
-    """Check symbols and domain, and open a field over them."""
+    """Check symbols and domain, and open a field over them.
+
+    kind: what the entries are: "coframe", "legs", "metric" or no matrix; eta: see `RealPoints`.
+    """
     checks.flag(complex_, "complex")
     chosen = {
         checks.expression(root, "branches"): checks.expression(value, f"branches[{root}]")
@@ -81,16 +70,9 @@ def opened(
     relations = tuple(relation.xreplace(twins) for relation in relations)
     chosen = {root.xreplace(twins): value.xreplace(twins) for root, value in chosen.items()}
     # The same generic point decides every sign that a root leaves open.
-    # Without a domain the field looks for a point where its radicands are positive.
-    points = candidate_points(symbols, constants, relations, fineness=FINE)
-    sample = next(points, None) if relations else None
-    if sample is None and relations:
-        raise CoordinateError(
-            f"expected a point inside the domain {', '.join(map(str, relations))}, got none among "
-            "those tried. Give consistent relations, for instance numerical bounds of each "
-            "coordinate."
-        )
-    field = Field((*symbols, *constants), complex=complex_, sample=sample, branches=chosen)
+    points = RealPoints(symbols, constants, relations, kind, entries, eta, complex_, twins)
+    check_met(points)
+    field = Field((*symbols, *constants), complex=complex_, sample=points, branches=chosen)
     return Opened(symbols, constants, relations, complex_, field)
 
 
@@ -307,9 +289,8 @@ def _relation(coefficients: dict[int, Element]) -> str:
     return f"Row {last} equals {terms} (rows counted from 0)."
 
 
-def read_signature(field: Field, signature: object, n: int) -> dict[tuple[int, int], Element]:
-    """Exact elements of eta; an error if it is degenerate."""
-    entries = signature_entries(signature, n)
+def read_signature(field: Field, entries: Matrix, n: int) -> dict[tuple[int, int], Element]:
+    """Exact elements of eta from `signature_entries`; an error if it is degenerate."""
     signs = {sp.S.One: field.one, sp.S.NegativeOne: -field.one}
     if len(entries) == n and all(
         i == j and isinstance(x, sp.Integer) and x in signs for (i, j), x in entries.items()
@@ -394,95 +375,15 @@ def candidate_points(
     coordinates: Sequence[sp.Symbol],
     parameters: Sequence[sp.Symbol],
     relations: Iterable[sp.Basic],
-    fineness: int = 97,
+    fineness: int = 0,
 ) -> Iterator[RationalPoint]:
     """Points that satisfy the relations and the assumptions of the symbols, in a fixed order."""
-    relations = tuple(relations)
-    symbols = [*coordinates, *parameters]
-    ranges = {symbol: _interval(symbol, relations) for symbol in symbols}
-    if any(low is not None and high is not None and low >= high for low, high in ranges.values()):
-        return
-    whole = {symbol for symbol in symbols if symbol.is_integer}
-    others = [x for x in relations if whole & x.free_symbols or not _is_bound(x)]
-    # Domains far from the origin are reached by wider and wider ranges, at last by far wider ones.
-    near = [1 + 10 * number // TRIES for number in range(TRIES)]
-    far = [10 * 2 ** (1 + 20 * number // TRIES) for number in range(TRIES if others else 0)]
-    has_point = False
-    for number, stretch in enumerate([*near, *far]):
-        if has_point and number >= TRIES:
-            return
-        point = {}
-        for k, symbol in enumerate(symbols):
-            root = math.sqrt(PRIMES[k % len(PRIMES)]) * (number + 1 + k // len(PRIMES))
-            share = Fraction(int((root % 1) * fineness) + 1, fineness + 2)
-            low, high = _finite(ranges[symbol], symbol in parameters, stretch)
-            value = low + (high - low) * share
-            if symbol.is_integer:
-                # The next one on the side where zero is not.
-                is_bounded = ranges[symbol][0] is not None
-                value = Fraction(math.floor(value) + is_bounded)
-                if (symbol.is_even and value % 2) or (symbol.is_odd and not value % 2):
-                    value += 1 if is_bounded else -1
-            point[symbol] = sp.Rational(value.numerator, value.denominator)
-        if all(relation.subs(point) == sp.true for relation in others):
-            has_point = True
-            yield point
+    points: Iterator[Any] = RealPoints(coordinates, parameters, relations).points()
+    return points
 
 
-def with_functions(element: Element, point: RationalPoint) -> dict[Any, Any]:
-    """A point, with unknown functions set to one and their derivatives to zero."""
-    values: dict[Any, Any] = dict(point)
-    for generator in element.field.generators:
-        if generator.kind == "jet":
-            values[generator.shown] = 0 if isinstance(generator.shown, sp.Derivative) else 1
-    return values
-
-
-def with_generic_functions(element: Element, point: RationalPoint) -> dict[Any, Any]:
+def with_functions(element: Element, point: Mapping[Any, Any]) -> dict[Any, Any]:
     """A point, with unknown functions as they are where the signs of roots were read."""
-    field = element.field
-    jets = [generator for generator in field.generators if generator.kind == "jet"]
-    return {**point, **{g.shown: field.sample.value(field.generator_element(g)) for g in jets}}
-
-
-def _is_bound(relation: sp.Basic) -> bool:
-    """Whether it bounds one symbol by a number: r > 2, but not r**2 > 4."""
-    less, greater = (getattr(relation, name, None) for name in ("lts", "gts"))
-    return any(
-        one in relation.free_symbols and other is not None and other.is_number and other.is_finite
-        for one, other in ((less, greater), (greater, less))
-    )
-
-
-def _interval(
-    symbol: sp.Symbol, relations: Iterable[sp.Basic]
-) -> tuple[Fraction | None, Fraction | None]:
-    """Bounds of a symbol from its assumptions and from relations to numbers."""
-    low = Fraction(0) if symbol.is_nonnegative else None
-    high = Fraction(0) if symbol.is_nonpositive else None
-    for relation in relations:
-        if relation.free_symbols != {symbol}:
-            continue
-        less, greater = (relation.lts, relation.gts) if hasattr(relation, "lts") else (None, None)
-        if less == symbol and greater is not None and greater.is_finite:
-            bound = Fraction(float(greater)).limit_denominator(10**6)
-            high = bound if high is None else min(high, bound)
-        elif greater == symbol and less is not None and less.is_finite:
-            bound = Fraction(float(less)).limit_denominator(10**6)
-            low = bound if low is None else max(low, bound)
-    return low, high
-
-
-def _finite(
-    bounds: tuple[Fraction | None, Fraction | None], parameter: bool, stretch: int
-) -> tuple[Fraction, Fraction]:
-    """A finite range: coordinates reach further out than parameters."""
-    low, high = bounds
-    width = Fraction(3, 4) if parameter else Fraction(4)
-    width *= stretch
-    if low is None and high is None:
-        return -width / 2, width / 2
-    if low is None:
-        assert high is not None
-        return high - width, high
-    return low, low + width if high is None else high
+    jets = [one.shown for one in element.field.generators if one.kind == "jet"]
+    sample = element.field.sample
+    return {**{shown: sample.number_of(shown) for shown in jets}, **point}

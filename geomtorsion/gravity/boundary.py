@@ -9,7 +9,7 @@ from typing import NoReturn
 import numpy as np
 import sympy as sp
 
-from geomtorsion.errors import EndpointError, GravityError, TimeError
+from geomtorsion.errors import EndpointError, GravityError, StartError, TimeError
 from geomtorsion.gravity.equations import FieldEquations
 from geomtorsion.gravity.reduction import Reduction
 from geomtorsion.gravity.shots import Aim, Leg, Shooter, conditions_of
@@ -129,7 +129,8 @@ def shoot(
     (4.457527667, 4.457527667)
     """
     accuracy = checked_accuracy(accuracy)
-    numbers = dict(parameters or {})
+    numbers = checks.by_name(parameters or {}, "parameters", StartError)
+    outputs = checks.by_name(outputs or {}, "outputs", GravityError)
     theories = [checked_theory(equations)]
     if outside is not None:
         theories.append(checked_theory(outside, "outside"))
@@ -138,8 +139,8 @@ def shoot(
     ]
     for one in reductions:
         checks.known_name(variable, [one.variable], "variable", GravityError)
-    names = checked_by(free, (*checks.by_name(start, "start"), *numbers), "free")
-    demands = conditions_of(boundary, outputs or {})
+    names = checked_by(free, (*checks.by_name(start, "start", StartError), *numbers), "free")
+    demands = conditions_of(boundary, outputs)
     if len(demands) != len(names):
         listed = ", ".join(one.written for one in demands) or "none"
         raise GravityError(
@@ -157,7 +158,7 @@ def shoot(
         Leg(
             one,
             near or {},
-            {**(outputs or {}), **(conditional if one is reductions[-1] else {})},
+            {**outputs, **(conditional if one is reductions[-1] else {})},
             tuple(events) if one is reductions[0] else (),
             # As in `log_map`, solutions are better than the hits.
             AIM * accuracy,

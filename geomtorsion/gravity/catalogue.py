@@ -15,6 +15,19 @@ from geomtorsion.gravity.vocabulary import Vocabulary, declared_constants
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 
+# Tensors that vanish for each connection of a kind, and names of the kinds in messages.
+ABSENT = {"levi-civita": ("T", "Q"), "cartan": ("R", "Q"), "metric": ("Q",)}
+KINDS = {"levi-civita": "Levi-Civita", "cartan": "Cartan", "metric": "metric"}
+# Invariants that vanish by the symmetries of the curvature: of its last pair, or by Bianchi's.
+WITHOUT_TRACE = frozenset(("R7",))
+WITHOUT_TORSION = frozenset(("R7", "P2", "P3", "P5", "holst", "nieh_yan"))
+# Connections that have a tensor.
+OWNERS = {
+    "T": "gt.cartan(frame), or another connection with torsion",
+    "R": "gt.levi_civita(frame), or another connection with curvature",
+    "Q": "a connection that is not metric, such as one of gt.from_coefficients",
+}
+
 # Curvature as far as it turns vectors: R_ab[ij].
 TURNING = "turning R"
 
@@ -129,6 +142,42 @@ class Catalogue:
                     f"{field.kind} {field.symbol} to the Lagrangian, or omit the field."
                 )
         return reading
+
+    def absent(self, name: str) -> tuple[str, str] | None:
+        """The kind of connection for which an invariant vanishes, and connections that have it.
+
+        None if it does not vanish for all connections of these kinds.
+        """
+        factors = [
+            [x for x in product.factors if x.suffix.isdigit()] for product in self.products(name)
+        ]
+        gone = []
+        for product in factors:
+            own = [x for x in product if x.name[-1] in self._absent_of(x)]
+            # The Cartan connection is varied: the derivative of R by its curvature does not vanish.
+            if not own or (own[0].name[-1] == "R" and len(own) == 1):
+                break
+            gone.append(own[0])
+        else:
+            if gone:
+                kind = self.connections[int(gone[0].suffix)].kind
+                return KINDS[kind], OWNERS[gone[0].name[-1]]
+        return self._absent_by_symmetry(name)
+
+    def _absent_of(self, factor: Factor) -> tuple[str, ...]:
+        """The tensors that vanish for the connection of a factor."""
+        return ABSENT.get(self.connections[int(factor.suffix)].kind, ())
+
+    def _absent_by_symmetry(self, name: str) -> tuple[str, str] | None:
+        if name not in self.meanings:
+            return None
+        ending, invariant = self.meanings[name]
+        kind = self.connections[self.numbers.get(ending, 0)].kind
+        if kind == "levi-civita" and invariant.name in WITHOUT_TORSION:
+            return KINDS[kind], "a connection with torsion, such as one of gt.from_torsion"
+        if kind == "metric" and invariant.name in WITHOUT_TRACE:
+            return KINDS[kind], OWNERS["Q"]
+        return None
 
     def has_nonmetricity(self, names: Iterable[str], number: int) -> bool:
         """Whether invariants contain the nonmetricity of a connection."""

@@ -64,6 +64,7 @@ class Elimination:
     nonzero: functions that vanish nowhere, such as the factors of a coframe.
     algebraic: functions that a residual without their derivatives eliminates, such as torsion.
     vanishing: those that vanish in a product, because they are a difference of connections.
+    denominators: of the equations; their factors vanish nowhere.
     """
 
     def __init__(
@@ -73,6 +74,7 @@ class Elimination:
         nonzero: Iterable[AppliedUndef],
         algebraic: Collection[AppliedUndef],
         vanishing: Iterable[AppliedUndef],
+        denominators: Iterable[Element] = (),
     ) -> None:
         self.jets = jets
         self.unknowns = tuple(unknowns)
@@ -80,38 +82,59 @@ class Elimination:
         self._algebraic = frozenset(algebraic)
         # In a product v (...) = 0 torsion vanishes: the brackets are as for a free connection.
         self._vanishing = frozenset(jets.symbol(one, 0) for one in vanishing)
+        below = (piece for one in denominators for piece in _pieces(one.sympy))
+        self._regular = frozenset(one for one in below if one.free_symbols & jets.symbols)
         self.rules: dict[AppliedUndef, Rule] = {}
-        self._divisors: dict[sp.Expr, None] = {}
+        self._constraints: tuple[Element, ...] = ()
+        self._omitted: dict[sp.Expr, None] = {}
+        self._leading: dict[sp.Expr, None] = {}
+        self._zero: frozenset[sp.Expr] = frozenset()
         # Derivatives whose values are being computed.
         self._active: set[Place] = set()
 
     @property
-    def factors(self) -> list[Element]:
-        """Factors with functions of connections that were divided out, as if they never vanish."""
-        own = [one for one in self._divisors if self._has_algebraic(one)]
-        return [self._signed(self.jets.field.read(one)) for one in own]
+    def factors(self) -> tuple[list[Element], list[Element]]:
+        """Factors that were divided out, as if they never vanish.
+
+        First those with functions of connections, then other factors of products, a' (...) = 0.
+        """
+        every = {**self._omitted, **self._leading}
+        own = [one for one in every if self._has_algebraic(one)]
+        others = [one for one in self._omitted if not self._has_algebraic(one)]
+        first, second = ([self._read(x) for x in part] for part in (own, others))
+        return first, second
 
     @property
-    def special(self) -> set[str]:
-        """The other factors that were divided out, such as a' in a' (...) = 0."""
-        return {str(one) for one in self._divisors if not self._has_algebraic(one)}
+    def leading(self) -> set[str]:
+        """Other leading coefficients, which were divided out also."""
+        names = (one for one in self._leading if not self._has_algebraic(one))
+        return {str(one) for one in names if one not in self._omitted}
+
+    def _read(self, factor: sp.Expr) -> Element:
+        """A factor as an element, with the sign of residuals."""
+        return self._signed(self.jets.field.read(factor.as_content_primitive()[1]))
 
     def _has_algebraic(self, factor: sp.Expr) -> bool:
-        places = self.jets.places(self.jets.field.read(factor))
-        return any(place.function in self._algebraic for place in places)
+        return any(place.function in self._algebraic for place in self._places(factor))
 
-    def run(self, residuals: Iterable[Residual]) -> Eliminated:
-        """Rules and constraints of residuals."""
-        pool, done = self._simplified(residuals), set[Element]()
+    def run(self, residuals: Iterable[Residual], factors: Iterable[Residual] = ()) -> Eliminated:
+        """Rules and constraints of residuals, and of factors by which products vanish."""
+        factors = tuple(factors)
+        self._zero = frozenset(one.element.sympy for one in factors)
+        pool, done = self._simplified([*residuals, *factors]), set[Element]()
         first = tuple(one.element for one in pool)
         while True:
             pool = self._solved(pool, careful=True)
             if self._missing:
                 pool = self._solved(self._solved(pool, careful=False), careful=True)
+            rest = self._with_common_roots(pool)
+            if rest is not pool:
+                pool = rest
+                continue
             new = self._prolonged(pool, done)
             if not new:
-                constraints = tuple(self._independent(pool))
-                return Eliminated(dict(self.rules), constraints, self.nonzero, first)
+                self._constraints = tuple(self._independent(pool))
+                return Eliminated(dict(self.rules), self._constraints, self.nonzero, first)
             pool = self._simplified([*pool, *new])
 
     @property
@@ -145,12 +168,25 @@ class Elimination:
         factors = self._factors(element)
         if not factors:
             return self.jets.field.zero if element.is_zero else self.jets.field.one
+        chosen = self._chosen(factors)
+        self._omitted |= dict.fromkeys(one for one in factors if one not in chosen)
+        return self._read(sp.Mul(*chosen))
+
+    def _chosen(self, factors: Sequence[sp.Expr]) -> Sequence[sp.Expr]:
+        """The factors of a product that vanish, the others being divided out."""
+        if self._zero:
+            zero = [one for one in factors if self._read(one).sympy in self._zero]
+            if zero:
+                return zero[:1]
         vanishing = [one for one in factors if one in self._vanishing]
+        rates = [one for one in factors if any(x.order for x in self._places(one))]
         # A universe at rest, a' = 0, is not the general solution of a' (...) = 0.
-        moving = [one for one in factors if one not in self.jets.symbols]
-        chosen = vanishing[:1] or moving or factors
-        self._divisors |= dict.fromkeys(one for one in factors if one not in chosen)
-        return self._signed(self.jets.field.read(sp.Mul(*chosen).as_content_primitive()[1]))
+        moving = [one for one in rates if one not in self.jets.symbols]
+        return vanishing[:1] or moving or rates or factors
+
+    def _places(self, factor: sp.Expr) -> list[Place]:
+        """The derivatives in a factor."""
+        return self.jets.places(self.jets.field.read(factor))
 
     def _factors(self, element: Element) -> list[sp.Expr]:
         """The factors of a numerator that contain unknown functions and may vanish."""
@@ -159,9 +195,17 @@ class Elimination:
         for factor in sp.Mul.make_args(above):
             base = factor.base if factor.is_Pow and factor.exp.is_Integer else factor
             symbols = base.free_symbols & self.jets.symbols
-            if symbols and base not in self.nonzero:
+            if symbols and base not in self.nonzero and not self._is_regular_factor(base):
                 factors.append(base)
         return factors
+
+    def _is_regular_factor(self, base: sp.Expr) -> bool:
+        """Whether a factor vanishes nowhere, because the equations divide by its parts."""
+        return all(
+            isinstance(one, sp.exp) or one in self._regular
+            for one in _pieces(base)
+            if one.free_symbols & self.jets.symbols and one not in self.nonzero
+        )
 
     def _signed(self, element: Element) -> Element:
         """An element or its negative, whichever is written with fewer signs."""
@@ -207,7 +251,7 @@ class Elimination:
                 return pool
             residual, place, value = choice
             slope = self.jets.whole(residual.element.diff(place.symbol))
-            self._divisors |= dict.fromkeys(self._factors(slope))
+            self._leading |= dict.fromkeys(self._factors(slope))
             rest = [one for one in pool if one is not residual]
             old = self.rules.pop(place.function, None)
             if old is not None:
@@ -277,24 +321,70 @@ class Elimination:
                 continue
             done.add(one.element)
             rate = self._numerator(self.reduced(self.jets.derivative(one.element)))
-            if not self._follows(rate, [other.element for other in pool]):
-                new.append(Residual(rate, frozenset(self._missing)))
+            rest = self._modulo(rate, [other.element for other in pool])
+            if not rest.is_zero:
+                new.append(Residual(rest, frozenset(self._missing)))
         return new
 
-    def _follows(self, element: Element, constraints: Sequence[Element]) -> bool:
-        """Whether an element vanishes wherever the constraints hold."""
-        # Twice, because a constraint may bring back powers that an earlier one removes.
+    def _with_common_roots(self, pool: list[Residual]) -> list[Residual]:
+        """Residuals without the second of two in the same single unknown: Euclid's algorithm."""
+        single: dict[sp.Symbol, Residual] = {}
+        for one in pool:
+            places = self.jets.places(one.element)
+            if len(places) != 1:
+                continue
+            first = single.setdefault(places[0].symbol, one)
+            if first is one:
+                continue
+            short, long = sorted((first, one), key=lambda x: self._degree(x.element))
+            remainder = self._remainder(long.element, short.element)
+            if remainder is not long.element:
+                rest = [x for x in pool if x is not long]
+                return self._simplified([*rest, replace(long, element=remainder)])
+        return pool
+
+    def _degree(self, element: Element) -> int:
+        """The degree in the single unknown of an element; 0 if it is not a polynomial in it."""
+        (place,) = self.jets.places(element)
+        return len(self.jets.coefficients(element, place.symbol) or [])
+
+    def contains(self, other: Eliminated) -> bool:
+        """Whether all solutions of this elimination are regular solutions of another one."""
+        pool = [
+            self.jets.element(function, rule.order) - rule.value
+            for function, rule in other.rules.items()
+        ]
+        own = self._constraints
+        try:
+            return all(self._vanishes(one, own) for one in (*pool, *other.constraints))
+        except GravityError:
+            # A leading coefficient of the other one vanishes here.
+            return False
+
+    def _vanishes(self, element: Element, constraints: Sequence[Element]) -> bool:
+        """Whether an element is zero by the rules and these constraints, with all its factors."""
+        element = self.jets.whole(self.reduced(element))
         for constraint in (*constraints, *constraints):
             if element.is_zero:
                 return True
-            element = self._numerator(self._remainder(element, constraint))
+            numerator = self.jets.field.read(sp.fraction(element.sympy)[0])
+            element = self.jets.whole(self._remainder(numerator, constraint))
         return element.is_zero is True
+
+    def _modulo(self, element: Element, constraints: Sequence[Element]) -> Element:
+        """The rest of an element where constraints hold: zero if it follows from them."""
+        # Twice, because a constraint may bring back powers that an earlier one removes.
+        for constraint in (*constraints, *constraints):
+            if element.is_zero:
+                break
+            element = self._numerator(self._remainder(element, constraint))
+        return element
 
     def _independent(self, pool: Sequence[Residual]) -> list[Element]:
         """Constraints that do not follow from shorter ones."""
         constraints: list[Element] = []
         for one in pool:
-            if not self._follows(one.element, constraints):
+            if not self._modulo(one.element, constraints).is_zero:
                 constraints.append(one.element)
         return constraints
 
@@ -320,3 +410,13 @@ class Elimination:
         for part in parts:
             total, power = total + part * power, power * self.jets.field.read(symbol)
         return total
+
+
+def _pieces(expression: sp.Expr) -> list[sp.Expr]:
+    """The factors below powers and roots, each up to its sign."""
+    if expression.is_Mul:
+        return [one for factor in expression.args for one in _pieces(factor)]
+    if expression.is_Pow and expression.exp.is_Rational:
+        return _pieces(expression.base)
+    expression = expression.as_content_primitive()[1]
+    return [-expression if expression.could_extract_minus_sign() else expression]

@@ -14,7 +14,14 @@ from geomtorsion.geometry.connections import ConnectionLike, as_connection
 from geomtorsion.gravity.catalogue import Catalogue
 from geomtorsion.gravity.content import Content
 from geomtorsion.gravity.distinct import distinct
-from geomtorsion.gravity.fields import HALF, Index, Terms, antisymmetric_part, turning
+from geomtorsion.gravity.fields import (
+    HALF,
+    Index,
+    Terms,
+    antisymmetric_part,
+    symmetric_part,
+    turning,
+)
 from geomtorsion.gravity.geometries import check_geometry, listed
 from geomtorsion.gravity.hypermomentum import Source
 from geomtorsion.gravity.identities import rotations, translations
@@ -24,7 +31,8 @@ from geomtorsion.gravity.matter import MatterField, numbered
 from geomtorsion.gravity.momenta import Momenta
 from geomtorsion.gravity.naming import Call, calls_of, jet_names
 from geomtorsion.gravity.operator import LinearOperator, operator
-from geomtorsion.gravity.reduction import Reduction, reduced
+from geomtorsion.gravity.reducing import reduced
+from geomtorsion.gravity.reduction import Reduction
 from geomtorsion.gravity.residuals import Sources
 from geomtorsion.gravity.unknown_terms import terms_of
 from geomtorsion.gravity.variation import Variation
@@ -44,6 +52,8 @@ class FieldEquations:
     lagrangian: the theory.
     matter: matter fields and fluids.
 
+    All tensors have leg slots, written in capitals; in coordinates: `.in_coordinates()`.
+
     Examples
     --------
     >>> import geomtorsion as gt
@@ -62,7 +72,11 @@ class FieldEquations:
     def __repr__(self) -> str:
         names = ", ".join(one.name for one in self.connections)
         constants = ", constants: " + " ".join(self.constants) if self.constants else ""
-        return f"field equations of {self.lagrangian!r} ({names}){constants}"
+        zeros = "".join(
+            f"; {name} vanishes for every {kind} connection"
+            for name, (kind, _) in self._absent.items()
+        )
+        return f"field equations of {self.lagrangian!r} ({names}){constants}{zeros}"
 
     @property
     def frame(self) -> Frame:
@@ -96,6 +110,23 @@ class FieldEquations:
     def check_names(self) -> None:
         """Raise an error for unknown names in the Lagrangian."""
         _ = self._named
+
+    def check_presence(self) -> None:
+        """Refuse a Lagrangian whose invariants vanish for all connections of these kinds."""
+        names = list(self._named.symbols.values())
+        if names and len(self._absent) == len(names):
+            name, (kind, owners) = next(iter(self._absent.items()))
+            raise GravityError(
+                f"lagrangian: expected an invariant that this connection has, got {name}, which "
+                f"vanishes for every {kind} connection: this Lagrangian has no field equation. "
+                f"Give {owners}."
+            )
+
+    @cached_property
+    def _absent(self) -> dict[str, tuple[str, str]]:
+        """Invariant -> the kind of connection for which it vanishes, and others that have it."""
+        kinds = {name: self._catalogue.absent(name) for name in self._named.symbols.values()}
+        return {name: kind for name, kind in kinds.items() if kind is not None}
 
     @cached_property
     def _named(self) -> Reading:
@@ -175,26 +206,96 @@ class FieldEquations:
         return {**terms, sp.S.One: sum(sources, rest)} if self._fluids else terms
 
     def readable(self, name: str, *index: int) -> sp.Expr:
-        """A component of one of the `tensors`, E and E_[ij] as sums of unknown functions.
+        """A component of an equation in names of invariants, f(T) and f'(T), as sympy writes it.
+
+        name: of one of the `tensors` or `matter_equations`, or E_ij, E_(ij), L, P, Z, N.
+        index: numbers of its indices, none for L and for the equation of a scalar field.
+        E and its parts are sums of unknown functions times components.
 
         Examples
         --------
         >>> import geomtorsion as gt
         >>> cosmos = gt.spaces.load("frw_flat").frame
-        >>> gt.gravity.equations(gt.cartan(cosmos), "f(T)").readable("E", 0, 0)
+        >>> equations = gt.gravity.equations(gt.cartan(cosmos), "f(T)")
+        >>> equations.readable("E", 0, 0)
         f(T) - 12*Derivative(a(t), t)**2*Derivative(f(T), T)/a(t)**2
+        >>> equations.readable("L"), equations.readable("P", 0, 1, 1)
+        (f(T), 2*Derivative(a(t), t)*Derivative(f(T), T)/a(t))
         """
-        checks.choice(name, tuple(self.tensors), "name", GravityError)
+        further = {"E_ij": "E_lower", "E_(ij)": "symmetric"} | {x: x for x in "LPZN"}
+        every = {**self.tensors, **self.matter_equations}
+        checks.choice(name, (*every, *further), "name", GravityError)
+        tensor = every[name] if name in every else getattr(self, further[name])
         terms = self._divided.get(name, {})
         if terms.keys() <= {sp.S.One}:
-            return self.written(self.tensors[name].element(*index))
+            return self.written(tensor.element(*index))
         written = self.frame.written
         return sp.Add(*(x * written(one.element(*index)) for x, one in terms.items()))
 
     @cached_property
     def _divided(self) -> dict[str, dict[sp.Expr, Tensor]]:
-        turning = {x: antisymmetric_part(one) for x, one in self.terms.items()}
-        return {"E": self.terms, "E_[ij]": turning}
+        parts = {
+            "E": lambda one: one,
+            "E_ij": lambda one: one.lowered(1),
+            "E_(ij)": symmetric_part,
+            "E_[ij]": antisymmetric_part,
+        }
+        return {x: {y: part(one) for y, one in self.terms.items()} for x, part in parts.items()}
+
+    @cached_property
+    def background(self) -> dict[str, sp.Expr]:
+        """The distinct equations at order zero of an expanded frame: empty on a solution.
+
+        Labels as in `distinct`. The first order of the equations is a statement on perturbations
+        only where these vanish, identically or by conditions on the functions in them.
+
+        Raises
+        ------
+        GravityError
+            The frame was not expanded.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> import geomtorsion as gt
+        >>> t, x, epsilon = sp.symbols("t x epsilon")
+        >>> u = sp.Function("u")(t)
+        >>> waves = gt.Frame([t, x], [[1, 0], [0, 1 + epsilon * u]], (-1, 1)).expanded("epsilon", 1)
+        >>> gt.gravity.equations(gt.levi_civita(waves), "R").background
+        {}
+        >>> gt.gravity.equations(gt.levi_civita(waves), "R - 2*Lambda").background
+        {'E_1^1': Lambda}
+        """
+        if not isinstance(self.frame.field, TruncatedField):
+            raise GravityError(
+                f"background: expected the equations of an expanded frame, got {self.frame!r}. "
+                "Expand it first: frame.expanded('epsilon', 1)."
+            )
+        return distinct(self._orders(0), self.written, ())
+
+    def order(self, k: int) -> dict[str, Tensor]:
+        """Coefficients of a power of the small parameter: E, C where it is varied, and matter.
+
+        Each is a tensor over the frame at order zero, by names as in `distinct`.
+
+        Raises
+        ------
+        GravityError
+            The frame was not expanded, or the background does not solve the equations: the message
+            names the first one. `equations.E.order(1)` does not check this.
+        """
+        for label, expression in self.background.items():
+            if k:
+                raise GravityError(
+                    f"order {k}: expected a background that solves the equations, got {label} = "
+                    f"{checks.cut(str(expression))} at order 0. Give a frame whose order 0 is a "
+                    "solution, or take equations.E.order(1) together with these conditions."
+                )
+        return self._orders(k)
+
+    def _orders(self, k: int) -> dict[str, Tensor]:
+        every = {x: one for x, one in self.tensors.items() if x in ("E", "C")}
+        return {x: one.order(k) for x, one in (every | self.matter_equations).items()}
 
     @cached_property
     def distinct(self) -> dict[str, sp.Expr]:
@@ -266,7 +367,11 @@ class FieldEquations:
 
     @cached_property
     def E(self) -> Tensor:
-        """E_i^n = (1/e) d(eL)/d e^i_n, slots DU: the equation of the coframe."""
+        """E_i^n = (1/e) d(eL)/d e^i_n, slots DU: the equation of the coframe.
+
+        Its two indices are different, one down and one up: `E_lower` has both down, and
+        `symmetric` and `antisymmetric` are its parts. In coordinates: `E.in_coordinates()`.
+        """
         own = self._variation.coframe.components.get
         sources = [one.coframe_source(self.connections[0]) for one in self._fluids]
 
@@ -277,6 +382,29 @@ class FieldEquations:
             return self.frame.field.sum([*terms, (1, own(index))])
 
         return Tensor(self.frame, "DU", rule, (), "E", "coframe equation")
+
+    @cached_property
+    def E_lower(self) -> Tensor:
+        """E_ij, slots DD: the equation of the coframe with both indices down in the frame.
+
+        Examples
+        --------
+        >>> import geomtorsion as gt
+        >>> cosmos = gt.spaces.load("frw_flat").frame
+        >>> equations = gt.gravity.equations(gt.cartan(cosmos), "T")
+        >>> equations.E[0, 0], equations.E_lower[0, 0]
+        (-6*Derivative(a(t), t)**2/a(t)**2, 6*Derivative(a(t), t)**2/a(t)**2)
+        """
+        return replace(self.E.lowered(1), name="coframe equation, both indices down")
+
+    @cached_property
+    def symmetric(self) -> Tensor:
+        """E_(ij) = (E_ij + E_ji)/2, slots DD: the symmetric part of the coframe equation.
+
+        E[i, j] + E[j, i] of the mixed components is another sum: it vanishes for i = 0, j > 0
+        wherever E_ij is symmetric, because index 0 changes its sign where it moves.
+        """
+        return symmetric_part(self.E)
 
     @cached_property
     def _fields(self) -> list[MatterField]:
@@ -480,8 +608,8 @@ def equations(
     Raises
     ------
     GravityError
-        The Lagrangian has an unknown name, a matter field does not occur in it, or the connection
-        is not of the theory.
+        The Lagrangian has an unknown name, a matter field does not occur in it, the connection
+        is not of the theory, or all invariants vanish for such a connection.
 
     Examples
     --------
@@ -524,4 +652,5 @@ def equations(
     result = FieldEquations(tuple(several), theory, tuple(sources))
     # Reads the Lagrangian, so that a wrong name is refused here.
     result.check_names()
+    result.check_presence()
     return result

@@ -34,6 +34,17 @@ def antisymmetric_part(E: Tensor) -> Tensor:
     return Tensor(E.frame, "DD", rule, antisymmetric(2), "E", "antisymmetric part of E")
 
 
+def symmetric_part(E: Tensor) -> Tensor:
+    """E_(ij), slots DD, of E_i^n."""
+    lower = E.lowered().components.get
+
+    def rule(index: Index) -> Element:
+        i, j = index
+        return E.frame.field.sum([(HALF, lower((i, j))), (HALF, lower((j, i)))])
+
+    return Tensor(E.frame, "DD", rule, symmetric(2), "E", "symmetric part of E")
+
+
 def turning(C: Tensor) -> Tensor:
     """The part of C^{ni}_j that is antisymmetric in ij, slots UUD."""
     lower = C.lowered().components.get

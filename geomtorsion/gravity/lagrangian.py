@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import NoReturn
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
@@ -128,16 +129,30 @@ class Reading:
         if expression.is_Pow and expression.exp.is_Integer:
             base = self.element(expression.base)
             if expression.exp.is_negative and base.is_zero:
-                raise GravityError(
-                    f"{expression}: expected a base that does not vanish, got zero on this "
-                    "connection. Give another Lagrangian or connection."
-                )
+                self._refuse(expression, [base.sympy])
             return base ** int(expression.exp)
         if isinstance(expression, AppliedUndef | sp.Derivative | sp.Subs):
             return self._unknown(expression)
         values = [self.element(argument).sympy for argument in expression.args]
-        (read,) = self.frame.read([("lagrangian", expression.func(*values))])
+        value = expression.func(*values)
+        if value.has(sp.zoo, sp.nan, sp.oo):
+            self._refuse(expression, values)
+        (read,) = self.frame.read([("lagrangian", value)])
         return read
+
+    @staticmethod
+    def _refuse(expression: sp.Expr, values: Sequence[sp.Expr]) -> NoReturn:
+        """Refuse a function without a value at the values of its arguments."""
+        places = [
+            f"{argument} = {checks.cut(str(value))}"
+            for argument, value in zip(expression.args, values, strict=False)
+            if argument.free_symbols
+        ]
+        raise GravityError(
+            f"lagrangian: expected functions with a value on this connection, got {expression} at "
+            f"{', '.join(places)}. It occurs in the Lagrangian or in its derivatives, which the "
+            "field equations contain. Give another Lagrangian or connection."
+        )
 
     def _unknown(self, expression: AppliedUndef | sp.Derivative | sp.Subs) -> Element:
         """An unknown function, or a partial derivative of it, at the values of its arguments."""
@@ -260,6 +275,11 @@ def _check_functions(
 ) -> None:
     """Refuse a function without a varied argument, and anything that is not a scalar."""
     for part in sp.preorder_traversal(expression):
+        if isinstance(part, sp.Abs):
+            raise GravityError(
+                f"lagrangian: expected a smooth expression, got {part}, which is not smooth. Write "
+                f"{part.args[0]} or -({part.args[0]}), whichever is positive in your domain."
+            )
         if isinstance(part, sp.Indexed | sp.IndexedBase | sp.Integral | sp.MatrixBase | sp.Idx):
             raise GravityError(
                 f"lagrangian: expected a scalar expression in invariants, got {part}. Write "

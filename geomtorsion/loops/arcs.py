@@ -213,6 +213,7 @@ class Part:
     periods: (coordinate, period) of coordinates that are angles.
     gap: whole periods from its start to its end, in units of the size, shape (n,); empty where it
         closes without them.
+    assumed: whether these are turns of 2 pi that nobody declared, which a frame must then do.
     """
 
     centre: tuple[float, ...]
@@ -222,6 +223,7 @@ class Part:
     given: tuple[tuple[Number, ...], Number] | None = None
     periods: tuple[tuple[int, float], ...] = ()
     gap: tuple[float, ...] = ()
+    assumed: bool = False
 
     def points(self, arc: Arc, s: float | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Coordinates and their derivatives by s on an arc, shape (n, k) each."""

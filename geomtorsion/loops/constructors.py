@@ -85,6 +85,9 @@ def _finished(part: Part, arc: Curve, movable: bool) -> Part:
     if float(arc.end) == float(arc.start):
         raise LoopError(f"interval: it has no length, both bounds are {arc.start}.")
     gap = _check_closed(arc, part)
+    if gap.any() and not part.periods:
+        turning = tuple((k, float(2 * sp.pi)) for k in np.flatnonzero(gap).tolist())
+        part = replace(part, periods=turning, assumed=True)
     if movable:
         constants = tuple(x.as_independent(arc.parameter, as_Add=True)[0] for x in arc.expressions)
         offsets = tuple(x - c for x, c in zip(arc.expressions, constants, strict=True))
@@ -176,7 +179,8 @@ def _read(value: object, names: Mapping[str, sp.Symbol], where: str) -> sp.Expr:
 def _check_closed(arc: Curve, part: Part) -> np.ndarray:
     """Refuse a curve whose ends do not meet, that is a point, or is not finite.
 
-    Returns the whole periods between its ends, in units of the size, shape (n,).
+    Returns the whole periods between its ends, in units of the size, shape (n,). Where no period is
+    declared, every coordinate may be an angle; only a frame decides it.
     """
     with np.errstate(all="ignore"):
         points, _ = arc.shape(np.linspace(0, 1, 258)[1:-1])
@@ -191,11 +195,13 @@ def _check_closed(arc: Curve, part: Part) -> np.ndarray:
     if extent <= 1e-15 * np.abs(points).max():
         raise LoopError(f"curve: it stays at the point {shown(points[:, 0])} and has no length.")
     gap, turns = _gap(arc), np.zeros(len(first))
-    for column, period in part.periods:
+    turning = part.periods or [(k, float(2 * sp.pi)) for k in range(len(first))]
+    for column, period in turning:
         turns[column] = round(part.size * gap[column] / period) * period / part.size
     left = gap - turns
     if np.abs(left).max() > CALCULATED * extent:
-        more = " beside whole periods" if turns.any() else ""
+        left = left if part.periods else gap
+        more = " beside whole periods" if part.periods and turns.any() else ""
         raise LoopError(
             f"curve: it does not close: it starts at {shown(first)} and ends at {shown(last)}, the "
             f"gap is {shown(left)}{more}. Choose the interval so that both ends meet."

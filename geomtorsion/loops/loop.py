@@ -194,7 +194,8 @@ class Loop:
             Names that the text may use in addition to the parameter.
         periods
             {coordinate, counted from 0: period} where coordinates are angles: the curve may end
-            whole periods from where it starts. The frame must also have these periods.
+            whole periods from where it starts. The frame must also have these periods. Turns of
+            2 pi need not be given for coordinates whose domain in the frame is one turn.
 
         Raises
         ------

@@ -15,6 +15,7 @@ from geomtorsion.errors import FileFormatError, GeomtorsionError
 from geomtorsion.exact import parse_expression
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.validation import TWO_SIDES
+from geomtorsion.loops.values import refuse_undeclared_turns
 from geomtorsion.support import checks
 from geomtorsion.support.files import plain_float, read_json_text, read_text
 
@@ -75,6 +76,7 @@ def loop_from_data(frame: Frame, data: Any, where: str = "loop") -> Loop:
     maker = {"curve": Loop.parametric}.get(kind) or getattr(Loop, kind)
     try:
         loop = maker(**values, name=name)
+        refuse_undeclared_turns(frame, loop)
         return loop.times(data["times"]) if "times" in data else loop
     except GeomtorsionError as error:
         raise type(error)(f"{where}: {error}") from None

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from geomtorsion.errors import LoopError
 from geomtorsion.geometry import Frame
+from geomtorsion.geometry.domain_edges import is_angle
 from geomtorsion.loops import validation
-from geomtorsion.loops.arcs import Parameters, exact_number
+from geomtorsion.loops.arcs import Parameters, exact_number, shown
 from geomtorsion.loops.forms import refuse_unknown
 from geomtorsion.loops.loop import Loop, filled
 from geomtorsion.support import checks
@@ -20,12 +23,16 @@ def with_numbers(
     ------
     MissingValueError
         A symbol of the loop has no value.
+    LoopError
+        The loop closes only modulo turns that nobody declared.
     """
     if not loop.symbols:
+        refuse_undeclared_turns(frame, loop)
         return loop, parameters
     names = {symbol.name for symbol in frame.field.symbols}
     alone = {symbol.name for symbol in loop.symbols} - names
     numeric_loop = loop.at(parameters or {})
+    refuse_undeclared_turns(frame, numeric_loop)
     return numeric_loop, {k: v for k, v in (parameters or {}).items() if str(k) not in alone}
 
 
@@ -39,6 +46,7 @@ def with_values(frame: Frame, loop: Loop, parameters: Parameters | None) -> tupl
     """
     values = checks.by_name(parameters, "parameters", LoopError)
     if not values:
+        refuse_undeclared_turns(frame, loop)
         return frame, loop
     of_loop = {symbol.name for symbol in loop.symbols}
     of_frame = {symbol.name for symbol in frame.parameters}
@@ -48,4 +56,26 @@ def with_values(frame: Frame, loop: Loop, parameters: Parameters | None) -> tupl
         if name in of_frame or name not in of_loop
     }
     refuse_unknown(frame, left)
-    return frame.subs(left) if left else frame, filled(loop, values)
+    loop = filled(loop, values)
+    refuse_undeclared_turns(frame, loop)
+    return frame.subs(left) if left else frame, loop
+
+
+def refuse_undeclared_turns(frame: Frame, loop: Loop) -> None:
+    """Refuse a loop whose ends are whole turns apart in a coordinate without a declared turn.
+
+    Raises
+    ------
+    LoopError
+        The domain of the frame does not give such a coordinate one turn.
+    """
+    for part in loop.parts:
+        for column in np.flatnonzero(part.gap).tolist() if part.assumed else ():
+            symbol = frame.coordinates[column]
+            if not is_angle(frame, symbol):
+                raise LoopError(
+                    f"curve: it does not close: the gap between its ends is "
+                    f"{shown(part.size * np.array(part.gap))}. Choose the interval so that both "
+                    f"ends meet. If {symbol} is an angle, declare it: periods={{{column}: '2*pi'}} "
+                    f"of the curve, or domain=[{symbol} > 0, {symbol} < 2*pi] of the frame."
+                )

@@ -10,8 +10,17 @@ import numpy as np
 
 from geomtorsion.errors import WorkerError
 from geomtorsion.ode.engines.stacked import STACKED
+from geomtorsion.ode.poles import may_be_at_poles
 from geomtorsion.ode.roundings import Carried, along_members
-from geomtorsion.ode.system import Batch, Engine, Show, System, member_units, scaled_system
+from geomtorsion.ode.system import (
+    Batch,
+    Engine,
+    Show,
+    System,
+    columns,
+    member_units,
+    scaled_system,
+)
 from geomtorsion.support.executors import Executor, each_done
 
 
@@ -146,12 +155,27 @@ def run_batch(
         with np.errstate(all="ignore"):
             guard = system.guard_along(np.moveaxis(result, 2, 0), parameters.T[:, :, None])
         crossed |= finished & (np.broadcast_to(guard, result.shape[:2]) < 0).any(axis=1)
+    # Members that end at a pole are followed one by one, as others that may not continue.
+    crossed |= finished & _meet_poles(system, result, parameters, units, times, steps[0])
     finished &= ~crossed
     result[~finished] = np.nan
     taken, longest_taken = steps
     return BatchRun(
         result, finished, taken, longest_taken, interrupted, compiling, failure, away, carried
     )
+
+
+def _meet_poles(
+    system: System, states: np.ndarray, parameters: np.ndarray, units: np.ndarray,
+    times: np.ndarray, steps: np.ndarray,
+) -> np.ndarray:  # fmt: skip
+    """Which members have a sample that may be at a pole of their rates, shape (number,)."""
+    number, count, size = states.shape
+    elapsed = np.abs(np.multiply.outer(units, times)).ravel()
+    rows = columns([states.reshape(-1, size)], [])
+    rows = np.concatenate((rows, np.repeat(parameters.T, count, axis=1)))
+    near = may_be_at_poles(system, rows, elapsed, np.repeat(steps, count))
+    return np.asarray(near.reshape(number, count).any(axis=1))
 
 
 @dataclass(frozen=True, eq=False)

@@ -272,15 +272,29 @@ def _size_of_noise(stage: Stage, one: Trajectory, group: Sequence[int], extent: 
     """
     system = stage.system
     some = [x for x in one.segments if x.stage.system is system]
-    terms = max([float(system.rates.sizes(*_columns(x))[group].max()) for x in some])
+    terms = max([_mean_terms(x, group) for x in some])
     last, numbers = floats(some[-1].run.last), floats(some[-1].stage.parameters)
     damping = float((-np.diagonal(system.jacobian(last, numbers))[group]).min())
     full = terms * min(abs(one.reached), 1 / damping if damping > 0 else math.inf)
     noise = NOISE * 2.0**-one.engine.precision * full
-    if extent > noise:
+    if extent > noise or not math.isfinite(noise):
         return extent
     between = _size_between(one, stage.label, group)
     return between if between > noise else full
+
+
+def _mean_terms(segment: Segment, group: Sequence[int]) -> float:
+    """Mean size of the terms of some rates over a segment; it has no part in a peak at an end.
+
+    Rates may be infinite at a sample, while what they add up to is not.
+    """
+    times = floats((segment.stage.begin, *segment.run.times, segment.run.reached))
+    sizes = segment.stage.system.rates.sizes(*_columns(segment))[group].max(axis=0)
+    lasts = np.abs(np.diff(times))
+    least = np.minimum(sizes[:-1], sizes[1:])
+    # What lasts no time is omitted, where an infinite size would give no number.
+    total = float((least[lasts > 0] * lasts[lasts > 0]).sum())
+    return total / float(lasts.sum()) if lasts.any() else float(sizes.max())
 
 
 def _size_between(one: Trajectory, label: str, group: Sequence[int]) -> float:

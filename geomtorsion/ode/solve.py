@@ -11,7 +11,13 @@ from typing import TypeAlias
 
 import numpy as np
 
-from geomtorsion.errors import AccuracyError, ArgumentError, StartError, TimeError
+from geomtorsion.errors import (
+    AccuracyError,
+    ArgumentError,
+    GeomtorsionError,
+    StartError,
+    TimeError,
+)
 from geomtorsion.ode.checkpoint import Checkpoint, fingerprint
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
 from geomtorsion.ode.engines.taylor import is_available
@@ -22,6 +28,7 @@ from geomtorsion.ode.numbers import (
     checked_accuracy,
     checked_times,
 )
+from geomtorsion.ode.poles import AT_A_POLE, ended_at_poles
 from geomtorsion.ode.solution import DOUBLE, Cost, Problem, Solution
 from geomtorsion.ode.system import WorkLimitError, checked_engine
 from geomtorsion.ode.trajectory import Trajectory, integrate
@@ -174,6 +181,7 @@ def _solved(
     runs: list[Trajectory] = []
     names: list[str] = []
     best, growth, unit = math.inf, 0.0, 0.0
+    ended: Solution | None = None
     end = float(grid[-1])
     parts = () if kept is None else tuple(end * k / PARTS for k in range(1, PARTS))
     for candidate, reason in engines(problem, accuracy, engine):
@@ -183,10 +191,15 @@ def _solved(
             # The motion amplifies the roundings of any engine by as much.
             continue
         result = _Runs(problem, candidate, accuracy, grid, parts, kept, report).verified(growth)
-        growth, unit = result.growth, result.unit
+        growth = result.growth
+        unit = result.unit if result.answer.outcome in ("done", "stopped") else 0.0
         runs += result.runs
         names.append(candidate.name)
         best = min(best, result.error)
+        if result.answer.reason == AT_A_POLE and not last:
+            # More digits may separate the state from the pole.
+            ended = _solution(problem, times, grid, accuracy, reason, result, runs)
+            continue
         if result.error <= accuracy or result.answer.outcome == "stuck":
             solution = _solution(problem, times, grid, accuracy, reason, result, runs)
             if solution.complete:
@@ -199,17 +212,24 @@ def _solved(
                 alternative = _complete(stepwise)
                 runs += () if alternative is None else alternative.runs
             if alternative is None:
-                error = problem.stuck_error(solution.trajectory)
-                error.solution = solution  # type: ignore[attr-defined]  # both errors have it
-                raise error
+                raise _stuck_error(problem, solution)
             reason = "a series has no value on the way"
             return _solution(problem, times, grid, accuracy, reason, alternative, runs)
+    if ended is not None and not math.isfinite(best):
+        raise _stuck_error(problem, ended)
     none = f"gives {'no ' if names else ''}two runs to compare"
     got = f"gets to {best:.2g}" if math.isfinite(best) else none
     raise AccuracyError(
         f"expected accuracy {accuracy:.3g}; {', then '.join(names) or 'no available engine'} "
         f"{got}. " + _remedy(engine)
     )
+
+
+def _stuck_error(problem: Problem, solution: Solution) -> GeomtorsionError:
+    """The error of a motion that cannot continue, with its computed part."""
+    error = problem.stuck_error(solution.trajectory)
+    error.solution = solution  # type: ignore[attr-defined]  # all these errors have it
+    return error
 
 
 @dataclass(frozen=True)
@@ -232,9 +252,11 @@ class _Runs:
         # A comparison of the answer with an integral of its rates would need fewer operations, but
         # in NumPy it takes longer than so many short steps in compiled code.
         limit = GOLDEN * abs(float(self.grid[-1])) / PARTS or math.inf
-        return verified(
+        result = verified(
             self.problem, self.engine, self.accuracy, self.run, limit=limit, growth=growth
         )
+        answer = ended_at_poles(result.answer)
+        return result if answer is result.answer else result._replace(answer=answer, error=math.inf)
 
     def run(
         self, engine: Engine, tolerance: float, longest: float, answer: Trajectory | None = None

@@ -15,8 +15,9 @@ from geomtorsion.prices.offer import (
     Request,
     Way,
 )
+from geomtorsion.prices.passed_over import passed_over
 from geomtorsion.prices.price_list import PriceList, PriceRow
-from geomtorsion.prices.sensitivity import Sensitivity, growth, moved, relative_changes
+from geomtorsion.prices.sensitivity import Sensitivity, beside, growth, moved, relative_changes
 
 __all__ = [
     "ACCURACIES",
@@ -36,11 +37,13 @@ __all__ = [
     "Trial",
     "Truth",
     "Way",
+    "beside",
     "called_for",
     "choose",
     "growth",
     "motion_offer",
     "moved",
+    "passed_over",
     "price",
     "relative_changes",
     "tabulated",

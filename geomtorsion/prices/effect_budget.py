@@ -14,7 +14,7 @@ from geomtorsion.support.displays import Plot, drawn_by, figure_by
 from geomtorsion.support.outgoing import size_text
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class EffectInfluence:
     """Influence of one effect on the watched quantities of a scene, a motion or a theory.
 
@@ -47,7 +47,7 @@ class EffectInfluence:
         return max(self.changes, key=self.changes.__getitem__)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class EffectBudget:
     """The effects that an accuracy calls for: omission and integration together stay within it.
 
@@ -68,6 +68,8 @@ class EffectBudget:
     end: the last time, in words.
     equations, full_equations: number of equations that are solved for the watched quantities.
     seconds, full_seconds: time of integration of `chosen`, and of `full` at the same accuracy.
+    unresolved: watched quantities that are no larger than the rounding errors of the quantities
+        measured with them, and count as zero.
 
     Examples
     --------
@@ -95,6 +97,7 @@ class EffectBudget:
     full_equations: int
     seconds: float
     full_seconds: float
+    unresolved: tuple[str, ...] = ()
 
     @property
     def error(self) -> float:
@@ -123,6 +126,23 @@ class EffectBudget:
     @property
     def validity(self) -> str:
         """The times for which the choice holds, and the growth of small changes."""
+        return " ".join([self._range, *self._limits])
+
+    @property
+    def _limits(self) -> list[str]:
+        """Sentences about what the runs cannot see."""
+        if not self.unresolved:
+            return []
+        names = ", ".join(self.unresolved)
+        text = (
+            f"Not resolved: {names}, no larger than the rounding errors of the quantities measured "
+            "with it. Use an engine with more digits, such as gt.Taylor(precision=113)."
+        )
+        return [text]
+
+    @property
+    def _range(self) -> str:
+        """The times for which the choice holds."""
         end = self.end
         if self.growth is None:
             return f"The choice holds for this start, up to {end}."
@@ -186,6 +206,7 @@ class EffectBudget:
             "omission_error": self.omission_error,
             "numerical_error": self.numerical_error,
             "integration_accuracy": self.integration_accuracy,
+            "unresolved": list(self.unresolved),
             "equations": self.equations,
             "all_equations": self.full_equations,
             "seconds": self.seconds,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -14,7 +14,7 @@ from geomtorsion.ode import Engine
 from geomtorsion.ode.numbers import checked_accuracy
 from geomtorsion.ode.solution import DOUBLE
 from geomtorsion.prices.effect_budget import EffectBudget, EffectInfluence
-from geomtorsion.prices.sensitivity import Sensitivity, Series, relative_changes
+from geomtorsion.prices.sensitivity import NUDGE, Sensitivity, Series, relative_changes
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.outgoing import size_text
 from geomtorsion.support.progress import reports
@@ -34,6 +34,8 @@ class Trial:
     accuracy: of the integration. equations: number of equations that were solved.
     first: time of its integration, in seconds. again: measures it once more.
     regular: whether the motion has a closed form, so that small changes do not grow fast.
+    unresolved: quantities that are no larger than the error of those measured with them.
+    missed: time of a pulse that all steps passed over, or None.
     """
 
     values: Series
@@ -44,6 +46,8 @@ class Trial:
     first: float
     again: Callable[[], float]
     regular: bool = False
+    unresolved: tuple[str, ...] = ()
+    missed: float | None = None
 
     @cached_property
     def seconds(self) -> float:
@@ -108,6 +112,10 @@ class Composite(Protocol):
         """Growth of a small change of the start; None where it cannot be measured."""
         ...
 
+    def nudged(self, part: float) -> Composite:
+        """The same from a start that is moved by a part of its size."""
+        ...
+
 
 @dataclass(frozen=True)
 class _Omission:
@@ -155,6 +163,9 @@ class _Comparison:
             part = self.composite.run(omitted, whole.accuracy, self.engine)
         except GeomtorsionError as problem:
             return _Omission(None, note=f"without it: {str(problem).partition('. ')[0]}")
+        if whole.missed is not None and part.missed is None:
+            when = f"t = {whole.missed:.4g}"
+            return _Omission(None, note=f"not resolved: it acts near {when}, for less than a step")
         changes = relative_changes(whole.values, part.values)
         if changes is None:
             return _Omission(None, note="without it the motion ends at another time")
@@ -171,7 +182,7 @@ def choose(
     """Choose the effects that an accuracy calls for; see `called_for`."""
     goal, keys = checked_accuracy(accuracy), tuple(composite.effects)
     with reports(progress, "effects") as show:
-        # The whole, each effect omitted, all omitted effects, the integration and the growth.
+        # The whole, each effect omitted, the growth, all omitted effects and the integration.
         count, steps = 0, len(keys) + 4
 
         def step() -> None:
@@ -186,6 +197,10 @@ def choose(
         for key in keys:
             omissions[key] = comparison.without([key])
             step()
+        growth = None if comparison.whole.regular else composite.growth(engine)
+        step()
+        if growth is not None and growth.factor * NUDGE > goal:
+            _look_beside(comparison, omissions)
         omitted, omission = _dropped(comparison, omissions, goal)
         step()
         while True:
@@ -198,25 +213,62 @@ def choose(
                     raise
                 omitted, omission = _dropped(comparison, omissions, omission / 2)
         step()
-        growth = None if comparison.whole.regular else composite.growth(engine)
-        step()
     rows = [
         EffectInfluence(
-            key, title, key not in omitted, _sizes(omissions[key], composite.watch),
-            omissions[key].equations, omissions[key].seconds, omissions[key].note,
+            effect=key,
+            title=title,
+            included=key not in omitted,
+            changes=_sizes(omissions[key], composite.watch),
+            equations=omissions[key].equations,
+            seconds=omissions[key].seconds,
+            note=omissions[key].note,
         )
         for key, title in composite.effects.items()
-    ]  # fmt: skip
+    ]
     rows.sort(key=lambda row: -row.influence)
     full = composite.run(frozenset(), goal, engine)
     return EffectBudget(
-        composite.title, composite.watch, goal, composite.thing,
-        composite.without(frozenset(omitted), trial.accuracy),
-        tuple(key for key in keys if key not in omitted),
-        tuple(key for key in keys if key in omitted), tuple(rows), omission, numerical,
-        trial.accuracy, growth, trial.result, composite.end, trial.equations, full.equations,
-        trial.seconds, full.seconds,
-    )  # fmt: skip
+        title=composite.title,
+        watch=composite.watch,
+        accuracy=goal,
+        full=composite.thing,
+        chosen=composite.without(frozenset(omitted), trial.accuracy),
+        effects=tuple(key for key in keys if key not in omitted),
+        omitted=tuple(key for key in keys if key in omitted),
+        rows=tuple(rows),
+        omission_error=omission,
+        numerical_error=numerical,
+        integration_accuracy=trial.accuracy,
+        growth=growth,
+        result=trial.result,
+        end=composite.end,
+        equations=trial.equations,
+        full_equations=full.equations,
+        seconds=trial.seconds,
+        full_seconds=full.seconds,
+        unresolved=comparison.whole.unresolved,
+    )
+
+
+def _look_beside(comparison: _Comparison, omissions: dict[str, _Omission]) -> None:
+    """Take the larger influence of those from this start and from one beside it.
+
+    At an exact equilibrium, as of an upright top, a force without which the motion would
+    be stable has no influence at all.
+    """
+    beside = comparison.composite.nudged(NUDGE)
+    try:
+        whole = beside.run(frozenset(), comparison.whole.accuracy, comparison.engine)
+    except GeomtorsionError:
+        return
+    near = _Comparison(beside, whole, comparison.engine)
+    for key, omission in omissions.items():
+        other = near.without([key])
+        if other.changes is not None and other.size > omission.size:
+            note = omission.note or f"from a start moved by {size_text(NUDGE, 0)}"
+            omissions[key] = replace(
+                omission, changes=other.changes, error=max(other.error, omission.error), note=note
+            )
 
 
 def _sizes(omission: _Omission, watch: Iterable[str]) -> dict[str, float]:

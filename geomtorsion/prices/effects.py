@@ -4,20 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
 from geomtorsion.curves import CurveProblem
-from geomtorsion.errors import ArgumentError, GeomtorsionError
+from geomtorsion.errors import AccuracyError, ArgumentError, GeomtorsionError
 from geomtorsion.ode import ODE, Engine, Solution, solve
 from geomtorsion.ode.solution import DOUBLE
 from geomtorsion.ode.solve import ACCURACY
 from geomtorsion.prices.effect_budget import EffectBudget
 from geomtorsion.prices.effect_choice import Composite, Trial, choose
+from geomtorsion.prices.passed_over import passed_over
 from geomtorsion.prices.sensitivity import Sensitivity, growth, moved
 from geomtorsion.support import checks
+
+# The finest accuracy that is requested of doubles: some sixty roundings.
+FINEST = 64 * DOUBLE
 
 
 @runtime_checkable
@@ -84,15 +88,49 @@ class MotionEffects:
     def run(self, keys: frozenset[str], accuracy: float, engine: Engine | None) -> Trial:
         """A solution without some effects."""
         problem = self._needed(keys)
-        solution = solve(problem, self.times, accuracy, engine)
+        solution = self._resolved(problem, accuracy, engine)
 
         def again() -> float:
-            return solve(problem, self.times, accuracy, engine).cost.run_seconds
+            return solve(problem, self.times, solution.accuracy, engine).cost.run_seconds
 
         values = {name: _above_noise(solution, name) for name in self.watch}
-        error = max(_error_of(solution, name) for name in self.watch)
-        equations = len(solution.trajectory.segments[0].stage.start)
-        return Trial(values, error, solution, accuracy, equations, solution.cost.run_seconds, again)
+        return Trial(
+            values,
+            max(_error_of(solution, name) for name in self.watch),
+            solution,
+            solution.accuracy,
+            len(solution.trajectory.segments[0].stage.start),
+            solution.cost.run_seconds,
+            again,
+            unresolved=tuple(x for x in self.watch if solution[x].any() and not values[x].any()),
+            missed=passed_over(solution, accuracy),
+        )
+
+    def _resolved(
+        self, problem: CurveProblem | ODE, accuracy: float, engine: Engine | None
+    ) -> Solution:
+        """A solution in which each watched quantity is accurate relative to its own size.
+
+        A quantity that is small beside those it is measured with needs more digits than these.
+        """
+        solution = solve(problem, self.times, accuracy, engine)
+        while solution.accuracy > DOUBLE:
+            errors = [_own_error(solution, name) for name in self.watch]
+            worst = max(errors)
+            if worst <= accuracy:
+                break
+            asked = max(solution.accuracy * min(accuracy / worst, 1.0) / 2, FINEST)
+            if asked >= solution.accuracy:
+                break
+            try:
+                solution = solve(problem, self.times, asked, engine)
+            except AccuracyError:
+                break
+        return solution
+
+    def nudged(self, part: float) -> MotionEffects:
+        """The motion from a start that is moved by a part of its size."""
+        return replace(self, problem=moved(self.problem, part))
 
     def idle(self, keys: frozenset[str]) -> str:
         """The equations of all that the watched quantities need may be the same without them."""
@@ -127,16 +165,22 @@ def _above_noise(solution: Solution, name: str) -> np.ndarray:
     values = np.asarray(solution[name], dtype=float)
     together = solution.problem.together(name)
     size = max((float(np.abs(solution[word]).max()) for word in together), default=0.0)
-    noise = max(solution.error, DOUBLE) * size
+    error = solution.error_of(name)
+    noise = max(error if math.isfinite(error) else solution.error, DOUBLE) * size
     return values if np.abs(values).max(initial=0.0) > noise else np.zeros_like(values)
 
 
 def _error_of(solution: Solution, name: str) -> float:
-    """Error of a quantity relative to its own largest size."""
-    values = np.abs(_above_noise(solution, name)).max(initial=0.0)
-    error = solution.error_of(name)
+    """Error of a quantity relative to its own largest size; zero where it is rounding of others."""
+    return _own_error(solution, name) if _above_noise(solution, name).any() else 0.0
+
+
+def _own_error(solution: Solution, name: str) -> float:
+    """Error of a quantity relative to its own largest size; zero where it is exactly zero."""
+    values = np.abs(np.asarray(solution[name], dtype=float)).max(initial=0.0)
     if not values:
         return 0.0
+    error = solution.error_of(name)
     together = solution.problem.together(name)
     size = max((float(np.abs(solution[word]).max()) for word in together), default=values)
     return float(error * max(size / values, 1.0))
@@ -157,6 +201,12 @@ def called_for(
     influence. Effects are then omitted, the smallest influence first. The sum of their influences
     has to stay within the accuracy, and so does the change by all of them together, which has a run
     of its own. The integration gets the rest of the accuracy.
+
+    A watched quantity that is small beside its neighbours has its own size: runs get finer until it
+    is resolved, and `unresolved` lists what rounding hides. Where a change of the start grows, the
+    influence is also measured from a start beside this one. A force of time that acts for less than
+    a step (down to 1e-5 of the motion) is called for with a note, because no run shows its
+    influence.
 
     Parameters
     ----------

@@ -56,7 +56,13 @@ def burgers_offer(frame: FrameLike, request: Request) -> Offer:
     finest = run(min(request.accuracies))
     truth = _Balls.of(finest, bool(request.proofs))
     ways = [
-        Way("line and flux", "estimate", _each(partial(_vector, run, truth)), request.accuracies),
+        Way(
+            "line and flux",
+            "estimate",
+            _each(partial(_vector, run, truth)),
+            request.accuracies,
+            engine="line",
+        ),
         Way("line", "plain", partial(_line, finest), request.accuracies),
         Way("formula", "plain", partial(_formula, finest), (0.0,)),
     ]

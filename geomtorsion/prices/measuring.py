@@ -144,7 +144,7 @@ def offer_of(thing: Any, request: Request) -> Offer:
 
 def _row(offer: Offer, way: Way, accuracy: float, *, memory: bool) -> PriceRow:
     """One way at one accuracy, for the clock, for its memory and against the truth."""
-    row = PriceRow(way.name, way.certainty, accuracy)
+    row = PriceRow(way.name, way.certainty, accuracy, engine=way.engine or way.name)
     try:
         run = way.ready(accuracy)
         # The first run at an accuracy may compile; a proof does not.

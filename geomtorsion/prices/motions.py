@@ -132,10 +132,12 @@ def motion_offer(
     *,
     name: str = "",
     more: Sequence[Way] = (),
+    solved: Callable[[Engine, float], offers.Run] | None = None,
 ) -> Offer:
     """The price of a motion.
 
-    request.at: last time, or times. more: further ways whose values are trajectories.
+    request.at: last time, or times. more: further ways. solved: (engine, accuracy) -> run with an
+    error estimate, by default `solve`.
     """
     times, grid = checked_times(10.0 if request.at is None else request.at)
     problem.check_start()
@@ -143,13 +145,12 @@ def motion_offer(
     engines = request.engines or default_engines()
     ways = list(more)
     for engine in engines:
-        checked = partial(_checked, problem, times, engine)
+        checked = partial(solved or partial(_checked, problem, times), engine)
         plain = partial(_unchecked, problem, times, grid, engine)
+        name_plain, some = f"{engine.name}, plain", request.accuracies
         ways += [
-            Way(
-                engine.name, "estimate", lambda a, run=checked: partial(run, a), request.accuracies
-            ),
-            Way(f"{engine.name}, plain", "plain", plain, request.accuracies),
+            Way(engine.name, "estimate", checked, some, engine=engine.name),
+            Way(name_plain, "plain", plain, some, engine=engine.name),
         ]
     if request.proofs:
         ready = partial(_proved, problem, times, engines, request.accuracies)
@@ -166,9 +167,12 @@ def _judged(truth: Truth, value: Trajectory | Proof, accuracy: float) -> Bounds:
 
 def _checked(
     problem: CurveProblem | ODE, times: np.ndarray, engine: Engine, accuracy: float
-) -> Claim:
-    solution = solve(problem, times, accuracy, engine)
-    return Claim(solution.trajectory, solution.error)
+) -> offers.Run:
+    def run() -> Claim:
+        solution = solve(problem, times, accuracy, engine)
+        return Claim(solution.trajectory, solution.error)
+
+    return run
 
 
 def _unchecked(

@@ -40,12 +40,14 @@ class Way:
     name: of the way. certainty: "plain", "estimate" or "proof".
     ready: accuracy -> the run, with everything prepared that the way itself does not need.
     accuracies: in the order of rising cost.
+    engine: name of its engine or rule, the same for each certainty; the name of the way if empty.
     """
 
     name: str
     certainty: str
     ready: Callable[[float], Run]
     accuracies: Sequence[float]
+    engine: str = ""
 
 
 @dataclass(frozen=True)

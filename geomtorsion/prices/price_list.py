@@ -24,7 +24,7 @@ HEAD = ("way", "requested", "claimed", "true", "claimed/true", "time", "spread",
 class PriceRow:
     """One way at one accuracy.
 
-    way: name of an engine, a rule or a proof. certainty: "plain", "estimate" or "proof".
+    way: name of the row: an engine, a rule or a proof. certainty: "plain", "estimate" or "proof".
     requested: accuracy (or spacing of a grid). claimed: relative error that the run claims.
     true: bounds of the true relative error; None if unknown.
     seconds: processor time of the fastest run; NaN if it failed.
@@ -32,6 +32,7 @@ class PriceRow:
     memory: peak of what Python and NumPy allocated, in bytes; None where it was not measured,
         and for proofs, whose balls FLINT allocates.
     note: the reason for a missing result, or empty.
+    engine: name of the engine or rule, the same in rows of each certainty.
     """
 
     way: str
@@ -43,6 +44,7 @@ class PriceRow:
     spread: float = 0.0
     memory: int | None = None
     note: str = ""
+    engine: str = ""
 
     @property
     def measured(self) -> bool:
@@ -133,9 +135,10 @@ class PriceList:
         name = way or self._fastest
         rows = tuple(row for row in self.rows if row.way == name and row.measured)
         if not rows:
+            notes = [row.note for row in self.rows if row.way == name]
             raise AccuracyError(
-                f"way: expected one with results, got {name}, which has none: "
-                f"{next((row.note for row in self.rows), 'no rows')}. Request less."
+                f"way: expected one with results, got {name or 'no way'}, which has none: "
+                f"{notes[-1] if notes else 'no rows'}. Request less."
             )
         return rows
 
@@ -150,14 +153,18 @@ class PriceList:
         return min(good, key=lambda row: (row.requested, row.seconds)).way
 
     def plain(self, row: PriceRow) -> PriceRow | None:
-        """The run without error estimate at the accuracy of a row, by the same way if there is."""
-        plain = [
-            other
-            for other in self.rows
-            if other.certainty == "plain" and other.measured and other.requested == row.requested
-        ]
-        same = [other for other in plain if other.way.startswith(row.way)]
-        return next(iter([*same, *plain]), None)
+        """The run of the same engine at the same accuracy without error estimate, if any."""
+        same = (row.engine, row.requested)
+        return next(
+            (
+                other
+                for other in self.rows
+                if other.certainty == "plain"
+                and (other.engine, other.requested) == same
+                and other.measured
+            ),
+            None,
+        )
 
     def model(self, way: str | None = None) -> TimeModel:
         """Time of d digits, a + b d + c d^2, through three rows of a way."""
@@ -305,13 +312,13 @@ class PriceList:
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
         names = ("way", "certainty", "requested", "claimed", "true_low", "true_high", "seconds")
-        writer.writerow((*names, "spread", "memory", "note"))
+        writer.writerow((*names, "spread", "memory", "note", "engine"))
         for row in self.rows:
             low, high = row.true or ("", "")
             values = (row.claimed, low, high, row.seconds, row.spread, row.memory)
             cells = ["" if value is None else str(value) for value in values]
             start = (csv_cell(row.way), row.certainty, str(row.requested))
-            writer.writerow((*start, *cells, csv_cell(row.note)))
+            writer.writerow((*start, *cells, csv_cell(row.note), csv_cell(row.engine)))
         return text.getvalue()
 
     def to_csv(self, path: str | Path) -> None:

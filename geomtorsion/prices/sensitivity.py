@@ -11,7 +11,10 @@ import numpy as np
 from geomtorsion.curves import CurveProblem
 from geomtorsion.ode import ODE
 from geomtorsion.ode.numbers import Real
+from geomtorsion.ode.solve import ACCURACY
 
+# Part by which the start is moved: the root of the usual accuracy, far above its errors.
+NUDGE = math.sqrt(ACCURACY)
 Series = Mapping[str, np.ndarray]
 # A change of the start grows linearly in a regular motion and exponentially in a chaotic one; an
 # exponent of time between 1 and the least that an exponential shows, 2, separates them.
@@ -132,6 +135,18 @@ def moved(problem: CurveProblem | ODE, part: float) -> CurveProblem | ODE:
             return problem.with_start(frame_velocity=speeds)
         place = _alternately(problem, problem.coordinates, problem.start, part)
         return problem.with_start(list(place.values()), frame_velocity=speeds)
+    return beside(problem, part)
+
+
+def beside(problem: ODE, part: float) -> ODE:
+    """Equations from a start that is moved by a part of the size of each group of states.
+
+    Examples
+    --------
+    >>> from geomtorsion.ode import ODE
+    >>> beside(ODE.of({"x": "v", "v": "-x"}, [1, 2]), 0.5).start
+    (1.5, 1.0)
+    """
     if problem.maker is not None:
         return problem.maker.moved(problem, part)
     numbers = _alternately(problem, problem.states, problem.start, part)

@@ -12,14 +12,15 @@ import flint
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from geomtorsion.codegen import exact_number
 from geomtorsion.errors import StartError, TimeError
-from geomtorsion.ode.numbers import checked_numbers, floats
+from geomtorsion.ode.numbers import Real, checked_numbers, floats
 from geomtorsion.rigid.attitude import product, rotated
 from geomtorsion.rigid.double_double import DoubleDouble, reduced, turns
-from geomtorsion.rigid.free_top_series import Constants, constants, functions, is_steady
+from geomtorsion.rigid.free_top_series import Constants, constants, functions, is_steady, root
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
-from geomtorsion.support.precision import EPS, PRINTED, ball_precision
+from geomtorsion.support.precision import EPS, EXACT_BITS, PRINTED, ball_precision
 
 
 def tilted(momentum: NDArray[Any], precession: NDArray[Any], top: Constants) -> NDArray[Any]:
@@ -66,18 +67,36 @@ class FreeTop:
     moments: principal moments of inertia, shape (3,); mass times length squared.
     omega0: body-fixed angular velocity at t = 0, shape (3,); radians per time.
     quaternion0: attitude at t = 0, body to space, scalar part first, shape (4,).
+
+    Numbers that no float holds, such as Fraction(6, 5), stay exact.
     """
 
-    moments: tuple[float, float, float]
-    omega0: tuple[float, float, float]
+    moments: tuple[Real, Real, Real]
+    omega0: tuple[Real, Real, Real]
     quaternion0: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
+
+    @cached_property
+    def _exact(self) -> tuple[tuple[Fraction, ...], tuple[Fraction, ...]]:
+        """Moments and rates as fractions, irrational ones to many digits.
+
+        Whether two moments agree, or a rate is 0, must not depend on rounding; and an error of the
+        period would be multiplied by the number of periods.
+        """
+        moments, rates = (tuple(map(_fraction, row)) for row in (self.moments, self.omega0))
+        return moments, rates
+
+    @cached_property
+    def _moments(self) -> NDArray[np.float64]:
+        return np.array(floats(self.moments))
+
+    @cached_property
+    def _omega0(self) -> NDArray[np.float64]:
+        return np.array(floats(self.omega0))
 
     @cached_property
     def constants(self) -> Constants | None:
         """Modulus, period, precession; None where the rates are constant."""
-        # Fractions: whether two moments agree, or a rate is 0, must not depend on rounding.
-        exact = [tuple(Fraction(x) for x in each) for each in (self.moments, self.omega0)]
-        return None if is_steady(exact[0], exact[1]) else constants(self.moments, self.omega0)
+        return None if is_steady(*self._exact) else constants(*self._exact)
 
     @property
     def kind(self) -> str:
@@ -90,24 +109,24 @@ class FreeTop:
         """
         if not any(self.omega0):
             return "rest"
-        if len(set(self.moments)) == 1:
+        different = len(set(self._exact[0]))
+        if different == 1:
             return "spherical"
         if self.constants is None:
             return "steady"
-        if len(set(self.moments)) == 2:
+        if different == 2:
             return "symmetric"
         return "separatrix" if self.constants.complement2 == 0 else "asymmetric"
 
     @property
     def energy(self) -> float:
         """Kinetic energy T = (1/2) I_i Omega_i^2."""
-        return math.fsum(i * w * w for i, w in zip(self.moments, self.omega0, strict=True)) / 2
+        return float(sum(i * w * w for i, w in zip(*self._exact, strict=True)) / 2)
 
     @property
     def momentum(self) -> NDArray[Any]:
         """Angular momentum in space, constant, shape (3,)."""
-        body = np.array(self.moments) * np.array(self.omega0)
-        return rotated(np.array(self.quaternion0), body)
+        return rotated(np.array(self.quaternion0), self._moments * self._omega0)
 
     @property
     def period(self) -> float:
@@ -165,7 +184,7 @@ class FreeTop:
         """
         t = self._checked(times)
         if self.constants is None:
-            return np.broadcast_to(np.array(self.omega0), (*t.shape, 3)).copy()
+            return np.broadcast_to(self._omega0, (*t.shape, 3)).copy()
         return self._rates(t, self.constants)[0]
 
     def quaternion(self, times: ArrayLike) -> NDArray[Any]:
@@ -200,10 +219,10 @@ class FreeTop:
         t = self._checked(times)
         top = self.constants
         if top is None:
-            omega = np.broadcast_to(np.array(self.omega0), (*t.shape, 3)).copy()
+            omega = np.broadcast_to(self._omega0, (*t.shape, 3)).copy()
             return omega, product(np.array(self.quaternion0), self._uniform(t))
         omega, precession = self._rates(t, top)
-        turned = tilted(omega * np.array(self.moments), precession, top)
+        turned = tilted(omega * self._moments, precession, top)
         return omega, product(self._space, turned)
 
     @cached_property
@@ -212,15 +231,15 @@ class FreeTop:
         top = self.constants
         assert top is not None
         omega, precession = self._rates(np.zeros(1), top)
-        begin = tilted(omega * np.array(self.moments), precession, top)[0]
+        begin = tilted(omega * self._moments, precession, top)[0]
         return product(np.array(self.quaternion0), begin * np.array([1.0, -1.0, -1.0, -1.0]))
 
     def _uniform(self, t: NDArray[Any]) -> NDArray[Any]:
         """The turn of constant rates."""
         # More than two doubles, for the turns that are taken out before the cosine.
         with ball_precision(140):
-            speed = sum((flint.arb(w) ** 2 for w in self.omega0), flint.arb(0)).sqrt()
-            axis = [float(w / speed) if any(self.omega0) else 0.0 for w in self.omega0]
+            speed = root(sum((w**2 for w in self._exact[1]), Fraction(0)))
+            axis = self._omega0 / (float(speed) or 1.0)
             half = FULL / 2 * turns(t, DoubleDouble.of(speed / (4 * flint.arb.pi())))
         return np.stack([np.cos(half), *(np.sin(half) * x for x in axis)], axis=-1)
 
@@ -253,6 +272,17 @@ class FreeTop:
         return omega, FULL * steady - top.side * phase
 
 
+def _fraction(value: Real) -> Fraction:
+    """A number as a fraction; an irrational one to EXACT_BITS bits."""
+    exact = exact_number(value, EXACT_BITS)
+    return Fraction(checks.fraction(exact) or 0)
+
+
+def _shortest(value: Real) -> Real:
+    """A number as a float where a float holds it, else as it came."""
+    return float(value) if _fraction(value) == Fraction(float(value)) else value
+
+
 def free_top(moments: object, omega: object, quaternion: object = (1.0, 0.0, 0.0, 0.0)) -> FreeTop:
     """Torque-free top with given principal moments and initial angular velocity.
 
@@ -265,7 +295,8 @@ def free_top(moments: object, omega: object, quaternion: object = (1.0, 0.0, 0.0
     moments
         Principal moments of inertia, shape (3,), any order, positive.
     omega
-        Body-fixed angular velocity at t = 0, shape (3,), radians per time.
+        Body-fixed angular velocity at t = 0, shape (3,), radians per time. Fractions and exact
+        numbers of sympy stay exact, here and in moments.
     quaternion
         Attitude at t = 0, body to space, scalar part first, shape (4,), of unit length.
 
@@ -288,8 +319,8 @@ def free_top(moments: object, omega: object, quaternion: object = (1.0, 0.0, 0.0
     >>> top.kind, round(top.flip_time, 6)
     ('asymmetric', 27.530841)
     """
-    sizes = floats(checked_numbers(moments, 3, "moments"))
-    rates = floats(checked_numbers(omega, 3, "omega"))
+    given = [checked_numbers(moments, 3, "moments"), checked_numbers(omega, 3, "omega")]
+    sizes, rates = (floats(row) for row in given)
     start = floats(checked_numbers(quaternion, 4, "quaternion"))
     for k, size in enumerate(sizes):
         checks.positive(size, f"moments[{k}]", StartError, expected="a positive moment of inertia")
@@ -304,6 +335,6 @@ def free_top(moments: object, omega: object, quaternion: object = (1.0, 0.0, 0.0
             f"quaternion: expected length 1, got {start} of length {length:.9g}. Divide it by its "
             "length."
         )
-    (a, b, c), (u, v, w) = sizes, rates
+    (a, b, c), (u, v, w) = ([_shortest(x) for x in row] for row in given)
     q, x, y, z = (part / length for part in start)
     return FreeTop((a, b, c), (u, v, w), (q, x, y, z))

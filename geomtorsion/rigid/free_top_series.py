@@ -78,7 +78,7 @@ def is_steady(moments: tuple[Fraction, ...], omega: tuple[Fraction, ...]) -> boo
     )
 
 
-def constants(moments: tuple[float, ...], omega: tuple[float, ...]) -> Constants:
+def constants(moments: tuple[Fraction, ...], omega: tuple[Fraction, ...]) -> Constants:
     """The constants of a top with these principal moments and rates; not for steady ones.
 
     Equation
@@ -88,20 +88,18 @@ def constants(moments: tuple[float, ...], omega: tuple[float, ...]) -> Constants
     precession of axis c about L: phi' = L / I_c - s L P / (I_c (L^2 - L_c^2)):
     an integral of the third kind with n = - I_c Q / (I_a P)    [LandauLifshitz1] section 37
 
-    The data are doubles, hence rational: P, Q, R have no rounding error at all, and one minus
-    the modulus is as good next to the separatrix as anywhere else.
+    The data are rational: P, Q, R have no rounding error at all, and one minus the modulus is as
+    good next to the separatrix as anywhere else.
 
     Examples
     --------
-    >>> top = constants((1.0, 2.0, 3.0), (1.0, 1.0, 1.0))
+    >>> top = constants((Fraction(1), Fraction(2), Fraction(3)), (Fraction(1),) * 3)
     >>> top.axes, top.side, top.modulus2
     ((2, 1, 0), 1, 0.5)
     """
-    inertia = tuple(Fraction(x) for x in moments)
-    rates = tuple(Fraction(x) for x in omega)
-    axes = circled_axis(inertia, rates)
-    ia, ib, ic = (inertia[k] for k in axes)
-    wa, wb, wc = (rates[k] for k in axes)
+    axes = circled_axis(moments, omega)
+    ia, ib, ic = (moments[k] for k in axes)
+    wa, wb, wc = (omega[k] for k in axes)
     s = 1 if ia > ib else -1
     p = s * (ib * (ib - ic) * wb**2 + ia * (ia - ic) * wa**2)
     q = s * (ib * (ia - ib) * wb**2 + ic * (ia - ic) * wc**2)
@@ -123,8 +121,8 @@ def constants(moments: tuple[float, ...], omega: tuple[float, ...]) -> Constants
     )
     with ball_precision(bits):
         pi = flint.arb.pi()
-        momentum = _root(ia**2 * wa**2 + ib**2 * wb**2 + ic**2 * wc**2)
-        rate = _root(s * (ia - ib) * p / (ia * ib * ic))
+        momentum = root(ia**2 * wa**2 + ib**2 * wb**2 + ic**2 * wc**2)
+        rate = root(s * (ia - ib) * p / (ia * ib * ic))
         zeta = _first_kind(1 / (1 - n), m1)
         u0 = _first_kind(wb**2 / size_b2, k2) * (1 if (wb > 0) == (sign_b > 0) else -1)
         near_one = k2 > Fraction(1, 2)
@@ -144,9 +142,9 @@ def constants(moments: tuple[float, ...], omega: tuple[float, ...]) -> Constants
         return Constants(
             axes=(axes[0], axes[1], axes[2]),
             amplitudes=(
-                sign_a * float(_root(size_a2)),
-                sign_b * float(_root(size_b2)),
-                sign_c * float(_root(size_c2)),
+                sign_a * float(root(size_a2)),
+                sign_b * float(root(size_b2)),
+                sign_c * float(root(size_c2)),
             ),
             side=s,
             rate=float(rate),
@@ -169,7 +167,7 @@ def _real(x: Fraction) -> Any:
     return flint.arb(flint.fmpq(x.numerator, x.denominator))
 
 
-def _root(x: Fraction) -> Any:
+def root(x: Fraction) -> Any:
     """A square root at the precision in use."""
     return _real(x).sqrt()
 
@@ -177,7 +175,7 @@ def _root(x: Fraction) -> Any:
 def _first_kind(sine2: Fraction, modulus2: Fraction) -> Any:
     """F for an amplitude up to a quarter turn, from the square of its sine [DLMF] 19.25.5."""
     cosine2, delta2 = _real(1 - sine2), _real(1 - modulus2 * sine2)
-    return _root(sine2) * flint.acb.elliptic_rf(cosine2, delta2, 1).real
+    return root(sine2) * flint.acb.elliptic_rf(cosine2, delta2, 1).real
 
 
 def _third_kind(complement2: Fraction, n: Fraction) -> Any:
@@ -203,7 +201,7 @@ def functions(u: NDArray[np.float64], top: Constants) -> tuple[Any, Any, Any, An
     Examples
     --------
     >>> from geomtorsion.rigid.free_top_series import constants
-    >>> top = constants((1.0, 2.0, 3.0), (1.0, 1.0, 1.0))
+    >>> top = constants((Fraction(1), Fraction(2), Fraction(3)), (Fraction(1),) * 3)
     >>> sn, cn, dn, phase = functions(np.array([0.3]), top)
     >>> bool(abs(sn**2 + cn**2 - 1) < 1e-15), bool(abs(dn**2 + top.modulus2 * sn**2 - 1) < 1e-15)
     (True, True)

@@ -7,15 +7,17 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+import mpmath
 import numpy as np
 import sympy as sp
 
 from geomtorsion.errors import BodyError, SceneError
 from geomtorsion.exact.units import in_unit
+from geomtorsion.ode.numbers import mpf
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.displays import short_repr
-from geomtorsion.support.precision import CALCULATED
+from geomtorsion.support.precision import CALCULATED, EXACT_BITS, working_precision
 
 # A number as users give it: exact ones stay exact. An expression may also be text.
 Number = float | Fraction | sp.Expr | str
@@ -146,6 +148,32 @@ class Body:
     def principal_axes(self) -> np.ndarray:
         """Principal axes as columns, in the order of the moments: a rotation, shape (3, 3)."""
         return principal(self.tensor)[1]
+
+    def in_principal_axes(
+        self, vector: Sequence[Number]
+    ) -> tuple[tuple[Number, ...], tuple[Number, ...], np.ndarray]:
+        """Principal moments and a vector in principal axes, to many digits, and these axes.
+
+        Axes as columns, shape (3, 3). A diagonal tensor keeps its axes and exact numbers; otherwise
+        all numbers have EXACT_BITS bits, and those that differ by rounding only are equal.
+        """
+        rows = self.exact_tensor
+        if not any(rows[i][j] != 0 for i in range(3) for j in range(3) if i != j):
+            return tuple(rows[k][k] for k in range(3)), tuple(vector), np.eye(3)
+        with working_precision(EXACT_BITS):
+            least = mpmath.ldexp(1, -EXACT_BITS + EXACT_BITS // 8)
+            matrix = mpmath.matrix([[mpf(x, EXACT_BITS) for x in row] for row in rows])
+            moments, axes = mpmath.eigsy(matrix)
+            if mpmath.det(axes) < 0:
+                axes[:, 2] = -axes[:, 2]
+            for k in (1, 2):
+                if moments[k] - moments[k - 1] <= least * moments[2]:
+                    moments[k] = moments[k - 1]
+            turned = axes.T * mpmath.matrix([mpf(x, EXACT_BITS) for x in vector])
+            size = mpmath.norm(turned)
+            parts = [x if abs(x) > least * size else mpmath.mpf(0) for x in turned]
+            columns = np.array([[float(axes[i, j]) for j in range(3)] for i in range(3)])
+            return tuple(moments), tuple(parts), columns
 
     @cached_property
     def symmetry_axis(self) -> np.ndarray | None:

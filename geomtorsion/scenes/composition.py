@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.ode import solve
-from geomtorsion.prices import Sensitivity, Trial, growth, moved
+from geomtorsion.ode.solution import DOUBLE
+from geomtorsion.prices import Sensitivity, Trial, beside, growth, passed_over
 from geomtorsion.scenes.to_ode import observed
 
 if TYPE_CHECKING:
@@ -23,10 +24,11 @@ if TYPE_CHECKING:
 class SceneEffects:
     """The effects of a scene, for `called_for`.
 
-    thing: the scene.
+    thing: the scene. start: numbers of states that replace its own.
     """
 
     thing: Scene
+    start: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def title(self) -> str:
@@ -61,7 +63,10 @@ class SceneEffects:
     def run(self, keys: frozenset[str], accuracy: float, engine: Engine | None) -> Trial:
         """A run without the effects of these keys."""
         scene = self.without(keys, accuracy)
+        if self.start:
+            return self._beside(scene, engine)
         result = scene.run(engine)
+        solved = result.solved
         return Trial(
             result.values,
             result.error,
@@ -72,7 +77,30 @@ class SceneEffects:
             lambda: scene.run(engine).cost.run_seconds,
             # A free body has a closed form, and its motion is regular.
             regular=result.closed_form is not None,
+            missed=None if solved is None else passed_over(solved, accuracy),
         )
+
+    def _beside(self, scene: Scene, engine: Engine | None) -> Trial:
+        """A run of the equations of a scene from the other start."""
+        ode, times = scene.ode, scene.times
+        ode = ode.with_start({name: x for name, x in self.start.items() if name in ode.states})
+        solved = solve(ode, times, scene.accuracy, engine)
+        states = np.asarray(solved.states, dtype=float)
+        return Trial(
+            observed(ode, scene.selection, solved.times, states),
+            max(solved.error, DOUBLE),
+            solved,
+            scene.accuracy,
+            ode.size,
+            solved.cost.run_seconds,
+            lambda: solve(ode, times, scene.accuracy, engine).cost.run_seconds,
+        )
+
+    def nudged(self, part: float) -> SceneEffects:
+        """The scene from a start of its equations that is moved by a part of its size."""
+        ode = self.thing.ode
+        numbers = zip(ode.states, beside(ode, part).start, strict=True)
+        return replace(self, start={name: float(x) for name, x in numbers})
 
     def idle(self, keys: frozenset[str]) -> str:
         """No output depends on effects that the selection omits."""
@@ -96,7 +124,7 @@ class SceneEffects:
         try:
             one = solve(ode, times, engine=engine)
             part = math.sqrt(one.accuracy)
-            two = solve(moved(ode, part), times, engine=engine)
+            two = solve(beside(ode, part), times, engine=engine)
             first, second = (
                 observed(ode, selection, run.times, np.asarray(run.states, float))
                 for run in (one, two)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,7 +17,16 @@ from geomtorsion.ode import Checkpoint, Cost, Engine, solve
 from geomtorsion.ode.checkpoint import fingerprint
 from geomtorsion.ode.numbers import checked_times
 from geomtorsion.ode.solution import DOUBLE
-from geomtorsion.prices import Claim, Offer, Request, Way, motion_offer, tabulated, truth_of
+from geomtorsion.prices import (
+    Bounds,
+    Claim,
+    Offer,
+    Request,
+    Way,
+    motion_offer,
+    tabulated,
+    truth_of,
+)
 from geomtorsion.prices.offer import at
 from geomtorsion.rigid import FreeTop, attitude, free_top
 from geomtorsion.scenes.context import OMEGA, POSITION, QUATERNION, VELOCITY, VERTICAL
@@ -41,6 +50,8 @@ CHECKED_ACCURACY = 1e-9
 MORE_DIGITS = float(np.finfo(float).eps) / 8
 # What the formulas lose themselves, on top of what the check can see: 16 roundings.
 ROUNDING = 16 * float(np.finfo(float).eps)
+# Period and precession are pairs of doubles: their relative error, by which angles drift away.
+PAIR = 4 * float(np.finfo(float).eps) ** 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,15 +67,16 @@ class ClosedForm:
     def _top(self) -> tuple[FreeTop, np.ndarray]:
         """The free top in its principal axes, and these as columns in body axes."""
         body, start = self.scene.body, self.scene.start
-        tensor = body.tensor
-        if np.count_nonzero(tensor - np.diag(np.diagonal(tensor))) == 0:
-            moments, axes = np.diagonal(tensor), np.eye(3)
-        else:
-            moments, axes = body.principal_moments, body.principal_axes
-        omega = axes.T @ np.array([float(x) for x in start.omega or ()])
+        moments, omega, axes = body.in_principal_axes(start.omega or ())
         q = start.attitude if start.attitude is not None else np.array([1.0, 0.0, 0.0, 0.0])
         turned = attitude.product(q, attitude.quaternion_from_matrix(axes))
-        return free_top(tuple(moments.tolist()), tuple(omega), tuple(turned)), axes
+        return free_top(moments, omega, tuple(turned)), axes
+
+    def drift(self, time: float) -> float:
+        """Error of the angles at a time by the digits of period and precession, radians."""
+        top, _ = self._top
+        moments, omega = (np.array([float(x) for x in row]) for row in (top.moments, top.omega0))
+        return PAIR * abs(time) * float(moments.max() / moments.min() * np.linalg.norm(omega))
 
     def states(self, times: np.ndarray) -> np.ndarray:
         """States of the equations of the scene at the times, shape (m, size)."""
@@ -133,6 +145,7 @@ def checked_states(form: ClosedForm, times: np.ndarray) -> CheckedStates | None:
     ran = perf_counter() - began
     began = perf_counter()
     error, compiled = _checked(form, float(times[-1]))
+    error += form.drift(float(times[-1]))
     if not error <= form.scene.accuracy:
         return None
     return CheckedStates(states, error, compiled, ran, perf_counter() - began - compiled)
@@ -248,28 +261,43 @@ def _in_closed_form(scene: Scene, form: ClosedForm) -> SceneResult | None:
 
 
 def scene_offer(scene: Scene, request: Request) -> Offer:
-    """The ways to the motion of a scene: its closed form where it has one, engines, a proof."""
+    """The ways to the motion of a scene: its closed form where it has one, engines, a proof.
+
+    A row with an error estimate is the price of `run`: of the scene, or of an engine.
+    """
     request = at(request, scene.times)
-    form = closed_form(scene)
-    name = scene.title or scene.name or "scene"
-    if form is None:
-        return motion_offer(scene.ode, request, name=name)
-    ready = partial(_by_formula, scene, form)
-    way = Way("closed form", "estimate", ready, request.accuracies)
-    return motion_offer(scene.ode, request, name=name, more=(way,))
+    name, more = scene.title or scene.name or "scene", []
+    if closed_form(scene) is not None:
+        ready = partial(_run_by, scene, None)
+        more = [Way("closed form", "estimate", ready, request.accuracies)]
+    solved = partial(_run_by, scene)
+    offer = motion_offer(scene.ode, request, name=name, more=more, solved=solved)
+    return replace(offer, judge=partial(_judged, scene, offer.judge))
 
 
-def _by_formula(scene: Scene, form: ClosedForm, accuracy: float) -> Callable[[], Claim]:
-    """The closed form with its check against the integrator."""
-    asked = replace(form, scene=replace(scene, accuracy=accuracy))
-    grid = checked_times(scene.times)[1]
+def _run_by(scene: Scene, engine: Engine | None, accuracy: float) -> Callable[[], Claim]:
+    """A run of the scene; without an engine by its closed form."""
+    asked = replace(scene, accuracy=accuracy)
 
     def run() -> Claim:
-        motion = checked_states(asked, grid)
-        if motion is None:
+        result = asked.run(engine)
+        if engine is None and result.form is None:
             raise AccuracyError(
                 f"expected accuracy {accuracy:.3g}; the closed form fails its check."
             )
-        return Claim(tabulated(scene.ode, grid, "", motion.states), motion.error)
+        return Claim(result, result.error)
 
     return run
+
+
+def _judged(
+    scene: Scene, judge: Callable[[Any, float], Bounds | None], value: Any, accuracy: float
+) -> Bounds | None:
+    """Bounds of the true error of a run, from the states of its equations."""
+    if isinstance(value, SceneResult):
+        grid = checked_times(scene.times)[1]
+        if value.solved is not None:
+            value = value.solved.trajectory
+        elif value.form is not None:
+            value = tabulated(scene.ode, grid, "", value.form.states(grid))
+    return judge(value, accuracy)

@@ -23,9 +23,9 @@ DIRECTION = (3, 2, 1, 2, 1, 2, 1)
 def first_motion(
     frame: Frame, parameters: Mapping[str, float] = MappingProxyType({})
 ) -> FirstMotion:
-    """The motion chosen for a space of this name, or one from the frame's own sample point.
+    """The motion chosen for a space of this name, or one from the point of the frame's region.
 
-    The sample point is rounded to hundredths where that stays inside the domain. The direction is
+    The point is rounded to hundredths where that stays between the same walls. The direction is
     fixed, of length one, and in a Lorentzian frame timelike. Parameters that are given have these
     values, and the start is inside the resulting domain.
 
@@ -60,33 +60,17 @@ def _first_motion(frame: Frame) -> FirstMotion:
     space = shipped(frame)
     if space is not None and space.motion is not None and _fits(space.motion, frame):
         return space.motion
-    point = {symbol: float(value) for symbol, value in frame.sample_point.items()}
+    region = frame.region
+    point = {symbol: float(value) for symbol, value in region.point.items()}
     rounded = {symbol: round(value, 2) for symbol, value in point.items()}
-    if all(relation.subs(rounded) == sp.true for relation in frame.domain):
+    # Within the box there is no wall.
+    if all(relation.subs(rounded) == sp.true for relation in region.box):
         point = rounded
-    point = _usual(frame, point)
     return FirstMotion(
         tuple(point[symbol] for symbol in frame.coordinates),
         _direction(frame),
         parameters={symbol.name: point[symbol] for symbol in frame.parameters},
     )
-
-
-def _usual(frame: Frame, point: dict[sp.Symbol, float]) -> dict[sp.Symbol, float]:
-    """The point with positive coordinates where this makes coframe entries positive.
-
-    Without a domain, the entries r and sin(theta) of the coframe show that a radius is positive and
-    that theta is between the poles.
-    """
-    plain = {symbol: abs(value) for symbol, value in point.items()}
-    inside = all(relation.subs(plain) == sp.true for relation in frame.domain)
-    if not inside or frame.complex:
-        return point
-    try:
-        here, there = (frame.coframe.at(values).diagonal() for values in (point, plain))
-    except (ArithmeticError, KeyError):
-        return point
-    return plain if (there > 0).sum() > (here > 0).sum() else point
 
 
 def _fits(motion: FirstMotion, frame: Frame) -> bool:

@@ -6,6 +6,7 @@ their finished quantities, and the next call continues from there.
 
 from __future__ import annotations
 
+import sys
 import time
 from traceback import clear_frames, walk_tb
 from typing import TYPE_CHECKING
@@ -140,8 +141,11 @@ def limits(*, seconds: float | None = None, megabytes: float | None = None) -> L
     )
 
 
-def interrupted_work(trace: TracebackType | None) -> tuple[str, str]:
-    """(requested quantity, "; it was at ..." or nothing), from the calls that ended."""
+def interrupted_work(trace: TracebackType | None, *, functions: bool = True) -> tuple[str, str]:
+    """(requested quantity, "; it was at ..." or nothing), from the calls that ended.
+
+    functions: whether exported functions have their names; who types a command knows none.
+    """
     asked, tensors, index = "the work", [], None
     for frame, _ in walk_tb(trace):
         module = frame.f_globals.get("__name__", "")
@@ -151,10 +155,12 @@ def interrupted_work(trace: TracebackType | None) -> tuple[str, str]:
         label = getattr(names.get("self"), "label", None)
         if isinstance(label, str):
             tensors.append(f"{getattr(names['self'], 'name', '')} {label}".strip())
-        elif asked == "the work":
+        elif functions and asked == "the work":
             called = frame.f_code.co_qualname.removesuffix(".__init__")
-            # Only public names, which users know.
-            if not any(part.startswith(("_", "<")) for part in called.split(".")):
+            first, *rest = called.split(".")
+            package = sys.modules[".".join(module.split(".")[:2])]
+            # Only exported names, which users know.
+            if first in getattr(package, "__all__", ()) and not any(x[0] in "_<" for x in rest):
                 asked = called
         place = names.get("representative", names.get("index"))
         if isinstance(place, tuple) and place and all(isinstance(k, int) for k in place):

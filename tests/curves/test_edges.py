@@ -8,7 +8,7 @@ from geomtorsion.curves import autoparallel, geodesic
 from geomtorsion.curves.edges import edges_of
 from geomtorsion.errors import AccuracyError, ChartEdgeError, CoordinateError, StartError
 from geomtorsion.geometry import Frame, cartan
-from geomtorsion.ode import Stiff, Taylor, solve, solve_many
+from geomtorsion.ode import RungeKutta, Stiff, Taylor, solve, solve_many
 from geomtorsion.ode.engines.taylor import is_available
 from tests.ode.engines import ENGINES as EXPLICIT
 from tests.ode.engines import needs_heyoka
@@ -288,3 +288,16 @@ def test_an_irrelevant_sign_adds_no_edge() -> None:
     turned = Frame([t, phi], [[sp.cos(phi), sp.sin(phi)], [-sp.sin(phi), sp.cos(phi)]])
     assert edges_of(turned) == ()
     assert turned.metric.at({"t": -1, "phi": -1})[0, 0] == pytest.approx(1)
+
+
+def test_long_edges_are_shortened():
+    """The error at an edge of thousands of letters shows the beginning and the end of it."""
+    room = sp.expand(1 - x + y * (x + y) ** 60)
+    assert len(str(room)) > 1500
+    frame = Frame([x, y], [[1, 0], [0, 1]], domain=[room > 0])
+    with pytest.raises(ChartEdgeError) as caught:
+        solve(geodesic(frame, [0, 0], [1, 0]), 50.0, engine=RungeKutta())
+    message = str(caught.value)
+    assert "x**59*y" in message or "x**60*y" in message
+    assert "..." in message
+    assert len(message) < 700

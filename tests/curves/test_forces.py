@@ -155,10 +155,10 @@ def test_energy_is_an_invariant_where_it_is_one():
         ({"potential": "B*x*sin(t)"}, False),
     ]
     for forces, conserved in cases:
-        given = {"parameters": {"B": 2}} if "B" in str(forces) else {}
-        solution = gt.solve(gt.autoparallel(line, [1, 0], [0, 3], **forces, **given), 5.0)
+        given = {"B": 2} if "B" in str(forces) else None
+        solution = gt.solve(gt.autoparallel(line, [1, 0], [0, 3], parameters=given, **forces), 5.0)
         assert ("energy" in solution.drift) == conserved
-        assert all(drift < 1e-12 for drift in solution.drift.values())
+        assert all(drift < 100 * solution.error for drift in solution.drift.values())
 
 
 def test_a_monopole_on_the_sphere_conserves_angular_momentum():

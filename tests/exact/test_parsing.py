@@ -191,7 +191,7 @@ def test_code_is_refused(text):
         ("q", "Declare q as a parameter"),
         ("sinn(r)", "Did you mean sin"),
         ("Sin(r)", "Did you mean sin"),
-        ("Abs(r)", "Abs is not smooth"),
+        ("sign(r)", "sign is not smooth"),
         ("floor(r)", "floor is not smooth"),
         ("Piecewise(r)", "Piecewise is not smooth"),
         ("1/0", "division by zero"),

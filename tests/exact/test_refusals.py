@@ -15,7 +15,7 @@ FIELD = Field([x, y, z, m])
 # Without types, for calls that are wrong on purpose.
 parse: Any = parse_expression
 ZERO = sp.sin(x) ** 2 + sp.cos(x) ** 2 - 1
-ENTRIES = [("coframe[0, 0]", x), ("coframe[0, 1]", sp.Abs(z)), ("coframe[1, 1]", y)]
+ENTRIES = [("coframe[0, 0]", x), ("coframe[0, 1]", sp.sign(z)), ("coframe[1, 1]", y)]
 
 REFUSALS = [
     (lambda: FIELD.read(x / m).evaluate({x: 3}), MissingValueError, "m"),

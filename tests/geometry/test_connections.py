@@ -134,3 +134,18 @@ def test_identities_and_plans_show_themselves():
     assert repr(plan) == str(plan)
     assert "<td>christoffel</td>" in plan._repr_html_()
     assert "\\" not in repr(plan)
+
+
+@pytest.mark.parametrize("zero", [0, X])
+def test_a_connection_takes_coefficients_as_nested_lists(zero: Any) -> None:
+    """Lists and arrays are read as by `from_coefficients`; a wrong shape is refused."""
+    flat = gt.Frame([X, Y], sp.eye(2))
+    entries = [[[zero, 0], [Y, 0]], [[0, 0], [0, 0]]]
+    wrong: Any = gt.Connection
+    for values in (entries, sp.Array(entries)):
+        own = wrong(flat, values)
+        assert own.coefficients == gt.from_coefficients(flat, entries).coefficients
+        assert own.torsion.S[0, 1, 0] == Y / 2
+    for values in ([1, 2], 3, None, "Gamma"):
+        with pytest.raises(gt.GeomtorsionError):
+            wrong(flat, values)

@@ -7,9 +7,11 @@ import pickle
 
 import numpy as np
 import pytest
+import scipy.integrate
 import sympy as sp
 
 import geomtorsion as gt
+from geomtorsion.curves import edges_of
 from geomtorsion.errors import (
     CoframeError,
     ConstraintError,
@@ -256,3 +258,120 @@ def test_constraints_in_a_tetrad_file(tmp_path):
     file.write_text(f"{text}constraints = 3\n")
     with pytest.raises(GeomtorsionError, match="expected a list of texts"):
         gt.read(file)
+
+
+def test_a_metric_whose_positivity_depends_on_parameters():
+    """The inequality to declare is named; declared, the connection exists."""
+    x, y, m, k = sp.symbols("x y m k", positive=True)
+    metric = [[m, k], [k, m]]
+    with pytest.raises(MetricError, match=r"domain=\[\.\.\., '-2\*k \+ 2\*m > 0'\]"):
+        gt.constrained(gt.Frame.from_metric([x, y], metric), ["dx + dy"])
+    declared = gt.Frame.from_metric([x, y], metric, domain="-2*k + 2*m > 0")
+    assert gt.constrained(declared, ["dx + dy"]).allowed == (0,)
+
+
+def end_with_multipliers(forms, start, velocity, t, masses=None):
+    """Coordinates at t of a body under forms a_r(q) q' = 0, by d'Alembert with multipliers (scipy).
+
+    masses: a constant kinetic metric; the unit matrix if there is none.
+    """
+    q = sp.symbols("q:4", real=True)
+    rate = sp.symbols("v:4", real=True)
+    rows = sp.Matrix(forms(*q))
+    slope = sum((rows.diff(one) * speed for one, speed in zip(q, rate, strict=True)), 0 * rows)
+    numbers = sp.lambdify((*q, *rate), [rows, slope * sp.Matrix(rate)], modules="numpy")
+    inverse = np.linalg.inv(np.eye(4) if masses is None else masses)
+
+    def rates(_, state):
+        a, b = (np.array(part, dtype=float) for part in numbers(*state))
+        pull = a.T @ np.linalg.solve(a @ inverse @ a.T, -b)
+        return np.concatenate([state[4:], (inverse @ pull).ravel()])
+
+    run = scipy.integrate.solve_ivp(
+        rates, (0, t), [*start, *velocity], method="DOP853", rtol=1e-12, atol=1e-12
+    )
+    return run.y[:4, -1]
+
+
+def two_wheels(x, y, a, b):
+    """Two rows of one-forms with a hidden square in the metric on the permitted velocities."""
+    return [
+        [-sp.sin(a + b), sp.cos(a + b), -sp.cos(b), 0],
+        [-sp.sin(a), sp.cos(a), 1, 0],
+    ]
+
+
+@pytest.mark.parametrize(
+    ("start", "velocity", "t"),
+    [
+        ([0, 0, 0, 0], [1, 0, 0, 1], 6.0),
+        ([0, 0, 0, 0], [2, 0, 0, -1.5], 8.0),
+        ([0.3, -0.2, np.pi / 2, np.pi / 2], [0.4, 0, 0.4, 0.9], 5.0),
+    ],
+)
+def test_motions_cross_points_that_only_the_notation_had(start, velocity, t):
+    """sqrt((cos(b)**2 + 1) p**2) is |p| sqrt(cos(b)**2 + 1): nothing is singular where p = 0."""
+    names = ("x", "y", "a", "b")
+    frame = gt.Frame(" ".join(names), np.eye(4, dtype=int).tolist())
+    forms = two_wheels(*(sp.Symbol(name, real=True) for name in names))
+    wheels = gt.constrained(frame, forms)
+    assert edges_of(wheels.frame) == ()
+    rows = np.array(sp.Matrix(two_wheels(*start)), dtype=float)
+    assert np.abs(rows @ velocity).max() < 1e-12
+    end = gt.solve(gt.autoparallel(wheels, start, velocity), t, 1e-10).coordinates[-1]
+    assert np.abs(end - end_with_multipliers(two_wheels, start, velocity, t)).max() < 1e-8
+
+
+def test_the_motion_of_two_wheels_to_six():
+    """The end to eight digits, of an integration with multipliers by other code."""
+    frame = gt.Frame("x y a b", np.eye(4, dtype=int).tolist())
+    forms = ["-sin(a+b)*dx + cos(a+b)*dy - cos(b)*da", "-sin(a)*dx + cos(a)*dy + da"]
+    motion = gt.autoparallel(gt.constrained(frame, forms), [0, 0, 0, 0], [1, 0, 0, 1])
+    end = gt.solve(motion, 6.0, 1e-10).coordinates[-1]
+    assert np.abs(end - [0.92911619, 1.70560703, -0.02011445, 6]).max() < 1e-8
+
+
+def test_a_skate_on_a_sphere():
+    """dtheta = sin(theta) dphi is a rhumb line at 45 degrees: phi = log(tan(theta/2)) + constant,
+    run with the constant speed sqrt(2) R theta'."""
+    skate = gt.constrained(gt.spaces.load("s2").frame, ["dtheta - sin(theta)*dphi"])
+    assert skate.frame.branches == ()
+    start = [1.0, 0.2]
+    motion = gt.autoparallel(skate, start, [0.5, 0.5 / np.sin(1.0)], parameters={"R": 2.0})
+    theta_end, phi_end = gt.solve(motion, 2.0, 1e-11).coordinates[-1]
+    assert theta_end == pytest.approx(2.0, abs=1e-10)
+    turned = np.log(np.tan(1.0)) - np.log(np.tan(0.5))
+    assert phi_end - 0.2 == pytest.approx(turned, abs=1e-10)
+
+
+@pytest.mark.parametrize("domain", [None, "theta > 0, theta < pi"])
+def test_the_body_of_suslov(domain):
+    """A body with omega_3 = 0 from its kinetic metric in Euler's angles (Suslov 1902):
+    I_1 o_1' = -o_2 (I_13 o_1 + I_23 o_2), I_2 o_2' = o_1 (I_13 o_1 + I_23 o_2)."""
+    psi = sp.Symbol("psi", real=True)
+    rates = sp.Matrix(
+        [
+            [sp.sin(theta) * sp.sin(psi), sp.cos(psi), 0],
+            [sp.sin(theta) * sp.cos(psi), -sp.sin(psi), 0],
+            [sp.cos(theta), 0, 1],
+        ]
+    )
+    half, third = sp.Rational(1, 2), sp.Rational(1, 3)
+    moments = sp.Matrix([[2, 0, half], [0, 3, third], [half, third, 4]])
+    metric = (rates.T * moments * rates).applyfunc(sp.expand).tolist()
+    body = gt.Frame.from_metric([phi, theta, psi], metric, domain=domain)
+    suslov = gt.constrained(body, ["cos(theta)*dphi + dpsi"])
+    omega = sp.lambdify((phi, theta, psi), rates)
+
+    def slopes(_, state):
+        turn = np.linalg.solve(np.array(omega(*state[:3]), dtype=float), [*state[3:], 0])
+        pull = state[3] / 2 + state[4] / 3
+        return [*turn, -state[4] * pull / 2, state[3] * pull / 3]
+
+    start, spin = [0.3, 1.1, 0.4], [0.7, 0.2]
+    run = scipy.integrate.solve_ivp(
+        slopes, (0, 3), [*start, *spin], method="DOP853", rtol=1e-12, atol=1e-12
+    )
+    velocity = slopes(0, [*start, *spin])[:3]
+    end = gt.solve(gt.autoparallel(suslov, start, velocity), 3.0, 1e-10).coordinates[-1]
+    assert np.abs(end - run.y[:3, -1]).max() < 1e-9

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from operator import attrgetter
 
 import pytest
 
@@ -108,3 +109,32 @@ def test_the_superpotential_of_a_general_connection():
         gt.contract("abc,abc->", torsion.T, torsion.superpotential) - torsion.scalar * 2
     ).is_zero
     assert not torsion.superpotential.is_zero
+
+
+@pytest.mark.parametrize("row", TABLE, ids=lambda row: row.name)
+def test_a_docstring_names_the_slots(row: Entry):
+    """Each property names its slots, their kind, and the method that changes the kind."""
+    owners = {
+        "frame": SO3,
+        "cartan": gt.cartan(SO3),
+        "levi_civita": gt.levi_civita(SO3),
+        "connection": gt.cartan(SO3),
+    }
+    owner, tensor = owners[row.of], attrgetter(row.attribute)(owners[row.of])
+    *path, name = row.attribute.split(".")
+    kind = type(attrgetter(".".join(path))(owner) if path else owner)
+    # A field of a class has its line in the docstring of the class.
+    text = " ".join((getattr(kind, name, kind).__doc__ or "").split())
+    if not tensor.slots:
+        assert "rank 0" in text
+        return
+    assert f"slots {tensor.slots}" in text
+    if row.attribute == "coefficients":
+        assert "`spin_connection` has leg slots" in text
+    elif tensor.slots.isupper():
+        assert "Leg slots; in coordinates: `.in_coordinates()`." in text
+        assert tensor.in_coordinates().slots == tensor.slots.lower()
+    else:
+        assert "along the legs: `.in_frame()`." in text
+        assert ("Coordinate slots" in text) == tensor.slots.islower()
+        assert tensor.in_frame().slots == tensor.slots.upper()

@@ -6,16 +6,15 @@ import pytest
 import sympy as sp
 
 from geomtorsion.geometry import Frame
-from geomtorsion.geometry.validation import candidate_points
 
 x, y = sp.symbols("x y", real=True)
 
 
-def test_how_far_a_domain_is_searched() -> None:
-    """The four hundred points of the search reach x y = 270, in a square of side forty."""
-    products = [float(point[x] * point[y]) for point in candidate_points([x, y], [], [])]
-    assert sum(product > 265 for product in products) > 0
-    assert sum(product > 280 for product in products) == 0
+@pytest.mark.parametrize("bound", [10, 10**4, 10**9])
+def test_a_domain_far_from_the_origin_is_reached(bound: int) -> None:
+    """Numbers in the relations are sizes at which points are tried."""
+    point = Frame([x, y], sp.diag(1, 1), domain=[x * y > bound]).region.point
+    assert point[x] * point[y] > bound
 
 
 @pytest.mark.parametrize("sign", ["positive", "negative", "real"])
@@ -25,7 +24,8 @@ def test_whole_numbers_are_sampled(sign: str) -> None:
     frame = Frame([x, y], [[1, 0], [0, n + n * x**2]])
     assert frame.sample_point[n] in ({-1} if sign == "negative" else {1, -1})
     assert frame.metric.at(frame.sample_point)[1, 1] > 0
-    first = next(candidate_points([], [n], [n < 9, n > -9, sp.Ne(n, 1), sp.Ne(n, -1)]))
+    bounds = [n < 9, n > -9, sp.Ne(n, 1), sp.Ne(n, -1)]
+    first = Frame([x], [[1]], parameters=[n], domain=bounds).region.point
     assert abs(first[n]) != 1
     assert first[n].is_integer
 

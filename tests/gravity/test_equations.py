@@ -88,7 +88,10 @@ def test_identities_hold_off_shell(n: int, metric: bool) -> None:
     frame = sample_frame(n, n)
     connection = sample_connection(frame, n + 7, metric=metric)
     names = NAMES if n < 4 else (*NAMES[:-4], "holst", "nieh_yan", "euler", "pontryagin")
+    absent = ("Q", "Q1", "Q2", "Q3", "Q4", "Q5", "U1", "U2", "U3", "R7") if metric else ()
     for name in names:
+        if name in absent:
+            continue
         found = g.equations(connection, name)
         assert [check.holds for check in found.identities()] == [True, True], name
         assert [check.checked for check in found.identities()] == [n, n * (n - 1) // 2]

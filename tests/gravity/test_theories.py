@@ -368,3 +368,69 @@ def test_the_holst_term_changes_no_equation_without_torsion() -> None:
     plain = g.equations(bar, "R")
     assert (found.E - plain.E).is_zero
     assert found.C.is_zero
+
+
+COSMOS = gt.Frame([T, X, Y, Z], sp.diag(1, a, a, a), LORENTZ)
+
+
+def test_both_indices_of_the_coframe_equation_down() -> None:
+    """Einstein's G_ij of a wave: E_ij = -2 G_ij + ..., whose time rows a mixed sum would lose."""
+    u = sp.Function("u")(T, Z)
+    tilted = gt.Frame(
+        [T, X, Y, Z], [[1, u, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], LORENTZ
+    )
+    found = g.equations(gt.levi_civita(tilted), "R")
+    einstein = gt.levi_civita(tilted).curvature.einstein.in_frame()
+    assert (found.E_lower + 2 * einstein).is_zero
+    assert (found.symmetric - found.E_lower).is_zero
+    assert found.E_lower.slots == found.symmetric.slots == "DD"
+    assert found.E[0, 1] + found.E[1, 0] == 0 != found.symmetric[0, 1]
+    bent = g.equations(gt.cartan(tilted), "T1")
+    assert (bent.symmetric + bent.antisymmetric - bent.E_lower).is_zero
+
+
+def test_components_are_readable() -> None:
+    """f(T) and f'(T) in names, also with both indices down, and for matter."""
+    field = g.scalar_field("phi(t)")
+    found = g.equations(gt.cartan(COSMOS), "f(T) + K(X)", field)
+    slot = sp.Symbol("T")
+    first = sp.Derivative(f(slot), slot)
+    assert found.readable("P", 0, 1, 1) == 2 * H * first
+    time = found.readable("E", 0, 0)
+    assert sp.expand(found.readable("E_ij", 0, 0) + time) == 0
+    assert sp.expand(found.readable("E_(ij)", 0, 0) + time) == 0
+    assert time.coeff(first) == -12 * H**2
+    for name, index in (("L", ()), ("phi", ()), ("E_[ij]", (0, 1)), ("E_ij", (1, 1))):
+        assert "Subs" not in str(found.readable(name, *index))
+    with pytest.raises(GravityError, match="name: expected"):
+        found.readable("psi")
+
+
+def test_the_first_order_about_a_solution_only() -> None:
+    """Minkowski solves R, and does not solve R - 2 Lambda; a universe has its own conditions."""
+    small, u = sp.Symbol("epsilon"), sp.Function("u")(T, Z)
+    plane = sp.diag(1, 1 + small * u, 1 - small * u, 1)
+    waves = gt.Frame([T, X, Y, Z], plane, LORENTZ).expanded("epsilon", 1)
+    vacuum = g.equations(gt.levi_civita(waves), "R")
+    assert vacuum.background == {}
+    # The wave equation of a plane wave along z, in the plane across.
+    first = vacuum.order(1)
+    box = sp.diff(u, T, 2) - sp.diff(u, Z, 2)
+    quotient = first["E"][1, 1] / box
+    assert sp.simplify(quotient).is_Rational
+    assert vacuum.order(0)["E"].is_zero
+    dark = g.equations(gt.levi_civita(waves), "R - 2*Lambda")
+    assert dark.background == {"E_1^1": sp.Symbol("Lambda")}
+    assert not dark.order(0)["E"].is_zero
+    with pytest.raises(GravityError, match=r"got E_1\^1 = Lambda at order 0"):
+        dark.order(1)
+    moving = g.equations(gt.levi_civita(tensor_modes(1)), "R")
+    with pytest.raises(GravityError, match="Give a frame whose order 0 is a solution"):
+        moving.order(1)
+    assert not moving.E.order(1).is_zero
+    with pytest.raises(GravityError, match="Expand it first"):
+        _ = g.equations(gt.levi_civita(COSMOS), "R").background
+    field = g.scalar_field(small * u)
+    tense = g.equations(gt.levi_civita(waves), "R - X", field)
+    assert set(tense.order(1)) == {"E", "phi"}
+    assert sp.simplify(tense.order(1)["phi"][()] / box).is_Rational

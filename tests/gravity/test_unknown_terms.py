@@ -108,7 +108,7 @@ def test_without_unknown_functions() -> None:
     free = g.equations(connection, "R + f(T1)")
     assert free.readable("C", 0, 1, 1) == free.written(free.C.element(0, 1, 1))
     with pytest.raises(GeomtorsionError, match="name: expected one of E"):
-        free.readable("Z", 0, 0)
+        free.readable("W", 0, 0)
 
 
 DISTINCT = [

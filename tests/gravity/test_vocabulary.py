@@ -53,7 +53,7 @@ REFUSED = {
     "diff(T, r)": "only unknown functions are differentiated",
     "Sqrt(T)": "got Sqrt(...). Did you mean sqrt?",
     "kretschmann(T)": "got kretschmann(...). Did you mean R1?",
-    "abs(T)": "abs is not smooth",
+    "abs(T)": "got Abs(T), which is not smooth",
     "T + X": "X belongs to a matter field, and none is given",
 }
 

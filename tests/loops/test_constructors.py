@@ -74,7 +74,7 @@ def test_invalid_loops_are_refused() -> None:
     with pytest.raises(LoopError, match=r"does not close: .* \(0, 0, 6.28319\) beside whole"):
         Loop.parametric(["2", "s", "s"], **ROUND)
     with pytest.raises(LoopError, match="does not close"):
-        Loop.parametric(["2", "s", "0"], interval=(0, "2*pi"))
+        burgers_vector(SCREW, Loop.parametric(["2", "s", "0"], interval=(0, "2*pi")))
     half = Loop.parametric(["s", "1 + sin(2*s)/4", "0"], interval=(0, "pi"), periods={0: "pi"})
     for route in (burgers_vector, exact_burgers_vector):
         with pytest.raises(LoopError, match="does not have this period"):

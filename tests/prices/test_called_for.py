@@ -7,6 +7,7 @@
 import json
 import math
 import pickle
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -273,6 +274,56 @@ def test_a_scene_is_chosen_by_the_same_function():
     scene = gt.scenes.load("thrown_body")
     assert gt.called_for(scene, 1e-3).rows == scene.called_for(1e-3).rows
     assert gt.called_for(scene, 1e-3, watch=["omega"]).watch == ("omega",)
+
+
+def test_a_quantity_that_is_small_beside_its_neighbours_has_its_own_size():
+    """All of z = -5e-9 comes from the tilt; the well, which moves x and y, does not matter to z."""
+    plane = gt.Frame("x y z", np.eye(3).astype(int).tolist())
+    forces = {"well": "(x**2 + y**2)/2", "tilt": "z/10000000000"}
+    curve = gt.autoparallel(gt.cartan(plane), [1, 0, 0], [0, 1, 0], potential=forces)
+    budget = gt.called_for(curve, 1e-3, 10.0, watch="z")
+    assert budget.effects == ("tilt",)
+    # Known: z = -t^2 / 2 of 1e-10.
+    assert abs(budget.result["z"][-1] / -5e-9 - 1) <= budget.error
+    assert gt.called_for(curve, 1e-3, 10.0).effects == ("well", "tilt")
+
+
+def test_what_rounding_hides_is_reported():
+    """On the equator u1 is the rounding of pi/2: it counts as zero, and the result reports it."""
+    sphere = gt.levi_civita(gt.spaces.load("s2").frame.subs({"R": 1}))
+    curve = gt.autoparallel(sphere, [HALF_PI, 0], [0, 1], force={"drag": [0, "-u2/10"]})
+    budget = gt.called_for(curve, 1e-3, 3.0, watch=["phi", "u1"])
+    assert budget.effects == ("drag",)
+    assert budget.unresolved == ("u1",)
+    assert "Not resolved: u1" in str(budget)
+    assert budget.to_json()["unresolved"] == ["u1"]
+    assert gt.called_for(curve, 1e-3, 3.0, watch="phi").unresolved == ()
+
+
+def test_a_pulse_that_steps_pass_over_is_not_called_without_influence():
+    """A torque of 0.3 ms in 40 s: no step sees it; the samples between steps do."""
+    pulse = gt.effects.Custom(
+        moment=("A*exp(-((t - 20)/w)**2)", 0, 0), parameters={"A": 5000, "w": 0.0003}
+    )
+    body, start = gt.Body(mass=1, moments=(1, 2, 3)), gt.State(omega=(0, 0.1, 1))
+    scene = gt.Scene(body, [pulse], start, watch=["omega"], t=40, accuracy=1e-6)
+    budget = scene.called_for(1e-3)
+    assert budget.effects == ("custom",)
+    assert "not resolved: it acts near t = 20" in budget["custom"].note
+    # The same torque over seconds is resolved, and has a measured influence.
+    slow = replace(scene, effects=[replace(pulse, parameters={"A": 1, "w": 2})])
+    row = slow.called_for(1e-3)["custom"]
+    assert row.note == ""
+    assert 0.1 < row.influence < math.inf
+
+
+def test_an_exactly_upright_top_needs_its_weight():
+    """At the equilibrium nothing changes; beside it the top falls."""
+    top = gt.scenes.load("lagrange_cusp")
+    upright = gt.State(omega=(0, 0, 1), quaternion=(1, 0, 0, 0))
+    budget = replace(top, start=upright, watch=("axis",)).called_for(1e-3)
+    assert set(budget.effects) == {"gravity", "pivot"}
+    assert "start moved by" in budget["gravity"].note
 
 
 def test_showing():

@@ -239,6 +239,21 @@ def test_a_closed_form_of_a_scene_is_not_judged_by_itself():
     assert 0 < formula.true.high <= 1e-9
 
 
+def test_rows_of_a_scene_are_its_runs():
+    """Each row with an estimate claims the error that `run` reports, in closed form or not."""
+    for name in ("free_symmetric_top", "thrown_body"):
+        scene = gt.scenes.load(name).with_values(t=0.5)
+        table = gt.price(scene, accuracies=[1e-9], engines=QUICK, proofs=[])
+        closed = [row for row in table.rows if row.engine == "closed form"]
+        assert len(closed) == (scene.run().closed_form is not None)
+        asked = replace(scene, accuracy=1e-9)
+        for row in closed:
+            assert row.claimed == asked.run().error
+        for engine in QUICK:
+            (row,) = (row for row in rows_of(table, "estimate") if row.engine == engine.name)
+            assert row.claimed == asked.run(engine).error
+
+
 def test_a_grid_has_a_noise_floor():
     """Without noise the error falls with the spacing; noise is a floor that the list names."""
     loop = gt.Loop.circle([0, 0], 0.6)
@@ -323,6 +338,34 @@ def test_recommendation():
     assert text.startswith("Take A: 1e-11 in 4 s.")
     assert "1e-02 takes 25 % of this time" in text
     assert "a proof to 1e-10 25 times as long" in text
+
+
+def priced(engine: str, certainty: str, seconds: float, **fields: Any) -> PriceRow:
+    """A row at six digits."""
+    way = engine if certainty == "estimate" else f"{engine}, plain"
+    return PriceRow(way, certainty, 1e-6, 1e-6, Bounds(0.0, 1e-7), seconds, engine=engine, **fields)
+
+
+def test_the_plain_run_is_of_the_same_engine():
+    """Not of one whose name begins alike, and of no other where it has none."""
+    long = [priced("Taylor(113)", "estimate", 8.0), priced("Taylor(113), x", "plain", 5.0)]
+    rows = [*long, priced("Taylor", "estimate", 4.0), priced("Taylor", "plain", 1.0)]
+    text = PriceList("a thing", "the truth", tuple(rows)).recommendation
+    assert "Take Taylor: 1e-06 in 4 s" in text
+    assert "a run without error estimate 25 %" in text
+    alone = PriceList("a thing", "the truth", tuple(rows[:3]))
+    assert alone.plain(rows[2]) is None
+    assert "without error estimate" not in alone.recommendation
+
+
+def test_a_way_without_results_has_its_own_reason():
+    """The message quotes the note of that way, not of the first row."""
+    rows = [
+        priced("A", "estimate", math.nan, note="A is too coarse"),
+        priced("B", "estimate", math.nan, note="B has no more digits"),
+    ]
+    with pytest.raises(AccuracyError, match="B has no more digits"):
+        PriceList("a thing", "the truth", tuple(rows)).of("B")
 
 
 def test_csv_holds_every_row():

@@ -10,9 +10,11 @@ from flint import arb
 import geomtorsion as gt
 from geomtorsion.spaces.pair import solve_pair
 from geomtorsion.support.precision import ball_precision
+from tests.ode.engines import needs_heyoka
 from tests.proofs.campaign import FAMILIES, campaign
 
 
+@needs_heyoka
 @pytest.mark.parametrize("seed", [1])
 def test_one_motion_of_each_family(seed):
     """Each motion is proved, and its error holds."""
@@ -124,6 +126,7 @@ def test_long_numbers_are_judged_as_such():
     assert proof.error < 1e-24
 
 
+@needs_heyoka
 def test_a_motion_without_rates_stays():
     """An equilibrium at zero or elsewhere is not reported as wrong."""
     for start in ([0, 0], [math.pi, 0]):
@@ -182,7 +185,11 @@ def test_a_wrong_chart_map_would_be_seen(monkeypatch):
     assert gt.prove(solution).holds is False
 
 
-@pytest.mark.parametrize("engine", [None, gt.RungeKutta()], ids=["default", "Runge-Kutta"])
+@pytest.mark.parametrize(
+    "engine",
+    [pytest.param(None, marks=needs_heyoka), gt.RungeKutta()],
+    ids=["default", "Runge-Kutta"],
+)
 def test_a_proof_sees_what_no_step_saw(engine):
     """A bump much narrower than a step: the reported error is too small, and the proof finds it."""
     problem = gt.ODE.of({"x": "1 + exp(-(500*(y - 20.2))**2)", "y": 1}, {"x": 0, "y": 0.3})

@@ -247,7 +247,7 @@ def test_mistakes_in_the_form(read, text, message):
         ("\"__import__('os').getcwd()\"", "expressions are not code"),
         ('"r.real"', "expressions have no attributes"),
         ('"[r for r in phi]"', "square brackets"),
-        ('"Abs(r)"', "Abs is not smooth"),
+        ('"sign(r)"', "sign is not smooth"),
         ('"1/0"', "division by zero"),
         ('"r +"', "missing after"),
         ('"I*r"', "complex"),

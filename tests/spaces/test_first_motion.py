@@ -32,9 +32,13 @@ def test_a_domain_decides():
     assert first_motion(frame).start[0] < 0
 
 
-def test_plain_coordinates_keep_their_signs():
-    """Where signs do not matter, the sample point is used."""
-    assert min(first_motion(gt.spaces.load("sol").frame).start) < 0
+def test_the_start_is_the_point_of_the_region():
+    """A start is positive where signs do not matter, and rounded to hundredths."""
+    frame = gt.spaces.load("sol").frame
+    start = first_motion(frame).start
+    point = [float(frame.region.point[s]) for s in frame.coordinates]
+    assert start == tuple(round(x, 2) for x in point)
+    assert min(start) > 0
 
 
 @pytest.mark.parametrize(

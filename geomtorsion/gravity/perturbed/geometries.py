@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 from itertools import product
 
 import sympy as sp
@@ -17,7 +17,7 @@ from geomtorsion.geometry import (
     from_spin_connection,
     levi_civita,
 )
-from geomtorsion.gravity.lagrangian import Lagrangian
+from geomtorsion.gravity.lagrangian import Lagrangian, known_as
 from geomtorsion.gravity.matter import MatterField, maxwell, scalar_field
 from geomtorsion.support import checks
 
@@ -144,6 +144,21 @@ def geometry_of(lagrangian: object, name: object) -> str:
             )
         return OF_THEORY.get(lagrangian.geometry, lagrangian.geometry)
     return checks.choice(name, tuple(GEOMETRIES), "geometry", GravityError)
+
+
+def theory_in(lagrangian: object, name: str) -> Lagrangian:
+    """A theory; one given as text belongs to the geometry of that name."""
+    theory = known_as(lagrangian)
+    if isinstance(lagrangian, Lagrangian):
+        return theory
+    return replace(theory, geometry=GEOMETRIES[name].theory)
+
+
+def names_of(scalars: str | Iterable[str]) -> list[str]:
+    """Names of scalar fields from one text or a list."""
+    if isinstance(scalars, str):
+        return scalars.replace(",", " ").split()
+    return [str(one) for one in checks.entries(scalars, "scalars", GravityError)]
 
 
 def small_frame() -> tuple[Frame, list[Component]]:

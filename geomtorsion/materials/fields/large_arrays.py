@@ -57,6 +57,13 @@ class LargeArray:
                 f"source: expected the shape (rows, columns, N_1, N_2, ...), got {sizes}. Give the "
                 "coframe at each node."
             )
+        # A thin sheet has one column more than its grid has axes.
+        if sizes[1] > max(3, len(sizes) - 2):
+            raise GridError(
+                f"source: expected {len(sizes) - 2} columns, one for each axis of the grid, got "
+                f"{sizes[1]} in the shape {sizes}. The axes of the grid are the last ones: "
+                "numpy.moveaxis puts them there."
+            )
         if 0 in sizes:
             raise GridError(f"source: expected one node or more along each axis, got {sizes}.")
         # Keep the path and open it again for each read; a mapped array would be copied to workers.

@@ -522,7 +522,9 @@ class Taylor:
                 return np.concatenate(rows), "beyond", steps, longest, ""
             moved = abs(float(integrator.time - before))
             refuse(moved / at_once, float(integrator.time))
-            if moved < STANDSTILL * abs(float(grid[-1] - grid[0])):
+            # Steps may also be too small to reach the next sample after the time has rounded to it.
+            at_sample = integrator.time == grid[done]
+            if at_sample or moved < STANDSTILL * abs(float(grid[-1] - grid[0])):
                 return np.concatenate(rows), "stuck", steps, longest, "the steps became too small"
             if steps > self.max_steps:
                 advice = "Ask for less accuracy or time, use engine=Stiff(), or raise max_steps."

@@ -5,23 +5,10 @@ values: a number, a whole number, a truth value, an expression; limits of their 
 lists: a list of a length, several numbers, truth values, an array of a shape.
 """
 
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from geomtorsion.errors import LONGEST_SHOWN
-from geomtorsion.support.checks.lists import (
-    LARGEST_ARRAYS,
-    MEASURABLE,
-    array,
-    check_one_each,
-    check_room,
-    entries,
-    flags,
-    indices,
-    is_list,
-    measured,
-    numbers,
-    rows,
-    unmasked,
-    whole_array,
-)
 from geomtorsion.support.checks.names import (
     GREEK,
     KNOWN_IDENTITIES,
@@ -43,29 +30,47 @@ from geomtorsion.support.checks.names import (
     table,
     text,
 )
-from geomtorsion.support.checks.values import (
-    DECLARED,
-    LARGEST_ARGUMENT,
-    LargestArgument,
-    against,
-    check_constant,
-    check_declared,
-    count,
-    exact_number,
-    exponent_too_large,
-    expression,
-    flag,
-    fraction,
-    not_negative,
-    number,
-    plain,
-    positive,
-    rational,
-    real,
-    repr_fraction,
-    too_large,
-    whole,
-)
+
+if TYPE_CHECKING:
+    from geomtorsion.support.checks.lists import (
+        LARGEST_ARRAYS,
+        MEASURABLE,
+        array,
+        check_one_each,
+        check_room,
+        entries,
+        flags,
+        indices,
+        is_list,
+        measured,
+        numbers,
+        rows,
+        unmasked,
+        whole_array,
+    )
+    from geomtorsion.support.checks.values import (
+        DECLARED,
+        LARGEST_ARGUMENT,
+        LargestArgument,
+        against,
+        check_constant,
+        check_declared,
+        count,
+        exact_number,
+        exponent_too_large,
+        expression,
+        flag,
+        fraction,
+        not_negative,
+        number,
+        plain,
+        positive,
+        rational,
+        real,
+        repr_fraction,
+        too_large,
+        whole,
+    )
 
 __all__ = [
     "DECLARED",
@@ -124,3 +129,16 @@ __all__ = [
     "whole",
     "whole_array",
 ]
+
+
+# Checkers of types know all names from above; with this they would take any name.
+if not TYPE_CHECKING:
+
+    def __getattr__(name: str) -> Any:
+        """A converter of values or lists: both load sympy, for which no help text waits."""
+        for module in ("values", "lists") if name in __all__ else ():
+            loaded = import_module(f"{__name__}.{module}")
+            if hasattr(loaded, name):
+                found = globals()[name] = getattr(loaded, name)
+                return found
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

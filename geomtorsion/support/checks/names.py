@@ -14,8 +14,6 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar
 
-import sympy as sp
-
 from geomtorsion.errors import LONGEST_SHOWN, ArgumentError, GeomtorsionError
 
 ErrorClass = type[GeomtorsionError]
@@ -105,7 +103,7 @@ def known_name(
 There are omega.
     """
     words = list(known)
-    name = str(name) if isinstance(name, sp.Symbol) else name
+    name = str(name) if _is_symbol(name) else name
     if isinstance(name, str) and name in words:
         return name
     choices = f"{did_you_mean(name, words)}There are {', '.join(words) or 'none'}."
@@ -124,6 +122,7 @@ def known_keys(
 
     Examples
     --------
+    >>> import sympy as sp
     >>> from geomtorsion.errors import StartError
     >>> known_keys({sp.Symbol("M"): 1}, ["M", "a"], "parameters", StartError)
     {'M': 1}
@@ -156,6 +155,7 @@ def by_name(values: object, subject: str, error: ErrorClass = ArgumentError) -> 
 
     Examples
     --------
+    >>> import sympy as sp
     >>> by_name({sp.Symbol("M"): 1, "a": 2}, "at")
     {'M': 1, 'a': 2}
     >>> by_name({sp.Symbol("M"): 1, "M": 2}, "at")
@@ -208,6 +208,7 @@ def instance(
 
     Examples
     --------
+    >>> import sympy as sp
     >>> instance([1], sp.Symbol, "symbol")
     Traceback (most recent call last):
     geomtorsion.errors.ArgumentError: symbol: expected a Symbol, got [1].
@@ -385,4 +386,14 @@ def _joined(text: str) -> str:
 
 def _written(key: object) -> str:
     """A key as text, with the assumptions of a symbol."""
-    return cut(sp.srepr(key)) if isinstance(key, sp.Symbol) else shown(key)
+    if not _is_symbol(key):
+        return shown(key)
+    # Whoever has a symbol has loaded sympy; help texts do not wait for it.
+    from sympy import srepr
+
+    return cut(srepr(key))
+
+
+def _is_symbol(value: object) -> bool:
+    """Whether a value is a symbol of sympy."""
+    return getattr(value, "is_Symbol", False) is True

@@ -37,7 +37,7 @@ def read_typed(
     True
     """
     if NOT_SMOOTH.keys() & set(re.findall(r"\w+", text)):
-        # An answer may have an absolute value, a frame may not: the parser refuses it.
+        # An answer may have steps, a frame may not: the parser refuses them.
         return parse_expression(text, symbols, functions, where=where, limits=LIMITS)
     return notation.read_typed(
         text.strip() or "0", symbols, where, LIMITS, functions, decimals=False

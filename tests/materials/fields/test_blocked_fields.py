@@ -244,6 +244,9 @@ def test_anything_but_a_field_is_refused(tmp_path):
     np.save(tmp_path / "unknown.npy", np.full((2, 2, 30, 30), np.nan))
     with pytest.raises(GridError, match="sigma: expected rows of seven known nodes"):
         open_in_blocks(tmp_path / "unknown.npy")
+    np.save(tmp_path / "turned.npy", np.moveaxis(values(), (0, 1), (2, 3)))
+    with pytest.raises(GridError, match="expected 2 columns, one for each axis of the grid, got"):
+        open_in_blocks(tmp_path / "turned.npy")
     np.save(tmp_path / "infinite.npy", np.where(values() > 1, np.inf, values()))
     with pytest.raises(GridError, match="got infinity at node"):
         open_in_blocks(tmp_path / "infinite.npy")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import sympy as sp
@@ -12,15 +12,17 @@ from geomtorsion.errors import GravityError
 from geomtorsion.exact import parse_expression
 from geomtorsion.gravity.equations import equations
 from geomtorsion.gravity.invariants import Invariant
-from geomtorsion.gravity.lagrangian import Lagrangian, known_as
+from geomtorsion.gravity.lagrangian import Lagrangian
 from geomtorsion.gravity.perturbed.blocks import VARIABLE, Block, Waves
 from geomtorsion.gravity.perturbed.conditions import all_positive, positive_part, positive_roots
 from geomtorsion.gravity.perturbed.geometries import (
     GEOMETRIES,
     Component,
     geometry_of,
+    names_of,
     small_frame,
     small_matter,
+    theory_in,
 )
 from geomtorsion.gravity.perturbed.sectors import Sector, helicities, spins
 from geomtorsion.support import checks
@@ -337,11 +339,11 @@ def spectrum(
     name = geometry_of(lagrangian, geometry)
     kind = GEOMETRIES[name]
     frame, fields = small_frame()
-    matter, more = small_matter(_names(scalars), checks.count(vectors, "vectors", GravityError, 0))
+    matter, more = small_matter(
+        names_of(scalars), checks.count(vectors, "vectors", GravityError, 0)
+    )
     components = [*fields, *kind.fields, *more]
-    theory = known_as(lagrangian)
-    if not isinstance(lagrangian, Lagrangian):
-        theory = replace(theory, geometry=kind.theory)
+    theory = theory_in(lagrangian, name)
     system = equations(
         kind.connection(frame), theory, matter, constants=constants, invariants=invariants
     )
@@ -354,9 +356,3 @@ def spectrum(
         )
     operator = system.operator([one.function for one in components])
     return Spectrum(theory, name, Waves.of(operator, {}), tuple(components))
-
-
-def _names(scalars: str | Iterable[str]) -> list[str]:
-    if isinstance(scalars, str):
-        return scalars.replace(",", " ").split()
-    return [str(one) for one in checks.entries(scalars, "scalars", GravityError)]

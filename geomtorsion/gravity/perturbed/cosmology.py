@@ -1,0 +1,216 @@
+"""Cosmology: gravitational waves on a cosmos of any theory, exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import sympy as sp
+
+from geomtorsion.errors import GravityError
+from geomtorsion.exact import Element, Truncated, linear_parts
+from geomtorsion.geometry import Frame, Tensor
+from geomtorsion.gravity.equations import FieldEquations, equations
+from geomtorsion.gravity.invariants import Invariant
+from geomtorsion.gravity.lagrangian import Lagrangian
+from geomtorsion.gravity.matter import scalar_field
+from geomtorsion.gravity.perturbed.geometries import (
+    ETA,
+    GEOMETRIES,
+    SMALL,
+    T,
+    X,
+    Y,
+    Z,
+    geometry_of,
+    names_of,
+    theory_in,
+)
+from geomtorsion.support.caching import cached_property
+
+# Geometries without a connection of its own equation.
+WITHOUT_CONNECTION = ("riemannian", "teleparallel", "symmetric teleparallel")
+# The logarithm of the scale factor, and the rate of expansion.
+N = sp.Function("N")(T)
+H = sp.Function("H")(T)
+WAVE = sp.Function("h")(T, Z)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class TensorModes:
+    """Gravitational waves on a flat cosmos: M^2 (h'' + friction h' - (c_T/a)^2 h_zz + m^2 h) = 0.
+
+    H(t) is the rate of expansion, a'/a. Functions such as f(T) stay unknown.
+
+    equations: field equations of the cosmos with the wave, at first order.
+
+    Examples
+    --------
+    >>> from geomtorsion.gravity import perturbed
+    >>> waves = perturbed.tensor_modes("f(T)", "teleparallel")
+    >>> waves.speed2, waves.kinetic
+    (1, -2*Derivative(f(T), T))
+    """
+
+    equations: FieldEquations
+
+    def check(self) -> None:
+        """Refuse waves of another order in time than two."""
+        orders = self._parts.keys()
+        if (2, 0) not in orders or orders - {(2, 0), (1, 0), (0, 2), (0, 0)}:
+            raise GravityError(
+                "tensor_modes: expected waves of second order in time, got derivatives of order "
+                f"{max((sum(k) for k in orders), default=0)}. List the particles with "
+                "perturbed.spectrum."
+            )
+
+    @cached_property
+    def _tensor(self) -> Tensor:
+        """E, or M where the connection is flat and without torsion; last index up."""
+        if self.equations.connections[0].kind in ("levi-civita", "cartan"):
+            return self.equations.E
+        return self.equations.M.raised(1)
+
+    @cached_property
+    def _parts(self) -> dict[tuple[int, int], Element]:
+        """Order in t and in z -> coefficient."""
+        tensor = self._tensor
+        one, two = tensor.element(1, 1), tensor.element(2, 2)
+        assert isinstance(one, Truncated)
+        assert isinstance(two, Truncated)
+        parts = linear_parts(one.parts[1] - two.parts[1], [WAVE])
+        return {(k[0], k[1]): x for (_, k), x in parts.items()}
+
+    def _written(self, element: Element) -> sp.Expr:
+        """An element with H for the derivative of N."""
+        expression = self.equations.written(element)
+        places = sorted(expression.atoms(sp.Derivative), key=lambda x: -x.derivative_count)
+        rates = {x: H.diff(T, x.derivative_count - 1) for x in places if x.expr == N}
+        # Functions of an invariant are taken at order zero, f(T_0), which is all there is here.
+        zero = {x: sp.Symbol(x.name[:-2]) for x in expression.free_symbols if x.name[-2:] == "_0"}
+        return sp.factor(expression.xreplace(rates).xreplace(zero))
+
+    def _part(self, t: int, z: int) -> Element:
+        return self._parts.get((t, z), self.equations.E.order(0).frame.field.zero)
+
+    @cached_property
+    def kinetic(self) -> sp.Expr:
+        """The square of the effective Planck mass M^2, 1 for L = R/2; negative for a ghost."""
+        is_metric_equation = self._tensor is not self.equations.E
+        # The kinetic factor of L = R/2 is -2 in E and -1 in M.
+        return self._written(-self._part(2, 0) / (1 if is_metric_equation else 2))
+
+    @cached_property
+    def speed2(self) -> sp.Expr:
+        """The square of the speed of the waves, c_T^2."""
+        scale = self.equations.E.order(0).frame.field.read(sp.exp(2 * N))
+        return self._written(-self._part(0, 2) * scale / self._part(2, 0))
+
+    @cached_property
+    def friction(self) -> sp.Expr:
+        """The factor of h': 3 H + d ln M^2 / dt."""
+        return self._written(self._part(1, 0) / self._part(2, 0))
+
+    @cached_property
+    def mass2(self) -> sp.Expr:
+        """The square of the mass of the waves."""
+        return self._written(self._part(0, 0) / self._part(2, 0))
+
+    @cached_property
+    def alpha_M(self) -> sp.Expr:
+        """d ln M^2 / d ln a, the running of the Planck mass (Bellini and Sawicki 2014)."""
+        rate = self.equations.E.order(0).frame.field.read(N.diff(T))
+        kinetic = self._part(2, 0)
+        return self._written(kinetic.diff(T) / (kinetic * rate))
+
+    @cached_property
+    def alpha_T(self) -> sp.Expr:
+        """c_T^2 - 1, the excess of the speed of the waves."""
+        return sp.factor(self.speed2 - 1)
+
+    @property
+    def equation(self) -> sp.Eq:
+        """The wave equation for h(t, z)."""
+        scale = sp.Function("a")(T)
+        left = WAVE.diff(T, 2) + self.friction * WAVE.diff(T)
+        left += self.mass2 * WAVE - self.speed2 / scale**2 * WAVE.diff(Z, 2)
+        return sp.Eq(left, 0)
+
+    def __str__(self) -> str:
+        lines = [
+            f"gravitational waves of {self.equations.lagrangian!r}",
+            f"M^2 = {self.kinetic}",
+            f"c_T^2 = {self.speed2}",
+            f"friction = {self.friction}",
+            f"alpha_M = {self.alpha_M}, alpha_T = {self.alpha_T}",
+        ]
+        if self.mass2 != 0:
+            lines.append(f"m^2 = {self.mass2}")
+        return "\n".join(lines)
+
+    __repr__ = __str__
+
+    def _repr_latex_(self) -> str:
+        """The wave equation, for notebooks."""
+        return f"${sp.latex(self.equation)}$"
+
+
+def tensor_modes(
+    lagrangian: Lagrangian | str | sp.Expr,
+    geometry: str | None = None,
+    *,
+    scalars: str | Iterable[str] = (),
+    constants: str | sp.Symbol | Iterable[str | sp.Symbol] = (),
+    invariants: Invariant | Iterable[Invariant] = (),
+) -> TensorModes:
+    """Gravitational waves on a flat cosmos of a theory, exactly, for any expansion.
+
+    Equation
+    --------
+    e^i = a (dx^i + epsilon h_ij dx^j), h_ij = h(t, z) diag(1, -1, 0): first order of E_1^1 - E_2^2.
+
+    Parameters
+    ----------
+    lagrangian
+        As in `gravity.equations`; functions such as f(R) stay unknown.
+    geometry
+        "riemannian", "teleparallel" or "symmetric teleparallel". A `gravity.Lagrangian` knows its
+        own.
+    scalars
+        Names of scalar fields that depend on the time, "phi".
+    constants, invariants
+        As in `gravity.equations`.
+
+    Raises
+    ------
+    GravityError
+        The waves obey an equation of higher order, or the connection has an equation of its own.
+
+    Examples
+    --------
+    The speed of waves with the term of Gauss and Bonnet (Kobayashi et al. 2011).
+
+    >>> from geomtorsion.gravity import perturbed
+    >>> perturbed.tensor_modes("R/2 - X/2 + c*phi*GB", "riemannian", scalars="phi").speed2
+    (8*c*Derivative(phi(t), (t, 2)) + 1)/(8*c*H(t)*Derivative(phi(t), t) + 1)
+    """
+    name = geometry_of(lagrangian, geometry)
+    if name not in WITHOUT_CONNECTION:
+        raise GravityError(
+            f"tensor_modes: expected a geometry of {', '.join(WITHOUT_CONNECTION)}, got {name}. "
+            "Waves of the connection are listed by perturbed.spectrum."
+        )
+    scale = sp.exp(N)
+    rows = sp.diag(1, scale * (1 + SMALL * WAVE), scale * (1 - SMALL * WAVE), scale)
+    frame = Frame([T, X, Y, Z], rows, signature=ETA, parameters=[SMALL]).expanded(SMALL, 1)
+    matter = [
+        scalar_field(sp.Function(one)(T), None if one == "phi" else one)
+        for one in names_of(scalars)
+    ]
+    connection = GEOMETRIES[name].connection(frame)
+    theory = theory_in(lagrangian, name)
+    modes = TensorModes(
+        equations(connection, theory, matter, constants=constants, invariants=invariants)
+    )
+    modes.check()
+    return modes

@@ -1,0 +1,270 @@
+"""Post-Newtonian: the field of a mass at rest to second order, in any theory."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import sympy as sp
+
+from geomtorsion.errors import GravityError
+from geomtorsion.exact import Element
+from geomtorsion.geometry import Frame
+from geomtorsion.gravity.equations import FieldEquations, equations
+from geomtorsion.gravity.invariants import Invariant
+from geomtorsion.gravity.lagrangian import Lagrangian
+from geomtorsion.gravity.matter import scalar_field
+from geomtorsion.gravity.perturbed.cosmology import WITHOUT_CONNECTION
+from geomtorsion.gravity.perturbed.geometries import (
+    ETA,
+    GEOMETRIES,
+    SMALL,
+    T,
+    X,
+    Y,
+    Z,
+    geometry_of,
+    names_of,
+    theory_in,
+)
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+
+# Wave number, and first and second order of the lapse, the lengths and the scalar fields.
+K = sp.Symbol("k")
+LENGTH, LAPSE2, LENGTH2 = sp.symbols("length lapse2 length2")
+# A place outside of the mass where r = 1.
+PLACE = {X: sp.Rational(2, 3), Y: sp.Rational(1, 3), Z: sp.Rational(2, 3)}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PostNewtonian:
+    """Field of a mass at rest: g_tt = -(1 - 2 U + 2 beta U^2), g_ij = (1 + 2 gamma U) delta_ij.
+
+    lagrangian: the theory.
+    build: (potential, order) -> the equations of a static field with this potential.
+    scalars: names of the scalar fields.
+
+    Examples
+    --------
+    >>> from geomtorsion.gravity import perturbed
+    >>> weak = perturbed.post_newtonian("T + c*T**2", "teleparallel")
+    >>> weak.gamma, weak.beta
+    (1, 1)
+    """
+
+    lagrangian: Lagrangian
+    build: Callable[[sp.Expr, int], FieldEquations]
+    scalars: tuple[str, ...]
+
+    # -- first order -----------------------------------------------------------------------------
+
+    @cached_property
+    def _wave(self) -> tuple[dict[sp.Symbol, sp.Expr], sp.Expr]:
+        """First-order values for a wave exp(i k x) of unit potential, and its mass density."""
+        rate = sp.Symbol("rate")
+        wave = sp.exp(rate * (X + 2 * Y + 2 * Z) / 3)
+        system = self.build(wave, 1)
+        turn = {X: 0, Y: 0, Z: 0}
+        rows = [x.sympy.subs(turn) for x in _rows(system, 1)]
+        unknowns = [LENGTH, *self._strengths]
+        (values,) = sp.linsolve(rows, unknowns) or [()]
+        if not values or {*unknowns} & set().union(*(x.free_symbols for x in values)):
+            raise GravityError(
+                "post_newtonian: expected equations that determine the field of a mass, got "
+                f"{'several fields' if values else 'no field'} for {self.lagrangian!r}. A static "
+                "field of this theory needs more components."
+            )
+        # The energy density of L = R/2 is 2 k^2 in E and k^2 in M.
+        density = _component(system, 1, (0, 0)).sympy.subs(turn) / _weight(system)
+        solved = dict(zip(unknowns, values, strict=True))
+        real = {rate: sp.I * K}
+        first = {x: sp.factor(value.subs(real)) for x, value in solved.items()}
+        return first, sp.factor(density.subs(solved).subs(real) / K**2)
+
+    @property
+    def _strengths(self) -> list[sp.Symbol]:
+        return [sp.Symbol(f"{name}_1") for name in self.scalars]
+
+    @cached_property
+    def gamma_of_k(self) -> sp.Expr:
+        """gamma for a wave of the potential with the wave number k."""
+        return self._wave[0][LENGTH]
+
+    @cached_property
+    def G_of_k(self) -> sp.Expr:
+        """Strength of the attraction for a wave number k; 1 for L = R/2."""
+        return sp.factor(1 / self._wave[1])
+
+    def _check_massless(self) -> None:
+        if not self.gamma_of_k.has(K) and not self.G_of_k.has(K):
+            return
+        # Both parts of the field have the poles of the propagator: k^2 = -m^2.
+        lengths = sp.factor(self.G_of_k * self.gamma_of_k)
+        bottoms = sp.denom(lengths) * sp.denom(self.G_of_k)
+        factors = [f for f, _ in sp.factor_list(bottoms)[1] if f.has(K)]
+        masses = [sp.factor(-x) for f in factors for x in sp.roots(sp.Poly(f.subs(K**2, K), K))]
+        listed = ", ".join(f"m^2 = {x}" for x in masses)
+        raise GravityError(
+            f"post_newtonian: expected massless fields, got a field with {listed or 'a mass'}. Use "
+            f"gamma_of_k = {self.gamma_of_k} and G_of_k for a wave number k."
+        )
+
+    @property
+    def gamma(self) -> sp.Expr:
+        """Curvature of space per mass; 1 in general relativity.
+
+        Raises
+        ------
+        GravityError
+            A field has a mass, so that gamma depends on the distance.
+        """
+        self._check_massless()
+        return self.gamma_of_k
+
+    @property
+    def G(self) -> sp.Expr:
+        """Newton's constant of an experiment of Cavendish, in units in which L = R/2 has 1."""
+        self._check_massless()
+        return self.G_of_k
+
+    # -- second order ----------------------------------------------------------------------------
+
+    @cached_property
+    def beta(self) -> sp.Expr:
+        """How gravity adds to itself in g_tt; 1 in general relativity.
+
+        Raises
+        ------
+        GravityError
+            A field has a mass, or no field 1/r solves the second order outside of a mass.
+        """
+        self._check_massless()
+        system = self.build(1 / sp.sqrt(X**2 + Y**2 + Z**2), 2)
+        known = self._wave[0]
+        rows = [sp.factor(x.sympy.subs(PLACE).subs(known)) for x in _rows(system, 2)]
+        rows.append(sp.factor(_component(system, 2, (0, 0)).sympy.subs(PLACE).subs(known)))
+        unknowns = [LAPSE2, LENGTH2, *(sp.Symbol(f"{name}_2") for name in self.scalars)]
+        (values,) = sp.linsolve([x for x in rows if x != 0], unknowns) or [()]
+        if not values or values[0].free_symbols & {*unknowns}:
+            raise GravityError(
+                "post_newtonian: expected a second order 1/r^2 of the field of a mass, got "
+                f"{'several' if values else 'none'} for {self.lagrangian!r}. Use gamma."
+            )
+        return sp.factor(sp.Rational(1, 2) + values[0])
+
+    def __str__(self) -> str:
+        lines = [f"field of a mass at rest in {self.lagrangian!r}"]
+        try:
+            lines.append(f"gamma = {self.gamma}, beta = {self.beta}, G = {self.G}")
+        except GravityError:
+            lines.append(f"gamma(k) = {self.gamma_of_k}, G(k) = {self.G_of_k}")
+        return "\n".join(lines)
+
+    __repr__ = __str__
+
+
+def _weight(system: FieldEquations) -> int:
+    """2 for the coframe equation, 1 for the metric equation."""
+    return 2 if system.connections[0].kind in ("levi-civita", "cartan") else 1
+
+
+def _component(system: FieldEquations, order: int, index: tuple[int, ...]) -> Element:
+    """A component of the equation of coframe or metric, last index up."""
+    tensor = system.E if _weight(system) == 2 else system.M.raised(1)
+    return tensor.order(order).element(*index)
+
+
+def _rows(system: FieldEquations, order: int) -> Iterator[Element]:
+    """Equations without a source: the coframe equation except its energy, and the scalar fields."""
+    for i in range(4):
+        for j in range(4):
+            if (i, j) != (0, 0):
+                yield _component(system, order, (i, j))
+    for tensor in system.matter_equations.values():
+        yield tensor.order(order).element()
+
+
+def post_newtonian(
+    lagrangian: Lagrangian | str | sp.Expr,
+    geometry: str | None = None,
+    *,
+    scalars: str | Iterable[str] = (),
+    far: Mapping[str, object] | None = None,
+    constants: str | sp.Symbol | Iterable[str | sp.Symbol] = (),
+    invariants: Invariant | Iterable[Invariant] = (),
+) -> PostNewtonian:
+    """Field of a mass at rest to second order: gamma, beta and Newton's constant of a theory.
+
+    The mass is dust that couples to the metric. A scalar field phi has the value phi0 far away.
+
+    Equation
+    --------
+    e^0 = (1 - U + (beta - 1/2) U^2) dt, e^i = (1 + gamma U + ...) dx^i, with a harmonic U outside.
+    [Will, Theory and Experiment in Gravitational Physics]
+
+    Parameters
+    ----------
+    lagrangian, geometry, constants, invariants
+        As in `tensor_modes`.
+    scalars
+        Names of scalar fields, "phi".
+    far
+        Values of scalar fields far away, {"phi": 1}; without them symbols, phi0.
+
+    Raises
+    ------
+    GravityError
+        Flat space does not solve the equations, or a static field needs more components.
+
+    Examples
+    --------
+    Brans and Dicke: gamma = (1 + omega)/(2 + omega).
+
+    >>> from geomtorsion.gravity import perturbed
+    >>> theory = perturbed.post_newtonian("phi*R/2 - om*X/(2*phi)", "riemannian", scalars="phi")
+    >>> theory.gamma, theory.beta
+    ((om + 1)/(om + 2), 1)
+    """
+    name = geometry_of(lagrangian, geometry)
+    if name not in WITHOUT_CONNECTION:
+        raise GravityError(
+            f"post_newtonian: expected a geometry of {', '.join(WITHOUT_CONNECTION)}, got {name}. "
+            "List its particles with perturbed.spectrum."
+        )
+    fields = tuple(names_of(scalars))
+    theory = theory_in(lagrangian, name)
+    values_far = {}
+    for one, value in (far or {}).items():
+        checks.known_name(one, fields, "scalar field", GravityError)
+        values_far[one] = checks.expression(value, f"far[{one}]", GravityError)
+
+    def build(potential: sp.Expr, order: int) -> FieldEquations:
+        """Equations of a static field with this potential."""
+        lapse, length = -potential, LENGTH * potential
+        values = {one: sp.Symbol(f"{one}_1") * potential for one in fields}
+        small: Sequence[sp.Expr] = [SMALL * lapse, SMALL * length]
+        if order == 2:
+            square = SMALL**2 * potential**2
+            small = [small[0] + LAPSE2 * square, small[1] + LENGTH2 * square]
+        rows = sp.diag(1 + small[0], *(3 * [1 + small[1]]))
+        symbols = [SMALL, LENGTH, LAPSE2, LENGTH2, sp.Symbol("rate")]
+        symbols += [sp.Symbol(f"{one}{end}") for one in fields for end in ("0", "_1", "_2")]
+        frame = Frame([T, X, Y, Z], rows, signature=ETA, parameters=symbols)
+        matter = []
+        for one in fields:
+            value = values_far.get(one, sp.Symbol(f"{one}0")) + SMALL * values[one]
+            if order == 2:
+                value += SMALL**2 * sp.Symbol(f"{one}_2") * potential**2
+            matter.append(scalar_field(value, None if one == "phi" else one))
+        connection = GEOMETRIES[name].connection(frame.expanded(SMALL, order))
+        return equations(connection, theory, matter, constants=constants, invariants=invariants)
+
+    first = build(sp.exp(X), 1)
+    for index, x in sorted(first.E.order(0).components.nonzero.items()):
+        raise GravityError(
+            f"post_newtonian: expected a theory that flat space solves, got E_{index[0]}{index[1]}"
+            f" = {x} there. Omit the cosmological constant, or give the values of scalar fields "
+            "far away: far={'phi': 1}."
+        )
+    return PostNewtonian(theory, build, fields)

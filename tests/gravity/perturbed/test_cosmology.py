@@ -1,0 +1,106 @@
+"""Gravitational waves on a cosmos: published speeds, frictions and Planck masses."""
+
+import pytest
+import sympy as sp
+
+from geomtorsion import gravity
+from geomtorsion.errors import GeomtorsionError
+from geomtorsion.gravity import perturbed
+
+t = sp.Symbol("t")
+H, phi = sp.Function("H")(t), sp.Function("phi")(t)
+speed = phi.diff(t)
+f, F = sp.Function("f"), sp.Function("F")
+R, S, Q = sp.symbols("R T Q")
+# The value of an invariant on the cosmos, for derivatives by the time.
+VALUES = {S: 6 * H**2, Q: 6 * H**2, R: 12 * H**2 + 6 * H.diff(t)}
+
+
+@pytest.mark.parametrize(
+    ("lagrangian", "geometry", "kinetic"),
+    [
+        ("R/2", "riemannian", 1),
+        ("-T/2", "teleparallel", 1),
+        ("-Q/2", "symmetric teleparallel", 1),
+        # Einstein's waves: M^2 = 2 f'(R), -2 f'(T), -2 f'(Q).
+        ("f(R)", "riemannian", 2 * f(R).diff(R)),
+        ("f(T)", "teleparallel", -2 * f(S).diff(S)),
+        ("f(Q)", "symmetric teleparallel", -2 * f(Q).diff(Q)),
+    ],
+)
+def test_functions_of_one_invariant(lagrangian: str, geometry: str, kinetic: sp.Expr) -> None:
+    """Waves move with the speed of light; the friction is 3 H + d ln f' / dt."""
+    waves = perturbed.tensor_modes(lagrangian, geometry)
+    assert waves.kinetic - kinetic == 0
+    assert (waves.speed2, waves.alpha_T) == (1, 0)
+    assert sp.simplify(waves.friction - 3 * H - H * waves.alpha_M) == 0
+
+
+def test_running_of_the_planck_mass() -> None:
+    """d ln f'/d ln a for f = R + c R^2, in numbers of a power law a = t^p."""
+    c = sp.Symbol("c")
+    waves = perturbed.tensor_modes("R/2 + c*R**2", "riemannian")
+    slope = sp.Rational(1, 2) + 2 * c * VALUES[R]
+    wanted = sp.diff(slope, t) / (slope * H)
+    power = {H: sp.Rational(2, 3) / t}
+    assert sp.simplify((waves.alpha_M - wanted).subs(power).doit()) == 0
+    assert sp.simplify((waves.kinetic - 2 * slope).subs(power).doit()) == 0
+
+
+# Horndeski (Kobayashi, Yamaguchi and Yokoyama 2011): M^2 = G_T, c_T^2 = F_T / G_T.
+COUPLING = f(phi)
+KINETIC = gravity.invariant("J", "G_ab phi^a phi^b")
+HORNDESKI = [
+    ("F(phi)*R - X/2", (), 2 * F(phi), 1),
+    (
+        "R/2 - X/2 + f(phi)*GB",
+        (),
+        1 + 8 * H * COUPLING.diff(t),
+        (1 + 8 * COUPLING.diff(t, 2)) / (1 + 8 * H * COUPLING.diff(t)),
+    ),
+    (
+        "R/2 - X/2 + kappa*J",
+        KINETIC,
+        1 - sp.Symbol("kappa") * speed**2,
+        (1 + sp.Symbol("kappa") * speed**2) / (1 - sp.Symbol("kappa") * speed**2),
+    ),
+]
+
+
+@pytest.mark.parametrize(("lagrangian", "invariants", "kinetic", "speed2"), HORNDESKI)
+def test_scalar_tensor_theories(
+    lagrangian: str, invariants: object, kinetic: sp.Expr, speed2: sp.Expr
+) -> None:
+    waves = perturbed.tensor_modes(
+        lagrangian,
+        "riemannian",
+        scalars="phi",
+        invariants=invariants,  # type: ignore[arg-type]
+    )
+    # An example of a function and a field decides: polynomials of t have no common zeros.
+    example = {sp.Function("phi"): lambda s: 1 + s + s**3, sp.Function("H"): lambda s: 2 + s**2}
+
+    def at(expression: sp.Expr) -> sp.Expr:
+        named = expression.replace(lambda x: x == sp.Symbol("phi"), lambda _: phi)
+        for one, value in ((f, lambda s: s**3 + s), (F, lambda s: 2 + s**2), *example.items()):
+            named = named.replace(one, value).doit()
+        return sp.simplify(named.subs(t, sp.Rational(3, 7)))
+
+    assert at(waves.kinetic) == at(sp.S(kinetic))
+    assert at(waves.speed2) == at(sp.S(speed2))
+    assert at(waves.friction) == at(3 * H + H * waves.alpha_M)
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: perturbed.tensor_modes("R/2", "poincare"), "perturbed.spectrum"),
+        (lambda: perturbed.tensor_modes("R/2"), "geometry"),
+        (lambda: perturbed.tensor_modes("R/2 + b*P1", "riemannian"), "second order"),
+        (lambda: perturbed.tensor_modes("GB", "riemannian"), "second order"),
+        (lambda: perturbed.tensor_modes("R/2 - X/2", "riemannian"), "X"),
+    ],
+)
+def test_refusals(call, words: str) -> None:
+    with pytest.raises(GeomtorsionError, match=words):
+        call()
