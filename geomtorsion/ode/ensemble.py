@@ -16,9 +16,9 @@ from geomtorsion.ode.engines import Engine
 from geomtorsion.ode.error_estimate import (
     AIM,
     CERTAIN,
-    SAFETY,
     next_tolerance,
     rounding,
+    safety,
 )
 from geomtorsion.ode.members import BatchRows, Members, Rows, run_members
 from geomtorsion.ode.moment import Moment
@@ -399,7 +399,9 @@ class _Job:
             away = CERTAIN * 2.0**-self.engine.precision * answer.away
             moved = replace(answer, states=answer.states + away)
             gaps, noise = (self._differences(pending, answer, x) for x in (reference, moved))
-            estimates = np.maximum(SAFETY * gaps + noise, rounding(self.engine, 1))
+            estimates = np.maximum(
+                safety(tolerance, finer) * gaps + noise, rounding(self.engine, 1)
+            )
             if self.interrupted:
                 self._keep(pending, answer, answer.finished, estimates)
                 return

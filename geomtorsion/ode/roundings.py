@@ -83,7 +83,7 @@ def _moved(segment: Segment, away: np.ndarray, last: np.ndarray) -> Segment:
     """A segment with other states, and with the end that follows for a guard."""
     run, stage = segment.run, segment.stage
     reached = run.reached
-    if run.outcome == "edge":
+    if run.outcome == "edge" and run.reached != 0:
         state, numbers = np.array(floats(run.last)), floats(stage.parameters)
         rates = np.asarray(stage.system.scalar_rates(numbers)(0.0, state))
         across, along = (_slope(stage.system, state, x, numbers) for x in (last, rates))

@@ -13,7 +13,7 @@ from geomtorsion.codegen.arrays import BLOCK
 from geomtorsion.codegen.steps import ROUNDINGS
 from geomtorsion.errors import ArgumentError, ExpressionError, TimeError
 from geomtorsion.ode.derivatives import EventDerivative
-from geomtorsion.ode.error_estimate import SAFETY, UNALIKE, difference, rounding
+from geomtorsion.ode.error_estimate import UNALIKE, difference, rounding, safety
 from geomtorsion.ode.moment import Moment, Term
 from geomtorsion.ode.numbers import PARTS, times_between
 from geomtorsion.ode.roots import crossings
@@ -469,7 +469,7 @@ class Solution:
             if len(others) == len(times):
                 gap = np.abs(values - self._finer._event_slopes(term, by, others))
                 size = np.abs(values).max(initial=0.0)
-                error = max(SAFETY * float(gap.max(initial=0.0)), self.error * float(size))
+                error = max(self._safety * float(gap.max(initial=0.0)), self.error * float(size))
         return EventDerivative(times, values, error)
 
     def _event_slopes(self, term: object, by: str, times: np.ndarray) -> np.ndarray:
@@ -530,7 +530,7 @@ class Solution:
         here = self[name]
         if self.reference is None or self.reference.count != self.trajectory.count:
             return float("inf")
-        gap = SAFETY * float(np.abs(here - self._finer[name]).max(initial=0.0))
+        gap = self._safety * float(np.abs(here - self._finer[name]).max(initial=0.0))
         if self.rounded is not None:
             gap += float(np.abs(here - self._made_of(self.rounded)[name]).max(initial=0.0))
         least = min(rounding(self.trajectory.engine, self.trajectory.steps), self.error)
@@ -544,6 +544,11 @@ class Solution:
             # `error` knows the size of states that are only noise.
             return self.error
         return max(least, error)
+
+    @property
+    def _safety(self) -> float:
+        assert self.reference is not None
+        return safety(self.trajectory.tolerance, self.reference.tolerance)
 
     @cached_property
     def _finer(self) -> Solution:
@@ -575,7 +580,7 @@ class Solution:
         times = (knots[:-1, None] + parts * np.diff(knots)[:, None]).ravel()
         gap = difference(self.problem, _sampled(one, times), _sampled(two, times), self.accuracy)
         noise = 0.0 if self.rounded is None else difference(self.problem, one, self.rounded)
-        return max(self.error, SAFETY * gap + noise)
+        return max(self.error, self._safety * gap + noise)
 
     def __str__(self) -> str:
         ended = {"stopped": ", where it stops", "stuck": f", stuck: {self.trajectory.reason}"}

@@ -282,7 +282,8 @@ class Track(NamedTuple):
     def divided(self, parts: int) -> np.ndarray:
         """Times that divide each step into so many parts."""
         inner = np.linspace(self.times[:-1], self.times[1:], parts, endpoint=False, axis=1)
-        return np.append(inner.ravel(), self.times[-1])
+        times = np.append(inner.ravel(), self.times[-1])
+        return times[np.append(np.diff(times) != 0, True)]
 
     def ended(self, time: float, state: Sequence[Real] | np.ndarray) -> Track:
         """The steps that end before a time, and the rest of one up to it."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geomtorsion.errors import LimitError
-from geomtorsion.ode.error_estimate import SAFETY, difference_over_samples
+from geomtorsion.ode.error_estimate import difference_over_samples, safety
 from geomtorsion.pictures.sphere import curve_on, globe, numbered, space_axes, towards
 from geomtorsion.pictures.style import (
     FLAT,
@@ -56,7 +56,8 @@ def error_over_time(solution: Solution) -> np.ndarray | None:
     if solution.reference is None:
         return None
     one, accuracy = solution.trajectory, solution.accuracy
-    errors = SAFETY * difference_over_samples(solution.problem, one, solution.reference, accuracy)
+    factor = safety(one.tolerance, solution.reference.tolerance)
+    errors = factor * difference_over_samples(solution.problem, one, solution.reference, accuracy)
     if solution.rounded is not None:
         errors += difference_over_samples(solution.problem, one, solution.rounded, accuracy)
     return errors[len(errors) - len(solution.times) :]

@@ -446,9 +446,9 @@ class Taylor:
             reached, last = integrator.time, integrator.state.copy()
             track = tracker.track().ended(float(reached), last)
             step.pop("callback")
-            # Polynomials of degree five between the states stand for about so many orders.
+            # Polynomials of degree five between the states replace about so many orders.
             parts = integrator.order // 7
-            if parts > 1 and reached != grid[0]:
+            if parts > 1 and reached != grid[0] and outcome != "stuck":
                 inner = track.divided(parts)
                 at = self.array(inner)
                 at[0], at[-1] = grid[0], reached
