@@ -291,7 +291,12 @@ def _size_of_noise(stage: Stage, one: Trajectory, group: Sequence[int], extent: 
     if extent > noise or not math.isfinite(noise):
         return extent
     between = _size_between(one, stage.label, group)
-    return between if between > noise else full
+    if between > noise or full:
+        return between if between > noise else full
+    # At rest: what it would be if the states in its rates were as large as their own terms.
+    time, sizes = abs(one.reached), system.rates.sizes
+    largest = np.maximum(np.abs(last), time * np.ravel(sizes(*last, *numbers)))
+    return time * float(np.ravel(sizes(*largest, *numbers))[list(group)].max()) or math.inf
 
 
 def _mean_terms(segment: Segment, group: Sequence[int]) -> float:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, Truncated, linear_parts
@@ -13,7 +14,7 @@ from geomtorsion.geometry import Frame, Tensor
 from geomtorsion.gravity.equations import FieldEquations, equations
 from geomtorsion.gravity.invariants import Invariant
 from geomtorsion.gravity.lagrangian import Lagrangian
-from geomtorsion.gravity.matter import scalar_field
+from geomtorsion.gravity.matter import ScalarField, scalar_field
 from geomtorsion.gravity.perturbed.geometries import (
     ETA,
     GEOMETRIES,
@@ -34,6 +35,32 @@ WITHOUT_CONNECTION = ("riemannian", "teleparallel", "symmetric teleparallel")
 N = sp.Function("N")(T)
 H = sp.Function("H")(T)
 WAVE = sp.Function("h")(T, Z)
+
+
+def in_rates(
+    equations: FieldEquations, element: Element, values: Mapping[sp.Expr, sp.Expr] | None = None
+) -> sp.Expr:
+    """An element of the background with H for the derivative of N, and values for H'."""
+    expression = equations.written(element)
+    places = sorted(expression.atoms(sp.Derivative), key=lambda x: -x.derivative_count)
+    rates = {x: H.diff(T, x.derivative_count - 1) for x in places if x.expr == N}
+    # Functions of an invariant are taken at order zero, f(T_0), which is all there is here.
+    zero = {x: sp.Symbol(x.name[:-2]) for x in expression.free_symbols if x.name[-2:] == "_0"}
+    return sp.factor(expression.xreplace(rates).xreplace(zero).xreplace(values or {}))
+
+
+def fields_in_time(names: Iterable[str], own: Iterable[AppliedUndef]) -> list[ScalarField]:
+    """Scalar fields that depend on the time. Functions of the cosmos keep their names."""
+    reserved = {N.func.__name__, H.func.__name__, *(one.func.__name__ for one in own)}
+    fields = []
+    for name in names:
+        if name in reserved:
+            raise GravityError(
+                f"scalars: expected names other than {', '.join(sorted(reserved))}, which are "
+                f"functions of the cosmos, got {name}. Rename the field."
+            )
+        fields.append(scalar_field(sp.Function(name)(T), None if name == "phi" else name))
+    return fields
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -82,13 +109,7 @@ class TensorModes:
         return {(k[0], k[1]): x for (_, k), x in parts.items()}
 
     def _written(self, element: Element) -> sp.Expr:
-        """An element with H for the derivative of N."""
-        expression = self.equations.written(element)
-        places = sorted(expression.atoms(sp.Derivative), key=lambda x: -x.derivative_count)
-        rates = {x: H.diff(T, x.derivative_count - 1) for x in places if x.expr == N}
-        # Functions of an invariant are taken at order zero, f(T_0), which is all there is here.
-        zero = {x: sp.Symbol(x.name[:-2]) for x in expression.free_symbols if x.name[-2:] == "_0"}
-        return sp.factor(expression.xreplace(rates).xreplace(zero))
+        return in_rates(self.equations, element)
 
     def _part(self, t: int, z: int) -> Element:
         return self._parts.get((t, z), self.equations.E.order(0).frame.field.zero)
@@ -203,10 +224,7 @@ def tensor_modes(
     scale = sp.exp(N)
     rows = sp.diag(1, scale * (1 + SMALL * WAVE), scale * (1 - SMALL * WAVE), scale)
     frame = Frame([T, X, Y, Z], rows, signature=ETA, parameters=[SMALL]).expanded(SMALL, 1)
-    matter = [
-        scalar_field(sp.Function(one)(T), None if one == "phi" else one)
-        for one in names_of(scalars)
-    ]
+    matter = fields_in_time(names_of(scalars), [WAVE])
     connection = GEOMETRIES[name].connection(frame)
     theory = theory_in(lagrangian, name)
     modes = TensorModes(
