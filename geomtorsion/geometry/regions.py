@@ -115,7 +115,8 @@ class Region:
         >>> from itertools import islice
         >>> from geomtorsion.geometry import Frame
         >>> frame = Frame("x y", [["sqrt(x - y)", 0], [0, 1]])
-        >>> all(p[sym] > 0 for p in islice(frame.region.points(), 5) for sym in p)
+        >>> x, y = frame.coordinates
+        >>> all(point[x] > point[y] for point in islice(frame.region.points(), 5))
         True
         """
         yield dict(self.point)
