@@ -676,6 +676,6 @@ RESULTS = frozenset(
     "SceneCost SceneResult Solution StateSelection Variation Atlas Chart CurveProblem "
     "DislocationNetwork Engine LatticeBurgers LatticePhases Certainty Proof Linearization "
     "KerrOrbit Frequencies Surface Symmetries Diffusion Integrability ParallelVolume Stresses "
-    "HolonomyAlgebra EffectBudget PriceList PriceRow "
+    "HolonomyAlgebra Region EffectBudget PriceList PriceRow "
     "CoordinateMap Equivalence MappedPoint".split()
 )

@@ -75,6 +75,7 @@ def values() -> dict[str, Callable[[], Any]]:
         "LatticePhases": picture.phases,
         "LineArrays": lambda: arrays,
         "HolonomyAlgebra": lambda: gt.cartan(so3).holonomy_algebra,
+        "Region": lambda: s2.region,
         "LieAlgebra": lambda: gt.LieAlgebra({(0, 1, 2): 1}),
         "LogMap": lambda: gt.log_map(
             gt.levi_civita(s2), [1.0, 0.0], [1.2, 0.3], parameters={"R": 1}

@@ -12,7 +12,8 @@ from sympy.printing.codeprinter import PrintMethodNotImplementedError
 from sympy.printing.mathematica import MCodePrinter
 from sympy.printing.numpy import NumPyPrinter, SciPyPrinter
 
-from geomtorsion.errors import ExpressionError
+from geomtorsion.errors import CoordinateError, ExpressionError
+from geomtorsion.geometry import Frame
 from geomtorsion.geometry.notation import open_mark
 from geomtorsion.pictures.latex import text_label, text_marks
 from geomtorsion.pictures.quantities import Quantity
@@ -44,6 +45,15 @@ def in_ascii(text: str) -> str:
     return text
 
 
+def _region(frame: Frame) -> list[str]:
+    """The region that was assumed, if one was, as a line."""
+    try:
+        region = frame.region
+    except CoordinateError as error:
+        return [f"region: {error}"]
+    return [f"region {region}, assumed; add domain = [...] for another one"] * region.assumed
+
+
 def _heading(space: Space, *, greek: bool) -> str:
     frame, n = space.frame, space.frame.dimension
 
@@ -55,6 +65,7 @@ def _heading(space: Space, *, greek: bool) -> str:
     facts = [f"coordinates {written(frame.coordinates)}"]
     facts += [f"parameters {written(frame.parameters)}"] * bool(frame.parameters)
     facts += [f"domain {written(frame.domain)}"] * bool(frame.domain)
+    facts += _region(frame)
     diagonal = [frame.eta[i, i] for i in range(n)]
     if len(frame.eta.components.nonzero) == n and set(diagonal) <= {1, -1}:
         facts.append("signature " + "".join("+" if sign == 1 else "-" for sign in diagonal))

@@ -15,7 +15,6 @@ import mpmath
 from geomtorsion.curves.atlas import Atlas, Chart, TransitionMap
 from geomtorsion.errors import CoordinateError, GeomtorsionError, ShapeError
 from geomtorsion.geometry import Frame
-from geomtorsion.geometry.validation import candidate_points
 from geomtorsion.ode.numbers import Real, mpf
 from geomtorsion.support.checks import shown
 from geomtorsion.support.precision import EXACT_BITS, working_precision
@@ -94,8 +93,11 @@ def _check_shape(atlas: Atlas, change: TransitionMap) -> None:
 
 
 def _points(frame: Frame) -> Iterator[Point]:
-    """Generic points of the domain with values of the parameters."""
-    for point in islice(candidate_points(frame.coordinates, frame.parameters, frame.domain), 60):
+    """Generic points of the region with values of the parameters."""
+    region = frame.region
+    # Without a domain the maps need not hold far from the point.
+    points = region.points() if frame.domain else region.near()
+    for point in islice(points, 60):
         numbers: dict[str, Real] = {p.name: point[p] for p in frame.parameters}
         yield [mpf(point[x], EXACT_BITS) for x in frame.coordinates], numbers
 

@@ -19,7 +19,7 @@ from flint import Ordering, fmpz_mod_mpoly_ctx
 
 from geomtorsion.exact.element import in_order
 from geomtorsion.exact.limits import NoPointError
-from geomtorsion.exact.modular import ModularPoint
+from geomtorsion.exact.modular import ModularPoint, _PrimeError
 from geomtorsion.exact.relations import Echelon
 from geomtorsion.support.allowance import check_limits
 
@@ -84,7 +84,7 @@ def can_agree(
                 return None
             remainders.append(slice_.common(values))
             point._settle()
-    except (_TooLongError, NoPointError, ZeroDivisionError):
+    except (_TooLongError, _PrimeError, NoPointError, ZeroDivisionError):
         return None
     # Roots that do not move with the values are points where all fractions are 0/0.
     rest, fixed = remainders

@@ -87,9 +87,11 @@ class Anywhere:
         self._field = field
 
     def points(self) -> Iterator[Mapping[sympy.Expr, Any]]:
-        """The candidates in their order; the first symbol is the largest."""
-        candidates = Candidates(tuple(self._field.symbols), 1)
-        return map(candidates.exact, range(TRIES))
+        """Candidates whose first symbol is the largest, then others with all symbols alike."""
+        symbols = tuple(self._field.symbols)
+        first, alike = Candidates(symbols, 1), Candidates(symbols, len(symbols))
+        half = range(TRIES // 2)
+        return chain(map(first.exact, half), map(alike.exact, half))
 
     def refusal(self) -> str:
         """Why none serves."""

@@ -66,7 +66,7 @@ def _square_root(field: Tower, element: Element, radical: sympy.Expr | None) -> 
     if not field.sample.prefer_positive(element) and not field.is_complex:
         raise ExpressionError(
             f"contains the square root of {element}, which is negative at every point that was "
-            "tried; change its sign, give a domain where it is positive, or declare the frame "
+            f'tried; declare where it is positive, domain="{element} > 0", or declare the frame '
             "complex"
         )
     inside = square_root_inside(field, element)

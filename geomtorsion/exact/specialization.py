@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
+from itertools import count, islice, takewhile
 from typing import TYPE_CHECKING
 
 import mpmath
 import sympy
 
 from geomtorsion.errors import GeomtorsionError
+from geomtorsion.exact.candidates import GRAINS
 from geomtorsion.exact.element import Element, in_order
 from geomtorsion.exact.field import Field
 from geomtorsion.exact.generators import Generator
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
     from flint import fmpq_mpoly
 
     from geomtorsion.exact.element import Value
+
 
 # Kinds of generators for which a place may have any value that satisfies their own relation.
 _FREE = frozenset("symbol cos sin cosh sinh exp log primitive jet opaque".split())
@@ -73,10 +76,22 @@ class Specialization:
         field: Field,
         symbols: Iterable[sympy.Symbol],
         point: Mapping[sympy.Symbol, Value] | None = None,
+        surrounds: Callable[[Mapping[sympy.Symbol, Fraction]], bool] = lambda rounded: True,
     ) -> Iterator[Specialization]:
-        """Four places, each nearer to the point than the one before."""
-        own = tuple(symbols)
-        return (cls(field, own, 4**k, point) for k in range(1, 5))
+        """Four places, each nearer to the point than the one before.
+
+        surrounds: whether a rounded point is on the same side of all walls; others are skipped.
+        """
+        # Denominators of generic points: a finer place is the point itself.
+        own, fineness = tuple(symbols), takewhile(GRAINS[0].__gt__, (4**k for k in count(1)))
+        places = (cls(field, own, largest, point) for largest in fineness)
+        return islice((place for place in places if surrounds(place.rounded)), 4)
+
+    @property
+    def rounded(self) -> dict[sympy.Symbol, sympy.Rational]:
+        """All symbols of the source at this place."""
+        numbers = {s: self._number(self._source.symbol(s)) for s in self._source.symbols}
+        return {s: sympy.Rational(x.numerator, x.denominator) for s, x in numbers.items()}
 
     def __call__(self, element: Element) -> Element:
         """The value of an element at the place.

@@ -34,6 +34,7 @@ from geomtorsion.geometry.integrability import Integrability, ParallelVolume
 from geomtorsion.geometry.lie_algebra import LieAlgebra
 from geomtorsion.geometry.lie_derivative import lie, lie_bracket
 from geomtorsion.geometry.plan import DependencyGraph
+from geomtorsion.geometry.regions import Region
 from geomtorsion.geometry.surfaces import Surface, surface
 from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.geometry.torsion import Torsion
@@ -50,6 +51,7 @@ __all__ = [
     "Integrability",
     "LieAlgebra",
     "ParallelVolume",
+    "Region",
     "Surface",
     "Tensor",
     "Torsion",

@@ -218,5 +218,4 @@ def _number(
 
 def sample_point(frame: Frame) -> RationalPoint:
     """See Frame.sample_point."""
-    values = frame.field.sample.values
-    return {symbol: values[symbol] for symbol in (*frame.coordinates, *frame.parameters)}
+    return dict(frame.region.point)

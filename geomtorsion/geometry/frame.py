@@ -450,7 +450,7 @@ class Frame:
 
     @cached_property
     def sample_point(self) -> validation.RationalPoint:
-        """A point inside the domain where the frame is finite and regular: symbol -> number.
+        """The point of the region of the frame: symbol -> number.
 
         Raises
         ------

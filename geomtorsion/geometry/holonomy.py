@@ -63,7 +63,8 @@ class HolonomyAlgebra:
         """A point at which the generators stay independent, and their span there."""
         frame = self.frame
         width = frame.dimension**2
-        for place in Specialization.nearer(frame.field, frame.coordinates, frame.sample_point):
+        region, q = frame.region, frame.coordinates
+        for place in Specialization.nearer(frame.field, q, region.point, region.surrounds):
             try:
                 rows = [place.all(_entries(one)) for one in self.generators]
                 span = reduced(place.field, rows, width)

@@ -152,7 +152,8 @@ class RealPoints:
         return self.batch(BATCHES[-1])
 
     def _tables(self) -> Iterator[Table]:
-        return map(self.batch, BATCHES)
+        # In a declared domain few points are enough.
+        return map(self.batch, (BATCHES[0] // 4, *BATCHES) if self.is_declared else BATCHES)
 
     def batch(self, size: int) -> Table:
         """The first candidates, in a number given by the size."""
@@ -210,8 +211,9 @@ class RealPoints:
         if self._eta is not None:
             eta = np.zeros((n, n))
             for (i, j), value in self._eta.items():
-                number = numbers_of([expression(value)], ())(np.zeros((0, 1)))
-                eta[i, j] = number[0, 0] if np.isfinite(number).all() else float(i == j)
+                entry = expression(value)
+                # A refused entry of the frame metric has its own message.
+                eta[i, j] = float(entry) if entry.is_number and entry.is_real else float(i == j)
         return eta
 
     def preference(self, metrics: Array) -> tuple[Array, Array]:

@@ -115,7 +115,8 @@ class Region:
         >>> from itertools import islice
         >>> from geomtorsion.geometry import Frame
         >>> frame = Frame("x y", [["sqrt(x - y)", 0], [0, 1]])
-        >>> all(p[sym] > 0 for p in islice(frame.region.points(), 5) for sym in p)
+        >>> x, y = frame.coordinates
+        >>> all(point[x] > point[y] for point in islice(frame.region.points(), 5))
         True
         """
         yield dict(self.point)
@@ -127,10 +128,37 @@ class Region:
                 if tuple(point.values()) not in seen:
                     seen.add(tuple(point.values()))
                     yield point
+        yield from self.near()
+
+    def near(self) -> Iterator[dict[sp.Symbol, sp.Rational]]:
+        """Generic rational points in the box around the point, without end.
+
+        Examples
+        --------
+        >>> from geomtorsion.geometry import Frame
+        >>> region = Frame("r theta", [[1, 0], [0, "r"]]).region
+        >>> region.surrounds(next(region.near()))
+        True
+        """
+        walls = self._walls
         bounds = {s: (_fraction(low.lts), _fraction(high.gts)) for s, low, high in self._sides}
         within = Candidates(walls.symbols, len(walls.symbols), bounds)
         for number in count():
             yield within.exact(number)
+
+    def surrounds(self, values: Mapping[Any, Any]) -> bool:
+        """Whether values of its symbols are in the box around the point, without a wall between.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame
+        >>> r, theta = sp.symbols("r theta")
+        >>> region = Frame([r, theta], [[1, 0], [0, r]]).region
+        >>> region.surrounds(region.point), region.surrounds({r: -1, theta: 1})
+        (True, False)
+        """
+        return all(relation.subs(values) == sp.true for relation in self.box)
 
     @property
     def _sides(self) -> Iterator[tuple[sp.Symbol, Any, Any]]:

@@ -13,7 +13,6 @@ from geomtorsion.exact import Element
 from geomtorsion.geometry.change import Map, coordinate_map, moved_domain
 from geomtorsion.geometry.components import Components, Index, determinant, symmetric
 from geomtorsion.geometry.connections import FrameLike, as_frame, levi_civita
-from geomtorsion.geometry.evaluation import sample_point
 from geomtorsion.geometry.expansion import again, whole_of
 from geomtorsion.geometry.forms import Form
 from geomtorsion.geometry.frame import Frame
@@ -274,5 +273,5 @@ class Surface:
 
 def _value(frame: Frame, element: Element) -> float:
     """A value at the sample point, for signs."""
-    point = with_functions(element, sample_point(frame))
+    point = with_functions(element, frame.region.point)
     return complex(element.evaluate(point)).real

@@ -58,7 +58,8 @@ def points(conditions: Conditions) -> Iterator[AtPoint]:
         All points have been used.
     """
     frame, (_, echelon) = conditions.frame, conditions.echelons
-    for place in Specialization.nearer(frame.field, frame.coordinates, frame.sample_point):
+    region, q = frame.region, frame.coordinates
+    for place in Specialization.nearer(frame.field, q, region.point, region.surrounds):
         try:
             rows = [place.all(row) for row in echelon.rows]
             values = reduced(place.field, rows, echelon.width)

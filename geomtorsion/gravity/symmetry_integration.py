@@ -55,8 +55,8 @@ class IntegratedSymmetry:
 
     @property
     def base(self) -> dict[sp.Symbol, sp.Rational]:
-        """The point at which the symmetry is stated: the sample point of the frame."""
-        point = self.frame.sample_point
+        """The point at which the symmetry is stated: the point of its region."""
+        point = self.frame.region.point
         return {q: point[q] for q in self.frame.coordinates}
 
     def at(

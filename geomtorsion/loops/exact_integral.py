@@ -29,6 +29,7 @@ from geomtorsion.exact import Field
 from geomtorsion.exact.integration import integrated
 from geomtorsion.geometry import Frame
 from geomtorsion.geometry.connections import FrameLike, as_frame
+from geomtorsion.geometry.validation import candidate_points
 from geomtorsion.loops.arcs import Arc, Curve, Ellipse, Parameters, Part, exact_number
 from geomtorsion.loops.defects import find_defects
 from geomtorsion.loops.domain import refuse_numbers_outside
@@ -449,9 +450,9 @@ def pulled_back(frame: Frame, piece: Piece) -> list[sp.Expr]:
 
 def sample_of(frame: Frame, symbols: Collection[sp.Symbol]) -> dict[sp.Symbol, sp.Expr]:
     """Values of the parameters of a frame, and of further symbols, for the numerical check."""
-    values = {s: v for s, v in frame.sample_point.items() if s not in frame.coordinates}
+    values = {s: v for s, v in frame.region.point.items() if s not in frame.coordinates}
     others = sorted(set(symbols) - set(values), key=str)
-    return values | {s: sp.Rational(7 + 4 * k, 19) for k, s in enumerate(others)}
+    return {**values, **next(candidate_points(others, (), ()))}
 
 
 def _number(f: sp.Expr, piece: Piece, where: Mapping[sp.Symbol, sp.Expr]) -> acb:

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.particles import draw_particles
     from geomtorsion.pictures.prices import draw_price
     from geomtorsion.pictures.report import write_report
+    from geomtorsion.pictures.ringing import draw_ringing
     from geomtorsion.pictures.solutions import draw_solution
     from geomtorsion.pictures.stress import draw_stress
     from geomtorsion.pictures.style import can_draw, save
@@ -49,6 +50,7 @@ _HOMES = {
     "draw_particles": "particles",
     "draw_plan": "notebook_pictures",
     "draw_price": "prices",
+    "draw_ringing": "ringing",
     "draw_solution": "solutions",
     "draw_stress": "stress",
     "draw_survey": "measured",
@@ -73,6 +75,7 @@ __all__ = [
     "draw_particles",
     "draw_plan",
     "draw_price",
+    "draw_ringing",
     "draw_solution",
     "draw_stress",
     "draw_survey",

@@ -4,33 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from itertools import islice
+from itertools import islice, product
 from typing import SupportsFloat
 
 import numpy as np
 import sympy as sp
 
-from geomtorsion.errors import ArgumentError, UndecidedError
+from geomtorsion.errors import ArgumentError, CoordinateError, UndecidedError
 from geomtorsion.exact import Certainty, Element, unknown_functions
-from geomtorsion.exact.common_values import can_agree
 from geomtorsion.exact.element import PROVED, least_certain
 from geomtorsion.geometry import Connection, Frame
 from geomtorsion.geometry.connections import FrameLike, frame_of
-from geomtorsion.geometry.validation import candidate_points
+from geomtorsion.same.classification import signature
 from geomtorsion.same.coordinate_map import CoordinateMap
 from geomtorsion.same.invariants import Growth, Invariants
-from geomtorsion.same.matching import DIGITS, FINENESS, Match, Search
-from geomtorsion.same.scalars import contradiction, scalars
+from geomtorsion.same.matching import DIGITS, Match, Search, identity
+from geomtorsion.same.scalars import contradiction, is_excluded, scalars
+from geomtorsion.same.signs import mirror_images, opposite_signs
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.copies import content_hash, equal_content, only_fields
 from geomtorsion.support.displays import drawn_by
 from geomtorsion.support.exclusive import exclusive
 
-# So many scalars exclude a point; more only take longer.
-DEMANDS = 10
-# Geometries that are the same in one sense are so in the next as well.
-WEAKER = {"legs": "teleparallel", "teleparallel": "metric", "connection": "metric"}
 KEEPS = ("metric", "teleparallel", "legs")
 # Chance of error of a proof by resultants modulo a prime.
 RESULTANTS = Certainty(proved=False, error=1e-60)
@@ -113,6 +109,7 @@ def _compared(
     (one, first), (two, second) = sides
     for frame in (one, two):
         refuse_functions(frame)
+    assumptions = one.region.assumption, two.region.assumption
     values = parameter_values(one, two)
     if values:
         own = [{k: v for k, v in values.items() if k in map(str, f.parameters)} for f in (one, two)]
@@ -121,8 +118,10 @@ def _compared(
             c.subs(v) if c is not None and v else c
             for c, v in zip((first, second), own, strict=True)
         )
-    invariants = Invariants(one, keep, first), Invariants(two, keep, second)
-    return Equivalence(*invariants, orientation, values)
+    invariants = Invariants(one, keep, first)
+    equal = one == two and first == second
+    other = invariants if equal else Invariants(two, keep, second)
+    return Equivalence(invariants, other, orientation, values, assumptions)
 
 
 def refuse_functions(frame: Frame) -> None:
@@ -136,22 +135,29 @@ def refuse_functions(frame: Frame) -> None:
 
 
 def parameter_values(one: Frame, two: Frame) -> dict[str, sp.Rational]:
-    """Random rational values of all parameters, by name, that both domains allow."""
-    names = {str(x): x for x in (*two.parameters, *one.parameters)}
-    if not names:
+    """Generic rational values of all parameters, by name, that both regions allow."""
+    if not (one.parameters or two.parameters):
         return {}
-    for point in candidate_points(one.coordinates, tuple(names.values()), one.domain, FINENESS):
-        values = {str(k): v for k, v in point.items() if k in names.values()}
-        domain = [r.subs({x: values[str(x)] for x in two.parameters}) for r in two.domain]
-        if sp.false in domain:
-            continue
-        rest = [r for r in domain if r != sp.true]
-        if any(True for _ in islice(candidate_points(two.coordinates, (), rest, FINENESS), 1)):
+    sides = (islice(frame.region.points(), TRIES) for frame in (one, two))
+    for first, second in product(*sides):
+        values = {str(x): second[x] for x in two.parameters}
+        values |= {str(x): first[x] for x in one.parameters}
+        if _has_points(two, values):
             return values
+    names = ", ".join(dict.fromkeys(map(str, (*two.parameters, *one.parameters))))
     raise ArgumentError(
-        "expected parameters that both domains allow, found no values for "
-        f"{', '.join(names)}. Give them values with frame.subs."
+        f"expected parameters that both domains allow, found no values for {names}. Give them "
+        "values with frame.subs."
     )
+
+
+def _has_points(frame: Frame, values: Mapping[str, sp.Rational]) -> bool:
+    """Whether the region of a frame has points at values of its parameters."""
+    own = {x: values[str(x)] for x in frame.parameters}
+    try:
+        return not own or bool(frame.subs(own).region.point)
+    except CoordinateError:
+        return False
 
 
 @exclusive
@@ -162,12 +168,16 @@ class Equivalence:
     one, two: their invariants.
     orientation: whether left and right are kept apart.
     parameters: values that were given to parameters, by name.
+    assumptions: the regions that were assumed for frames without a declared domain, in words.
+    near: coordinates of the second geometry from which the search for a point begins, if known.
     """
 
     one: Invariants
     two: Invariants
     orientation: bool = False
     parameters: Mapping[str, sp.Rational] = field(default_factory=dict)
+    assumptions: tuple[str, str] = ("", "")
+    near: np.ndarray | None = field(default=None, repr=False)
 
     def __eq__(self, other: object) -> bool:
         return equal_content(self, other)
@@ -192,7 +202,8 @@ class Equivalence:
     def certainty(self) -> Certainty:
         """How sure the verdict is.
 
-        "different" is proved, up to the chance of error of ranks modulo a prime. "same" is proved
+        "different" is proved, up to the chance of error of ranks modulo a prime, or rests on signs
+        that were read at some hundred points of both regions. "same" is proved
         where all invariants are constants that agree exactly; otherwise its error is the largest
         difference of invariants at the matched point, as two geometries that differ agree to so
         many digits only by accident.
@@ -253,10 +264,12 @@ class Equivalence:
     @cached_property
     def _outcome(self) -> _Outcome:
         one, two = self.one, self.two
-        sure = least_certain([one.certainty, two.certainty])
+        if one is two:
+            return _Outcome("same", "both are given by equal formulas", PROVED, identity(one))
         simple = self._simple_difference()
         if simple is not None:
             return _Outcome("different", simple, PROVED)
+        sure = least_certain([one.certainty, two.certainty])
         for which, inv in (("first", one), ("second", two)):
             if inv.certainty.error >= 1:
                 reason = f"whether invariants of the {which} geometry vanish cannot be decided"
@@ -267,9 +280,13 @@ class Equivalence:
         proof = contradiction(one, two, first, second)
         if proof is not None:
             return _Outcome("different", *proof)
+        opposite = opposite_signs(one, two, first, second)
+        if opposite is not None:
+            return _Outcome("different", *opposite)
         # The search evaluates the second geometry often.
-        swapped = _length(one) < _length(two)
-        search = Search(*((two, one) if swapped else (one, two)), self.orientation, TRIES)
+        swapped = self.near is None and _length(one) < _length(two)
+        sides = (two, one) if swapped else (one, two)
+        search = Search(*sides, self.orientation, TRIES, self.near)
         match = search.match()
         if match is not None and swapped:
             match = match.inverted()
@@ -278,36 +295,18 @@ class Equivalence:
             error = Certainty(proved=False, error=max(match.difference, 10.0**-DIGITS))
             certainty = sure if exact else least_certain([sure, error])
             return _Outcome("same", "all invariants agree", certainty, match)
-        if self._is_excluded():
+        if is_excluded(one, two):
             reason = "no point of the second geometry has the invariants of a generic point"
             return _Outcome("different", reason + " of the first", RESULTANTS)
-        if (
-            match is None
-            and self.orientation
-            and replace(self, orientation=False).verdict == "same"
-        ):
-            reason = "the same after a reflection, and no map without one was found"
-            return _Outcome("undecided", reason, UNKNOWN)
+        if match is None and self.orientation:
+            mirror = replace(self, orientation=False)
+            if mirror.verdict == "same":
+                proof = mirror_images(one, two)
+                if proof is not None:
+                    return _Outcome("different", *proof)
+                reason = "the same after a reflection, and no map without one was found"
+                return _Outcome("undecided", reason, UNKNOWN)
         return _Outcome("undecided", self._unmatched(match), UNKNOWN, match)
-
-    def _is_excluded(self) -> bool:
-        """Whether no point has the scalars of a generic one, here or for a weaker `keep`."""
-        keeps = [self.one.keep]
-        while keeps[-1] in WEAKER:
-            keeps.append(WEAKER[keeps[-1]])
-        # The weakest has the shortest invariants.
-        for keep in reversed(keeps):
-            one, two = self.one, self.two
-            if keep != one.keep:
-                one, two = (Invariants(x.frame, keep) for x in (one, two))
-            first, second = scalars(one), scalars(two)
-            varying = [k for k, x in first.items() if x.is_zero is False]
-            varying = sorted(varying, key=lambda k: second[k].length)[:DEMANDS]
-            if varying and one.coordinates:
-                pairs = [first[k] for k in varying], [second[k] for k in varying]
-                if can_agree(*pairs, two.frame.coordinates) is False:
-                    return True
-        return False
 
     def _simple_difference(self) -> str | None:
         """A difference of dimension or signature, in words."""
@@ -354,9 +353,11 @@ class Equivalence:
     @property
     def compared(self) -> str:
         """The kind of geometry that was compared."""
+        match = self.match if self.verdict == "same" else None
+        reflected = match is not None and match.reflects
         return {
             "legs": "frames, leg by leg",
-            "teleparallel": "frames up to one constant turn",
+            "teleparallel": f"frames up to one constant {'reflection' if reflected else 'turn'}",
             "metric": "metrics",
             "connection": "metrics with connections",
         }[self.one.keep]
@@ -383,6 +384,9 @@ class Equivalence:
             assert self.match is not None
             rows["first point"] = _point_text(self.match.start)
             rows["second point"] = _point_text(self.match.goal)
+        for which, text in zip(("first", "second"), self.assumptions, strict=True):
+            if text:
+                rows[f"{which} region"] = text
         if self.parameters:
             rows["at"] = ", ".join(f"{k} = {v}" for k, v in self.parameters.items())
         return rows
@@ -415,14 +419,6 @@ def _are_equal(first: Mapping[str, Element], second: Mapping[str, Element]) -> b
 
 
 UNKNOWN = Certainty(proved=False, error=1.0)
-
-
-def signature(frame: Frame) -> tuple[int, int]:
-    """The numbers of minus and of plus signs of the metric."""
-    # Legs that are complex have no signs of their own.
-    matrix = np.real(frame.metric.at(frame.sample_point)) if frame.complex else frame.eta.at({})
-    minus = int(np.sum(np.linalg.eigvalsh(matrix) < 0))
-    return minus, frame.dimension - minus
 
 
 def _point_text(point: Mapping[sp.Symbol, SupportsFloat]) -> str:

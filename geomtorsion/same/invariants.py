@@ -100,6 +100,11 @@ class Invariants:
             tensors.append(self._form(Tensor(self.frame, "ddu", rest, (), "N", "distortion")))
         return tensors
 
+    @property
+    def weights(self) -> tuple[int, ...]:
+        """Powers of 1/length of the invariants without derivatives: curvature 2, torsion 1."""
+        return tuple(2 if len(t.slots) == 4 else 1 for t in self.start)
+
     @cached_property
     def _orders(self) -> list[list[Tensor]]:
         return [self.start]

@@ -8,22 +8,24 @@ from itertools import islice
 
 import mpmath
 import numpy as np
+import scipy  # loads its subpackages at first use
 import sympy as sp
 
 from geomtorsion.geometry import Frame
-from geomtorsion.geometry.validation import candidate_points
+from geomtorsion.same.demands import Demands, best_starts
 from geomtorsion.same.invariants import Invariants
 from geomtorsion.same.values import Array, Evaluation, Values, generators
 from geomtorsion.support.allowance import check_limits
-from geomtorsion.support.precision import working_digits
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.precision import EPS, working_digits
 
 # Digits to which invariants are compared, and those with which they are computed.
 DIGITS = 50
 WORKING = DIGITS + 15
-# Points of a domain with denominators so large that no relation holds at them by accident.
-FINENESS = 9973
 # Singular values that are zero up to the errors of floats, in units of the largest.
 ALIKE = 1e-6
+# Relative difference of invariants that is used for points where they are not finite.
+FAR = ALIKE**-0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,17 +50,34 @@ class Match:
                 turn = np.array((mpmath.matrix(turn.tolist()) ** -1).tolist(), dtype=object)
         return Match(self.goal, self.start, turn, self.difference)
 
+    @property
+    def reflects(self) -> bool:
+        """Whether left and right are exchanged."""
+        return self.turn is not None and np.linalg.det(self.turn.astype(float)) < 0
 
-def generic_points(frame: Frame) -> Iterator[dict[sp.Symbol, sp.Rational]]:
-    """Points of the domain of a frame, in a fixed order."""
-    yield from candidate_points(frame.coordinates, frame.parameters, frame.domain, FINENESS)
+
+def identity(invariants: Invariants) -> Match:
+    """The match of a geometry with itself."""
+    frame = invariants.frame
+    point = {q: frame.region.point[q] for q in frame.coordinates}
+    n = range(frame.dimension)
+    turn = np.array([[mpmath.mpf(i == j) for j in n] for i in n], dtype=object)
+    return Match(point, point, turn if invariants.turns else None, 0.0)
 
 
 class Search:
     """The search for a point of one geometry at which it looks as another does at its point."""
 
-    def __init__(self, one: Invariants, two: Invariants, proper: bool, tries: int) -> None:
+    def __init__(
+        self,
+        one: Invariants,
+        two: Invariants,
+        proper: bool,
+        tries: int,
+        near: Array | None = None,
+    ) -> None:
         self.one, self.two, self.proper, self.tries = one, two, proper, tries
+        self.near = near
         self.highest = max(one.highest, 1)
         self.random = np.random.default_rng(1)
 
@@ -66,7 +85,7 @@ class Search:
         """The best match; None if no point was near one."""
         # All orders of the first geometry at one point, and of the second where they are needed.
         evaluation, values, start = Evaluation(self.one, self.highest), None, {}
-        for start in islice(generic_points(self.one.frame), 20):
+        for start in islice(self.one.frame.region.points(), 20):
             values = evaluation.at(start, WORKING)
             if values is not None:
                 break
@@ -85,7 +104,7 @@ class Search:
 
     def _near(self, exact: Values) -> Iterator[tuple[Array, Array | None]]:
         """Points and turns at which the invariants agree as floats."""
-        goal = _floats(exact).to(self.highest - 1)
+        goal = floats(exact).to(self.highest - 1)
         self._evaluation = Evaluation(self.two, self.highest - 1)
         scale = _scales(goal)
         n, signs = self.two.frame.dimension, goal.signs
@@ -106,7 +125,7 @@ class Search:
             values = here.turned(_cayley(planes, angles) @ base)
             return (values.flat - goal.flat) / scale
 
-        every = _floats(exact)
+        every = floats(exact)
         sizes = _scales(every)
         for start in self._starts(goal):
             here = self._evaluation.near(start)
@@ -122,8 +141,8 @@ class Search:
                     angles = least_squares(turn_miss, angles, 1e-12)
                     if angles is None:
                         continue
-                x = least_squares(miss, np.concatenate([start, angles]))
-                if x is None:
+                x = least_squares(miss, np.concatenate([start, angles]), bounds=self._bounds)
+                if x is None or not lies_in(self.two.frame, x[:n]):
                     continue
                 turn = _cayley(planes, x[n:]) @ base if planes else None
                 if turn is None:
@@ -140,40 +159,41 @@ class Search:
                     yield x[:n], turn
                     break
 
+    @cached_property
+    def _bounds(self) -> tuple[Array, Array]:
+        """The smallest and the largest value of each coordinate and of each angle of a turn."""
+        frame = self.two.frame
+        low, high = coordinate_bounds(frame, frame.coordinates)
+        free = np.full(len(self.two.pairs), np.inf)
+        return np.concatenate([low, -free]), np.concatenate([high, free])
+
     def _whole(self, place: Array) -> Values | None:
         """All orders at a point, as floats."""
         point = {q: mpmath.mpf(x) for q, x in zip(self.two.frame.coordinates, place, strict=True)}
         values = Evaluation(self.two, self.highest).at(point, 20)
-        return None if values is None else _floats(values)
+        return None if values is None else floats(values)
 
     def _starts(self, goal: Values) -> Iterator[Array]:
-        """Points at which the scalars agree, or points of the domain where none is needed."""
+        """Points at which the scalars agree, or points of the region where none is needed."""
         coordinates = self.two.frame.coordinates
-        for point in islice(generic_points(self.two.frame), self.tries):
-            check_limits()
-            start = np.array([float(point[q]) for q in coordinates])
-            if not self.two.turns:
-                yield start
-                continue
-            if self.two.coordinates == 0:
-                yield start
-                return
-            place = self._with_scalars(goal, start) if goal.has_scalars else start
-            if place is not None:
-                yield place
-
-    def _with_scalars(self, goal: Values, start: Array) -> Array | None:
-        """A point at which the scalars have the values of the goal."""
-        scalars = goal.scalars
-        scale = np.maximum(np.abs(scalars), 1e-3 * np.max(np.abs(scalars), initial=1e-300))
-
-        def miss(x: Array) -> Array | None:
-            values = self._evaluation.near(x)
-            if values is None or values.signs != goal.signs:
-                return None
-            return (values.scalars - scalars) / scale
-
-        return least_squares(miss, start)
+        if self.near is not None and lies_in(self.two.frame, self.near):
+            yield self.near
+        points = islice(self.two.frame.region.points(), self.tries)
+        plain = (np.array([float(point[q]) for q in coordinates]) for point in points)
+        if not self.two.turns:
+            yield from plain
+        elif self.two.coordinates == 0:
+            yield from islice(plain, 1)
+        elif not goal.has_scalars:
+            yield from plain
+        else:
+            demands = Demands(goal, self.two, self.highest - 1, np.zeros(len(coordinates), bool))
+            low, high = (ends[: len(coordinates)] for ends in self._bounds)
+            for start in best_starts(demands, self.tries):
+                check_limits()
+                place = least_squares(demands.miss, start, bounds=(low, high))
+                if place is not None:
+                    yield place
 
     def _bases(self, here: Values, goal: Values) -> Iterator[Array]:
         """Turns to begin with: those that turn the matrices into each other, then random ones."""
@@ -203,7 +223,7 @@ class Search:
         """A match to all digits, by Newton's method with the slopes of the first geometry."""
         frame = self.two.frame
         goal = values.to(self.highest - 1)
-        plain = _floats(goal)
+        plain = floats(goal)
         scale, planes, n = _scales(plain), generators(values.signs), frame.dimension
 
         def miss(x: Array) -> Array | None:
@@ -247,37 +267,52 @@ class Search:
             return Match(start, point, turning, _difference(values, whole))
 
 
+def coordinate_bounds(frame: Frame, symbols: Sequence[sp.Symbol]) -> tuple[Array, Array]:
+    """Numbers between which the region of a frame and the assumptions hold symbols."""
+    ends = []
+    for q in symbols:
+        low, high = (0.0 if q.is_positive else -np.inf), (0.0 if q.is_negative else np.inf)
+        for relation in frame.region.relations:
+            less, greater = getattr(relation, "lts", q), getattr(relation, "gts", q)
+            if greater == q and less.is_number:
+                low = max(low, float(less))
+            elif less == q and greater.is_number:
+                high = min(high, float(greater))
+        ends.append((low, high))
+    low, high = np.array(ends).reshape(-1, 2).T
+    return low, high
+
+
+def lies_in(frame: Frame, place: Array) -> bool:
+    """Whether the region of a frame contains a point."""
+    point = {q: sp.Float(float(x)) for q, x in zip(frame.coordinates, place, strict=True)}
+    return all(relation.subs(point) != sp.false for relation in frame.region.relations)
+
+
 def least_squares(
-    miss: Callable[[Array], Array | None], start: Array, enough: float = 1e-14
+    miss: Callable[[Array], Array | None],
+    start: Array,
+    enough: float = 1e-14,
+    bounds: tuple[Array, Array] | None = None,
 ) -> Array | None:
-    """A zero of a function, from a start by the method of Levenberg and Marquardt; or None."""
-    x, value = start, miss(start)
-    if value is None:
+    """A zero of a function near a start, within bounds; None if none was reached.
+
+    enough: the sum of squares at which it counts as a zero.
+    """
+    first = miss(start)
+    if first is None:
         return None
-    damping, size = 1e-3, float(value @ value)
-    for _ in range(80):
-        if size < 1e-20:
-            return x
-        slopes = _slopes(miss, x)
-        if slopes is None:
-            return None
-        square, rhs = slopes.T @ slopes, slopes.T @ value
-        old = size
-        while damping < 1e8:
-            step = np.linalg.lstsq(
-                square + damping * np.diag(np.diag(square) + 1e-12), -rhs, rcond=None
-            )[0]
-            other = miss(x + step)
-            if other is not None and other @ other < size:
-                x, value, size = x + step, other, float(other @ other)
-                damping = max(damping / 10, 1e-15)
-                break
-            damping *= 4
-        else:
-            break
-        if size > 0.999 * old and size > 1e-16:
-            break
-    return x if size < enough else None
+
+    def finite(x: Array) -> Array:
+        value = miss(x)
+        return np.full(len(first), FAR) if value is None else value
+
+    limits = (-np.inf, np.inf) if bounds is None else bounds
+    options = {"ftol": EPS, "xtol": EPS, "gtol": None, "x_scale": "jac", "max_nfev": 80}
+    with np.errstate(all="ignore"):
+        # Steps of length zero in directions without effect, as along symmetries.
+        result = scipy.optimize.least_squares(finite, start, "2-point", limits, **options)
+    return result.x if 2 * result.cost < enough else None
 
 
 def _slopes(miss: Callable[[Array], Array | None], x: Array) -> Array | None:
@@ -350,7 +385,7 @@ def _orthogonal(turn: Array, signs: Sequence[int]) -> Array:
     return matrix
 
 
-def _floats(values: Values) -> Values:
+def floats(values: Values) -> Values:
     """The same numbers as floats."""
 
     def plain(t: Array) -> Array:
@@ -380,28 +415,3 @@ def _difference(one: Values, two: Values) -> float:
                 [worst, *(float(abs(x - y) / size) for x, y in zip(a.flat, b.flat, strict=True))]
             )
     return worst
-
-
-def parameters_near(one: Invariants, two: Invariants, starts: int) -> Iterator[Array]:
-    """Values of the parameters of the second geometry at which a generic point recurs."""
-    highest = max(one.highest, 1)
-    exact = next(
-        (v for p in generic_points(one.frame) if (v := Evaluation(one, highest).at(p, 20))), None
-    )
-    if exact is None:
-        return
-    goal, evaluation = _floats(exact), Evaluation(two, highest)
-    symbols = (*two.frame.coordinates, *two.frame.parameters)
-    aim = goal.scalars if two.turns else goal.flat
-    scale = np.maximum(np.abs(aim), 1e-3 * np.max(np.abs(aim), initial=1e-300))
-
-    def miss(x: Array) -> Array | None:
-        values = evaluation.near(x)
-        if values is None or values.signs != goal.signs:
-            return None
-        return ((values.scalars if two.turns else values.flat) - aim) / scale
-
-    for point in islice(generic_points(two.frame), starts):
-        x = least_squares(miss, np.array([float(point[q]) for q in symbols]))
-        if x is not None:
-            yield x[len(two.frame.coordinates) :]

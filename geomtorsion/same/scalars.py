@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from itertools import combinations_with_replacement, islice
+from itertools import combinations_with_replacement
 
 import mpmath
 
 from geomtorsion.exact import Certainty, Element
+from geomtorsion.exact.common_values import can_agree
 from geomtorsion.exact.element import least_certain
 from geomtorsion.geometry import Tensor, contract, levi_civita
 from geomtorsion.same.invariants import Invariants, representatives
-from geomtorsion.same.matching import DIGITS, WORKING, generic_points
+from geomtorsion.same.matching import DIGITS, WORKING
 
+# So many scalars exclude a point; more only take longer.
+DEMANDS = 10
+# Geometries that are the same in one sense are so in the next as well.
+WEAKER = {"legs": "teleparallel", "teleparallel": "metric", "connection": "metric"}
 # Squares of a tensor with three indices.
 CUBIC = ("abc,abc->", "abc,acb->", "abc,bac->", "abc,bca->", "abc,cba->")
 
@@ -97,6 +102,30 @@ def contradiction(
     return None
 
 
+def is_excluded(one: Invariants, two: Invariants) -> bool:
+    """Whether no point has the scalars of a generic one, here or for a weaker `keep`.
+
+    Parameters of the second geometry may have any values.
+    """
+    keeps = [one.keep]
+    while keeps[-1] in WEAKER:
+        keeps.append(WEAKER[keeps[-1]])
+    # The weakest has the shortest invariants.
+    for keep in reversed(keeps):
+        sides = (one, two)
+        if keep != one.keep:
+            sides = tuple(Invariants(x.frame, keep) for x in sides)
+        first, second = map(scalars, sides)
+        varying = [k for k, x in first.items() if k in second and x.is_zero is False]
+        varying = sorted(varying, key=lambda k: second[k].length)[:DEMANDS]
+        symbols = (*two.frame.coordinates, *two.frame.parameters)
+        if varying and (sides[0].coordinates or two.frame.parameters):
+            pairs = [first[k] for k in varying], [second[k] for k in varying]
+            if can_agree(*pairs, symbols) is False:
+                return True
+    return False
+
+
 def _text(value: Element, number: mpmath.mpf) -> str:
     """A constant, exact if that is short."""
     exact = str(value)
@@ -109,5 +138,4 @@ def _which(is_first: bool | None) -> str:
 
 def _number(invariants: Invariants, value: Element) -> mpmath.mpf:
     """The value of an invariant that is constant."""
-    point = next(islice(generic_points(invariants.frame), 1), {})
-    return value.evaluate(point, mpmath.libmp.dps_to_prec(WORKING))
+    return value.evaluate(invariants.frame.region.point, mpmath.libmp.dps_to_prec(WORKING))

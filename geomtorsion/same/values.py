@@ -51,28 +51,37 @@ class Values:
         return Values(self.signs, self.orders[: order + 1], self.legs)
 
     @cached_property
+    def _powers(self) -> list[tuple[Array, int, int, int]]:
+        """Symmetric matrices M_ab, each with the order and the place of its tensor and its power.
+
+        Squares of a tensor over all indices but one, its traces, and squares of traces.
+        """
+        eta = np.array(self.signs)
+        rows = []
+        for order, tensors in enumerate(self.orders):
+            for place, tensor in enumerate(tensors):
+                rank = tensor.ndim
+                raised = tensor
+                for k in range(rank):
+                    raised = raised * eta.reshape([-1 if j == k else 1 for j in range(rank)])
+                for k in range(rank):
+                    others = [j for j in range(rank) if j != k]
+                    # Both factors have the index k down.
+                    square = np.tensordot(tensor, raised, (others, others)) * eta
+                    rows.append((square, order, place, 2))
+                for k, m in combinations(range(rank), 2):
+                    signs = eta.reshape([-1 if j == k else 1 for j in range(rank)])
+                    trace = np.trace(tensor * signs, axis1=k, axis2=m)
+                    if trace.ndim == 1:
+                        rows.append((np.outer(trace, trace), order, place, 2))
+                    elif trace.ndim == 2:
+                        rows.append(((trace + trace.T) / 2, order, place, 1))
+        return rows
+
+    @cached_property
     def matrices(self) -> list[Array]:
         """Symmetric matrices M_ab made of the tensors: squares over all indices but one, traces."""
-        eta = np.array(self.signs)
-        matrices = []
-        for tensor in (t for order in self.orders for t in order):
-            rank = tensor.ndim
-            raised = tensor
-            for k in range(rank):
-                raised = raised * eta.reshape([-1 if j == k else 1 for j in range(rank)])
-            for k in range(rank):
-                others = [j for j in range(rank) if j != k]
-                # Both factors have the index k down.
-                square = np.tensordot(tensor, raised, (others, others)) * eta
-                matrices.append(square)
-            for k, m in combinations(range(rank), 2):
-                signs = eta.reshape([-1 if j == k else 1 for j in range(rank)])
-                trace = np.trace(tensor * signs, axis1=k, axis2=m)
-                if trace.ndim == 1:
-                    matrices.append(np.outer(trace, trace))
-                elif trace.ndim == 2:
-                    matrices.append((trace + trace.T) / 2)
-        return matrices
+        return [matrix for matrix, *_ in self._powers]
 
     @property
     def has_scalars(self) -> bool:
@@ -91,6 +100,21 @@ class Values:
         traces = [np.trace(m) for m in mixed]
         traces += [np.trace(m @ k) for j, m in enumerate(mixed) for k in mixed[j:]]
         return np.array([*traces, *(np.trace(m @ m @ m) for m in mixed)])
+
+    def scalar_weights(self, weights: Sequence[int]) -> Array:
+        """Powers of 1/length of the scalars, from the powers of the tensors in order 0."""
+        single = [power * (weights[place] + order) for _, order, place, power in self._powers]
+        pairs = [a + b for j, a in enumerate(single) for b in single[j:]]
+        return np.array([*single, *pairs, *(3 * a for a in single)])
+
+    def component_weights(self, weights: Sequence[int]) -> Array:
+        """Powers of 1/length of all components in one row, in the same way."""
+        parts = [
+            np.full(t.size, weights[place] + order)
+            for order, tensors in enumerate(self.orders)
+            for place, t in enumerate(tensors)
+        ]
+        return np.concatenate(parts) if parts else np.zeros(0)
 
 
 def turned(tensor: Array, turn: Array) -> Array:

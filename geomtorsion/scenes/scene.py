@@ -291,8 +291,9 @@ class Scene:
     ) -> SceneResult:
         """Solve the scene; the result holds the outputs by name.
 
-        A free body is solved in closed form, and checked against the integrator on the first part
-        of the times. An engine that is named is used.
+        A free body is solved in closed form; over its first turns each value is compared with an
+        integration from the value before. Where they differ the motion is integrated, and `reason`
+        names the difference. An engine that is named is used.
 
         Parameters
         ----------

@@ -13,10 +13,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geomtorsion.errors import AccuracyError, StuckError, TimeError
-from geomtorsion.ode import Checkpoint, Cost, Engine, solve
+from geomtorsion.ode import Checkpoint, Cost, Engine, integrate, solve
 from geomtorsion.ode.checkpoint import fingerprint
+from geomtorsion.ode.error_estimate import difference
 from geomtorsion.ode.numbers import checked_times
 from geomtorsion.ode.solution import DOUBLE
+from geomtorsion.ode.solve import batch_engine
 from geomtorsion.prices import (
     Bounds,
     Claim,
@@ -25,7 +27,6 @@ from geomtorsion.prices import (
     Way,
     motion_offer,
     tabulated,
-    truth_of,
 )
 from geomtorsion.prices.offer import at
 from geomtorsion.rigid import FreeTop, attitude, free_top
@@ -33,6 +34,7 @@ from geomtorsion.scenes.context import OMEGA, POSITION, QUATERNION, VELOCITY, VE
 from geomtorsion.scenes.result import SceneResult, result_of
 from geomtorsion.scenes.to_ode import observed, parameters_of, start_of
 from geomtorsion.support.caching import cached_property
+from geomtorsion.support.precision import EPS
 from geomtorsion.support.progress import reports
 
 if TYPE_CHECKING:
@@ -40,18 +42,12 @@ if TYPE_CHECKING:
     from geomtorsion.scenes.scene import Scene
 
 NAME = "free top (Jacobi elliptic functions)"
-# The check follows so many turns, at a time in each: enough to see a wrong formula or a wrong start
-# (the closed form gets no worse with time), and about a millisecond of integration.
+# The check looks at so many turns, at one time in each: a wrong formula or constant shows in all.
 CHECKED_TURNS = 32
-# The check is at least this accurate, whatever accuracy is requested, so that the estimate is not
-# far above the true error; it takes a millisecond either way.
-CHECKED_ACCURACY = 1e-9
-# Doubles do not suffice for this accuracy, so that the integrator takes more digits.
-MORE_DIGITS = float(np.finfo(float).eps) / 8
-# What the formulas lose themselves, on top of what the check can see: 16 roundings.
-ROUNDING = 16 * float(np.finfo(float).eps)
+# What the formulas lose themselves, relative to the size of each group of states: 16 roundings.
+ROUNDING = 16 * EPS
 # Period and precession are pairs of doubles: their relative error, by which angles drift away.
-PAIR = 4 * float(np.finfo(float).eps) ** 2
+PAIR = 4 * EPS**2
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +73,26 @@ class ClosedForm:
         top, _ = self._top
         moments, omega = (np.array([float(x) for x in row]) for row in (top.moments, top.omega0))
         return PAIR * abs(time) * float(moments.max() / moments.min() * np.linalg.norm(omega))
+
+    def away_at_start(self) -> float:
+        """Largest difference to the rates at the start, each relative to what changes it.
+
+        Next to an unstable axis the smallest rate determines when the body flips, so that each is
+        compared with itself, or with its change in the time to the middle of a flip, from which the
+        formulas count, and in a radian of turning.
+        """
+        top, axes = self._top
+        if top.constants is None:
+            return 0.0
+        moments, omega = (np.array([float(x) for x in row]) for row in (top.moments, top.omega0))
+        changes = np.abs(np.cross(moments * omega, omega) / moments)
+        waits = 1 / np.linalg.norm(omega) + abs(top.constants.offset.high)
+        sizes, first = np.abs(omega) + changes * waits, top.omega(0.0)
+        start = np.array([float(x) for x in self.scene.start.omega or ()])
+        gaps = np.abs(np.concatenate((first - omega, axes @ first - start)))
+        sizes = np.concatenate((sizes, np.abs(axes) @ sizes))
+        with np.errstate(divide="ignore"):
+            return float((gaps[gaps > 0] / sizes[gaps > 0]).max(initial=0.0))
 
     def states(self, times: np.ndarray) -> np.ndarray:
         """States of the equations of the scene at the times, shape (m, size)."""
@@ -133,55 +149,55 @@ def closed_form(scene: Scene) -> ClosedForm | None:
     return ClosedForm(scene)
 
 
-def checked_states(form: ClosedForm, times: np.ndarray) -> CheckedStates | None:
-    """States at the times; None where the closed form does not reach or fails its check."""
+def checked_states(form: ClosedForm, times: np.ndarray) -> CheckedStates:
+    """States at the times, refused by an AccuracyError where they are not as good as requested."""
     began = perf_counter()
     try:
         states = form.states(times)
-    except (TimeError, OverflowError):
-        return None
+    except (TimeError, OverflowError) as error:
+        raise AccuracyError(f"closed form: {error}") from error
     if not np.isfinite(states).all():
-        return None
+        raise AccuracyError("closed form: expected finite states, got others.")
     ran = perf_counter() - began
     began = perf_counter()
-    error, compiled = _checked(form, float(times[-1]))
-    error += form.drift(float(times[-1]))
+    defect, compiled = _defect(form, float(times[-1]))
+    error = defect + ROUNDING + form.drift(float(times[-1]))
     if not error <= form.scene.accuracy:
-        return None
+        raise AccuracyError(
+            f"closed form: expected an error up to {form.scene.accuracy:.3g}, got {error:.3g}."
+        )
     return CheckedStates(states, error, compiled, ran, perf_counter() - began - compiled)
 
 
-def _checked(form: ClosedForm, last: float) -> tuple[float, float]:
-    """Difference to the integrator over the first turns, with its error; seconds of compiling.
+def _defect(form: ClosedForm, last: float) -> tuple[float, float]:
+    """How far the closed form is from a solution over the first turns; seconds of compiling.
 
-    Where doubles lose too much (next to an unstable axis) the integrator takes more digits, and
-    where it has none, a shorter time.
+    Each of its values is integrated to the next one. Over so short a time no instability hides an
+    error of a formula, and a clock that runs wrong shows at each of them.
     """
-    scene = form.scene
-    speed = math.hypot(*(float(x) for x in scene.start.omega or ()))
+    ode, start = form.scene.ode, form.scene.start
+    speed = math.hypot(*(float(x) for x in start.omega or ()))
     reach = min(abs(last), 2 * math.pi * CHECKED_TURNS / speed if speed else abs(last))
-    if reach == 0:
-        return ROUNDING, 0.0
-    # A quarter allows for the error of the check itself.
-    asked = min(scene.accuracy / 4, CHECKED_ACCURACY)
-    compiled = 0.0
-    tries = [(1.0, asked), (1.0, min(asked, MORE_DIGITS))]
-    tries += [(0.5**halvings, asked) for halvings in (1, 2, 3)]
-    for part, accuracy in tries:
-        times = np.linspace(0.0, math.copysign(part * reach, last), CHECKED_TURNS + 1)
-        try:
-            solved = solve(scene.ode, times, accuracy)
-        except AccuracyError:
-            continue
-        compiled += solved.cost.compile_seconds
-        gap = truth_of(scene.ode, times, form.states).error(solved)
-        error = gap + solved.error + ROUNDING
-        if error <= scene.accuracy:
-            return error, compiled
-        if gap > scene.accuracy:
-            # Known better than that, the motion is another one, however little of it is looked at.
-            break
-    return math.inf, compiled
+    places = CHECKED_TURNS + 1 if reach else 1
+    times = np.linspace(0.0, math.copysign(reach, last), places)
+    values = form.states(times)
+    engine, _ = batch_engine(None, ode)
+    stage, compiled = ode.first_stage(engine.precision, 0.0), 0.0
+    ends = [np.array(stage.start)]
+    for k, value in enumerate(values[:-1]):
+        begun = replace(stage, start=value, begin=float(times[k]))
+        followed = integrate(begun, times[k : k + 2], EPS, engine)
+        ends.append(followed.segments[-1].last)
+        compiled += followed.compile_seconds
+    one, two = (tabulated(ode, times, "", rows) for rows in (values, ends))
+    defect = max(form.away_at_start(), difference(ode, one, two))
+    # Differences of free motions grow no faster than the body turns.
+    most = ROUNDING * math.exp(speed * reach / CHECKED_TURNS)
+    if not defect <= most:
+        raise AccuracyError(
+            f"closed form: expected the equations to hold to {most:.3g}, got {defect:.3g}."
+        )
+    return defect, compiled
 
 
 def solve_scene(
@@ -203,9 +219,13 @@ def solve_scene(
         key = fingerprint(ode, checked_times(scene.times)[0], scene.accuracy, engine)
         Checkpoint(checkpoint, key).begin()
     form = closed_form(scene) if engine is None else None
+    refusal = ""
     if form is not None:
-        result = _in_closed_form(scene, form)
-        if result is not None:
+        try:
+            result = _in_closed_form(scene, form)
+        except AccuracyError as error:
+            refusal = f"; {error}"
+        else:
             with reports(progress, "scene") as show:
                 if show is not None:
                     show(1.0)
@@ -217,7 +237,8 @@ def solve_scene(
         if stuck.solution is not None:
             stuck.solution = of_solution(scene, stuck.solution)
         raise
-    return of_solution(scene, solved)
+    found = of_solution(scene, solved)
+    return replace(found, reason=found.reason + refusal) if refusal else found
 
 
 def of_solution(scene: Scene, solved: Solution) -> SceneResult:
@@ -238,12 +259,10 @@ def of_solution(scene: Scene, solved: Solution) -> SceneResult:
     )
 
 
-def _in_closed_form(scene: Scene, form: ClosedForm) -> SceneResult | None:
-    """The result by the closed form; None where it does not reach or fails its check."""
+def _in_closed_form(scene: Scene, form: ClosedForm) -> SceneResult:
+    """The result by the closed form; see `checked_states` for where it is refused."""
     times = scene.times
     motion = checked_states(form, times)
-    if motion is None:
-        return None
     changes = scene.ode.changes(times, motion.states)
     return result_of(
         scene,
@@ -283,7 +302,7 @@ def _run_by(scene: Scene, engine: Engine | None, accuracy: float) -> Callable[[]
         result = asked.run(engine)
         if engine is None and result.form is None:
             raise AccuracyError(
-                f"expected accuracy {accuracy:.3g}; the closed form fails its check."
+                f"expected accuracy {accuracy:.3g} by the closed form, got: {result.reason}"
             )
         return Claim(result, result.error)
 

@@ -436,7 +436,10 @@ def _in_closed_form(scene: Scene, members: list[_Member], found: _Measured) -> N
     for member in members:
         own = member.scene or scene.with_values(dict(member.varied))
         form, times = closed_form(own), _sampled(own)
-        checked = None if form is None else checked_states(form, times)
+        try:
+            checked = None if form is None else checked_states(form, times)
+        except AccuracyError:
+            checked = None
         if checked is None:
             _one_by_one(scene, [member], None, found)
             continue

@@ -5,19 +5,23 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 from itertools import islice, product
 from math import prod
 
+import numpy as np
 import sympy as sp
 
 from geomtorsion.errors import ArgumentError, GeomtorsionError
 from geomtorsion.exact import unknown_functions
 from geomtorsion.geometry import Frame
 from geomtorsion.geometry.connections import FrameLike, as_frame
-from geomtorsion.same import Equivalence, Invariants, same_geometry
-from geomtorsion.same.equivalence import KEEPS, TRIES, parameter_values, refuse_functions, signature
-from geomtorsion.same.matching import parameters_near
-from geomtorsion.spaces.registry import names, shipped_space
+from geomtorsion.same import Classification, Equivalence, Invariants
+from geomtorsion.same.classification import classification, signature
+from geomtorsion.same.equivalence import KEEPS, TRIES, refuse_functions
+from geomtorsion.same.fitting import parameters_near
+from geomtorsion.same.scalars import is_excluded
+from geomtorsion.spaces.registry import CHARTS, names, shipped_space
 from geomtorsion.support import checks
 from geomtorsion.support.allowance import check_limits
 from geomtorsion.support.copies import content_hash, equal_content, only_fields
@@ -34,7 +38,8 @@ class Identified:
     """A shipped space that a frame is.
 
     name, title, source: of the space.
-    parameters: values of its parameters by name, with parameters of the frame.
+    parameters: values of its parameters by name, with parameters of the frame; 0 is a limit of the
+        space where its parameter is positive.
     equivalence: the comparison, with its certainty and the map of the coordinates.
     """
 
@@ -64,14 +69,24 @@ class Identified:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Identification:
-    """The shipped spaces that a frame is.
+    """Result of `identify`: properties of a frame, and shipped spaces that are the same geometry.
 
     matches: the spaces that are the same geometry; the first one only, unless all were requested.
     undecided: names of spaces that may or may not be the same.
+    special: names of spaces that may be the same for special values of their parameters only.
+    classification: properties such as flat, of constant curvature, vacuum or a product.
+    assumption: the region that was assumed, in words; empty where the domain was declared.
+    negated: whether minus the metric was identified, as its signature has more minus signs.
+
+    It is true where a space is found, and where the curvature is constant.
     """
 
     matches: tuple[Identified, ...]
     undecided: tuple[str, ...]
+    special: tuple[str, ...]
+    classification: Classification
+    assumption: str = ""
+    negated: bool = False
 
     def __eq__(self, other: object) -> bool:
         return equal_content(self, other)
@@ -83,12 +98,24 @@ class Identification:
         return only_fields(self)
 
     def __bool__(self) -> bool:
-        return bool(self.matches)
+        return bool(self.matches) or self.classification.curvature is not None
 
     def __str__(self) -> str:
-        lines = [str(match) for match in self.matches] or ["none of the shipped spaces"]
-        if self.undecided and not self.matches:
-            lines.append(f"undecided: {', '.join(self.undecided)}")
+        about = str(self.classification)
+        if self.matches:
+            lines = [*map(str, self.matches), f"  {about}"]
+        elif self.classification.curvature is not None:
+            lines = [about, "  none of the shipped spaces is a chart of it"]
+        elif self.undecided:
+            lines = [f"undecided: {', '.join(self.undecided)}", f"  {about}"]
+        else:
+            lines = ["none of the shipped spaces", f"  {about}"]
+        if self.special and not self:
+            lines.append(f"  special parameters are not excluded for {', '.join(self.special)}")
+        if self.negated:
+            lines.append("  for minus the metric, which has more plus signs")
+        if self.assumption:
+            lines.append(f"  {self.assumption}")
         return "\n".join(lines)
 
     def __repr__(self) -> str:
@@ -96,11 +123,12 @@ class Identification:
 
 
 def identify(frame: FrameLike, keep: str = "metric", *, every: bool = False) -> Identification:
-    """The shipped space that a frame is, with the values of its parameters.
+    """Properties of a frame, and the shipped space that it is, with values of its parameters.
 
-    The frame is compared with all shipped spaces of its dimension and signature that contain no
-    unknown function. Values of parameters are found as floats, read as rational numbers times
-    powers of the parameters of the frame, and confirmed by `same_geometry`.
+    Dimension, signature, constant curvature, Ricci and Weyl tensor, torsion, the number of
+    symmetries and the Petrov type are compared first. Where they agree, values of parameters are
+    fitted at one point, read as rational numbers times powers of the parameters of the frame, and
+    confirmed by all invariants to 50 digits, as in `same_geometry`.
 
     Parameters
     ----------
@@ -111,6 +139,11 @@ def identify(frame: FrameLike, keep: str = "metric", *, every: bool = False) -> 
     every
         True: all spaces that are the same; False: the first one.
 
+    Returns
+    -------
+    Identification: matches, properties, and the region that was assumed for a frame without domain.
+    A space that cannot be excluded is reported as undecided.
+
     Raises
     ------
     ArgumentError
@@ -120,82 +153,213 @@ def identify(frame: FrameLike, keep: str = "metric", *, every: bool = False) -> 
     --------
     >>> from geomtorsion.geometry import Frame
     >>> print(identify(Frame("u v", [["3/u", 0], [0, "3/u"]], domain="u > 0")))
-    none of the shipped spaces
+    constant curvature -1/9, 3 symmetries
+      none of the shipped spaces is a chart of it
     >>> print(identify(Frame("u v", [[3, 0], [0, "3*cos(u)"]], domain="0 < u < 1")))
     s2: the sphere of radius R, compass frame with R = 3
+      constant curvature 1/9, 3 symmetries
     """
     frame = as_frame(frame)
     refuse_functions(frame)
     name = checks.choice(keep, KEEPS, "keep", ArgumentError)
     checks.flag(every, "every")
-    matches, undecided = list[Identified](), list[str]()
-    for space_name in names():
+    minus, plus = signature(frame)
+    negated = minus > plus
+    frame = _negated(frame) if negated else frame
+    query = _Query.of(frame, name)
+    matches, undecided, special = list[Identified](), list[str](), list[str]()
+    general, limits = _candidates(query.classification, name)
+    for charts in general:
         check_limits()
-        space = shipped_space(space_name)
-        if _is_excluded(frame, space.frame):
+        equal, is_open = query.compared(charts, every)
+        matches += equal
+        undecided += charts[:1] if is_open else []
+        if matches and not every:
+            break
+    for charts in () if matches else limits:
+        check_limits()
+        equal, is_open = query.compared(charts, every)
+        matches += equal
+        special += charts[:1] if is_open else []
+        if matches:
+            break
+    parts = tuple(matches), tuple(undecided), tuple(special)
+    return Identification(*parts, query.classification, query.assumption, negated)
+
+
+def _negated(frame: Frame) -> Frame:
+    """The frame with minus its metric."""
+    n = range(frame.dimension)
+    domain, parameters = frame.domain, frame.parameters
+    if frame.shape == "metric":
+        rows = [[-frame.metric[i, j] for j in n] for i in n]
+        return Frame.from_metric(frame.coordinates, rows, domain=domain, parameters=parameters)
+    return Frame(
+        frame.coordinates,
+        [[frame.coframe[i, k] for k in n] for i in n],
+        [[-frame.eta[i, j] for j in n] for i in n],
+        domain=domain,
+        parameters=parameters,
+        complex=frame.complex,
+    )
+
+
+def _candidates(
+    own: Classification, keep: str
+) -> tuple[list[tuple[str, ...]], list[tuple[str, ...]]]:
+    """Spaces with the same properties, and spaces with special members that have them."""
+    general, limits = [], []
+    for charts in _groups(keep):
+        frame = shipped_space(charts[0]).frame
+        if frame.dimension != own.dimension or _has_functions(frame):
             continue
-        match = _compared(frame, space.frame, name)
-        if match is None:
+        other = _classification(charts[0], keep)
+        # In flat spaces only the legs depend on parameters.
+        if other.is_flat and keep == "metric" and frame.parameters:
             continue
-        values, equivalence = match
-        if equivalence.verdict == "undecided":
-            undecided.append(space_name)
-        elif equivalence.verdict == "same":
-            texts = space_name, space.title, space.source
-            matches.append(Identified(*texts, values, equivalence))
-            if not every:
-                break
-    return Identification(tuple(matches), tuple(undecided))
+        if not own.excludes(other):
+            general.append(charts)
+        elif frame.parameters and own.may_be_special(other):
+            limits.append(charts)
+    return general, limits
 
 
-def _is_excluded(frame: Frame, other: Frame) -> bool:
-    """Whether a space has another dimension or signature, or unknown functions."""
-    if frame.dimension != other.dimension:
-        return True
-    if unknown_functions(x for matrix in other.given.values() for x in matrix.values()):
-        return True
-    return signature(frame) != signature(other)
+def _groups(keep: str) -> list[tuple[str, ...]]:
+    """Names of the shipped spaces; charts of one metric together, the first to be fitted."""
+    if keep != "metric":
+        return [(name,) for name in names()]
+    group = {name: charts for charts in CHARTS for name in charts}
+    return list(dict.fromkeys(group.get(name, (name,)) for name in names()))
 
 
-def _compared(
-    frame: Frame, other: Frame, keep: str
-) -> tuple[Mapping[str, sp.Expr], Equivalence] | None:
-    """The comparison with a space, at the values of its parameters that fit; None if none do."""
-    if not other.parameters:
-        return {}, same_geometry(frame, other, keep)
-    own = {str(k): v for k, v in parameter_values(frame, frame).items()}
-    one = Invariants(frame.subs(own) if own else frame, keep)
-    generic = other.subs(parameter_values(other, other))
-    if one.growth != Invariants(generic, keep).growth:
-        return None
-    for values in _fitting(one, other, keep, own):
-        try:
-            chosen = other.subs(values)
-            result = same_geometry(frame, chosen, keep)
-        except GeomtorsionError:
-            # Values that the domain of the space does not allow.
-            continue
-        if result.verdict == "same":
-            return {str(k): v for k, v in values.items()}, result
-    return None
+def _has_functions(frame: Frame) -> bool:
+    return bool(unknown_functions(x for matrix in frame.given.values() for x in matrix.values()))
 
 
-def _fitting(
-    one: Invariants, other: Frame, keep: str, own: Mapping[str, sp.Rational]
-) -> Iterator[dict[str, sp.Expr]]:
-    """Values of parameters at which the invariants of a point recur."""
-    two = Invariants(other, keep)
-    tried = set[tuple[sp.Expr, ...]]()
-    for values in parameters_near(one, two, TRIES // 2):
-        options = [list(islice(_expressions(x, own), 4)) for x in values]
-        for chosen in product(*options):
-            if chosen not in tried:
-                tried.add(chosen)
-                yield dict(zip(map(str, other.parameters), chosen, strict=True))
+@cache
+def _classification(name: str, keep: str) -> Classification:
+    """The properties of a shipped space for general values of its parameters."""
+    return classification(Invariants(shipped_space(name).frame, keep))
+
+
+@dataclass(frozen=True)
+class _Query:
+    """The frame that is looked for, at generic values of its parameters.
+
+    values: those values, by name.
+    """
+
+    one: Invariants
+    values: Mapping[str, sp.Rational]
+    classification: Classification
+    assumption: str
+
+    @classmethod
+    def of(cls, frame: Frame, keep: str) -> _Query:
+        """The query for a frame."""
+        point = frame.region.point
+        values = {str(x): point[x] for x in frame.parameters}
+        whole = Invariants(frame, keep)
+        one = Invariants(frame.subs(values), keep) if values else whole
+        return cls(one, values, classification(whole), frame.region.assumption)
+
+    def compared(self, charts: tuple[str, ...], every: bool) -> tuple[list[Identified], bool]:
+        """The first or every chart that is the same, and whether none is found or excluded."""
+        first = shipped_space(charts[0]).frame
+        if not first.parameters:
+            return self._verdicts(charts, {}, every)
+        two = Invariants(first, self.one.keep)
+        fitting = self._fitting(two)
+        # Most geometries that are the same fit at once; a proof that none does saves other starts.
+        for candidates in (islice(fitting, 1), fitting):
+            for place, values in candidates:
+                same, _ = self._verdicts(charts, values, every, place)
+                if same:
+                    return same, False
+            if is_excluded(self.one, two):
+                return [], False
+        return [], True
+
+    def _verdicts(
+        self,
+        charts: tuple[str, ...],
+        values: Mapping[str, sp.Expr],
+        every: bool,
+        place: np.ndarray | None = None,
+    ) -> tuple[list[Identified], bool]:
+        """The first or every chart that is the same geometry at values of its parameters."""
+        same, is_open = [], False
+        for name in sorted(charts, key=names().index):
+            space = shipped_space(name)
+            numbers = {
+                k: x.subs({own: self.values[own.name] for own in x.free_symbols})
+                for k, x in values.items()
+            }
+            try:
+                other = _member(space.frame, numbers)
+                two = Invariants(other, self.one.keep)
+                near = place if name == charts[0] else None
+                equivalence = Equivalence(
+                    self.one, two, False, self.values, (self.assumption, ""), near
+                )
+                verdict = equivalence.verdict
+            except GeomtorsionError:
+                # Values that the space does not allow.
+                continue
+            is_open = is_open or verdict == "undecided"
+            if verdict == "same":
+                texts = name, space.title, space.source
+                same.append(Identified(*texts, values, equivalence))
+                if not every:
+                    break
+        return same, is_open and not same
+
+    def _fitting(self, two: Invariants) -> Iterator[tuple[np.ndarray | None, dict[str, sp.Expr]]]:
+        """Coordinates and values of parameters at which the invariants of a point recur."""
+        tried = set[tuple[sp.Expr, ...]]()
+        # A few points, each from a few starts.
+        points = islice(self.one.frame.region.points(), TRIES // 4)
+        for number, start in enumerate(points):
+            for fit in parameters_near(self.one, start, two, TRIES // 3):
+                options = [list(islice(_expressions(x, self.values), 4)) for x in fit.values]
+                for chosen in product(*options):
+                    if chosen not in tried:
+                        tried.add(chosen)
+                        named = dict(zip(map(str, two.frame.parameters), chosen, strict=True))
+                        yield None if number else fit.place, named
+
+
+def _member(frame: Frame, values: Mapping[str, sp.Expr]) -> Frame:
+    """The frame at values of its parameters, or its limit where a positive one is zero."""
+    zeros = {x: 0 for x in frame.parameters if values[str(x)] == 0 and x.is_zero is False}
+    if not zeros:
+        return frame.subs(values) if values else frame
+    n = range(frame.dimension)
+    relations = [relation.subs(zeros) for relation in frame.domain]
+    # Roots of squares take the signs that they have in the domain: sqrt(r**2) is r.
+    signs = {q: sp.Dummy(positive=True) for q in frame.coordinates if frame.region.sign(q) == 1}
+    back = {dummy: q for q, dummy in signs.items()}
+    rows = [
+        [sp.powdenest(frame.coframe[i, k].subs({**zeros, **signs})).subs(back) for k in n]
+        for i in n
+    ]
+    limit = Frame(
+        frame.coordinates,
+        rows,
+        [[frame.eta[i, k] for k in n] for i in n],
+        parameters=[x for x in frame.parameters if x not in zeros],
+        domain=[relation for relation in relations if relation != sp.true],
+        complex=frame.complex,
+    )
+    return limit.subs({str(x): values[str(x)] for x in limit.parameters})
 
 
 def _expressions(value: float, own: Mapping[str, sp.Rational]) -> Iterator[sp.Expr]:
     """A float as a simple number times powers of parameters, the simplest first."""
+    if value == 0:
+        yield sp.Integer(0)
+    if not value or not np.isfinite(value):
+        return
     simple = []
     for powers in product(POWERS, repeat=len(own)):
         factors = zip(own.values(), powers, strict=True)

@@ -107,6 +107,18 @@ SPACES: tuple[Shipped, ...] = (
 )
 
 
+# Charts of one metric with parameters. The first is regular in the largest region.
+CHARTS: tuple[tuple[str, ...], ...] = (
+    (
+        "schwarzschild_falling",
+        "schwarzschild",
+        "schwarzschild_isotropic",
+        "schwarzschild_cartesian",
+    ),
+    ("kerr", "kerr_kinnersley"),
+)
+
+
 def names() -> tuple[str, ...]:
     """Names of all shipped spaces, in the order of the registry; imports none of them.
 

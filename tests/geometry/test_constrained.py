@@ -265,7 +265,11 @@ def test_a_metric_whose_positivity_depends_on_parameters():
     x, y, m, k = sp.symbols("x y m k", positive=True)
     metric = [[m, k], [k, m]]
     with pytest.raises(MetricError, match=r"domain=\[\.\.\., '-2\*k \+ 2\*m > 0'\]"):
-        gt.constrained(gt.Frame.from_metric([x, y], metric), ["dx + dy"])
+        gt.constrained(gt.Frame.from_metric([x, y], metric, domain="k > m"), ["dx + dy"])
+    # Without a domain the region where the metric is positive is assumed.
+    assumed = gt.Frame.from_metric([x, y], metric)
+    assert str(assumed.region) == "k < m"
+    assert gt.constrained(assumed, ["dx + dy"]).allowed == (0,)
     declared = gt.Frame.from_metric([x, y], metric, domain="-2*k + 2*m > 0")
     assert gt.constrained(declared, ["dx + dy"]).allowed == (0,)
 

@@ -9,6 +9,7 @@ import sympy as sp
 
 import geomtorsion as gt
 from geomtorsion.errors import CoordinateError, ExpressionError, MetricError
+from geomtorsion.exact import Specialization
 
 t, r, theta, phi, M = sp.symbols("t r theta phi M")
 
@@ -241,3 +242,25 @@ def test_it_is_a_value() -> None:
     assert repr(one) == "Region(r > 0)"
     assert one._repr_latex_() == "$r > 0$"
     assert one.assumption == "for r > 0, assumed; declare domain=[...] for another region"
+
+
+@pytest.mark.parametrize("inside", ["1 - r", "1 - r**2"])
+def test_symmetries_where_a_root_is_real(inside: str) -> None:
+    """Three Killing vectors in closed form, of a flat and of a curved plane with a root."""
+    coframe = diagonal(f"sqrt({inside})", f"1/sqrt({inside})")
+    vectors = gt.symmetries(gt.Frame("t r", coframe, signature="-+")).vectors
+    assert len(vectors) == 3
+    assert all(gt.lie(xi, xi.frame.metric).is_zero for xi in vectors)
+
+
+def test_a_rounded_point_stays_inside() -> None:
+    """Between two close walls the coarse fractions of a search are skipped."""
+    coframe = diagonal("sqrt(r - 1000)", "sqrt(1001 - r)")
+    frame = gt.Frame("t r", coframe, domain="1000 < r, r < 1001")
+    places = Specialization.nearer(
+        frame.field, frame.coordinates, frame.region.point, frame.region.surrounds
+    )
+    _, radius = frame.coordinates
+    rounded = [place.rounded for place in places]
+    assert rounded
+    assert all(1000 < values[radius] < 1001 for values in rounded)

@@ -121,11 +121,74 @@ def test_orientation_counts_if_it_should():
     """Left- and right-invariant legs of the rotations differ by a reflection."""
     assert gt.same_geometry("so3", "so3_right", "teleparallel")
     mirrored = gt.same_geometry("so3", "so3_right", "teleparallel", orientation=True)
-    assert mirrored.verdict == "undecided"
-    assert "after a reflection" in mirrored.reason
-    with pytest.raises(UndecidedError, match="Read `verdict`"):
-        bool(mirrored)
+    assert mirrored.verdict == "different"
+    assert "the axial torsion is" in mirrored.reason
+    assert mirrored.certainty.proved
+    assert "up to one constant reflection" in str(
+        gt.same_geometry("so3", "so3_right", "teleparallel")
+    )
+    assert "up to one constant turn" in str(gt.same_geometry("so3", "so3_zxz", "teleparallel"))
     assert gt.same_geometry("so3", "so3_quaternion", "teleparallel", orientation=True)
+
+
+def test_equal_formulas_are_the_same_at_once():
+    """A frame without domain is the same as itself, for each kind of comparison."""
+    rows = [["sqrt(1-2/r)", 0, 0, 0], [0, "1/sqrt(1-2/r)", 0, 0], [0, 0, "r", 0]]
+    frame = gt.Frame("t r theta phi", [*rows, [0, 0, 0, "r*sin(theta)"]], "-+++")
+    for keep in ("metric", "teleparallel", "legs"):
+        result = gt.same_geometry(frame, frame, keep)
+        assert result.verdict == "same"
+        assert result.certainty.proved
+        assert "r > 2" in str(result)
+        assert "assumed" in str(result)
+    image = gt.same_geometry(frame, frame).map({"t": 1, "r": 5, "theta": 1, "phi": 2})
+    assert image["r"] == pytest.approx(5, abs=1e-9)
+
+
+def test_points_of_a_verdict_are_in_the_declared_domains():
+    """Both points of a match satisfy the domains of their frames."""
+    for name, other in (("s2", "s2"), ("schwarzschild", "schwarzschild_cartesian")):
+        one = space(name, MASS if "black" in gt.spaces.titles()[name] else {"R": 2})
+        two = space(other, MASS if "black" in gt.spaces.titles()[other] else {"R": 2})
+        x, y = sp.symbols("x y", real=True)
+        if name == "s2":
+            shape = 4 / (1 + x**2 + y**2)
+            one = gt.Frame([x, y], [[shape, 0], [0, shape]], domain="x > 3, y > 2")
+        result = gt.same_geometry(one, two)
+        assert result.verdict == "same"
+        for frame, point in ((one, result.match.start), (two, result.match.goal)):
+            values = {q: sp.Float(float(v)) for q, v in point.items()}
+            assert all(relation.subs(values) == sp.true for relation in frame.domain), point
+
+
+def test_light_that_falls_in_and_light_that_leaves_differ():
+    """The mass of Vaidya's metric grows by energy that falls in, and shrinks otherwise."""
+
+    def vaidya(sign: int) -> gt.Frame:
+        rows = [["-(1 - 2*m/r)", sign, 0, 0], [sign, 0, 0, 0], [0, 0, "r**2", 0]]
+        rows = [[str(x).replace("m", "v/10") for x in row] for row in rows]
+        last = [0, 0, 0, "r**2*sin(theta)**2"]
+        return gt.Frame.from_metric(
+            "v r theta phi", [*rows, last], domain="0 < v < 1, r > 1, 0 < theta < pi"
+        )
+
+    result = gt.same_geometry(vaidya(1), vaidya(-1))
+    assert result.verdict == "different"
+    assert "null energy" in result.reason
+    assert gt.same_geometry(vaidya(1), vaidya(1))
+
+
+def test_static_walls_and_an_expanding_universe_differ():
+    """Gradients of invariants are space-like for the walls, time-like for the universe."""
+    walls = gt.Frame.from_metric(
+        "t z x y", [["-1/z", 0, 0, 0], [0, "z", 0, 0], [0, 0, "z**2", 0], [0, 0, 0, "z**2"]]
+    )
+    kasner = gt.Frame.from_metric(
+        "t x y z", [["-t", 0, 0, 0], [0, "1/t", 0, 0], [0, 0, "t**2", 0], [0, 0, 0, "t**2"]]
+    )
+    result = gt.same_geometry(walls, kasner)
+    assert result.verdict == "different"
+    assert "gradients" in result.reason
 
 
 def test_connections_are_compared_with_their_metrics():
@@ -187,7 +250,7 @@ def test_the_map_of_fixed_legs_has_its_closed_form():
 def test_printing_shows_verdict_and_certainty():
     """Text and HTML show the verdict, the certainty and the points."""
     frame = gt.Frame("theta phi", [[1, 0], [0, "1 + theta^2"]])
-    result = gt.same_geometry(frame, frame)
+    result = gt.same_geometry(frame, gt.Frame("u v", [["1 + v^2", 0], [0, 1]]))
     for text in (str(result), result._repr_html_()):
         assert "same" in text
         assert "pair of generic points" in text
@@ -264,3 +327,36 @@ def test_random_disguises_are_recognised_and_changes_refused(number):
     other = gt.same_geometry(frame, changed(frame, number, Fraction(1, 20)), "teleparallel")
     assert other.verdict == "different", other
     assert other.certainty.error < 1e-40
+
+
+@pytest.mark.parametrize("pair", PAIRS[:4], ids=lambda p: f"{p[0]}-{p[2]}")
+def test_the_relation_is_symmetric(pair):
+    """The verdict does not depend on the order of the two frames."""
+    first, values, second, others, *_ = pair
+    one, two = space(first, values), space(second, others)
+    for keep in ("metric", "teleparallel"):
+        verdicts = {gt.same_geometry(*sides, keep).verdict for sides in ((one, two), (two, one))}
+        assert len(verdicts) == 1, keep
+
+
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
+def test_constant_boosts_and_turns_change_nothing(seed):
+    """Legs changed by a constant Lorentz transformation are the same up to one turn."""
+    rng = random.Random(seed)
+    frame = space("schwarzschild", MASS)
+    turn = sp.eye(4)
+    for i, k in ((0, rng.randint(1, 3)), (1, 2), (2, 3)):
+        plane = sp.eye(4)
+        a, b = (
+            (sp.Rational(5, 4), sp.Rational(3, 4))
+            if i == 0
+            else (sp.Rational(3, 5), sp.Rational(4, 5))
+        )
+        plane[i, i] = plane[k, k] = a
+        plane[i, k], plane[k, i] = (b, b) if i == 0 else (b, -b)
+        turn = plane * turn
+    rows = (turn * frame.coframe.to_sympy().tomatrix()).tolist()
+    moved = gt.Frame(frame.coordinates, rows, "-+++", domain=frame.domain)
+    result = gt.same_geometry(frame, moved, "teleparallel", orientation=True)
+    assert result.verdict == "same", result
+    assert gt.same_geometry(frame, moved, "legs").verdict == "different"

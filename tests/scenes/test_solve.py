@@ -1,5 +1,8 @@
 """Closed form of free bodies: agrees with the integrator, and is refused where unchecked."""
 
+from dataclasses import replace
+from fractions import Fraction
+from functools import partial
 from importlib import import_module
 
 import mpmath
@@ -7,11 +10,13 @@ import numpy as np
 import pytest
 
 import geomtorsion as gt
+from geomtorsion.rigid.double_double import DoubleDouble
 from geomtorsion.scenes import effects as E
-from geomtorsion.scenes.solve import ClosedForm
+from geomtorsion.scenes.solve import ClosedForm, checked_states
 from tests.chosen import one_in
 from tests.ode.engines import ENGINES
 from tests.rounding import ROUNDED
+from tests.scenes.test_exact_inputs import exact_rates
 
 SKEW = np.array([[0.12, 0.01, -0.015], [0.01, 0.16, 0.02], [-0.015, 0.02, 0.2]])
 
@@ -83,6 +88,106 @@ def test_a_closed_form_that_fails_its_check_is_not_used(monkeypatch):
     other = scene.run()
     assert other.closed_form is None
     assert np.abs(other["omega"] - right["omega"]).max() < 1e-9
+
+
+WRONG = 1 + 1e-10
+
+
+def clock(monkeypatch):
+    """Time runs wrong."""
+    states = ClosedForm.states
+    monkeypatch.setattr(ClosedForm, "states", lambda form, t: states(form, t * WRONG))
+
+
+def scale(monkeypatch):
+    """All states are wrong by a factor."""
+    states = ClosedForm.states
+    monkeypatch.setattr(ClosedForm, "states", lambda form, t: states(form, t) * WRONG)
+
+
+def constant(name, monkeypatch):
+    """A constant of the formulas is wrong by a factor."""
+    module = import_module("geomtorsion.rigid.free_top")  # the function of this name hides it
+    right = module.constants
+
+    def wrong(moments, omega):
+        found = right(moments, omega)
+        value = getattr(found, name)
+        return replace(found, **{name: DoubleDouble(value.high * WRONG, value.low)})
+
+    monkeypatch.setattr(module, "constants", wrong)
+
+
+def smallest(monkeypatch):
+    """The smallest rate at the start is wrong by a factor."""
+    module = import_module("geomtorsion.scenes.solve")
+    right = module.free_top
+
+    def wrong(moments, omega, quaternion):
+        least = min(range(3), key=lambda k: abs(float(omega[k])) or 1.0)
+        changed = [float(x) * (WRONG if k == least else 1.0) for k, x in enumerate(omega)]
+        return right(moments, changed, quaternion)
+
+    monkeypatch.setattr(module, "free_top", wrong)
+
+
+@pytest.mark.parametrize("t", [80.0, 1e4])
+@pytest.mark.parametrize("omega", [(0.3, 1, 0.2), (1e-3, 1, 0), (1e-12, 1, 0), (0.2, 0.1, 1)])
+@pytest.mark.parametrize(
+    "mistake",
+    [clock, scale, partial(constant, "slope"), partial(constant, "offset"), smallest],
+    ids=["clock", "scale", "precession", "offset", "smallest rate"],
+)
+def test_small_mistakes_of_a_closed_form_are_seen(mistake, omega, t, monkeypatch):
+    """An error of 1e-10 in a formula is seen, near the unstable axis and far from it."""
+    start = gt.State(omega=omega, quaternion=(0.8, 0, 0.6, 0))
+    body, watch = gt.Body(moments=(1, 2, 3)), ["omega", "quaternion"]
+    scene = gt.Scene(body, (), start, watch, t=t, accuracy=1e-3)
+    assert scene.run().closed_form
+    mistake(monkeypatch)
+    with pytest.raises(gt.errors.AccuracyError, match="expected the equations to hold to"):
+        checked_states(ClosedForm(scene.with_values(accuracy=1e-3)), scene.times)
+
+
+def test_the_reason_names_the_defect_of_a_refused_closed_form(monkeypatch):
+    """The reason for the engine names the defect, and the motion is right all the same."""
+    scene = gt.scenes.load("dzhanibekov")
+    right = scene.run()
+    clock(monkeypatch)
+    other = scene.with_values(accuracy=1e-9).run()
+    assert other.closed_form is None
+    assert "closed form: expected the equations to hold to" in other.reason
+    assert np.abs(other["omega"] - right["omega"]).max() < 1e-9
+
+
+@pytest.mark.parametrize("push", [1e-3, 1e-8, 1e-12])
+@pytest.mark.parametrize("t", [1.0, 1e2, 1e4, 1e6])
+def test_reported_errors_next_to_the_unstable_axis(push, t):
+    """Rates at late times agree with elliptic functions of 50 digits to the reported error."""
+    # Equal rates about the outer axes are on the separatrix of these moments.
+    moments, omega = (
+        (Fraction(1), Fraction(5, 2), Fraction(3)),
+        (1, Fraction(0), 1 + Fraction(push)),
+    )
+    scene = gt.Scene(gt.Body(moments=moments), (), gt.State(omega=omega), ["omega"], t=[t])
+    result = scene.run()
+    truth = np.array([float(x) for x in exact_rates(t, moments, omega)])
+    assert result.closed_form
+    assert result.error < 1e-11
+    assert np.abs(result["omega"][-1] - truth).max() <= result.error * np.abs(truth).max()
+
+
+@pytest.mark.parametrize("omega", [(0, 1, 1e-3), (0, 0, 0), (0, 0, 1)])
+@pytest.mark.parametrize("t", [0.0, 1e-300, -50.0])
+def test_trivial_times_and_rates(omega, t):
+    """The start itself, next to no time, time backwards; rest and constant rates."""
+    start = gt.State(omega=omega, quaternion=(1, 0, 0, 0))
+    scene = gt.Scene(gt.Body(moments=(1, 2, 3)), (), start, ["omega", "quaternion"], t=[t])
+    result, stepped = scene.run(), scene.run(engine=gt.RungeKutta())
+    assert result.closed_form
+    assert result.error < ROUNDED
+    for name in ("omega", "quaternion"):
+        assert np.abs(result[name] - stepped[name]).max() < 1e-9
 
 
 def test_solution_of_a_closed_form():

@@ -50,7 +50,8 @@ def test_a_new_space_matches_no_shipped_space():
     """A surface of no constant curvature is not shipped, and is not mistaken for one."""
     found = gt.spaces.identify(gt.Frame([U, V], [[1, 0], [0, 1 + U**2]]))
     assert not found
-    assert str(found) == "none of the shipped spaces"
+    assert str(found).startswith("none of the shipped spaces")
+    assert not found.undecided
     with pytest.raises(ArgumentError, match="unknown functions"):
         gt.spaces.identify("frw")
     with pytest.raises(ArgumentError, match="keep"):
@@ -72,3 +73,23 @@ def test_results_are_equal_by_content():
     nothing = gt.spaces.identify(gt.Frame("u v", [["3/u", 0], [0, "3/u"]], domain="u > 0"))
     assert len({one, two, copy, larger, nothing}) == 3
     assert one != "s2"
+
+
+def test_flat_and_constant_curvature_are_answers():
+    """A flat metric and a hyperbolic plane are named, though none of them is shipped."""
+    rindler = gt.Frame.from_metric("t x", [["-x**2", 0], [0, 1]])
+    flat = gt.spaces.identify(rindler)
+    assert flat
+    assert flat.classification.is_flat
+    assert "flat (Minkowski space)" in str(flat)
+    assert "x > 0, assumed" in str(flat)
+    fisher = gt.spaces.identify(gt.Frame.from_metric("m s", [["1/s**2", 0], [0, "2/s**2"]]))
+    assert fisher.classification.curvature == -sp.Rational(1, 2)
+
+
+def test_the_other_sign_of_a_metric_is_identified():
+    """A metric with minus signs for space is compared with plus signs, and the answer reports it."""
+    found = gt.spaces.identify(gt.Frame.from_metric("x y z", [[-1, 0, 0], [0, -1, 0], [0, 0, -1]]))
+    assert found.negated
+    assert "minus the metric" in str(found)
+    assert found.matches[0].name == "flat_cylindrical"

@@ -22,8 +22,9 @@ def identify(
 ) -> None:
     """Find the shipped space that a tetrad is, in other coordinates.
 
-    The tetrad is compared with all shipped spaces of its dimension and signature, and the values
-    of their parameters are found. The command ends with 1 if it is none of them.
+    Prints the space with the values of its parameters, and properties such as flat, vacuum or
+    constant curvature. A tetrad without domain is read in one region, which is printed. The command
+    ends with 1 unless a space is found or the curvature is constant.
 
     \b
     Examples:

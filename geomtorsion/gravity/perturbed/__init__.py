@@ -3,18 +3,22 @@
 from geomtorsion.gravity.perturbed.cosmology import TensorModes, tensor_modes
 from geomtorsion.gravity.perturbed.dust import Growth, growth
 from geomtorsion.gravity.perturbed.particles import Particle, Spectrum, spectrum
+from geomtorsion.gravity.perturbed.quasi_normal import Mode, Ringing, ringing
 from geomtorsion.gravity.perturbed.scalar_waves import ScalarModes, scalar_modes
 from geomtorsion.gravity.perturbed.weak_field import PostNewtonian, post_newtonian
 
 __all__ = [
     "Growth",
+    "Mode",
     "Particle",
     "PostNewtonian",
+    "Ringing",
     "ScalarModes",
     "Spectrum",
     "TensorModes",
     "growth",
     "post_newtonian",
+    "ringing",
     "scalar_modes",
     "spectrum",
     "tensor_modes",

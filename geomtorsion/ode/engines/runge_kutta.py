@@ -13,7 +13,6 @@ from geomtorsion.ode.engines.stacked import run_stacked
 from geomtorsion.ode.engines.stepper import LARGEST
 from geomtorsion.ode.engines.stepwise import stepwise_run
 from geomtorsion.ode.numbers import Real
-from geomtorsion.ode.roundings import Changes
 from geomtorsion.ode.system import Batch, Run, System, Watch
 from geomtorsion.support import checks
 
@@ -27,7 +26,6 @@ class _Ladder:
 
     precision = 53
     finds_every_root = False
-    changes_on_the_way = True
     finest: float
 
     def first(self, accuracy: float) -> float:
@@ -91,7 +89,6 @@ class RungeKutta(_Ladder):
         dense: bool = False,
         watch: Watch | None = None,
         longest: float = math.inf,
-        changes: Changes | None = None,
     ) -> Run:
         """See `Engine.run`."""
         most = self.max_evaluations
@@ -107,7 +104,6 @@ class RungeKutta(_Ladder):
             dense,
             watch,
             longest,
-            changes,
         )
 
     def batch(self, batch: Batch, tolerance: float) -> float:
@@ -160,7 +156,6 @@ class Stiff(_Ladder):
         dense: bool = False,
         watch: Watch | None = None,
         longest: float = math.inf,
-        changes: Changes | None = None,
     ) -> Run:
         """See `Engine.run`."""
         most = self.max_evaluations
@@ -175,5 +170,4 @@ class Stiff(_Ladder):
             dense,
             watch,
             longest,
-            changes,
         )

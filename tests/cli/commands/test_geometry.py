@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from pathlib import Path
 
 import numpy
 import pytest
@@ -271,3 +272,13 @@ def test_every_quantity_can_be_named():
     text = run("geometry", "axial_torsion", "--only", names).stdout
     assert [row.title for row in QUANTITIES.values() if f"\n{row.title}  " not in text] == []
     assert "\nCotton tensor  C_{abc} = 0" in text
+
+
+def test_the_assumed_region_is_printed(tmp_path: Path) -> None:
+    """A file without a domain shows the region that was assumed, and how to declare another."""
+    file = tmp_path / "line.toml"
+    rows = 'coordinates = ["t", "r"]\ncoframe = [["sqrt(1-r)", 0], [0, "1/sqrt(1-r)"]]\n'
+    file.write_text(rows, "utf-8")
+    assert "\nregion r < 1, assumed; add domain = [...]" in shown(str(file), "--only", "torsion")
+    file.write_text(f'{rows}domain = ["r < 1"]\n', "utf-8")
+    assert "assumed" not in shown(str(file), "--only", "torsion")

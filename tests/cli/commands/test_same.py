@@ -39,4 +39,4 @@ def test_a_strange_file_matches_no_shipped_space(tmp_path: Path) -> None:
     file = tmp_path / "bump.toml"
     file.write_text(SPHERE.replace('v^2)"]]', '2*v^2)"]]'))
     text = run("identify", str(file), code=ExitCode.failed).stdout
-    assert text == "none of the shipped spaces\n"
+    assert text.startswith("none of the shipped spaces\n")

@@ -1,0 +1,83 @@
+"""ringing: the frequencies with which a static black hole rings."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from geomtorsion.cli.options import Form, SpaceOrFile, directory, option
+from geomtorsion.cli.results import say_on_error
+from geomtorsion.cli.sources import open_space
+from geomtorsion.cli.terminal import working, wrapped
+from geomtorsion.cli.theories import LagrangianOption, theory_of
+from geomtorsion.cli.values import assigned
+from geomtorsion.gravity import perturbed
+from geomtorsion.pictures.ringing import draw_ringing
+from geomtorsion.pictures.style import can_draw, save
+from geomtorsion.support.files import write_text
+
+
+def ringing(
+    source: SpaceOrFile,
+    lagrangian: LagrangianOption = None,
+    harmonic: Annotated[
+        int, typer.Option("-l", "--harmonic", metavar="L", help="Number of the spherical harmonic.")
+    ] = 2,
+    parity: Annotated[str, typer.Option(metavar="NAME", help="axial, polar or both.")] = "both",
+    modes: Annotated[int, typer.Option(metavar="N", help="Modes of each parity.")] = 1,
+    digits: Annotated[int, typer.Option(metavar="N", help="Digits of each frequency.")] = 8,
+    values: Annotated[
+        list[str] | None,
+        option("--set", metavar="NAME=VALUE", text="Value of a parameter. May be repeated."),
+    ] = None,
+    geometry: Annotated[
+        str, typer.Option("-g", "--geometry", metavar="NAME", help="riemannian or teleparallel.")
+    ] = "riemannian",
+    form: Annotated[
+        Form, typer.Option("--format", help="text to read, json for programs.")
+    ] = Form.text,
+    output: Annotated[
+        Path | None,
+        directory("Directory for ringing.json and ringing.png, created if missing."),
+    ] = None,
+) -> None:
+    """Compute the frequencies with which a static black hole of a theory rings.
+
+    Without -L the theory is general relativity, L = R. The Lagrangian of a scalar field, -X/2, or
+    of a Maxwell field, -F2/4, is a test field on the hole.
+
+    \b
+    Examples:
+      geomtorsion ringing schwarzschild --set M=1
+      geomtorsion ringing schwarzschild --set M=1 -l 3 --parity axial --modes 2 -o rings
+      geomtorsion ringing schwarzschild --set M=1 -L "-X/2" -l 0
+    """
+    given = dict(assigned(one, "--set", "M=1") for one in values or ())
+    with working(source):
+        rings = perturbed.ringing(
+            theory_of(lagrangian) if lagrangian else "R",
+            open_space(source),
+            l=harmonic,
+            parity=parity,
+            modes=modes,
+            digits=digits,
+            parameters=given,
+            geometry=geometry,
+        )
+    document = rings.to_json()
+    if form is Form.json:
+        typer.echo(json.dumps(document, indent=2))
+    else:
+        for line in str(rings).splitlines():
+            typer.echo(wrapped(line))
+    if output is not None:
+        output.mkdir(parents=True, exist_ok=True)
+        paths = [output / "ringing.json"]
+        write_text(paths[0], json.dumps(document, indent=2) + "\n")
+        if can_draw():
+            paths.append(output / "ringing.png")
+            save(draw_ringing(rings), paths[-1])
+        say_on_error(paths)

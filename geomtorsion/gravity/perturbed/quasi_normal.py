@@ -1,0 +1,400 @@
+"""Ringing: quasi-normal modes of a static black hole, from the Lagrangian to digits."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import mpmath
+import sympy as sp
+
+from geomtorsion.errors import GravityError
+from geomtorsion.exact import Element, Truncated, linear_parts, parse_expression
+from geomtorsion.geometry import Frame, Tensor
+from geomtorsion.geometry.connections import FrameLike, as_frame
+from geomtorsion.gravity.equations import equations
+from geomtorsion.gravity.lagrangian import Lagrangian, known_as
+from geomtorsion.gravity.matter import maxwell, scalar_field
+from geomtorsion.gravity.perturbed.collocation import Hole, R, Radial, Row, frequencies
+from geomtorsion.gravity.perturbed.geometries import ETA, GEOMETRIES, SMALL, theory_in
+from geomtorsion.support import checks
+from geomtorsion.support.displays import Plot, drawn_by, figure_by
+
+T, THETA, PHI = sp.symbols("t theta phi")
+# A direction at which the angular factors are rational and, for l below 30, not zero.
+DIRECTION = {sp.sin(THETA): sp.Rational(4, 5), sp.cos(THETA): sp.Rational(3, 5)}
+PARITIES = ("axial", "polar", "both")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mode:
+    """One quasi-normal mode: waves exp(-i omega t) times a spherical harmonic.
+
+    omega: the frequency; its imaginary part is negative, minus the rate of damping.
+    error: a bound from two grids on the error of omega.
+    parity: axial or polar; empty for test fields. l: of the spherical harmonic.
+    """
+
+    omega: mpmath.mpc
+    error: float
+    parity: str
+    l: int  # noqa: E741
+
+    @property
+    def frequency(self) -> complex:
+        """omega as a Python number."""
+        return complex(self.omega)
+
+    @property
+    def _digits(self) -> int:
+        """Digits behind the point that the error allows."""
+        return max(int(-mpmath.log10(self.error or mpmath.eps)), 1)
+
+    def to_json(self) -> dict[str, Any]:
+        """The mode as plain data."""
+        real, imag = (mpmath.nstr(x, self._digits) for x in (self.omega.real, self.omega.imag))
+        return {"l": self.l, "parity": self.parity, "real": real, "imag": imag, "error": self.error}
+
+    def __str__(self) -> str:
+        digits = self._digits
+        kind = f"{self.parity}, " * bool(self.parity)
+        real = mpmath.nstr(self.omega.real, digits)
+        imag = mpmath.nstr(-self.omega.imag, digits)
+        return f"{kind}l = {self.l}: {real} - {imag} i +- {self.error:.0e}"
+
+
+@dataclass(frozen=True, repr=False)
+class Ringing:
+    """How a static black hole rings: its modes, those damped least first.
+
+    lagrangian: the theory. f: g_tt = -f, with its values.
+    """
+
+    lagrangian: Lagrangian
+    f: sp.Expr
+    modes: tuple[Mode, ...]
+
+    _repr_html_ = drawn_by("ringing", "ringing_html")
+    plot: ClassVar[Plot] = figure_by("ringing", "draw_ringing")
+
+    def to_json(self) -> dict[str, Any]:
+        """Modes as plain data, each part of a frequency as text with all its digits."""
+        return {
+            "lagrangian": str(self.lagrangian.expression),
+            "f": str(self.f),
+            "modes": [one.to_json() for one in self.modes],
+        }
+
+    def __str__(self) -> str:
+        head = f"ringing of f = {self.f} in {self.lagrangian!r}"
+        return "\n".join([head, *map(str, self.modes)])
+
+    __repr__ = __str__
+
+
+def ringing(
+    lagrangian: Lagrangian | str | sp.Expr,
+    frame: FrameLike,
+    *,
+    l: int = 2,  # noqa: E741
+    parity: str = "both",
+    modes: int = 1,
+    digits: int = 8,
+    parameters: Mapping[str, object] | None = None,
+    geometry: str = "riemannian",
+) -> Ringing:
+    """Quasi-normal modes of a static, spherical black hole of a theory.
+
+    Equation
+    --------
+    First order of the field equations for waves exp(-i omega t) of one spherical harmonic, which
+    fall into the hole and leave outwards, or through the outer horizon.
+    [Regge, Wheeler 1957], [Zerilli 1970], [Leaver 1985]
+
+    Parameters
+    ----------
+    lagrangian
+        As in `gravity.equations`, with the values of its constants. A Lagrangian of only a
+        scalar field, "-X/2", or only a Maxwell field, "-F2/4", is a test field on the frame.
+    frame
+        A frame or space with the metric -f dt^2 + dr^2/f + r^2 dOmega^2.
+    l
+        Number of the spherical harmonic.
+    parity
+        "axial", "polar" or "both".
+    modes
+        How many for each parity, those damped least.
+    digits
+        Digits of each frequency.
+    parameters
+        Numbers for the parameters of frame and Lagrangian, {"M": 1}.
+
+    Raises
+    ------
+    GravityError
+        The frame is of another form or not a solution, or the waves need more than two
+        derivatives.
+    AccuracyError
+        The digits are not reached.
+
+    Examples
+    --------
+    >>> from geomtorsion.gravity import perturbed
+    >>> rings = perturbed.ringing("R", "schwarzschild", parity="axial", parameters={"M": 1})
+    >>> round(rings.modes[0].frequency.real, 8), rings.modes[0].error < 1e-8
+    (0.37367168, True)
+    """
+    theory = known_as(lagrangian)
+    kind = _kind(theory)
+    lowest = {"gravity": 2, "scalar": 0, "Maxwell": 1}[kind]
+    checks.count(l, "l", GravityError, lowest, 29)
+    checks.count(modes, "modes", GravityError, 1, 20)
+    checks.count(digits, "digits", GravityError, 1, 30)
+    checks.choice(parity, PARITIES, "parity", GravityError)
+    checks.choice(geometry, ("riemannian", "teleparallel"), "geometry", GravityError)
+    values = {str(x): _number(value, str(x)) for x, value in (parameters or {}).items()}
+    f = _static(as_frame(frame, "frame", GravityError), values)
+    hole = Hole(f, *_horizons(f))
+    fixed = theory_in(_with_values(theory, values), geometry)
+    parities = ("",)
+    if kind == "gravity":
+        parities = ("axial", "polar") if parity == "both" else (parity,)
+    rings = [
+        Mode(omega=_complex(w), error=error, parity=name, l=l)
+        for name in parities
+        for w, error in frequencies(_SYSTEMS[kind, name](fixed, geometry, hole, l), modes, digits)
+    ]
+    return Ringing(fixed, f, tuple(rings))
+
+
+# -- the hole --------------------------------------------------------------------------------------
+
+
+def _kind(theory: Lagrangian) -> str:
+    """gravity, or the test field of which a Lagrangian consists."""
+    words = set(re.findall(r"[^\W\d]\w*", str(theory.expression)))
+    if "F2" in words and not words - {"F2"}:
+        return "Maxwell"
+    return "scalar" if "X" in words and not words & {"R", "T", "Q", "F2"} else "gravity"
+
+
+def _number(value: object, name: str) -> sp.Expr:
+    number = checks.expression(
+        value, f"parameters[{name}]", GravityError, read=lambda text: parse_expression(text, {})
+    )
+    if number.free_symbols:
+        checks.refuse(GravityError, f"parameters[{name}]", "a number", value)
+    return sp.nsimplify(number, rational=True) if number.has(sp.Float) else number
+
+
+def _with_values(theory: Lagrangian, values: Mapping[str, sp.Expr]) -> Lagrangian:
+    """A theory with numbers for its constants."""
+    expression = theory.expression
+    if isinstance(expression, str):
+        for name, value in values.items():
+            expression = re.sub(rf"\b{re.escape(name)}\b", f"({value})", expression)
+    else:
+        named = {x: values[x.name] for x in expression.free_symbols if x.name in values}
+        expression = expression.xreplace(named)
+    return Lagrangian(expression, theory.geometry, theory.name, (), theory.invariants)
+
+
+def _static(frame: Frame, values: Mapping[str, sp.Expr]) -> sp.Expr:
+    """f(r) of a frame with the metric -f dt^2 + dr^2/f + r^2 dOmega^2."""
+    if frame.dimension == 4:
+        t, r, theta, _ = frame.coordinates
+        named = {x: values[x.name] for x in frame.parameters if x.name in values}
+        f = (-frame.metric.element(0, 0)).sympy.xreplace(named)
+        given = {(0, 0): -f, (1, 1): 1 / f, (2, 2): r**2, (3, 3): r**2 * sp.sin(theta) ** 2}
+        metric = {
+            index: x.sympy.xreplace(named) for index, x in frame.metric.components.nonzero.items()
+        }
+        fits = metric.keys() == given.keys() and all(
+            sp.simplify(metric[index] - given[index]) == 0 for index in given
+        )
+        f = sp.cancel(f.xreplace({r: R}))
+        if fits and f.free_symbols - {R}:
+            name = min(map(str, f.free_symbols - {R}))
+            raise GravityError(
+                f"ringing: expected numbers for all parameters, got none for {name}. Give "
+                f"parameters={{'{name}': 1}}."
+            )
+        if fits and f.is_rational_function(R) and t not in f.free_symbols:
+            return f
+    raise GravityError(
+        "frame: expected a static hole with the metric -f(r) dt^2 + dr^2/f(r) + r^2 dtheta^2 + "
+        f"r^2 sin(theta)^2 dphi^2, got {frame.name or 'another frame'}. Give its frame in these "
+        "coordinates, such as schwarzschild."
+    )
+
+
+def _horizons(f: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    """The outermost horizon that encloses the hole, and the one around its outside, or oo."""
+    roots = sp.Poly(sp.numer(sp.together(f)), R).nroots(n=200, maxsteps=500)
+    real = sorted(x for x in roots if abs(sp.im(x)) < sp.Float(10) ** -60 and sp.re(x) > 0)
+    real = [sp.re(x) for x in real]
+    limit = sp.limit(f, R, sp.oo)
+    if limit == 1 and real:
+        return real[-1], sp.oo
+    if limit == -sp.oo and len(real) > 1:
+        return real[-2], real[-1]
+    raise GravityError(
+        f"ringing: expected a hole that is flat far away or has a horizon of de Sitter, got f = "
+        f"{f}. Give other parameters."
+    )
+
+
+def _complex(w: object) -> mpmath.mpc:
+    with mpmath.workdps(50):
+        return mpmath.mpc(w.real.mid().str(45, radius=False), w.imag.mid().str(45, radius=False))  # type: ignore[attr-defined]
+
+
+# -- radial equations ------------------------------------------------------------------------------
+
+
+def _functions(*names: str) -> list[sp.Expr]:
+    return [sp.Function(name)(T, R) for name in names]
+
+
+def _frame(f: sp.Expr, rows: sp.Matrix) -> Frame:
+    """A frame outside of the hole, expanded in the wave."""
+    inner, outer = (sp.nsimplify(x.n(15), rational=True) for x in _horizons(f))
+    domain = [inner < R, THETA > 0, sp.pi > THETA, *([outer > R] if outer != sp.oo else [])]
+    frame = Frame((T, R, THETA, PHI), rows, signature=ETA, parameters=[SMALL], domain=domain)
+    return frame.expanded(SMALL, 1)
+
+
+def _radial(element: Element, fields: Sequence[sp.Expr]) -> Row:
+    """An equation as coefficients of each field, without its common angular factor."""
+    assert isinstance(element, Truncated)
+    parts = linear_parts(element.parts[1], fields)
+    row: list[dict[tuple[int, int], sp.Expr]] = [{} for _ in fields]
+    for (function, orders), x in parts.items():
+        value = sp.cancel(sp.together(x.sympy.subs(DIRECTION)))
+        row[fields.index(function)][orders[0], orders[1]] = value
+    if any(order > 2 for one in row for _, order in one):
+        raise GravityError(
+            "ringing: expected waves with two derivatives at most, got more. Waves of another "
+            "parity, or test fields on this frame, may still be found."
+        )
+    return row
+
+
+def _lower(lagrangian: Lagrangian, geometry: str, frame: Frame) -> Tensor:
+    """E_ij of a solution."""
+    system = equations(GEOMETRIES[geometry].connection(frame), lagrangian)
+    lower = system.E.lowered(1)
+    for index, x in sorted(lower.order(0).components.nonzero.items()):
+        raise GravityError(
+            f"ringing: expected a frame that solves the equations, got E_{index[0]}{index[1]} = "
+            f"{checks.cut(str(x))}. Give another frame, or other constants."
+        )
+    return lower
+
+
+def _sum(tensor: Tensor, i: int, j: int) -> Element:
+    """E_ij + E_ji, or E_ii."""
+    one = tensor.element(i, j)
+    return one if i == j else one + tensor.element(j, i)
+
+
+def _axial(lagrangian: Lagrangian, geometry: str, hole: Hole, l: int) -> Radial:  # noqa: E741
+    """Waves that drag the sphere around: two fields in the last leg."""
+    f, (h0, h1) = hole.f, _functions("H0", "H1")
+    slope = sp.legendre(l, sp.cos(THETA)).diff(THETA)
+    rows = sp.diag(sp.sqrt(f), 1 / sp.sqrt(f), R, R * sp.sin(THETA))
+    rows[3, 0], rows[3, 1] = SMALL * h0 * slope / R, SMALL * h1 * slope / R
+    tensor = _lower(lagrangian, geometry, _frame(f, rows))
+    system = [_radial(_sum(tensor, *index), [h0, h1]) for index in ((2, 3), (1, 3))]
+    return Radial(hole, system, [R, R / f])
+
+
+def _polar(lagrangian: Lagrangian, geometry: str, hole: Hole, l: int) -> Radial:  # noqa: E741
+    """Waves that stretch the sphere: after the gauge and H2 = H0, three fields."""
+    f, (h0, h1, h2, k) = hole.f, _functions("H0", "H1", "H2", "K")
+    shape = sp.legendre(l, sp.cos(THETA))
+    half = SMALL * shape / 2
+    rows = sp.diag(
+        sp.sqrt(f) * (1 - half * h0),
+        (1 + half * h2) / sp.sqrt(f),
+        R * (1 + half * k),
+        R * sp.sin(THETA) * (1 + half * k),
+    )
+    rows[1, 0] = SMALL * shape * h1 * sp.sqrt(f)
+    tensor = _lower(lagrangian, geometry, _frame(f, rows))
+    fields = [h0, h1, h2, k]
+    stress = _radial(tensor.element(2, 2) - tensor.element(3, 3), fields)
+    one, two = stress[0], stress[2]
+    if stress[1] or stress[3] or one.keys() != {(0, 0)} or sp.cancel(one[0, 0] + two[0, 0]) != 0:
+        raise GravityError(
+            "ringing: expected polar waves of the tetrad only, got a field of its own, such as the "
+            "scalar of R + c*R**2. Use parity='axial'."
+        )
+    parts = [_radial(_sum(tensor, *index), fields) for index in ((0, 1), (0, 2), (1, 2), (1, 1))]
+    system = [[_added(row[0], row[2]), row[1], row[3]] for row in parts]
+    return Radial(hole, _first_order(system), [R / f, R / f, sp.S.One])
+
+
+def _added(one: Mapping, two: Mapping) -> dict[tuple[int, int], sp.Expr]:
+    """Coefficients of two fields that are equal."""
+    total = dict(one)
+    for orders, x in two.items():
+        total[orders] = sp.cancel(total.get(orders, sp.S.Zero) + x)
+    return {orders: x for orders, x in total.items() if x != 0}
+
+
+def _first_order(system: Sequence[Sequence[Mapping]]) -> list[Row]:
+    """Two equations with derivatives by r and the algebraic one that follows from all four."""
+    w = sp.Symbol("w")
+    slopes, values = sp.symbols("s0:3"), sp.symbols("v0:3")
+
+    def line(row: Sequence[Mapping]) -> sp.Expr:
+        return sp.Add(
+            *(
+                c * (-sp.I * w) ** a * (slopes[k] if b else values[k])
+                for k, one in enumerate(row)
+                for (a, b), c in one.items()
+            )
+        )
+
+    lines = [line(row) for row in system]
+    (solved,) = sp.linsolve(lines[:3], slopes)
+    rest = sp.numer(sp.together(lines[3].subs(dict(zip(slopes, solved, strict=True)))))
+    poly = sp.Poly(sp.expand(rest), w, *values)
+    algebraic: list[dict[tuple[int, int], sp.Expr]] = [{} for _ in values]
+    for (power, *which), c in poly.terms():
+        algebraic[which.index(1)][power, 0] = c * sp.I**power
+    return [*system[:2], algebraic]
+
+
+def _scalar(lagrangian: Lagrangian, geometry: str, hole: Hole, l: int) -> Radial:  # noqa: E741
+    """A scalar test field."""
+    (u,) = _functions("u")
+    f = hole.f
+    frame = _frame(f, sp.diag(sp.sqrt(f), 1 / sp.sqrt(f), R, R * sp.sin(THETA)))
+    small = scalar_field(SMALL * u * sp.legendre(l, sp.cos(THETA)))
+    system = equations(GEOMETRIES[geometry].connection(frame), lagrangian, small)
+    row = _radial(system.matter_equations["phi"].element(), [u])
+    return Radial(hole, [row], [1 / R])
+
+
+def _maxwell(lagrangian: Lagrangian, geometry: str, hole: Hole, l: int) -> Radial:  # noqa: E741
+    """A Maxwell test field, whose parities ring alike: A_phi."""
+    (a,) = _functions("a")
+    f = hole.f
+    frame = _frame(f, sp.diag(sp.sqrt(f), 1 / sp.sqrt(f), R, R * sp.sin(THETA)))
+    slope = sp.sin(THETA) * sp.legendre(l, sp.cos(THETA)).diff(THETA)
+    small = maxwell([0, 0, 0, SMALL * a * slope])
+    system = equations(GEOMETRIES[geometry].connection(frame), lagrangian, small)
+    row = _radial(system.matter_equations["A"].element(3), [a])
+    return Radial(hole, [row], [sp.S.One])
+
+
+_SYSTEMS = {
+    ("gravity", "axial"): _axial,
+    ("gravity", "polar"): _polar,
+    ("scalar", ""): _scalar,
+    ("Maxwell", ""): _maxwell,
+}
