@@ -1,12 +1,14 @@
 """Perturbed: a theory of gravity to first order about flat space, a cosmos or a static hole."""
 
 from geomtorsion.gravity.perturbed.cosmology import TensorModes, tensor_modes
+from geomtorsion.gravity.perturbed.dust import Growth, growth
 from geomtorsion.gravity.perturbed.particles import Particle, Spectrum, spectrum
 from geomtorsion.gravity.perturbed.quasi_normal import Mode, Ringing, ringing
 from geomtorsion.gravity.perturbed.scalar_waves import ScalarModes, scalar_modes
 from geomtorsion.gravity.perturbed.weak_field import PostNewtonian, post_newtonian
 
 __all__ = [
+    "Growth",
     "Mode",
     "Particle",
     "PostNewtonian",
@@ -14,6 +16,7 @@ __all__ = [
     "ScalarModes",
     "Spectrum",
     "TensorModes",
+    "growth",
     "post_newtonian",
     "ringing",
     "scalar_modes",

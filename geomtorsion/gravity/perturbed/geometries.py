@@ -146,6 +146,19 @@ def geometry_of(lagrangian: object, name: object) -> str:
     return checks.choice(name, tuple(GEOMETRIES), "geometry", GravityError)
 
 
+def riemannian_only(lagrangian: object, geometry: object, caller: str) -> str:
+    """The name of the geometry, riemannian for a text; others are refused."""
+    if geometry is None and not isinstance(lagrangian, Lagrangian):
+        return "riemannian"
+    name = geometry_of(lagrangian, geometry)
+    if name != "riemannian":
+        raise GravityError(
+            f"{caller}: expected the geometry riemannian, got {name}. Waves of a connection are "
+            "listed by perturbed.spectrum."
+        )
+    return name
+
+
 def theory_in(lagrangian: object, name: str) -> Lagrangian:
     """A theory; one given as text belongs to the geometry of that name."""
     theory = known_as(lagrangian)

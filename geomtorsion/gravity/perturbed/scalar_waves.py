@@ -22,8 +22,8 @@ from geomtorsion.gravity.perturbed.geometries import (
     X,
     Y,
     Z,
-    geometry_of,
     names_of,
+    riemannian_only,
     theory_in,
 )
 from geomtorsion.support.caching import cached_property
@@ -246,14 +246,7 @@ def scalar_modes(
     >>> perturbed.scalar_modes("R/2 + X**2", scalars="phi").speed2
     1/3
     """
-    if geometry is None and not isinstance(lagrangian, Lagrangian):
-        geometry = "riemannian"
-    name = geometry_of(lagrangian, geometry)
-    if name != "riemannian":
-        raise GravityError(
-            f"scalar_modes: expected the geometry riemannian, got {name}. Waves of a connection "
-            "are listed by perturbed.spectrum."
-        )
+    name = riemannian_only(lagrangian, geometry, "scalar_modes")
     names = names_of(scalars)
     if len(names) != 1:
         raise GravityError(

@@ -1,0 +1,204 @@
+"""Dust: how strongly a theory of gravity pulls dust together on a cosmos."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+
+from geomtorsion.errors import GravityError
+from geomtorsion.exact import Element, Truncated, linear_parts
+from geomtorsion.geometry import Frame, levi_civita
+from geomtorsion.gravity.equations import FieldEquations, equations
+from geomtorsion.gravity.invariants import Invariant
+from geomtorsion.gravity.lagrangian import Lagrangian
+from geomtorsion.gravity.matter import scalar_field
+from geomtorsion.gravity.perturbed.cosmology import H, N, fields_in_time, in_rates
+from geomtorsion.gravity.perturbed.geometries import (
+    ETA,
+    SMALL,
+    T,
+    X,
+    Y,
+    Z,
+    names_of,
+    riemannian_only,
+    theory_in,
+)
+from geomtorsion.support.caching import cached_property
+
+# Potentials of clocks and of lengths, the scale factor, a wave number and the density of dust.
+CLOCK, SPACE = (sp.Function(name)(T, Z) for name in ("Psi", "Phi"))
+SCALE, WAVE_NUMBER, DENSITY = sp.symbols("a k rho")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Growth:
+    """Potentials of dust on a flat cosmos, inside the horizon: k^2 Psi / a^2 = -G rho delta / 2.
+
+    Time derivatives of the potentials are omitted (the quasi-static limit), and rates of the cosmos
+    against k/a and against masses. Units have 8 pi G = 1 for L = R/2.
+
+    equations: field equations of the cosmos with the potentials, at first order.
+    fields: the small change of each scalar field.
+
+    Examples
+    --------
+    >>> from geomtorsion.gravity import perturbed
+    >>> perturbed.growth("F(phi)*R/2 - X/2", scalars="phi").G
+    2*(F(phi) + 2*Derivative(F(phi), phi)**2)/((2*F(phi) + 3*Derivative(F(phi), phi)**2)*F(phi))
+    """
+
+    equations: FieldEquations
+    fields: tuple[AppliedUndef, ...]
+
+    def check(self) -> None:
+        """Refuse a theory whose potentials depend on the rates of the cosmos."""
+        for x in self._matrix:
+            if x.has(H) or _rates(x):
+                raise GravityError(
+                    "growth: expected potentials that do not depend on rates of the cosmos, got "
+                    f"{x}. See the waves with perturbed.scalar_modes."
+                )
+        if not self._potentials[0].has(WAVE_NUMBER):
+            raise GravityError(
+                "growth: expected dust to have a potential, got none. Add a term of gravity."
+            )
+
+    @cached_property
+    def _rows(self) -> list[Element]:
+        """Derivatives of the action by the potentials and the scalar fields."""
+        frame, E = self.equations.frame, self.equations.E
+        volume = frame.determinant.element()
+        mixed = [volume * E.element(i, i) for i in range(4)]
+        rows = [mixed[0], mixed[1] + mixed[2] + mixed[3]]
+        return rows + [volume * x.element() for x in self.equations.matter_equations.values()]
+
+    @cached_property
+    def _matrix(self) -> sp.Matrix:
+        """The first order in the quasi-static limit, on a wave of unit potentials."""
+        columns = [CLOCK, SPACE, *self.fields]
+        matrix = sp.zeros(len(columns), len(columns))
+        for i, row in enumerate(self._rows):
+            assert isinstance(row, Truncated)
+            entries: dict[int, dict[int, Element]] = {}
+            for (function, (t, z)), x in linear_parts(row.parts[1], columns).items():
+                if t == 0:
+                    entries.setdefault(columns.index(function), {})[z] = x
+            for j, entry in entries.items():
+                # Potential terms of the metric are as small as H^2, by the background equations.
+                least = 0 if min(i, j) >= 2 else 2
+                for z, x in entry.items():
+                    if z >= least:
+                        matrix[i, j] += self._term(x, z, z == max(entry))
+        return matrix
+
+    def _term(self, element: Element, z: int, is_leading: bool) -> sp.Expr:
+        """(i k)^z times a coefficient, without rates of the cosmos below the leading order."""
+        written = in_rates(self.equations, element).subs(sp.exp(N), SCALE)
+        if not is_leading:
+            zero = dict.fromkeys(_rates(written), sp.S.Zero)
+            written = written.xreplace(zero).xreplace({H: sp.S.Zero})
+        return (sp.I * WAVE_NUMBER) ** z * written
+
+    @cached_property
+    def _potentials(self) -> list[sp.Expr]:
+        """Psi, Phi and the scalar fields for rho delta = 1."""
+        size = self._matrix.rows
+        unknowns = sp.symbols(f"unknown:{size}")
+        source = sp.Matrix([SCALE**3, *[0] * (size - 1)])
+        (values,) = sp.linsolve((self._matrix, source), *unknowns) or [()]
+        if not values or any(x.has(*unknowns) for x in values):
+            raise GravityError(
+                "growth: expected equations that determine the potentials of dust, got "
+                f"{'several' if values else 'no'} potentials for {self.equations.lagrangian!r}. "
+                "Add a term of gravity such as R/2."
+            )
+        return [sp.factor(x) for x in values]
+
+    @cached_property
+    def G(self) -> sp.Expr:
+        """Strength of gravity for dust at the wave number k, 1 for L = R/2."""
+        return sp.factor(-2 * WAVE_NUMBER**2 * self._potentials[0] / SCALE**2)
+
+    @cached_property
+    def slip(self) -> sp.Expr:
+        """Phi / Psi, 1 for L = R/2."""
+        return sp.factor(self._potentials[1] / self._potentials[0])
+
+    @property
+    def equation(self) -> sp.Eq:
+        """Equation of growth of the contrast of density delta(t)."""
+        delta = sp.Function("delta")(T)
+        left = delta.diff(T, 2) + 2 * H * delta.diff(T) - self.G * DENSITY * delta / 2
+        return sp.Eq(left, 0)
+
+    def __str__(self) -> str:
+        return (
+            f"growth of dust in {self.equations.lagrangian!r}\nG = {self.G}\nPhi/Psi = {self.slip}"
+        )
+
+    __repr__ = __str__
+
+    def _repr_latex_(self) -> str:
+        """The equation of growth, for notebooks."""
+        return f"${sp.latex(self.equation)}$"
+
+
+def _rates(expression: sp.Expr) -> set[sp.Expr]:
+    """Derivatives by the time."""
+    return {x for x in expression.atoms(sp.Derivative) if T in x.variables}
+
+
+def growth(
+    lagrangian: Lagrangian | str | sp.Expr,
+    geometry: str | None = None,
+    *,
+    scalars: str | Iterable[str] = (),
+    constants: str | sp.Symbol | Iterable[str | sp.Symbol] = (),
+    invariants: Invariant | Iterable[Invariant] = (),
+) -> Growth:
+    """Strength of gravity for dust on a flat cosmos, inside the horizon, in the quasi-static limit.
+
+    Equation
+    --------
+    e^0 = (1 + epsilon Psi) dt, e^i = a (1 - epsilon Phi) dx^i; delta'' + 2 H delta' = G rho
+    delta / 2. For f(R): [Tsujikawa 2007].
+
+    Parameters
+    ----------
+    lagrangian, geometry, constants, invariants
+        As in `scalar_modes`. The dust couples to the metric.
+    scalars
+        Names of scalar fields that depend on the time, "phi".
+
+    Raises
+    ------
+    GravityError
+        Another geometry, no unique potentials, or potentials that depend on rates of the cosmos.
+
+    Examples
+    --------
+    >>> from geomtorsion.gravity import perturbed
+    >>> perturbed.growth("R/2 + c*R**2/2", constants="c").slip
+    (a**2 + 4*c*k**2)/(a**2 + 8*c*k**2)
+    """
+    name = riemannian_only(lagrangian, geometry, "growth")
+    names = names_of(scalars)
+    small = tuple(sp.Function(f"delta_{one}")(T, Z) for one in names)
+    matter = [
+        scalar_field(one.phi + SMALL * change, one.name)
+        for one, change in zip(fields_in_time(names, [CLOCK, SPACE]), small, strict=True)
+    ]
+    space = sp.exp(N) * (1 - SMALL * SPACE)
+    rows = sp.diag(1 + SMALL * CLOCK, space, space, space)
+    frame = Frame([T, X, Y, Z], rows, signature=ETA, parameters=[SMALL]).expanded(SMALL, 1)
+    theory = theory_in(lagrangian, name)
+    result = Growth(
+        equations(levi_civita(frame), theory, matter, constants=constants, invariants=invariants),
+        small,
+    )
+    result.check()
+    return result
