@@ -23,6 +23,7 @@ from geomtorsion.gravity.perturbed.geometries import (
     X,
     Y,
     Z,
+    check_couplings,
     names_of,
     riemannian_only,
     theory_in,
@@ -200,5 +201,6 @@ def growth(
         equations(levi_civita(frame), theory, matter, constants=constants, invariants=invariants),
         small,
     )
+    check_couplings(result.equations, [SCALE, WAVE_NUMBER, DENSITY])
     result.check()
     return result

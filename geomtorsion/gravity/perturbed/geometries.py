@@ -17,6 +17,7 @@ from geomtorsion.geometry import (
     from_spin_connection,
     levi_civita,
 )
+from geomtorsion.gravity.equations import FieldEquations
 from geomtorsion.gravity.lagrangian import Lagrangian, known_as
 from geomtorsion.gravity.matter import MatterField, maxwell, scalar_field
 from geomtorsion.support import checks
@@ -165,6 +166,17 @@ def theory_in(lagrangian: object, name: str) -> Lagrangian:
     if isinstance(lagrangian, Lagrangian):
         return theory
     return replace(theory, geometry=GEOMETRIES[name].theory)
+
+
+def check_couplings(equations: FieldEquations, taken: Iterable[sp.Basic]) -> None:
+    """Refuse a coupling with the name of a coordinate or of a symbol in the result."""
+    own = {*map(str, equations.frame.coordinates), *map(str, taken)}
+    names = sorted({s.name for s in equations.expression.free_symbols} & own)
+    if names:
+        raise GravityError(
+            f"lagrangian: expected couplings with names of their own, got {names[0]}, which is a "
+            "coordinate or a symbol of the result here. Give the coupling another name."
+        )
 
 
 def names_of(scalars: str | Iterable[str]) -> list[str]:

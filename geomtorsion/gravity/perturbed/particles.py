@@ -18,6 +18,7 @@ from geomtorsion.gravity.perturbed.conditions import all_positive, positive_part
 from geomtorsion.gravity.perturbed.geometries import (
     GEOMETRIES,
     Component,
+    check_couplings,
     geometry_of,
     names_of,
     small_frame,
@@ -347,12 +348,6 @@ def spectrum(
     system = equations(
         kind.connection(frame), theory, matter, constants=constants, invariants=invariants
     )
-    taken = sorted(map(str, system.expression.free_symbols & {*frame.coordinates, VARIABLE}))
-    if taken:
-        raise GravityError(
-            f"lagrangian: expected couplings, got {taken[0]}, which is "
-            f"{'a coordinate' if taken[0] != VARIABLE.name else 'the square of a mass'} here. Give "
-            "the coupling another name."
-        )
+    check_couplings(system, [VARIABLE])
     operator = system.operator([one.function for one in components])
     return Spectrum(theory, name, Waves.of(operator, {}), tuple(components))

@@ -23,6 +23,7 @@ from geomtorsion.gravity.perturbed.geometries import (
     X,
     Y,
     Z,
+    check_couplings,
     geometry_of,
     names_of,
     theory_in,
@@ -261,6 +262,9 @@ def post_newtonian(
         return equations(connection, theory, matter, constants=constants, invariants=invariants)
 
     first = build(sp.exp(X), 1)
+    # The value of a scalar field far away may occur in its potential.
+    far_away = {f"{one}0" for one in fields}
+    check_couplings(first, [K, *(x for x in first.frame.parameters if x.name not in far_away)])
     for index, x in sorted(first.E.order(0).components.nonzero.items()):
         raise GravityError(
             f"post_newtonian: expected a theory that flat space solves, got E_{index[0]}{index[1]}"

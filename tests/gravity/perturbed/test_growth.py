@@ -39,6 +39,7 @@ def test_massless_coupled_field() -> None:
         (lambda: perturbed.growth("R/2 - X/2 + f(phi)*GB", scalars="phi"), "rates"),
         (lambda: perturbed.growth("f(R, GB)"), "rates"),
         (lambda: perturbed.growth("GB"), "term of gravity"),
+        (lambda: perturbed.growth("R/2 + a*R**2", constants="a"), "another name"),
     ],
 )
 def test_refusals(call, words: str) -> None:
