@@ -103,15 +103,14 @@ CEILINGS = {
     # Two more: kinetic metrics and forces are files of their own.
     # One more: squares that roots hide in circular functions.
     # Two more: what rates divide by, and whether a motion ends where that vanishes.
-    # One more: roundings of an answer.
     # Four of them find the region in which the motion starts.
-    "files of a first motion": 55,
+    "files of a first motion": 54,
     # The first root that is read asks for a sign, and the sign for the region of the frame.
     "frames of a first motion": 43,
 }
 # Lines of code below and above the wall, rounded up to five hundreds, without docstrings, comments
 # and blanks. A change that needs more raises a number and states in its commit what users get.
-BUDGET = {"below the wall": 49000, "above the wall": 52000}
+BUDGET = {"below the wall": 48500, "above the wall": 52000}
 # What a program that imports the package does not wait for.
 LATER = ("sympy", "flint", "mpmath", "numpy", "multiprocessing", "asyncio", "tomllib", "sqlite3")
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")

@@ -11,7 +11,6 @@ import numpy as np
 from geomtorsion.errors import WorkerError
 from geomtorsion.ode.engines.stacked import STACKED
 from geomtorsion.ode.poles import may_be_at_poles
-from geomtorsion.ode.roundings import Carried, along_members
 from geomtorsion.ode.system import (
     Batch,
     Engine,
@@ -32,8 +31,6 @@ class BatchRun:
     finished: shape (number,), which came to the end without meeting the guard.
     steps, longest: shape (number,), how many steps each took, and the longest of them as a part of
         the way; where they were counted.
-    away: standard deviations of the states by roundings, in last places, and the roundings at the
-        end; None where they were not requested.
     """
 
     states: np.ndarray
@@ -43,8 +40,6 @@ class BatchRun:
     interrupted: bool = False
     compile_seconds: float = 0.0
     failure: Failure | None = None
-    away: np.ndarray | None = None
-    carried: Carried | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +69,7 @@ def run_batch(
     tolerance: float,
     show: Show = None,
     *,
-    carried: Carried | None = None,
+    counted: bool = False,
     longest: float = math.inf,
     executor: Executor | None = None,
 ) -> BatchRun:
@@ -89,8 +84,8 @@ def run_batch(
     pace
         how fast members move, shape (number,): the like are put together, as those that share
         an instruction wait for the slowest.
-    carried
-        the roundings of members so far; with them, steps are counted and their roundings followed.
+    counted
+        whether the steps are counted, which takes a microsecond a member.
     longest
         the longest step, in units of the times.
     executor
@@ -103,32 +98,22 @@ def run_batch(
         columns = np.concatenate((parameters, sizes, clocks[:, None] / sizes), axis=1)
         scaled = run_batch(
             engine, scaled_system(system), states / sizes, columns, units / clocks, pace, times,
-            tolerance, show, carried=carried and carried.scaled(1 / sizes), longest=longest,
-            executor=executor,
+            tolerance, show, counted=counted, longest=longest, executor=executor,
         )  # fmt: skip
-        return replace(
-            scaled,
-            states=scaled.states * sizes[:, None, :],
-            away=None if scaled.away is None else scaled.away * sizes[:, None, :],
-            carried=scaled.carried and scaled.carried.scaled(sizes),
-        )
+        return replace(scaled, states=scaled.states * sizes[:, None, :])
     result = np.full((number, len(times), size), np.nan)
     finished, crossed = np.zeros((2, number), dtype=bool)
     steps, compiling, interrupted, failure = np.zeros((2, number)), 0.0, False, None
-    # Members of one part share the steps of a method that stacks them; their steps are kept for as
-    # long as their roundings are followed.
-    share = number if executor is None and carried is None else max(1, STACKED // size)
+    # Members of one part share the steps of a method that stacks them.
+    share = number if executor is None else max(1, STACKED // size)
     parts = [slice(first, min(first + share, number)) for first in range(0, number, share)]
-    common = times, tolerance, longest
+    common = times, tolerance, counted, longest
     # Only this process has a bar.
     own = (show,) if executor is None else ()
     work = [
-        (engine, system, states[x], parameters[x], units[x], pace[x], *common,
-         carried and carried.of(x), *own)
-        for x in parts
-    ]  # fmt: skip
+        (engine, system, states[x], parameters[x], units[x], pace[x], *common, *own) for x in parts
+    ]
     done = 0
-    away = None if carried is None else np.zeros_like(result)
     try:
         for k, part in each_done(executor, _filled, work):
             place = parts[k]
@@ -138,8 +123,6 @@ def run_batch(
                 part.crossed,
             )
             steps[:, place] = part.steps
-            if away is not None and carried is not None:
-                away[place], carried.sets[place] = part.away, part.sets
             compiling, interrupted = (
                 max(compiling, part.compile_seconds),
                 interrupted or part.stopped,
@@ -160,9 +143,7 @@ def run_batch(
     finished &= ~crossed
     result[~finished] = np.nan
     taken, longest_taken = steps
-    return BatchRun(
-        result, finished, taken, longest_taken, interrupted, compiling, failure, away, carried
-    )
+    return BatchRun(result, finished, taken, longest_taken, interrupted, compiling, failure)
 
 
 def _meet_poles(
@@ -188,8 +169,6 @@ class _Part:
     steps: np.ndarray
     compile_seconds: float
     stopped: bool
-    away: np.ndarray | None
-    sets: np.ndarray | None
 
 
 def _filled(
@@ -201,8 +180,8 @@ def _filled(
     pace: np.ndarray,
     times: np.ndarray,
     tolerance: float,
+    counted: bool,
     longest: float,
-    carried: Carried | None,
     show: Show = None,
 ) -> _Part:
     """Some members, in this process; what Ctrl-C leaves is kept."""
@@ -212,13 +191,12 @@ def _filled(
     result = np.full((number, len(times), size), np.nan)
     finished, crossed = np.zeros((2, number), dtype=bool)
     batch = Batch(
-        system, states, parameters, units, pace, times, show, carried is not None, longest, result,
-        finished, crossed, np.zeros((2, number)),
+        system, states, parameters, units, pace, times, show, counted, longest, result, finished,
+        crossed, np.zeros((2, number)),
     )  # fmt: skip
     compiling, stopped = 0.0, False
     try:
         compiling = run(batch, tolerance)
     except KeyboardInterrupt:
         stopped = True
-    made = (None, None) if carried is None else along_members(batch, carried)
-    return _Part(result, finished, crossed, batch.steps, compiling, stopped, *made)
+    return _Part(result, finished, crossed, batch.steps, compiling, stopped)

@@ -14,7 +14,8 @@ import numpy as np
 
 from geomtorsion.errors import CheckpointError, FileFormatError
 from geomtorsion.ode.engines.taylor import Taylor, is_available
-from geomtorsion.ode.system import Engine, Run, Track
+from geomtorsion.ode.roundings import Roundings
+from geomtorsion.ode.system import Engine, Run
 from geomtorsion.ode.trajectory import Runner, Stage, run_stage
 from geomtorsion.support.checks import cut
 from geomtorsion.support.files import written
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from geomtorsion.ode.solution import Problem
 
 # Files of format 3 may hold runs in which constants of the equations were 0.
-FORMAT = 6
+FORMAT = 5
 # Writing may take this part of the time; how often it is done changes no result.
 SHARE = 0.1
 _FIELDS = ("steps", "evaluations", "outcome", "reason", "compile_seconds", "run_seconds",
@@ -107,11 +108,6 @@ class Checkpoint:
             ):  # fmt: skip
                 read[part] = _restored(engine, self.arrays[f"part {name} {part}"], shape)
             states, last, reached = read["states"], read["last"][0], read["reached"][0]
-            part, track = "track", None
-            if f"part {name} track" in self.arrays:
-                shape = (None, 1 + len(stage.start))
-                rows = _restored(Taylor(), self.arrays[f"part {name} track"], shape)
-                track = Track(rows[:, 0], rows[:, 1:])
             low, high = sorted((float(times[0]), float(times[-1])))
             if not low <= float(reached) <= high:
                 raise ValueError(f"{reached} is not between {low} and {high}")
@@ -122,7 +118,7 @@ class Checkpoint:
             reason = f"part {name} {part}: {cut(str(error))}"
             raise CheckpointError(_BAD.format(path=self.path, reason=reason)) from None
         grid = times if engine.precision == 53 else Taylor(engine.precision).array(times)
-        return Run(grid[: len(states)], states, reached, last, **record, track=track)
+        return Run(grid[: len(states)], states, reached, last, **record)
 
     def keep(self, name: str, run: Run) -> None:
         """Add a part; write the file unless writing takes too much of the time."""
@@ -133,9 +129,6 @@ class Checkpoint:
         self.arrays[f"part {name} states"] = _plain(np.asarray(run.states))
         self.arrays[f"part {name} last"] = _plain(np.asarray(run.last)[None, :])
         self.arrays[f"part {name} reached"] = _plain(np.asarray([run.reached]))
-        if run.track is not None:
-            rows = np.concatenate((run.track.times[:, None], run.track.states), axis=1)
-            self.arrays[f"part {name} track"] = rows
         if self._took <= SHARE * (time.perf_counter() - self._written):
             self.write()
 
@@ -160,23 +153,37 @@ class Checkpoint:
         self._written = time.perf_counter()
         self._took = self._written - began
 
-    def runner(self, engine: Engine, tolerance: float, longest: float) -> Runner:
+    def runner(
+        self,
+        engine: Engine,
+        tolerance: float,
+        perturbation: float,
+        longest: float,
+        roundings: Roundings | None,
+    ) -> Runner:
         """A function that computes the parts of one run, or reads them from the file."""
 
+        pattern = 0 if roundings is None else roundings.pattern
+
         def run(k: int, stage: Stage, times: np.ndarray) -> Run:
-            name = part_name(engine, tolerance, longest, k)
+            name = part_name(engine, tolerance, perturbation, k, pattern)
             result = self.known(name, engine, stage, times)
             if result is None:
-                result = run_stage(stage, times, tolerance, engine, longest=longest)
+                result = run_stage(
+                    stage, times, tolerance, engine, longest=longest, roundings=roundings
+                )
                 self.keep(name, result)
             return result
 
         return run
 
 
-def part_name(engine: Engine, tolerance: float, longest: float, k: int) -> str:
-    """The name of a part of a run."""
-    return f"{engine.name} {tolerance!r} {longest!r} {k}"
+def part_name(
+    engine: Engine, tolerance: float, perturbation: float, k: int, pattern: int = 0
+) -> str:
+    """The name of a part of a run; pattern: of the signs of changes on the way."""
+    number = f"{k}/{pattern}" if pattern else f"{k}"
+    return f"{engine.name} {tolerance!r} {perturbation!r} {number}"
 
 
 def _plain(array: np.ndarray) -> np.ndarray:

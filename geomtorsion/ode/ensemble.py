@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator, KeysView, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
@@ -15,10 +15,12 @@ from geomtorsion.ode.batch import Failure, batch_method
 from geomtorsion.ode.engines import Engine
 from geomtorsion.ode.error_estimate import (
     AIM,
-    CERTAIN,
+    NOISE,
+    SAFETY,
+    change_by_rounding,
     next_tolerance,
     rounding,
-    safety,
+    roundings_matter,
 )
 from geomtorsion.ode.members import BatchRows, Members, Rows, run_members
 from geomtorsion.ode.moment import Moment
@@ -27,10 +29,8 @@ from geomtorsion.ode.numbers import (
     check_memory,
     checked_accuracy,
     checked_times,
-    floats,
     one_time_only,
 )
-from geomtorsion.ode.roundings import SMALL
 from geomtorsion.ode.singles import followed, listed, unfinished_text
 from geomtorsion.ode.solve import batch_engine
 from geomtorsion.ode.system import Show, checked_engine
@@ -385,23 +385,20 @@ class _Job:
 
     def _verify(self, pending: np.ndarray, show: Show) -> None:
         """Members with their errors: those that stay in the batch, then the others one by one."""
+        grain = SAFETY * 2.0 ** (1 - self.engine.precision)
         limit = GOLDEN * abs(float(self.grid[-1])) / PARTS or math.inf
         separate, long, best = pending[:0], np.zeros(len(pending), dtype=bool), 0.0
         tolerance: float | None = self.engine.first(AIM * self.accuracy)
-        first = self.problem.member(self.members, 0)
-        numbers = [np.array(floats(first.first_stage(53, x).parameters)) for x in (0.0, SMALL)]
-        inexact = numbers[0] != numbers[1]
+        first = tolerance
         while tolerance is not None and (finer := self.engine.finer(tolerance)) is not None:
             self.tolerance = tolerance
-            answer = self._batch("run_seconds", pending, tolerance, show, inexact=inexact)
-            reference = self._batch("check_seconds", pending, finer, None, limit)
-            assert answer.away is not None
-            away = CERTAIN * 2.0**-self.engine.precision * answer.away
-            moved = replace(answer, states=answer.states + away)
-            gaps, noise = (self._differences(pending, answer, x) for x in (reference, moved))
-            estimates = np.maximum(
-                safety(tolerance, finer) * gaps + noise, rounding(self.engine, 1)
+            answer = self._batch("run_seconds", pending, tolerance, show, counted=True)
+            reference = self._batch(
+                "check_seconds", pending, finer, None, np.full(len(pending), grain), limit
             )
+            estimates = self._errors(pending, answer, reference)
+            failed = tolerance != first
+            self._add_roundings(pending, answer, tolerance, estimates, failed=failed)
             if self.interrupted:
                 self._keep(pending, answer, answer.finished, estimates)
                 return
@@ -426,15 +423,18 @@ class _Job:
         index: np.ndarray,
         tolerance: float,
         show: Show,
+        parts: np.ndarray | None = None,
         longest: float = math.inf,
         *,
-        inexact: np.ndarray | None = None,
+        counted: bool = False,
     ) -> BatchRows:
-        """Some members at one tolerance."""
+        """Some members at one tolerance, from starts that are changed by a part each."""
         began = time.perf_counter()
         members = self.members if len(index) == len(self.members) else self.members.of(index)
+        if parts is not None:
+            members = members.perturbed(parts)
         result = run_members(
-            members, self.grid, tolerance, self.engine, show, longest, inexact=inexact,
+            members, self.grid, tolerance, self.engine, show, longest, counted=counted,
             executor=self.executor,
         )  # fmt: skip
         self.compile_seconds += result.compile_seconds
@@ -444,6 +444,28 @@ class _Job:
         spent = time.perf_counter() - began - result.compile_seconds
         setattr(self, account, getattr(self, account) + spent)
         return result
+
+    def _add_roundings(
+        self,
+        pending: np.ndarray,
+        answer: BatchRows,
+        tolerance: float,
+        errors: np.ndarray,
+        *,
+        failed: bool,
+    ) -> None:
+        """Raise errors to what roundings of all steps may add up to, as `verified` does."""
+        engine = self.engine
+        steps = answer.steps.astype(int).tolist()
+        some = np.array([failed or roundings_matter(engine, n, tolerance, NOISE**2) for n in steps])
+        some &= errors <= self.accuracy
+        if not some.any():
+            return
+        parts = np.array([change_by_rounding(engine, steps[k]) for k in np.flatnonzero(some)])
+        moved = self._batch("check_seconds", pending[some], tolerance, None, parts)
+        errors[some] = np.fmax(
+            errors[some], self._errors(pending[some], answer.of(some), moved) / SAFETY
+        )
 
     def _keep(
         self, index: np.ndarray, answer: BatchRows, done: np.ndarray, errors: np.ndarray | float
@@ -495,11 +517,9 @@ class _Job:
         else:
             self.trajectories[k] = answer
 
-    def _differences(
-        self, index: np.ndarray, answer: BatchRows, reference: BatchRows
-    ) -> np.ndarray:
-        """Largest difference of each member, group by group; not a number where it has none."""
-        worst = np.zeros(len(answer.finished))
+    def _errors(self, index: np.ndarray, answer: BatchRows, reference: BatchRows) -> np.ndarray:
+        """The error of each member, group by group; not a number where it is not known."""
+        worst = np.full(len(answer.finished), rounding(self.engine, 1))
         both = answer.finished & reference.finished
         pairs = [
             (answer.states[..., list(group)], reference.states[..., list(group)])
@@ -514,4 +534,4 @@ class _Job:
             for one, two in pairs:
                 size, gap = (np.abs(x).max(axis=(1, 2)) for x in (one, one - two))
                 worst = np.fmax(worst, np.where(gap > 0, gap / size, gap))
-        return np.where(both, worst, np.nan)
+        return np.where(both, SAFETY * worst, np.nan)

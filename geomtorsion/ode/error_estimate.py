@@ -1,15 +1,21 @@
 """Error estimate: one rule for everything that moves.
 
-The error is the largest difference from one more run, which is finer where it counts, and six
-standard deviations of the roundings of all steps, which follow from their covariance along the
-answer: see `geomtorsion.ode.roundings`. A difference that roundings happen to make small counts for
-nothing.
+The answer is compared with one more run, two orders finer; twice the largest difference is the
+error. The finer run starts a rounding away.
+
+Roundings of two runs in doubles may agree by chance. Where they may be much of the difference, the
+state of the finer run is also changed on the way, in 64 places, by as much as the roundings of the
+answer's steps add up to: a motion that amplifies errors amplifies these changes as well. Such a
+difference is a random number, and may be small by chance: the error is twenty times as large. If
+that is not far below the accuracy, a second run with other changes shows by its difference from the
+first how much roundings are.
 
 No step of the finer run is longer than a hundredth of the way: a long step sees nothing of rates
 that change further ahead.
 
 The rule cannot see what both runs share: rates that change within less than such a step and are
-constant to all digits around. A proof sees it: see `geomtorsion.prove`.
+constant to all digits around, and roundings of the rates themselves where these lose digits in a
+difference, such as 1 - cos(x) of a small x. A proof sees both: see `geomtorsion.prove`.
 """
 
 from __future__ import annotations
@@ -21,13 +27,16 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from geomtorsion.ode.numbers import floats
-from geomtorsion.ode.roundings import Comparable, rounded
 from geomtorsion.ode.system import Engine, columns
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory
 from geomtorsion.support.precision import GOLDEN
 
-# Standard deviations that roundings do not exceed: of a normal distribution once in 5e8 cases.
-CERTAIN = 6.0
+# The error is so many times the difference, for the finer run has an error of its own; and that run
+# starts so many units in the last place away, for roundings add up on the way.
+SAFETY = 2.0
+# The same where the difference may be a random number, which is below a tenth of its mean in some
+# ten of a hundred cases; and for the difference of two runs that differ by roundings only.
+CHANCE, SPREAD = 20.0, 2.0
 # Each tolerance aims at this part of the accuracy, for errors do not follow it to the letter and
 # one more pair of runs costs more than a finer one.
 AIM = 0.1
@@ -38,34 +47,47 @@ NOISE = 100.0
 UNALIKE = 1 / NOISE
 
 
+class Comparable(Protocol):
+    """What knows how to read states of a motion for comparison."""
+
+    def rows(self, segment: Segment, states: np.ndarray, label: str) -> np.ndarray:
+        """States of a segment in the coordinates of a label, shape (m, size)."""
+        ...
+
+    def read_gaps(
+        self, one: Trajectory, two: Trajectory, count: int, accuracy: float, /
+    ) -> list[tuple[np.ndarray, float]]:
+        """What a reader gets at the first samples: differences at each, and the size of all.
+
+        accuracy: the part of a size below which differences do not count.
+        """
+        ...
+
+
 class Integration(Protocol):
     """Integrates a motion."""
 
     def __call__(
-        self, engine: Engine, tolerance: float, longest: float, answer: Trajectory | None = None
+        self, engine: Engine, tolerance: float, answer: Trajectory | None = None, pattern: int = 1
     ) -> Trajectory:
-        """The trajectory, to compare it with an answer; longest: no step is longer, in time."""
+        """The trajectory; to compare it with an answer, with changes of a pattern on the way."""
         ...
 
 
 class Verified(NamedTuple):
-    """An answer with its error.
+    """An answer, the finer run it was compared with, the error, and all runs that were made.
 
-    reference: the finer run with which it was compared.
-    rounded: the answer, moved by as much as roundings may move it.
     error: relative to the size of each group of states; infinite where nothing could be compared.
-    runs: all runs that were made.
-    growth: the error of steps in units of what each of them omits.
-    unit: by which factor the motion amplifies the roundings of all steps.
+    growth: the error in units of what each step adds to it.
+    safety: the error in units of the difference.
     """
 
     answer: Trajectory
     reference: Trajectory
-    rounded: Trajectory
     error: float
     runs: tuple[Trajectory, ...]
     growth: float
-    unit: float
+    safety: float
 
 
 def verified(
@@ -74,62 +96,70 @@ def verified(
     accuracy: float,
     run: Integration,
     *,
-    limit: float = math.inf,
     growth: float = 0.0,
+    last: bool = True,
 ) -> Verified:
     """The first answer of an engine's ladder of tolerances whose error is small enough.
 
-    Or the best one, where none is. A finer run whose answer failed is the next answer.
+    Or the best one, where none is.
 
-    limit: the longest step of a run that has to see ahead; growth: of an attempt that failed.
+    growth: of an attempt that failed. last: whether no more precise engine follows.
     """
     runs: list[Trajectory] = []
     best: Verified | None = None
-    aim, unit = AIM * accuracy, 0.0
+    aim = AIM * accuracy
     tolerance: float | None = engine.first(aim / growth if growth > 1 else aim)
-    longest, answer = math.inf, None
     while tolerance is not None and (finer := engine.finer(tolerance)) is not None:
-        if answer is None or answer.tolerance != tolerance:
-            answer = run(engine, tolerance, longest)
-            runs.append(answer)
-        away = rounded(problem, answer, CERTAIN)
-        noise = difference(problem, answer, away, accuracy, min(accuracy, UNALIKE))
-        unit = noise / rounding(engine, answer.steps)
-        # No limit is commensurate with the one before: two such runs would pass over the same.
-        longest = min(GOLDEN * longest, limit)
-        reference = run(engine, finer, longest, answer)
-        runs.append(reference)
-        gap = safety(tolerance, finer) * difference(problem, answer, reference, accuracy)
-        error = max(gap + noise, rounding(engine, answer.steps))
-        blind = answer.longest_step > limit
-        if math.isfinite(gap) and not blind:
-            growth = max(growth, gap / tolerance)
-        # No finer tolerance helps where roundings are too large, or where a finer one did not halve
-        # the error.
-        stays = best is not None and best.error <= UNALIKE and 2 * error > best.error
-        stays |= noise > max(accuracy, gap)
+        answer = run(engine, tolerance)
+        least = rounding(engine, answer.steps)
+        reference = run(engine, finer, answer)
+        runs += [answer, reference]
+        gap = max(difference(problem, answer, reference, accuracy), least)
+        error = SAFETY * gap
+        if error <= accuracy and roundings_matter(engine, answer.steps, tolerance, NOISE):
+            error = CHANCE * gap
+            if error > AIM * accuracy:
+                second = run(engine, finer, answer, 2)
+                runs.append(second)
+                other = difference(problem, answer, second, accuracy)
+                reference, gap = (second, other) if other > gap else (reference, gap)
+                spread = difference(problem, *runs[-2:], accuracy)
+                error = SAFETY * gap + SPREAD * spread
+        # If a finer tolerance does not halve the error, the rest is rounding, and later agreement
+        # would be chance.
+        rounded = best is not None and best.error <= UNALIKE and SAFETY * error > best.error
+        if math.isfinite(error):
+            growth = max(growth, error / max(tolerance, least))
         if best is None or error < best.error:
-            best = Verified(answer, reference, away, error, (), growth, unit)
-        if error <= accuracy or stays or answer.outcome == "stuck":
+            best = Verified(answer, reference, error, (), growth, error / gap)
+        # What steps omit may add up in proportion to their number, roundings as its root.
+        hopeless = not last and growth * 2.0**-engine.precision > accuracy
+        if error <= accuracy or rounded or hopeless or answer.outcome == "stuck":
             break
-        # A long step did not see what the finer run saw: the tolerance need not change.
-        missing = 1.0 if blind else (accuracy - noise) / gap
-        tolerance, answer = next_tolerance(engine, tolerance, missing), reference
+        tolerance = next_tolerance(engine, tolerance, accuracy / error)
     assert best is not None
-    return best._replace(runs=tuple(runs), growth=growth, unit=unit)
+    return best._replace(runs=tuple(runs), growth=growth)
 
 
-def safety(tolerance: float, finer: float) -> float:
-    """By which factor an error may exceed the difference from a finer run, which has one as well.
+def roundings_matter(engine: Engine, steps: int, tolerance: float, growth: float) -> bool:
+    """Whether roundings may be a noticeable part of the error of a run.
 
-    Errors shrink at least as the fifth root of the tolerance, for series and for stiff solvers.
+    The motion carries the rounding of a step to the end as it carries what the step omits, which is
+    about the tolerance.
 
-    Examples
-    --------
-    >>> round(safety(1e-6, 1e-6 / 3000), 2), round(safety(1e-6, 1e-8), 2)
-    (1.25, 1.66)
+    growth: by which a rounding may grow more than what steps omit. A step may omit less where it
+        counts, for example on a separatrix.
     """
-    return 1 / (1 - (finer / tolerance) ** 0.2)
+    return rounding(engine, steps) > tolerance / growth
+
+
+def change_by_rounding(engine: Engine, steps: float) -> float:
+    """Relative change of a state as large as what the roundings of so many steps add up to.
+
+    Each step rounds the state to half a unit in the last place at most. The roundings add up at
+    random, as the square root of the number of steps.
+    """
+    return 2.0**-engine.precision * math.sqrt(max(steps, 1))
 
 
 def next_tolerance(engine: Engine, tolerance: float, missing: float) -> float | None:
@@ -153,11 +183,7 @@ def rounding(engine: Engine, steps: float) -> float:
 
 
 def difference(
-    problem: Comparable,
-    one: Trajectory,
-    two: Trajectory,
-    accuracy: float = 0.0,
-    unalike: float = UNALIKE,
+    problem: Comparable, one: Trajectory, two: Trajectory, accuracy: float = 0.0
 ) -> float:
     """Largest difference of two trajectories, each group of states against its own size.
 
@@ -169,7 +195,6 @@ def difference(
 
     accuracy: of values computed from the states, and the distance to an edge of a chart from
         which they are compared.
-    unalike: the part of its size by which a group may differ before one asks whether it has one.
     """
     count = min(one.count, two.count)
     stopped = one.outcome == two.outcome == "stopped"
@@ -184,7 +209,7 @@ def difference(
         gap = abs(float(one.segments[-1].run.reached - two.segments[-1].run.reached))
         worst = gap / abs(one.reached) if gap else 0.0
     for pair in _pairs(problem, one, two, stopped):
-        worst = max(worst, pair.largest(one, unalike))
+        worst = max(worst, pair.largest(one))
     if math.isfinite(worst):
         worst = max(worst, float(_read_differences(problem, one, two, count, accuracy).max()))
     return worst
@@ -237,7 +262,7 @@ class _Pair(NamedTuple):
         """Which samples of the first trajectory these are."""
         return np.concatenate([np.arange(place, place + count) for place, _, count in self.parts])
 
-    def largest(self, one: Trajectory, unalike: float) -> float:
+    def largest(self, one: Trajectory) -> float:
         """Largest difference, each group of states against its own size."""
         gaps = np.maximum.reduce(np.abs(self.first - self.second)).astype(float).tolist()
         if not all(map(math.isfinite, gaps)):
@@ -248,7 +273,7 @@ class _Pair(NamedTuple):
             if gap > 0:
                 extent = max([self.sizes[k] for k in group])
                 part = gap / extent if extent > 0 else math.inf
-                if part > unalike:
+                if part > UNALIKE:
                     part = gap / _size_of_noise(self.parts[0][1].stage, one, group, extent)
                 worst = max(worst, part)
         return worst
@@ -291,12 +316,7 @@ def _size_of_noise(stage: Stage, one: Trajectory, group: Sequence[int], extent: 
     if extent > noise or not math.isfinite(noise):
         return extent
     between = _size_between(one, stage.label, group)
-    if between > noise or full:
-        return between if between > noise else full
-    # At rest: what it would be if the states in its rates were as large as their own terms.
-    time, sizes = abs(one.reached), system.rates.sizes
-    largest = np.maximum(np.abs(last), time * np.ravel(sizes(*last, *numbers)))
-    return time * float(np.ravel(sizes(*largest, *numbers))[list(group)].max()) or math.inf
+    return between if between > noise else full
 
 
 def _mean_terms(segment: Segment, group: Sequence[int]) -> float:

@@ -10,11 +10,11 @@ import numpy as np
 
 from geomtorsion.ode.batch import Failure, run_batch
 from geomtorsion.ode.engines import Engine
-from geomtorsion.ode.roundings import Carried, unless_jumped
 from geomtorsion.ode.system import Show, System
 from geomtorsion.ode.trajectory import Trajectory
 from geomtorsion.support.copies import only_fields
 from geomtorsion.support.executors import Executor
+from geomtorsion.support.precision import GOLDEN
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +70,14 @@ class Members:
             varied={name: value[index] for name, value in self.varied.items()},
         )
 
+    def perturbed(self, parts: np.ndarray) -> Members:
+        """Members whose starts are changed by a relative part each, shape (number,).
+
+        Up and down as in `numbers.perturbed`.
+        """
+        signs = np.where(np.arange(self.states.shape[1]) % 2, -GOLDEN, 1.0)
+        return replace(self, states=self.states * (1 + np.multiply.outer(parts, signs)))
+
 
 @dataclass(frozen=True, eq=False)
 class Rows:
@@ -90,7 +98,6 @@ class BatchRows:
 
     steps, longest: shape (number,), how many steps each took and the longest of them in time, where
         they were counted.
-    away: standard deviations of the states by roundings, in last places; None where not requested.
     """
 
     states: np.ndarray
@@ -100,8 +107,6 @@ class BatchRows:
     interrupted: bool = False
     compile_seconds: float = 0.0
     failure: Failure | None = None
-    away: np.ndarray | None = None
-    carried: Carried | None = None
 
     def of(self, which: np.ndarray) -> BatchRows:
         """Some of the members."""
@@ -117,20 +122,17 @@ def run_members(
     show: Show,
     longest: float = math.inf,
     *,
-    inexact: np.ndarray | None = None,
+    counted: bool = False,
     executor: Executor | None = None,
 ) -> BatchRows:
     """All members through a grid of times, from event to event.
 
-    inexact: which parameters are rounded; with it, steps are counted and roundings followed.
-    longest, executor: see `run_batch`.
+    longest, counted, executor: see `run_batch`.
     """
     size, number = members.states.shape[1], len(members)
     states = np.full((number, len(grid), size), np.nan)
     finished, compiling = np.ones(number, dtype=bool), 0.0
     steps, longest_steps = np.zeros(number), np.zeros(number)
-    carried = None if inexact is None else Carried.at_start(members.states, inexact)
-    away = None if inexact is None else np.zeros_like(states)
     end = float(grid[-1])
     sign = -1.0 if end < 0 else 1.0
     while True:
@@ -143,25 +145,20 @@ def run_members(
         local = grid[inside] - members.begin
         times = np.unique(np.concatenate(([0.0], local, [stop - members.begin])))
         times = times if sign > 0 else times[::-1]
-        run = _run_to_event(members, times, tolerance, engine, show, longest, carried, executor)
+        run = _run_to_event(members, times, tolerance, engine, show, longest, counted, executor)
         compiling += run.compile_seconds
         finished &= run.finished
         steps += run.steps
         longest_steps = np.maximum(longest_steps, run.longest)
         place = np.searchsorted(np.abs(times), np.abs(local))
         states[:, inside] = run.states[:, place]
-        if away is not None and run.away is not None:
-            away[:, inside] = run.away[:, place]
         if run.interrupted or run.failure or final or members.follow is None:
             states[~finished] = np.nan
             return BatchRows(
                 states, finished & final, steps, longest_steps, run.interrupted, compiling,
-                run.failure, away,
+                run.failure,
             )  # fmt: skip
         members = members.follow(run.states[:, -1])
-        if run.carried is not None:
-            sets = unless_jumped(run.states[:, -1], members.states, run.carried.sets)
-            carried = replace(run.carried, sets=sets)
 
 
 def _run_to_event(
@@ -171,15 +168,15 @@ def _run_to_event(
     engine: Engine,
     show: Show,
     longest: float,
-    carried: Carried | None,
+    counted: bool,
     executor: Executor | None,
 ) -> BatchRows:
     """All members up to their next event."""
     run = run_batch(
         engine, members.system, members.states, members.parameters, members.units, members.pace,
-        times, tolerance, show, carried=carried, longest=longest, executor=executor,
+        times, tolerance, show, counted=counted, longest=longest, executor=executor,
     )  # fmt: skip
     return BatchRows(
         run.states, run.finished, run.steps, run.longest * abs(times[-1]), run.interrupted,
-        run.compile_seconds, run.failure, run.away, run.carried,
+        run.compile_seconds, run.failure,
     )  # fmt: skip

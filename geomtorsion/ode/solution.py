@@ -13,7 +13,7 @@ from geomtorsion.codegen.arrays import BLOCK
 from geomtorsion.codegen.steps import ROUNDINGS
 from geomtorsion.errors import ArgumentError, ExpressionError, TimeError
 from geomtorsion.ode.derivatives import EventDerivative
-from geomtorsion.ode.error_estimate import UNALIKE, difference, rounding, safety
+from geomtorsion.ode.error_estimate import CHANCE, SAFETY, UNALIKE, difference, rounding
 from geomtorsion.ode.moment import Moment, Term
 from geomtorsion.ode.numbers import PARTS, times_between
 from geomtorsion.ode.roots import crossings
@@ -179,8 +179,8 @@ class Solution:
         may be what `at` gives between the times: see `error_between`.
     engine, reason: what solved it, and why that was chosen.
     cost: steps, evaluations, seconds.
-    trajectory: the integration; reference: the finer one with which it was compared; rounded: the
-        integration, moved by as much as roundings may have moved it.
+    trajectory: the integration; reference: the finer one with which it was compared; safety: the
+        error in units of their difference.
 
     Numbers are floats unless an accuracy finer than 1.1e-16 was requested, which floats do not
     hold. Then all arrays are of the type of the engine: NumPy's long double, or heyoka's longer
@@ -205,7 +205,7 @@ class Solution:
     cost: Cost
     trajectory: Trajectory
     reference: Trajectory | None = None
-    rounded: Trajectory | None = None
+    safety: float = SAFETY
 
     def __getstate__(self) -> dict[str, object]:
         return only_fields(self)
@@ -469,7 +469,7 @@ class Solution:
             if len(others) == len(times):
                 gap = np.abs(values - self._finer._event_slopes(term, by, others))
                 size = np.abs(values).max(initial=0.0)
-                error = max(self._safety * float(gap.max(initial=0.0)), self.error * float(size))
+                error = max(self.safety * float(gap.max(initial=0.0)), self.error * float(size))
         return EventDerivative(times, values, error)
 
     def _event_slopes(self, term: object, by: str, times: np.ndarray) -> np.ndarray:
@@ -530,35 +530,26 @@ class Solution:
         here = self[name]
         if self.reference is None or self.reference.count != self.trajectory.count:
             return float("inf")
-        gap = self._safety * float(np.abs(here - self._finer[name]).max(initial=0.0))
-        if self.rounded is not None:
-            gap += float(np.abs(here - self._made_of(self.rounded)[name]).max(initial=0.0))
-        least = min(rounding(self.trajectory.engine, self.trajectory.steps), self.error)
+        gap = float(np.abs(here - self._finer[name]).max(initial=0.0))
+        # A smaller difference of a single name may be chance.
+        few = CHANCE * rounding(self.trajectory.engine, self.trajectory.steps)
+        least = min(few, self.error)
         if gap == 0:
             return least
         together = self.problem.together(name)
         size = max(float(np.abs(self[word]).max()) for word in together or (name,))
         # If a value is NaN, or nothing remains to compare with, the error is unknown.
-        error = gap / size if np.isfinite(gap) and size > 0 else float("inf")
+        error = self.safety * gap / size if np.isfinite(gap) and size > 0 else float("inf")
         if together and error > UNALIKE:
             # `error` knows the size of states that are only noise.
             return self.error
         return max(least, error)
 
-    @property
-    def _safety(self) -> float:
-        assert self.reference is not None
-        return safety(self.trajectory.tolerance, self.reference.tolerance)
-
     @cached_property
     def _finer(self) -> Solution:
         """What the finer run makes of the same times."""
         assert self.reference is not None
-        return self._made_of(self.reference)
-
-    def _made_of(self, trajectory: Trajectory) -> Solution:
-        """What another run makes of the same times."""
-        return replace(self, trajectory=trajectory, reference=None, rounded=None)
+        return replace(self, trajectory=self.reference, reference=None)
 
     @cached_property
     def error_between(self) -> float:
@@ -579,8 +570,7 @@ class Solution:
         parts = (np.arange(count) + SHIFT) / count
         times = (knots[:-1, None] + parts * np.diff(knots)[:, None]).ravel()
         gap = difference(self.problem, _sampled(one, times), _sampled(two, times), self.accuracy)
-        noise = 0.0 if self.rounded is None else difference(self.problem, one, self.rounded)
-        return max(self.error, self._safety * gap + noise)
+        return max(self.error, self.safety * gap)
 
     def __str__(self) -> str:
         ended = {"stopped": ", where it stops", "stuck": f", stuck: {self.trajectory.reason}"}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TypeAlias
@@ -21,7 +21,15 @@ from geomtorsion.errors import (
 from geomtorsion.ode.checkpoint import Checkpoint, fingerprint
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
 from geomtorsion.ode.engines.taylor import is_available
-from geomtorsion.ode.error_estimate import Verified, rounding, verified
+from geomtorsion.ode.error_estimate import (
+    NOISE,
+    SAFETY,
+    Verified,
+    change_by_rounding,
+    rounding,
+    roundings_matter,
+    verified,
+)
 from geomtorsion.ode.numbers import (
     PARTS,
     check_memory,
@@ -29,6 +37,7 @@ from geomtorsion.ode.numbers import (
     checked_times,
 )
 from geomtorsion.ode.poles import AT_A_POLE, ended_at_poles
+from geomtorsion.ode.roundings import PLACES, Roundings
 from geomtorsion.ode.solution import DOUBLE, Cost, Problem, Solution
 from geomtorsion.ode.system import WorkLimitError, checked_engine
 from geomtorsion.ode.trajectory import Trajectory, integrate
@@ -180,20 +189,16 @@ def _solved(
     """The answer of the first engine that is good enough."""
     runs: list[Trajectory] = []
     names: list[str] = []
-    best, growth, unit = math.inf, 0.0, 0.0
+    best, growth = math.inf, 0.0
     ended: Solution | None = None
     end = float(grid[-1])
     parts = () if kept is None else tuple(end * k / PARTS for k in range(1, PARTS))
     for candidate, reason in engines(problem, accuracy, engine):
         check_memory(len(grid), len(problem.first_stage(candidate.precision, 0.0).start))
         last = engine is not None or candidate.precision > 113
-        if not last and runs and unit * rounding(candidate, runs[-1].steps) > accuracy:
-            # The motion amplifies the roundings of any engine by as much.
-            continue
-        result = _Runs(problem, candidate, accuracy, grid, parts, kept, report).verified(growth)
+        asked = _Runs(problem, candidate, accuracy, grid, parts, kept, report, last)
+        result = _followed(asked, runs, growth)
         growth = result.growth
-        unit = result.unit if result.answer.outcome in ("done", "stopped") else 0.0
-        runs += result.runs
         names.append(candidate.name)
         best = min(best, result.error)
         if result.answer.reason == AT_A_POLE and not last:
@@ -209,8 +214,7 @@ def _solved(
             if engine is None and candidate != stepper and is_coarse(accuracy):
                 # Series have no value where roots begin, which steps may leave behind.
                 stepwise = _Runs(problem, stepper, accuracy, grid, parts, kept, report)
-                alternative = _complete(stepwise)
-                runs += () if alternative is None else alternative.runs
+                alternative = _complete(stepwise, runs)
             if alternative is None:
                 raise _stuck_error(problem, solution)
             reason = "a series has no value on the way"
@@ -237,6 +241,7 @@ class _Runs:
     """What runs of one engine have in common.
 
     grid: the times of the samples; cuts: times at which runs end and continue.
+    last: whether no more precise engine follows.
     """
 
     problem: Problem
@@ -246,44 +251,72 @@ class _Runs:
     cuts: tuple[float, ...]
     kept: Checkpoint | None
     report: Report | None
+    last: bool = True
 
-    def verified(self, growth: float = 0.0) -> Verified:
-        """The answer with its error."""
-        # A comparison of the answer with an integral of its rates would need fewer operations, but
-        # in NumPy it takes longer than so many short steps in compiled code.
-        limit = GOLDEN * abs(float(self.grid[-1])) / PARTS or math.inf
+    @property
+    def limit(self) -> float:
+        """The longest step of a run that has to see ahead; not commensurate with the cuts.
+
+        A comparison of the answer with an integral of its rates would need fewer operations, but in
+        NumPy it takes longer than so many short steps in compiled code.
+        """
+        return GOLDEN * abs(float(self.grid[-1])) / PARTS or math.inf
+
+    def verified(self, runs: list[Trajectory], growth: float = 0.0) -> Verified:
+        """The answer with its error; all runs are added to those given."""
         result = verified(
-            self.problem, self.engine, self.accuracy, self.run, limit=limit, growth=growth
+            self.problem, self.engine, self.accuracy, self.run, growth=growth, last=self.last
         )
-        answer = ended_at_poles(result.answer)
-        return result if answer is result.answer else result._replace(answer=answer, error=math.inf)
+        runs += result.runs
+        return result
+
+    @property
+    def parts(self) -> tuple[float, ...]:
+        """Times at which the way is divided into equal parts."""
+        return tuple(float(self.grid[-1]) * (k / PARTS) for k in range(1, PARTS))
 
     def run(
-        self, engine: Engine, tolerance: float, longest: float, answer: Trajectory | None = None
+        self,
+        engine: Engine,
+        tolerance: float,
+        answer: Trajectory | None = None,
+        pattern: int = 1,
     ) -> Trajectory:
-        grid = self.grid
-        if answer is not None and answer.outcome == "stuck":
-            # A finer run may pass where the answer ends, and need any number of steps there.
-            grid = grid[: max(answer.count, 2)]
+        # A run to compare starts a rounding away; cut where the answer is cut, it would pass over
+        # the same.
+        moved, roundings, longest, grid = 0.0, None, math.inf, self.grid
+        if answer is not None:
+            moved, longest = SAFETY * 2.0 ** (1 - engine.precision), self.limit
+            if answer.outcome == "stuck":
+                # A changed run may pass where the answer ends, and need any number of steps there.
+                grid = grid[: max(answer.count, 2)]
+        if answer is not None and roundings_matter(
+            engine, answer.steps, answer.tolerance, NOISE**2
+        ):
+            # Less than a last place would be rounded away.
+            part = max(change_by_rounding(engine, answer.steps / PLACES), rounding(engine, 1))
+            steps = max(answer.steps, int(PARTS / GOLDEN))
+            roundings = Roundings(part, steps, float(self.grid[-1]), pattern)
         try:
             return integrate(
-                self.problem.first_stage(engine.precision, 0.0),
+                self.problem.first_stage(engine.precision, moved),
                 grid,
                 tolerance,
                 engine,
-                cuts=self.cuts,
+                cuts=() if answer and self.kept is None else self.cuts,
+                roundings=roundings,
                 longest=longest,
-                runner=self.kept and self.kept.runner(engine, tolerance, longest),
+                runner=self.kept and self.kept.runner(engine, tolerance, moved, longest, roundings),
                 watch=self.report and self.report.next_run(),
             )
         except WorkLimitError as limit:
             raise limit.counted(1 / self.problem.time_unit, self.problem.time_name) from None
 
 
-def _complete(asked: _Runs) -> Verified | None:
+def _complete(asked: _Runs, runs: list[Trajectory]) -> Verified | None:
     """The answer if it comes to the end, and is good enough."""
     try:
-        result = asked.verified()
+        result = _followed(asked, runs)
     except WorkLimitError:
         return None
     ended = result.answer.outcome in ("done", "stopped")
@@ -297,7 +330,21 @@ def verified_motion(
 
     grid: times in the time of the stages.
     """
-    return _Runs(problem, engine, accuracy, grid, (), None, None).verified()
+    return _followed(_Runs(problem, engine, accuracy, grid, (), None, None), [])
+
+
+def _followed(asked: _Runs, runs: list[Trajectory], growth: float = 0.0) -> Verified:
+    """The answer with its error.
+
+    Where it fails and a step was long, the answer may not have seen what the finer run saw: it is
+    cut into short parts.
+    """
+    result = asked.verified(runs, growth)
+    long = result.answer.longest_step > asked.limit
+    if result.error > asked.accuracy and long and not asked.cuts:
+        result = replace(asked, cuts=asked.parts).verified(runs)
+    answer = ended_at_poles(result.answer)
+    return result if answer is result.answer else result._replace(answer=answer, error=math.inf)
 
 
 def _solution(
@@ -324,7 +371,7 @@ def _solution(
     name = answer.engine.name
     cost = Cost.of(answer, runs)
     return Solution(
-        problem, times, accuracy, error, name, reason, cost, answer, found.reference, found.rounded
+        problem, times, accuracy, error, name, reason, cost, answer, found.reference, found.safety
     )
 
 

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any, NamedTuple, Protocol, TypeAlias
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 
 from geomtorsion.codegen import Graph
 from geomtorsion.errors import LimitError, StartError
 from geomtorsion.ode.numbers import Real, divided, floats, multiplied
+from geomtorsion.ode.roundings import Changes
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.copies import only_fields
@@ -108,17 +109,8 @@ class System:
         return rates
 
     @cached_property
-    def _jacobian_graph(self) -> Graph:
-        return self.rates.derivative(self.states)
-
-    @cached_property
     def _jacobian(self) -> Callable[..., tuple[float, ...]]:
-        return self._jacobian_graph.python()
-
-    @cached_property
-    def array_jacobian(self) -> Callable[..., np.ndarray]:
-        """df_i/dy_j(*states, *parameters) on arrays, row after row, shape (size^2, ...)."""
-        return self._jacobian_graph.numpy()
+        return self.rates.derivative(self.states).python()
 
     def jacobian(self, state: Sequence[float], values: Sequence[float]) -> np.ndarray:
         """df_i/dy_j, shape (size, size); not a number where there is no value."""
@@ -270,31 +262,6 @@ FAR = 2.0**20
 Extents: TypeAlias = list[tuple[float, float]]
 
 
-class Track(NamedTuple):
-    """Times and states of a motion at its start and after each part of a step.
-
-    times: shape (k + 1,); states: shape (k + 1, size).
-    """
-
-    times: np.ndarray
-    states: np.ndarray
-
-    def divided(self, parts: int) -> np.ndarray:
-        """Times that divide each step into so many parts."""
-        inner = np.linspace(self.times[:-1], self.times[1:], parts, endpoint=False, axis=1)
-        times = np.append(inner.ravel(), self.times[-1])
-        return times[np.append(np.diff(times) != 0, True)]
-
-    def ended(self, time: float, state: Sequence[Real] | np.ndarray) -> Track:
-        """The steps that end before a time, and the rest of one up to it."""
-        before = np.abs(self.times - self.times[0]) < abs(time - self.times[0])
-        before[0] &= time != self.times[0]
-        last = np.array([floats(state)])
-        return Track(
-            np.append(self.times[before], time), np.concatenate((self.states[before], last))
-        )
-
-
 # Frozen, it would take a microsecond to make, which short runs would notice.
 @dataclass(eq=False, slots=True)
 class Run:
@@ -309,7 +276,6 @@ class Run:
     dense: states at any times; None if not requested.
     reason: why it is stuck.
     longest_step: in time; infinite where that is not known.
-    track: its steps, in doubles; None where they were not recorded.
     """
 
     times: np.ndarray
@@ -324,7 +290,6 @@ class Run:
     dense: Dense | None = None
     reason: str = ""
     longest_step: float = math.inf
-    track: Track | None = None
 
 
 class WorkLimitError(LimitError):
@@ -398,13 +363,12 @@ class Batch:
         the slowest of them.
     times: monotone from 0 on, shape (m,).
     show: called with the number of members that are done.
-    counted: whether `steps` and `tracks` are requested.
+    counted: whether `steps` is requested.
     longest: no step is longer, in the units of `times`.
     result: states at the times, shape (number, m, size); at first not a number.
     finished: members that came to the last time, shape (number,).
     crossed: members whose guard fell through zero, shape (number,).
     steps: number of steps and the longest step as a part of the way, shape (2, number).
-    tracks: the steps of each member that came to the end, where `counted`.
     """
 
     system: System
@@ -420,7 +384,6 @@ class Batch:
     finished: np.ndarray
     crossed: np.ndarray
     steps: np.ndarray
-    tracks: dict[int, Track] = field(default_factory=dict)
 
 
 class Engine(Protocol):
@@ -430,8 +393,8 @@ class Engine(Protocol):
     `solve`, `solve_many`, scenes, costs and checkpoints. Files keep its samples; only the engines
     of this package are made again from a file to give values in between.
 
-    An engine need not fill in `Run.track`: without it, roundings are followed along the dense
-    output, as if all steps were equal.
+    An engine with the attribute `changes_on_the_way = True` takes `changes` in `run`; its claims of
+    error then contain roundings on the way, not only at the start.
 
     An engine may have one more method, `batch(batch, tolerance) -> seconds of compilation`, which
     runs the members of a `Batch` at once; last digits may differ from `run`. `solve_many` calls it,
@@ -488,6 +451,7 @@ class Engine(Protocol):
         dense: bool = False,
         watch: Watch | None = None,
         longest: float = math.inf,
+        changes: Changes | None = None,
     ) -> Run:
         """Integrate from times[0] through all times.
 
@@ -507,6 +471,10 @@ class Engine(Protocol):
             pass through. Watching changes no bit of a result.
         longest
             no step is longer, in the units of `times`.
+        changes
+            after a step for which `changes.due()` holds the run continues from the state
+            `changes.made(state, state at the start)`; `due` is called after each step. Only given
+            to engines with `changes_on_the_way`.
 
         Returns
         -------
@@ -602,16 +570,18 @@ def scaled_run(
     dense: bool = False,
     watch: Watch | None = None,
     longest: float = math.inf,
+    changes: Changes | None = None,
 ) -> Run:
     """See `Engine.run`: the same, in units of its own size where numbers are far from one.
 
     extents: of the start, if known.
     """
     units = units_of(system, start, parameters, float(times[-1] - times[0]), extents)
+    more = {} if changes is None else {"changes": changes}
     if units is None:
         run = engine.run(
             system, start, parameters, times, tolerance,
-            dense=dense, watch=watch, longest=longest,
+            dense=dense, watch=watch, longest=longest, **more,
         )  # fmt: skip
         return checked_run(engine, run, times)
     unit = units.time
@@ -626,6 +596,7 @@ def scaled_run(
             dense=dense,
             watch=None if watch is None else lambda t: watch(t * unit),
             longest=longest / unit,
+            **more,
         )
     except WorkLimitError as limit:
         raise limit.counted(unit) from None
@@ -635,8 +606,6 @@ def scaled_run(
     run.last = multiplied(np.asarray(run.last)[None, :], units.sizes)[0]
     run.reached = run.reached * type(run.reached)(units.time)
     run.longest_step *= unit
-    if run.track is not None:
-        run.track = Track(run.track.times * unit, run.track.states * units.sizes)
     if run.dense is not None:
         run.dense = _unscaled(run.dense, units)
     return run

@@ -12,6 +12,7 @@ import numpy as np
 from geomtorsion.errors import StartError
 from geomtorsion.ode.numbers import PARTS, Real, floats
 from geomtorsion.ode.roots import crossings
+from geomtorsion.ode.roundings import Roundings
 from geomtorsion.ode.system import (
     STANDSTILL,
     Dense,
@@ -19,7 +20,6 @@ from geomtorsion.ode.system import (
     Extents,
     Run,
     System,
-    Track,
     Watch,
     extents_of,
     scaled_run,
@@ -153,7 +153,6 @@ class Trajectory:
     outcome: "done"; "stopped" by an event that ends the motion; "stuck" where it cannot continue;
         "interrupted" where the computed part ends.
     reason: why it is stuck, or the condition that stopped it, where there are several.
-    longest: no step is longer, in time.
     """
 
     engine: Engine
@@ -161,7 +160,6 @@ class Trajectory:
     segments: tuple[Segment, ...]
     outcome: str
     reason: str = ""
-    longest: float = math.inf
     _dense: dict[int, Dense] = field(default_factory=dict, repr=False, init=False)
 
     def __getstate__(self) -> dict[str, object]:
@@ -219,18 +217,6 @@ class Trajectory:
             parts.append((self.segments[k], states, index))
         return parts
 
-    def track(self, k: int) -> Track:
-        """Times and states after the steps of one segment; of equal steps where none are known."""
-        run, begin = self.segments[k].run, float(self.segments[k].stage.begin)
-        if run.track is not None:
-            return run.track
-        try:
-            times = np.linspace(begin, float(run.reached), max(2 * run.steps, 1) + 1)
-            return Track(times, self._dense_output(k)(times).astype(float))
-        except StartError:
-            samples = Track(run.times.astype(float), run.states.astype(float))
-            return samples.ended(float(run.reached), run.last)
-
     def _dense_output(self, k: int) -> Dense:
         """States of one segment at any times: the same integration again, keeping every step."""
         if k not in self._dense:
@@ -248,7 +234,6 @@ class Trajectory:
                     ends,
                     self.tolerance,
                     dense=True,
-                    longest=self.longest,
                 )
                 if again.dense is None:
                     raise StartError(without_dense(self.engine))
@@ -266,6 +251,7 @@ def integrate(
     engine: Engine,
     *,
     cuts: Sequence[float] = (),
+    roundings: Roundings | None = None,
     longest: float = math.inf,
     runner: Runner | None = None,
     watch: Watch | None = None,
@@ -280,6 +266,8 @@ def integrate(
         local tolerance for the engine.
     cuts
         times at which a stage ends and continues, so that a file can keep its parts.
+    roundings
+        changes of the state on the way, by engines that make them.
     longest
         the longest step in time.
     runner
@@ -288,11 +276,8 @@ def integrate(
         called now and then with the time that is reached.
     """
     segments: list[Segment] = []
-
-    def ended(outcome: str, reason: str = "") -> Trajectory:
-        return Trajectory(engine, tolerance, tuple(segments), outcome, reason, longest)
-
-    end, sign = float(times[-1]), -1.0 if times[-1] < 0 else 1.0
+    end = float(times[-1])
+    sign = -1.0 if end < 0 else 1.0
     done, idle, waiting = 0, 0, list(cuts)
     while True:
         begin = float(stage.begin)
@@ -301,7 +286,7 @@ def integrate(
         stop = _next_break(stage, waiting, sign, end)
         samples, head, count = _samples(times, done, stage.begin, stop, sign)
         if runner is None:
-            run = run_stage(stage, samples, tolerance, engine, watch, longest)
+            run = run_stage(stage, samples, tolerance, engine, watch, longest, roundings)
         else:
             run = runner(len(segments), stage, samples)
             if watch is not None:
@@ -312,7 +297,7 @@ def integrate(
         event: Event | None = None
         if run.outcome == "done":
             if stop is None:
-                return ended("done")
+                return Trajectory(engine, tolerance, tuple(segments), "done")
             event = stage.timed
             if event is None or event.when != stop:
                 last = run.last if stage.kept is None else stage.kept(run.last)
@@ -322,11 +307,11 @@ def integrate(
             event = stage.boundary
             lasts = run.outcome == "stuck"
             if event is None or (lasts and event.then is None):
-                return ended(run.outcome, run.reason)
+                return Trajectory(engine, tolerance, tuple(segments), run.outcome, run.reason)
             if not lasts and event.stop is not None:
                 condition = event.stop(segments[-1].last)
                 if condition is not None:
-                    return ended("stopped", condition)
+                    return Trajectory(engine, tolerance, tuple(segments), "stopped", condition)
             # A motion that cannot continue in two stages in a row cannot continue at all. Engines
             # measure progress by the whole time, so that the same motion ends in every chart.
             moved = abs(float(run.reached) - begin) > STANDSTILL * abs(end)
@@ -338,7 +323,7 @@ def integrate(
             outcome, reason = "stopped", ""
             if event.ending is not None:
                 outcome, reason = event.ending(float(run.reached), segments[-1].last)
-            return ended(outcome, run.reason or reason)
+            return Trajectory(engine, tolerance, tuple(segments), outcome, run.reason or reason)
         stage = after
 
 
@@ -374,16 +359,20 @@ def run_stage(
     engine: Engine,
     watch: Watch | None = None,
     longest: float = math.inf,
+    roundings: Roundings | None = None,
 ) -> Run:
     """The run of one stage, ended where its guard falls through zero."""
     system, numbers = stage.system, stage.parameters
     event = stage.boundary
     final = event is not None and (event.then is None or event.stop is not None)
+    takes = getattr(engine, "changes_on_the_way", False)
+    clock = None if system.clock is None else system.states.index(system.clock[0])
 
     def run(dense: bool) -> Run:
+        made = roundings.changes(float(times[0]), clock) if roundings and takes else None
         return scaled_run(
             engine, system, stage.start, numbers, times, tolerance,
-            extents=stage.extents, dense=dense, watch=watch, longest=longest,
+            extents=stage.extents, dense=dense, watch=watch, longest=longest, changes=made,
         )  # fmt: skip
 
     if system.guard is None or not final or engine.finds_every_root:
@@ -488,13 +477,12 @@ def _ended_earlier(system: System, run: Run, times: np.ndarray, numbers: State) 
     return replace(
         run, times=run.times[keep], states=run.states[keep], reached=float(zeros[0]), last=last,
         outcome="edge", reason="", dense=None,
-        track=run.track and run.track.ended(float(zeros[0]), last),
     )  # fmt: skip
 
 
 def close_times(begin: float, end: float, run: Run) -> np.ndarray:
     """Times close enough to see what a run did between its steps."""
-    count = int(max(PER_STEP * run.steps, run.evaluations, PARTS, 4 * len(run.times)))
+    count = max(PER_STEP * run.steps, run.evaluations, PARTS, 4 * len(run.times))
     remedy = "Ask over a shorter time, or solve to a lower accuracy."
-    checks.check_room(count, f"{count:,} times between the steps", remedy)
-    return np.linspace(begin, end, count + 1)
+    checks.check_room(int(count), f"{int(count):,} times between the steps", remedy)
+    return np.linspace(begin, end, int(count) + 1)

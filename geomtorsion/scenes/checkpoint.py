@@ -57,8 +57,8 @@ def partial_result(scene: Scene, path: str | Path, engine: Engine | None = None)
     counts: dict[tuple[str, float, float], int] = {}
     for part in saved.parts:
         try:
-            name, tolerance, longest, _ = part.rsplit(" ", 3)
-            key = name, float(tolerance), float(longest)
+            name, tolerance, perturbation, number = part.rsplit(" ", 3)
+            key = name, float(tolerance), float(perturbation)
             if not is_own(name) and name != own:
                 raise ValueError(name)
         except ValueError:
@@ -66,18 +66,20 @@ def partial_result(scene: Scene, path: str | Path, engine: Engine | None = None)
                 f"{path}: expected a checkpoint of a run, got a file with the part {shown(part)}. "
                 "Remove the file, or name another."
             ) from None
-        counts[key] = counts.get(key, 0) + 1
+        # Parts of runs that were cut at more times go by other numbers.
+        if "/" not in number:
+            counts[key] = counts.get(key, 0) + 1
     if not counts:
         raise CheckpointError(
             f"{path}: expected computed samples, got none yet. Run the scene again."
         )
-    # The answer, whose steps may be as long as they like, or the run with most parts.
-    name, tolerance, longest = max(counts, key=lambda key: (key[2] == math.inf, counts[key]))
+    # Runs from a perturbed start only show how rounding grows.
+    name, tolerance, perturbation = max(counts, key=lambda key: (key[2] == 0, counts[key]))
     solver = engine if engine is not None and own == name else engine_named(name)
 
     def from_file(k: int, stage: Stage, at: np.ndarray) -> Run:
         """A part from the file; where it has none, the end."""
-        run = saved.known(part_name(solver, tolerance, longest, k), solver, stage, at)
+        run = saved.known(part_name(solver, tolerance, perturbation, k), solver, stage, at)
         if run is not None:
             return run
         none = np.zeros((0, len(stage.start)))
@@ -85,7 +87,7 @@ def partial_result(scene: Scene, path: str | Path, engine: Engine | None = None)
 
     end = float(grid[-1])
     cuts = [end * k / PARTS for k in range(1, PARTS)]
-    stage = ode.first_stage(solver.precision, 0.0)
+    stage = ode.first_stage(solver.precision, perturbation)
     trajectory = integrate(stage, grid, tolerance, solver, cuts=cuts, runner=from_file)
     rows = [ode.rows(segment, segment.states, "") for segment in trajectory.segments]
     states = np.concatenate(rows).astype(float)

@@ -347,6 +347,21 @@ def test_time_far_beyond_the_states():
     assert np.abs(sol["x"] - exact).max() < 1e-9
 
 
+def test_references_start_a_rounding_away():
+    """Answers start exactly at the start, references two units in the last place away."""
+    made = ODE.of({"x": "v/3", "v": "-2*x", "z": "1"}, [1.0, 0.7, 0], parameters={})
+    sol = solve(made, 3.0, 1e-6, RungeKutta())
+    assert sol.reference is not None
+    first, second = (x.segments[0].stage for x in (sol.trajectory, sol.reference))
+    assert first.start.tolist() == [1.0, 0.7, 0.0]
+    ratios = second.start[:2] / first.start[:2] - 1
+    assert np.abs(ratios) == pytest.approx(2 * 2.0**-52, rel=0.6)
+    assert second.start[2] == 0
+    # 1/3 is rounded and perturbed; -2 is exact and compiled in.
+    assert first.parameters.tolist() == [1 / 3]
+    assert second.parameters != first.parameters
+
+
 def test_perturbed_numbers():
     """Only numbers that an engine rounds are perturbed, at any precision."""
     held, rounded = [0.5, 3, Fraction(1, 4)], [Fraction(1, 3), sp.sqrt(2)]

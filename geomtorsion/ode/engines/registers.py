@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from geomtorsion.ode.system import STANDSTILL, Batch, Track
+from geomtorsion.ode.system import STANDSTILL, Batch
 
 # How members are put together and looked at decides about speed, not about results: systems of at
 # most so many states take two registers at a time;
@@ -54,30 +54,6 @@ def _blocks(array: np.ndarray, width: int) -> np.ndarray:
     return np.ascontiguousarray(blocks.swapaxes(1, 2))
 
 
-class _Lanes:
-    """Callback that keeps times and states of all members of a call after each step."""
-
-    def __init__(self) -> None:
-        self._times: list[np.ndarray] = []
-        self._states: list[np.ndarray] = []
-
-    def begin(self, states: np.ndarray) -> None:
-        """Forget the call before."""
-        self._times, self._states = [np.zeros(states.shape[1])], [states.copy()]
-
-    def __call__(self, integrator: Any) -> bool:
-        """Keep one step; True continues."""
-        self._times.append(integrator.time.copy())
-        self._states.append(integrator.state.copy())
-        return True
-
-    def tracks(self) -> list[Track]:
-        """The steps of each member, without those that it waited for others."""
-        times, states = np.array(self._times), np.array(self._states)
-        moved = np.concatenate((np.ones((1, times.shape[1]), bool), np.diff(times, axis=0) != 0))
-        return [Track(times[own, lane], states[own, :, lane]) for lane, own in enumerate(moved.T)]
-
-
 def run_in_registers(
     integrator: Any,
     choose: Callable[[np.ndarray], object],
@@ -102,7 +78,7 @@ def run_in_registers(
     several = len(calls.times) > 2
     samples = np.full((count, len(calls.times) if several else 1, size, width), np.nan)
     limits = batch.longest * batch.units if batch.longest < math.inf else None
-    done, lanes = 0, _Lanes()
+    done = 0
     # Members whose guard has fallen in this call, for each output; heyoka keeps copies of its own.
     hits = [event.callback.members for event in integrator.nt_events] if crossed is not None else []
     try:
@@ -110,12 +86,7 @@ def run_in_registers(
             choose(chosen[k])
             own[:] = calls.states[k]
             integrator.set_time(0.0)
-            step: dict[str, Any] = {}
-            if limits is not None:
-                step["max_delta_t"] = limits[chosen[k]].tolist()
-            if steps is not None:
-                step["callback"] = lanes
-                lanes.begin(calls.states[k])
+            step = {} if limits is None else {"max_delta_t": limits[chosen[k]].tolist()}
             if several:
                 block = np.ascontiguousarray(calls.times[:, k])
                 rows = integrator.propagate_grid(block, max_steps=MOST_STEPS, **step)[1]
@@ -124,7 +95,6 @@ def run_in_registers(
                 if crossed is None and _moving(integrator, np.zeros(width), ends[k], []):
                     own[:] = calls.states[k]
                     integrator.set_time(0.0)
-                    lanes.begin(calls.states[k])
                     rows = integrator.propagate_grid(block, max_steps=max_steps, **step)[1]
                 samples[k, : len(rows)] = rows
             else:
@@ -134,7 +104,6 @@ def run_in_registers(
             # Only from the last of several calls, whose members have taken many steps anyway.
             if steps is not None:
                 taken[k] = [one[1:4] for one in integrator.propagate_res]
-                batch.tracks.update(zip(chosen[k].tolist(), lanes.tracks(), strict=True))
             clocks[k] = integrator.time
             for members in hits:
                 if members and crossed is not None:

@@ -13,6 +13,7 @@ from geomtorsion.ode.engines.stacked import run_stacked
 from geomtorsion.ode.engines.stepper import LARGEST
 from geomtorsion.ode.engines.stepwise import stepwise_run
 from geomtorsion.ode.numbers import Real
+from geomtorsion.ode.roundings import Changes
 from geomtorsion.ode.system import Batch, Run, System, Watch
 from geomtorsion.support import checks
 
@@ -26,6 +27,7 @@ class _Ladder:
 
     precision = 53
     finds_every_root = False
+    changes_on_the_way = True
     finest: float
 
     def first(self, accuracy: float) -> float:
@@ -89,6 +91,7 @@ class RungeKutta(_Ladder):
         dense: bool = False,
         watch: Watch | None = None,
         longest: float = math.inf,
+        changes: Changes | None = None,
     ) -> Run:
         """See `Engine.run`."""
         most = self.max_evaluations
@@ -104,6 +107,7 @@ class RungeKutta(_Ladder):
             dense,
             watch,
             longest,
+            changes,
         )
 
     def batch(self, batch: Batch, tolerance: float) -> float:
@@ -156,6 +160,7 @@ class Stiff(_Ladder):
         dense: bool = False,
         watch: Watch | None = None,
         longest: float = math.inf,
+        changes: Changes | None = None,
     ) -> Run:
         """See `Engine.run`."""
         most = self.max_evaluations
@@ -170,4 +175,5 @@ class Stiff(_Ladder):
             dense,
             watch,
             longest,
+            changes,
         )

@@ -16,7 +16,7 @@ from geomtorsion.ode.engines.stepwise import (
     limited,
     paced_dop853,
 )
-from geomtorsion.ode.system import Batch, Track, WorkLimitError
+from geomtorsion.ode.system import Batch, WorkLimitError
 
 # So many states make one system: larger ones leave the cache and set BLAS threads off. This decides
 # about speed, not about results.
@@ -59,12 +59,10 @@ def _run_part(batch: Batch, tolerance: float, part: slice, most: int) -> None:
         return (function(*y.reshape(size, count), *numbers) * slow).ravel()
 
     reached: list[float] = []
-    passed: list[np.ndarray] = []
 
     def look(t: float, y: np.ndarray) -> float:
         # scipy calls this after each step; it never sees an event.
         reached.append(t)
-        passed.append(y.copy())
         if system.guard is None:
             return 1.0
         guard = system.guard_along(y.reshape(size, count), numbers)
@@ -95,8 +93,4 @@ def _run_part(batch: Batch, tolerance: float, part: slice, most: int) -> None:
     if solution.status == 0 and np.isfinite(solution.y).all():
         batch.result[part] = solution.y.reshape(size, count, len(times)).transpose(1, 2, 0)
     sizes = np.abs(np.diff(reached))
-    if batch.counted and len(reached) > 1:
-        states = np.array(passed).reshape(len(passed), size, count)
-        for k in range(count):
-            batch.tracks[part.start + k] = Track(np.array(reached) * slow[k], states[:, :, k])
     batch.steps[:, part] = [[len(sizes)], [sizes.max(initial=0.0) / abs(duration)]]

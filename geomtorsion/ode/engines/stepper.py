@@ -133,6 +133,11 @@ class Steps:
         """Evaluations of the rates."""
         return stage_count() * self.tried
 
+    def move(self, state: Sequence[float]) -> None:
+        """Continue from another state at the same time."""
+        self.state = tuple(state)
+        self.rates = tuple(self.inner(*self.state))
+
     def inner(self, *state: float) -> Any:
         """The rates at a state; no numbers where there are none."""
         try:

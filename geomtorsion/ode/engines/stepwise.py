@@ -20,12 +20,12 @@ from geomtorsion.ode.engines.stepper import (
     too_many_evaluations,
 )
 from geomtorsion.ode.numbers import Real, floats
+from geomtorsion.ode.roundings import Changes
 from geomtorsion.ode.system import (
     STEPS_AT_ONCE,
     Dense,
     Run,
     System,
-    Track,
     Watch,
     WorkLimitError,
     eigenvalues,
@@ -151,6 +151,12 @@ class ScipySteps:
         """Evaluations of the rates."""
         return 0 if self._solver is None else int(self._solver.nfev)
 
+    def move(self, state: Sequence[float]) -> None:
+        """Continue from another state at the same time; LSODA keeps its own, and does not."""
+        self.state = tuple(state)
+        self._solver.y = np.array(state)
+        self._solver.f = np.asarray(self._solver.fun(self._solver.t, self._solver.y))
+
     def advance(self) -> Piece | None:
         """One accepted step; None where none is: see `stuck`."""
         solver = self._solver
@@ -212,6 +218,7 @@ def stepwise_run(
     dense: bool,
     watch: Watch | None = None,
     longest: float = math.inf,
+    changes: Changes | None = None,
 ) -> Run:
     """See `Engine.run`; method: "generated" steps of DOP853; or "DOP853", "Radau", "LSODA"."""
     began = time.perf_counter()
@@ -244,19 +251,17 @@ def stepwise_run(
 
     if tolerance < least:
         trial = steps(first, y0, method)
-        ends = [first]
+        passed = [first]
         while trial.time != last and trial.advance() is not None:
-            ends.append(trial.time)
+            passed.append(trial.time)
         if not trial.stuck:
-            pace = Pace(ends, tolerance, least, longest)
+            pace = Pace(passed, tolerance, least, longest)
     walk = steps(first, y0, method)
     guard = None if system.guard is None else partial(_guard, system, values)
     samples = np.empty((len(times), len(y0)))
     samples[0] = y0
     order = (times * walk.sign).tolist()
     pieces: Pieces = []
-    passed: list[float] = [first]
-    states: list[Sequence[float]] = [y0]
     done, outcome, longest_step = 1, "done", 0.0
     reached, where = last, None
     inside = guard is None or guard(walk.state) > 0
@@ -273,8 +278,6 @@ def stepwise_run(
             outcome, reached, where = "stuck", walk.time, np.array(walk.state)
             break
         end = walk.time
-        passed.append(end)
-        states.append(walk.state)
         longest_step = max(longest_step, abs(end - before))
         if watch is not None:
             watch(end)
@@ -297,6 +300,8 @@ def stepwise_run(
             done = count
         if outcome == "edge":
             break
+        if changes is not None and changes.due():
+            walk.move(changes.made(np.array(walk.state), samples[0]).tolist())
     if where is None:
         where = samples[-1].copy()
     ended = time.perf_counter()
@@ -313,7 +318,6 @@ def stepwise_run(
         _joined(pieces) if pieces else None,
         walk.stuck,
         longest_step,
-        Track(np.array(passed), np.array(states)).ended(reached, where),
     )
 
 

@@ -26,6 +26,7 @@ from geomtorsion.errors import ArgumentError, MissingExtraError
 from geomtorsion.ode.engines.registers import FEW, run_in_registers
 from geomtorsion.ode.numbers import Real, floats, mpf
 from geomtorsion.ode.rates import KEPT
+from geomtorsion.ode.roundings import Changes
 from geomtorsion.ode.system import (
     STANDSTILL,
     STEPS_AT_ONCE,
@@ -34,7 +35,6 @@ from geomtorsion.ode.system import (
     Hoisted,
     Run,
     System,
-    Track,
     Watch,
     WorkLimitError,
     refuse_stiff,
@@ -262,9 +262,6 @@ def _integrator(
 
 __all__ = ["Taylor", "heyoka", "is_available"]
 
-# A finer run has so many orders more. With two, one critical step may dominate the error of both
-# runs.
-FINER = 4
 # Below this order, steps are no longer in proportion to the truncation error.
 LOWEST_ORDER = 6
 NO_VALUE = "the series has no finite value"
@@ -299,6 +296,7 @@ class Taylor:
         checks.count(self.max_steps, "max_steps", ArgumentError, 1)
 
     finds_every_root = True
+    changes_on_the_way = True
 
     @property
     def name(self) -> str:
@@ -314,16 +312,16 @@ class Taylor:
         """See `Engine.first`: one order finer than the accuracy, as errors grow on the way."""
         order = max(order_of(max(accuracy, self.finest)) + 1, LOWEST_ORDER)
         # The finest two have no finer run with which to compare them.
-        return tolerance_of(min(order, order_of(self.finest) - FINER))
+        return tolerance_of(min(order, order_of(self.finest) - 2))
 
     def rung(self, tolerance: float) -> float:
         """See `Engine.rung`: one rung for each order of the series, the nearest."""
         return tolerance_of(max(2, round(1 - math.log(max(tolerance, self.finest)) / 2)))
 
     def finer(self, tolerance: float) -> float | None:
-        """See `Engine.finer`: four orders more, each worth a factor e^2."""
-        order, last = order_of(tolerance) + FINER, order_of(self.finest)
-        return tolerance_of(order) if order <= last else None
+        """See `Engine.finer`: two orders more, each worth a factor e^2."""
+        order, last = order_of(tolerance), order_of(self.finest)
+        return tolerance_of(order + 2) if order + 2 <= last else None
 
     def number(self, value: Real) -> Any:  # of heyoka's own types
         """A number in the type of this precision, correctly rounded."""
@@ -375,11 +373,12 @@ class Taylor:
         dense: bool = False,
         watch: Watch | None = None,
         longest: float = math.inf,
+        changes: Changes | None = None,
     ) -> Run:
         """See `Engine.run`."""
         backward = bool(times[-1] < times[0])
         compiled, compiling = self.compiled(system, tolerance, backward=backward)
-        run = self._run(compiled, system, start, parameters, times, dense, watch, longest)
+        run = self._run(compiled, system, start, parameters, times, dense, watch, longest, changes)
         run.compile_seconds = compiling
         return run
 
@@ -402,6 +401,7 @@ class Taylor:
         dense: bool,
         watch: Watch | None,
         longest: float,
+        changes: Changes | None,
     ) -> Run:
         """The run by one integrator."""
         began = time.perf_counter()
@@ -421,10 +421,11 @@ class Taylor:
                     system, state, floats(parameters), pace, reached, abs(left), self.max_steps
                 )
 
-            tracker = _Tracker(integrator)
-            step: dict[str, Any] = {"callback": tracker}
+            step: dict[str, Any] = {}
             if longest != math.inf:
                 step["max_delta_t"] = self.number(longest)
+            if changes is not None:
+                step["callback"] = _Changing(changes, start)
             states, outcome, steps, longest, reason = self._propagated(
                 integrator, grid, watch, room, refuse, step
             )
@@ -444,18 +445,8 @@ class Taylor:
                 lasted = abs(float(place[0] - grid[0]))
                 states = states[np.abs((grid[: len(states)] - grid[0]).astype(float)) <= lasted]
             reached, last = integrator.time, integrator.state.copy()
-            track = tracker.track().ended(float(reached), last)
-            step.pop("callback")
-            # Polynomials of degree five between the states replace about so many orders.
-            parts = integrator.order // 7
-            if parts > 1 and reached != grid[0] and outcome != "stuck":
-                inner = track.divided(parts)
-                at = self.array(inner)
-                at[0], at[-1] = grid[0], reached
-                _place(integrator, grid[0], start)
-                rows = integrator.propagate_grid(at, **step)[5]
-                track = Track(inner[: len(rows)], rows.astype(float)).ended(float(reached), last)
             if dense and reached != grid[0]:
+                step.pop("callback", None)
                 # The steps are the same with and without the grid.
                 _place(integrator, grid[0], start)
                 record = _Record(integrator, grid[0])
@@ -473,7 +464,6 @@ class Taylor:
                 None if record is None else record.dense(),
                 reason,
                 longest,
-                track,
             )
 
     def _propagated(
@@ -549,33 +539,17 @@ def _place(integrator: Any, at: Any, state: np.ndarray) -> None:
         integrator.reset_cooldowns()
 
 
-class _Tracker:
-    """Callback that keeps time and state after every step."""
+class _Changing:
+    """Callback that changes the state after some steps."""
 
-    def __init__(self, integrator: Any) -> None:
-        self._state = integrator.state
-        self._blocks: list[Track] = []
-        self._times, self._states = [integrator.time], [integrator.state.copy()]
+    def __init__(self, changes: Changes, start: np.ndarray) -> None:
+        self.changes, self.start = changes, start
 
     def __call__(self, integrator: Any) -> bool:
-        """Keep one step; True continues."""
-        self._times.append(integrator.time)
-        self._states.append(self._state.copy())
-        if len(self._times) == STEPS_AT_ONCE:
-            self._pack()
+        """Change the state where a change is due; True continues."""
+        if self.changes.due():
+            integrator.state[:] = self.changes.made(integrator.state, self.start)
         return True
-
-    def _pack(self) -> None:
-        """Put the last steps into arrays of doubles."""
-        if self._times:
-            times, states = np.array(self._times), np.array(self._states)
-            self._blocks.append(Track(times.astype(float), states.astype(float)))
-            self._times, self._states = [], []
-
-    def track(self) -> Track:
-        """All steps so far."""
-        self._pack()
-        return Track(*map(np.concatenate, zip(*self._blocks, strict=True)))
 
 
 class _Record:
