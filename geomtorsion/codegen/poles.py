@@ -12,8 +12,8 @@ from geomtorsion.exact.special_values import VALUES
 def pole_values(steps: Sequence[Step]) -> tuple[tuple[Step, ...], tuple[Signed, ...]]:
     """Steps and outputs for values at whose zeros some step has no value, each a single factor.
 
-    They are denominators, arguments of logarithms, bases of negative powers, and inverses of
-    functions that may be infinite. Values that consist of constants are omitted.
+    They are denominators, arguments of logarithms, bases of negative powers, and 1/(1 + f^2)
+    of functions f that may be infinite. Values that consist of constants are omitted.
     """
     builder = Builder()
     for step in steps:
@@ -43,7 +43,10 @@ def _of_step(builder: Builder, place: int, step: Step) -> Iterator[int]:
     elif name == "power" and (exponent := builder.steps[step.operands[1]]).kind == "number":
         yield from _factors(builder, first) if exponent.detail < 0 else ()
     elif name == "power" or name in VALUES:
-        yield builder.quotient(builder.number(Fraction(1)), place)
+        # 1/(1 + f^2) vanishes where f is infinite, and has a value where f vanishes.
+        one = builder.number(Fraction(1))
+        square = builder.product(place, place)
+        yield builder.quotient(one, builder.total([(1, one), (1, square)])[1])
 
 
 def _factors(builder: Builder, place: int) -> Iterator[int]:

@@ -93,7 +93,9 @@ class LinearOperator:
         for coordinate, momentum in momenta.items():
             name = str(coordinate)
             checks.known_name(name, names, "coordinate", GravityError)
-            values[name] = sp.Symbol(momentum) if isinstance(momentum, str) else sp.S(momentum)
+            values[name] = checks.expression(
+                momentum, f"momentum of {name}", GravityError, read=sp.Symbol
+            )
         orders = [x for one in self.entries.values() for x in one]
         for k, name in enumerate(names):
             if name not in values and any(x[k] for x in orders):

@@ -66,6 +66,8 @@ def test_starts():
         "t": pytest.approx(6.283185307179586),
         "parameters": {"R": 0.5, "M": 2.0},
         "moments": None,
+        "force": None,
+        "potential": None,
     }
     with pytest.raises(StartError, match="frame velocity: expected a number"):
         start_options(None, None, "fast", None, None, None)

@@ -88,7 +88,7 @@ def test_flat_and_constant_curvature_are_answers():
 
 
 def test_the_other_sign_of_a_metric_is_identified():
-    """A metric with minus signs for space is compared with plus signs, and the answer reports it."""
+    """A metric with minus signs for space is compared with plus signs; the answer reports it."""
     found = gt.spaces.identify(gt.Frame.from_metric("x y z", [[-1, 0, 0], [0, -1, 0], [0, 0, -1]]))
     assert found.negated
     assert "minus the metric" in str(found)

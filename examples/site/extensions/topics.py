@@ -21,8 +21,8 @@ from sphinx.util.nodes import nested_parse_with_titles
 import geomtorsion
 
 TOPICS: dict[str, str] = {
-    "Frames and tensors": "Frame Region read Tensor contract numpy_function parse_expression Certainty "
-    "DependencyGraph limits",
+    "Frames and tensors": "Frame Region read Tensor contract numpy_function parse_expression "
+    "Certainty DependencyGraph limits",
     "Connections, torsion, curvature": "cartan levi_civita Connection Torsion Curvature "
     "from_torsion from_contortion from_nonmetricity from_spin_connection from_coefficients blend "
     "identities IdentityCheck",

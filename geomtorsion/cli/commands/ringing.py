@@ -17,7 +17,7 @@ from geomtorsion.cli.values import assigned
 from geomtorsion.gravity import perturbed
 from geomtorsion.pictures.ringing import draw_ringing
 from geomtorsion.pictures.style import can_draw, save
-from geomtorsion.support.files import write_text
+from geomtorsion.support.files import make_folder, write_text
 
 
 def ringing(
@@ -44,7 +44,7 @@ def ringing(
         directory("Directory for ringing.json and ringing.png, created if missing."),
     ] = None,
 ) -> None:
-    """Compute the frequencies with which a static black hole of a theory rings.
+    """Compute the frequencies with which a static black hole rings.
 
     Without -L the theory is general relativity, L = R. The Lagrangian of a scalar field, -X/2, or
     of a Maxwell field, -F2/4, is a test field on the hole.
@@ -74,7 +74,7 @@ def ringing(
         for line in str(rings).splitlines():
             typer.echo(wrapped(line))
     if output is not None:
-        output.mkdir(parents=True, exist_ok=True)
+        make_folder(output)
         paths = [output / "ringing.json"]
         write_text(paths[0], json.dumps(document, indent=2) + "\n")
         if can_draw():

@@ -23,7 +23,7 @@ from geomtorsion.errors import ArgumentError
 from geomtorsion.gravity import perturbed
 from geomtorsion.pictures.particles import draw_particles
 from geomtorsion.pictures.style import can_draw, save
-from geomtorsion.support.files import write_text
+from geomtorsion.support.files import make_folder, write_text
 
 
 def spectrum(
@@ -56,10 +56,10 @@ def spectrum(
         directory("Directory for spectrum.json and spectrum.png, created if missing."),
     ] = None,
 ) -> None:
-    """List the particles of a theory about flat space: spin, parity, mass and sign of the energy.
+    """List the particles of a theory of gravity about flat space.
 
-    Masses and signs are formulas in the couplings. The last line is the condition for a theory
-    without ghosts and tachyons.
+    Each has a spin, a parity, a mass and a sign of its energy. Masses and signs are formulas in the
+    couplings. The last line is the condition for a theory without ghosts and tachyons.
 
     \b
     Examples:
@@ -92,7 +92,7 @@ def spectrum(
         for line in lines:
             typer.echo(wrapped(line))
     if output is not None:
-        output.mkdir(parents=True, exist_ok=True)
+        make_folder(output)
         paths = [output / "spectrum.json"]
         write_text(paths[0], json.dumps(document, indent=2) + "\n")
         if can_draw():

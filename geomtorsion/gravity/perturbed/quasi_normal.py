@@ -186,7 +186,9 @@ def _number(value: object, name: str) -> sp.Expr:
     )
     if number.free_symbols:
         checks.refuse(GravityError, f"parameters[{name}]", "a number", value)
-    return sp.nsimplify(number, rational=True) if number.has(sp.Float) else number
+    if number.is_Float:
+        return sp.Rational(*checks.repr_fraction(float(number)).as_integer_ratio())
+    return number
 
 
 def _with_values(theory: Lagrangian, values: Mapping[str, sp.Expr]) -> Lagrangian:
@@ -260,7 +262,10 @@ def _functions(*names: str) -> list[sp.Expr]:
 
 def _frame(f: sp.Expr, rows: sp.Matrix) -> Frame:
     """A frame outside of the hole, expanded in the wave."""
-    inner, outer = (sp.nsimplify(x.n(15), rational=True) for x in _horizons(f))
+    inner, outer = (
+        x if x == sp.oo else sp.Rational(*checks.repr_fraction(float(x)).as_integer_ratio())
+        for x in _horizons(f)
+    )
     domain = [inner < R, THETA > 0, sp.pi > THETA, *([outer > R] if outer != sp.oo else [])]
     frame = Frame((T, R, THETA, PHI), rows, signature=ETA, parameters=[SMALL], domain=domain)
     return frame.expanded(SMALL, 1)

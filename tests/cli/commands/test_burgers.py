@@ -166,7 +166,7 @@ def test_an_interruption_prints_finished_results(monkeypatch: pytest.MonkeyPatch
         (("--circle", "0,1,0:0.5:phi1,psi"), "expected a coordinate, got 'psi'"),
         (("--circle", "0,1,0:nan"), "a finite number"),
         (("--polygon", "0,0,0;1,1,1"), "at least three points"),
-        (("--curve", "s;s;s"), "the gap is (6.28319, 6.28319, 6.28319)"),
+        (("--curve", "s;s;s"), "the gap between its ends is (6.28319, 6.28319, 6.28319)"),
         (("--curve", "cos(s);sin(s);__import__('os')"), "__import__"),
         (("--set", "R", "--circle", "0,1,0:0.5"), "expected NAME=VALUE"),
         (("--set", "R=1", "--circle", "0,1,0:0.5"), "expected a parameter of this frame, got 'R'"),
