@@ -52,6 +52,7 @@ from geomtorsion.ode.numbers import (
     perturbed,
     precision_of,
 )
+from geomtorsion.ode.poles import AT_A_POLE
 from geomtorsion.ode.rates import CLOCK
 from geomtorsion.ode.roots import nearest_to_zero
 from geomtorsion.ode.terms import expression, symbol_table
@@ -633,9 +634,25 @@ class CurveProblem:
         which = " (the curve parameter), in coordinates" if "t" in names else ","
         return ChartEdgeError(
             f"the motion stops at t = {trajectory.reached / self.time_unit:.6g}{which} at {place}: "
-            f"chart {label!r} ends there ({trajectory.reason}). {chart.end if chart else ''}"
+            f"chart {label!r} ends there ({self._end_in_words(trajectory)}). "
+            f"{chart.end if chart else ''}"
             f"{advice} The computed part is in the error's `solution`."
         )
+
+    def _end_in_words(self, trajectory: Trajectory) -> str:
+        """The reason why a motion ended; for a pole of the rates the edge that it has reached."""
+        segment = trajectory.segments[-1]
+        chart = self.atlas.chart(segment.label) if segment.label else None
+        if trajectory.reason != AT_A_POLE or chart is None or not chart.edges:
+            return trajectory.reason
+        numbers = {name: float(value) for name, value in self.parameters.items()}
+        states = (floats(x)[: len(chart.names)] for x in (segment.stage.first, segment.last))
+        before, left = (
+            chart.at_edges(numbers | dict(zip(chart.names, state, strict=True))) for state in states
+        )
+        k = nearest_to_zero(left, before)
+        reached = abs(left[k]) <= math.sqrt(EPS) * abs(before[k])
+        return chart.edges[k].words if reached else trajectory.reason
 
     # -- reading a solution ----------------------------------------------------------------------
 
