@@ -32,7 +32,7 @@ PUBLISHED = {
 
 
 def main(arguments: list[str] | None = None) -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description="Which particles does a theory have.")
     parser.add_argument("-L", "--lagrangian", help="another theory")
     parser.add_argument("-g", "--geometry", default="riemannian", help="its geometry")
     options = parser.parse_args(arguments)

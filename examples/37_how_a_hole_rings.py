@@ -19,7 +19,7 @@ LEAVER = (0.373671684418042 - 0.088962315688936j, 0.346710996879163 - 0.27391487
 
 
 def main(arguments: list[str] | None = None) -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description="How a black hole rings.")
     parser.add_argument("--picture", type=Path, help="file for a figure")
     options = parser.parse_args(arguments)
 

@@ -192,7 +192,7 @@ class Frame:
         cls,
         coordinates: validation.Coordinates,
         metric: object,
-        signature: Sequence[int] | None = None,
+        signature: object = None,
         parameters: Sequence[sp.Symbol] | None = None,
         domain: object = None,
         name: str | None = None,
