@@ -53,7 +53,7 @@ def from_metric(
     cls: type[Frame],
     coordinates: validation.Coordinates,
     metric: object,
-    signature: Sequence[int] | None = None,
+    signature: object = None,
     parameters: Sequence[sp.Symbol] | None = None,
     domain: object = None,
     name: str | None = None,
