@@ -2,6 +2,7 @@
 
     python examples/36_which_particles.py
     python examples/36_which_particles.py -L "R/2 + a*R7 + b*Q3" -g metric-affine
+    python examples/36_which_particles.py --picture particles.png
 
 A small wave on flat space obeys linear equations. Sorted by spin and parity, they are small
 matrices, whose determinants vanish at the masses. Ghosts have negative energy, tachyons an
@@ -10,9 +11,11 @@ imaginary mass. All masses of the quadratic gauge theory of the Poincare group a
 """
 
 import argparse
+from pathlib import Path
 
 import sympy as sp
 
+from geomtorsion import pictures
 from geomtorsion.gravity import perturbed
 
 KARANANAS = (
@@ -35,6 +38,7 @@ def main(arguments: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description="Which particles does a theory have.")
     parser.add_argument("-L", "--lagrangian", help="another theory")
     parser.add_argument("-g", "--geometry", default="riemannian", help="its geometry")
+    parser.add_argument("--picture", type=Path, help="file for a figure of the nine couplings")
     options = parser.parse_args(arguments)
     if options.lagrangian:
         print(perturbed.spectrum(options.lagrangian, options.geometry))
@@ -50,6 +54,9 @@ def main(arguments: list[str] | None = None) -> None:
     for name, mass2 in PUBLISHED.items():
         assert sp.cancel(masses[name] - mass2) == 0, name
     assert spectrum.degrees_of_freedom == 20
+
+    if options.picture:
+        pictures.save(spectrum.plot(), options.picture)
 
     print("\nOnly the pseudoscalar, and where it is healthy:")
     alone = perturbed.spectrum("R/2 + c*holst**2 + d*axial2", "poincare")
