@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import typer
 
@@ -19,6 +20,9 @@ from geomtorsion.pictures.measured import draw_circuits, draw_survey
 from geomtorsion.pictures.style import can_draw, save
 from geomtorsion.support.files import make_folder, write_text
 from geomtorsion.support.progress import bar
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def burgers_of(
@@ -51,6 +55,21 @@ def burgers_of(
         except KeyboardInterrupt:
             return results, vectors, False
     return results, vectors, True
+
+
+def write_result(
+    folder: Path | None, name: str, document: Json, figure: Callable[[], Figure]
+) -> None:
+    """Write a result as NAME.json and, where matplotlib is installed, its figure as NAME.png."""
+    if folder is None:
+        return
+    make_folder(folder)
+    paths = [folder / f"{name}.json"]
+    write_text(paths[0], json.dumps(document, indent=2) + "\n")
+    if can_draw():
+        paths.append(folder / f"{name}.png")
+        save(figure(), paths[-1])
+    say_on_error(paths)
 
 
 def show_burgers(

@@ -40,7 +40,7 @@ class Places(Protocol):
         ...
 
     def refusal(self) -> str:
-        """Why there is no point, for an error."""
+        """The reason for a missing point, for an error."""
         ...
 
 
@@ -74,7 +74,7 @@ class Extended:
             yield {**point, **self._values}
 
     def refusal(self) -> str:
-        """Why there is no point."""
+        """The reason for a missing point."""
         return self._sample.places.refusal()
 
 

@@ -87,7 +87,7 @@ class Connection:
     has_own_field: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
-        """Read coefficients that are no tensor."""
+        """Read coefficients, which do not form a tensor."""
         if not isinstance(self.coefficients, Tensor):
             # Functions that make connections import this file.
             from geomtorsion.geometry.connections import from_coefficients

@@ -270,7 +270,7 @@ def _region(
 
 
 def _box(walls: Walls, point: dict[sp.Expr, Any], own: Array) -> tuple[sp.Basic, ...]:
-    """Bounds of each symbol ; balls prove that there is no wall between them."""
+    """Bounds of each symbol; balls prove that no wall lies between them."""
     center = {s: _fraction(value) for s, value in point.items()}
     names = {s: sp.Symbol(f"x{k}") for k, s in enumerate(walls.arguments)}
     sides = [side(relation) for relation in walls.source.relations]

@@ -9,15 +9,13 @@ from typing import Annotated
 import typer
 
 from geomtorsion.cli.options import Form, SpaceOrFile, directory, option
-from geomtorsion.cli.results import say_on_error
+from geomtorsion.cli.results import write_result
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working, wrapped
 from geomtorsion.cli.theories import LagrangianOption, theory_of
 from geomtorsion.cli.values import assigned
 from geomtorsion.gravity import perturbed
 from geomtorsion.pictures.ringing import draw_ringing
-from geomtorsion.pictures.style import can_draw, save
-from geomtorsion.support.files import make_folder, write_text
 
 
 def ringing(
@@ -73,11 +71,4 @@ def ringing(
     else:
         for line in str(rings).splitlines():
             typer.echo(wrapped(line))
-    if output is not None:
-        make_folder(output)
-        paths = [output / "ringing.json"]
-        write_text(paths[0], json.dumps(document, indent=2) + "\n")
-        if can_draw():
-            paths.append(output / "ringing.png")
-            save(draw_ringing(rings), paths[-1])
-        say_on_error(paths)
+    write_result(output, "ringing", document, lambda: draw_ringing(rings))

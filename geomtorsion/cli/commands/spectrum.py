@@ -10,7 +10,7 @@ import typer
 
 from geomtorsion import gravity
 from geomtorsion.cli.options import Form, directory, option
-from geomtorsion.cli.results import say_on_error
+from geomtorsion.cli.results import write_result
 from geomtorsion.cli.terminal import working, wrapped
 from geomtorsion.cli.theories import (
     ConstantsOption,
@@ -22,8 +22,6 @@ from geomtorsion.cli.values import assigned
 from geomtorsion.errors import ArgumentError
 from geomtorsion.gravity import perturbed
 from geomtorsion.pictures.particles import draw_particles
-from geomtorsion.pictures.style import can_draw, save
-from geomtorsion.support.files import make_folder, write_text
 
 
 def spectrum(
@@ -91,11 +89,4 @@ def spectrum(
     else:
         for line in lines:
             typer.echo(wrapped(line))
-    if output is not None:
-        make_folder(output)
-        paths = [output / "spectrum.json"]
-        write_text(paths[0], json.dumps(document, indent=2) + "\n")
-        if can_draw():
-            paths.append(output / "spectrum.png")
-            save(draw_particles(result), paths[-1])
-        say_on_error(paths)
+    write_result(output, "spectrum", document, lambda: draw_particles(result))

@@ -43,44 +43,44 @@ class Waves:
     size: int
 
     @classmethod
-    def of(cls, operator: LinearOperator, names: Mapping[sp.Expr, sp.Symbol]) -> Waves:
-        """The waves of an operator about flat space.
-
-        names: symbols for unknown numbers, such as f'(0).
-        """
-        values = {x: x.sympy for one in operator.entries.values() for x in one.values()}
-        written = {x: expression.xreplace(dict(names)) for x, expression in values.items()}
-        couplings = sorted({s for x in written.values() for s in x.free_symbols}, key=str)
-        foreign = [s for s in couplings if s in operator.frame.coordinates]
-        if foreign:
-            raise GravityError(
-                f"spectrum: expected constant coefficients, got {foreign[0]} in the operator."
-            )
-        field = Field(couplings)
-        distinct = list(dict.fromkeys(written.values()))
-        read = dict(zip(distinct, field.read_all([("coupling", x) for x in distinct]), strict=True))
+    def of(cls, operator: LinearOperator) -> Waves:
+        """The waves of an operator about flat space."""
         entries = {
-            key: {(orders[0], orders[3]): read[written[x]] for orders, x in one.items()}
+            key: {(orders[0], orders[3]): x.sympy for orders, x in one.items()}
             for key, one in operator.entries.items()
         }
-        return cls(tuple(couplings), field, entries, len(operator.fields))
+        return cls._read(entries, len(operator.fields))
 
     def subs(self, values: Mapping[sp.Symbol, sp.Expr]) -> Waves:
         """The waves for other couplings."""
-        distinct = {
-            x: x.sympy.xreplace(dict(values)) for one in self.entries.values() for x in one.values()
+        entries = {
+            key: {orders: x.sympy.xreplace(dict(values)) for orders, x in one.items()}
+            for key, one in self.entries.items()
         }
-        couplings = sorted({s for x in distinct.values() for s in x.free_symbols}, key=str)
+        return self._read(entries, self.size)
+
+    @classmethod
+    def _read(
+        cls, written: Mapping[tuple[int, int], Mapping[tuple[int, int], sp.Expr]], size: int
+    ) -> Waves:
+        """Coefficients as expressions in the couplings, read into a field of these only."""
+        distinct = list(dict.fromkeys(x for one in written.values() for x in one.values()))
+        couplings = sorted({s for x in distinct for s in x.free_symbols}, key=str)
+        for x in distinct:
+            if not x.is_rational_function(*couplings) or not _has_fractions(x, couplings):
+                raise GravityError(
+                    f"spectrum: expected rational functions of the couplings, got {x}. Give its "
+                    "irrational part a name, and numbers that are fractions."
+                )
         field = Field(couplings)
-        read = dict(
-            zip(distinct, field.read_all([("coupling", x) for x in distinct.values()]), strict=True)
-        )
-        entries = {}
-        for key, one in self.entries.items():
-            kept = {orders: read[x] for orders, x in one.items() if not read[x].is_zero}
-            if kept:
-                entries[key] = kept
-        return Waves(tuple(couplings), field, entries, self.size)
+        elements = field.read_all([("coupling", x) for x in distinct])
+        read = dict(zip(distinct, elements, strict=True))
+        entries = {
+            key: {orders: read[x] for orders, x in one.items() if not read[x].is_zero}
+            for key, one in written.items()
+        }
+        kept = {key: one for key, one in entries.items() if one}
+        return cls(tuple(couplings), field, kept, size)
 
     # -- numbers modulo the prime ----------------------------------------------------------------
 
@@ -321,6 +321,14 @@ class Block:
             for u in kernel
         ]
         return squares(field, form)
+
+
+def _has_fractions(expression: sp.Expr, couplings: Sequence[sp.Symbol]) -> bool:
+    """Whether the numbers in a rational function are fractions."""
+    parts = sp.fraction(sp.together(expression))
+    if not couplings:
+        return all(x.is_Rational for x in parts)
+    return all(c.is_Rational for x in parts for c in sp.Poly(x, *couplings).coeffs())
 
 
 def _random(rows: int, columns: int, seed: int) -> nmod_mat:

@@ -193,7 +193,9 @@ def _eigenvalues(matrices: Sequence[mpmath.matrix]) -> np.ndarray:
 
 
 def frequencies(radial: Radial, modes: int, digits: int) -> list[tuple[acb, float]]:
-    """Frequencies with their errors: twice the change by the last refinement of the grid.
+    """Frequencies with their errors: twice the larger change by the last two refinements.
+
+    One change may be small by chance.
 
     Raises
     ------
@@ -203,7 +205,7 @@ def frequencies(radial: Radial, modes: int, digits: int) -> list[tuple[acb, floa
     with mpmath.workdps(digits + 30):
         latest: dict[int, acb] = {k: acb(w.real, w.imag) for k, w in enumerate(rough(radial))}
     settled: dict[int, tuple[acb, float]] = {}
-    changes: dict[int, float] = {}
+    changes: dict[int, list[float]] = {k: [] for k in latest}
     distinct: list[tuple[acb, float]] = []
     # A finer grid loses more digits.
     work = digits + 30 + LAST // 2
@@ -215,16 +217,21 @@ def frequencies(radial: Radial, modes: int, digits: int) -> list[tuple[acb, floa
                 if value is None:
                     del latest[k]
                     continue
-                changes[k] = _size(value - latest[k])
+                change = _size(value - latest[k])
                 latest[k] = value
-                if count > FIRST and changes[k] < 10.0**-digits * _size(value) / 2:
-                    settled[k] = value, 2 * changes[k]
+                if count == FIRST:
+                    # The value before was rough.
+                    continue
+                changes[k].append(change)
+                worst = max(changes[k][-2:])
+                if len(changes[k]) > 1 and worst < 10.0**-digits * _size(value) / 2:
+                    settled[k] = value, 2 * worst
             distinct = _distinct(settled)
             if len(distinct) >= modes:
                 return distinct[:modes]
             if latest.keys() == settled.keys():
                 break
-    left = sorted(x for k, x in changes.items() if k not in settled)[:modes]
+    left = sorted(x[-1] for k, x in changes.items() if x and k not in settled)[:modes]
     raise AccuracyError(
         f"ringing: expected {modes} frequencies with {digits} digits, got {len(distinct)}; the "
         f"finest grid changed others by {', '.join(f'{x:.0e}' for x in left) or 'nothing'}. "

@@ -67,14 +67,6 @@ def _value(components: Sequence[Component], name: str, *indices: int) -> sp.Expr
     return SMALL * Component(name, indices).function
 
 
-def _cartan(frame: Frame) -> Connection:
-    return cartan(frame)
-
-
-def _levi_civita(frame: Frame) -> Connection:
-    return levi_civita(frame)
-
-
 def _symmetric_teleparallel(frame: Frame) -> Connection:
     """The connection whose coefficients vanish in these coordinates (the coincident gauge)."""
     return from_coefficients(frame, [[[0] * 4] * 4] * 4)
@@ -125,8 +117,8 @@ class FlatGeometry:
 
 
 GEOMETRIES = {
-    "riemannian": FlatGeometry(_levi_civita, (), "riemannian"),
-    "teleparallel": FlatGeometry(_cartan, (), "teleparallel"),
+    "riemannian": FlatGeometry(levi_civita, (), "riemannian"),
+    "teleparallel": FlatGeometry(cartan, (), "teleparallel"),
     "symmetric teleparallel": FlatGeometry(_symmetric_teleparallel, (), "symmetric teleparallel"),
     "poincare": FlatGeometry(_poincare, tuple(_TURNING), "any"),
     "metric-affine": FlatGeometry(_metric_affine, tuple(_tensor("w", 3)), "metric-affine"),

@@ -178,7 +178,10 @@ class Spectrum:
         for name, value in {**(values or {}), **named}.items():
             symbol = names[checks.known_name(str(name), names, "coupling", GravityError)]
             replaced[symbol] = checks.expression(
-                value, str(name), GravityError, read=lambda text: parse_expression(text, names)
+                value,
+                str(name),
+                GravityError,
+                read=lambda text, where=str(name): parse_expression(text, names, where=where),
             )
         return Spectrum(self.lagrangian, self.geometry, self.waves.subs(replaced), self.components)
 
@@ -350,4 +353,4 @@ def spectrum(
     )
     check_couplings(system, [VARIABLE])
     operator = system.operator([one.function for one in components])
-    return Spectrum(theory, name, Waves.of(operator, {}), tuple(components))
+    return Spectrum(theory, name, Waves.of(operator), tuple(components))

@@ -14,15 +14,21 @@ from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, Truncated, linear_parts, parse_expression
 from geomtorsion.geometry import Frame, Tensor
 from geomtorsion.geometry.connections import FrameLike, as_frame
-from geomtorsion.gravity.equations import equations
-from geomtorsion.gravity.lagrangian import Lagrangian, known_as
-from geomtorsion.gravity.matter import maxwell, scalar_field
+from geomtorsion.gravity.equations import FieldEquations, equations
+from geomtorsion.gravity.lagrangian import Lagrangian, known_as, names
+from geomtorsion.gravity.matter import MatterField, maxwell, scalar_field
 from geomtorsion.gravity.perturbed.collocation import Hole, R, Radial, Row, frequencies
-from geomtorsion.gravity.perturbed.geometries import ETA, GEOMETRIES, SMALL, theory_in
+from geomtorsion.gravity.perturbed.geometries import (
+    ETA,
+    GEOMETRIES,
+    SMALL,
+    check_couplings,
+    theory_in,
+)
 from geomtorsion.support import checks
 from geomtorsion.support.displays import Plot, drawn_by, figure_by
 
-T, THETA, PHI = sp.symbols("t theta phi")
+T, THETA, PHI = sp.symbols("t theta azimuth")
 # A direction at which the angular factors are rational and, for l below 30, not zero.
 DIRECTION = {sp.sin(THETA): sp.Rational(4, 5), sp.cos(THETA): sp.Rational(3, 5)}
 PARITIES = ("axial", "polar", "both")
@@ -146,27 +152,74 @@ def ringing(
     >>> round(rings.modes[0].frequency.real, 8), rings.modes[0].error < 1e-8
     (0.37367168, True)
     """
-    theory = known_as(lagrangian)
-    kind = _kind(theory)
+    known = known_as(lagrangian)
+    kind = _kind(known)
     lowest = {"gravity": 2, "scalar": 0, "Maxwell": 1}[kind]
     checks.count(l, "l", GravityError, lowest, 29)
     checks.count(modes, "modes", GravityError, 1, 20)
     checks.count(digits, "digits", GravityError, 1, 30)
     checks.choice(parity, PARITIES, "parity", GravityError)
     checks.choice(geometry, ("riemannian", "teleparallel"), "geometry", GravityError)
+    space = as_frame(frame, "frame", GravityError)
     values = {str(x): _number(value, str(x)) for x, value in (parameters or {}).items()}
-    f = _static(as_frame(frame, "frame", GravityError), values)
+    f = _static(space, values)
+    of_frame = {x.name for x in space.parameters}
+    theory = _Theory(theory_in(lagrangian, geometry), geometry, values, frozenset(of_frame))
     hole = Hole(f, *_horizons(f))
-    fixed = theory_in(_with_values(theory, values), geometry)
     parities = ("",)
     if kind == "gravity":
         parities = ("axial", "polar") if parity == "both" else (parity,)
     rings = [
         Mode(omega=_complex(w), error=error, parity=name, l=l)
         for name in parities
-        for w, error in frequencies(_SYSTEMS[kind, name](fixed, geometry, hole, l), modes, digits)
+        for w, error in frequencies(_SYSTEMS[kind, name](theory, hole, l), modes, digits)
     ]
-    return Ringing(fixed, f, tuple(rings))
+    return Ringing(theory.lagrangian, f, tuple(rings))
+
+
+@dataclass(frozen=True)
+class _Theory:
+    """A theory with numbers for its constants.
+
+    values: numbers by name; of_frame: names among them that belong to the frame.
+    """
+
+    lagrangian: Lagrangian
+    geometry: str
+    values: Mapping[str, sp.Expr]
+    of_frame: frozenset[str]
+
+    def equations(self, frame: Frame, matter: Sequence[MatterField] = ()) -> FieldEquations:
+        """Its equations on a frame; its constants stay symbols."""
+        own = [name for name in self.values if name not in self.of_frame]
+        connection = GEOMETRIES[self.geometry].connection(frame)
+        system = equations(connection, self.lagrangian, matter, constants=own)
+        check_couplings(system, [SMALL])
+        for name in own:
+            checks.known_name(name, [*self.of_frame, *system.constants], "parameter", GravityError)
+        return system
+
+    def at(self, element: Element) -> sp.Expr:
+        """An element with the numbers, at a direction where angular factors are rational.
+
+        Raises
+        ------
+        GravityError
+            A constant has no number.
+        """
+        expression = element.sympy.subs(DIRECTION)
+        named = {x: self.values[x.name] for x in expression.free_symbols if x.name in self.values}
+        value = sp.cancel(sp.together(expression.xreplace(named)))
+        for symbol in sorted(value.free_symbols - {R}, key=str):
+            raise _missing_number(symbol)
+        return value
+
+
+def _missing_number(symbol: sp.Basic) -> GravityError:
+    return GravityError(
+        f"ringing: expected numbers for all parameters, got none for {symbol}. Give "
+        f"parameters={{'{symbol}': 1}}."
+    )
 
 
 # -- the hole --------------------------------------------------------------------------------------
@@ -175,9 +228,10 @@ def ringing(
 def _kind(theory: Lagrangian) -> str:
     """gravity, or the test field of which a Lagrangian consists."""
     words = set(re.findall(r"[^\W\d]\w*", str(theory.expression)))
-    if "F2" in words and not words - {"F2"}:
+    invariants = {name for name in words if name in names}
+    if invariants == {"F2"}:
         return "Maxwell"
-    return "scalar" if "X" in words and not words & {"R", "T", "Q", "F2"} else "gravity"
+    return "scalar" if "X" in words and invariants <= {"X", "phi"} else "gravity"
 
 
 def _number(value: object, name: str) -> sp.Expr:
@@ -191,40 +245,32 @@ def _number(value: object, name: str) -> sp.Expr:
     return number
 
 
-def _with_values(theory: Lagrangian, values: Mapping[str, sp.Expr]) -> Lagrangian:
-    """A theory with numbers for its constants."""
-    expression = theory.expression
-    if isinstance(expression, str):
-        for name, value in values.items():
-            expression = re.sub(rf"\b{re.escape(name)}\b", f"({value})", expression)
-    else:
-        named = {x: values[x.name] for x in expression.free_symbols if x.name in values}
-        expression = expression.xreplace(named)
-    return Lagrangian(expression, theory.geometry, theory.name, (), theory.invariants)
-
-
 def _static(frame: Frame, values: Mapping[str, sp.Expr]) -> sp.Expr:
     """f(r) of a frame with the metric -f dt^2 + dr^2/f + r^2 dOmega^2."""
     if frame.dimension == 4:
-        t, r, theta, _ = frame.coordinates
-        named = {x: values[x.name] for x in frame.parameters if x.name in values}
-        f = (-frame.metric.element(0, 0)).sympy.xreplace(named)
-        given = {(0, 0): -f, (1, 1): 1 / f, (2, 2): r**2, (3, 3): r**2 * sp.sin(theta) ** 2}
-        metric = {
-            index: x.sympy.xreplace(named) for index, x in frame.metric.components.nonzero.items()
+        _, r, theta, _ = frame.coordinates
+        entries = frame.metric.components
+        f = -entries.get((0, 0))
+        area = frame.field.read(r**2)
+        wanted = {
+            (0, 0): -f,
+            (1, 1): f,
+            (2, 2): area,
+            (3, 3): area * frame.field.read(sp.sin(theta) ** 2),
         }
-        fits = metric.keys() == given.keys() and all(
-            sp.simplify(metric[index] - given[index]) == 0 for index in given
-        )
-        f = sp.cancel(f.xreplace({r: R}))
-        if fits and f.free_symbols - {R}:
-            name = min(map(str, f.free_symbols - {R}))
-            raise GravityError(
-                f"ringing: expected numbers for all parameters, got none for {name}. Give "
-                f"parameters={{'{name}': 1}}."
-            )
-        if fits and f.is_rational_function(R) and t not in f.free_symbols:
-            return f
+        fits = entries.nonzero.keys() == wanted.keys()
+        for index, value in wanted.items() if fits else ():
+            entry = entries.get(index)
+            same = entry * value - 1 if index == (1, 1) else entry - value
+            fits = fits and same.is_zero is True
+        named = {x: values[x.name] for x in frame.parameters if x.name in values}
+        written = f.sympy.xreplace(named)
+        if fits and not written.free_symbols & {*frame.coordinates} - {r}:
+            for symbol in sorted(written.free_symbols - {r}, key=str):
+                raise _missing_number(symbol)
+            written = sp.cancel(written.xreplace({r: R}))
+            if written.is_rational_function(R):
+                return written
     raise GravityError(
         "frame: expected a static hole with the metric -f(r) dt^2 + dr^2/f(r) + r^2 dtheta^2 + "
         f"r^2 sin(theta)^2 dphi^2, got {frame.name or 'another frame'}. Give its frame in these "
@@ -234,17 +280,23 @@ def _static(frame: Frame, values: Mapping[str, sp.Expr]) -> sp.Expr:
 
 def _horizons(f: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     """The outermost horizon that encloses the hole, and the one around its outside, or oo."""
-    roots = sp.Poly(sp.numer(sp.together(f)), R).nroots(n=200, maxsteps=500)
-    real = sorted(x for x in roots if abs(sp.im(x)) < sp.Float(10) ** -60 and sp.re(x) > 0)
-    real = [sp.re(x) for x in real]
+    top = sp.Poly(sp.numer(sp.together(f)), R)
+    if top.degree() and not top.is_sqf:
+        raise GravityError(
+            f"ringing: expected simple zeros of f at the horizons, got f = {f} with a double zero. "
+            "Waves at an extremal horizon need another method; change the parameters."
+        )
+    roots = top.nroots(n=200, maxsteps=500) if top.degree() else []
+    real = [x for x in roots if abs(sp.im(x)) < sp.Float(10) ** -60 and sp.re(x) > 0]
+    real = sorted(sp.re(x) for x in real)
     limit = sp.limit(f, R, sp.oo)
     if limit == 1 and real:
         return real[-1], sp.oo
     if limit == -sp.oo and len(real) > 1:
         return real[-2], real[-1]
     raise GravityError(
-        f"ringing: expected a hole that is flat far away or has a horizon of de Sitter, got f = "
-        f"{f}. Give other parameters."
+        "ringing: expected a horizon at a positive r, and outside of it flat space or a horizon of "
+        f"de Sitter, got f = {f}. Change the parameters."
     )
 
 
@@ -271,14 +323,14 @@ def _frame(f: sp.Expr, rows: sp.Matrix) -> Frame:
     return frame.expanded(SMALL, 1)
 
 
-def _radial(element: Element, fields: Sequence[sp.Expr]) -> Row:
+def _radial(theory: _Theory, element: Element, fields: Sequence[sp.Expr]) -> Row:
     """An equation as coefficients of each field, without its common angular factor."""
     assert isinstance(element, Truncated)
     parts = linear_parts(element.parts[1], fields)
     row: list[dict[tuple[int, int], sp.Expr]] = [{} for _ in fields]
     for (function, orders), x in parts.items():
-        value = sp.cancel(sp.together(x.sympy.subs(DIRECTION)))
-        row[fields.index(function)][orders[0], orders[1]] = value
+        if (value := theory.at(x)) != 0:
+            row[fields.index(function)][orders[0], orders[1]] = value
     if any(order > 2 for one in row for _, order in one):
         raise GravityError(
             "ringing: expected waves with two derivatives at most, got more. Waves of another "
@@ -287,15 +339,15 @@ def _radial(element: Element, fields: Sequence[sp.Expr]) -> Row:
     return row
 
 
-def _lower(lagrangian: Lagrangian, geometry: str, frame: Frame) -> Tensor:
+def _lower(theory: _Theory, frame: Frame) -> Tensor:
     """E_ij of a solution."""
-    system = equations(GEOMETRIES[geometry].connection(frame), lagrangian)
-    lower = system.E.lowered(1)
+    lower = theory.equations(frame).E.lowered(1)
     for index, x in sorted(lower.order(0).components.nonzero.items()):
-        raise GravityError(
-            f"ringing: expected a frame that solves the equations, got E_{index[0]}{index[1]} = "
-            f"{checks.cut(str(x))}. Give another frame, or other constants."
-        )
+        if (value := theory.at(x)) != 0:
+            raise GravityError(
+                f"ringing: expected a frame that solves the equations, got E_{index[0]}{index[1]} "
+                f"= {checks.cut(str(value))}. Give another frame, or other constants."
+            )
     return lower
 
 
@@ -305,18 +357,18 @@ def _sum(tensor: Tensor, i: int, j: int) -> Element:
     return one if i == j else one + tensor.element(j, i)
 
 
-def _axial(lagrangian: Lagrangian, geometry: str, hole: Hole, l: int) -> Radial:  # noqa: E741
+def _axial(theory: _Theory, hole: Hole, l: int) -> Radial:  # noqa: E741
     """Waves that drag the sphere around: two fields in the last leg."""
     f, (h0, h1) = hole.f, _functions("H0", "H1")
     slope = sp.legendre(l, sp.cos(THETA)).diff(THETA)
     rows = sp.diag(sp.sqrt(f), 1 / sp.sqrt(f), R, R * sp.sin(THETA))
     rows[3, 0], rows[3, 1] = SMALL * h0 * slope / R, SMALL * h1 * slope / R
-    tensor = _lower(lagrangian, geometry, _frame(f, rows))
-    system = [_radial(_sum(tensor, *index), [h0, h1]) for index in ((2, 3), (1, 3))]
+    tensor = _lower(theory, _frame(f, rows))
+    system = [_radial(theory, _sum(tensor, *index), [h0, h1]) for index in ((2, 3), (1, 3))]
     return Radial(hole, system, [R, R / f])
 
 
-def _polar(lagrangian: Lagrangian, geometry: str, hole: Hole, l: int) -> Radial:  # noqa: E741
+def _polar(theory: _Theory, hole: Hole, l: int) -> Radial:  # noqa: E741
     """Waves that stretch the sphere: after the gauge and H2 = H0, three fields."""
     f, (h0, h1, h2, k) = hole.f, _functions("H0", "H1", "H2", "K")
     shape = sp.legendre(l, sp.cos(THETA))
@@ -328,16 +380,18 @@ def _polar(lagrangian: Lagrangian, geometry: str, hole: Hole, l: int) -> Radial:
         R * sp.sin(THETA) * (1 + half * k),
     )
     rows[1, 0] = SMALL * shape * h1 * sp.sqrt(f)
-    tensor = _lower(lagrangian, geometry, _frame(f, rows))
+    tensor = _lower(theory, _frame(f, rows))
     fields = [h0, h1, h2, k]
-    stress = _radial(tensor.element(2, 2) - tensor.element(3, 3), fields)
+    stress = _radial(theory, tensor.element(2, 2) - tensor.element(3, 3), fields)
     one, two = stress[0], stress[2]
     if stress[1] or stress[3] or one.keys() != {(0, 0)} or sp.cancel(one[0, 0] + two[0, 0]) != 0:
         raise GravityError(
             "ringing: expected polar waves of the tetrad only, got a field of its own, such as the "
             "scalar of R + c*R**2. Use parity='axial'."
         )
-    parts = [_radial(_sum(tensor, *index), fields) for index in ((0, 1), (0, 2), (1, 2), (1, 1))]
+    parts = [
+        _radial(theory, _sum(tensor, *index), fields) for index in ((0, 1), (0, 2), (1, 2), (1, 1))
+    ]
     system = [[_added(row[0], row[2]), row[1], row[3]] for row in parts]
     return Radial(hole, _first_order(system), [R / f, R / f, sp.S.One])
 
@@ -374,26 +428,33 @@ def _first_order(system: Sequence[Sequence[Mapping]]) -> list[Row]:
     return [*system[:2], algebraic]
 
 
-def _scalar(lagrangian: Lagrangian, geometry: str, hole: Hole, l: int) -> Radial:  # noqa: E741
+def _scalar(theory: _Theory, hole: Hole, l: int) -> Radial:  # noqa: E741
     """A scalar test field."""
     (u,) = _functions("u")
     f = hole.f
     frame = _frame(f, sp.diag(sp.sqrt(f), 1 / sp.sqrt(f), R, R * sp.sin(THETA)))
     small = scalar_field(SMALL * u * sp.legendre(l, sp.cos(THETA)))
-    system = equations(GEOMETRIES[geometry].connection(frame), lagrangian, small)
-    row = _radial(system.matter_equations["phi"].element(), [u])
+    system = theory.equations(frame, [small])
+    row = _radial(theory, system.matter_equations["phi"].element(), [u])
+    # Far away waves move as exp(i w r); with a mass they do not.
+    far = sp.limit(row[0].get((0, 0), sp.S.Zero) / row[0].get((0, 2), sp.S.One), R, sp.oo)
+    if hole.outer == sp.oo and far != 0:
+        raise GravityError(
+            f"ringing: expected a massless field in space that is flat far away, got m^2 = {-far}. "
+            "Omit the mass, or choose a hole in de Sitter space."
+        )
     return Radial(hole, [row], [1 / R])
 
 
-def _maxwell(lagrangian: Lagrangian, geometry: str, hole: Hole, l: int) -> Radial:  # noqa: E741
+def _maxwell(theory: _Theory, hole: Hole, l: int) -> Radial:  # noqa: E741
     """A Maxwell test field, whose parities ring alike: A_phi."""
     (a,) = _functions("a")
     f = hole.f
     frame = _frame(f, sp.diag(sp.sqrt(f), 1 / sp.sqrt(f), R, R * sp.sin(THETA)))
     slope = sp.sin(THETA) * sp.legendre(l, sp.cos(THETA)).diff(THETA)
     small = maxwell([0, 0, 0, SMALL * a * slope])
-    system = equations(GEOMETRIES[geometry].connection(frame), lagrangian, small)
-    row = _radial(system.matter_equations["A"].element(3), [a])
+    system = theory.equations(frame, [small])
+    row = _radial(theory, system.matter_equations["A"].element(3), [a])
     return Radial(hole, [row], [sp.S.One])
 
 

@@ -220,6 +220,9 @@ def test_each_particle_has_frequencies_along_z(poincare: perturbed.Spectrum) -> 
         (lambda: perturbed.spectrum(gravity.tegr, "riemannian"), "teleparallel"),
         (lambda: perturbed.spectrum("R/2 + c*R**2", "riemannian").subs(d=1), "expected"),
         (lambda: perturbed.spectrum("R/2", "riemannian", vectors=-1), "vectors"),
+        (lambda: perturbed.spectrum("R/2 + sqrt(c)*R**2", "riemannian"), "rational functions"),
+        (lambda: perturbed.spectrum("R/2 + c*R**2", "riemannian").subs(c=sp.sqrt(2)), "fractions"),
+        (lambda: perturbed.spectrum("R/2 + c*R**2", "riemannian").subs(c="x"), "c: x is neither"),
         (lambda: gravity.equations(gt.levi_civita("schwarzschild"), "R").operator([]), "expanded"),
     ],
 )
