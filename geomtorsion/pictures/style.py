@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from importlib.util import find_spec
-from io import StringIO
+from io import BytesIO, StringIO
 from os import PathLike
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any
@@ -134,7 +135,18 @@ def new_figure(width: float, height: float) -> Figure:
             "pictures need matplotlib, which is not installed. "
             "Run `pip install 'geomtorsion[plots]'`; tables are written without it."
         ) from None
-    return Figure(figsize=(width, height), layout="constrained", facecolor="white")
+    figure = Figure(figsize=(width, height), layout="constrained", facecolor="white")
+    # A notebook that has not loaded pyplot would show the figure as text.
+    vars(figure)["_repr_png_"] = partial(_png, figure)
+    return figure
+
+
+def _png(figure: Figure) -> bytes:
+    """A figure as a notebook shows it."""
+    _plain_texts(figure)
+    data = BytesIO()
+    figure.savefig(data, format="png", dpi=STYLE.resolution, metadata={"Software": None})
+    return data.getvalue()
 
 
 def can_draw() -> bool:

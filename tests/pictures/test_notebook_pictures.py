@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import xml.etree.ElementTree as ElementTree
 
 import numpy as np
@@ -137,3 +138,12 @@ def test_texts_are_escaped():
     )
     motion = gt.ODE.of({"x": "-x"}, [1], outputs={"half": "x/2"})
     assert "<script" not in gt.solve(motion, 1.0)._repr_html_()
+
+
+def test_a_plot_is_shown_in_a_notebook_without_pyplot():
+    """IPython gets a figure as PNG, also where nobody has loaded matplotlib.pyplot."""
+    formatters = pytest.importorskip("IPython.core.formatters")
+    figure = gt.gravity.perturbed.spectrum("R", "riemannian").plot()
+    shown, _ = formatters.DisplayFormatter().format(figure, include={"image/png"})
+    assert shown["image/png"].startswith(b"\x89PNG")
+    assert pickle.loads(pickle.dumps(figure)).axes
