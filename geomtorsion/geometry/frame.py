@@ -154,10 +154,12 @@ class Frame:
         object.__setattr__(self, "_plain", plain)
         # The frame does not rely on anything read into the field later.
         self.field.settle()
+        object.__setattr__(self, "_branches", self.field.branches)
         # A frame that is adapted to another frame shares its field.
         self.field.owner = self.field.owner or self
 
     if TYPE_CHECKING:
+        _branches: tuple[Branch, ...]
         _derived: dict[tuple[object, ...], Any]
         _plain: Plain
 
@@ -410,7 +412,7 @@ class Frame:
     @property
     def branches(self) -> tuple[Branch, ...]:
         """Signs chosen for roots whose sign does not follow from the domain."""
-        return self.field.branches
+        return self._branches
 
     @cached_property
     def regions(self) -> tuple[Region, ...]:
