@@ -302,7 +302,7 @@ def test_the_two_sides_of_a_root_are_two_laws():
     root = towards_a_wall(flat, potential="sqrt((x - 5)**2)")
     plain = towards_a_wall(flat, potential="5 - x")
     assert root != plain
-    # x = 1 + t + t^2/2.
+    # The closed form: 1 + t + t*t/2 = 13.
     assert gt.solve(plain, 4)["x"][-1] == pytest.approx(13, abs=4 * ACCURACY)
     with pytest.raises(gt.errors.ChartEdgeError):
         gt.solve(pickle.loads(pickle.dumps(root)), 4)
