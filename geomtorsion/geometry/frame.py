@@ -503,7 +503,7 @@ class Frame:
         ----------
         values
             {parameter: number or constant expression}, {a(t): expression of t}; names and text do
-            as well: {"M": "m1 + 1"} with names that the frame knows.
+            as well: {"M": "m1 + 1"}, where names that the frame does not know become parameters.
 
         Raises
         ------
