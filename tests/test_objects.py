@@ -30,6 +30,7 @@ def spherical(**options: Any) -> gt.Frame:
 F, G = spherical(), spherical(name="the same again")
 S = gt.cartan(F).torsion.S
 Z = S - S
+NINTH = gt.Frame("x y", [[sp.Rational(1, 9), 0], [0, 1]])
 LOOP = gt.Loop.circle([0.3, 1.0, 0.2], 0.1)
 
 
@@ -191,6 +192,19 @@ TRUE = [
     "np.asarray(F.eta).dtype == float", "np.allclose(F.eta, np.eye(3))",
     "np.asarray(gt.cartan(F)).shape == (3, 3, 3)", "np.int64(2)*F.metric == 2*F.metric",
     "np.asarray(F.scalar(3)) == 3.0", "np.asarray(F.eta, dtype=int).dtype == int",
+    # verbs of sympy
+    "sp.Matrix(NINTH.metric)[0, 0] == sp.Rational(1, 81)",
+    "sp.Matrix(NINTH.vector([sp.Rational(1, 3), 1]))[0].is_Rational",
+    "sp.Array(NINTH.metric)[0, 0].is_Rational", "type(np.asarray(NINTH.metric)) is np.ndarray",
+    "np.allclose(np.linalg.inv(NINTH.metric), np.diag([81, 1]))",
+    "sp.Matrix(F.metric).det() == F.metric.det()[()]", "F.metric.inv() == F.inverse_metric",
+    "F.coframe.inv() == F.legs and F.coframe.inv().slots == 'uD'",
+    "F.metric.diff(r).nonzero()[1, 1] == 2*r", "F.metric.diff('r', 'r')[1, 1] == 2",
+    "F.metric.free_symbols == {r, theta}", "F.metric.tolist() == F.metric.to_sympy().tolist()",
+    "F.metric.simplify() == F.metric", "sp.simplify(F.metric) == F.metric.to_sympy()",
+    "NINTH.metric.evalf(3)[0, 0] == sp.Rational(1, 81).evalf(3)",
+    "sp.lambdify([r, theta], F.metric)(2.0, 0.0)[1, 1] == 4",
+    "r * F.metric.element(1, 1) + 1 == r**3 + 1", "sp.sympify(F.metric.element(1, 1)) == r**2",
     # solutions
     "'theta' in motion", "'x' not in motion", "'theta' in list(motion)",
     "list(motion) == list(motion.keys())", "dict(motion)['phi'][0] == 0",
