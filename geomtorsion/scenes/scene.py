@@ -521,7 +521,7 @@ class SceneCostRow:
 class SceneCost:
     """What each effect of a scene costs; prints as a table.
 
-    rows: with the effects added one by one, in the order of the scene.
+    rows: one row per effect; effects are added in the order of the scene.
     """
 
     title: str
