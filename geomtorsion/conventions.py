@@ -255,3 +255,16 @@ def convention(name: str) -> Convention:
     """
     by_name, kind = {item.name: item for item in CONVENTIONS}, "the name of a convention"
     return by_name[checks.known_name(name, by_name, "", UnknownNameError, expected=kind)]
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return [
+        "BURGERS",
+        "BurgersConvention",
+        "CONVENTIONS",
+        "Convention",
+        "Signed",
+        "burgers",
+        "convention",
+    ]

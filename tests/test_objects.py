@@ -2,9 +2,11 @@
 
 import copy
 import pickle
+import re
 from typing import Any
 
 import numpy as np
+import pandas
 import pytest
 import sympy as sp
 
@@ -17,6 +19,7 @@ from geomtorsion.errors import (
     UndecidedError,
 )
 from geomtorsion.spaces import load
+from geomtorsion.support.field_names import LIKE
 
 r, theta, phi, k = sp.symbols("r theta phi k", positive=True)
 SPHERICAL = [[1, 0, 0], [0, r, 0], [0, 0, r * sp.sin(theta)]]
@@ -208,7 +211,15 @@ TRUE = [
     # solutions
     "'theta' in motion", "'x' not in motion", "'theta' in list(motion)",
     "list(motion) == list(motion.keys())", "dict(motion)['phi'][0] == 0",
+    "len(motion) == len(list(motion))", "list(motion.items())[0][0] == list(motion)[0]",
+    "np.array(motion).shape == motion.to_pandas().shape", "bool(motion)",
+    "np.array_equal(np.array(motion), motion.to_pandas().to_numpy())",
+    "gt.solve(motion.problem, '0.05 min')['theta'][-1] == gt.solve(motion.problem, 3)['theta'][-1]",
+    # what a frame gives
+    "F.conformal(r).metric[0, 0] == r**2 and F.conformal('1/r').metric[1, 1] == 1",
+    "F.conformal(1) == F",
     # Burgers vectors and loops
+    "f'{b:.3f}' == '[' + ', '.join(f'{x:.3f}' for x in b.vector) + ']'", "f'{b}' == str(b)",
     "np.allclose(b, b.vector)", "np.asarray(b).shape == (3,)", "len(b) == 3",
     "b[0] == b.vector[0]", "list(b) == b.vector.tolist()", "abs(b) == b.magnitude",
     "np.allclose(-b, -b.vector)", "(-b).loop == -b.loop", "-(-b) == b", "-(-LOOP) == LOOP",
@@ -300,3 +311,48 @@ def test_a_reversed_loop_has_the_opposite_vector() -> None:
     opposite = gt.burgers_vector(load("so3").frame, -LOOP)
     assert np.abs(opposite + b).max() <= opposite.error + b.error
     assert (b + opposite).vanishes
+
+
+@pytest.mark.parametrize("name", ["Christoffel", "ricci", "tetrad", "killing", "spin_connection"])
+def test_names_of_the_field_are_answered_with_ours(name):
+    """A name of the field that the package does not have is answered with the line to type."""
+    with pytest.raises(AttributeError, match=r"Did you mean gt\.") as error:
+        getattr(gt, name)
+    line = str(error.value).partition("Did you mean ")[2].removesuffix("?")
+    head = line.partition("(")[0].removeprefix("gt.").split(".")
+    found = gt
+    for part in head:
+        found = getattr(found, part)
+    assert callable(found)
+
+
+def test_lines_for_names_of_the_field_run():
+    """Each line that needs a frame only gives a result."""
+    frame = load("s2").frame
+    names = {
+        "gt": gt,
+        "frame": frame,
+        "name": "s2",
+        "connection": gt.cartan(frame),
+        "tensor": frame.metric,
+    }
+    lines = [line for line in LIKE.values() if re.fullmatch(r"\S*(\(frame\)|\.\w+|\"\))\S*", line)]
+    assert len(lines) > 15
+    for line in lines:
+        assert eval(line, names) is not None, line  # noqa: S307
+
+
+@pytest.mark.parametrize("module", [gt.errors, gt.conventions, gt.effects])
+def test_listings_show_public_names(module):
+    """`dir` shows no names that a module imports."""
+    assert not {"Any", "Sequence", "checks", "annotations"} & {*dir(module)}
+    assert all(hasattr(module, name) for name in dir(module))
+
+
+def test_solutions_as_csv(tmp_path):
+    """`save` to a name that ends in .csv writes the table, whose numbers are the same doubles."""
+    motion.save(tmp_path / "a.csv")
+    table = pandas.read_csv(tmp_path / "a.csv")
+    assert np.array_equal(table.to_numpy(), np.array(motion))
+    assert list(table) == list(motion.to_pandas())
+    assert not list(tmp_path.glob("*.npz"))

@@ -444,14 +444,14 @@ class Tensor:
     # -- verbs of sympy ------------------------------------------------------------------------
 
     def diff(self, *symbols: sp.Symbol | str) -> Tensor:
-        """Partial derivatives of every component, which are no tensor in general.
+        """Partial derivatives of every component; the result is not a tensor in general.
 
-        A name does as well as a symbol. `connection.covariant_derivative(tensor)` is a tensor.
+        symbols: symbols or names. `connection.covariant_derivative(tensor)` gives a tensor.
 
         Raises
         ------
         UnknownNameError
-            A symbol is no coordinate and no parameter of the frame.
+            The frame has no such coordinate or parameter.
 
         Examples
         --------
