@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, cast
 
 import sympy as sp
 
@@ -150,7 +150,7 @@ class FieldEquations:
         >>> values.E.round(3).tolist(), values.error < 1e-13
         ([[-22.0, 14.0], [-138.0, -298.0]], True)
         """
-        return equations_at(self, point)
+        return equations_at(cast(Any, self), point)
 
     def check_names(self) -> None:
         """Raise an error for unknown names in the Lagrangian."""

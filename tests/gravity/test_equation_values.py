@@ -165,7 +165,7 @@ REFUSALS = [
 
 @pytest.mark.parametrize(("call", "words"), REFUSALS)
 def test_refusals(call: Any, words: str):
-    """Each wrong call names what was expected."""
+    """The message of each wrong call names the expected value."""
     with pytest.raises(GeomtorsionError, match=words):
         call()
 

@@ -19,10 +19,7 @@ from geomtorsion.gravity.numeric.power_series import PowerSeries
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.exclusive import exclusive
-from geomtorsion.support.precision import EPS, ball_precision
-
-# Bits of the first evaluation, two doubles and some to spare, and of the last one that is tried.
-BITS, MOST_BITS = 128, 2048
+from geomtorsion.support.precision import EPS, EXACT_BITS, ball_precision
 
 
 class Equations(Protocol):
@@ -156,9 +153,8 @@ class EquationValues:
 
     def __repr__(self) -> str:
         names = ", ".join((*self.tensors, *self.matter))
-        return f"field equations in numbers ({names}): largest {self.largest:.3g}, error below " + (
-            f"{self.error:.1g}"
-        )
+        sizes = f"largest {self.largest:.3g}, error below {self.error:.1g}"
+        return f"field equations in numbers ({names}): {sizes}"
 
 
 # -- numeric frames and connections ----------------------------------------------------------------
@@ -273,22 +269,18 @@ Groups = tuple[dict[str, np.ndarray], dict[str, np.ndarray], dict[str, np.ndarra
 
 def _at_one(equations: Equations, values: Mapping[str, Any]) -> Groups:
     """All equations at one point, as arrays of balls that are finite."""
-    bits, order = BITS, 2
-    while True:
-        with ball_precision(bits):
-            groups, depth = _evaluated(equations, values, order)
-            if depth > order:
-                order = depth
-                continue
-            every = [x for group in groups for array in group.values() for x in np.ravel(array)]
-            if all(x.is_finite() for x in every):
-                return groups
-        if bits >= MOST_BITS:
-            raise CoordinateError(
-                "point: expected a point where the equations have finite values, got one where "
-                "they have none. Choose another point."
-            )
-        bits *= 2
+    order = 2
+    with ball_precision(EXACT_BITS):
+        groups, depth = _evaluated(equations, values, order)
+        if depth > order:
+            groups, _ = _evaluated(equations, values, depth)
+    every = [x for group in groups for array in group.values() for x in np.ravel(array)]
+    if not all(x.is_finite() for x in every):
+        raise CoordinateError(
+            "point: expected a point where the equations have finite values, got one where they "
+            "have none. Choose another point."
+        )
+    return groups
 
 
 def _evaluated(equations: Equations, values: Mapping[str, Any], order: int) -> tuple[Groups, int]:

@@ -361,7 +361,10 @@ class NumericField:
     def read_all(self, entries: Iterable[tuple[str, Any]]) -> list[Numeric]:
         """The arrays of expressions or exact elements in coordinates and parameters."""
         pairs = list(entries)
-        outputs = [sp.sympify(x) if isinstance(x, int | Fraction) else x for _, x in pairs]
+        outputs = [
+            sp.Rational(x.numerator, x.denominator) if isinstance(x, int | Fraction) else x
+            for _, x in pairs
+        ]
         return self.evaluated(outputs)
 
     def evaluated(self, outputs: Sequence[Any]) -> list[Numeric]:
