@@ -2,7 +2,6 @@
 
 import copy
 import pickle
-import re
 from typing import Any
 
 import numpy as np
@@ -336,7 +335,8 @@ def test_lines_for_names_of_the_field_run():
         "connection": gt.cartan(frame),
         "tensor": frame.metric,
     }
-    lines = [line for line in LIKE.values() if re.fullmatch(r"\S*(\(frame\)|\.\w+|\"\))\S*", line)]
+    lines = [line for line in LIKE.values() if "," not in line and " or " not in line]
+    lines.remove("result.plot()")
     assert len(lines) > 15
     for line in lines:
         assert eval(line, names) is not None, line  # noqa: S307
