@@ -131,7 +131,7 @@ class Chart:
     margin: below this value of |edge| the solver changes the chart.
     kept: an element that equals one everywhere (redundant charts).
     antipodal: indices of coordinates whose common sign does not change the point.
-    edges_of_law: where the formulas of a law end, such as those of a force.
+    edges_of_law: where the formulas of a law, such as a force, end.
     end: where a motion ends before it reaches the edge, in words.
     """
 
@@ -186,7 +186,7 @@ class Chart:
     def edges(self) -> tuple[Edge, ...]:
         """Quantities that are positive while the chart holds: its edge, or its frame's edges.
 
-        Those of the law follow.
+        The edges of the law follow.
         """
         if self.edge is not None:
             own = (Edge(self.edge, f"{self.edge.sympy} = 0", f"{self.edge.sympy} > 0"),)

@@ -407,8 +407,8 @@ def _mark(
     if isinstance(read, str):
         return replace(refused, remarks=read)
     if None not in (task.seed, read.seed) and read.seed != task.seed:
-        text = f"seed {read.seed} instead of {task.seed}"
-        return replace(refused, student=read.student, seed=read.seed or 0, remarks=text)
+        refused = replace(refused, remarks=f"seed {read.seed} instead of {task.seed}")
+        return replace(refused, student=read.student, seed=read.seed or 0)
     seed = read.seed if read.seed is not None else task.seed or 0
     parts: dict[str, float] = {}
     codes: list[str] = []
@@ -435,15 +435,13 @@ def _mark(
         unseen |= bool(verdict.notes or verdict.unread)
     if read.seed is None:
         remarks.append(f"the file names no seed: graded as seed {seed}.")
-    others = task.namesakes.get(path, ())
-    if others:
+    if others := task.namesakes.get(path, ()):
         remarks.insert(0, f"the same student as in {', '.join(others)}: decide which one counts.")
     status = TWICE if others else PARTLY if unseen else GRADED
-    earned = round(sum(parts.values()), 3)
     return replace(
-        refused, student=read.student, seed=seed, earned=earned, at_most=round(most, 3),
-        status=status, answered=f"{answered} of {asked}", unread=unread, parts=parts,
-        diagnoses="; ".join(codes), remarks=" ".join(remarks),
+        refused, student=read.student, seed=seed, earned=round(sum(parts.values()), 3),
+        at_most=round(most, 3), status=status, answered=f"{answered} of {asked}",
+        unread=unread, parts=parts, diagnoses="; ".join(codes), remarks=" ".join(remarks),
     )  # fmt: skip
 
 
