@@ -90,7 +90,8 @@ LONGEST = 500
 CEILINGS = {
     # homes.py and indexing.py need frames for their types, and tensors need both files.
     # A region and its walls hold their frame, which makes them.
-    "files in rings": 46,
+    # A frame writes its own file.
+    "files in rings": 47,
     "inner imports without a reason": 0,
     "percent of Any": 3.6,
     # 17 of these choose steps and precision in proofs; no ball depends on them.
