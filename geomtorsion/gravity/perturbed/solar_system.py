@@ -98,7 +98,7 @@ class SolarTest:
         low, high = self.measurement.limits
         free = self.predicted.free_symbols
         if not free:
-            return sp.S(bool(low <= self.predicted) and bool(self.predicted <= high))
+            return sp.true if low <= self.predicted <= high else sp.false
         if self._allowed is not None:
             return self._allowed.as_relational(*free)
         return sp.And(self.predicted >= low, self.predicted <= high)

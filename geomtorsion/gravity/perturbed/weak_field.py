@@ -289,7 +289,7 @@ class PostNewtonian:
         try:
             return {"gamma": self.gamma, "beta": self.beta, "G": self.G}
         except GravityError:
-            # The second order of some theories is no field 1/r^2.
+            # Some theories have no second order of the form 1/r^2.
             return {"gamma": self.gamma, "G": self.G}
 
     def to_json(self) -> dict[str, Any]:

@@ -20,7 +20,7 @@ def brans_dicke() -> perturbed.PostNewtonian:
 
 
 def test_general_relativity_passes() -> None:
-    """gamma misses Cassini's value by 21/23 of its error, beta that of the Moon by 12/11."""
+    """Distance from Cassini's value 21/23 errors, from the value of the Moon 12/11."""
     weak = perturbed.post_newtonian("R/2", "riemannian")
     assert [x.deviation for x in weak.tests] == [-sp.Rational(21, 23), -sp.Rational(12, 11)]
     assert [x.passes for x in weak.tests] == [sp.true, sp.true]
