@@ -490,10 +490,10 @@ class FieldEquations:
             tensors["M"] = self.M
         return tensors
 
-    @cached_property
+    @property
     def matter_equations(self) -> dict[str, Tensor]:
         """(1/e) d(eL)/d(field) of each matter field, by its name."""
-        return {one.symbol: one.equation(self._variation) for one in self._fields}
+        return self._variation.matter_equations
 
     def reduce(self, variable: object, conditions: object = ()) -> Reduction:
         """First-order equations for unknown functions of one variable, with constraints.
