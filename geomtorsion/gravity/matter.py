@@ -257,7 +257,9 @@ class ScalarField(MatterField):
 
         def rule(index: Index) -> Element:
             a, n, i = index
-            return frame.field.sum([(1, lower((a, i)), slope((n,))), (-1, lower((n, i)), slope((a,)))])
+            return frame.field.sum(
+                [(1, lower((a, i)), slope((n,))), (-1, lower((n, i)), slope((a,)))]
+            )
 
         turned = Tensor(frame, "UUD", rule, antisymmetric(3))
         return equations.riemannian.divergence(turned, paired=True)
@@ -416,7 +418,9 @@ def numbered(matter: Iterable[object]) -> tuple[object, ...]:
 def scalar_field(phi: sp.Expr | str, name: str | None = None) -> ScalarField:
     """A scalar field phi: the Lagrangian may name X = g^ij d_i phi d_j phi, and phi.
 
-    A second field of one theory has the names X_2 and phi_2.
+    Second derivatives are Box(phi), or Box, with hessian2 = phi_ij phi^ij and hessian3 =
+    phi_i^j phi_j^k phi_k^i, all of the Levi-Civita connection. A second field of one theory has the
+    names X_2 and phi_2.
 
     Parameters
     ----------
@@ -432,8 +436,10 @@ def scalar_field(phi: sp.Expr | str, name: str | None = None) -> ScalarField:
 
     Examples
     --------
-    >>> scalar_field("phi(t)").names, scalar_field("u(t)", name="chi").names
-    (('X', 'phi'), ('X', 'chi'))
+    >>> scalar_field("phi(t)").names
+    ('X', 'phi', 'Box', 'hessian2', 'hessian3')
+    >>> scalar_field("u(t)", name="chi").names[:2]
+    ('X', 'chi')
     """
     if name is not None:
         name = new_name(name, "name")

@@ -36,9 +36,13 @@ class Variation:
         """The frame of all connections."""
         return self.content.catalogue.frame
 
-    @cached_property
+    @property
     def riemannian(self) -> FrameFields:
         """The Levi-Civita connection of the frame."""
+        return self._riemannian
+
+    @cached_property
+    def _riemannian(self) -> FrameFields:
         for one in self.content.geometry:
             if one.is_riemannian:
                 return one
@@ -66,9 +70,13 @@ class Variation:
         numbers = range(len(self.connections))
         return tuple(self.content.momenta(number, self.slopes) for number in numbers)
 
-    @cached_property
+    @property
     def matter_equations(self) -> dict[str, Tensor]:
         """(1/e) d(eL)/d(field) of each matter field, by its name."""
+        return self._matter_equations
+
+    @cached_property
+    def _matter_equations(self) -> dict[str, Tensor]:
         return {one.symbol: one.equation(self) for one in self.content.catalogue.matter}
 
     @cached_property

@@ -1,23 +1,22 @@
 """Second derivatives of scalar fields: Lagrangians of galileons and of Horndeski."""
 
+import re
+
 import pytest
 import sympy as sp
-from sympy.calculus.euler import euler_equations
 
 import geomtorsion as gt
 from geomtorsion import gravity as g
-from geomtorsion.errors import GravityError
+from geomtorsion.errors import GeomtorsionError
 from tests.gravity.samples import sample_connection, sample_frame
 
 t, x, r, c = sp.symbols("t x r c", real=True)
-GENERAL = (
-    "phi**2*Box(phi) + X*Box - hessian2/3 + X*hessian3 + 2*Y + W*phi + B(phi, X)*Box**2"
-)
+GENERAL = "X*Box - hessian2/3 + hessian3/7 + 2*Y + W*phi"
 COUPLED = [g.invariant("Y", "phi_ab phi^a phi^b"), g.invariant("W", "Rbar_ab phi^ab")]
 MIXED = [g.invariant("Y", "T_abc phi^ab phi^c"), g.invariant("W", "R_ab phi^ab")]
 
 
-def sample_field(frame: gt.Frame) -> g.matter.ScalarField:
+def sample_field(frame: gt.Frame):
     """A polynomial scalar field of all coordinates."""
     q = frame.coordinates
     return g.scalar_field(q[0] ** 2 * q[1] + q[-1] ** 2 + q[0] - q[1] * q[-1])
@@ -25,7 +24,7 @@ def sample_field(frame: gt.Frame) -> g.matter.ScalarField:
 
 def test_values_in_flat_space() -> None:
     """phi = r^2 has phi_ij = 2 g_ij, in any coordinates and for any connection."""
-    frame = gt.spaces.load("euclid_spherical").frame if False else spherical()
+    frame = spherical()
     field = g.scalar_field(r**2)
     for connection in (gt.levi_civita(frame), gt.cartan(frame)):
         equations = g.equations(connection, "Box*hessian2*hessian3 + R", field)
@@ -34,17 +33,15 @@ def test_values_in_flat_space() -> None:
 
 def spherical() -> gt.Frame:
     """Flat space in spherical coordinates."""
-    theta, phi = sp.symbols("theta phi", real=True)
-    return gt.Frame([r, theta, phi], sp.diag(1, r, r * sp.sin(theta)), (1, 1, 1))
+    theta, psi = sp.symbols("theta psi", real=True)
+    return gt.Frame([r, theta, psi], sp.diag(1, r, r * sp.sin(theta)), (1, 1, 1))
 
 
 @pytest.mark.parametrize("n", [2, 3])
 def test_identities_of_the_levi_civita_connection(n: int) -> None:
     """E is symmetric, and its divergence is the equation of the field times phi_i."""
     frame = sample_frame(n, 60 + n)
-    equations = g.equations(
-        gt.levi_civita(frame), GENERAL, sample_field(frame), invariants=COUPLED
-    )
+    equations = g.equations(gt.levi_civita(frame), GENERAL, sample_field(frame), invariants=COUPLED)
     assert all(one.holds for one in equations.identities())
     assert equations.antisymmetric.is_zero
     assert not equations.matter_equations["phi"].is_zero
@@ -60,53 +57,74 @@ def test_identities_of_other_connections(metric: bool) -> None:
     assert not equations.C.is_zero
 
 
-@pytest.mark.parametrize("lagrangian", ["X*Box", "hessian2", "phi*X*Box**2", "hessian3"])
-def test_equations_are_the_variation_of_the_action(lagrangian: str) -> None:
+def test_equations_are_the_variation_of_the_action() -> None:
     """E and the matter equation agree with Euler's equations of e L in coordinates."""
-    q, names = (t, x), ("A", "B", "D", "u")
-    A, B, D, u = functions = [sp.Function(name)(*q) for name in names]
+    lagrangian, q = "X*Box + hessian2", (t, x)
+    examples = (1 + x, t, sp.S.One, t**2 + x**3)
+    orders = [(i, j) for i in range(3) for j in range(3 - i)]
+    # Jets of the coframe and of the field as symbols.
+    jets = [{k: sp.Symbol(f"{name}{k[0]}{k[1]}") for k in orders} for name in "ABDu"]
+    values = {
+        symbol: value.diff(t, k[0], x, k[1])
+        for value, table in zip(examples, jets, strict=True)
+        for k, symbol in table.items()
+    }
+
+    def slope(expression: sp.Expr, k: int) -> sp.Expr:
+        moved = [
+            (symbol, table[i + (k == 0), j + (k == 1)])
+            for table in jets
+            for (i, j), symbol in table.items()
+            if i + j < 2
+        ]
+        return sum((expression.diff(symbol) * other for symbol, other in moved), sp.S.Zero)
+
+    A, B, D, u = (table[0, 0] for table in jets)
     rows = sp.Matrix([[A, 0], [B, D]])
     metric = rows.T * sp.diag(-1, 1) * rows
     inverse = metric.inv()
 
     def symbol(k: int, m: int, n: int) -> sp.Expr:
-        return sum(
+        terms = [
             inverse[k, s]
-            * (metric[s, m].diff(q[n]) + metric[s, n].diff(q[m]) - metric[m, n].diff(q[s]))
+            * (slope(metric[s, m], n) + slope(metric[s, n], m) - slope(metric[m, n], s))
             for s in (0, 1)
-        ) / 2
+        ]
+        return sum(terms) / 2
 
+    gradient = sp.Matrix([slope(u, 0), slope(u, 1)])
     hessian = sp.Matrix(
-        2, 2, lambda m, n: u.diff(q[m], q[n]) - sum(symbol(k, m, n) * u.diff(q[k]) for k in (0, 1))
+        2,
+        2,
+        lambda m, n: slope(gradient[m], n) - sum(symbol(k, m, n) * gradient[k] for k in (0, 1)),
     )
     mixed = inverse * hessian
-    slope = sp.Matrix([u.diff(k) for k in q])
-    values = {
+    scalars = {
         "phi": u,
-        "X": (slope.T * inverse * slope)[0],
+        "X": (gradient.T * inverse * gradient)[0],
         "Box": mixed.trace(),
         "hessian2": (mixed**2).trace(),
         "hessian3": (mixed**3).trace(),
     }
-    density = rows.det() * sp.sympify(lagrangian).subs(values)
-    examples = dict(
-        zip(functions, (1 + x**2 + t, t * x, 2 + t**2, t**2 + x**3 + t * x), strict=True)
-    )
+    density = rows.det() * sp.sympify(lagrangian).subs(scalars)
     point = {t: sp.Rational(1, 3), x: sp.Rational(2, 5)}
 
-    def at(expression: sp.Expr) -> sp.Expr:
-        return expression.subs(examples).doit().subs(point)
+    def euler(table: dict) -> sp.Expr:
+        """The variation by a function: (-d)^k of the derivatives by its jets, at a point."""
+        total = sp.S.Zero
+        for (i, j), one in table.items():
+            weight = density.diff(one).subs(values) * (-1) ** (i + j)
+            total += weight.diff(t, i, x, j).subs(point)
+        return sp.nsimplify(total)
 
-    euler = [at(one.lhs) for one in euler_equations(density, functions, q)]
-    frame = gt.Frame(q, rows.subs(examples), (-1, 1))
-    equations = g.equations(gt.levi_civita(frame), lagrangian, g.scalar_field(examples[u]))
-    legs, volume = at(rows.inv()), at(rows.det())
+    frame = gt.Frame(q, rows.subs(values), (-1, 1))
+    equations = g.equations(gt.levi_civita(frame), lagrangian, g.scalar_field(examples[3]))
+    legs, volume = (part.subs(values).subs(point) for part in (rows.inv(), rows.det()))
     E = sp.Matrix(2, 2, lambda i, n: equations.E[i, n].subs(point))
     # dS/d e^i_m = e E_i^n E_n^m.
     varied = volume * E * legs.T
-    wanted = [varied[0, 0], varied[1, 0], varied[1, 1]]
-    assert [sp.nsimplify(a - b) for a, b in zip(euler, wanted, strict=False)] == [0, 0, 0]
-    assert euler[3] == volume * equations.matter_equations["phi"][()].subs(point)
+    field = volume * equations.matter_equations["phi"][()].subs(point)
+    assert [*map(euler, jets)] == [varied[0, 0], varied[1, 0], varied[1, 1], field]
 
 
 def test_covariant_cubic_galileon() -> None:
@@ -126,10 +144,13 @@ def test_covariant_cubic_galileon() -> None:
 
 
 def test_kinetic_gravity_braiding_on_a_cosmos() -> None:
-    """Energy and current of K(X) + G(X) Box phi (Deffayet, Pujolas, Sawicki, Vikman 2010)."""
+    """Energy and current of K + G Box phi (Deffayet, Pujolas, Sawicki, Vikman 2010).
+
+    Box phi has the other sign there, where the signature is +---.
+    """
     a, phi = sp.Function("a")(t), sp.Function("phi")(t)
     frame = gt.Frame([t, *sp.symbols("x y z")], sp.diag(1, a, a, a), (-1, 1, 1, 1))
-    equations = g.equations(gt.levi_civita(frame), "-X/2 + c*X**2*Box(phi)", g.scalar_field(phi))
+    equations = g.equations(gt.levi_civita(frame), "-X/2 - c*X**2*Box(phi)", g.scalar_field(phi))
     speed, H = phi.diff(t), a.diff(t) / a
     # G(x) = 4 c x^2 with x = phi'^2 / 2.
     slope = 4 * c * speed**2
@@ -157,13 +178,13 @@ def test_ways_to_write_the_operator() -> None:
     metric = gt.levi_civita(frame)
     u = sp.Function("u")(r)
     own = g.invariant("Y", "phi_a^a")
-    wanted = g.equations(metric, "phi*Box", field).E
+    E = g.equations(metric, "phi*Box", field).E
     symbol = g.names["phi"] * g.names["Box"]
     for lagrangian in ("phi*Box(phi)", "phi*box(u(r))", symbol, u * sp.Function("Box")(u)):
-        assert g.equations(metric, lagrangian, field).E == wanted
-    assert g.equations(metric, "phi*Y", field, invariants=own).E == wanted
+        assert g.equations(metric, lagrangian, field).E == E
+    assert g.equations(metric, "phi*Y", field, invariants=own).E == E
     named = g.equations(metric, "chi*Box(chi)", g.scalar_field("u(r)", name="chi"))
-    assert named.E == wanted
+    assert named.E == E
 
 
 def test_two_fields() -> None:
@@ -207,7 +228,5 @@ REFUSED = {
 def test_refusals(case: str) -> None:
     """Each refusal names the expectation or the remedy."""
     call, words = REFUSED[case]
-    with pytest.raises(GravityError) as caught:
+    with pytest.raises(GeomtorsionError, match=re.escape(words)):
         call()
-    if case != "a constant":
-        assert words in str(caught.value)
