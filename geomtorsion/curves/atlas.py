@@ -331,7 +331,7 @@ class TransitionMap:
     expressions: the coordinates of the target, in symbols of the source and parameters.
     angles: indices of target coordinates that count modulo 2 pi.
     sample: values of symbols where the map is defined, to choose branches of roots and logs.
-    written: the same map in a form in which no digits cancel; None: the expressions as they are.
+    written: numerically stable form of the map; None: use `expressions`.
     """
 
     source: str

@@ -137,7 +137,7 @@ class MatterField(ABC):
 class ScalarField(MatterField):
     """A scalar field; the Lagrangian has phi, X = g^ij d_i phi d_j phi and second derivatives.
 
-    Second derivatives phi_ij are those of the Levi-Civita connection of the frame: the names are
+    Second derivatives phi_ij belong to the Levi-Civita connection of the frame; their names are
     Box = phi_i^i, hessian2 = phi_ij phi^ij and hessian3 = phi_i^j phi_j^k phi_k^i.
 
     phi: expression in the coordinates.

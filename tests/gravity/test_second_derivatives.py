@@ -164,7 +164,7 @@ def test_kinetic_gravity_braiding_on_a_cosmos() -> None:
 
 
 def test_a_total_derivative_has_no_equations() -> None:
-    """Box phi alone, and phi^2 Box phi + 2 phi X."""
+    """Box phi, and phi^2 Box phi + 2 phi X, have none."""
     frame = sample_frame(3, 69)
     for lagrangian in ("Box(phi)", "phi**2*Box(phi) + 2*phi*X"):
         equations = g.equations(gt.levi_civita(frame), lagrangian, sample_field(frame))
