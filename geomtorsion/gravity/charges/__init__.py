@@ -1,0 +1,1 @@
+"""Charges: what is inside a closed surface, and the thermodynamics of horizons."""
