@@ -16,14 +16,12 @@ from geomtorsion.support.outgoing import figure_text, html_text
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Points of a curve: enough for a smooth line of the width of the figure.
-POINTS = 200
-
 
 def draw_charge(
     charges: Charge | Sequence[Charge],
     parameters: Mapping[Any, Any] | None = None,
     radii: Sequence[float] = (2.0, 20.0),
+    points: int = 200,
 ) -> Figure:
     """Charges inside a surface over the coordinate of its radius.
 
@@ -35,6 +33,8 @@ def draw_charge(
         Numbers for the other symbols, {"M": 1}; names that a charge does not contain are skipped.
     radii
         From where to where. Parts without a real value are left empty.
+    points
+        How many on each line.
 
     Returns
     -------
@@ -52,11 +52,12 @@ def draw_charge(
     several = [charges] if isinstance(charges, Charge) else checks.entries(charges, "charges")
     given = checks.by_name(parameters or {}, "parameters", ArgumentError)
     low, high = checks.numbers(radii, 2, "radii", ArgumentError)
+    checks.count(points, "points", ArgumentError, 2)
     if not low < high:
         checks.refuse(ArgumentError, "radii", "a smaller and a larger number", radii)
     figure = new_figure(6.4, 4.0)
     axes = figure.subplots()
-    places = np.linspace(low, high, POINTS)
+    places = np.linspace(low, high, points)
     for k, one in enumerate(several):
         checks.instance(one, Charge, "charges")
         if not one.is_exact:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -79,6 +80,7 @@ def charge(
     surface = dict(assigned(one, "--at", "r=10") for one in at or ())
     flat = dict(assigned(one, "--reference", "M=0") for one in reference or ())
     theory = theory_of(lagrangian) if lagrangian else None
+    drawn = None
     with working(source):
         space = open_space(source)
         if kind == "horizons":
@@ -103,12 +105,11 @@ def charge(
                 reference=flat or None,
             )
             document, text = found.to_json(), str(found)
+            if found.is_exact and found.symbols <= {found.radius.name}:
+                drawn = partial(draw_charge, found)
     if form is Form.json:
         typer.echo(json.dumps(document, indent=2))
     else:
         for line in text.splitlines():
             typer.echo(wrapped(line))
-    drawn = None
-    if kind != "horizons" and found.is_exact and found.symbols <= {found.radius.name}:
-        drawn = lambda: draw_charge(found)  # noqa: E731
     write_result(output, "charge", document, drawn)

@@ -54,9 +54,7 @@ class Charge:
     @property
     def symbols(self) -> frozenset[str]:
         """Names of the symbols in the value."""
-        value = self.value
-        free = value.free_symbols if isinstance(value, sp.Expr) else ()
-        return frozenset(str(x) for x in free)
+        return frozenset(str(x) for x in sp.sympify(self.value).free_symbols)
 
     def __float__(self) -> float:
         """The value as a number.
@@ -66,7 +64,7 @@ class Charge:
         GravityError
             The value contains symbols.
         """
-        if not isinstance(self.value, sp.Expr):
+        if isinstance(self.value, float):
             return self.value
         free = sorted(map(str, self.value.free_symbols))
         if free:
@@ -91,7 +89,7 @@ class Charge:
         >>> round(tetrad.at({"M": 1, "r": 10}), 6)
         1.055728
         """
-        if not isinstance(self.value, sp.Expr):
+        if isinstance(self.value, float):
             return self.value
         names = {x.name: x for x in self.value.free_symbols}
         given = checks.known_keys(values, names, "values", GravityError)

@@ -114,7 +114,7 @@ def teleparallel(request: Request, one: Sphere) -> Density:
     """-1/(8 pi) |g|^(1/2) (dL/dT)^{tr}_k, k a leg."""
     assumed: tuple[str, ...] = ()
     if request.reference:
-        connection = inertial(request.connection or request.frame, request.reference)
+        connection = inertial(request.frame, request.reference)
     elif request.connection is not None:
         connection = request.connection
     else:
@@ -309,7 +309,7 @@ def adm(request: Request, one: Sphere) -> Density:
     places = [(i, j) for i in n for j in n]
     differences = [(f"g{x}", space.metric[x] - flat.metric[x]) for x in places]
     read = dict(zip(places, flat.read(differences), strict=True))
-    h = Tensor(flat, "dd", read.__getitem__)
+    h = Tensor(flat, "dd", lambda x: read[x[0], x[1]])
     dh = connection.covariant_derivative(h).components.get
     inverse = flat.inverse_metric.components.get
     r = flat.coordinates.index(one.symbol)

@@ -14,13 +14,13 @@ from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element
 from geomtorsion.geometry import levi_civita
 from geomtorsion.geometry.connections import FrameLike, as_frame
-from geomtorsion.gravity.charges.spheres import BITS, Sphere, integrated, number, sphere
+from geomtorsion.gravity.charges.spheres import Sphere, integrated, number, sphere
 from geomtorsion.gravity.equations import equations
 from geomtorsion.gravity.lagrangian import Lagrangian
 from geomtorsion.support import checks
 from geomtorsion.support.displays import drawn_by
 from geomtorsion.support.outgoing import number_text
-from geomtorsion.support.precision import ball_precision
+from geomtorsion.support.precision import CONSTANT_BITS, ball_precision
 
 # Two directions with rational sine and cosine, at which the surface gravity must agree.
 DIRECTIONS = ((4, 3, 5), (5, 12, 13))
@@ -343,14 +343,14 @@ def _root_ball(root: sp.Expr) -> arb:
     """A real root of a polynomial as a ball."""
     if not isinstance(root, sp.CRootOf):
         return balls.exact_ball(root)
-    width = sp.Rational(1, 2**BITS)
+    width = sp.Rational(1, 2**CONSTANT_BITS)
     return balls.exact_ball(root.eval_rational(width)) + arb(0, balls.exact_ball(width))
 
 
 def _evaluated(formula: Horizon, r: sp.Symbol, root: sp.Expr, exprs: list[sp.Expr]) -> Horizon:
     """The formulas at a root, in balls."""
     code = balls.BallCode(graph([r.name], exprs, factor=False))
-    with ball_precision(BITS):
+    with ball_precision(CONSTANT_BITS):
         found = code.real([_root_ball(root)])
         if not all(x.is_finite() for x in found):
             raise GravityError(

@@ -16,13 +16,10 @@ from geomtorsion.exact import Element, parse_expression
 from geomtorsion.geometry import Frame
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
-from geomtorsion.support.precision import ball_precision
+from geomtorsion.support.precision import CONSTANT_BITS, ball_precision
 
 # Names of coordinates that are taken for angles around an axis where nothing bounds them.
 AROUND = ("phi", "varphi", "azimuth")
-# Bits of the integrals: a double, and as many again for what cancels.
-BITS = 128
-MOST_EVALUATIONS = 100_000
 
 
 @dataclass(frozen=True)
@@ -173,7 +170,7 @@ def _held(surface: object, symbols: Mapping[str, sp.Symbol]) -> dict[str, object
     if surface is None:
         return {first: None, second: None}
     if isinstance(surface, str):
-        listed: dict[Any, object] = dict.fromkeys(surface.replace(",", " ").split())
+        listed: dict[Any, Any] = dict.fromkeys(surface.replace(",", " ").split())
     else:
         listed = checks.table(surface, "surface", GravityError)
     held = checks.known_keys(listed, symbols, "surface", GravityError, expected="a coordinate")
@@ -362,7 +359,7 @@ def _arctangent(one: Sphere, fraction: sp.Expr, x: sp.Symbol) -> sp.Expr | None:
     }
     back = {dummy: symbol for symbol, dummy in positive.items()}
     root = sp.sqrt(sp.factor((u * v).xreplace(positive))).xreplace(back)
-    return above.as_expr() / root * sp.atan(u * x / root) * signs[0] ** 2
+    return above.as_expr() / root * sp.atan(u * x / root)
 
 
 def _number(
@@ -371,10 +368,10 @@ def _number(
     """The integral over some coordinates in balls: a number, and a bound on its error."""
     code = balls.BallCode(graph([q.name for q, _, _ in ranges], [density], factor=False))
     function = code.complex_function()
-    with ball_precision(BITS):
+    with ball_precision(CONSTANT_BITS):
         numbers = code.numbers()
         bounds = [[balls.exact_ball(x) for x in (low, high)] for _, low, high in ranges]
-        tolerance = arb(2) ** (8 - BITS // 2)
+        tolerance = arb(2) ** (8 - CONSTANT_BITS // 2)
 
         def along(fixed: list[acb], k: int, is_inner: bool) -> acb:
             """The integral over the coordinates from k on."""
@@ -386,7 +383,7 @@ def _number(
                     return along(point, k + 1, smooth)
                 return function(point, numbers, smooth)[0]
 
-            return (high - low) * balls.integral(inner, tolerance, MOST_EVALUATIONS)
+            return (high - low) * balls.integral(inner, tolerance)
 
         value = along([], 0, False).real
         if not value.is_finite():
