@@ -537,7 +537,16 @@ class FieldEquations:
 
     @cached_property
     def matter_equations(self) -> dict[str, Tensor]:
-        """(1/e) d(eL)/d(field) of each matter field, by its name."""
+        """(1/e) d(eL)/d(field) of each matter field, by its name; a scalar's is [0].
+
+        Examples
+        --------
+        >>> import geomtorsion as gt
+        >>> flat = gt.levi_civita(gt.Frame("t", [[1]], (-1,)))
+        >>> field = gt.gravity.scalar_field("phi(t)")
+        >>> gt.gravity.equations(flat, "-X/2 - phi(t)**2/2", field).matter_equations["phi"][0]
+        -phi(t) - Derivative(phi(t), (t, 2))
+        """
         return {one.symbol: one.equation(self._variation) for one in self._fields}
 
     def reduce(self, variable: object, conditions: object = ()) -> Reduction:

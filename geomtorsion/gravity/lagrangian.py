@@ -65,7 +65,8 @@ class Lagrangian:
     geometry: "any", "teleparallel", "symmetric teleparallel", "metric", "riemannian", or
         "metric-affine", whose connection is varied freely also where it is metric.
     name: of the theory, for messages.
-    constants: names of constants that do not only multiply invariants, "n v" or a tuple.
+    constants: names of constants used elsewhere than as factors, such as exponents, "n v" or a
+        tuple.
     invariants: invariants besides those with a name, of `gravity.invariant`.
 
     Examples

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.prices import draw_price
     from geomtorsion.pictures.report import write_report
     from geomtorsion.pictures.ringing import draw_ringing
+    from geomtorsion.pictures.solar_system import draw_post_newtonian
     from geomtorsion.pictures.solutions import draw_solution
     from geomtorsion.pictures.stress import draw_stress
     from geomtorsion.pictures.style import can_draw, save
@@ -51,6 +52,7 @@ _HOMES = {
     "draw_network": "network",
     "draw_particles": "particles",
     "draw_plan": "notebook_pictures",
+    "draw_post_newtonian": "solar_system",
     "draw_price": "prices",
     "draw_ringing": "ringing",
     "draw_solution": "solutions",
@@ -77,6 +79,7 @@ __all__ = [
     "draw_network",
     "draw_particles",
     "draw_plan",
+    "draw_post_newtonian",
     "draw_price",
     "draw_ringing",
     "draw_solution",

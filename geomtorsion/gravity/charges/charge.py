@@ -54,7 +54,8 @@ class Charge:
     @property
     def symbols(self) -> frozenset[str]:
         """Names of the symbols in the value."""
-        return frozenset(str(x) for x in sp.sympify(self.value).free_symbols)
+        free = self.value.free_symbols if isinstance(self.value, sp.Expr) else ()
+        return frozenset(str(x) for x in free)
 
     def __float__(self) -> float:
         """The value as a number.
@@ -64,7 +65,7 @@ class Charge:
         GravityError
             The value contains symbols.
         """
-        if isinstance(self.value, float):
+        if not isinstance(self.value, sp.Expr):
             return self.value
         free = sorted(map(str, self.value.free_symbols))
         if free:
@@ -89,7 +90,7 @@ class Charge:
         >>> round(tetrad.at({"M": 1, "r": 10}), 6)
         1.055728
         """
-        if isinstance(self.value, float):
+        if not isinstance(self.value, sp.Expr):
             return self.value
         names = {x.name: x for x in self.value.free_symbols}
         given = checks.known_keys(values, names, "values", GravityError)

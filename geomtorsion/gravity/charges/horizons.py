@@ -322,7 +322,7 @@ class _Hole:
         found = []
         for root in roots:
             names = {x: put[x] for x in put if x not in relation}
-            exprs = [sp.sympify(getattr(formula, x)).xreplace(names) for x in formula.quantities]
+            exprs = [getattr(formula, x).xreplace(names) for x in formula.quantities]
             found.append(_evaluated(formula, r, root, exprs))
         return tuple(found)
 
