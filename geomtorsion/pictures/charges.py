@@ -43,7 +43,7 @@ def draw_charge(
     Raises
     ------
     ArgumentError
-        The argument is no charge, a charge is a number, or radii are not two increasing numbers.
+        The argument is not a charge, a charge is a number, or radii are not two increasing numbers.
     GravityError
         A symbol has no number.
     MissingExtraError

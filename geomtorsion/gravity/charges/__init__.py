@@ -1,1 +1,1 @@
-"""Charges: what is inside a closed surface, and the thermodynamics of horizons."""
+"""Charges: mass, spin and charge inside closed surfaces, and the thermodynamics of horizons."""

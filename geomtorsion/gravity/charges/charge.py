@@ -29,12 +29,12 @@ class Charge:
     formula: the integral, in words. surface: where it is taken. outside: which side is outside.
     conserved: whether the value is the same on every surface r = const; None where a number for r
         was given or nothing is known.
-    assumed: remarks on what was assumed.
+    assumed: assumptions, in words.
     """
 
     kind: str
     name: str
-    value: sp.Expr | float
+    value: Any
     error: float
     formula: str
     surface: str
@@ -200,7 +200,7 @@ def charge(
     Raises
     ------
     GravityError
-        The vector is no Killing vector, the surface has an edge or meets a horizon, a connection
+        The vector is not a Killing vector, the surface has an edge or meets a horizon, a connection
         with torsion was given to komar, or a number is missing.
     AccuracyError
         The integral has no enclosure.

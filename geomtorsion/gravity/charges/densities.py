@@ -41,7 +41,7 @@ class Density:
     """A density on a surface.
 
     expression: in the coordinates of the surface. name: of the charge. formula: in words.
-    at_infinity: whether the radius grows without bound. assumed: remarks on what was assumed.
+    at_infinity: whether the radius grows without bound. assumed: assumptions, in words.
     """
 
     expression: sp.Expr
@@ -70,13 +70,13 @@ def _killing(request: Request) -> Tensor:
     if lie(xi, frame).is_zero is not True:
         raise GravityError(
             f"killing: expected a Killing vector, got {checks.shown(list(map(str, xi)))}: the "
-            "metric changes along it. List those of the frame with gt.symmetries(frame)."
+            "metric changes along it. gt.symmetries(frame) lists the Killing vectors."
         )
     return xi
 
 
 def _kind(one: Sphere, xi: Tensor) -> tuple[str, bool]:
-    """Name of the charge of a Killing vector, and whether it lies in the surface."""
+    """Name of the charge of a Killing vector, and whether it is tangent to the surface."""
     inside = xi.components.get((one.time,)).is_zero is True
     return ("angular momentum" if inside else "mass"), inside
 
@@ -247,16 +247,16 @@ def _with_metric(
 
 
 def brown_york(request: Request, one: Sphere) -> Density:
-    """1/(8 pi) (k0 - k) of a round sphere, k0 its mean curvature in flat space."""
+    """1/(8 pi) (k0 - k) of a sphere, k0 its mean curvature in flat space."""
     _check_four(one, "brown-york")
     around = [q.name for q, _, _ in one.ranges]
     ball = surface(_slice(one), around, orientation=one.outwards)
     curvature = levi_civita(ball.frame).curvature.scalar.element()
     if curvature.symbols & {q for q, _, _ in one.ranges}:
         raise GravityError(
-            f"surface: expected a round sphere for the Brown-York mass, got {one}, whose "
-            "curvature varies. It needs an embedding in flat space, which only round ones have "
-            "here. Choose kind 'komar' or 'adm'."
+            f"surface: expected a sphere of constant curvature for brown-york, got {one}, whose "
+            "curvature varies. The embedding in flat space is implemented for constant curvature. "
+            "Choose kind 'komar' or 'adm'."
         )
     k0 = sp.sqrt(2 * curvature.sympy)
     volume = ball.frame.volume.element()
@@ -267,7 +267,7 @@ def brown_york(request: Request, one: Sphere) -> Density:
 
 
 def _rooted(one: Sphere, expression: sp.Expr) -> sp.Expr:
-    """An expression in which roots of squares are what is positive in the region."""
+    """An expression with roots of squares replaced by values that are positive there."""
     region = one.frame.region
     positive = {
         x: sp.Dummy(x.name, positive=True) for x in expression.free_symbols if region.sign(x) == 1
@@ -358,5 +358,5 @@ KINDS: dict[str, Callable[[Request, Sphere], Density]] = {
     "adm": adm,
     "electric": electric,
 }
-# Kinds that count what is inside a surface of a slice of space.
+# Kinds whose surface must be outside of all horizons.
 OUTSIDE: Sequence[str] = ("komar", "teleparallel", "brown-york")

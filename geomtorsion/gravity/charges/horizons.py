@@ -104,7 +104,7 @@ def horizons(
         L(R), "R + c*R**2", "R + alpha*GB", as in `gravity.equations`.
     parameters
         Numbers for all parameters of frame and Lagrangian: the result then has one horizon for
-        each root, sorted. Without them it has one in which the radius stands for a parameter.
+        each root, sorted. Without them it has one with one parameter expressed by the radius.
     surface, over
         As in `charge`.
 
@@ -170,7 +170,7 @@ class _Hole:
         if not own or len(own) < len(parts):
             raise GravityError(
                 f"frame: expected a factor of g^{2 * str(one.symbol)} that vanishes at a horizon, "
-                f"got {checks.cut(str(above))}. Use coordinates such as those of Boyer and "
+                f"got {checks.cut(str(above))}. Use coordinates such as the ones of Boyer and "
                 "Lindquist; a space without horizon has no temperature."
             )
         return sp.Mul(*own)

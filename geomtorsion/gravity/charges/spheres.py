@@ -89,7 +89,7 @@ class Sphere:
         return f"{'larger' if self.outwards > 0 else 'smaller'} {self.symbol}"
 
     def check_outside_horizons(self) -> None:
-        """Refuse a surface on which `time` is no time, or that meets a horizon.
+        """Refuse a surface that meets a horizon or is inside of one.
 
         Raises
         ------
