@@ -169,7 +169,7 @@ def _geometry_of_dust(lagrangian: object, geometry: object) -> str:
 
 
 def _check_torsion(equations: FieldEquations, name: str) -> None:
-    """Refuse theories of torsion in which other legs than those of a boost are small fields."""
+    """Refuse theories of torsion whose legs have small fields besides one boost."""
     others = sorted(equations.scalars.keys() - {"T"})
     if name == "teleparallel" and others:
         raise GravityError(
