@@ -535,7 +535,7 @@ class FieldEquations:
             tensors["M"] = self.M
         return tensors
 
-    @cached_property
+    @property
     def matter_equations(self) -> dict[str, Tensor]:
         """(1/e) d(eL)/d(field) of each matter field, by its name; a scalar's is [0].
 
@@ -547,7 +547,7 @@ class FieldEquations:
         >>> gt.gravity.equations(flat, "-X/2 - phi(t)**2/2", field).matter_equations["phi"][0]
         -phi(t) - Derivative(phi(t), (t, 2))
         """
-        return {one.symbol: one.equation(self._variation) for one in self._fields}
+        return self._variation.matter_equations
 
     def reduce(self, variable: object, conditions: object = ()) -> Reduction:
         """First-order equations for unknown functions of one variable, with constraints.
