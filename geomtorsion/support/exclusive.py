@@ -15,7 +15,6 @@ of a solution, quadratures) runs without it; nobody may wait for another thread 
 from __future__ import annotations
 
 import os
-import time
 from contextvars import ContextVar
 from functools import wraps
 from threading import RLock
@@ -93,9 +92,8 @@ def unlocked(entrance: T) -> T:
 def wait() -> None:
     """Return when no other thread does exact work; limits of this thread end the wait."""
     while not LOCK.acquire(timeout=0.05):
-        now = time.monotonic()
         for block in BLOCKS.get():
-            block.check(now)
+            block.check()
     LOCK.release()
 
 
