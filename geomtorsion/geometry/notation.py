@@ -161,12 +161,21 @@ def in_words(tensor: Tensor) -> str:
     return f"{words}, {undecided} {'is' if undecided == 1 else 'are'} undecided"
 
 
+def _ranges(tensor: Tensor) -> str:
+    """What the letters of the label count: coordinates, by name, and legs."""
+    names = ", ".join(symbol.name for symbol in tensor.frame.coordinates)
+    marks = list(zip(letters(tensor.slots), tensor.slots, strict=True))
+    of_coordinates = ", ".join(letter for letter, slot in marks if slot in "du")
+    of_legs = ", ".join(letter for letter, slot in marks if slot in "DU")
+    parts = [f"{of_coordinates}: coordinates {names}" if of_coordinates else f"coordinates {names}"]
+    return "; ".join([*parts, *([f"{of_legs}: legs"] if of_legs else [])])
+
+
 def text(tensor: Tensor) -> str:
     """Name, label and the first non-vanishing components, one a line."""
     independent = tensor.components.independent
     heading = f"{tensor.name or 'tensor'} {ascii_label(tensor)}".strip()
-    names = ", ".join(symbol.name for symbol in tensor.frame.coordinates)
-    heading += f" (coordinates {names}; slots {tensor.slots or 'none'})"
+    heading += f" ({_ranges(tensor)})"
     if not independent:
         return f"{heading}: all components vanish"
     lines, write = [heading], TextPrinter().doprint
