@@ -237,7 +237,9 @@ def solve_scene(
         if stuck.solution is not None:
             stuck.solution = of_solution(scene, stuck.solution)
         if refusal:
-            raise StuckError(f"{stuck} The closed form was refused: {refusal}", stuck.solution) from stuck
+            raise StuckError(
+                f"{stuck} The closed form was refused: {refusal}", stuck.solution
+            ) from stuck
         raise
     found = of_solution(scene, solved)
     return replace(found, reason=f"{found.reason}; closed form: {refusal}") if refusal else found

@@ -29,8 +29,8 @@ T = TypeVar("T")
 class Block(Protocol):
     """A block of code with limits."""
 
-    def check(self, now: float) -> None:
-        """Raise if a limit is met at a time of the clock."""
+    def check(self) -> None:
+        """Raise if a limit is met."""
         ...
 
 
