@@ -27,6 +27,8 @@ BATCHES = (96, 384, 3072)
 NEAR = 1e-6
 # A number beyond the usual scales counts as one with a unit.
 WIDE = max(SCALES)
+# Factors by which a coordinate grows until it is far out.
+FAR = [float(4**k) for k in range(1, 8)]
 # Names of the coordinate that should be timelike; without one it is the first.
 TIMES = ("t", "T", "tau", "time")
 
@@ -259,8 +261,9 @@ class Table:
         sides = [side(relation) for relation in points.relations]
         entries = points._expressions
         every = [*entries, *positive, *nonzero, *sides]
+        function = points.numbers(every)
         with np.errstate(all="ignore"):
-            values = points.numbers(every)(self.values)
+            values = function(self.values)
         ends = np.cumsum([len(entries), len(positive), len(nonzero)])
         entry, above, below, held = np.split(values, ends)
         self.conditions = [
@@ -306,8 +309,10 @@ class Table:
             sizes = abs(np.log(abs(symbols))).max(axis=0, initial=0)
         worth = np.minimum(np.minimum(room, regular), 0.2) - 0.1 * sizes
 
+        opens = self._opens(function, np.flatnonzero(good), slice(len(entries), ends[-1]))
+
         def order(k: int) -> tuple[float, ...]:
-            return (negative[k], -worth[k], k)
+            return (negative[k], -opens[k], -worth[k], k)
 
         ranked = [(key, sorted(some, key=order)) for key, some in members.items()]
         ranked.sort(key=lambda pair: (*pair[0][:2], negative[pair[1][0]], -len(pair[1])))
@@ -316,6 +321,25 @@ class Table:
             Group(tuple(some), tuple(key[2 : n + 2]), key[1] < 2 and not negative[some[0]])
             for key, some in ranked
         ]
+
+    def _opens(self, function: Callable[[Array], Array], numbers: Array, walls: slice) -> Array:
+        """Along how many coordinates each candidate reaches far without meeting a wall.
+
+        Outside of a black hole more than inside, where the signs of the walls are the same.
+        """
+        opens = np.zeros(self.size)
+        columns = self.values[:, numbers]
+        with np.errstate(all="ignore"):
+            here = np.sign(np.real(function(columns)[walls]))
+            for k in range(len(self._points.coordinates)):
+                is_open = np.ones(len(numbers), dtype=bool)
+                for scale in FAR:
+                    moved = columns.copy()
+                    moved[k] *= scale
+                    there = np.sign(np.real(function(moved)[walls]))
+                    is_open &= np.all((there == here) | ~np.isfinite(there), axis=0)
+                opens[numbers] += is_open
+        return opens
 
     def refusal(self) -> str:
         """The conditions that hold nowhere among the candidates, each by itself or in pairs."""
