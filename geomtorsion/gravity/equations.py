@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from typing import Any, cast
 
 import sympy as sp
 
@@ -30,6 +31,7 @@ from geomtorsion.gravity.lagrangian import Lagrangian, Reading, known_as
 from geomtorsion.gravity.matter import MatterField, numbered
 from geomtorsion.gravity.momenta import Momenta
 from geomtorsion.gravity.naming import Call, calls_of, jet_names
+from geomtorsion.gravity.numeric.equation_values import EquationValues, equations_at
 from geomtorsion.gravity.operator import LinearOperator, operator
 from geomtorsion.gravity.reducing import reduced
 from geomtorsion.gravity.reduction import Reduction
@@ -106,6 +108,49 @@ class FieldEquations:
         if self._catalogue.has_nonmetricity(self._named.symbols.values(), number):
             return False
         return connection.metric_compatible is True
+
+    def is_metric(self, number: int) -> bool:
+        """Whether a connection is metric, and is varied among metric connections only."""
+        return self._content.metric[number]
+
+    @property
+    def invariant_names(self) -> tuple[str, ...]:
+        """Names of the invariants that occur in the Lagrangian."""
+        return tuple(self._named.symbols.values())
+
+    def at(self, point: Mapping[Any, Any]) -> EquationValues:
+        """E, C, M and the matter equations as numbers at a point, without expressions of them.
+
+        The formulas run on power series of the frame at the point, in ball arithmetic, so that a
+        frame of long expressions takes as long as a short one, and errors are bounds.
+
+        Parameters
+        ----------
+        point
+            Value of each coordinate, parameter and constant of the Lagrangian, by symbol or name;
+            a float has its binary value. Lists and arrays are points one by one, of one shape.
+
+        Raises
+        ------
+        CoordinateError, ShapeError
+            A name is unknown here, a value is not finite, or lists have no common shape.
+        MissingValueError
+            A symbol has no value.
+        SingularPointError
+            The frame or a function has no power series at the point.
+        GravityError
+            The Lagrangian or the frame has an unknown function; the frame is complex or expanded.
+
+        Examples
+        --------
+        >>> import geomtorsion as gt
+        >>> frame = gt.Frame("t x", [["1 + x*t", "t**2"], ["x**3", "2 + t"]], "-+")
+        >>> equations = gt.gravity.equations(gt.cartan(frame), "T1 + c*T1**2")
+        >>> values = equations.at({"t": 0, "x": 1, "c": 2})
+        >>> values.E.round(3).tolist(), values.error < 1e-13
+        ([[-22.0, 14.0], [-138.0, -298.0]], True)
+        """
+        return equations_at(cast(Any, self), point)
 
     def check_names(self) -> None:
         """Raise an error for unknown names in the Lagrangian."""

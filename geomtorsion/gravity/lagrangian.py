@@ -15,6 +15,7 @@ from geomtorsion.exact import Element, parse_expression
 from geomtorsion.exact import names as words
 from geomtorsion.geometry import Frame, Tensor, at_home
 from geomtorsion.gravity.invariants import INVARIANTS, Invariant
+from geomtorsion.gravity.numeric.numeric_field import NumericField
 from geomtorsion.gravity.vocabulary import MATTER, Vocabulary
 from geomtorsion.support import checks
 
@@ -133,6 +134,8 @@ class Reading:
             return base ** int(expression.exp)
         if isinstance(expression, AppliedUndef | sp.Derivative | sp.Subs):
             return self._unknown(expression)
+        if isinstance(exact, NumericField):
+            return exact.function(expression, [self.element(x) for x in expression.args])
         values = [self.element(argument).sympy for argument in expression.args]
         value = expression.func(*values)
         if value.has(sp.zoo, sp.nan, sp.oo):
