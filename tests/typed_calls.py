@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import sympy as sp
 
@@ -28,7 +29,7 @@ def calls(row: Typed, folder: Path) -> Iterator[tuple[str, Callable[[], object]]
     frame = row.frame
     n = frame.dimension
     velocity = [1.0] + [0.0] * (n - 1)
-    at = {"parameters": values(frame)}
+    at: dict[str, Any] = {"parameters": values(frame)}
     connection = gt.levi_civita(frame)
     along = {"frame_velocity": velocity, **at}
     point = start(frame)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import zlib
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import TypeVar
 
@@ -96,6 +96,29 @@ class Candidates:
         elif low is None and number % 2 and number % 8 < 7 and _part(number, -1 - k) < 0.5:
             value = -value
         return kind(_whole(symbol, value, low is not None) if symbol.is_integer else value)
+
+
+def interval(symbol: sympy.Symbol, relations: Iterable[sympy.Basic]) -> Bounds:
+    """Bounds of a symbol from relations to numbers.
+
+    Examples
+    --------
+    >>> r = sympy.Symbol("r")
+    >>> interval(r, [r > 2, r < 3])
+    (Fraction(2, 1), Fraction(3, 1))
+    """
+    low = high = None
+    for relation in relations:
+        if relation.free_symbols != {symbol} or not hasattr(relation, "lts"):
+            continue
+        less, greater = relation.lts, relation.gts
+        if less == symbol and greater.is_number and greater.is_finite:
+            bound = Fraction(float(greater)).limit_denominator(10**6)
+            high = bound if high is None else min(high, bound)
+        elif greater == symbol and less.is_number and less.is_finite:
+            bound = Fraction(float(less)).limit_denominator(10**6)
+            low = bound if low is None else max(low, bound)
+    return low, high
 
 
 def value_of_name(text: str, number: int) -> mpmath.mpf:

@@ -140,7 +140,7 @@ def _not_positive(frame: Frame, found: str, squares: Sequence[Element]) -> Metri
     """The refusal of velocities of which the last square is negative."""
     remedy = "Give the metric of a kinetic energy, or permit other velocities."
     signs = [[region.sign(x) for x in squares] for region in frame.regions]
-    if any(-1 not in row for row in signs):
+    if frame.domain or any(-1 not in row for row in signs):
         # The sign was read at one point; elsewhere it may be positive.
         columns = zip(squares, zip(*signs, strict=True), strict=True)
         open_ = [f"'{x} > 0'" for x, column in columns if set(column) != {1}]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from itertools import chain
 from typing import Any
 
@@ -14,7 +13,7 @@ from sympy.core.function import AppliedUndef
 
 from geomtorsion.codegen.expression_graph import graph
 from geomtorsion.errors import CoordinateError, GeomtorsionError
-from geomtorsion.exact.candidates import SCALES, Bounds, Candidates
+from geomtorsion.exact.candidates import SCALES, Candidates, interval
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.checks import expression
 
@@ -27,8 +26,8 @@ BATCHES = (96, 384, 3072)
 NEAR = 1e-6
 # A number beyond the usual scales counts as one with a unit.
 WIDE = max(SCALES)
-# Factors by which a coordinate grows until it is far out.
-FAR = [float(4**k) for k in range(1, 8)]
+# How often a coordinate is multiplied by four until it is far out.
+FAR = 7
 # Names of the coordinate that should be timelike; without one it is the first.
 TIMES = ("t", "T", "tau", "time")
 
@@ -323,19 +322,14 @@ class Table:
         ]
 
     def _opens(self, function: Callable[[Array], Array], numbers: Array, walls: slice) -> Array:
-        """Along how many coordinates each candidate reaches far without meeting a wall.
-
-        Outside of a black hole more than inside, where the signs of the walls are the same.
-        """
-        opens = np.zeros(self.size)
-        columns = self.values[:, numbers]
+        """Along how many coordinates each candidate reaches far without meeting a wall."""
+        opens, columns = np.zeros(self.size), self.values[:, numbers]
         with np.errstate(all="ignore"):
             here = np.sign(np.real(function(columns)[walls]))
             for k in range(len(self._points.coordinates)):
-                is_open = np.ones(len(numbers), dtype=bool)
-                for scale in FAR:
-                    moved = columns.copy()
-                    moved[k] *= scale
+                moved, is_open = columns.copy(), np.ones(len(numbers), dtype=bool)
+                for _ in range(FAR):
+                    moved[k] *= SCALES[1]
                     there = np.sign(np.real(function(moved)[walls]))
                     is_open &= np.all((there == here) | ~np.isfinite(there), axis=0)
                 opens[numbers] += is_open
@@ -486,22 +480,6 @@ def _is_bound(relation: Any) -> bool:
         one is not None and one.is_Symbol and other is not None and other.is_number
         for one, other in ((less, greater), (greater, less))
     )
-
-
-def interval(symbol: sp.Symbol, relations: Iterable[sp.Basic]) -> Bounds:
-    """Bounds of a symbol from relations to numbers."""
-    low = high = None
-    for relation in relations:
-        if relation.free_symbols != {symbol} or not hasattr(relation, "lts"):
-            continue
-        less, greater = relation.lts, relation.gts
-        if less == symbol and greater.is_number and greater.is_finite:
-            bound = Fraction(float(greater)).limit_denominator(10**6)
-            high = bound if high is None else min(high, bound)
-        elif greater == symbol and less.is_number and less.is_finite:
-            bound = Fraction(float(less)).limit_denominator(10**6)
-            low = bound if low is None else max(low, bound)
-    return low, high
 
 
 def check_met(points: RealPoints) -> None:
