@@ -42,7 +42,7 @@ class LazyGroup(TyperGroup):
     """A group that lists its commands from a table and imports the one that is called.
 
     module: module path of a command's function, with {} for its name.
-    summaries: name of a command, and of its function -> its line in the help.
+    summaries: name of a command, and with _ for - of its function -> its line in the help.
     groups: title -> names of the commands that help lists below it.
     settings: name -> settings of its context, where they are not the usual ones.
     limited: names of commands that take limits of time and memory.
@@ -65,7 +65,8 @@ class LazyGroup(TyperGroup):
                 ctx.fail(f"No such command {cmd_name!r}. Did you mean {near!r}?")
             return None
         with _uncollected():
-            target = getattr(import_module(self.module.format(cmd_name)), cmd_name)
+            name = cmd_name.replace("-", "_")
+            target = getattr(import_module(self.module.format(name)), name)
         if isinstance(target, typer.Typer):
             return get_command(target)
         command = _command(target, self.settings.get(cmd_name))

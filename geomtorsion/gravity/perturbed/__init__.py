@@ -5,6 +5,7 @@ from geomtorsion.gravity.perturbed.dust import Growth, growth
 from geomtorsion.gravity.perturbed.particles import Particle, Spectrum, spectrum
 from geomtorsion.gravity.perturbed.quasi_normal import Mode, Ringing, ringing
 from geomtorsion.gravity.perturbed.scalar_waves import ScalarModes, scalar_modes
+from geomtorsion.gravity.perturbed.solar_system import SolarTest
 from geomtorsion.gravity.perturbed.weak_field import PostNewtonian, post_newtonian
 
 __all__ = [
@@ -14,6 +15,7 @@ __all__ = [
     "PostNewtonian",
     "Ringing",
     "ScalarModes",
+    "SolarTest",
     "Spectrum",
     "TensorModes",
     "growth",
