@@ -26,8 +26,6 @@ BATCHES = (96, 384, 3072)
 NEAR = 1e-6
 # A number beyond the usual scales counts as one with a unit.
 WIDE = max(SCALES)
-# How often a coordinate is multiplied by four until it is far out.
-FAR = 7
 # Names of the coordinate that should be timelike; without one it is the first.
 TIMES = ("t", "T", "tau", "time")
 
@@ -328,7 +326,7 @@ class Table:
             here = np.sign(np.real(function(columns)[walls]))
             for k in range(len(self._points.coordinates)):
                 moved, is_open = columns.copy(), np.ones(len(numbers), dtype=bool)
-                for _ in range(FAR):
+                for _ in SCALES:
                     moved[k] *= SCALES[1]
                     there = np.sign(np.real(function(moved)[walls]))
                     is_open &= np.all((there == here) | ~np.isfinite(there), axis=0)
