@@ -418,8 +418,11 @@ if not TYPE_CHECKING:
         if name in _PACKAGES:
             return import_module(f"geomtorsion.{_PACKAGES[name]}")
         if name not in _HOME:
-            near = get_close_matches(name, __all__, n=1)
-            hint = f". Did you mean {near[0]}?" if near else ""
+            # Read by wrong names only.
+            from geomtorsion.support.field_names import line_of
+
+            near = line_of(name) or next(iter(get_close_matches(name, __all__, n=1)), "")
+            hint = f". Did you mean {near}?" if near else ""
             raise AttributeError(f"module 'geomtorsion' has no attribute {name!r}{hint}")
         found = getattr(import_module(f"geomtorsion.{_HOME[name]}"), _INSIDE.get(name, name))
         # Kept, because a second import costs as much as a short solution.

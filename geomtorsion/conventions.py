@@ -50,12 +50,12 @@ CONVENTIONS = (
     ),
     Convention(
         "connection",
-        "D_a v^c = d_a v^c + Gamma_ab^c v^b: connection[a, b, c]",
+        "D_a v^c = partial_a v^c + Gamma_ab^c v^b: connection[a, b, c]",
         "The FIRST lower index is the direction of differentiation; many books put it last.",
     ),
     Convention(
         "cartan",
-        "Gamma_ab^c = E_i^c d_a e^i_b",
+        "Gamma_ab^c = E_i^c partial_a e^i_b",
         "The connection in which the legs are parallel (Weitzenboeck).",
     ),
     Convention(
@@ -85,7 +85,8 @@ CONVENTIONS = (
     ),
     Convention(
         "curvature",
-        "R_mnl^k = d_m Gamma_nl^k - d_n Gamma_ml^k - Gamma_ml^t Gamma_nt^k + Gamma_nl^t Gamma_mt^k",
+        "R_mnl^k = partial_m Gamma_nl^k - partial_n Gamma_ml^k - Gamma_ml^t Gamma_nt^k "
+        "+ Gamma_nl^t Gamma_mt^k",
         "[D_m, D_n] v^k = R_mnl^k v^l - 2 S_mn^t D_t v^k.",
     ),
     Convention(
@@ -125,7 +126,7 @@ CONVENTIONS = (
     ),
     Convention(
         "extrinsic curvature",
-        "K_ab = (D_mu n_nu) d_a q^mu d_b q^nu",
+        "K_ab = (D_mu n_nu) partial_a q^mu partial_b q^nu",
         "Positive on a sphere with the normal outwards; some books have the other sign.",
     ),
     Convention(
@@ -136,7 +137,7 @@ CONVENTIONS = (
     ),
     Convention(
         "nye",
-        "alpha^{ik} = eps^{kab} d_a e^i_b, b^i = alpha^{ik} n_k A",
+        "alpha^{ik} = eps^{kab} partial_a e^i_b, b^i = alpha^{ik} n_k A",
         "First index: Burgers vector; second: normal of the area, as Nye, Kroener and MTEX. Mura "
         "writes the transpose. Its sign follows the sign of b.",
     ),
@@ -254,3 +255,16 @@ def convention(name: str) -> Convention:
     """
     by_name, kind = {item.name: item for item in CONVENTIONS}, "the name of a convention"
     return by_name[checks.known_name(name, by_name, "", UnknownNameError, expected=kind)]
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return [
+        "BURGERS",
+        "BurgersConvention",
+        "CONVENTIONS",
+        "Convention",
+        "Signed",
+        "burgers",
+        "convention",
+    ]

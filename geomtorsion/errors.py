@@ -313,3 +313,12 @@ class ConstraintError(GeomtorsionError, ValueError):
     """A constraint is not linear in the velocities, or follows from the others."""
 
     page = "tutorials/top_and_effects"
+
+
+def __dir__() -> list[str]:
+    """The names that this file defines, without what it imports."""
+    return sorted(
+        name
+        for name, value in globals().items()
+        if not name.startswith("_") and getattr(value, "__module__", __name__) == __name__
+    )

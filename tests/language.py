@@ -38,9 +38,9 @@ PATTERNS: dict[str, tuple[str, str]] = {
         r"\b(?:tell|tells|told|telling|say|says|said|saying)\b",
         "report, estimate, state, name",
     ),
-    # The text "lie" by itself is the name of a function.
+    # The text "lie" by itself, or before a bracket, is the name of a function.
     "stands, lies": (
-        r"(?!\Alie\Z)\b(?:stands?|stood|standing|lies|lie|lay)\b",
+        r"(?!\Alie\Z)\b(?:stands?|stood|standing|lies|lie(?!\()|lay)\b",
         "is, is in, is at",
     ),
     "alone": (r"\balone\b", "only, by itself"),

@@ -62,9 +62,7 @@ def test_examples_show_no_counts_of_work():
     examples = TESTS.parent / "examples"
     written = [path for path in examples.rglob("*.md") if "pages" not in path.parts]
     assert len(written) > 40
-    shown |= {
-        str(path): path.read_text("utf-8") for path in [TESTS.parent / "README.md", *written]
-    }
+    shown |= {str(path): path.read_text("utf-8") for path in [TESTS.parent / "README.md", *written]}
     golden = json.loads((TESTS / "golden" / "values.json").read_text("utf-8"))
     shown |= {f"golden {key}": json.dumps(value) for key, value in golden.items()}
     assert not [name for name, text in shown.items() if WORK.search(text)]

@@ -90,7 +90,8 @@ LONGEST = 500
 CEILINGS = {
     # homes.py and indexing.py need frames for their types, and tensors need both files.
     # A region and its walls hold their frame, which makes them.
-    "files in rings": 46,
+    # A frame writes its own file.
+    "files in rings": 47,
     "inner imports without a reason": 0,
     "percent of Any": 3.6,
     # 17 of these choose steps and precision in proofs; no ball depends on them.
@@ -98,7 +99,9 @@ CEILINGS = {
     # One separates a pole of the rates from a removable one.
     # One more: the samples that look for pulses between steps.
     # 8: the grids and the search of the frequencies of a hole.
-    "tuned constants": 180,
+    # One more: the size of the change from which a solution is searched.
+    # One more: the steps of Newton's method for jets of solutions.
+    "tuned constants": 182,
     # Two more than before: converters of arguments are three files by kind instead of one of 1,000.
     # Two more: kinetic metrics and forces are files of their own.
     # One more: squares that roots hide in circular functions.
@@ -106,11 +109,11 @@ CEILINGS = {
     # Four of them find the region in which the motion starts.
     "files of a first motion": 54,
     # The first root that is read asks for a sign, and the sign for the region of the frame.
-    "frames of a first motion": 43,
+    "frames of a first motion": 44,
 }
 # Lines of code below and above the wall, rounded up to five hundreds, without docstrings, comments
 # and blanks. A change that needs more raises a number and states in its commit what users get.
-BUDGET = {"below the wall": 49000, "above the wall": 53500}
+BUDGET = {"below the wall": 49000, "above the wall": 54000}
 # What a program that imports the package does not wait for.
 LATER = ("sympy", "flint", "mpmath", "numpy", "multiprocessing", "asyncio", "tomllib", "sqlite3")
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")

@@ -5,6 +5,7 @@ import pickle
 from typing import Any
 
 import numpy as np
+import pandas
 import pytest
 import sympy as sp
 
@@ -17,6 +18,7 @@ from geomtorsion.errors import (
     UndecidedError,
 )
 from geomtorsion.spaces import load
+from geomtorsion.support.field_names import LIKE
 
 r, theta, phi, k = sp.symbols("r theta phi k", positive=True)
 SPHERICAL = [[1, 0, 0], [0, r, 0], [0, 0, r * sp.sin(theta)]]
@@ -30,6 +32,7 @@ def spherical(**options: Any) -> gt.Frame:
 F, G = spherical(), spherical(name="the same again")
 S = gt.cartan(F).torsion.S
 Z = S - S
+NINTH = gt.Frame("x y", [[sp.Rational(1, 9), 0], [0, 1]])
 LOOP = gt.Loop.circle([0.3, 1.0, 0.2], 0.1)
 
 
@@ -191,10 +194,31 @@ TRUE = [
     "np.asarray(F.eta).dtype == float", "np.allclose(F.eta, np.eye(3))",
     "np.asarray(gt.cartan(F)).shape == (3, 3, 3)", "np.int64(2)*F.metric == 2*F.metric",
     "np.asarray(F.scalar(3)) == 3.0", "np.asarray(F.eta, dtype=int).dtype == int",
+    # verbs of sympy
+    "sp.Matrix(NINTH.metric)[0, 0] == sp.Rational(1, 81)",
+    "sp.Matrix(NINTH.vector([sp.Rational(1, 3), 1]))[0].is_Rational",
+    "sp.Array(NINTH.metric)[0, 0].is_Rational", "type(np.asarray(NINTH.metric)) is np.ndarray",
+    "np.allclose(np.linalg.inv(NINTH.metric), np.diag([81, 1]))",
+    "sp.Matrix(F.metric).det() == F.metric.det()[()]", "F.metric.inv() == F.inverse_metric",
+    "F.coframe.inv() == F.legs and F.coframe.inv().slots == 'uD'",
+    "F.metric.diff(r).nonzero()[1, 1] == 2*r", "F.metric.diff('r', 'r')[1, 1] == 2",
+    "F.metric.free_symbols == {r, theta}", "F.metric.tolist() == F.metric.to_sympy().tolist()",
+    "F.metric.simplify() == F.metric", "sp.simplify(F.metric) == F.metric.to_sympy()",
+    "NINTH.metric.evalf(3)[0, 0] == sp.Rational(1, 81).evalf(3)",
+    "sp.lambdify([r, theta], F.metric)(2.0, 0.0)[1, 1] == 4",
+    "r * F.metric.element(1, 1) + 1 == r**3 + 1", "sp.sympify(F.metric.element(1, 1)) == r**2",
     # solutions
     "'theta' in motion", "'x' not in motion", "'theta' in list(motion)",
     "list(motion) == list(motion.keys())", "dict(motion)['phi'][0] == 0",
+    "len(motion) == len(list(motion))", "list(motion.items())[0][0] == list(motion)[0]",
+    "np.array(motion).shape == motion.to_pandas().shape", "bool(motion)",
+    "np.array_equal(np.array(motion), motion.to_pandas().to_numpy())",
+    "gt.solve(motion.problem, '0.05 min')['theta'][-1] == gt.solve(motion.problem, 3)['theta'][-1]",
+    # what a frame gives
+    "F.conformal(r).metric[0, 0] == r**2 and F.conformal('1/r').metric[1, 1] == 1",
+    "F.conformal(1) == F",
     # Burgers vectors and loops
+    "f'{b:.3f}' == '[' + ', '.join(f'{x:.3f}' for x in b.vector) + ']'", "f'{b}' == str(b)",
     "np.allclose(b, b.vector)", "np.asarray(b).shape == (3,)", "len(b) == 3",
     "b[0] == b.vector[0]", "list(b) == b.vector.tolist()", "abs(b) == b.magnitude",
     "np.allclose(-b, -b.vector)", "(-b).loop == -b.loop", "-(-b) == b", "-(-LOOP) == LOOP",
@@ -231,7 +255,7 @@ REFUSED = [
     ("S[::0]", TensorIndexError, "or a slice"),
     ("S[..., ...]", TensorIndexError, "..., ..."),
     ("F.coframe['r', 'r']", TensorIndexError, "Indices of legs are numbers"),
-    ("F.scalar(1)[0]", TensorIndexError, "only index"),
+    ("F.scalar(1)[1]", TensorIndexError, "only index"),
     ("len(F.scalar(1))", TensorIndexError, "has no length"),
     ("list(F.scalar(1))", TensorIndexError, "to iterate over"),
     ("np.asarray(S, dtype=float)", MissingValueError, "expressions in r, theta"),
@@ -286,3 +310,49 @@ def test_a_reversed_loop_has_the_opposite_vector() -> None:
     opposite = gt.burgers_vector(load("so3").frame, -LOOP)
     assert np.abs(opposite + b).max() <= opposite.error + b.error
     assert (b + opposite).vanishes
+
+
+@pytest.mark.parametrize("name", ["Christoffel", "ricci", "tetrad", "killing", "spin_connection"])
+def test_names_of_the_field_are_answered_with_ours(name):
+    """A name of the field that the package does not have is answered with the line to type."""
+    with pytest.raises(AttributeError, match=r"Did you mean gt\.") as error:
+        getattr(gt, name)
+    line = str(error.value).partition("Did you mean ")[2].removesuffix("?")
+    head = line.partition("(")[0].removeprefix("gt.").split(".")
+    found = gt
+    for part in head:
+        found = getattr(found, part)
+    assert callable(found)
+
+
+def test_lines_for_names_of_the_field_run():
+    """Each line that needs a frame only gives a result."""
+    frame = load("s2").frame
+    names = {
+        "gt": gt,
+        "frame": frame,
+        "name": "s2",
+        "connection": gt.cartan(frame),
+        "tensor": frame.metric,
+    }
+    lines = [line for line in LIKE.values() if "," not in line and " or " not in line]
+    lines.remove("result.plot()")
+    assert len(lines) > 15
+    for line in lines:
+        assert eval(line, names) is not None, line  # noqa: S307
+
+
+@pytest.mark.parametrize("module", [gt.errors, gt.conventions, gt.effects])
+def test_listings_show_public_names(module):
+    """`dir` shows no names that a module imports."""
+    assert not {"Any", "Sequence", "checks", "annotations"} & {*dir(module)}
+    assert all(hasattr(module, name) for name in dir(module))
+
+
+def test_solutions_as_csv(tmp_path):
+    """`save` to a name that ends in .csv writes the table, whose numbers are the same doubles."""
+    motion.save(tmp_path / "a.csv")
+    table = pandas.read_csv(tmp_path / "a.csv")
+    assert np.array_equal(table.to_numpy(), np.array(motion))
+    assert list(table) == list(motion.to_pandas())
+    assert not list(tmp_path.glob("*.npz"))

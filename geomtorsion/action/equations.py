@@ -292,7 +292,8 @@ def equations_of_motion(
     principle
         "closed_in_coordinates" (Hamilton, Poincare), "closed_in_image" (Kleinert) or "naive".
         Where L depends on q, closed_in_image takes dq^mu = E_i^mu dPhi^i, as Kleinert and Pelster
-        do (gr-qc/9605028): the gap at the end of the path would let the future act.
+        do (gr-qc/9605028): a gap at the end of the path would make the equations depend on the
+        future.
     constraints
         expressions a_i(q) u^i + c(q, t) that stay zero (rolling, knife edge, driven wheels). The
         frame is adapted to them; each takes away one velocity, if possible the last whose

@@ -6,9 +6,10 @@ longer than `geomtorsion --help` takes.
 
 from __future__ import annotations
 
+import gc
 import signal
-from collections.abc import Callable, Mapping
-from contextlib import nullcontext
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, nullcontext
 from functools import partial
 from importlib import import_module
 from typing import Annotated, Any, ClassVar
@@ -41,7 +42,7 @@ class LazyGroup(TyperGroup):
     """A group that lists its commands from a table and imports the one that is called.
 
     module: module path of a command's function, with {} for its name.
-    summaries: name of a command, and of its function -> its line in the help.
+    summaries: name of a command, and with _ for - of its function -> its line in the help.
     groups: title -> names of the commands that help lists below it.
     settings: name -> settings of its context, where they are not the usual ones.
     limited: names of commands that take limits of time and memory.
@@ -63,7 +64,9 @@ class LazyGroup(TyperGroup):
             if near := near_names(cmd_name, self.summaries):
                 ctx.fail(f"No such command {cmd_name!r}. Did you mean {near!r}?")
             return None
-        target = getattr(import_module(self.module.format(cmd_name)), cmd_name)
+        with _uncollected():
+            name = cmd_name.replace("-", "_")
+            target = getattr(import_module(self.module.format(name)), name)
         if isinstance(target, typer.Typer):
             return get_command(target)
         command = _command(target, self.settings.get(cmd_name))
@@ -91,6 +94,18 @@ class LazyGroup(TyperGroup):
         with plain_streams(), clean_exits() as interrupts:
             ctx.meta[_INTERRUPTS] = interrupts
             return super().invoke(ctx)
+
+
+@contextmanager
+def _uncollected() -> Iterator[None]:
+    """Import without collecting garbage: modules keep almost all that they make."""
+    collecting = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if collecting:
+            gc.enable()
 
 
 def _command(function: Callable[..., object], settings: dict[str, Any] | None) -> Any:

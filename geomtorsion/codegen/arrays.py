@@ -33,7 +33,7 @@ def numpy_function(
     symbols
         the arguments in order: sympy symbols, or unknown functions such as f(r).
     check
-        whether values are right, or raise; False: as they come, spoilt or not finite, and no
+        raise where a value is inaccurate or not finite; False: return values unchecked, and no
         numbers where a root has not the sign with which it was read.
 
     Returns

@@ -299,6 +299,10 @@ class Element(ABC):
             self._sympy = self._field.written(self)
         return self._sympy
 
+    def _sympy_(self) -> sympy.Expr:
+        """Hook by which sympy reads the element as an expression."""
+        return self.sympy
+
     @property
     def short(self) -> sympy.Expr:
         """The element as it is printed: sums by powers of a symbol where that is shorter.

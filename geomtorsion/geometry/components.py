@@ -274,6 +274,9 @@ class Components:
                 by_representative[representative] = value if sign > 0 else -value
         return cls.known(field, rank, dimension, by_representative, symmetry)
 
+    def __repr__(self) -> str:
+        return f"Components(rank={self.rank}, dimension={self.dimension})"
+
     def mapped(self, field: Field, change: Callable[[Index, Element], Element]) -> Components:
         """Each nonzero component changed, when it is first read; the symmetry stays.
 

@@ -98,6 +98,13 @@ def keywords(frame: Frame, shape: str) -> dict[str, Any]:
     return arguments if shape == "metric" else arguments | {"complex": frame.complex}
 
 
+def conformal(frame: Frame, factor: object) -> Frame:
+    """See Frame.conformal."""
+    scale = frame.scalar(cast("Any", factor), name="factor")[()]
+    rows = [[scale * entry for entry in row] for row in frame.coframe.tolist()]
+    return type(frame)(frame.coordinates, rows, **keywords(frame, "coframe"))
+
+
 @derived
 def substituted(frame: Frame, put: Substitution) -> Frame:
     """The frame with other values, made as it was made (see Frame.subs)."""

@@ -43,8 +43,8 @@ class Form:
 
     frame: the frame of the form.
     degree: number p of the form indices, which are coordinate indices.
-    source: {index: component}, or a rule index -> Element asked at increasing form indices. An
-        index lists the value indices first, then the p form indices; a component belongs to the
+    source: {index: component}, or a function of the index, called for increasing form indices.
+        An index lists the value indices first, then the p form indices; a component belongs to the
         antisymmetric tensor: alpha = sum over a1 < ... < ap of alpha_{a1...ap} dq^a1 ^ ... ^ dq^ap.
     values: slots of the value indices (see Tensor), empty for a form with values in numbers.
     symbol: how the form is written.

@@ -22,7 +22,9 @@ from geomtorsion.geometry import (
     validation,
 )
 from geomtorsion.geometry.components import Components, alternating, inverse, symmetric
+from geomtorsion.geometry.frame_text import toml_text
 from geomtorsion.geometry.from_arrays import tensor_from_array
+from geomtorsion.geometry.real_points import RationalPoint
 from geomtorsion.geometry.regions import Region, regions
 from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.tensor import Scalar, Tensor
@@ -154,10 +156,12 @@ class Frame:
         object.__setattr__(self, "_plain", plain)
         # The frame does not rely on anything read into the field later.
         self.field.settle()
+        object.__setattr__(self, "_branches", self.field.branches)
         # A frame that is adapted to another frame shares its field.
         self.field.owner = self.field.owner or self
 
     if TYPE_CHECKING:
+        _branches: tuple[Branch, ...]
         _derived: dict[tuple[object, ...], Any]
         _plain: Plain
 
@@ -410,7 +414,7 @@ class Frame:
     @property
     def branches(self) -> tuple[Branch, ...]:
         """Signs chosen for roots whose sign does not follow from the domain."""
-        return self.field.branches
+        return self._branches
 
     @cached_property
     def regions(self) -> tuple[Region, ...]:
@@ -449,7 +453,7 @@ class Frame:
         return self.regions[0]
 
     @cached_property
-    def sample_point(self) -> validation.RationalPoint:
+    def sample_point(self) -> RationalPoint:
         """The point of the region of the frame: symbol -> number.
 
         Raises
@@ -501,7 +505,7 @@ class Frame:
         ----------
         values
             {parameter: number or constant expression}, {a(t): expression of t}; names and text do
-            as well: {"M": "m1 + 1"} with names that the frame knows.
+            as well: {"M": "m1 + 1"}, where names that the frame does not know become parameters.
 
         Raises
         ------
@@ -525,6 +529,47 @@ class Frame:
         """
         put = substitution.substitution(values, self.coordinates, self.field)
         return constructors.substituted(self, put)
+
+    def conformal(self, factor: object) -> Frame:
+        """The frame with every one-form multiplied by a function; the metric gets its square.
+
+        factor: an expression or text in the coordinates and parameters of the frame; new names
+            become parameters.
+
+        Raises
+        ------
+        CoframeError
+            The factor vanishes identically.
+        ExpressionError
+            The factor cannot be read.
+
+        Examples
+        --------
+        >>> Frame("x y", [[1, 0], [0, 1]], domain="y > 0").conformal("1/y").metric.nonzero()
+        {(0, 0): y**(-2), (1, 1): y**(-2)}
+        """
+        return constructors.conformal(self, factor)
+
+    def to_toml(self) -> str:
+        """The text of a tetrad file, which `geomtorsion.read` and all commands take.
+
+        Charts are not written.
+
+        Examples
+        --------
+        >>> print(Frame("r phi", [[1, 0], [0, "k*r"]], parameters="k", domain="r > 0").to_toml())
+        coordinates = ["r", "phi"]
+        domain = ["r > 0"]
+        coframe = [
+          [1, 0],
+          [0, "k*r"],
+        ]
+        <BLANKLINE>
+        [parameters]
+        k = "complex"
+        <BLANKLINE>
+        """
+        return toml_text(self)
 
     def in_coordinates(self, new: object, old: object, domain: object = None) -> Frame:
         """This frame in other coordinates.

@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import product
 from typing import TYPE_CHECKING, Any, SupportsIndex, TypeAlias
 
 import numpy as np
 import sympy as sp
 
-from geomtorsion.errors import MissingValueError, TensorIndexError, UndecidedError
+from geomtorsion.errors import (
+    MissingValueError,
+    SingularPointError,
+    TensorIndexError,
+    UndecidedError,
+    UnknownNameError,
+)
 from geomtorsion.geometry import notation
+from geomtorsion.geometry.components import determinant, inverse
 from geomtorsion.support import checks
 
 if TYPE_CHECKING:
@@ -18,6 +26,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import DTypeLike
 
+    from geomtorsion.exact import Element
     from geomtorsion.geometry.tensor import Tensor
 
     # A number (from the end where it is negative), a coordinate or its name, or a slice.
@@ -28,6 +37,9 @@ def chosen(tensor: Tensor, index: One | tuple[One, ...]) -> Any:
     """One component as an expression, or an array of those that slices choose."""
     items = index if isinstance(index, tuple) else (index,)
     rank, n = len(tensor.slots), tensor.frame.dimension
+    # The only component of a scalar is also its first.
+    if not rank and len(items) == 1 and checks.whole(items[0]) == 0:
+        items = ()
     gaps = [k for k, item in enumerate(items) if item is Ellipsis]
     if gaps:
         place = gaps[0]
@@ -74,7 +86,9 @@ def _refused(tensor: Tensor, index: object) -> TensorIndexError:
     came = ", ".join("..." if item is Ellipsis else checks.shown(item) for item in items)
     rank, n = len(tensor.slots), tensor.frame.dimension
     if not rank:
-        return TensorIndexError(f"{tensor.label}[{came}]: expected a scalar's only index, [()].")
+        return TensorIndexError(
+            f"{tensor.label}[{came}]: expected a scalar's only index, [()] or [0]."
+        )
     names = ", ".join(symbol.name for symbol in tensor.frame.coordinates)
     named = f", a coordinate ({names})" if set(tensor.slots) & {*"du"} else ""
     legs = " Indices of legs are numbers." if set(tensor.slots) & {*"DU"} else ""
@@ -121,6 +135,77 @@ def vanishes(tensor: Tensor) -> bool:
     return verdict
 
 
+def derivative(tensor: Tensor, symbols: tuple[sp.Symbol | str, ...]) -> Tensor:
+    """Partial derivatives of every component, one symbol after another."""
+    frame = tensor.frame
+    names = {symbol.name: symbol for symbol in frame.field.symbols}
+    result = tensor
+    for symbol in symbols:
+        known = names.get(str(symbol))
+        if known is None:
+            raise UnknownNameError(
+                f"derivative of {tensor.label}: expected one of {', '.join(names)}, got "
+                f"{checks.shown(symbol)}."
+            )
+        slope = result.components.mapped(frame.field, lambda _, x, by=known: x.diff(by))
+        name = f"d/d{known.name} {result.name}".strip()
+        written = rf"\partial_{{{known.name}}} {result.symbol}"
+        result = replace(result, source=slope, symbol=written, name=name)
+    return result
+
+
+def _matrix(tensor: Tensor, verb: str) -> dict[tuple[int, int], Element]:
+    """The entries of a tensor with two indices that do not vanish."""
+    if len(tensor.slots) != 2:
+        raise TensorIndexError(
+            f"{verb} of {tensor.label}: expected a tensor with two indices, got "
+            f"{len(tensor.slots)}."
+        )
+    return {(i, j): tensor.element(i, j) for i, j in tensor.components.support}
+
+
+def determinant_of(tensor: Tensor) -> Tensor:
+    """See Tensor.det."""
+    entries = _matrix(tensor, "determinant")
+    frame = tensor.frame
+    value = determinant(frame.field, entries, frame.dimension)
+    return frame.scalar(value, rf"\det {tensor.symbol}", f"determinant of {tensor.name}".strip())
+
+
+def inverse_of(tensor: Tensor) -> Tensor:
+    """See Tensor.inv."""
+    entries = _matrix(tensor, "inverse")
+    if vanishes(determinant_of(tensor)):
+        raise SingularPointError(
+            f"inverse of {tensor.label}: expected a matrix with a determinant that does not vanish."
+        )
+    frame = tensor.frame
+    inverted = inverse(frame.field, entries, frame.dimension)
+    slots = tensor.slots[::-1].translate(str.maketrans("duDU", "udUD"))
+    symmetry = tensor.symmetry if slots in ("uu", "UU", "dd", "DD") else ()
+    return replace(
+        tensor, slots=slots, source=inverted, symmetry=symmetry,
+        symbol=rf"{tensor.symbol}", name=f"inverse of {tensor.name}".strip(), anchored=(),
+    )  # fmt: skip
+
+
+class _Floats(np.ndarray):
+    """Floats of exact components, which are the exact ones where SymPy takes them one by one.
+
+    `sympy.Matrix(tensor)` asks for an array and reads `ravel()` of it, or iterates over a vector;
+    `numpy.asarray(tensor)` has plain floats.
+    """
+
+    exact: np.ndarray | None = None
+
+    def ravel(self, order: Any = "C") -> np.ndarray:
+        """The components in one row: exact ones."""
+        return super().ravel(order) if self.exact is None else self.exact.ravel(order)
+
+    def __iter__(self) -> Iterator[Any]:
+        return super().__iter__() if self.exact is None else iter(self.exact)
+
+
 def numpy_array(tensor: Tensor, dtype: DTypeLike | None = None) -> np.ndarray:
     """All components: floats (or complex numbers) if all are numbers, else an array of objects."""
     n, rank = tensor.frame.dimension, len(tensor.slots)
@@ -139,4 +224,8 @@ def numpy_array(tensor: Tensor, dtype: DTypeLike | None = None) -> np.ndarray:
         )
     is_real = all(x.is_real for x in array.flat)
     numbers = array.astype(float if is_real else complex)
-    return numbers if dtype is None else numbers.astype(dtype)
+    if dtype is not None:
+        return numbers.astype(dtype)
+    floats = numbers.view(_Floats)
+    floats.exact = array
+    return floats

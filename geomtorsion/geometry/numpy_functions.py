@@ -25,7 +25,7 @@ def numpy_function(
     symbols
         the arguments in order: sympy symbols, or unknown functions such as f(r).
     check
-        whether values are right, or raise; False: as they come, spoilt or not finite.
+        raise where a value is inaccurate or not finite; False: return values unchecked.
 
     Returns
     -------

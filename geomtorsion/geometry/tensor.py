@@ -37,7 +37,9 @@ Points = Mapping[str, "Number | ArrayLike"] | Mapping[sp.Expr, "Number | ArrayLi
 Source = Components | Mapping[Index, Scalar] | Callable[[Index], Element]
 
 
-@attribute_hints(simplify="tensor.to_sympy()", components="tensor.nonzero()")
+@attribute_hints(
+    doit="tensor.simplify()", T="sympy.Matrix(tensor).T", trace="sympy.Matrix(tensor).trace()"
+)
 @exclusive
 @dataclass(frozen=True, eq=False, repr=False)
 class Tensor:
@@ -113,7 +115,8 @@ class Tensor:
     def __getitem__(self, index: indexing.One | tuple[indexing.One, ...]) -> Any:
         """One component as a sympy expression, or with slices or fewer indices an array of them.
 
-        An index is a number, negative from the end, or a coordinate index by symbol or name.
+        An index is a number, negative from the end, or a coordinate index by symbol or name. The
+        component of a scalar is [()] or [0].
         Other components are not computed.
 
         Examples
@@ -209,6 +212,20 @@ class Tensor:
         short: as they are printed, by the names of the frame if it has some (`Frame.named`).
         """
         return notation.array(self, checks.flag(short, "short"))
+
+    def tolist(self) -> list[Any]:
+        """All components as nested lists of sympy expressions."""
+        return self.to_sympy().tolist() if self.slots else self[()]
+
+    @property
+    def free_symbols(self) -> set[sp.Symbol]:
+        """The coordinates and parameters that the components contain."""
+        return {symbol for x in self.components.independent.values() for symbol in x.symbols}
+
+    def evalf(self, n: int = 15) -> sp.ImmutableDenseNDimArray | sp.Expr:
+        """All components as a sympy array whose numbers are decimal, with n digits."""
+        array = self.to_sympy()
+        return array.applyfunc(lambda x: x.evalf(n)) if self.slots else array.evalf(n)
 
     def at(self, point: Points, *, digits: int | None = None) -> np.ndarray:
         """Numbers at a point: array of floats (complex if the frame is), one axis per index.
@@ -425,6 +442,73 @@ class Tensor:
             raise AttributeError("a tensor of rank 0 is an expression")
         return sp.Expr._op_priority + 1
 
+    # -- verbs of sympy ------------------------------------------------------------------------
+
+    def diff(self, *symbols: sp.Symbol | str) -> Tensor:
+        """Partial derivatives of every component; the result is not a tensor in general.
+
+        symbols: symbols or names. `connection.covariant_derivative(tensor)` gives a tensor.
+
+        Raises
+        ------
+        UnknownNameError
+            The frame has no such coordinate or parameter.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> Frame([r, phi], [[1, 0], [0, r]]).metric.diff(r).nonzero()
+        {(1, 1): 2*r}
+        """
+        return indexing.derivative(self, symbols)
+
+    def simplify(self) -> Tensor:
+        """The same tensor, every component written as sympy's `simplify` writes it."""
+        return self._mapped(lambda value, _: sp.simplify(value), written=True)
+
+    def det(self) -> Tensor:
+        """Determinant of the matrix of components of a tensor with two indices.
+
+        Of a metric g_{ab} it is a density, not a scalar.
+
+        Raises
+        ------
+        TensorIndexError
+            The tensor has not two indices.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> Frame([r, phi], [[1, 0], [0, r]]).metric.det()[()]
+        r**2
+        """
+        return indexing.determinant_of(self)
+
+    def inv(self) -> Tensor:
+        """Inverse of the matrix of components: of g_{ab} it is g^{ab}.
+
+        Raises
+        ------
+        TensorIndexError
+            The tensor has not two indices.
+        SingularPointError
+            The determinant vanishes.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> frame = Frame([r, phi], [[1, 0], [0, r]])
+        >>> frame.metric.inv() == frame.inverse_metric
+        True
+        """
+        return indexing.inverse_of(self)
+
     # -- other values and points ---------------------------------------------------------------
 
     def subs(self, values: Values) -> Tensor:
@@ -605,3 +689,5 @@ class Tensor:
     plot: ClassVar[Plot] = figure_by("tensors", "draw_tensor")
     # A hook of sympy, which would mistake this class for a sympy tensor by its name.
     _latex, _pretty, _sympystr = notation.sympy_latex, notation.sympy_pretty, notation.sympy_text
+    # `sympy.lambdify` takes the tensor as one argument, not as a list of rows.
+    _iterable = False

@@ -26,7 +26,7 @@ from geomtorsion.support.outgoing import number_text, size_text
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Shooting:
-    """A solution that has given values at its end or at infinity, from free numbers at its start.
+    """Result of `shoot`: the solution, and the start values for which its boundary conditions hold.
 
     values: free numbers by name. errors: estimates of their errors, absolute, which include the
         remainders.

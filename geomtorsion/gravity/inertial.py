@@ -11,7 +11,7 @@ from geomtorsion.support import checks
 
 
 def inertial(frame: FrameLike, limit: Mapping) -> Connection:
-    """The flat metric connection with the spin connection of the limit of a coframe.
+    """Flat connection with the spin connection that the coframe has without gravity.
 
     The limit of the coframe without gravity has turning legs only: its Levi-Civita connection is
     flat, and its spin connection omega_ai^j is taken for the coframe itself (Krssak, Saridakis

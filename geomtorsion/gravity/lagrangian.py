@@ -16,7 +16,7 @@ from geomtorsion.exact import names as words
 from geomtorsion.geometry import Frame, Tensor, at_home
 from geomtorsion.gravity.invariants import INVARIANTS, Invariant
 from geomtorsion.gravity.numeric.numeric_field import NumericField
-from geomtorsion.gravity.vocabulary import MATTER, Vocabulary
+from geomtorsion.gravity.vocabulary import MATTER, WAVE_OPERATORS, Vocabulary
 from geomtorsion.support import checks
 
 
@@ -65,7 +65,8 @@ class Lagrangian:
     geometry: "any", "teleparallel", "symmetric teleparallel", "metric", "riemannian", or
         "metric-affine", whose connection is varied freely also where it is metric.
     name: of the theory, for messages.
-    constants: names of constants that do not only multiply invariants, "n v" or a tuple.
+    constants: names of constants used elsewhere than as factors, such as exponents, "n v" or a
+        tuple.
     invariants: invariants besides those with a name, of `gravity.invariant`.
 
     Examples
@@ -254,7 +255,8 @@ def _parsed(
     names, own = vocabulary.names, vocabulary.symbols
     fields = vocabulary.called
     for word in dict.fromkeys(_NAME.findall(text)):
-        if re.search(rf"\b{word}\s*\(", text) and (word in fields or word not in names):
+        is_called = re.search(rf"\b{word}\s*\(", text)
+        if is_called and (word in fields or word not in names or word.lower() in WAVE_OPERATORS):
             if word in fields or word not in _CALLED:
                 functions[word] = sp.Function(word)
             if word in names and re.search(rf"\b{word}\b(?!\s*\()", text):

@@ -36,11 +36,11 @@ FLUID = ("density", "pressure")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Model:
-    """A theory with matter on the ansatz of a space, and numbers from which it starts.
+    """Contents of a theory file: a space, field equations, and start values.
 
     space: with unknown functions. equations: of the theory. conditions: further equations.
     start, parameters, near, origin, outputs: as for `gravity.solve`.
-    end: an expression at whose fall through zero the solution ends, or "".
+    end: the solution stops when this expression falls to zero; "": at the last time.
     boundary, free: values demanded elsewhere, as for `gravity.shoot`; empty without any.
     """
 
@@ -120,7 +120,7 @@ def read_model(path: str | PathLike[str]) -> Model:
     start, parameters, near, outputs
         Tables as for `gravity.solve`; origin: the value of the variable at the start.
     end
-        An expression at whose fall through zero the solution ends.
+        The solution stops when this expression falls to zero.
     boundary, free
         Values demanded at the end or at infinity, {"phi(oo)" = 0}, and the names of the numbers of
         the start or the parameters that follow from them, ["A"]; as for `gravity.shoot`.

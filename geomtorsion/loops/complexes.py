@@ -28,7 +28,7 @@ class Complex:
     pairs: first and second node of each edge, shape (edges, 2); several edges may join the same
         nodes, and an edge may end where it begins (in another image).
     images: number of periods between the two nodes of each edge, shape (edges, d): the second
-        node is meant in the image so many periods further. d = 0: nothing is periodic.
+        node is in the periodic image with this offset. d = 0: nothing is periodic.
     faces: sense in which each face runs through each edge, sparse, shape (faces, edges).
     cells: sense in which each cell has each face, sparse, shape (cells, faces): 1 outwards.
     labels: names of the nodes; their numbers by default.

@@ -145,11 +145,11 @@ class EnclosedDefect:
 def find_defects(frame: FrameLike, connection: ConnectionLike | None = None) -> tuple[Defect, ...]:
     """Lines on which the coframe is singular, from the exact denominators and the determinant.
 
-    With a connection also those on which its coefficients in the frame are.
+    With a connection also lines where its frame coefficients are singular.
 
-    Found are the isolated zeros of each irreducible factor that is a definite quadratic form about
-    some point in two of the coordinates or more, such as (x - 1)^2 + y^2. Others (curved lines,
-    zeros of higher order) have to be declared as `Defect`.
+    Finds the isolated zeros of each irreducible factor that is a definite quadratic form about some
+    point in two of the coordinates or more, such as (x - 1)^2 + y^2. Declare others (curved lines,
+    zeros of higher order) as `Defect`.
 
     Examples
     --------

@@ -119,6 +119,10 @@ class FrameVector:
         """The components of `vector`."""
         return np.array(self.vector, dtype=dtype)
 
+    def __format__(self, how: str) -> str:
+        """The components, each in a format of numbers; without one the whole text."""
+        return f"[{', '.join(format(x, how) for x in self.vector)}]" if how else str(self)
+
     def __len__(self) -> int:
         return len(self.vector)
 

@@ -78,8 +78,7 @@ def develop_period(
 ) -> AffineMap:
     """Development of a path that closes only because coordinates are periodic, such as angles.
 
-    The legs may come back turned (a multivalued frame): then the turn from the legs at the start
-    to those at the end belongs to the motion.
+    If the frame is multivalued, the rotation of the legs is part of the result.
 
     Parameters
     ----------

@@ -14,6 +14,7 @@ import sympy as sp
 
 from geomtorsion.codegen import exact_number, rational
 from geomtorsion.errors import AccuracyError, ShapeError, StartError, TimeError
+from geomtorsion.exact.units import in_unit
 from geomtorsion.support import checks
 from geomtorsion.support.caching import read_only
 from geomtorsion.support.precision import GOLDEN, working_precision
@@ -160,7 +161,9 @@ TIMES = "a number or a list of numbers"
 
 
 def checked_times(t: object) -> tuple[np.ndarray, np.ndarray]:
-    """Times to report, and the grid from 0 through them."""
+    """Times to report, and the grid from 0 through them; text with a unit is in seconds."""
+    if isinstance(t, str):
+        t = in_unit(t, "s", "t", TimeError)
     single = checks.real(t)
     if single is not None:
         if not np.isfinite(single):

@@ -41,7 +41,7 @@ class Rates:
     expressions: state -> sympy expression over states, parameters and time.
     parameters: names of the numbers that may be chosen for each run.
     time: the symbol of the time.
-    stop: expression at whose fall through zero the motion ends, or None.
+    stop: the motion stops when this expression falls to zero, or None.
     norm_groups: groups of states whose errors are measured against their common size.
     declared: the parameters of the input, with their assumptions.
     """

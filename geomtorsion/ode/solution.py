@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, KeysView, Mapping, Sequence
+from collections.abc import Collection, ItemsView, Iterator, KeysView, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
@@ -22,6 +22,7 @@ from geomtorsion.ode.writing import pandas_table, write_solution, xarray_dataset
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.copies import only_fields
+from geomtorsion.support.csv_table import write_csv
 from geomtorsion.support.displays import Plot, drawn_by, figure_by, key_completions
 from geomtorsion.support.hints import attribute_hints
 from geomtorsion.support.outgoing import size_text
@@ -285,6 +286,23 @@ class Solution:
     def keys(self) -> KeysView[str]:
         """Names of the states, coordinates, velocities and outputs."""
         return self.moment.keys()
+
+    def items(self) -> ItemsView[str, np.ndarray]:
+        """Pairs of a name and its values."""
+        return self.moment.items()
+
+    def __len__(self) -> int:
+        """The number of names."""
+        return len(self.moment)
+
+    def __bool__(self) -> bool:
+        """True, with and without values."""
+        return True
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
+        """The table of `to_pandas`: a row for each time, the time first, shape (m, columns)."""
+        columns = self.problem.columns(self.moment).values()
+        return np.column_stack([np.asarray(x).astype(float) for x in columns]).astype(dtype)
 
     @property
     def states(self) -> np.ndarray:
@@ -615,8 +633,14 @@ class Solution:
         remarks = {"error": self.error, "accuracy": self.accuracy, "engine": str(self.engine)}
         return xarray_dataset(self.problem.columns(self.moment), remarks)
 
+    def to_csv(self, path: str | Path) -> None:
+        """Write times and everything that has a name as a table, every digit kept."""
+        write_csv(checks.file_name(path), self.problem.columns(self.moment))
+
     def save(self, path: str | Path) -> None:
         """Write an NPZ file with arrays (as doubles) and metadata; `SavedSolution.load` reads it.
+
+        A file name that ends in .csv gets the table of `to_csv`.
 
         Examples
         --------
@@ -627,6 +651,9 @@ class Solution:
         >>> round(float(SavedSolution.load(file).at(0.5)["x"]), 9)
         0.60653066
         """
+        if checks.file_name(path).suffix.lower() == ".csv":
+            self.to_csv(path)
+            return
         words = ("accuracy", "error", "engine", "reason", "outcome")
         metadata = {word: getattr(self, word) for word in words}
         metadata |= {"kind": self.problem.kind, "problem": self.problem.described()}

@@ -16,6 +16,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from geomtorsion.pictures.charges import draw_charge
     from geomtorsion.pictures.curve_files import curve_pictures
     from geomtorsion.pictures.development import draw_development
     from geomtorsion.pictures.fits import draw_fit
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.prices import draw_price
     from geomtorsion.pictures.report import write_report
     from geomtorsion.pictures.ringing import draw_ringing
+    from geomtorsion.pictures.solar_system import draw_post_newtonian
     from geomtorsion.pictures.solutions import draw_solution
     from geomtorsion.pictures.stress import draw_stress
     from geomtorsion.pictures.style import can_draw, save
@@ -37,6 +39,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "can_draw": "style",
     "curve_pictures": "curve_files",
+    "draw_charge": "charges",
     "draw_circuits": "measured",
     "draw_closure": "loops",
     "draw_development": "development",
@@ -49,6 +52,7 @@ _HOMES = {
     "draw_network": "network",
     "draw_particles": "particles",
     "draw_plan": "notebook_pictures",
+    "draw_post_newtonian": "solar_system",
     "draw_price": "prices",
     "draw_ringing": "ringing",
     "draw_solution": "solutions",
@@ -62,6 +66,7 @@ _HOMES = {
 __all__ = [
     "can_draw",
     "curve_pictures",
+    "draw_charge",
     "draw_circuits",
     "draw_closure",
     "draw_development",
@@ -74,6 +79,7 @@ __all__ = [
     "draw_network",
     "draw_particles",
     "draw_plan",
+    "draw_post_newtonian",
     "draw_price",
     "draw_ringing",
     "draw_solution",

@@ -18,7 +18,7 @@ from geomtorsion.support.caching import cached_property
 
 @dataclass(frozen=True, eq=False)
 class Fall:
-    """Something over states, parameters and the time at whose fall through zero a motion ends.
+    """Function of states, parameters and time: the motion stops when it falls to zero.
 
     system: the equations; term: the graph, with one output, over names of states, then parameters,
     then the time.

@@ -47,7 +47,7 @@ class Leg:
     """One system over a stretch of time.
 
     system: its equations; begin, end: times, exact; samples: times in between at which to look.
-    fall: at whose fall through zero the motion ends, or None.
+    fall: the motion stops when this function falls to zero; None: at the end of the time.
     inside: conditions that have to stay positive, with their words.
     """
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import math
-from collections.abc import Iterable, Iterator, KeysView, Mapping
+from collections.abc import Iterator, KeysView, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,7 +24,7 @@ from geomtorsion.support.copies import only_fields
 from geomtorsion.support.files import written
 from geomtorsion.support.hints import attribute_hints
 from geomtorsion.support.npz import TEXT_FORM, ArrayForm, json_in, read_npz, write_npz
-from geomtorsion.support.outgoing import csv_cell, size_text
+from geomtorsion.support.outgoing import size_text
 
 if TYPE_CHECKING:
     import pandas
@@ -36,30 +35,6 @@ if TYPE_CHECKING:
     from geomtorsion.scenes.scene import Scene
     from geomtorsion.scenes.selection import StateSelection
     from geomtorsion.scenes.solve import ClosedForm
-
-
-def write_csv(path: Path, table: Mapping[str, Iterable[float | str]]) -> None:
-    r"""Write columns of equal length under their names; numbers read back as the same doubles.
-
-    Examples
-    --------
-    >>> from tempfile import TemporaryDirectory
-    >>> with TemporaryDirectory() as folder:
-    ...     path = Path(folder, "table.csv")
-    ...     write_csv(path, {"t": [0.0, 0.1], "engine": ["a", "b"]})
-    ...     path.read_text()
-    't,engine\n0.0,a\n0.1,b\n'
-    """
-    with written(path) as part, part.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(map(csv_cell, table))
-        rows = zip(*table.values(), strict=True)
-        writer.writerows([_cell(value) for value in row] for row in rows)
-
-
-def _cell(value: float | str) -> str:
-    """A number that reads back as the same double; of texts no formula."""
-    return csv_cell(value) if isinstance(value, str) else repr(float(value))
 
 
 # Marks NPZ files of this kind.

@@ -21,9 +21,9 @@ from geomtorsion.pictures.style import save
 from geomtorsion.scenes.files import START_UNITS
 from geomtorsion.scenes.observables import FINE
 from geomtorsion.scenes.plotting import drawings
-from geomtorsion.scenes.result import write_csv
 from geomtorsion.scenes.scene import Scene
 from geomtorsion.scenes.state import State
+from geomtorsion.support.csv_table import write_csv
 from geomtorsion.support.files import write_text, written
 
 if TYPE_CHECKING:

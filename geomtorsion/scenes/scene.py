@@ -288,6 +288,8 @@ class Scene:
         engine: Engine | None = None,
         checkpoint: str | Path | None = None,
         progress: Callable[[float], object] | bool | None = None,
+        *,
+        t: object = None,
     ) -> SceneResult:
         """Solve the scene; the result holds the outputs by name.
 
@@ -299,6 +301,8 @@ class Scene:
         ----------
         engine, checkpoint, progress
             as in `geomtorsion.solve`.
+        t
+            last time instead of the scene's, in seconds or with a unit: 20 or "3 min".
 
         Raises
         ------
@@ -309,7 +313,8 @@ class Scene:
         StuckError
             the motion cannot continue; the `solution` of the error is the result so far.
         """
-        return solve_scene(self, engine, checkpoint, progress)
+        scene = self if t is None else self.with_values(t=t)
+        return solve_scene(scene, engine, checkpoint, progress)
 
     def cost(self, engine: Engine | None = None, repeats: int = 5) -> SceneCost:
         """States and run time with the effects added one by one; prints as a table."""
@@ -521,7 +526,7 @@ class SceneCostRow:
 class SceneCost:
     """What each effect of a scene costs; prints as a table.
 
-    rows: with the effects added one by one, in the order of the scene.
+    rows: one row per effect; effects are added in the order of the scene.
     """
 
     title: str

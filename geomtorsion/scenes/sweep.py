@@ -20,10 +20,10 @@ from geomtorsion.pictures.style import STYLE, number, save
 from geomtorsion.scenes.body import Number
 from geomtorsion.scenes.metrics import Measure, SweepRun, Values, measures, only_words, quantities
 from geomtorsion.scenes.observables import FINE
-from geomtorsion.scenes.result import write_csv
 from geomtorsion.scenes.solve import checked_states, closed_form
 from geomtorsion.scenes.to_ode import observed, parameters_of, start_of
 from geomtorsion.support import checks
+from geomtorsion.support.csv_table import write_csv
 from geomtorsion.support.outgoing import size_text
 
 if TYPE_CHECKING:

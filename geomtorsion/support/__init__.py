@@ -9,6 +9,7 @@ __all__ = [
     "caching",
     "checks",
     "copies",
+    "csv_table",
     "displays",
     "exclusive",
     "executors",

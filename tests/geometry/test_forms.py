@@ -55,7 +55,9 @@ def test_forms_are_written_and_copied():
     assert again.nonzero() == form.nonzero()
     assert copy.deepcopy(form) is form
     assert hash(form) == hash(form + form * 0)
-    assert "slots Udd" in repr(gt.cartan(BALL).torsion_form())
+    assert "T^{i}_{ab} (a, b: coordinates r, theta, phi; i: legs)" in repr(
+        gt.cartan(BALL).torsion_form()
+    )
 
 
 def test_form_indices_in_any_order():

@@ -126,7 +126,7 @@ def test_cached_and_unrolled_code_change_no_result(monkeypatch):
 
 @pytest.mark.parametrize("before", [2**20, 2**34])
 def test_how_much_heyoka_leaves_on_the_disk(before):
-    """A limit above a gigabyte is lowered to a gigabyte; a smaller one stays."""
+    """A limit above a quarter of a gigabyte is lowered to it; a smaller one stays."""
 
     class State:
         """heyoka's settings of the disk cache."""
@@ -144,7 +144,7 @@ def test_how_much_heyoka_leaves_on_the_disk(before):
 
     state = State()
     _limit_disk_cache.__wrapped__(state)
-    assert state.limit == min(before, 2**30)
+    assert state.limit == min(before, 2**28)
 
 
 @pytest.mark.parametrize("rate", ["1e200*x", "1e300*x"])

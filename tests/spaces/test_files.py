@@ -14,7 +14,7 @@ from geomtorsion.errors import (
     LimitError,
     StructureConstantError,
 )
-from geomtorsion.spaces import load, read_file
+from geomtorsion.spaces import load, names, read_file
 
 DATA = Path(__file__).parent.parent / "data"
 PLANE = 'coordinates = ["r", "phi"]\n'
@@ -289,3 +289,16 @@ def test_files_that_are_too_large(tmp_path, read):
         read(PLANE + f"coframe = [[1, 0], [0, {'9' * 5000}]]")
     with pytest.raises(LimitError, match=r"coframe\[1, 1\]: the exponent is 387420489"):
         read(PLANE + 'coframe = [[1, 0], [0, "9**9**9"]]')
+
+
+@pytest.mark.parametrize("name", names())
+def test_a_written_frame_is_read_again(name, tmp_path):
+    """`Frame.to_toml` writes a file from which the same frame is read."""
+    frame = load(name).frame
+    file = tmp_path / "again.toml"
+    file.write_text(frame.to_toml(), "utf-8")
+    again = read_file(file).frame
+    assert str(again.coframe.tolist()) == str(frame.coframe.tolist())
+    assert str(again.eta) == str(frame.eta)
+    assert again.to_toml() == frame.to_toml()
+    assert list(map(str, again.domain)) == list(map(str, frame.domain))

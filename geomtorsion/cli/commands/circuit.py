@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from geomtorsion.cli.loops import LoopFiles, files_of_loops, named_loop
+from geomtorsion.cli.measured_sources import Reading, identity_frame, opened
 from geomtorsion.cli.options import (
     Form,
     MeasuredFile,
@@ -23,7 +24,6 @@ from geomtorsion.cli.options import (
     option,
 )
 from geomtorsion.cli.results import show_burgers
-from geomtorsion.cli.sources import Reading, identity_frame, opened
 from geomtorsion.cli.terminal import working
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import Loop

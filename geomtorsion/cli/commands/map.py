@@ -11,6 +11,7 @@ import typer
 
 from geomtorsion.cli.exits import ExitCode, resumable
 from geomtorsion.cli.loops import typed_loop
+from geomtorsion.cli.measured_sources import Reading, dashed, identity_frame, opened, sigma_of
 from geomtorsion.cli.options import (
     MeasuredFile,
     MeasuredLaue,
@@ -35,7 +36,6 @@ from geomtorsion.cli.results import (
     survey_lines,
     write_survey,
 )
-from geomtorsion.cli.sources import Reading, dashed, identity_frame, opened, sigma_of
 from geomtorsion.cli.terminal import working, wrapped
 from geomtorsion.errors import CheckpointError, GridError, ImageError, OrientationError
 from geomtorsion.materials.fields.blocked_fields import BlockedSurvey, map_in_blocks

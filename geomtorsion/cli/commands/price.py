@@ -11,6 +11,7 @@ import typer
 
 from geomtorsion import prices
 from geomtorsion.cli.loops import named_loop
+from geomtorsion.cli.measured_sources import Reading, identity_frame, opened
 from geomtorsion.cli.options import (
     NO_PICTURES,
     Force,
@@ -29,7 +30,6 @@ from geomtorsion.cli.options import (
     say_written,
 )
 from geomtorsion.cli.scene_sources import is_scene, open_scene, space_or_hint
-from geomtorsion.cli.sources import Reading, identity_frame, opened
 from geomtorsion.cli.terminal import working
 from geomtorsion.cli.values import engine_of, named_numbers, numbers, start_lines, start_options
 from geomtorsion.errors import StartError

@@ -34,8 +34,8 @@ from geomtorsion.prices import EffectBudget
 from geomtorsion.proofs import prove
 from geomtorsion.scenes import Scene, SceneResult
 from geomtorsion.scenes.checkpoint import partial_result
-from geomtorsion.scenes.result import write_csv
 from geomtorsion.scenes.saving import write_run, write_scene_film
+from geomtorsion.support.csv_table import write_csv
 from geomtorsion.support.files import check_resumption, make_folder
 from geomtorsion.support.progress import bar
 

@@ -6,6 +6,7 @@ from geomtorsion.gravity.perturbed.particles import Particle, Spectrum, spectrum
 from geomtorsion.gravity.perturbed.phase_space import DegreesOfFreedom, degrees_of_freedom
 from geomtorsion.gravity.perturbed.quasi_normal import Mode, Ringing, ringing
 from geomtorsion.gravity.perturbed.scalar_waves import ScalarModes, scalar_modes
+from geomtorsion.gravity.perturbed.solar_system import SolarTest
 from geomtorsion.gravity.perturbed.weak_field import PostNewtonian, post_newtonian
 
 __all__ = [
@@ -16,6 +17,7 @@ __all__ = [
     "PostNewtonian",
     "Ringing",
     "ScalarModes",
+    "SolarTest",
     "Spectrum",
     "TensorModes",
     "degrees_of_freedom",

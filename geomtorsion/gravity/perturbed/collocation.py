@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import mpmath
 import numpy as np
-import scipy.linalg
+import scipy  # loads its parts on first use
 import sympy as sp
 from flint import acb, acb_mat, ctx
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
+from typing import Any
 
 import sympy as sp
 
 from geomtorsion.errors import GravityError
+from geomtorsion.exact import parse_expression
 from geomtorsion.geometry import (
     Connection,
     Frame,
@@ -169,6 +171,23 @@ def check_couplings(equations: FieldEquations, taken: Iterable[sp.Basic]) -> Non
             f"lagrangian: expected couplings with names of their own, got {names[0]}, which is a "
             "coordinate or a symbol of the result here. Give the coupling another name."
         )
+
+
+def replacements(
+    couplings: Iterable[sp.Symbol], values: Mapping[Any, object]
+) -> dict[sp.Symbol, sp.Expr]:
+    """Values by coupling, from names or symbols."""
+    names = {s.name: s for s in couplings}
+    replaced = {}
+    for name, value in values.items():
+        symbol = names[checks.known_name(str(name), names, "coupling", GravityError)]
+        replaced[symbol] = checks.expression(
+            value,
+            str(name),
+            GravityError,
+            read=lambda text, where=str(name): parse_expression(text, names, where=where),
+        )
+    return replaced
 
 
 def names_of(scalars: str | Iterable[str]) -> list[str]:

@@ -9,7 +9,6 @@ from typing import Any, ClassVar
 import sympy as sp
 
 from geomtorsion.errors import GravityError
-from geomtorsion.exact import parse_expression
 from geomtorsion.gravity.equations import equations
 from geomtorsion.gravity.invariants import Invariant
 from geomtorsion.gravity.lagrangian import Lagrangian
@@ -21,6 +20,7 @@ from geomtorsion.gravity.perturbed.geometries import (
     check_couplings,
     geometry_of,
     names_of,
+    replacements,
     small_frame,
     small_matter,
     theory_in,
@@ -173,16 +173,7 @@ class Spectrum:
         >>> perturbed.spectrum("R/2 + c*R**2", "riemannian").subs(c=0).degrees_of_freedom
         2
         """
-        names = {s.name: s for s in self.waves.couplings}
-        replaced = {}
-        for name, value in {**(values or {}), **named}.items():
-            symbol = names[checks.known_name(str(name), names, "coupling", GravityError)]
-            replaced[symbol] = checks.expression(
-                value,
-                str(name),
-                GravityError,
-                read=lambda text, where=str(name): parse_expression(text, names, where=where),
-            )
+        replaced = replacements(self.waves.couplings, {**(values or {}), **named})
         return Spectrum(self.lagrangian, self.geometry, self.waves.subs(replaced), self.components)
 
     def __str__(self) -> str:

@@ -28,7 +28,7 @@ from geomtorsion.gravity.vocabulary import declared_constants
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.exclusive import exclusive
-from geomtorsion.support.precision import HALF
+from geomtorsion.support.precision import HALF, PRINTED
 
 NAMES = ("flat", "riemannian", "teleparallel", "symmetric teleparallel", "poincare")
 COORDINATES = sp.symbols("t x y z")
@@ -136,8 +136,7 @@ class DegreesOfFreedom:
             f"  with one order less:           {', '.join(map(str, self.shorter))}",
             f"  gauge functions: {sum(m for m, _ in self.gauge)}",
             f"  phase space functions by q: {', '.join(map(str, self.differences))}",
-            f"  singular values: those that count above {self.gaps[0]:.0e}, others below "
-            + f"{self.gaps[1]:.0e}",
+            f"  singular values: counted from {self.gaps[0]:.0e}, dropped up to {self.gaps[1]:.0e}",
         ]
         values = [f"{x} = {value:.4g}" for x, value in self.invariants.items()]
         constant = ", ".join(self.branch) or "none"
@@ -481,6 +480,7 @@ def _branch(setting: Setting, jet: Jet) -> tuple[tuple[str, ...], dict[str, floa
             continue
         values[name] = float(element.value[0])
         gradient = element.value[jet.series.degrees == 1]
-        if not np.any(np.abs(gradient) > HALF):
+        # Where equations have a double root, half of the digits of a solution are left.
+        if not np.any(np.abs(gradient) > PRINTED):
             constant.append(name)
     return tuple(constant), values

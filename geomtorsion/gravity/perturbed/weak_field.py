@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar
 
 import sympy as sp
 
 from geomtorsion.errors import GravityError
-from geomtorsion.exact import Element
+from geomtorsion.exact import Element, parse_expression
 from geomtorsion.geometry import Frame
 from geomtorsion.gravity.equations import FieldEquations, equations
 from geomtorsion.gravity.invariants import Invariant
@@ -26,13 +27,17 @@ from geomtorsion.gravity.perturbed.geometries import (
     check_couplings,
     geometry_of,
     names_of,
+    replacements,
     theory_in,
 )
+from geomtorsion.gravity.perturbed.solar_system import CASSINI, MEASUREMENTS, SolarTest
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
+from geomtorsion.support.displays import Plot, drawn_by, figure_by, latex_of
 
-# Wave number, and first and second order of the lapse, the lengths and the scalar fields.
+# Wave number and distance; first and second order of the lapse, the lengths and the scalars.
 K = sp.Symbol("k")
+DISTANCE = sp.Symbol("r", positive=True)
 LENGTH, LAPSE2, LENGTH2 = sp.symbols("length lapse2 length2")
 # A place outside of the mass where r = 1.
 PLACE = {X: sp.Rational(2, 3), Y: sp.Rational(1, 3), Z: sp.Rational(2, 3)}
@@ -44,7 +49,8 @@ class PostNewtonian:
 
     lagrangian: the theory.
     build: (potential, order) -> the equations of a static field with this potential.
-    scalars: names of the scalar fields.
+    scalars: names of the scalar fields. couplings: symbols that may have values.
+    values: those that have one.
 
     Examples
     --------
@@ -57,6 +63,38 @@ class PostNewtonian:
     lagrangian: Lagrangian
     build: Callable[[sp.Expr, int], FieldEquations]
     scalars: tuple[str, ...]
+    couplings: tuple[sp.Symbol, ...] = ()
+    values: Mapping[sp.Symbol, sp.Expr] = field(default_factory=dict)
+
+    def subs(self, values: Mapping[Any, object] | None = None, **named: object) -> PostNewtonian:
+        """The same field for values of couplings.
+
+        Raises
+        ------
+        GravityError
+            A name is not a coupling, or a value not a number or a formula.
+
+        Examples
+        --------
+        >>> from geomtorsion.gravity import perturbed
+        >>> theory = perturbed.post_newtonian(
+        ...     "phi*R/2 - om*X/(2*phi)", "riemannian", scalars="phi"
+        ... )
+        >>> theory.subs(om=40000).gamma
+        40001/40002
+        """
+        return replace(self, values=replacements(self.couplings, {**(values or {}), **named}))
+
+    def _at(self, expression: sp.Expr, name: str) -> sp.Expr:
+        """A formula at the values of the couplings."""
+        result = sp.factor(expression.xreplace(dict(self.values)))
+        if result.has(sp.nan, sp.zoo, sp.oo):
+            given = ", ".join(f"{x} = {value}" for x, value in self.values.items())
+            raise GravityError(
+                f"post_newtonian: expected values at which {name} = {expression} is finite, got "
+                f"{given}. Give other values, or write these into the Lagrangian."
+            )
+        return result
 
     # -- first order -----------------------------------------------------------------------------
 
@@ -90,15 +128,41 @@ class PostNewtonian:
     @cached_property
     def gamma_of_k(self) -> sp.Expr:
         """gamma for a wave of the potential with the wave number k."""
-        return self._wave[0][LENGTH]
+        return self._at(self._wave[0][LENGTH], "gamma_of_k")
 
     @cached_property
     def G_of_k(self) -> sp.Expr:
         """Strength of the attraction for a wave number k; 1 for L = R/2."""
-        return sp.factor(1 / self._wave[1])
+        return self._at(1 / self._wave[1], "G_of_k")
+
+    @cached_property
+    def gamma_of_r(self) -> sp.Expr:
+        """gamma at the distance r from a point mass; a field of mass m adds exp(-m r).
+
+        Raises
+        ------
+        GravityError
+            A field is not a single wave of one mass.
+
+        Examples
+        --------
+        The scalar of R^2 (Capone and Ruggiero 2010).
+
+        >>> from geomtorsion.gravity import perturbed
+        >>> theory = perturbed.post_newtonian("R/2 + R**2/12", "riemannian")
+        >>> theory.gamma_of_r
+        (3*exp(r) - 1)/(3*exp(r) + 1)
+        """
+        lengths = _around_a_point(sp.factor(self.G_of_k * self.gamma_of_k))
+        return sp.factor(lengths / _around_a_point(self.G_of_k))
+
+    @cached_property
+    def G_of_r(self) -> sp.Expr:
+        """Potential at the distance r from a point mass, times r/mass; 1 for L = R/2."""
+        return sp.factor(_around_a_point(self.G_of_k))
 
     def _check_massless(self) -> None:
-        if not self.gamma_of_k.has(K) and not self.G_of_k.has(K):
+        if self._is_massless:
             return
         # Both parts of the field have the poles of the propagator: k^2 = -m^2.
         lengths = sp.factor(self.G_of_k * self.gamma_of_k)
@@ -108,7 +172,8 @@ class PostNewtonian:
         listed = ", ".join(f"m^2 = {x}" for x in masses)
         raise GravityError(
             f"post_newtonian: expected massless fields, got a field with {listed or 'a mass'}. Use "
-            f"gamma_of_k = {self.gamma_of_k} and G_of_k for a wave number k."
+            f"gamma_of_k = {self.gamma_of_k} for a wave number k, gamma_of_r and tests_at(r) for a "
+            "distance r."
         )
 
     @property
@@ -132,15 +197,7 @@ class PostNewtonian:
     # -- second order ----------------------------------------------------------------------------
 
     @cached_property
-    def beta(self) -> sp.Expr:
-        """How gravity adds to itself in g_tt; 1 in general relativity.
-
-        Raises
-        ------
-        GravityError
-            A field has a mass, or no field 1/r solves the second order outside of a mass.
-        """
-        self._check_massless()
+    def _beta(self) -> sp.Expr:
         system = self.build(1 / sp.sqrt(X**2 + Y**2 + Z**2), 2)
         known = self._wave[0]
         rows = [sp.factor(x.sympy.subs(PLACE).subs(known)) for x in _rows(system, 2)]
@@ -154,15 +211,142 @@ class PostNewtonian:
             )
         return sp.factor(sp.Rational(1, 2) + values[0])
 
+    @cached_property
+    def beta(self) -> sp.Expr:
+        """How gravity adds to itself in g_tt; 1 in general relativity.
+
+        Raises
+        ------
+        GravityError
+            A field has a mass, or no field 1/r solves the second order outside of a mass.
+        """
+        self._check_massless()
+        return self._at(self._beta, "beta")
+
+    # -- the solar system ------------------------------------------------------------------------
+
+    @cached_property
+    def tests(self) -> tuple[SolarTest, ...]:
+        """gamma and beta beside their measured values in the solar system.
+
+        Raises
+        ------
+        GravityError
+            As gamma and beta.
+
+        Examples
+        --------
+        >>> from geomtorsion.gravity import perturbed
+        >>> theory = perturbed.post_newtonian(
+        ...     "phi*R/2 - om*X/(2*phi)", "riemannian", scalars="phi"
+        ... )
+        >>> print(theory.tests[0])
+        Cassini, gamma - 1 = (2.1 +- 2.3)e-5: passes where om <= -14927.4 or om >= 39998
+        """
+        return tuple(SolarTest(one, getattr(self, one.parameter)) for one in MEASUREMENTS)
+
+    @property
+    def _tests(self) -> list[SolarTest]:
+        """Tests of the numbers that exist."""
+        numbers = self.numbers
+        return [
+            SolarTest(one, numbers[one.parameter])
+            for one in MEASUREMENTS
+            if one.parameter in numbers
+        ]
+
+    def tests_at(self, r: object) -> tuple[SolarTest, ...]:
+        """gamma at one distance from the Sun beside the value of Cassini, for massive fields.
+
+        r: in the unit of length in which the Lagrangian is written, so that 1/r is a mass.
+
+        Raises
+        ------
+        GravityError
+            r is not a positive number, or as `gamma_of_r`.
+
+        Examples
+        --------
+        >>> from geomtorsion.gravity import perturbed
+        >>> theory = perturbed.post_newtonian("R/2 + R**2/12", "riemannian")
+        >>> [str(theory.tests_at(r)[0].passes) for r in (1, 20)]
+        ['False', 'True']
+        """
+        distance = checks.expression(r, "r", GravityError, read=_number)
+        if distance.is_positive is not True or not distance.is_number:
+            checks.refuse(GravityError, "r", "a positive number", r)
+        return (SolarTest(CASSINI, self.gamma_of_r.xreplace({DISTANCE: distance})),)
+
+    @cached_property
+    def _is_massless(self) -> bool:
+        return not self.gamma_of_k.has(K) and not self.G_of_k.has(K)
+
+    @cached_property
+    def numbers(self) -> Mapping[str, sp.Expr]:
+        """gamma, beta where it exists, and G by name; functions of k where a field has a mass."""
+        if not self._is_massless:
+            return {"gamma(k)": self.gamma_of_k, "G(k)": self.G_of_k}
+        try:
+            return {"gamma": self.gamma, "beta": self.beta, "G": self.G}
+        except GravityError:
+            # Some theories have no second order of the form 1/r^2.
+            return {"gamma": self.gamma, "G": self.G}
+
+    def to_json(self) -> dict[str, Any]:
+        """Numbers and tests as plain data, with formulas as text."""
+        return {
+            "lagrangian": str(self.lagrangian.expression),
+            "values": {x.name: str(value) for x, value in self.values.items()},
+            **{name: str(value) for name, value in self.numbers.items()},
+            "tests": [one.to_json() for one in self._tests],
+        }
+
     def __str__(self) -> str:
         lines = [f"field of a mass at rest in {self.lagrangian!r}"]
-        try:
-            lines.append(f"gamma = {self.gamma}, beta = {self.beta}, G = {self.G}")
-        except GravityError:
-            lines.append(f"gamma(k) = {self.gamma_of_k}, G(k) = {self.G_of_k}")
-        return "\n".join(lines)
+        if self.values:
+            lines[0] += ", " + ", ".join(f"{x} = {value}" for x, value in self.values.items())
+        lines.append(", ".join(f"{name} = {value}" for name, value in self.numbers.items()))
+        return "\n".join([*lines, *map(str, self._tests)])
 
     __repr__ = __str__
+    _repr_html_ = drawn_by("solar_system", "post_newtonian_html")
+    plot: ClassVar[Plot] = figure_by("solar_system", "draw_post_newtonian")
+
+    def _repr_latex_(self) -> str:
+        """The numbers as formulas, for papers."""
+        signs = {"gamma": r"\gamma", "beta": r"\beta", "gamma(k)": r"\gamma(k)"}
+        parts = [
+            f"{signs.get(name, name)} = {latex_of(value)}" for name, value in self.numbers.items()
+        ]
+        return "$" + r",\quad ".join(parts) + "$"
+
+
+def _number(text: str) -> sp.Expr:
+    """A number from text."""
+    return parse_expression(text, {})
+
+
+def _around_a_point(strength: sp.Expr) -> sp.Expr:
+    """r times the potential of a point mass whose waves have this strength.
+
+    strength/k^2 as partial fractions: r/(k^2 + m^2) is the wave of exp(-m r)/r.
+    """
+    q = sp.Symbol("q", positive=True)
+    shape = sp.factor(strength.subs(K**2, q))
+    total = shape.subs(q, 0)
+    for factor, power in sp.factor_list(sp.denom(shape))[1]:
+        poly = sp.Poly(factor, q)
+        if not poly.degree():
+            continue
+        if power > 1 or poly.degree() > 1 or shape.has(K):
+            raise GravityError(
+                f"post_newtonian: expected fields with one mass each, got {factor} = 0 with "
+                f"q = k^2 in the denominator. Use gamma_of_k = {strength}, or give numbers."
+            )
+        mass2 = sp.factor(poly.nth(0) / poly.nth(1))
+        residue = sp.cancel(shape / q * (q + mass2)).subs(q, -mass2)
+        total += residue * sp.exp(-sp.powdenest(sp.sqrt(mass2), force=True) * DISTANCE)
+    return total
 
 
 def _weight(system: FieldEquations) -> int:
@@ -238,7 +422,7 @@ def post_newtonian(
     values_far = {}
     for one, value in (far or {}).items():
         checks.known_name(one, fields, "scalar field", GravityError)
-        values_far[one] = checks.expression(value, f"far[{one}]", GravityError)
+        values_far[one] = checks.expression(value, f"far[{one}]", GravityError, read=_number)
 
     def build(potential: sp.Expr, order: int) -> FieldEquations:
         """Equations of a static field with this potential."""
@@ -271,4 +455,5 @@ def post_newtonian(
             f" = {x} there. Omit the cosmological constant, or give the values of scalar fields "
             "far away: far={'phi': 1}."
         )
-    return PostNewtonian(theory, build, fields)
+    own = {sp.Symbol(str(x)) for x in first.constants} | {sp.Symbol(x) for x in far_away}
+    return PostNewtonian(theory, build, fields, tuple(sorted(own, key=str)))

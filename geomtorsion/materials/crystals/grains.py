@@ -83,7 +83,7 @@ class Grains:
     walls: walls between grains that touch, by the numbers of the grains.
     fitting: share of the atoms whose neighbours fit the lattice of their grain; None for a single
         crystal.
-    used: how many numbers have been given, in this frame of a trajectory and before.
+    used: number of grain labels used so far, in this frame of a trajectory and before.
     vanished: numbers of grains of the frame before that no longer exist.
     """
 

@@ -25,7 +25,8 @@ class KnownGrains:
     """Grains of one frame of a trajectory, for the next frame.
 
     frames: of each grain, by its number. owner: the grain of each atom, as in `Grains.number`,
-    shape (atoms,). used: how many numbers have been given so far.
+    shape (atoms,). used: number of grain labels
+    used so far.
     """
 
     frames: Mapping[int, Frame]

@@ -42,7 +42,7 @@ def crystal_report(crystal: Crystal, net: DislocationNetwork, convention: str = 
     atoms in each lattice, in walls and in no lattice. grains: for each number, lattice, constant,
     orient, deformation, atoms (how many) and centre. walls: for each, the two grains, degrees and
     axis of the misorientation, and atoms (how many). vanished: grains of the frame before that no
-    longer exist; numbers: how many numbers have been given. Lines have their grain.
+    longer exist; numbers: number of grain labels used so far. Lines have their grain.
 
     Raises
     ------

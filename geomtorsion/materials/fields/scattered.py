@@ -48,10 +48,10 @@ class ScatteredFrame:
     coboundary is the Burgers vector of each triangle.
 
     mesh: points and triangles. cochain: integral of the coframe along each edge, with the error of
-    the interpolation. difference: of the integrals from another rule, shape (edges, rows). noise:
-    of the integrals, or None. sigma_source: origin of the noise. order: 2 for trapezoids, 4 with
-    slopes at the points, 0 without interpolation. unit: of points. vector_unit: of b (by default
-    the same).
+    the interpolation. difference: between the integrals and a second rule, an error estimate, shape
+    (edges, rows). noise: of the integrals, or None. sigma_source: origin of the noise. order: 2 for
+    trapezoids, 4 with slopes at the points, 0 without interpolation. unit: of points. vector_unit:
+    of b (by default the same).
 
     Options of all makers: mask, True at unknown points (equivalent to NaN); longest, the largest
     length of an edge; boundary, polygons (only for plane points), where the region consists of the

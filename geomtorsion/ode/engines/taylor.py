@@ -48,8 +48,9 @@ LONGEST_UNROLLED = 400
 # Guards are watched at this part of their value: heyoka counts events among the states by whose
 # size it measures its steps.
 FAINT = Fraction(1, 2**30)
-# Bytes of compiled code that heyoka may leave on the disk; its own default is 21 gigabytes.
-DISK = 2**30
+# Bytes of optimised code that heyoka may leave on the disk. Its own default is 21 gigabytes; to
+# open a cache takes 0.4 seconds for each gigabyte in it.
+DISK = 2**28
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,6 +115,8 @@ class Crossed:
 
 _kept: OrderedDict[tuple[Any, ...], _Shared] = OrderedDict()
 _kept_lock = Lock()
+# Held while heyoka's own switch of the cache on the disk is changed.
+_disk_lock = Lock()
 
 
 def heyoka() -> Any:
@@ -183,12 +186,21 @@ def _compiled(
     return fresh, time.perf_counter() - began
 
 
+@contextmanager
+def _without_disk(state: Any) -> Iterator[None]:
+    """Compile without the cache on the disk; opening it takes longer than to compile plain code."""
+    with _disk_lock:
+        before = state.get_diskcache_enabled()
+        state.set_diskcache_enabled(False)
+        try:
+            yield
+        finally:
+            state.set_diskcache_enabled(before)
+
+
 @lru_cache(maxsize=1)
 def _limit_disk_cache(state: Any) -> None:
-    """Keep compiled code on the disk small; without a home folder keep none.
-
-    Done once: heyoka looks at every file to know its own limit, for a tenth of a second.
-    """
+    """Keep optimised code on the disk small; without a home folder keep none."""
     if not state.get_diskcache_enabled():
         return
     try:
@@ -208,7 +220,6 @@ def _integrator(
 ) -> Any:
     """heyoka's integrator of a system."""
     hy = heyoka()
-    _limit_disk_cache(hy.llvm_state)
     variables = hy.make_vars(*(f"s{k}" for k in range(system.size)))
     if system.size == 1:
         variables = [variables] if not isinstance(variables, list) else variables
@@ -237,6 +248,8 @@ def _integrator(
     # heyoka counts along rising times, wherever a run goes.
     falling = hy.event_direction.positive if backward else hy.event_direction.negative
     if width:
+        with _disk_lock:
+            _limit_disk_cache(hy.llvm_state)
         if guards:
             crossed = Crossed()
             options["nt_events"] = [
@@ -257,7 +270,8 @@ def _integrator(
         maker = events.get(precision) or hy.t_event_real
         options["t_events"] = [maker(guard, direction=falling) for guard in guards]
     zeros = np.array([number(0)] * system.size, dtype=kind)
-    return hy.taylor_adaptive(equations, zeros, **options)
+    with _without_disk(hy.llvm_state):
+        return hy.taylor_adaptive(equations, zeros, **options)
 
 
 __all__ = ["Taylor", "heyoka", "is_available"]

@@ -67,3 +67,8 @@ __all__ = [
     "Typical",
     "unit",
 ]
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return [*__all__]

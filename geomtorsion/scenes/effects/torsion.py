@@ -65,9 +65,9 @@ class Torsion(Effect):
 class Naive(Effect):
     """Naive law I Omega' = M: a wrong result that the paper warns of.
 
-    Variations that close in the image Phi, which is not a coordinate, give this law. It does not
-    conserve the angular momentum in space; it conserves the energy, because the omitted term does
-    no work.
+    This wrong law follows if variations are required to close in the image Phi, which is not a
+    coordinate. It does not conserve the angular momentum in space; it conserves the energy, because
+    the omitted term does no work.
 
     Equation
     --------

@@ -72,6 +72,21 @@ def test_f_of_t_in_three_dimensions():
     assert sum(m for m, _ in answer.gauge) == 3
 
 
+def test_f_of_t_in_the_vacuum():
+    """The coupling of the scalar is turned off step by step: 2 are left for f(T) alone."""
+    options: Any = {"dimension": 3, "scalars": {"phi": "log(1 + t)"}, "constants": "s"}
+    near: Any = UNIVERSE
+    for s in (1, 0.5, 0):
+        near = count("T + c*T**2 + s*X/2", "teleparallel", near=near,
+                     parameters={"c": 0.1, "s": s}, **options)  # fmt: skip
+    # The scalar without a coupling is a function of all coordinates, and no known gauge.
+    assert not near.settled
+    alone = count("T + c*T**2", "teleparallel", dimension=3, near=near, parameters={"c": 0.1})
+    assert alone.settled, alone.reason
+    assert alone.number == 2
+    assert alone.branch == ()
+
+
 def test_a_start_in_flat_space_falls_on_another_branch():
     """From flat space T is constant on the solution of f(T), and no number is guessed."""
     answer = count("T + c*T**2", "teleparallel", dimension=3, parameters={"c": 0.3})
