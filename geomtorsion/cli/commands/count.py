@@ -50,7 +50,7 @@ def count(
     order: Annotated[
         int | None, typer.Option(metavar="N", help="Highest order of the power series.")
     ] = None,
-    seed: Annotated[int, typer.Option(metavar="N", help="Of the random change of the start.")] = 0,
+    seed: Annotated[int, typer.Option(metavar="N", help="Seed of the random start.")] = 0,
     form: Annotated[
         Form, typer.Option("--format", help="text to read, json for programs.")
     ] = Form.text,

@@ -101,7 +101,7 @@ class Jet:
         return np.tile(0.5**self.series.degrees, len(self.fields))
 
     def solved(self) -> tuple[Jet, float]:
-        """The nearest jet that solves the equations, and what is left of them.
+        """The nearest jet that solves the equations, and its largest residual.
 
         Newton's method with the step of least weighted norm, halved until the equations improve.
         """

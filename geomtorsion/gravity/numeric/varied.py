@@ -22,7 +22,7 @@ Place = tuple[int, ...]
 class Varied:
     """The fields that a kind of geometry varies in some dimension.
 
-    coframe: places (i, mu) of the coframe that vary; the others are those of the unit matrix.
+    coframe: places (i, mu) of the coframe that vary; the other entries are constant, as in the unit matrix.
     turning: places (a, i, j) of the spin connection omega_aij that vary, antisymmetric in ij.
     connection: of a frame; None for a spin connection of its own, "flat" coefficients for zero.
     rows: the equations, by the names of `FieldEquations.tensors`, with their places.

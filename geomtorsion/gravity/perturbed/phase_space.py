@@ -432,8 +432,8 @@ def _fit(
 ) -> tuple[tuple[tuple[int, int], ...], int | None]:
     """The gauge symmetry that fits H, and the order from which the fit holds.
 
-    The fit starts at the last order whose numbers are the same with one order less, where all
-    functions of n variables are those of a known symmetry.
+    The fit starts at the last order whose numbers are the same with one order less, where a
+    known symmetry has as many functions of n variables.
     """
     known = _symmetries(geometry, gauge, n, vectors)
     top = np.diff(numbers, n)

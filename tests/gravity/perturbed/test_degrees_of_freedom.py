@@ -73,7 +73,7 @@ def test_f_of_t_in_three_dimensions():
 
 
 def test_f_of_t_in_the_vacuum():
-    """The coupling of the scalar is turned off step by step: 2 are left for f(T) alone."""
+    """The coupling of the scalar is turned off step by step: f(T) has 2."""
     options: Any = {"dimension": 3, "scalars": {"phi": "log(1 + t)"}, "constants": "s"}
     near: Any = UNIVERSE
     for s in (1, 0.5, 0):
