@@ -22,9 +22,9 @@ Place = tuple[int, ...]
 class Varied:
     """The fields that a kind of geometry varies in some dimension.
 
-    coframe: places (i, mu) of the coframe that vary; the other entries are constant, as in the unit matrix.
+    coframe: places (i, mu) of the coframe that vary; other entries are 1 or 0.
     turning: places (a, i, j) of the spin connection omega_aij that vary, antisymmetric in ij.
-    connection: of a frame; None for a spin connection of its own, "flat" coefficients for zero.
+    connection: of a frame; None for a spin connection of its own.
     rows: the equations, by the names of `FieldEquations.tensors`, with their places.
     gauge: pairs (number of gauge functions, derivatives with which they enter the fields).
     """
