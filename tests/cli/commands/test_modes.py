@@ -28,7 +28,7 @@ def test_text_and_json_equal_the_library(kind: str, function) -> None:
 
 
 def test_speed_of_light() -> None:
-    """Gravitational waves of a cubic galileon have the speed of light, those of G4(X) another."""
+    """Gravitational waves of a cubic galileon have the speed of light; G4(X) changes it."""
     assert json.loads(running.run(*GALILEON, "--format", "json").stdout)["speed2"] == "1"
     kinetic = ("modes", "-L", "R/2 + c*Y", "-g", "riemannian", "--scalars", "phi")
     slow = running.run(*kinetic, "--invariant", "Y = G_ab phi^a phi^b", "--format", "json")
