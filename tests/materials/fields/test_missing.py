@@ -116,7 +116,7 @@ def test_data_without_marks_stay(tmp_path):
 
 @pytest.mark.parametrize("missing", ["x", [1, "x"], [None]])
 def test_no_number(missing, tmp_path):
-    """What is not a number is refused."""
+    """A mark that is not a number is refused."""
     with pytest.raises(GridError, match="missing: expected a number"):
         gt.SampledFrame.read(table(tmp_path / "a.csv", "1"), missing=missing)
 
