@@ -16,7 +16,7 @@ from geomtorsion.geometry import Frame, Tensor
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.gravity.equations import FieldEquations, equations
 from geomtorsion.gravity.lagrangian import Lagrangian, known_as, names
-from geomtorsion.gravity.matter import MatterField, maxwell, scalar_field
+from geomtorsion.gravity.matter import MatterField, Maxwell, maxwell, scalar_field
 from geomtorsion.gravity.perturbed.collocation import Hole, R, Radial, Row, frequencies
 from geomtorsion.gravity.perturbed.geometries import (
     ETA,
@@ -110,6 +110,7 @@ def ringing(
     digits: int = 8,
     parameters: Mapping[str, object] | None = None,
     geometry: str = "riemannian",
+    matter: Maxwell | None = None,
 ) -> Ringing:
     """Quasi-normal modes of a static, spherical black hole of a theory.
 
@@ -117,7 +118,7 @@ def ringing(
     --------
     First order of the field equations for waves exp(-i omega t) of one spherical harmonic, which
     fall into the hole and leave outwards, or through the outer horizon.
-    [Regge, Wheeler 1957], [Zerilli 1970], [Leaver 1985]
+    [Regge, Wheeler 1957], [Zerilli 1970], [Moncrief 1974], [Leaver 1985]
 
     Parameters
     ----------
@@ -136,6 +137,11 @@ def ringing(
         Digits of each frequency.
     parameters
         Numbers for the parameters of frame and Lagrangian, {"M": 1}.
+    geometry
+        "riemannian" or "teleparallel".
+    matter
+        The Maxwell field of a charged hole, `maxwell(["Q/r", 0, 0, 0])`. Gravitational and
+        electromagnetic waves are then coupled, and the modes are those of both.
 
     Raises
     ------
@@ -164,7 +170,10 @@ def ringing(
     values = {str(x): _number(value, str(x)) for x, value in (parameters or {}).items()}
     f = _static(space, values)
     of_frame = {x.name for x in space.parameters}
-    theory = _Theory(theory_in(lagrangian, geometry), geometry, values, frozenset(of_frame))
+    voltage = None if matter is None else _voltage(matter, space, values, kind)
+    theory = _Theory(
+        theory_in(lagrangian, geometry), geometry, values, frozenset(of_frame), voltage
+    )
     hole = Hole(f, *_horizons(f))
     parities = ("",)
     if kind == "gravity":
@@ -182,12 +191,21 @@ class _Theory:
     """A theory with numbers for its constants.
 
     values: numbers by name; of_frame: names among them that belong to the frame.
+    voltage: A_t(r) of the hole; None without a Maxwell field.
     """
 
     lagrangian: Lagrangian
     geometry: str
     values: Mapping[str, sp.Expr]
     of_frame: frozenset[str]
+    voltage: sp.Expr | None = None
+
+    def charged(self, *small: sp.Expr) -> list[MatterField]:
+        """The Maxwell field of the hole with a small wave A_mu, where it has one."""
+        if self.voltage is None:
+            return []
+        wave = [SMALL * x for x in small]
+        return [maxwell([self.voltage + wave[0], *wave[1:]])]
 
     def equations(self, frame: Frame, matter: Sequence[MatterField] = ()) -> FieldEquations:
         """Its equations on a frame; its constants stay symbols."""
@@ -278,6 +296,33 @@ def _static(frame: Frame, values: Mapping[str, sp.Expr]) -> sp.Expr:
     )
 
 
+def _voltage(matter: object, frame: Frame, values: Mapping[str, sp.Expr], kind: str) -> sp.Expr:
+    """A_t(r) of a Maxwell field (A_t, 0, 0, 0)."""
+    checks.instance(matter, Maxwell, "matter", GravityError)
+    assert isinstance(matter, Maxwell)
+    if kind != "gravity":
+        raise GravityError(
+            "matter: expected no field of the hole for a test field, got a Maxwell field. Omit it, "
+            "or give the Lagrangian of gravity and the field, such as R - F2."
+        )
+    matter.check(frame)
+    first, *others = matter.elements(frame)
+    r = frame.coordinates[1]
+    written = first.sympy.xreplace(
+        {x: values[x.name] for x in frame.parameters if x.name in values}
+    )
+    for symbol in sorted(written.free_symbols & {*frame.parameters}, key=str):
+        raise _missing_number(symbol)
+    written = sp.cancel(written.xreplace({r: R}))
+    radial = written.is_rational_function(R) and not written.free_symbols - {R}
+    if not radial or any(not x.is_zero for x in others):
+        raise GravityError(
+            "matter: expected a potential A_t(r), 0, 0, 0 of an electric charge, got "
+            f"{checks.cut(', '.join(map(str, matter.potential)))}. Give maxwell(['Q/r', 0, 0, 0])."
+        )
+    return written
+
+
 def _horizons(f: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     """The outermost horizon that encloses the hole, and the one around its outside, or oo."""
     top = sp.Poly(sp.numer(sp.together(f)), R)
@@ -339,16 +384,24 @@ def _radial(theory: _Theory, element: Element, fields: Sequence[sp.Expr]) -> Row
     return row
 
 
-def _lower(theory: _Theory, frame: Frame) -> Tensor:
-    """E_ij of a solution."""
-    lower = theory.equations(frame).E.lowered(1)
-    for index, x in sorted(lower.order(0).components.nonzero.items()):
-        if (value := theory.at(x)) != 0:
-            raise GravityError(
-                f"ringing: expected a frame that solves the equations, got E_{index[0]}{index[1]} "
-                f"= {checks.cut(str(value))}. Give another frame, or other constants."
-            )
-    return lower
+def _rows(
+    theory: _Theory, frame: Frame, matter: Sequence[MatterField]
+) -> tuple[Tensor, Tensor | None]:
+    """E_ij and Maxwell's equation of a solution."""
+    system = theory.equations(frame, matter)
+    lower = system.E.lowered(1)
+    current = system.matter_equations["A"] if matter else None
+    for name, tensor in (("E_", lower), ("J_", current)):
+        background = {} if tensor is None else tensor.order(0).components.nonzero
+        for index, x in sorted(background.items()):
+            if (value := theory.at(x)) != 0:
+                raise GravityError(
+                    "ringing: expected a frame that solves the equations, got "
+                    f"{name}{''.join(map(str, index))} = {checks.cut(str(value))}. Give another "
+                    "frame, other constants, or the field of the hole, "
+                    "matter=maxwell(['Q/r', 0, 0, 0])."
+                )
+    return lower, current
 
 
 def _sum(tensor: Tensor, i: int, j: int) -> Element:
@@ -358,19 +411,25 @@ def _sum(tensor: Tensor, i: int, j: int) -> Element:
 
 
 def _axial(theory: _Theory, hole: Hole, l: int) -> Radial:  # noqa: E741
-    """Waves that drag the sphere around: two fields in the last leg."""
-    f, (h0, h1) = hole.f, _functions("H0", "H1")
+    """Waves that drag the sphere around: two fields in the last leg, and A_phi."""
+    f, (h0, h1, a) = hole.f, _functions("H0", "H1", "a")
     slope = sp.legendre(l, sp.cos(THETA)).diff(THETA)
     rows = sp.diag(sp.sqrt(f), 1 / sp.sqrt(f), R, R * sp.sin(THETA))
     rows[3, 0], rows[3, 1] = SMALL * h0 * slope / R, SMALL * h1 * slope / R
-    tensor = _lower(theory, _frame(f, rows))
-    system = [_radial(theory, _sum(tensor, *index), [h0, h1]) for index in ((2, 3), (1, 3))]
-    return Radial(hole, system, [R, R / f])
+    light = theory.charged(sp.S.Zero, sp.S.Zero, sp.S.Zero, a * sp.sin(THETA) * slope)
+    tensor, current = _rows(theory, _frame(f, rows), light)
+    elements = [_sum(tensor, *index) for index in ((2, 3), (1, 3))]
+    fields, scales = [h0, h1], [R, R / f]
+    if current is not None:
+        elements.append(current.element(3))
+        fields, scales = [*fields, a], [*scales, sp.S.One]
+    return Radial(hole, [_radial(theory, x, fields) for x in elements], scales)
 
 
 def _polar(theory: _Theory, hole: Hole, l: int) -> Radial:  # noqa: E741
-    """Waves that stretch the sphere: after the gauge and H2 = H0, three fields."""
+    """Waves that stretch the sphere: after the gauge and H2 = H0, three fields, A_t and A_r."""
     f, (h0, h1, h2, k) = hole.f, _functions("H0", "H1", "H2", "K")
+    a0, a1 = _functions("a0", "a1")
     shape = sp.legendre(l, sp.cos(THETA))
     half = SMALL * shape / 2
     rows = sp.diag(
@@ -380,20 +439,25 @@ def _polar(theory: _Theory, hole: Hole, l: int) -> Radial:  # noqa: E741
         R * sp.sin(THETA) * (1 + half * k),
     )
     rows[1, 0] = SMALL * shape * h1 * sp.sqrt(f)
-    tensor = _lower(theory, _frame(f, rows))
-    fields = [h0, h1, h2, k]
+    light = theory.charged(a0 * shape, a1 * shape, sp.S.Zero, sp.S.Zero)
+    tensor, current = _rows(theory, _frame(f, rows), light)
+    fields, scales = [h0, h1, h2, k], [R / f, R / f, sp.S.One]
+    if current is not None:
+        fields, scales = [*fields, a0, a1], [*scales, sp.S.One, 1 / f]
     stress = _radial(theory, tensor.element(2, 2) - tensor.element(3, 3), fields)
     one, two = stress[0], stress[2]
-    if stress[1] or stress[3] or one.keys() != {(0, 0)} or sp.cancel(one[0, 0] + two[0, 0]) != 0:
+    others = stress[1] or any(stress[3:]) or one.keys() != {(0, 0)}
+    if others or sp.cancel(one[0, 0] + two[0, 0]) != 0:
         raise GravityError(
             "ringing: expected polar waves of the tetrad only, got a field of its own, such as the "
             "scalar of R + c*R**2. Use parity='axial'."
         )
-    parts = [
-        _radial(theory, _sum(tensor, *index), fields) for index in ((0, 1), (0, 2), (1, 2), (1, 1))
-    ]
-    system = [[_added(row[0], row[2]), row[1], row[3]] for row in parts]
-    return Radial(hole, _first_order(system), [R / f, R / f, sp.S.One])
+    elements = [_sum(tensor, *index) for index in ((0, 1), (0, 2), (1, 2), (1, 1))]
+    if current is not None:
+        elements[2:2] = [current.element(2), current.element(1)]
+    parts = [_radial(theory, x, fields) for x in elements]
+    system = [[_added(row[0], row[2]), row[1], *row[3:]] for row in parts]
+    return Radial(hole, _first_order(system), scales)
 
 
 def _added(one: Mapping, two: Mapping) -> dict[tuple[int, int], sp.Expr]:
@@ -405,9 +469,12 @@ def _added(one: Mapping, two: Mapping) -> dict[tuple[int, int], sp.Expr]:
 
 
 def _first_order(system: Sequence[Sequence[Mapping]]) -> list[Row]:
-    """Two equations with derivatives by r and the algebraic one that follows from all four."""
-    w = sp.Symbol("w")
-    slopes, values = sp.symbols("s0:3"), sp.symbols("v0:3")
+    """Equations with derivatives by r, and the algebraic one that follows from all.
+
+    All but the last give the slopes of the fields. The last but one then follows from the others.
+    """
+    w, n = sp.Symbol("w"), len(system) - 1
+    slopes, values = sp.symbols(f"s0:{n}"), sp.symbols(f"v0:{n}")
 
     def line(row: Sequence[Mapping]) -> sp.Expr:
         return sp.Add(
@@ -419,13 +486,13 @@ def _first_order(system: Sequence[Sequence[Mapping]]) -> list[Row]:
         )
 
     lines = [line(row) for row in system]
-    (solved,) = sp.linsolve(lines[:3], slopes)
-    rest = sp.numer(sp.together(lines[3].subs(dict(zip(slopes, solved, strict=True)))))
+    (solved,) = sp.linsolve(lines[:n], slopes)
+    rest = sp.numer(sp.together(lines[n].subs(dict(zip(slopes, solved, strict=True)))))
     poly = sp.Poly(sp.expand(rest), w, *values)
     algebraic: list[dict[tuple[int, int], sp.Expr]] = [{} for _ in values]
     for (power, *which), c in poly.terms():
         algebraic[which.index(1)][power, 0] = c * sp.I**power
-    return [*system[:2], algebraic]
+    return [*system[: n - 1], algebraic]
 
 
 def _scalar(theory: _Theory, hole: Hole, l: int) -> Radial:  # noqa: E741
