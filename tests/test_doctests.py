@@ -1,6 +1,7 @@
 """Doctests: each example in a docstring runs; their number is checked, so that none is lost."""
 
 import doctest
+import functools
 import importlib
 import pkgutil
 
@@ -20,7 +21,16 @@ MODULES = sorted(
 
 def doctests(name: str) -> list[doctest.DocTest]:
     """The docstrings of a module that contain examples."""
-    found = doctest.DocTestFinder(exclude_empty=True).find(importlib.import_module(name))
+    module = importlib.import_module(name)
+    found = doctest.DocTestFinder(exclude_empty=True).find(module)
+    # The finder of the standard library knows properties, but not cached ones.
+    for owner in vars(module).values():
+        if isinstance(owner, type) and owner.__module__ == name:
+            cached = [x for x in vars(owner).values() if isinstance(x, functools.cached_property)]
+            for one in cached:
+                found += doctest.DocTestFinder(exclude_empty=True).find(
+                    one.func, f"{name}.{owner.__qualname__}.{one.attrname}", module
+                )
     return [test for test in found if test.examples]
 
 

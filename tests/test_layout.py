@@ -107,11 +107,11 @@ CEILINGS = {
     # Four of them find the region in which the motion starts.
     "files of a first motion": 54,
     # The first root that is read asks for a sign, and the sign for the region of the frame.
-    "frames of a first motion": 43,
+    "frames of a first motion": 44,
 }
 # Lines of code below and above the wall, rounded up to five hundreds, without docstrings, comments
 # and blanks. A change that needs more raises a number and states in its commit what users get.
-BUDGET = {"below the wall": 49000, "above the wall": 53500}
+BUDGET = {"below the wall": 49000, "above the wall": 54000}
 # What a program that imports the package does not wait for.
 LATER = ("sympy", "flint", "mpmath", "numpy", "multiprocessing", "asyncio", "tomllib", "sqlite3")
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")

@@ -255,7 +255,7 @@ REFUSED = [
     ("S[::0]", TensorIndexError, "or a slice"),
     ("S[..., ...]", TensorIndexError, "..., ..."),
     ("F.coframe['r', 'r']", TensorIndexError, "Indices of legs are numbers"),
-    ("F.scalar(1)[0]", TensorIndexError, "only index"),
+    ("F.scalar(1)[1]", TensorIndexError, "only index"),
     ("len(F.scalar(1))", TensorIndexError, "has no length"),
     ("list(F.scalar(1))", TensorIndexError, "to iterate over"),
     ("np.asarray(S, dtype=float)", MissingValueError, "expressions in r, theta"),

@@ -58,15 +58,18 @@ def burgers_of(
 
 
 def write_result(
-    folder: Path | None, name: str, document: Json, figure: Callable[[], Figure]
+    folder: Path | None, name: str, document: object, figure: Callable[[], Figure] | None
 ) -> None:
-    """Write a result as NAME.json and, where matplotlib is installed, its figure as NAME.png."""
+    """Write a result as NAME.json and, where matplotlib is installed, its figure as NAME.png.
+
+    figure: draws it; None for a result without figure.
+    """
     if folder is None:
         return
     make_folder(folder)
     paths = [folder / f"{name}.json"]
     write_text(paths[0], json.dumps(document, indent=2) + "\n")
-    if can_draw():
+    if figure is not None and can_draw():
         paths.append(folder / f"{name}.png")
         save(figure(), paths[-1])
     say_on_error(paths)

@@ -136,7 +136,7 @@ class Graph:
         >>> import sympy
         >>> x, a = sympy.symbols("x a")
         >>> dict(graph(["x", "a"], [sympy.sin(x) ** 2 + a * x + 1], ["a"]).operations)
-        {'sin': 1, 'square': 1, 'scale': 1, 'sum': 2}
+        {'sin': 1, 'scale': 1, 'square': 1, 'sum': 2}
         """
         count: dict[str, int] = {}
         for step in self.steps:
@@ -290,7 +290,7 @@ class Graph:
         >>> import sympy
         >>> x = sympy.Symbol("x")
         >>> graph(["x"], [1 / (x**2 * (x - 3)), sympy.exp(-x)]).poles.python()(5.0)
-        (5.0, 2.0)
+        (-2.0, 5.0)
         """
         return Graph(self.arguments, *pole_values(self.steps), self.is_complex)
 

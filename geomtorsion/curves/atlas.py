@@ -131,6 +131,7 @@ class Chart:
     margin: below this value of |edge| the solver changes the chart.
     kept: an element that equals one everywhere (redundant charts).
     antipodal: indices of coordinates whose common sign does not change the point.
+    edges_of_law: where the formulas of a law, such as a force, end.
     end: where a motion ends before it reaches the edge, in words.
     """
 
@@ -144,6 +145,7 @@ class Chart:
     kept: Element | None = None
     end: str = ""
     antipodal: tuple[int, ...] = ()
+    edges_of_law: tuple[Edge, ...] = ()
 
     def __eq__(self, other: object) -> bool:
         return self._plain == other._plain if isinstance(other, Chart) else NotImplemented
@@ -156,7 +158,8 @@ class Chart:
         """What counts when charts are compared: expressions instead of elements."""
         legs = [[(i, x.sympy) for i, x in row] for row in self.legs] if self.frame is None else []
         edge, kept = (None if x is None else x.sympy for x in (self.edge, self.kept))
-        margin = self.keeps_frame, self.margin, self.antipodal
+        words = tuple(one.condition for one in self.edges_of_law)
+        margin = self.keeps_frame, self.margin, self.antipodal, words
         return self.name, self.coordinates, self.frame, legs, edge, kept, margin
 
     def __getstate__(self) -> dict[str, object]:
@@ -181,13 +184,15 @@ class Chart:
 
     @cached_property
     def edges(self) -> tuple[Edge, ...]:
-        """Quantities that are positive while the chart holds: its edge, or its frame's edges."""
+        """Quantities that are positive while the chart holds: its edge, or its frame's edges.
+
+        The edges of the law follow.
+        """
         if self.edge is not None:
-            return (Edge(self.edge, f"{self.edge.sympy} = 0", f"{self.edge.sympy} > 0"),)
-        if self.frame is None:
-            return ()
-        frame = self.frame
-        return edges_of(frame)
+            own = (Edge(self.edge, f"{self.edge.sympy} = 0", f"{self.edge.sympy} > 0"),)
+        else:
+            own = () if self.frame is None else edges_of(self.frame)
+        return (*own, *self.edges_of_law)
 
     @property
     def field(self) -> Tower:

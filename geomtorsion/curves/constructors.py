@@ -397,5 +397,5 @@ def law_key(law: Law) -> str:
         # The law holds its connection, so that this number stays its own.
         return f"equations of {id(law.connection)}"
     if isinstance(law, Forced):
-        return f"{law_key(law.law)} with {[one.content for one in law.forces]} {law.clock}"
+        return f"{law_key(law.law)} with {law.content} {law.clock}"
     return f"equations of {law}"

@@ -315,7 +315,9 @@ class Equations:
             return [], []
         edges = [edge.element for edge in self.chart.edges]
         margin = Fraction(self.chart.margin)
-        inner = [((edge, ()), (edge.field.rational(-margin), ())) for edge in edges]
+        count = len(edges) - len(self.chart.edges_of_law)
+        inner: list[Any] = [((edge, ()), (edge.field.rational(-margin), ())) for edge in edges]
+        inner[count:] = edges[count:]
         # At the very end only the sign matters: quotients and even powers are omitted. But
         # engines want to watch something that moves.
         shorter = [of_same_sign(edge) for edge in edges]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -14,6 +14,7 @@ from geomtorsion.curves.kinetic import raising
 from geomtorsion.errors import ArgumentError, ChartEdgeError, ExpressionError, ShapeError
 from geomtorsion.exact import Element, Field, parse_expression
 from geomtorsion.geometry import Connection, Frame
+from geomtorsion.geometry.domain_edges import Edge
 from geomtorsion.ode.rates import CLOCK
 from geomtorsion.support import checks
 
@@ -54,6 +55,7 @@ class Forced:
     field: of their elements; the field of the frame where they depend on its symbols only.
     parameters: symbols that occur only in the forces.
     clock: name of the curve parameter where a force depends on it; empty otherwise.
+    edges: where roots change the signs with which they were read in the forces.
     """
 
     law: Law
@@ -62,6 +64,7 @@ class Forced:
     field: Field
     parameters: tuple[sp.Symbol, ...] = ()
     clock: str = ""
+    edges: tuple[Edge, ...] = ()
 
     needs_frame = needs_chart = True
     is_quadratic = False
@@ -71,10 +74,15 @@ class Forced:
             return NotImplemented
         if (self.law, self.frame, self.clock) != (other.law, other.frame, other.clock):
             return False
-        return [x.content for x in self.forces] == [x.content for x in other.forces]
+        return self.content == other.content
 
     def __hash__(self) -> int:
         return hash((self.law, self.frame))
+
+    @property
+    def content(self) -> tuple[object, ...]:
+        """Expressions of all forces, and where they hold."""
+        return *(x.content for x in self.forces), *(edge.condition for edge in self.edges)
 
     @property
     def acceleration(self) -> tuple[Element, ...]:
@@ -195,10 +203,14 @@ class _Setting:
         return read
 
     def field(self, entries: Iterable[sp.Expr]) -> tuple[Field, tuple[sp.Symbol, ...], str]:
-        """The field of some expressions, the parameters that only they have, and their clock."""
+        """The field of some expressions, the parameters that only they have, and their clock.
+
+        Signs with which roots are read hold for these expressions only, not for the frame.
+        """
         frame, own = self.frame, set(self.frame.field.symbols)
+        entries = list(entries)
         used = {x for one in entries for x in one.free_symbols} - own
-        if not used:
+        if not used and not any(map(_has_branches, entries)):
             return frame.field, (), ""
         new = sorted(used, key=lambda symbol: symbol.name)
         clock = self.time if any(x.name == self.time for x in new) else ""
@@ -256,7 +268,22 @@ def forced(
         values = frame.read(pairs) if over is frame.field else _read(over, pairs, setting)
         make = projection.of_potential if height else projection.of_force
         forces.append(make(name, values, setting.velocities))
-    return Forced(law, frame, tuple(forces), over, own, clock)
+    edges = () if over is frame.field else tuple(_edges(over, frame))
+    return Forced(law, frame, tuple(forces), over, own, clock, edges)
+
+
+def _has_branches(entry: sp.Expr) -> bool:
+    """Whether functions in it may be read with one of two signs."""
+    functions = entry.atoms(sp.Function) - entry.atoms(sp.sin, sp.cos, sp.exp, sp.sinh, sp.cosh)
+    return bool(functions) or any(not power.exp.is_integer for power in entry.atoms(sp.Pow))
+
+
+def _edges(over: Field, frame: Frame) -> Iterator[Edge]:
+    """Where roots in a force change the signs with which they were read."""
+    of_frame = {branch.radical for branch in frame.branches}
+    for branch in over.branches:
+        if branch.holds is not None and branch.radical not in of_frame:
+            yield Edge(branch.holds, str(branch), str(branch))
 
 
 def _setting(frame: Frame, parameters: Iterable[str]) -> _Setting:

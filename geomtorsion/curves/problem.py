@@ -14,9 +14,10 @@ import sympy as sp
 from geomtorsion.codegen import graph
 from geomtorsion.codegen.expression_graph import branch_check
 from geomtorsion.curves import readout
-from geomtorsion.curves.atlas import Atlas, MovingPoint, atlas_of
+from geomtorsion.curves.atlas import Atlas, Chart, MovingPoint, atlas_of
 from geomtorsion.curves.derivatives import Beginning
 from geomtorsion.curves.equations import Equations, Law, velocity_names, written
+from geomtorsion.curves.forces import Forced
 from geomtorsion.curves.readout import laid_out, start_lists
 from geomtorsion.curves.stops import (
     Stop,
@@ -131,10 +132,22 @@ class CurveProblem:
         name = "" if self.start is None else chart or self.atlas.home
         key = (name, *(self.carried.names() if self.carried else ()))
         if key not in self._written:
-            place = self.atlas.chart(name) if name else None
+            place = self.chart(name) if name else None
             plain = written(self.frame, self.law, place)
             self._written[key] = carrying(plain, self.carried) if self.carried else plain
         return self._written[key]
+
+    def chart(self, name: str) -> Chart:
+        """A chart of the atlas, with the edges of a law that has its own."""
+        chart = self.atlas.chart(name)
+        if not isinstance(self.law, Forced) or not self.law.edges or chart.frame is not self.frame:
+            return chart
+        return self._home_chart
+
+    @cached_property
+    def _home_chart(self) -> Chart:
+        assert isinstance(self.law, Forced)
+        return replace(self.atlas.chart(self.atlas.home), edges_of_law=self.law.edges)
 
     @cached_property
     def charts(self) -> tuple[str, ...]:
@@ -146,7 +159,7 @@ class CurveProblem:
             bound = self.law.needs_chart or (self.carried and not self.carried.any_chart)
             if name != self.atlas.home and bound:
                 continue
-            chart = self.atlas.chart(name)
+            chart = self.chart(name)
             stated = all(
                 in_chart(stop, self.atlas, name, velocity_names(self.frame)) is not None
                 for stop in self.stops
@@ -190,7 +203,7 @@ class CurveProblem:
             raise StartError(
                 "expected a problem with coordinates, got one without. Give it a start."
             )
-        chart = self.atlas.chart(self.atlas.home)
+        chart = self.chart(self.atlas.home)
         column = np.array([[float(u)] for u in self.frame_velocity])
         return chart.frame_vectors.applied(self.floats(), column)[:, 0]
 
@@ -401,7 +414,7 @@ class CurveProblem:
         if self.start is None:
             self._check_stops({})
             return
-        chart, point = self.atlas.chart(self.atlas.home), self.floats()
+        chart, point = self.chart(self.atlas.home), self.floats()
         edges = chart.edges if chart.edge is None else ()
         for edge, value in zip(edges, chart.at_edges(point).tolist() if edges else (), strict=True):
             if not value > 0:
@@ -455,7 +468,7 @@ class CurveProblem:
         rates = self.coordinate_velocity
         if precision <= 53 or rates is None or self.start is None:
             return self.frame_velocity
-        chart = self.atlas.chart(self.atlas.home)
+        chart = self.chart(self.atlas.home)
         point = dict(zip(chart.names, self.start, strict=True)) | dict(self.parameters)
         return chart.coframe.precisely(point, rates, precision + 20)
 
@@ -525,10 +538,10 @@ class CurveProblem:
         """How a motion ends at the edge of its chart, at the nearest one if there are several."""
 
         def ending(_: float, state: State) -> tuple[str, str]:
-            edges = self.atlas.chart(label).edges if label else ()
+            edges = self.chart(label).edges if label else ()
             if not edges:
                 return "stuck", "no other chart of the space reaches further"
-            chart = self.atlas.chart(label)
+            chart = self.chart(label)
             numbers = {name: float(value) for name, value in self.parameters.items()}
             here, there = (
                 chart.at_edges(numbers | dict(zip(chart.names, place, strict=False)))
@@ -572,7 +585,7 @@ class CurveProblem:
         in it lasts as long as the motion did. A motion that reaches an edge crosses it at once.
         """
         segment = trajectory.segments[-1]
-        chart = self.atlas.chart(segment.label) if segment.label else None
+        chart = self.chart(segment.label) if segment.label else None
         if chart is None or not chart.edges:
             return None
         point = self._taken_apart(segment.label, segment.last, self._own_velocities(segment))
@@ -605,7 +618,7 @@ class CurveProblem:
             )
         segment = trajectory.segments[-1]
         label = segment.label
-        chart = self.atlas.chart(label) if label else None
+        chart = self.chart(label) if label else None
         names = chart.names if chart else self.equations("").velocities
         last = floats(segment.last)[: len(names)]
         pairs = zip(names, last, strict=True)
@@ -642,7 +655,7 @@ class CurveProblem:
     def _end_in_words(self, trajectory: Trajectory) -> str:
         """The reason why a motion ended; for a pole of the rates the edge that it has reached."""
         segment = trajectory.segments[-1]
-        chart = self.atlas.chart(segment.label) if segment.label else None
+        chart = self.chart(segment.label) if segment.label else None
         if trajectory.reason != AT_A_POLE or chart is None or not chart.edges:
             return trajectory.reason
         numbers = {name: float(value) for name, value in self.parameters.items()}
@@ -691,7 +704,7 @@ class CurveProblem:
 
     def in_chart(self, trajectory: Trajectory, name: str) -> np.ndarray:
         """Coordinates of all samples in a chart."""
-        self.atlas.chart(name)
+        self.chart(name)
         return readout.in_chart(self, trajectory, name)
 
     def continued(self, points: np.ndarray, chart: str) -> np.ndarray:

@@ -62,7 +62,7 @@ def gaps(
     pairs = [(v, v2)]
     if set(one.labels) != {problem.atlas.home}:
         q2 = _turned_alike(problem, q, q2)
-        groups = map(list, problem.atlas.chart(problem.atlas.home).groups)
+        groups = map(list, problem.chart(problem.atlas.home).groups)
         pairs += [(u, u2), *((q[:, group], q2[:, group]) for group in groups)]
     first, second = (np.concatenate(columns, axis=1) for columns in zip(*pairs, strict=True))
     starts = np.cumsum([0, *(a.shape[1] for a, _ in pairs[:-1])])
@@ -113,7 +113,7 @@ def _at_edge(problem: CurveProblem, q: np.ndarray, accuracy: float) -> np.ndarra
     Coordinates and frame vectors have no definite values there, such as the angle at the origin.
     q: shape (..., n). Distances are in coordinates, each in units of its largest value.
     """
-    chart = problem.atlas.chart(problem.atlas.home)
+    chart = problem.chart(problem.atlas.home)
     rows = np.asarray(q).reshape(-1, q.shape[-1]).astype(float)
     if not chart.edges:
         return np.zeros(q.shape[:-1], dtype=bool)
@@ -287,7 +287,7 @@ def coordinate_velocities(
     problem: CurveProblem, q: np.ndarray, u: np.ndarray, bits: int = 53
 ) -> np.ndarray:
     """q'^mu = E_i^mu u^i at many points of the home chart."""
-    chart = problem.atlas.chart(problem.atlas.home)
+    chart = problem.chart(problem.atlas.home)
     if bits > 53:
         velocities = [
             chart.frame_vectors.precisely(
@@ -311,7 +311,7 @@ def at_times(
     problem: CurveProblem, trajectory: Trajectory, times: np.ndarray, name: str
 ) -> np.ndarray:
     """Coordinates at any times, in units of the problem, in a chart."""
-    width = len(problem.atlas.chart(name).names)
+    width = len(problem.chart(name).names)
     rows = np.empty((len(times), width))
     for segment, states, index in trajectory.at(times * problem.time_unit):
         rows[index] = _placed(problem, segment, states, name)
@@ -423,7 +423,7 @@ def member_gaps(
         return []
     q, q2 = here["coordinates"], there["coordinates"]
     q2 = _turned_alike(problem, q, q2)
-    groups = map(list, problem.atlas.chart(home).groups)
+    groups = map(list, problem.chart(home).groups)
     pairs = [(here["frame_velocity"], there["frame_velocity"])]
     pairs += [(q[..., group], q2[..., group]) for group in groups]
     inside = ~np.array([_at_edge(problem, rows, accuracy) for rows in q])[..., None]
@@ -463,7 +463,7 @@ def start_lists(
             "velocities: expected a problem with coordinates, got one without. Give "
             "frame_velocities."
         )
-    chart = problem.atlas.chart(problem.atlas.home)
+    chart = problem.chart(problem.atlas.home)
     point = dict(zip(chart.names, place.T, strict=True))
     numbers = {key: float(value) for key, value in problem.parameters.items()}
     return place, chart.coframe.applied(point | numbers, arrays["velocities"].T).T

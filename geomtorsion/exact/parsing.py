@@ -39,6 +39,7 @@ def parse_expression(
     limits: Limits | None = None,
     decimals: bool = False,
     unknown: str = "",
+    free: bool = False,
 ) -> sympy.Expr:
     """Read a sympy expression from text that may come from anywhere.
 
@@ -65,6 +66,8 @@ def parse_expression(
         Otherwise they are refused.
     unknown
         What errors advise about an unknown name; by default to declare it as a parameter.
+    free
+        Whether an unknown name is a new symbol instead of an error.
 
     Returns
     -------
@@ -109,7 +112,7 @@ def parse_expression(
     source = Source(text, where)
     tokens = tokens_of(source, {*symbols, *(functions or ())}, limits, decimals=decimals)
     nodes = with_products(source, tokens)
-    return read_tokens(source, nodes, symbols, functions, limits, unknown)
+    return read_tokens(source, nodes, symbols, functions, limits, unknown, free=free)
 
 
 def read_tokens(
@@ -119,10 +122,12 @@ def read_tokens(
     functions: Mapping[str, Any] | None,
     limits: Limits,
     unknown: str = "",
+    *,
+    free: bool = False,
 ) -> sympy.Expr:
     """Read an expression from the tokens of any notation; see `parse_expression`."""
     try:
-        reader = _Reader(source, symbols, functions, limits, unknown)
+        reader = _Reader(source, symbols, functions, limits, unknown, free)
         return reader.read(parse(source, tokens, limits))
     except (RecursionError, MemoryError):
         raise source.limit(0, 1, too_deep(limits), "Write it flatter.") from None
@@ -137,6 +142,7 @@ class _Reader:
     functions: Mapping[str, Any] | None
     limits: Limits
     unknown: str = ""
+    free: bool = False
     denominator: int = field(default=1)
 
     def read(self, node: Node) -> sympy.Expr:
@@ -227,6 +233,8 @@ class _Reader:
             return CONSTANTS[name]
         if name in FUNCTIONS:
             self._fail(node, f"{name} is a function", f"Write its argument: {name}(...).")
+        if self.free:
+            return sympy.Symbol(name)
         # I1 is near to I by its letters only: a constant of one letter is meant where all agree.
         constants = [one for one in CONSTANTS if len(one) > 1 or one.lower() == name.lower()]
         names = [*self.symbols, *(self.functions or ()), *constants]

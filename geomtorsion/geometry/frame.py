@@ -155,10 +155,12 @@ class Frame:
         object.__setattr__(self, "_plain", plain)
         # The frame does not rely on anything read into the field later.
         self.field.settle()
+        object.__setattr__(self, "_branches", self.field.branches)
         # A frame that is adapted to another frame shares its field.
         self.field.owner = self.field.owner or self
 
     if TYPE_CHECKING:
+        _branches: tuple[Branch, ...]
         _derived: dict[tuple[object, ...], Any]
         _plain: Plain
 
@@ -411,7 +413,7 @@ class Frame:
     @property
     def branches(self) -> tuple[Branch, ...]:
         """Signs chosen for roots whose sign does not follow from the domain."""
-        return self.field.branches
+        return self._branches
 
     @cached_property
     def regions(self) -> tuple[Region, ...]:
@@ -502,7 +504,7 @@ class Frame:
         ----------
         values
             {parameter: number or constant expression}, {a(t): expression of t}; names and text do
-            as well: {"M": "m1 + 1"} with names that the frame knows.
+            as well: {"M": "m1 + 1"}, where names that the frame does not know become parameters.
 
         Raises
         ------

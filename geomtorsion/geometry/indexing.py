@@ -37,6 +37,9 @@ def chosen(tensor: Tensor, index: One | tuple[One, ...]) -> Any:
     """One component as an expression, or an array of those that slices choose."""
     items = index if isinstance(index, tuple) else (index,)
     rank, n = len(tensor.slots), tensor.frame.dimension
+    # The only component of a scalar is also its first.
+    if not rank and len(items) == 1 and checks.whole(items[0]) == 0:
+        items = ()
     gaps = [k for k, item in enumerate(items) if item is Ellipsis]
     if gaps:
         place = gaps[0]
@@ -83,7 +86,9 @@ def _refused(tensor: Tensor, index: object) -> TensorIndexError:
     came = ", ".join("..." if item is Ellipsis else checks.shown(item) for item in items)
     rank, n = len(tensor.slots), tensor.frame.dimension
     if not rank:
-        return TensorIndexError(f"{tensor.label}[{came}]: expected a scalar's only index, [()].")
+        return TensorIndexError(
+            f"{tensor.label}[{came}]: expected a scalar's only index, [()] or [0]."
+        )
     names = ", ".join(symbol.name for symbol in tensor.frame.coordinates)
     named = f", a coordinate ({names})" if set(tensor.slots) & {*"du"} else ""
     legs = " Indices of legs are numbers." if set(tensor.slots) & {*"DU"} else ""

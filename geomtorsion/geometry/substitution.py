@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import sympy as sp
 from sympy.core.function import AppliedUndef, UndefinedFunction
@@ -86,7 +87,7 @@ def substitution(values: Values, coordinates: Sequence[sp.Symbol], exact: Field)
         applied = _function_named(item, names, exact)
         key = _read(item, names, "values") if applied is None else applied
         name = f"the value of {checks.shown(item)}"
-        put = _read(value, names, name)
+        put = _read(value, names, name, free=True)
         if put.has(*INFINITE):
             raise ArgumentError(
                 f"{name}: expected a finite value, got {put}. For infinity compute a limit: "
@@ -126,11 +127,15 @@ def _function_named(
     return unknown_functions.pop() if unknown_functions else None
 
 
-def _read(value: object, names: Mapping[str, sp.Symbol], where: str) -> sp.Expr:
-    """An expression, or text that this package's reader reads."""
-    return checks.expression(
-        value, where, ArgumentError, read=lambda text: parse_expression(text, names, where=where)
-    )
+def _read(
+    value: object, names: Mapping[str, sp.Symbol], where: str, *, free: bool = False
+) -> sp.Expr:
+    """An expression, or text that this package's reader reads.
+
+    free: whether other names in text are new parameters.
+    """
+    read = partial(parse_expression, symbols=names, where=where, free=free)
+    return checks.expression(value, where, ArgumentError, read=read)
 
 
 def _parameter(

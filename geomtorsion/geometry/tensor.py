@@ -115,7 +115,8 @@ class Tensor:
     def __getitem__(self, index: indexing.One | tuple[indexing.One, ...]) -> Any:
         """One component as a sympy expression, or with slices or fewer indices an array of them.
 
-        An index is a number, negative from the end, or a coordinate index by symbol or name.
+        An index is a number, negative from the end, or a coordinate index by symbol or name. The
+        component of a scalar is [()] or [0].
         Other components are not computed.
 
         Examples

@@ -2,6 +2,8 @@
 
 from geomtorsion.gravity import perturbed
 from geomtorsion.gravity.boundary import Shooting, shoot
+from geomtorsion.gravity.charges.charge import Charge, charge
+from geomtorsion.gravity.charges.horizons import Horizon, horizons
 from geomtorsion.gravity.equations import FieldEquations, equations
 from geomtorsion.gravity.fluids import fluid, torsion_from_spin, weyssenhoff
 from geomtorsion.gravity.hypermomentum import hypermomentum
@@ -37,7 +39,9 @@ from geomtorsion.gravity.theory_files import read_theory
 from geomtorsion.gravity.translations import Translation, translations
 
 __all__ = [
+    "Charge",
     "FieldEquations",
+    "Horizon",
     "IntegratedSymmetry",
     "Invariant",
     "Lagrangian",
@@ -47,6 +51,7 @@ __all__ = [
     "Shooting",
     "Symmetries",
     "Translation",
+    "charge",
     "einstein_cartan",
     "equations",
     "f_of",
@@ -54,6 +59,7 @@ __all__ = [
     "gauss_bonnet",
     "general_relativity",
     "holst",
+    "horizons",
     "hypermomentum",
     "inertial",
     "invariant",

@@ -9,8 +9,17 @@ from geomtorsion.errors import GravityError
 from geomtorsion.geometry import Connection, Frame
 from geomtorsion.gravity.invariants import INVARIANTS, Invariant
 from geomtorsion.gravity.lagrangian import Lagrangian, Reading, read
-from geomtorsion.gravity.matter import MatterField
-from geomtorsion.gravity.products import EPSILON, METRIC, OF_CONNECTION, OF_MATTER, Factor, Product
+from geomtorsion.gravity.matter import MatterField, ScalarField
+from geomtorsion.gravity.products import (
+    EPSILON,
+    KNOWN,
+    METRIC,
+    OF_CONNECTION,
+    OF_MATTER,
+    Factor,
+    Product,
+    hessian_name,
+)
 from geomtorsion.gravity.vocabulary import Vocabulary, declared_constants
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
@@ -127,6 +136,7 @@ class Catalogue:
             self.names,
             {one: field.symbol for field in fields for one in field.parts(frame)},
             {one: x.symbol for x in fields if (one := x.function(frame)) is not None},
+            {x.symbol: x.box for x in fields if isinstance(x, ScalarField)},
             declared_constants(lagrangian.constants),
             self.invariants,
         )
@@ -222,6 +232,7 @@ class Catalogue:
                     remedy = "gravity.scalar_field(phi)"
             raise GravityError(
                 f"invariant {invariant.name}: {written} belongs to a matter field, and none is "
-                f"given. Give matter={remedy}, or another formula."
+                f"given. Give matter={remedy}, or another formula. Known are {KNOWN}."
             )
-        return Factor(written, factor.indices)
+        is_second = len(factor.indices) == 2 and factor.name not in OF_MATTER
+        return Factor(hessian_name(written) if is_second else written, factor.indices)

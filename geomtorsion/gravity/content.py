@@ -88,7 +88,7 @@ class Content:
         """Derivatives of the Lagrangian by the tensors of matter, all indices up."""
         return {
             name: self._derivative(
-                Factor(name, tuple(range(rank))), antisymmetric(2) if rank == 2 else (), slopes
+                Factor(name, tuple(range(rank))), self.matter[name].symmetry, slopes
             ).raised()
             for one in self.catalogue.matter
             for name, rank in one.ranks.items()

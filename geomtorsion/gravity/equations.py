@@ -535,10 +535,19 @@ class FieldEquations:
             tensors["M"] = self.M
         return tensors
 
-    @cached_property
+    @property
     def matter_equations(self) -> dict[str, Tensor]:
-        """(1/e) d(eL)/d(field) of each matter field, by its name."""
-        return {one.symbol: one.equation(self._variation) for one in self._fields}
+        """(1/e) d(eL)/d(field) of each matter field, by its name; a scalar's is [0].
+
+        Examples
+        --------
+        >>> import geomtorsion as gt
+        >>> flat = gt.levi_civita(gt.Frame("t", [[1]], (-1,)))
+        >>> field = gt.gravity.scalar_field("phi(t)")
+        >>> gt.gravity.equations(flat, "-X/2 - phi(t)**2/2", field).matter_equations["phi"][0]
+        -phi(t) - Derivative(phi(t), (t, 2))
+        """
+        return self._variation.matter_equations
 
     def reduce(self, variable: object, conditions: object = ()) -> Reduction:
         """First-order equations for unknown functions of one variable, with constraints.

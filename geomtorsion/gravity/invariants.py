@@ -18,6 +18,8 @@ from geomtorsion.support import checks
 QUARTER = Fraction(1, 4)
 # Words of programs that are not quantities, in small letters.
 WORDS = frozenset("nan inf infinity oo zoo none null true false self".split())
+# Names of invariants of matter fields.
+OF_FIELDS = frozenset("X Box hessian2 hessian3 F2".split())
 # A name with the ending of another connection.
 SUFFIXED = re.compile(r"(.+?)(bar|_[2-9]\d*)")
 # Products of which the invariants with a name are made.
@@ -203,7 +205,7 @@ def new_name(entry: object, subject: str) -> str:
         raise GravityError(f"{subject}: expected a name such as alpha, got {checks.shown(entry)}.")
     suffixed = SUFFIXED.fullmatch(name)
     base = suffixed[1] if suffixed else name
-    taken = base in INVARIANTS or base in ("X", "F2") or name in words.FUNCTIONS
+    taken = base in INVARIANTS or base in OF_FIELDS or name in words.FUNCTIONS
     if taken or name in words.CONSTANTS or name.lower() in WORDS:
         raise GravityError(
             f"{subject}: expected a new name, got {name}, which has a meaning in Lagrangians. Give "
@@ -218,7 +220,8 @@ def invariant(name: str, formula: str) -> Invariant:
     Each index occurs twice, once up and once down. `R_ab` is the Ricci tensor R_cab^c, `R` its
     trace, `G_ab` = R_ab - R g_ab/2, `v_a` = T_ab^b, `V_ab` = R_abc^c, `Q_a` = Q_ab^b and
     `q_a` = Q^b_ba. `g_ab` is the metric and `eps_abcd` the volume form. `A_a` and `F_ab` belong to
-    a Maxwell field, and `phi_a` is the gradient of the scalar field phi. `Rbar_ab` and `R_2_ab`
+    a Maxwell field, and `phi_a` is the gradient of the scalar field phi and
+    `phi_ab` its second derivative with the Levi-Civita connection. `Rbar_ab` and `R_2_ab`
     are tensors of the Levi-Civita and of the second connection.
 
     Equation

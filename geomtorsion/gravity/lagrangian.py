@@ -16,7 +16,7 @@ from geomtorsion.exact import names as words
 from geomtorsion.geometry import Frame, Tensor, at_home
 from geomtorsion.gravity.invariants import INVARIANTS, Invariant
 from geomtorsion.gravity.numeric.numeric_field import NumericField
-from geomtorsion.gravity.vocabulary import MATTER, Vocabulary
+from geomtorsion.gravity.vocabulary import MATTER, WAVE_OPERATORS, Vocabulary
 from geomtorsion.support import checks
 
 
@@ -255,7 +255,8 @@ def _parsed(
     names, own = vocabulary.names, vocabulary.symbols
     fields = vocabulary.called
     for word in dict.fromkeys(_NAME.findall(text)):
-        if re.search(rf"\b{word}\s*\(", text) and (word in fields or word not in names):
+        is_called = re.search(rf"\b{word}\s*\(", text)
+        if is_called and (word in fields or word not in names or word.lower() in WAVE_OPERATORS):
             if word in fields or word not in _CALLED:
                 functions[word] = sp.Function(word)
             if word in names and re.search(rf"\b{word}\b(?!\s*\()", text):

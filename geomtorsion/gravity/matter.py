@@ -13,12 +13,15 @@ from sympy.core.function import AppliedUndef
 
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, unknown_functions
-from geomtorsion.geometry import Connection, Frame, Tensor, antisymmetric
+from geomtorsion.geometry import Connection, Frame, Tensor, antisymmetric, levi_civita, symmetric
 from geomtorsion.gravity.fields import FrameFields, Index, Terms, along
 from geomtorsion.gravity.invariants import new_name
 from geomtorsion.gravity.lagrangian import scalar_of
-from geomtorsion.gravity.products import TENSORS, Factor, Product
+from geomtorsion.gravity.products import TENSORS, Factor, Product, hessian_name
 from geomtorsion.support import checks
+
+# Names of the traces of powers of phi_ab.
+SECOND = ("Box", "hessian2", "hessian3")
 
 
 class Varied(Protocol):
@@ -32,6 +35,16 @@ class Varied(Protocol):
     @property
     def connections(self) -> tuple[Connection, ...]:
         """The connections, the first one leading."""
+        ...
+
+    @property
+    def riemannian(self) -> FrameFields:
+        """The Levi-Civita connection of the frame."""
+        ...
+
+    @property
+    def matter_equations(self) -> Mapping[str, Tensor]:
+        """(1/e) d(eL)/d(field) of each matter field, by its name."""
         ...
 
     def slope(self, name: str) -> Element:
@@ -108,8 +121,8 @@ class MatterField(ABC):
         return {}
 
     @abstractmethod
-    def coframe_terms(self, equations: Varied, i: int, n: int) -> Terms:
-        """Terms of E_i^n from its tensors, except L itself."""
+    def coframe(self, equations: Varied) -> Tensor:
+        """Its part of E_i^n, except L itself, slots DU."""
 
     @abstractmethod
     def equation(self, equations: Varied) -> Tensor:
@@ -122,7 +135,10 @@ class MatterField(ABC):
 
 @dataclass(frozen=True, eq=False)
 class ScalarField(MatterField):
-    """A scalar field; the Lagrangian has X = g^ij d_i phi d_j phi and phi.
+    """A scalar field; the Lagrangian has phi, X = g^ij d_i phi d_j phi and second derivatives.
+
+    Second derivatives phi_ij belong to the Levi-Civita connection of the frame; their names are
+    Box = phi_i^i, hessian2 = phi_ij phi^ij and hessian3 = phi_i^j phi_j^k phi_k^i.
 
     phi: expression in the coordinates.
     name: in the Lagrangian, or None: phi, phi_2, ...
@@ -141,8 +157,19 @@ class ScalarField(MatterField):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """X and phi, or X_2 and phi_2."""
-        return self.numbered_name("X"), self.symbol
+        """X, phi, Box, hessian2 and hessian3, or X_2, phi_2, ..."""
+        further = (self.numbered_name(name) for name in SECOND)
+        return self.numbered_name("X"), self.symbol, *further
+
+    @property
+    def box(self) -> str:
+        """Box, or Box_2."""
+        return self.numbered_name(SECOND[0])
+
+    @property
+    def hessian(self) -> str:
+        """The name of the tensor phi_ab."""
+        return hessian_name(self.symbol)
 
     def check(self, frame: Frame) -> None:
         """Read phi."""
@@ -162,37 +189,87 @@ class ScalarField(MatterField):
 
     @property
     def ranks(self) -> Mapping[str, int]:
-        """The gradient phi_a."""
-        return {self.symbol: 1}
+        """The gradient phi_a and the second derivatives phi_ab."""
+        return {self.symbol: 1, self.hessian: 2}
 
     def tensors(self, frame: Frame) -> dict[str, Tensor]:
-        """d_i phi along the legs, slots D."""
-        phi = self._element(frame)
+        """phi_i, slots D, and phi_ij = E_i(phi_j) - omega_ij^k phi_k, slots DD."""
+        phi, legs = self._element(frame), range(frame.dimension)
         gradient = Tensor(frame, "D", lambda i: frame.field.sum(along(frame, i[0], phi)))
-        return {self.symbol: gradient}
+        slope = gradient.components.get
+        omega = FrameFields(levi_civita(frame)).omega.components.get
+
+        def rule(index: Index) -> Element:
+            i, j = index
+            terms = along(frame, i, slope((j,)))
+            return frame.field.sum([*terms, *((-1, omega((i, j, k)), slope((k,))) for k in legs)])
+
+        return {self.symbol: gradient, self.hessian: Tensor(frame, "DD", rule, symmetric(2))}
 
     @property
     def products(self) -> Mapping[str, tuple[Product, ...]]:
-        """X = phi_a phi^a."""
-        return {self.names[0]: _square(self.symbol, 1)}
+        """X = phi_a phi^a, and traces of powers of phi_ab."""
+        powers = enumerate(SECOND, 1)
+        traces = {self.numbered_name(name): _trace(self.hessian, k) for k, name in powers}
+        return {self.names[0]: _square(self.symbol, 1), **traces}
 
     def scalars(self, frame: Frame) -> dict[str, Element]:
         """phi."""
         return {self.symbol: self._element(frame)}
 
-    def coframe_terms(self, equations: Varied, i: int, n: int) -> Terms:
-        """- dL/dphi_n phi_i."""
-        lower = equations.tensor(self.symbol).components.get
-        return [(-1, equations.momentum(self.symbol).components.get((n,)), lower((i,)))]
+    def coframe(self, equations: Varied) -> Tensor:
+        """- J^n phi_i - W^nb phi_ib + D_a(W^a_i phi^n - W^n_i phi^a), W = dL/dphi_ab, slots DU.
+
+        The last two terms come from phi_ab = E_a(phi_b) - omega_ab^c phi_c, whose connection the
+        coframe determines.
+        """
+        frame, field = equations.frame, equations.frame.field
+        flow = self._flow(equations).components.get
+        slope = equations.tensor(self.symbol).components.get
+        second = equations.momentum(self.hessian)
+
+        def first(index: Index) -> Element:
+            i, n = index
+            return field.sum([(-1, flow((n,)), slope((i,)))])
+
+        if second.is_zero:
+            return Tensor(frame, "DU", first)
+        lower, upper = equations.tensor(self.hessian).components.get, second.components.get
+        turned = self._turned(equations).components.get
+
+        def rule(index: Index) -> Element:
+            i, n = index
+            terms = [(-1, upper((n, b)), lower((i, b))) for b in range(frame.dimension)]
+            return field.sum([(1, first(index)), (1, turned((n, i))), *terms])
+
+        return Tensor(frame, "DU", rule)
+
+    def _flow(self, equations: Varied) -> Tensor:
+        """J^n = dL/dphi_n - (1/e) D_a(e dL/dphi_an), slots U."""
+        first, second = equations.momentum(self.symbol), equations.momentum(self.hessian)
+        return first if second.is_zero else first - equations.riemannian.divergence(second)
+
+    def _turned(self, equations: Varied) -> Tensor:
+        """D_a(W^a_i phi^n - W^n_i phi^a), slots UD for n, i."""
+        frame = equations.frame
+        lower = equations.momentum(self.hessian).lowered(1).components.get
+        slope = equations.tensor(self.symbol).raised().components.get
+
+        def rule(index: Index) -> Element:
+            a, n, i = index
+            return frame.field.sum(
+                [(1, lower((a, i)), slope((n,))), (-1, lower((n, i)), slope((a,)))]
+            )
+
+        turned = Tensor(frame, "UUD", rule, antisymmetric(3))
+        return equations.riemannian.divergence(turned, paired=True)
 
     def equation(self, equations: Varied) -> Tensor:
-        """dL/dphi - (1/e) d_m(e dL/dphi_m), rank 0."""
+        """dL/dphi - (1/e) d_m(e J^m) with J^m = dL/dphi_m - (1/e) D_a(e dL/dphi_am), rank 0."""
         frame = equations.frame
-        flow = equations.momentum(self.symbol)
-        fields = FrameFields(equations.connections[0])
 
         def rule() -> Element:
-            divergence = fields.divergence(flow).element()
+            divergence = equations.riemannian.divergence(self._flow(equations)).element()
             return frame.field.sum([(1, equations.slope(self.symbol)), (-1, divergence)])
 
         return frame.scalar(rule, self.symbol, "scalar field equation")
@@ -200,7 +277,7 @@ class ScalarField(MatterField):
     def noether_terms(self, equations: Varied, i: int) -> Terms:
         """- (d(eL)/dphi)/e d_i phi."""
         slope = equations.tensor(self.symbol).components.get((i,))
-        return [(-1, self.equation(equations).element(), slope)]
+        return [(-1, equations.matter_equations[self.symbol].element(), slope)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -266,14 +343,20 @@ class Maxwell(MatterField):
         """F2 = F_ab F^ab."""
         return {self.names[0]: _square(self.numbered_name("F"), 2)}
 
-    def coframe_terms(self, equations: Varied, i: int, n: int) -> Terms:
-        """- 2 dL/dF_nb F_ib - dL/dA_n A_i."""
+    def coframe(self, equations: Varied) -> Tensor:
+        """- 2 dL/dF_nb F_ib - dL/dA_n A_i, slots DU."""
         strength, legs = self.numbered_name("F"), range(equations.frame.dimension)
         lower = equations.tensor(strength).components.get
         upper = equations.momentum(strength).components.get
-        terms: Terms = [(-2, upper((n, b)), lower((i, b))) for b in legs]
-        potential = equations.tensor(self.symbol).components.get((i,))
-        return [*terms, (-1, equations.momentum(self.symbol).components.get((n,)), potential)]
+        potential = equations.tensor(self.symbol).components.get
+        current = equations.momentum(self.symbol).components.get
+
+        def rule(index: Index) -> Element:
+            i, n = index
+            terms: Terms = [(-2, upper((n, b)), lower((i, b))) for b in legs]
+            return equations.frame.field.sum([*terms, (-1, current((n,)), potential((i,)))])
+
+        return Tensor(equations.frame, "DU", rule)
 
     def equation(self, equations: Varied) -> Tensor:
         """dL/dA_n - (2/e) d_m(e dL/dF_mn), slots U."""
@@ -290,7 +373,7 @@ class Maxwell(MatterField):
         The second term vanishes where the Lagrangian does not contain A itself.
         """
         lower = equations.tensor(self.numbered_name("F")).components.get
-        current = self.equation(equations)
+        current = equations.matter_equations[self.symbol]
         get, legs = current.components.get, range(equations.frame.dimension)
         terms: Terms = [(-1, lower((i, n)), get((n,))) for n in legs]
         if equations.momentum(self.symbol).is_zero:
@@ -303,6 +386,13 @@ def _square(name: str, rank: int) -> tuple[Product, ...]:
     """A tensor contracted with itself."""
     factor = Factor(name, tuple(range(1, rank + 1)))
     return (Product(Fraction(1), (factor, factor)),)
+
+
+def _trace(name: str, power: int) -> tuple[Product, ...]:
+    """The trace of a power of a tensor with two indices."""
+    places = range(1, power + 1)
+    factors = tuple(Factor(name, (k, k % power + 1)) for k in places)
+    return (Product(Fraction(1), factors),)
 
 
 def numbered(matter: Iterable[object]) -> tuple[object, ...]:
@@ -328,7 +418,9 @@ def numbered(matter: Iterable[object]) -> tuple[object, ...]:
 def scalar_field(phi: sp.Expr | str, name: str | None = None) -> ScalarField:
     """A scalar field phi: the Lagrangian may name X = g^ij d_i phi d_j phi, and phi.
 
-    A second field of one theory has the names X_2 and phi_2.
+    Second derivatives are Box(phi), or Box, with hessian2 = phi_ij phi^ij and hessian3 =
+    phi_i^j phi_j^k phi_k^i, all of the Levi-Civita connection. A second field of one theory has the
+    names X_2 and phi_2.
 
     Parameters
     ----------
@@ -344,8 +436,10 @@ def scalar_field(phi: sp.Expr | str, name: str | None = None) -> ScalarField:
 
     Examples
     --------
-    >>> scalar_field("phi(t)").names, scalar_field("u(t)", name="chi").names
-    (('X', 'phi'), ('X', 'chi'))
+    >>> scalar_field("phi(t)").names
+    ('X', 'phi', 'Box', 'hessian2', 'hessian3')
+    >>> scalar_field("u(t)", name="chi").names[:2]
+    ('X', 'chi')
     """
     if name is not None:
         name = new_name(name, "name")

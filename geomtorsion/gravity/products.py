@@ -19,6 +19,8 @@ from geomtorsion.support import checks
 OF_CONNECTION = {"T": 3, "R": 4, "Q": 3}
 OF_MATTER = {"A": 1, "F": 2}
 METRIC, EPSILON = "g", "eps"
+# The tensor of second derivatives of a scalar field, before the name of the field.
+HESSIAN = "hessian of "
 # Tensors made of others: (name, number of indices) -> terms; free indices are a, b.
 _MADE: dict[tuple[str, int], tuple[tuple[Fraction, str], ...]] = {
     ("R", 2): ((Fraction(1), "R_xabx"),),
@@ -29,11 +31,11 @@ _MADE: dict[tuple[str, int], tuple[tuple[Fraction, str], ...]] = {
     ("Q", 1): ((Fraction(1), "Q_axx"),),
     ("q", 1): ((Fraction(1), "Q_xxa"),),
 }
-# Names that a scalar field cannot have: its gradient has one index.
+# Names that a scalar field cannot have: its derivatives have indices.
 TENSORS = frozenset((*OF_CONNECTION, *OF_MATTER, METRIC, EPSILON, *(name for name, _ in _MADE)))
 KNOWN = (
     "R_abcd, R_ab, R, G_ab, V_ab, T_abc, v_a, Q_abc, Q_a, q_a, g_ab, eps_abcd, A_a, F_ab, and "
-    "phi_a for the gradient of a scalar field phi"
+    "phi_a and phi_ab for the first and second derivatives of a scalar field phi"
 )
 LIMITS = tokens.Limits(characters=2000)
 _FACTOR = re.compile(r"(?P<name>[^\W_]+?)(?P<suffix>bar|_[2-9]\d*)?(?P<runs>([_^][^\W\d_]+)*)")
@@ -43,7 +45,7 @@ _FACTOR = re.compile(r"(?P<name>[^\W_]+?)(?P<suffix>bar|_[2-9]\d*)?(?P<runs>([_^
 class Factor:
     """A tensor with its indices; equal numbers are summed.
 
-    name: T, R, Q, g, eps, A, F, or a scalar field for its gradient.
+    name: T, R, Q, g, eps, A, F, or a scalar field for its derivatives.
     indices: one number for each index.
     suffix: "bar" or "_2", of another connection or another field.
     """
@@ -59,6 +61,11 @@ class Product:
 
     coefficient: Fraction
     factors: tuple[Factor, ...]
+
+
+def hessian_name(field: str) -> str:
+    """The name of the tensor of second derivatives of a scalar field."""
+    return HESSIAN + field
 
 
 @cache
@@ -192,7 +199,7 @@ def _factor(source: Source, token: Token) -> _Written:
         ranks = [2]
     if name == EPSILON:
         ranks = [max(rank, 2)]
-    if name not in TENSORS and rank != 1:
+    if name not in TENSORS and rank not in (1, 2):
         near = checks.did_you_mean(name, sorted(TENSORS))
         reason = f"expected a tensor, got {token.text}. {near}Known are {KNOWN}"
         remedy = "Multiply an invariant by a scalar in the Lagrangian."

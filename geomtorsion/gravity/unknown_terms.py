@@ -14,6 +14,7 @@ from geomtorsion.geometry import Tensor
 from geomtorsion.gravity.catalogue import TURNING
 from geomtorsion.gravity.content import Content
 from geomtorsion.gravity.lagrangian import Reading
+from geomtorsion.gravity.products import HESSIAN
 from geomtorsion.gravity.variation import Variation
 
 
@@ -82,7 +83,7 @@ def _order(content: Content, name: str) -> int:
     factors = [x for one in content.catalogue.products(name) for x in one.factors]
     if any(x.suffix in metric and x.name in ("R", TURNING) for x in factors):
         return 2
-    return int(any(x.name == "T" for x in factors))
+    return int(any(x.name == "T" or x.name.startswith(HESSIAN) for x in factors))
 
 
 def terms_of(reading: Reading, content: Content) -> dict[sp.Expr, Tensor]:

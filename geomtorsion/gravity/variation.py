@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from geomtorsion.exact import Element
-from geomtorsion.geometry import Connection, Frame, Tensor
+from geomtorsion.geometry import Connection, Frame, Tensor, levi_civita
 from geomtorsion.gravity.content import Content
-from geomtorsion.gravity.fields import Index, Terms
+from geomtorsion.gravity.fields import FrameFields, Index, Terms
 from geomtorsion.gravity.momenta import Momenta
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.exclusive import exclusive
@@ -36,6 +36,18 @@ class Variation:
         """The frame of all connections."""
         return self.content.catalogue.frame
 
+    @property
+    def riemannian(self) -> FrameFields:
+        """The Levi-Civita connection of the frame."""
+        return self._riemannian
+
+    @cached_property
+    def _riemannian(self) -> FrameFields:
+        for one in self.content.geometry:
+            if one.is_riemannian:
+                return one
+        return FrameFields(levi_civita(self.frame))
+
     def slope(self, name: str) -> Element:
         """dL/dI of a name in the Lagrangian, zero where it does not occur."""
         return self.slopes.get(name, self.frame.field.zero)
@@ -58,6 +70,15 @@ class Variation:
         numbers = range(len(self.connections))
         return tuple(self.content.momenta(number, self.slopes) for number in numbers)
 
+    @property
+    def matter_equations(self) -> dict[str, Tensor]:
+        """(1/e) d(eL)/d(field) of each matter field, by its name."""
+        return self._matter_equations
+
+    @cached_property
+    def _matter_equations(self) -> dict[str, Tensor]:
+        return {one.symbol: one.equation(self) for one in self.content.catalogue.matter}
+
     @cached_property
     def coframe(self) -> Tensor:
         """E_i^n without L and without fluids, slots DU."""
@@ -68,6 +89,7 @@ class Variation:
         moved = [
             one.moved.lowered().components.get for one in self.momenta if one.fields.is_riemannian
         ]
+        matter = [one.coframe(self).components.get for one in self.content.catalogue.matter]
 
         def rule(index: Index) -> Element:
             i, n = index
@@ -75,8 +97,7 @@ class Variation:
             for one, divergence in zip(self.momenta, divergences, strict=True):
                 terms += one.coframe_terms(i, n)
                 terms.append((-2, divergence((n, i))))
-            for field_ in self.content.catalogue.matter:
-                terms += field_.coframe_terms(self, i, n)
+            terms += [(1, get(index)) for get in matter]
             return field.sum(terms)
 
         def lower(index: Index) -> Element:

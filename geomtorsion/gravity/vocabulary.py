@@ -22,6 +22,9 @@ THEORIES = ("tegr", "stegr", "einstein_cartan", "general_relativity", "gauss_bon
 # Names of matter fields, and the functions that introduce them.
 MATTER = {
     "X": "gravity.scalar_field(phi)",
+    "Box": "gravity.scalar_field(phi)",
+    "hessian2": "gravity.scalar_field(phi)",
+    "hessian3": "gravity.scalar_field(phi)",
     "phi": "gravity.scalar_field(phi)",
     "F2": "gravity.maxwell(A)",
 }
@@ -37,9 +40,11 @@ SYNONYMS = {
     "weyl": "P1", "weyl2": "P1", "gaussbonnet": "GB", "gauss_bonnet": "GB",
     "chern_simons": "pontryagin",
 }  # fmt: skip
+# Names of the operator of waves, in small letters: Box(phi) of a scalar field phi.
+WAVE_OPERATORS = frozenset("box dalembert dalembertian".split())
 # Operators, in small letters: a Lagrangian contains invariants without their derivatives.
-OPERATORS = frozenset(
-    "box d del div curl grad nabla lap laplace laplacian dalembert dalembertian partial".split()
+OPERATORS = WAVE_OPERATORS | frozenset(
+    "d del div curl grad nabla lap laplace laplacian partial".split()
 )
 _FAMILY = re.compile(r"[TRQPU][1-9]\d*(bar|_[2-9])?")
 _INDICES = re.compile(r"(Riem(ann)?|Ric(ci)?|Weyl|[TRQSKC])_[a-z]{2,4}")
@@ -54,6 +59,7 @@ class Vocabulary:
     names: invariants and matter.
     parts: unknown functions of which matter fields are made -> name of the field.
     functions: those that are a matter field themselves -> name of the field.
+    boxes: name of a scalar field -> name of its Box.
     declared: names of constants.
     invariants: all invariants, whether they exist in this dimension or not.
     """
@@ -63,6 +69,7 @@ class Vocabulary:
     names: Collection[str] = ()
     parts: Mapping[AppliedUndef, str] = field(default_factory=dict)
     functions: Mapping[AppliedUndef, str] = field(default_factory=dict)
+    boxes: Mapping[str, str] = field(default_factory=dict)
     declared: tuple[str, ...] = ()
     invariants: Mapping[str, Invariant] = field(default_factory=lambda: INVARIANTS)
 
@@ -180,8 +187,9 @@ class Vocabulary:
         """Refuse a function that looks like an operator, or like a function that is known."""
         if name.lower().split("_")[0] in OPERATORS:
             raise GravityError(
-                f"lagrangian: expected invariants without derivatives, got {name}(...). Use "
-                "another Lagrangian, or another name if it is an unknown function."
+                f"lagrangian: expected invariants without derivatives, got {name}(...). Second "
+                "derivatives of a scalar field phi are Box(phi), hessian2 and hessian3. Use these, "
+                "or another name if it is an unknown function."
             )
         known = [*words.FUNCTIONS, *words.SPECIAL]
         near = [one for one in known if one.lower() == name.lower()]
@@ -255,9 +263,20 @@ class Vocabulary:
             if slope.expr.has(part) and not part.free_symbols.isdisjoint(slope.variables):
                 raise GravityError(
                     f"lagrangian: expected derivatives of a scalar field in X, got {slope}. Write "
-                    "X = g^ij d_i phi d_j phi."
+                    "X = g^ij d_i phi d_j phi, or second derivatives as Box(phi)."
                 )
-        return expression.xreplace(changed)
+        return self._with_boxes(expression.xreplace(changed))
+
+    def _with_boxes(self, expression: sp.Expr) -> sp.Expr:
+        """The expression with the names of second derivatives: Box for Box(phi)."""
+        fields = {(sp.Symbol(name),): sp.Symbol(box) for name, box in self.boxes.items()}
+        return expression.xreplace(
+            {
+                part: fields[part.args]
+                for part in expression.atoms(AppliedUndef)
+                if part.func.__name__.lower() in WAVE_OPERATORS and part.args in fields
+            }
+        )
 
 
 def _declaration(names: Iterable[str]) -> str:

@@ -97,6 +97,28 @@ def _bisected(function: Values, low: np.ndarray, high: np.ndarray, sign: np.ndar
     return high
 
 
+def crossing_beyond(function: Values, time: float, sign: float) -> float:
+    """Where a function crosses zero downwards soon after a time at which it is a rounding above.
+
+    It is looked for over half of the digits: a function that crosses later vanishes so slowly that
+    the time itself is as good an answer.
+
+    Parameters
+    ----------
+    function
+        of an array of times.
+    sign
+        direction of time.
+    """
+    steps = np.exp2(np.arange(math.ceil(-math.log2(EPS) / 2)))
+    times = time + sign * math.ulp(time) * np.concatenate(([0.0], steps))
+    signs = np.where(function(times) > 0, 1, -1)
+    place = np.flatnonzero(signs[:-1] > signs[1:])[:1]
+    if signs[0] < 0 or not len(place):
+        return time
+    return float(_bisected(function, times[place], times[place + 1], signs[place])[0])
+
+
 def shares_left(here: np.ndarray, before: np.ndarray) -> list[float]:
     """Remaining fraction of each of several values; zero for values that no longer exist."""
     with np.errstate(all="ignore"):

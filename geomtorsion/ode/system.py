@@ -173,9 +173,13 @@ class System:
 
     def guard_along(self, states: np.ndarray, values: Sequence[float] | np.ndarray) -> np.ndarray:
         """The same on arrays of states, shape (size, ...)."""
-        assert self._guard_above_rounding is not None
-        least = self._guard_above_rounding.numpy()(*states, *values).min(axis=0)
-        return np.where(np.isnan(least), -1.0, least)
+        return _least(self._guard_above_rounding, states, values)
+
+    def plain_guard_along(
+        self, states: np.ndarray, values: Sequence[float] | np.ndarray
+    ) -> np.ndarray:
+        """The smallest output of the guard itself on arrays of states, shape (size, ...)."""
+        return _least(self.guard, states, values)
 
     @cached_property
     def hoisted(self) -> Hoisted:
@@ -326,6 +330,15 @@ class StiffnessError(WorkLimitError):
 # If only accuracy limits a step, it may be this many times the time in which neighbours approach;
 # explicit methods of order eight and more become unstable at some six.
 STABLE = 2.0
+
+
+def _least(
+    guard: Graph | None, states: np.ndarray, values: Sequence[float] | np.ndarray
+) -> np.ndarray:
+    """The smallest output of a guard on arrays of states; below zero where it has no value."""
+    assert guard is not None
+    least = guard.numpy()(*states, *values).min(axis=0)
+    return np.where(np.isnan(least), -1.0, least)
 
 
 def refuse_stiff(

@@ -11,7 +11,7 @@ import numpy as np
 
 from geomtorsion.errors import StartError
 from geomtorsion.ode.numbers import PARTS, Real, floats
-from geomtorsion.ode.roots import crossings
+from geomtorsion.ode.roots import crossing_beyond, crossings
 from geomtorsion.ode.roundings import Roundings
 from geomtorsion.ode.system import (
     STANDSTILL,
@@ -465,17 +465,23 @@ def _ended_earlier(system: System, run: Run, times: np.ndarray, numbers: State) 
             states = dense(at).astype(float)
         return np.broadcast_to(system.guard_along(states.T, values), len(at))
 
+    def guard(at: np.ndarray) -> np.ndarray:
+        with np.errstate(all="ignore"):
+            states = dense(at).astype(float)
+        return np.broadcast_to(system.plain_guard_along(states.T, values), len(at))
+
     begin, end = float(times[0]), float(run.reached)
     looked = close_times(begin, end, run)
     zeros = crossings(room, looked, room(looked), -1)
-    if not len(zeros):
-        outcome = "edge" if run.outcome == "beyond" else run.outcome
+    outcome = "edge" if run.outcome == "beyond" else run.outcome
+    if not len(zeros) and outcome != "edge":
         return replace(run, outcome=outcome, dense=None)
     sign = 1.0 if end >= begin else -1.0
-    keep = sign * np.asarray(run.times).astype(float) < sign * zeros[0]
-    last = dense(zeros[:1])[0]
+    zero = crossing_beyond(guard, float(zeros[0]) if len(zeros) else end, sign)
+    keep = sign * np.asarray(run.times).astype(float) < sign * zero
+    last = dense(np.array([zero]))[0]
     return replace(
-        run, times=run.times[keep], states=run.states[keep], reached=float(zeros[0]), last=last,
+        run, times=run.times[keep], states=run.states[keep], reached=zero, last=last,
         outcome="edge", reason="", dense=None,
     )  # fmt: skip
 

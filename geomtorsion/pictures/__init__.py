@@ -16,6 +16,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from geomtorsion.pictures.charges import draw_charge
     from geomtorsion.pictures.curve_files import curve_pictures
     from geomtorsion.pictures.development import draw_development
     from geomtorsion.pictures.fits import draw_fit
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "can_draw": "style",
     "curve_pictures": "curve_files",
+    "draw_charge": "charges",
     "draw_circuits": "measured",
     "draw_closure": "loops",
     "draw_development": "development",
@@ -64,6 +66,7 @@ _HOMES = {
 __all__ = [
     "can_draw",
     "curve_pictures",
+    "draw_charge",
     "draw_circuits",
     "draw_closure",
     "draw_development",

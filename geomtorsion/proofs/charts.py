@@ -160,7 +160,7 @@ class CurveCourse:
         velocity = problem.coordinate_velocity
         if velocity is None or problem.start is None:
             return [exact_ball(x) for x in problem.frame_velocity]
-        chart = problem.atlas.chart(problem.atlas.home)
+        chart = problem.chart(problem.atlas.home)
         rates = [f"rate {name}" for name in chart.names]
         rows: list[list[Any]] = [[] for _ in problem.frame_velocity]
         for (i, mu), element in chart.coframe.entries.items():
@@ -206,7 +206,7 @@ class CurveCourse:
         there = change(place, {name: float(x.mid()) for name, x in zip(names, values, strict=True)})
         if _are_near(image, there):
             return image
-        if self.problem.atlas.chart(change.source).kept is not None:
+        if self.problem.chart(change.source).kept is not None:
             opposite = _negated(point, len(change.coordinates))
             image = change_map(opposite, values)
             if _are_near(image, there):

@@ -55,7 +55,7 @@ class Method:
         return cls(order, max(4, min(12, order // 4)))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Step:
     """A proved step from a set, valid for |t| <= length.
 
@@ -271,9 +271,10 @@ class Stepper:
             sides = [(x + w).upper() for x, w in zip(reach, width, strict=True)]
             around = [x.real + around_zero(s) for x, s in zip(self._middle, sides, strict=True)]
             return Step(
-                self.system, self.whole, self.coefficients, length, tuple(local), tuple(around),
-                arb(outer), growth, max(4, needed), disk.radius, tuple(self.sizes),
-                self.own_time,
+                system=self.system, whole=self.whole, coefficients=self.coefficients,
+                length=length, remainder=tuple(local), tube=tuple(around), outer=arb(outer),
+                growth=growth, variation_order=max(4, needed), radius=disk.radius,
+                sizes=tuple(self.sizes), own_time=self.own_time,
             )  # fmt: skip
         return None
 

@@ -269,3 +269,40 @@ def test_refusals(options, error, words):
         plane(**options)
     assert isinstance(caught.value, GeomtorsionError)
     assert words in str(caught.value)
+
+
+def towards_a_wall(plane, **options):
+    """A curve in a plane from x = 1 with x' = 1 to x = 5, where the sign of x - 5 changes."""
+    return gt.autoparallel(gt.levi_civita(plane), [1, 0], [1, 0], **options)
+
+
+@pytest.mark.parametrize("first", [{}, {"force": ["sqrt((x - 4)**2)", 0]}], ids=["free", "forced"])
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"potential": "sqrt((x - 5)**2)"},
+        {"force": ["sqrt((x - 5)**2)", 0]},
+        {"force": ["k*abs(x - 5)", 0], "parameters": {"k": 1}},
+    ],
+    ids=["potential", "force", "parameter"],
+)
+def test_the_sign_of_a_root_ends_its_own_motion(first, options):
+    """A force holds up to the zero of its root, whatever moved on the frame before."""
+    flat = gt.Frame("x y", [[1, 0], [0, 1]])
+    gt.solve(towards_a_wall(flat, **first), 0.1)
+    with pytest.raises(gt.errors.ChartEdgeError, match=r"x = 5, .*5 - x >= 0"):
+        gt.solve(towards_a_wall(flat, **options), 40)
+    assert gt.solve(towards_a_wall(flat), 10)["x"][-1] == pytest.approx(11, abs=ACCURACY)
+    assert flat == gt.Frame("x y", [[1, 0], [0, 1]])
+
+
+def test_the_two_sides_of_a_root_are_two_laws():
+    """|x - 5| left of x = 5, read as 5 - x, and the polynomial 5 - x, which holds everywhere."""
+    flat = gt.Frame("x y", [[1, 0], [0, 1]])
+    root = towards_a_wall(flat, potential="sqrt((x - 5)**2)")
+    plain = towards_a_wall(flat, potential="5 - x")
+    assert root != plain
+    # The closed form: 1 + t + t*t/2 = 13.
+    assert gt.solve(plain, 4)["x"][-1] == pytest.approx(13, abs=4 * ACCURACY)
+    with pytest.raises(gt.errors.ChartEdgeError):
+        gt.solve(pickle.loads(pickle.dumps(root)), 4)

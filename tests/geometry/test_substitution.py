@@ -260,3 +260,22 @@ def test_infinite_points_by_any_name(cone):
     falling = cone.inverse_metric
     for far in (sp.oo, math.inf, "oo"):
         assert falling.limit(r, far)[1, 1] == 0
+
+
+@pytest.mark.parametrize("text", ["2*a", "a + b**2"])
+def test_new_names_in_text_become_parameters(text):
+    """Text names new parameters as sympy's own expressions do."""
+    sphere, names = gt.spaces.load("s2").frame, sp.symbols("a b")
+    value = sp.sympify(text, dict(zip("ab", names, strict=True)))
+    scaled = sphere.subs({"R": text})
+    assert scaled == sphere.subs({"R": value})
+    assert set(scaled.parameters) == value.free_symbols
+    assert scaled.metric["theta", "theta"] == value**2
+
+
+def test_new_names_in_the_value_of_a_function():
+    """A flat universe that expands exponentially has the curvature scalar 12 H^2."""
+    universe = gt.Frame("t x y z", [[1, 0, 0, 0], *([0] * k + ["a(t)"] + [0] * (3 - k)
+                        for k in (1, 2, 3))], (-1, 1, 1, 1))  # fmt: skip
+    rate = sp.Symbol("H")
+    assert gt.levi_civita(universe.subs({"a": "exp(H*t)"})).curvature.scalar[0] == 12 * rate**2

@@ -235,6 +235,7 @@ def test_equal_calls_give_equal_bits(vacuum: g.Reduction) -> None:
         ({"boundary": {"a": 2, "rho": 1}}, GravityError, "got a = 2, rho = 1 for rho. Free anoth"),
         ({"free": ["sigma"]}, GeomtorsionError, "free: expected names .* got 'sigma'"),
         ({"free": []}, GeomtorsionError, "free"),
+        ({"outputs": {1: 2}}, GravityError, "outputs: expected names as keys, got 1"),
         ({"boundary": {"b": 2}}, GeomtorsionError, "boundary value b"),
         ({"boundary": {"a": "x"}}, GeomtorsionError, "boundary: a"),
         ({"boundary": {"a": 0.5}}, EndpointError, "for which a = 0.5 at t = 1, got none"),

@@ -224,6 +224,7 @@ def test_a_field_by_its_own_function() -> None:
     phi = sp.Function("phi")(T)
     for one in found:
         assert one.matter_equations["phi"] == -sp.diff(phi, T, 2) - phi
+        assert one.matter_equations["phi"][0] == one.matter_equations["phi"][()]
         assert all(check.holds for check in one.identities())
     other = g.equations(gt.levi_civita(FLAT), "-X/2 - u(t)**4", g.scalar_field("u(t)", name="chi"))
     assert other.matter_equations["chi"] == -sp.diff(U, T, 2) - 4 * U**3

@@ -268,7 +268,7 @@ REFUSED = {
     "once": (lambda: g.invariant("Y", "v_a"), "got it 0 times up and 1 times down"),
     "twice down": (lambda: g.invariant("Y", "v_a v_a"), "expected index a once up and once down"),
     "thrice": (lambda: g.invariant("Y", "T_abc T^abc v_a"), "expected index a once up"),
-    "unknown": (lambda: g.invariant("Y", "W_ab R^ab"), "expected a tensor, got W_ab"),
+    "unknown": (lambda: g.invariant("Y", "W_abc T^abc"), "expected a tensor, got W_abc"),
     "name": (lambda: g.invariant("Y", "R1"), "expected a tensor, got R1"),
     "scalar": (lambda: g.invariant("Y", "phi R"), "Multiply an invariant by a scalar in the Lagr"),
     "brackets": (lambda: g.invariant("Y", "(R_ab + R_ba) R^ab"), "without brackets"),

@@ -32,6 +32,10 @@ KNOWN = {
         PAIR, "R*f(phi)*Y - f(X)".replace("R*", "Rbar*"), "Rbar*phi**2*Y - X**2",
         lambda x: x**2, g.scalar_field("u(t)"), GRADIENT,
     ),
+    "galileon": (
+        gt.levi_civita(COSMOS), "f(X)*Box(phi)", "X**3*Box", lambda x: x**3,
+        g.scalar_field("u(t)"), (),
+    ),
     "fluid": (
         gt.cartan(COSMOS), "f(T)", "T**2", lambda x: x**2, g.fluid("rho(t)", 0, [1, 0, 0, 0]), (),
     ),

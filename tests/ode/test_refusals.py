@@ -57,6 +57,7 @@ EQUATIONS = [
     (lambda: pair("ab"), StartError, "of length 1 together"),
     (lambda: pair("az"), UnknownNameError, "expected states, got 'z'"),
     (lambda: swing(outputs={"x": "v"}), ExpressionError, "outputs: expected new names, got x"),
+    (lambda: swing(outputs={1: "v"}), ExpressionError, "outputs: expected names as keys, got 1"),
     (lambda: ode(3, [1]), ExpressionError, "a mapping from states"),
 ]  # fmt: skip
 SOLUTIONS = [

@@ -178,3 +178,16 @@ def test_heyoka_logs_only_errors(monkeypatch):
     heyoka()
     heyoka()
     assert said == ["error"]
+
+
+@pytest.mark.parametrize("engine", [*ENGINES, Stiff(), Stiff("LSODA")], ids=lambda x: x.name)
+@pytest.mark.parametrize(
+    ("stop", "end"),
+    [("1 - x", 1.0), ("2 - x", 2.0), ("sqrt(2 - x) - 1", 1.0), ("sqrt(3 - x)", 3.0)],
+)
+def test_the_time_of_a_stop_is_within_its_error(engine, stop, end):
+    """With x' = 1 the time of the stop is its place: the guard's rounding moves neither."""
+    solution = solve(ODE.of({"x": "1"}, [0], events=[When(stop)]), 5, engine=engine)
+    assert solution.outcome == "stopped"
+    assert abs(solution.times[-1] - end) <= solution.error * end
+    assert abs(solution["x"][-1] - end) <= solution.error * end

@@ -10,7 +10,7 @@ from sympy.core.function import AppliedUndef
 
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, Truncated, linear_parts
-from geomtorsion.geometry import Frame, levi_civita
+from geomtorsion.geometry import Frame
 from geomtorsion.gravity.equations import FieldEquations, equations
 from geomtorsion.gravity.invariants import Invariant
 from geomtorsion.gravity.lagrangian import Lagrangian
@@ -18,12 +18,14 @@ from geomtorsion.gravity.matter import scalar_field
 from geomtorsion.gravity.perturbed.cosmology import H, N, fields_in_time, in_rates
 from geomtorsion.gravity.perturbed.geometries import (
     ETA,
+    GEOMETRIES,
     SMALL,
     T,
     X,
     Y,
     Z,
     check_couplings,
+    geometry_of,
     names_of,
     riemannian_only,
     theory_in,
@@ -40,7 +42,8 @@ class Growth:
     """Potentials of dust on a flat cosmos, inside the horizon: k^2 Psi / a^2 = -G rho delta / 2.
 
     Time derivatives of the potentials are omitted (the quasi-static limit), and rates of the cosmos
-    against k/a and against masses. Units have 8 pi G = 1 for L = R/2.
+    against k/a and against masses. Rates that multiply the highest power of k remain, as in the
+    theories of Horndeski. Units have 8 pi G = 1 for L = R/2.
 
     equations: field equations of the cosmos with the potentials, at first order.
     fields: the small change of each scalar field.
@@ -50,15 +53,18 @@ class Growth:
     >>> from geomtorsion.gravity import perturbed
     >>> perturbed.growth("F(phi)*R/2 - X/2", scalars="phi").G
     2*(F(phi) + 2*Derivative(F(phi), phi)**2)/((2*F(phi) + 3*Derivative(F(phi), phi)**2)*F(phi))
+    >>> perturbed.growth("f(T)", "teleparallel").G
+    -1/(2*Derivative(f(T), T))
     """
 
     equations: FieldEquations
     fields: tuple[AppliedUndef, ...]
 
     def check(self) -> None:
-        """Refuse a theory whose potentials depend on the rates of the cosmos."""
+        """Refuse a theory of higher order whose potentials depend on the rates of the cosmos."""
         for x in self._matrix:
-            if x.has(H) or _rates(x):
+            # In second order, rates of the cosmos are factors of k^2 only.
+            if x.has(WAVE_NUMBER**4) and (x.has(H) or _rates(x)):
                 raise GravityError(
                     "growth: expected potentials that do not depend on rates of the cosmos, got "
                     f"{x}. See the waves with perturbed.scalar_modes."
@@ -153,6 +159,25 @@ def _rates(expression: sp.Expr) -> set[sp.Expr]:
     return {x for x in expression.atoms(sp.Derivative) if T in x.variables}
 
 
+def _geometry_of_dust(lagrangian: object, geometry: object) -> str:
+    """The name of the geometry, riemannian for a text; teleparallel for functions of T."""
+    if geometry == "teleparallel" or (
+        isinstance(lagrangian, Lagrangian) and lagrangian.geometry == "teleparallel"
+    ):
+        return geometry_of(lagrangian, geometry)
+    return riemannian_only(lagrangian, geometry, "growth")
+
+
+def _check_torsion(equations: FieldEquations, name: str) -> None:
+    """Refuse theories of torsion whose legs have small fields besides one boost."""
+    others = sorted(equations.scalars.keys() - {"T"})
+    if name == "teleparallel" and others:
+        raise GravityError(
+            "growth: expected a function of T for the geometry teleparallel, got a theory with "
+            f"{others[0]}. List the particles with perturbed.spectrum."
+        )
+
+
 def growth(
     lagrangian: Lagrangian | str | sp.Expr,
     geometry: str | None = None,
@@ -166,12 +191,15 @@ def growth(
     Equation
     --------
     e^0 = (1 + epsilon Psi) dt, e^i = a (1 - epsilon Phi) dx^i; delta'' + 2 H delta' = G rho
-    delta / 2. For f(R): [Tsujikawa 2007].
+    delta / 2. For f(R): [Tsujikawa 2007]. For f(T), a boost of the legs solves E_[0z] = 0; it is as
+    small as the rates of the cosmos against k/a, and drops out [Zheng and Huang 2011].
 
     Parameters
     ----------
-    lagrangian, geometry, constants, invariants
+    lagrangian, constants, invariants
         As in `scalar_modes`. The dust couples to the metric.
+    geometry
+        "riemannian", which is also the geometry of a text, or "teleparallel" for f(T).
     scalars
         Names of scalar fields that depend on the time, "phi".
 
@@ -186,7 +214,7 @@ def growth(
     >>> perturbed.growth("R/2 + c*R**2/2", constants="c").slip
     (a**2 + 4*c*k**2)/(a**2 + 8*c*k**2)
     """
-    name = riemannian_only(lagrangian, geometry, "growth")
+    name = _geometry_of_dust(lagrangian, geometry)
     names = names_of(scalars)
     small = tuple(sp.Function(f"delta_{one}")(T, Z) for one in names)
     matter = [
@@ -198,9 +226,16 @@ def growth(
     frame = Frame([T, X, Y, Z], rows, signature=ETA, parameters=[SMALL]).expanded(SMALL, 1)
     theory = theory_in(lagrangian, name)
     result = Growth(
-        equations(levi_civita(frame), theory, matter, constants=constants, invariants=invariants),
+        equations(
+            GEOMETRIES[name].connection(frame),
+            theory,
+            matter,
+            constants=constants,
+            invariants=invariants,
+        ),
         small,
     )
+    _check_torsion(result.equations, name)
     check_couplings(result.equations, [SCALE, WAVE_NUMBER, DENSITY])
     result.check()
     return result

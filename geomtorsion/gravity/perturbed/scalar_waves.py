@@ -82,6 +82,13 @@ class ScalarModes:
                 "scalar_modes: expected a theory whose equation of the shift gives the lapse, got "
                 f"{self.equations.lagrangian!r}. Add a term of gravity such as R/2."
             )
+        if self._density.is_zero and not self._gradient.is_zero:
+            raise GravityError(
+                "scalar_modes: expected a theory with a scalar wave, got the kinetic factor 0 with "
+                f"a gradient for {self.equations.lagrangian!r}: a cuscuton, whose field follows "
+                "from the other fields at each instant (Afshordi, Chung and Geshnizjani 2007). "
+                "It has no wave to report; see the gravitational waves with perturbed.tensor_modes."
+            )
         if self._density.is_zero:
             raise GravityError(
                 "scalar_modes: expected a theory with a scalar wave, got the kinetic factor 0 for "

@@ -307,7 +307,7 @@ class SampledFrame(Samples):
         >>> strain = np.array([[3 * y**2, 0 * x], [0 * x, x**2]])
         >>> eta = SampledFrame.from_distortion(axes, strain, sigma=1e-3).incompatibility
         >>> eta.values[0, 0].mean().round(9), eta.error[0, 0, 4, 4].round(3)
-        (np.float64(8.0), np.float64(0.069))
+        (np.float64(8.0), np.float64(0.033))
         """
         return incompatibility_of(self)
 

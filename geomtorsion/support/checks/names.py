@@ -165,6 +165,8 @@ def by_name(values: object, subject: str, error: ErrorClass = ArgumentError) -> 
     table_by_name: dict[str, Any] = {}
     keys: dict[str, object] = {}
     for key, value in table(values, subject).items():
+        if not (isinstance(key, str) or hasattr(key, "name") or getattr(key, "free_symbols", ())):
+            refuse(error, subject, "names as keys", key, "Give text or symbols.")
         name = key if isinstance(key, str) else getattr(key, "name", str(key))
         if name in keys:
             raise error(

@@ -7,7 +7,7 @@ import hashlib
 import json
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -127,7 +127,7 @@ ASKED_FOR, OCCURRING = "as requested", "all that any student answered"
 TAIL = ("diagnoses", "remarks", "fingerprint")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Mark:
     """The marks of one student: a row of the table.
 
@@ -400,14 +400,15 @@ def _mark(
 ) -> Mark:
     """The marks of one file."""
     worth = sum(q.points for n in task.numbers for q in load(n).questions)
-    counted = task.counted
+    refused = Mark(
+        file=path.name, student=path.stem, seed=0, earned=0.0, at_most=worth, points=worth,
+        status=REFUSED, counted=task.counted, fingerprint=fingerprint,
+    )  # fmt: skip
     if isinstance(read, str):
-        return Mark(path.name, path.stem, 0, 0.0, worth, worth, REFUSED, remarks=read,
-                    counted=counted, fingerprint=fingerprint)  # fmt: skip
+        return replace(refused, remarks=read)
     if None not in (task.seed, read.seed) and read.seed != task.seed:
-        text = f"seed {read.seed} instead of {task.seed}"
-        return Mark(path.name, read.student, read.seed or 0, 0.0, worth, worth, REFUSED,
-                    remarks=text, counted=counted, fingerprint=fingerprint)  # fmt: skip
+        refused = replace(refused, remarks=f"seed {read.seed} instead of {task.seed}")
+        return replace(refused, student=read.student, seed=read.seed or 0)
     seed = read.seed if read.seed is not None else task.seed or 0
     parts: dict[str, float] = {}
     codes: list[str] = []
@@ -434,14 +435,14 @@ def _mark(
         unseen |= bool(verdict.notes or verdict.unread)
     if read.seed is None:
         remarks.append(f"the file names no seed: graded as seed {seed}.")
-    others = task.namesakes.get(path, ())
-    if others:
+    if others := task.namesakes.get(path, ()):
         remarks.insert(0, f"the same student as in {', '.join(others)}: decide which one counts.")
     status = TWICE if others else PARTLY if unseen else GRADED
-    earned = round(sum(parts.values()), 3)
-    return Mark(path.name, read.student, seed, earned, round(most, 3), worth, status,
-                f"{answered} of {asked}", unread, parts=parts, diagnoses="; ".join(codes),
-                remarks=" ".join(remarks), counted=counted, fingerprint=fingerprint)  # fmt: skip
+    return replace(
+        refused, student=read.student, seed=seed, earned=round(sum(parts.values()), 3),
+        at_most=round(most, 3), status=status, answered=f"{answered} of {asked}",
+        unread=unread, parts=parts, diagnoses="; ".join(codes), remarks=" ".join(remarks),
+    )  # fmt: skip
 
 
 def _rows_of(table: Path, numbers: Sequence[str]) -> dict[str, Mapping[str, str]]:

@@ -3,8 +3,10 @@
 import pytest
 import sympy as sp
 
+from geomtorsion import gravity
 from geomtorsion.errors import GravityError
 from geomtorsion.gravity import perturbed
+from tests.gravity.perturbed.test_scalar_waves import at
 
 a, k, R, phi = sp.symbols("a k R phi")
 f, F = sp.Function("f")(R), sp.Function("F")(phi)
@@ -32,11 +34,55 @@ def test_massless_coupled_field() -> None:
     assert sp.simplify(perturbed.growth("F(phi)*R/2 - X/2", scalars="phi").G - wanted) == 0
 
 
+def test_functions_of_torsion() -> None:
+    """G = 1 / f_T where L = R/2 is -T/2 (Zheng and Huang 2011), and no slip."""
+    T = sp.Symbol("T")
+    slope = sp.Function("f")(T).diff(T)
+    growth = perturbed.growth("f(T)", "teleparallel")
+    assert sp.simplify(growth.G + 1 / (2 * slope)) == 0
+    assert growth.slip == 1
+    assert perturbed.growth("-T/2", "teleparallel").G == 1
+    opposite = perturbed.growth(gravity.tegr).G
+    assert opposite == -sp.Rational(1, 2)
+
+
+@pytest.mark.parametrize(
+    "lagrangian",
+    [
+        "R/2 - X/2 + B(phi, X)*Box(phi)",
+        "F(phi)*R/2 + K(X) + B(phi, X)*Box(phi)",
+        "R/2 - X/2 + f(phi)*GB",
+        "-X/2 + P(phi, X)*R - 2*Derivative(P(phi, X), X)*(Box(phi)**2 - hessian2)",
+    ],
+)
+def test_horndeski(lagrangian: str) -> None:
+    """G and slip by alpha_B, alpha_M, alpha_T (Gleyzes, Langlois and Vernizzi 2014)."""
+    growth = perturbed.growth(lagrangian, scalars="phi")
+    scalar = perturbed.scalar_modes(lagrangian, scalars="phi")
+    tensor = perturbed.tensor_modes(lagrangian, "riemannian", scalars="phi")
+    t = sp.Symbol("t")
+    H = sp.Function("H")(t)
+    rate = {H.diff(t): scalar.background[1].rhs}
+
+    def value(expression: sp.Expr) -> sp.Expr:
+        return at(expression.xreplace(rate))
+
+    mass, excess, running = map(value, (tensor.kinetic, tensor.alpha_T, tensor.alpha_M))
+    # The lapse is zeta' / (H (1 + alpha_B)), and Q_s = M^2 alpha / (2 (1 + alpha_B)^2).
+    braiding = 1 / value(H * scalar.lapse) - 1
+    weight = 2 * value(scalar.kinetic) * (1 + braiding) ** 2 / mass * value(scalar.speed2)
+    mixing = braiding * (1 + excess) + excess - running
+    strength = 1 + excess + 2 * mixing**2 / weight
+    assert value(growth.G) == strength / mass
+    assert value(growth.slip) == (1 + 2 * braiding * mixing / weight) / strength
+
+
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: perturbed.growth("f(T)", "teleparallel"), "riemannian"),
-        (lambda: perturbed.growth("R/2 - X/2 + f(phi)*GB", scalars="phi"), "rates"),
+        (lambda: perturbed.growth("f(Q)", "symmetric teleparallel"), "riemannian"),
+        (lambda: perturbed.growth("T + axial2", "teleparallel"), "function of T"),
+        (lambda: perturbed.growth("T", "poincare"), "riemannian"),
         (lambda: perturbed.growth("f(R, GB)"), "rates"),
         (lambda: perturbed.growth("GB"), "term of gravity"),
         (lambda: perturbed.growth("R/2 + a*R**2", constants="a"), "another name"),

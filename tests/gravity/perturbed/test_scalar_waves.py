@@ -20,8 +20,11 @@ EXAMPLES = {
     "F": lambda s: 2 + s**2,
     "f": lambda s: s**5 / 7 + s / 3,
     "K": lambda s: -s + s**2 / 5 + s**3 / 11,
+    "B": lambda s, y: s**2 * y - y**2 / 3,
+    "P": lambda s, y: HALF + s * y**2 / 5 - y**3 / 13,
+    "S": lambda s, y: s * y / 7 - y**2 / 17,
 }
-V, F, f, K = (EXAMPLES[name] for name in "VFfK")
+V, F, f, K, B, P, S = (EXAMPLES[name] for name in "VFfKBPS")
 NUMBERS = {
     phi.diff(time, 3): sp.Rational(3, 11),
     phi.diff(time, 2): sp.Rational(-2, 5),
@@ -36,7 +39,8 @@ def at(expression: sp.Expr) -> sp.Expr:
     expression = sp.sympify(expression)
     for name, example in EXAMPLES.items():
         expression = expression.replace(sp.Function(name), example)
-    expression = expression.doit().subs(sp.Symbol("X"), -(speed**2)).subs(sp.Symbol("phi"), phi)
+    names = {sp.Symbol("X"): -(speed**2), sp.Symbol("phi"): phi}
+    expression = expression.doit().subs(names, simultaneous=True)
     return sp.expand(expression.xreplace(NUMBERS))
 
 
@@ -129,6 +133,10 @@ def in_time(*terms: sp.Expr) -> sp.Expr:
 
 KAPPA = sp.Rational(2, 9)
 KINETIC = gravity.invariant("J", "G_ab phi^a phi^b")
+CUBE = gravity.invariant(
+    "Z", "phi_a^a phi_b^b phi_c^c - 3 phi_a^a phi_bc phi^bc + 2 phi_a^b phi_b^c phi_c^a"
+)
+EINSTEIN_HESSIAN = gravity.invariant("W", "G_ab phi^ab")
 EINSTEIN = Horndeski(G4=HALF)
 CANONICAL = Horndeski(G2=x)
 # The X of a Lagrangian is g^ab phi_a phi_b = -2 x.
@@ -151,13 +159,22 @@ THEORIES = [
         "F(phi)*R/2 + K(X) - V(phi) + f(phi)*GB + 2*J/9",
         Horndeski(-V(p), G4=F(p) / 2 + KAPPA * x) + K_ESSENCE + GAUSS_BONNET,
     ),
+    ("R/2 + K(X) + B(phi, X)*Box(phi)", EINSTEIN + K_ESSENCE + Horndeski(G3=-B(p, -2 * x))),
+    (
+        "-X/2 + P(phi, X)*R - 2*Derivative(P(phi, X), X)*(Box(phi)**2 - hessian2)",
+        Horndeski(x, G4=P(p, -2 * x)),
+    ),
+    (
+        "R/2 - X/2 - V(phi) + S(phi, X)*W + Derivative(S(phi, X), X)*Z/3",
+        EINSTEIN + Horndeski(x - V(p), G5=S(p, -2 * x)),
+    ),
 ]
 
 
 @pytest.mark.parametrize(("lagrangian", "published"), THEORIES)
 def test_horndeski(lagrangian: str, published: Horndeski) -> None:
     """Q_s = G_S, c_s^2 = F_S / G_S and the friction 3 H + d ln G_S / dt, in exact numbers."""
-    invariants = [KINETIC] if "J" in lagrangian else []
+    invariants = [one for one in (KINETIC, EINSTEIN_HESSIAN, CUBE) if one.name in lagrangian]
     waves = perturbed.scalar_modes(lagrangian, scalars="phi", invariants=invariants)
     F_S, G_S = published.scalar
     rate = {H.diff(time): published.rate}
@@ -224,6 +241,9 @@ def test_wave_equation_and_name_of_the_field() -> None:
         (lambda: perturbed.scalar_modes("R/2 - X/2 + c*P1", constants="c"), "second order"),
         (lambda: perturbed.scalar_modes("R/2 - V(phi)"), "kinetic factor 0"),
         (lambda: perturbed.scalar_modes("-X/2"), "term of gravity"),
+        (lambda: perturbed.scalar_modes("R/2 + mu*sqrt(-X) - V(phi)"), "cuscuton"),
+        (lambda: perturbed.scalar_modes("R/2 + Box(phi)"), "kinetic factor 0"),
+        (lambda: perturbed.scalar_modes("R/2 - X/2 + hessian2"), "second order"),
         (lambda: perturbed.scalar_modes("R/2 - X/2", scalars="N"), "Rename"),
         (lambda: perturbed.tensor_modes("R/2 - X/2", "riemannian", scalars="h"), "Rename"),
     ],

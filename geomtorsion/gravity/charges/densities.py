@@ -1,0 +1,362 @@
+"""Densities: what a charge integrates over a closed surface, one function for each kind."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import sympy as sp
+
+from geomtorsion.errors import GravityError
+from geomtorsion.exact import Element, parse_expression
+from geomtorsion.geometry import Connection, Form, Frame, Tensor, cartan, levi_civita, lie, surface
+from geomtorsion.gravity.charges.spheres import Sphere, number
+from geomtorsion.gravity.equations import equations
+from geomtorsion.gravity.inertial import inertial
+from geomtorsion.gravity.lagrangian import Lagrangian, known_as
+from geomtorsion.support import checks
+
+
+@dataclass(frozen=True)
+class Request:
+    """What a user asks for; see `charge`.
+
+    connection: the connection that was given, or None for a frame.
+    """
+
+    frame: Frame
+    connection: Connection | None
+    killing: object
+    lagrangian: Lagrangian | str | None
+    leg: int
+    potential: object
+    vary: object
+    reference: Any
+
+
+@dataclass(frozen=True)
+class Density:
+    """A density on a surface.
+
+    expression: in the coordinates of the surface. name: of the charge. formula: in words.
+    at_infinity: whether the radius grows without bound. assumed: assumptions, in words.
+    """
+
+    expression: sp.Expr
+    name: str
+    formula: str
+    at_infinity: bool = False
+    assumed: tuple[str, ...] = ()
+
+
+def _killing(request: Request) -> Tensor:
+    """The Killing vector, slot u.
+
+    Raises
+    ------
+    GravityError
+        The metric changes along the vector, or there is none.
+    """
+    frame, given = request.frame, request.killing
+    names = [q.name for q in frame.coordinates]
+    if given is None:
+        given = names[0]
+    if isinstance(given, str | sp.Symbol):
+        name = checks.known_name(given, names, "killing", GravityError, expected="a coordinate")
+        given = [int(q == name) for q in names]
+    xi = frame.vector(given)
+    if lie(xi, frame).is_zero is not True:
+        raise GravityError(
+            f"killing: expected a Killing vector, got {checks.shown(list(map(str, xi)))}: the "
+            "metric changes along it. gt.symmetries(frame) lists the Killing vectors."
+        )
+    return xi
+
+
+def _kind(one: Sphere, xi: Tensor) -> tuple[str, bool]:
+    """Name of the charge of a Killing vector, and whether it is tangent to the surface."""
+    inside = xi.components.get((one.time,)).is_zero is True
+    return ("angular momentum" if inside else "mass"), inside
+
+
+def _derivative(one: Sphere, xi: Tensor) -> Element:
+    """(d xi)^{time radius}, twice the derivative D^t xi^r."""
+    raised = Form.of(xi.lowered()).d.tensor.raised()
+    return raised.components.get((one.time, one.radius))
+
+
+def komar(request: Request, one: Sphere) -> Density:
+    """-(n - 2)/(n - 3)/(16 pi) |g|^(1/2) (d xi)^{tr}; 1/(16 pi) of it for angular momenta."""
+    given = request.connection
+    if given is not None and given.is_torsion_free is not True:
+        raise GravityError(
+            f"connection: expected no torsion for a Komar charge, got {given.name}: *d xi is "
+            "closed by the Einstein equations of the metric. Give the frame, or kind "
+            "'teleparallel'."
+        )
+    xi = _killing(request)
+    name, inside = _kind(one, xi)
+    n = request.frame.dimension
+    if n == 3 and not inside:
+        raise GravityError(
+            "kind: expected four dimensions or more for a Komar mass, got 3. Use kind 'varied' "
+            "with vary='M'."
+        )
+    factor = sp.Rational(1, 16) if inside else -sp.Rational(n - 2, 16 * (n - 3))
+    sign = one.signature
+    flux = one.flux(_derivative(one, xi)) * factor * sign / sp.pi
+    return Density(flux, name, f"{factor}/pi * surface integral of *d(xi)")
+
+
+def teleparallel(request: Request, one: Sphere) -> Density:
+    """-1/(8 pi) |g|^(1/2) (dL/dT)^{tr}_k, k a leg."""
+    assumed: tuple[str, ...] = ()
+    if request.reference:
+        connection = inertial(request.frame, request.reference)
+    elif request.connection is not None:
+        connection = request.connection
+    else:
+        connection = cartan(request.frame)
+        remark = (
+            "the tetrad is proper, without torsion where gravity is absent; for another tetrad "
+            "give reference={'M': 0}"
+        )
+        assumed = (remark,)
+    theory = known_as(request.lagrangian or "T")
+    momentum = equations(connection, theory).P
+    leg = checks.count(request.leg, "leg", GravityError, 0, request.frame.dimension - 1)
+    legs = request.frame.legs.components.get
+    component = request.frame.field.sum(
+        [
+            (1, legs((one.time, i)), legs((one.radius, j)), value)
+            for (i, j, k), value in momentum.components.nonzero.items()
+            if k == leg
+        ]
+    )
+    flux = -one.flux(component) * one.signature / (8 * sp.pi)
+    name = "energy" if leg == one.time else f"momentum along leg {leg}"
+    formula = f"-1/(8*pi) * surface integral of dL/dT^(ab)_k, k = leg {leg}, a and b coordinates"
+    return Density(flux, name, f"{formula}, L = {theory.expression}", assumed=assumed)
+
+
+def electric(request: Request, one: Sphere) -> Density:
+    """1/(4 pi) |g|^(1/2) F^{tr}, of the potential A_mu."""
+    frame = request.frame
+    if request.potential is None:
+        raise GravityError(
+            "potential: expected the components A_mu for an electric charge, got none. Give "
+            "potential=['-Q/r', 0, 0, 0]."
+        )
+    names = {q.name: q for q in (*frame.coordinates, *frame.parameters)}
+    parts = checks.entries(request.potential, "potential", GravityError)
+    if len(parts) != frame.dimension:
+        raise GravityError(
+            f"potential: expected {frame.dimension} components, got {len(parts)}. Give one for "
+            "each coordinate."
+        )
+    read = [
+        checks.expression(x, "potential", GravityError, read=lambda text: _parsed(text, names))
+        for x in parts
+    ]
+    field = Form(frame, 1, dict(enumerate(read))).d.tensor.raised()
+    flux = one.flux(field.components.get((one.time, one.radius)))
+    return Density(
+        flux * one.signature / (4 * sp.pi), "electric charge",
+        "1/(4*pi) * surface integral of *F, F = dA",
+    )  # fmt: skip
+
+
+def _parsed(text: str, names: dict[str, Any]) -> sp.Expr:
+    return parse_expression(text, names, where="potential")
+
+
+def varied(request: Request, one: Sphere) -> Density:
+    """Change of the charge of a Killing vector with a parameter, in GR with Lambda.
+
+    k^{mn} = |g|^(1/2)/(8 pi) (xi^m D_s h^{ns} - xi^m D^n h + xi_s D^n h^{ms} + h D^n xi^m / 2
+    - h^{sn} D_s xi^m), antisymmetric in mn, h = dg/dM [Iyer, Wald 1994], [Barnich, Brandt 2002].
+    """
+    frame, xi = request.frame, _killing(request)
+    parameter = _parameter(frame, request.vary)
+    name, inside = _kind(one, xi)
+    field, n = frame.field, range(frame.dimension)
+    metric = frame.metric.components.get
+    h = Tensor(frame, "dd", lambda x: metric(x).diff(parameter))
+    connection = levi_civita(frame)
+    # D^a h^{bc} and D^a xi^b, all indices up.
+    dh = connection.covariant_derivative(h).raised().components.get
+    dxi = connection.covariant_derivative(xi).raised(0).components.get
+    up, low = xi.components.get, xi.lowered().components.get
+    mixed, g = h.raised(0).components.get, metric
+    both = h.raised()
+    trace = field.sum([(1, mixed((a, a))) for a in n])
+    inverse = frame.inverse_metric.components.get
+
+    def half(m: int, k: int) -> list[Any]:
+        terms: list[Any] = [
+            (-1, up((m,)), inverse((k, a)), trace.diff(frame.coordinates[a])) for a in n
+        ]
+        for s in n:
+            terms += [(1, up((m,)), g((s, a)), dh((a, k, s))) for a in n]
+            terms.append((1, low((s,)), dh((k, m, s))))
+            terms += [(-1, both.components.get((s, k)), g((s, a)), dxi((a, m))) for a in n]
+        terms.append((Fraction(1, 2), trace, dxi((k, m))))
+        return terms
+
+    t, r = one.time, one.radius
+    component = field.sum([*half(t, r), *((-x[0], *x[1:]) for x in half(r, t))])
+    sign = -1 if inside else 1
+    flux = one.flux(component) * one.signature * sign / (16 * sp.pi)
+    formula = "surface integral of the charge of dg, general relativity with Lambda"
+    return Density(flux, f"d({name})/d{parameter}", formula)
+
+
+def _parameter(frame: Frame, given: object) -> sp.Symbol:
+    names = {x.name: x for x in frame.parameters}
+    if given is None:
+        raise GravityError(
+            f"vary: expected a parameter of the frame, got none. Give one of {', '.join(names)}."
+        )
+    return names[checks.known_name(given, names, "vary", GravityError, expected="a parameter")]
+
+
+# -- a slice ---------------------------------------------------------------------------------------
+
+
+def _slice(one: Sphere) -> Frame:
+    """The slice of constant time, with a positive metric."""
+    others = [q for k, q in enumerate(one.frame.coordinates) if k != one.time]
+    frame = surface(one.frame, [q.name for q in others]).frame
+    known = {*others, *one.frame.parameters}
+    where = one.frame.domain or one.frame.region.relations
+    domain = [x for x in where if x.free_symbols <= known]
+    return _with_metric(frame, domain, lambda value: value * one.signature)
+
+
+def _with_metric(
+    frame: Frame, domain: Sequence[sp.Basic], changed: Callable[[sp.Expr], sp.Expr]
+) -> Frame:
+    """The frame with every component of its metric changed."""
+    n = range(frame.dimension)
+    rows = [[changed(frame.metric[i, j]) for j in n] for i in n]
+    return Frame.from_metric(
+        frame.coordinates, rows, parameters=frame.parameters, domain=domain or None
+    )
+
+
+def brown_york(request: Request, one: Sphere) -> Density:
+    """1/(8 pi) (k0 - k) of a sphere, k0 its mean curvature in flat space."""
+    _check_four(one, "brown-york")
+    around = [q.name for q, _, _ in one.ranges]
+    ball = surface(_slice(one), around, orientation=one.outwards)
+    curvature = levi_civita(ball.frame).curvature.scalar.element()
+    if curvature.symbols & {q for q, _, _ in one.ranges}:
+        raise GravityError(
+            f"surface: expected a sphere of constant curvature for brown-york, got {one}, whose "
+            "curvature varies. The embedding in flat space is implemented for constant curvature. "
+            "Choose kind 'komar' or 'adm'."
+        )
+    k0 = sp.sqrt(2 * curvature.sympy)
+    volume = ball.frame.volume.element()
+    area = volume.sympy * (one.frame.region.sign(volume) or 1)
+    density = (k0 - ball.mean_curvature.element().sympy) * area / (8 * sp.pi)
+    density = _rooted(one, density)
+    return Density(one.put(density), "quasi-local mass", "1/(8*pi) * surface integral of k0 - k")
+
+
+def _rooted(one: Sphere, expression: sp.Expr) -> sp.Expr:
+    """An expression with roots of squares replaced by values that are positive there."""
+    region = one.frame.region
+    positive = {
+        x: sp.Dummy(x.name, positive=True) for x in expression.free_symbols if region.sign(x) == 1
+    }
+    back = {dummy: x for x, dummy in positive.items()}
+    return sp.powdenest(expression.xreplace(positive)).xreplace(back)
+
+
+def _check_four(one: Sphere, kind: str) -> None:
+    if one.frame.dimension != 4:
+        raise GravityError(
+            f"kind: expected four dimensions for {kind!r}, got {one.frame.dimension}. Use 'komar' "
+            "or 'varied'."
+        )
+
+
+def adm(request: Request, one: Sphere) -> Density:
+    """1/(16 pi) (D^j h_ij - D_i h) at infinity; D and traces of the reference metric."""
+    _check_four(one, "adm")
+    space = _slice(one)
+    names = {x.name: x for x in space.parameters}
+    given = checks.known_keys(
+        request.reference or {}, names, "reference", GravityError, expected="a parameter"
+    )
+    if not given:
+        raise GravityError(
+            "reference: expected the parameters for which the slice is flat, got none. Give "
+            "reference={'M': 0}."
+        )
+    put = {names[x]: number(value, f"reference[{x}]") for x, value in given.items()}
+    flat = _with_metric(space, (), lambda value: value.subs(put))
+    connection = levi_civita(flat)
+    if connection.curvature.riemann.is_zero is not True:
+        raise GravityError(
+            f"reference: expected values that make the slice flat, got {checks.shown(given)}, with "
+            "curvature. ADM masses belong to spaces that are flat at infinity; use kind 'varied'."
+        )
+    n = range(3)
+    places = [(i, j) for i in n for j in n]
+    differences = [(f"g{x}", space.metric[x] - flat.metric[x]) for x in places]
+    read = dict(zip(places, flat.read(differences), strict=True))
+    h = Tensor(flat, "dd", lambda x: read[x[0], x[1]])
+    dh = connection.covariant_derivative(h).components.get
+    inverse = flat.inverse_metric.components.get
+    r = flat.coordinates.index(one.symbol)
+    component = flat.field.sum(
+        [
+            (sign, inverse((r, i)), inverse((j, k)), dh(place))
+            for i in n
+            for j in n
+            for k in n
+            for sign, place in ((1, (j, i, k)), (-1, (i, j, k)))
+        ]
+    )
+    volume = flat.volume.element()
+    density = (component * volume).sympy * (one.frame.region.sign(volume) or 1)
+    density = _at_infinity(one.put(density) * one.outwards, one.symbol) / (16 * sp.pi)
+    formula = "1/(16*pi) * surface integral of D^j h_ij - D_i h at infinity"
+    return Density(density, "mass", formula, at_infinity=True)
+
+
+def _at_infinity(density: sp.Expr, r: sp.Symbol) -> sp.Expr:
+    """The limit of a density as the radius grows."""
+    above, below = sp.fraction(sp.cancel(sp.together(density)))
+    if not (above.is_polynomial(r) and below.is_polynomial(r)):
+        value = sp.limit(density, r, sp.oo)
+    else:
+        top, bottom = sp.Poly(above, r), sp.Poly(below, r)
+        if top.degree() > bottom.degree():
+            value = sp.oo
+        elif top.degree() < bottom.degree():
+            value = sp.S.Zero
+        else:
+            value = sp.cancel(top.LC() / bottom.LC())
+    if value.has(sp.oo, sp.zoo, sp.nan):
+        raise GravityError(
+            f"charge: expected a finite limit for large {r}, got none. The slice does not become "
+            "flat fast enough in these coordinates."
+        )
+    return value
+
+
+KINDS: dict[str, Callable[[Request, Sphere], Density]] = {
+    "komar": komar,
+    "teleparallel": teleparallel,
+    "varied": varied,
+    "brown-york": brown_york,
+    "adm": adm,
+    "electric": electric,
+}
+# Kinds whose surface must be outside of all horizons.
+OUTSIDE: Sequence[str] = ("komar", "teleparallel", "brown-york")

@@ -1,0 +1,368 @@
+"""Horizons: radius, area, surface gravity, temperature and entropy, exactly or as numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+import sympy as sp
+from flint import arb
+
+from geomtorsion.codegen import balls, graph
+from geomtorsion.errors import GravityError
+from geomtorsion.exact import Element
+from geomtorsion.geometry import levi_civita
+from geomtorsion.geometry.connections import FrameLike, as_frame
+from geomtorsion.gravity.charges.spheres import Sphere, integrated, number, sphere
+from geomtorsion.gravity.equations import equations
+from geomtorsion.gravity.lagrangian import Lagrangian
+from geomtorsion.support import checks
+from geomtorsion.support.displays import drawn_by
+from geomtorsion.support.outgoing import number_text
+from geomtorsion.support.precision import CONSTANT_BITS, ball_precision
+
+# Two directions with rational sine and cosine, at which the surface gravity must agree.
+DIRECTIONS = ((4, 3, 5), (5, 12, 13))
+# The parameters that are eliminated first.
+MASSES = ("M", "m", "mu", "mass")
+
+
+@dataclass(frozen=True, repr=False)
+class Horizon:
+    """A Killing horizon where g^rr vanishes.
+
+    radius: its coordinate. relation: the parameter that is expressed by the radius, with its value;
+        empty for numbers.
+    area, angular_velocity, surface_gravity, temperature, entropy: expressions in the radius and
+        the other parameters, or floats; G = c = hbar = k = 1. An expression of surface gravity is
+        positive at the outer horizon of a hole and negative at inner and cosmological ones, a
+        float is its size.
+    error: bound on the relative errors of floats; 0 for expressions.
+    lagrangian: the theory of the entropy.
+    """
+
+    radius: sp.Expr | float
+    relation: Mapping[sp.Symbol, sp.Expr]
+    area: sp.Expr | float
+    angular_velocity: sp.Expr | float
+    surface_gravity: sp.Expr | float
+    temperature: sp.Expr | float
+    entropy: sp.Expr | float
+    error: float
+    lagrangian: str
+
+    _repr_html_ = drawn_by("charges", "horizon_html")
+    quantities: ClassVar[tuple[str, ...]] = (
+        "radius", "area", "angular_velocity", "surface_gravity", "temperature", "entropy",
+    )  # fmt: skip
+
+    def to_json(self) -> dict[str, Any]:
+        """The horizon as plain data; expressions as text."""
+        values = {name: getattr(self, name) for name in self.quantities}
+        plain = {k: x if isinstance(x, float) else str(x) for k, x in values.items()}
+        relation = {str(x): str(value) for x, value in self.relation.items()}
+        return {**plain, "relation": relation, "error": self.error, "lagrangian": self.lagrangian}
+
+    def __str__(self) -> str:
+        lines = [f"horizon at {self._shown(self.radius)}, entropy of L = {self.lagrangian}"]
+        lines += [f"  with {x} = {value}" for x, value in self.relation.items()]
+        lines += [
+            f"  {name.replace('_', ' ')} = {self._shown(getattr(self, name))}"
+            for name in self.quantities[1:]
+        ]
+        return "\n".join(lines)
+
+    __repr__ = __str__
+
+    def _shown(self, value: sp.Expr | float) -> str:
+        if isinstance(value, float):
+            return number_text(value, abs(value) * self.error)
+        return str(value)
+
+
+def horizons(
+    frame: FrameLike,
+    lagrangian: Lagrangian | str = "R",
+    *,
+    parameters: Mapping[Any, Any] | None = None,
+    surface: Mapping[Any, Any] | str | None = None,
+    over: Mapping[Any, Any] | None = None,
+) -> tuple[Horizon, ...]:
+    """Horizons of a stationary frame, with temperature and entropy.
+
+    Equation
+    --------
+    S = -2 pi of dL/dR_abcd eps_ab eps_cd, L over 16 pi [Wald1993]: A/4 for L = R
+    T = kappa/(2 pi), kappa = (g^rr/N^2)^(1/2) d_r N^2 / 2, N^2 = -1/g^tt
+
+    Parameters
+    ----------
+    frame
+        A frame, a space or its name, in coordinates in which g^rr vanishes at the horizon.
+    lagrangian
+        L(R), "R + c*R**2", "R + alpha*GB", as in `gravity.equations`.
+    parameters
+        Numbers for all parameters of frame and Lagrangian: the result then has one horizon for
+        each root, sorted. Without them it has one with one parameter expressed by the radius.
+    surface, over
+        As in `charge`.
+
+    Returns
+    -------
+    Tuple of Horizon.
+
+    Raises
+    ------
+    GravityError
+        No horizon, no parameter can be expressed by its radius, or its surface gravity varies.
+
+    Examples
+    --------
+    >>> from geomtorsion import gravity
+    >>> (hole,) = gravity.horizons("kerr")
+    >>> hole.entropy, hole.relation
+    (pi*(a**2 + r**2), {M: (a**2 + r**2)/(2*r)})
+    >>> hole.angular_velocity
+    a/(a**2 + r**2)
+    """
+    own = as_frame(frame, "frame", GravityError)
+    one = sphere(own, surface, over, None, 1)
+    if one.values:
+        checks.refuse(GravityError, "surface", "the names of time and radius", surface)
+    system = equations(levi_civita(own), lagrangian)
+    symbols = {x.name: x for x in own.parameters}
+    symbols |= {name: sp.Symbol(name) for name in system.constants if name not in symbols}
+    given = checks.known_keys(parameters or {}, symbols, "parameters", GravityError)
+    values = {symbols[name]: number(x, f"parameters[{name}]") for name, x in given.items()}
+    for symbol, value in values.items():
+        checks.check_declared(symbol, value)
+    if values and len(values) < len(symbols):
+        missing = next(name for name in symbols if symbols[name] not in values)
+        raise GravityError(
+            f"parameters: expected numbers for all of {', '.join(symbols)}, got none for "
+            f"{missing}. Give all, or none for formulas."
+        )
+    hole = _Hole(one, system.Z.raised(3).components.get)
+    text = str(system.lagrangian.expression)
+    if not given and symbols:
+        return (hole.formulas(hole.relation(), text),)
+    return hole.numbers(values, text)
+
+
+@dataclass(frozen=True)
+class _Hole:
+    """A family of surfaces around a hole, and dL/dR_abcd, slots UUUU."""
+
+    sphere: Sphere
+    momentum: Any
+
+    @property
+    def condition(self) -> sp.Expr:
+        """A factor of g^rr that vanishes at the horizon, without angles."""
+        one = self.sphere
+        around = {q for q, _, _ in one.ranges}
+        inverse = one.frame.inverse_metric.components.get((one.radius, one.radius)).sympy
+        above = sp.fraction(sp.together(inverse))[0]
+        parts = [part for part, _ in sp.factor_list(above)[1]]
+        parts = [x for x in parts if one.symbol in x.free_symbols and x != one.symbol]
+        own = [x for x in parts if not x.free_symbols & around]
+        if not own or len(own) < len(parts):
+            raise GravityError(
+                f"frame: expected a factor of g^{2 * str(one.symbol)} that vanishes at a horizon, "
+                f"got {checks.cut(str(above))}. Use coordinates such as the ones of Boyer and "
+                "Lindquist; a space without horizon has no temperature."
+            )
+        return sp.Mul(*own)
+
+    def relation(self) -> dict[sp.Symbol, sp.Expr]:
+        """The first parameter that the radius of the horizon determines."""
+        condition, own = self.condition, self.sphere.frame.parameters
+        order = sorted(own, key=lambda x: (x.name not in MASSES, own.index(x)))
+        for symbol in order:
+            if symbol not in condition.free_symbols:
+                continue
+            # Formulas in a positive radius and positive parameters.
+            positive = _positive(self.sphere, condition.free_symbols - {symbol})
+            roots = sp.solve(condition.xreplace(positive), symbol, dict=False)
+            if len(roots) == 1:
+                back = {dummy: x for x, dummy in positive.items()}
+                return {symbol: sp.factor(roots[0].xreplace(back))}
+        raise GravityError(
+            "parameters: expected numbers, because no parameter is determined by the radius "
+            "of the horizon, got none. Give parameters={'M': 1}."
+        )
+
+    def formulas(self, put: Mapping[sp.Symbol, sp.Expr], text: str) -> Horizon:
+        """All quantities in terms of the radius."""
+        one = self.sphere
+        frame, field = one.frame, one.frame.field
+        t, r = one.time, one.radius
+        inverse = frame.inverse_metric.components.get
+        gtt, grr, gtr = inverse((t, t)), inverse((r, r)), inverse((t, r))
+        slope = gtt.diff(one.symbol) * (gtt * gtt * 2 * one.signature).inverse()
+        ratio = self._root(self._at(grr * gtt * -1, put))
+        kappa = self._constant(self._at(slope, put) * ratio, "surface gravity")
+        normal = (gtr * gtr - gtt * grr).inverse()
+        weight = self._at(normal * self._contracted(), put)
+        others = [k for k in range(frame.dimension) if k not in (t, r)]
+        metric = [
+            [self._at(frame.metric.components.get((i, j)), put) for j in others] for i in others
+        ]
+        density = self._root(sp.factor(sp.Matrix(metric).det()))
+        area, entropy = (
+            integrated(one, x)[0] for x in (density, density * weight * one.signature / 8)
+        )
+        if area is None or entropy is None:
+            raise GravityError(
+                "frame: expected a horizon whose area has a closed form, got none. Use another "
+                "coordinate."
+            )
+        area, entropy = self._tidy(area), self._tidy(entropy)
+        turning = [k for k in others if not frame.metric.components.get((t, k)).is_zero]
+        velocity: sp.Expr = sp.S.Zero
+        if turning:
+            k = turning[0]
+            get = frame.metric.components.get
+            turn = field.sum([(-1, get((t, k)), get((k, k)).inverse())])
+            velocity = self._constant(self._at(turn, put), "angular velocity")
+        return Horizon(
+            radius=one.symbol, relation=dict(put), area=area, angular_velocity=velocity,
+            surface_gravity=kappa, temperature=sp.factor(kappa / (2 * sp.pi)), entropy=entropy,
+            error=0.0, lagrangian=text,
+        )  # fmt: skip
+
+    def _tidy(self, expression: sp.Expr) -> sp.Expr:
+        """An expression with factors, and without roots of squares."""
+        positive = _positive(self.sphere, expression.free_symbols)
+        back = {dummy: x for x, dummy in positive.items()}
+        deep = sp.powdenest(sp.factor(expression.xreplace(positive), deep=True))
+        return sp.factor(deep).xreplace(back)
+
+    def _contracted(self) -> Element:
+        """dL/dR_abcd eps_ab eps_cd over the square of eps_tr."""
+        one = self.sphere
+        legs, n = one.frame.legs.components.get, range(one.frame.dimension)
+        t, r = one.time, one.radius
+        pairs = {
+            (i, j): legs((t, i)) * legs((r, j)) - legs((r, i)) * legs((t, j)) for i in n for j in n
+        }
+        pairs = {x: value for x, value in pairs.items() if not value.is_zero}
+        return one.frame.field.sum(
+            [(1, x, y, self.momentum((*a, *b))) for a, x in pairs.items() for b, y in pairs.items()]
+        )
+
+    def _at(self, element: Element, put: Mapping[sp.Symbol, sp.Expr]) -> sp.Expr:
+        """An element at the horizon, with the parameter that the radius determines."""
+        expression = element.sympy.xreplace(dict(put))
+        if expression.is_rational_function():
+            return sp.factor(expression)
+        positive = _positive(self.sphere, expression.free_symbols)
+        back = {dummy: x for x, dummy in positive.items()}
+        return sp.factor(sp.simplify(expression.xreplace(positive))).xreplace(back)
+
+    def _root(self, expression: sp.Expr) -> sp.Expr:
+        """The root of an expression, even powers taken out."""
+        positive = _positive(self.sphere, expression.free_symbols)
+        for q, low, high in self.sphere.ranges:
+            if (low, high) == (0, sp.pi):
+                positive[sp.sin(q)] = sp.Dummy("s", positive=True)
+        back = {dummy: x for x, dummy in positive.items()}
+        outside, inside = sp.S.One, sp.S.One
+        above, below = sp.fraction(sp.together(expression).xreplace(positive))
+        for whole, sign in ((above, 1), (below, -1)):
+            factor, parts = sp.factor_list(whole)
+            inside *= factor**sign
+            for part, power in parts:
+                outside *= part ** (sign * (power // 2))
+                inside *= part ** (sign * (power % 2))
+        return (outside * sp.sqrt(inside)).xreplace(back)
+
+    def _constant(self, expression: sp.Expr, name: str) -> sp.Expr:
+        """What does not depend on the direction."""
+        found = [expression.subs(self._direction(x)) for x in DIRECTIONS]
+        if sp.simplify(found[0] - found[1]) != 0:
+            raise GravityError(
+                f"frame: expected a horizon with one {name}, got one that depends on the "
+                "direction. The horizon is not where the coordinates put it."
+            )
+        return self._tidy(sp.simplify(found[0]))
+
+    def _direction(self, triple: tuple[int, int, int]) -> dict[sp.Expr, sp.Expr]:
+        s, c, one = triple
+        put: dict[sp.Expr, sp.Expr] = {}
+        for q, _, _ in self.sphere.ranges:
+            put |= {sp.sin(q): sp.Rational(s, one), sp.cos(q): sp.Rational(c, one)}
+        return put
+
+    def numbers(self, values: Mapping[sp.Symbol, sp.Expr], text: str) -> tuple[Horizon, ...]:
+        """One horizon for each real root of g^rr that the formulas have."""
+        put = dict(values)
+        own = {x: put[x] for x in self.sphere.frame.parameters}
+        condition = self.condition
+        relation = self.relation() if own else {}
+        formula = self.formulas(relation, text)
+        r = self.sphere.symbol
+        polynomial = sp.fraction(sp.together(condition.xreplace(own)))[0]
+        if relation:
+            ((symbol, value),) = relation.items()
+            polynomial = sp.fraction(sp.together(value.xreplace(own) - own[symbol]))[0]
+        rational = polynomial.is_polynomial(r) and sp.Poly(polynomial, r).domain
+        if rational not in (sp.ZZ, sp.QQ):
+            raise GravityError(
+                "parameters: expected a horizon at a root of a rational polynomial, got "
+                f"{checks.cut(str(polynomial))}. Omit parameters for formulas in the radius."
+            )
+        roots = sorted({x for x in sp.Poly(polynomial, r).real_roots() if x.evalf() > 0})
+        if not roots:
+            raise GravityError(
+                f"parameters: expected a horizon, got none: {polynomial} has no positive root. "
+                "Give other numbers."
+            )
+        found = []
+        for root in roots:
+            names = {x: put[x] for x in put if x not in relation}
+            exprs = [getattr(formula, x).xreplace(names) for x in formula.quantities]
+            found.append(_evaluated(formula, r, root, exprs))
+        return tuple(found)
+
+
+def _positive(one: Sphere, symbols: set[sp.Basic]) -> dict[sp.Basic, sp.Dummy]:
+    """Positive twins of the radius and of parameters that are positive in the region."""
+    region, around = one.frame.region, {q for q, _, _ in one.ranges}
+    chosen = sorted((x for x in symbols if x not in around), key=str)
+    known = set(one.frame.field.symbols)
+    return {
+        x: sp.Dummy(str(x), positive=True)
+        for x in chosen
+        if x == one.symbol or (x in known and region.sign(x) == 1)
+    }
+
+
+def _root_ball(root: sp.Expr) -> arb:
+    """A real root of a polynomial as a ball."""
+    if not isinstance(root, sp.CRootOf):
+        return balls.exact_ball(root)
+    width = sp.Rational(1, 2**CONSTANT_BITS)
+    return balls.exact_ball(root.eval_rational(width)) + arb(0, balls.exact_ball(width))
+
+
+def _evaluated(formula: Horizon, r: sp.Symbol, root: sp.Expr, exprs: list[sp.Expr]) -> Horizon:
+    """The formulas at a root, in balls."""
+    code = balls.BallCode(graph([r.name], exprs, factor=False))
+    with ball_precision(CONSTANT_BITS):
+        found = code.real([_root_ball(root)])
+        if not all(x.is_finite() for x in found):
+            raise GravityError(
+                f"parameters: expected a regular horizon, got {r} = {float(root):.6g} without "
+                "finite values."
+            )
+        values = [float(x.mid()) for x in found]
+        errors = [
+            float((abs(x - arb(value)) / abs(arb(value))).upper()) if value else 0.0
+            for x, value in zip(found, values, strict=True)
+        ]
+    named = dict(zip(formula.quantities, values, strict=True))
+    named["surface_gravity"] = abs(named["surface_gravity"])
+    named["temperature"] = abs(named["temperature"])
+    return replace(formula, relation={}, error=max(errors), **named)
