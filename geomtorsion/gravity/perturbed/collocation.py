@@ -33,8 +33,6 @@ FIRST, STEP, LAST = 44, 12, 128
 SLOWEST, LEAST, MOST = 0.02, 0.004, 4.0
 # Rough frequencies that are refined beyond the requested ones: some belong to the grid.
 SPARE = 3
-# Digits beyond the requested ones at which the iteration stops.
-GUARD = 5
 # Relative distance from a rough frequency that the iteration may go, and the steps it may take.
 NEAR, STEPS = 0.1, 30
 
@@ -217,7 +215,7 @@ def frequencies(radial: Radial, modes: int, digits: int) -> list[tuple[acb, floa
         for count in range(FIRST, LAST + 1, STEP):
             matrices = [_ball(m) for m in radial.matrices(count)]
             for k in sorted(latest.keys() - settled.keys())[: modes + SPARE]:
-                value = _newton(matrices, latest[k], digits)
+                value = _newton(matrices, latest[k])
                 if value is None:
                     del latest[k]
                     continue
@@ -260,7 +258,7 @@ def _ball(matrix: mpmath.matrix) -> acb_mat:
     return acb_mat(matrix.rows, matrix.cols, [acb(x) for x in matrix])
 
 
-def _newton(matrices: Sequence[acb_mat], start: acb, digits: int) -> acb | None:
+def _newton(matrices: Sequence[acb_mat], start: acb) -> acb | None:
     """The eigenvalue near a start; None where the iteration leaves its neighbourhood.
 
     Each step squares the error, so that twice the digits are right behind the last one.
@@ -283,6 +281,6 @@ def _newton(matrices: Sequence[acb_mat], start: acb, digits: int) -> acb | None:
         if _size(w - start) > NEAR * _size(start):
             return None
         # The first step has no direction yet: it is small near an eigenvalue, and inaccurate.
-        if number and _size(step) < 10.0 ** -(digits + GUARD) * _size(w):
+        if number and _size(step) < 10.0 ** (-ctx.dps / 4):
             return w
     return None
