@@ -214,8 +214,8 @@ class Expansion:
     def _by_growth(self, expression: sympy.Expr) -> sympy.Expr:
         """The limit by comparing growths (Gruntz 1996), as sympy does it; checked by numbers."""
         undecided = UndecidedError(
-            f"the limit of {self.name} as {self.approach} cannot be had. Declare the signs "
-            "of its symbols, such as positive=True, or take a simpler expression."
+            f"the limit of {self.name} as {self.approach} cannot be had. Declare the "
+            "domain of the frame, or take a simpler expression."
         )
         try:
             value = sympy.limit(expression, self._w, 0, "+")

@@ -21,9 +21,7 @@ from geomtorsion.exact.evaluate import arguments, made_of
 from geomtorsion.exact.generators import Generator
 from geomtorsion.geometry.components import Index
 from geomtorsion.geometry.derived import derived
-from geomtorsion.geometry.validation import (
-    RationalPoint,
-)
+from geomtorsion.geometry.real_points import RationalPoint
 from geomtorsion.support import checks
 
 if TYPE_CHECKING:

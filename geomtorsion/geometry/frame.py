@@ -24,6 +24,7 @@ from geomtorsion.geometry import (
 from geomtorsion.geometry.components import Components, alternating, inverse, symmetric
 from geomtorsion.geometry.frame_text import toml_text
 from geomtorsion.geometry.from_arrays import tensor_from_array
+from geomtorsion.geometry.real_points import RationalPoint
 from geomtorsion.geometry.regions import Region, regions
 from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.tensor import Scalar, Tensor
@@ -452,7 +453,7 @@ class Frame:
         return self.regions[0]
 
     @cached_property
-    def sample_point(self) -> validation.RationalPoint:
+    def sample_point(self) -> RationalPoint:
         """The point of the region of the frame: symbol -> number.
 
         Raises

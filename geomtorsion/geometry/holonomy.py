@@ -73,8 +73,8 @@ class HolonomyAlgebra:
             if span.rank == self.dimension:
                 return place, span
         raise UndecidedError(
-            "expected a point at which the curvature is regular, got none. State the domain of the "
-            "frame, as numerical bounds of each coordinate."
+            f"expected a point at which the curvature is regular, got none in the region {region}. "
+            "Declare a part of it: domain=[...]."
         )
 
     @cached_property

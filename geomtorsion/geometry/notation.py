@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import sympy as sp
 from sympy.printing.pretty.stringpict import prettyForm
 
-from geomtorsion.errors import AllowanceError, LimitError, TensorIndexError
+from geomtorsion.errors import AllowanceError, CoordinateError, LimitError, TensorIndexError
 from geomtorsion.exact.printing import TexPrinter, TextPrinter
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
@@ -259,14 +259,30 @@ def sympy_pretty(tensor: Tensor, _: object) -> prettyForm:
     return prettyForm("\n".join(line.ljust(max(map(len, lines))) for line in lines))
 
 
+def assumption_of(frame: Frame) -> str:
+    """The region in which signs of a frame are read, if it was assumed; else empty.
+
+    Examples
+    --------
+    >>> from geomtorsion.geometry import Frame
+    >>> assumption_of(Frame("x y", [["sqrt(x)", 0], [0, 1]]))
+    'for x > 0, assumed; declare domain=[...] for another region'
+    """
+    try:
+        return frame.region.assumption
+    except CoordinateError:
+        return ""
+
+
 def frame_text(frame: Frame) -> str:
-    """Name, coordinates and the one-forms of a coframe."""
+    """Name, coordinates, the one-forms of a coframe, and the region that was assumed for it."""
     names = ", ".join(symbol.name for symbol in frame.coordinates)
     lines = [f"{frame.name or 'frame'} (coordinates {names})"]
     lines += [f"  e^{i + 1} = {_one_form(frame, i, str, ' ')}" for i in range(frame.dimension)]
     lines += [f"  {symbol} = {quantity}" for symbol, quantity in frame.names.items()]
     lines += [f"  {branch}" for branch in frame.branches]
-    return "\n".join(lines)
+    assumption = assumption_of(frame)
+    return "\n".join([*lines, *[f"  {assumption}"] * bool(assumption)])
 
 
 def frame_latex(frame: Frame) -> str:

@@ -52,10 +52,10 @@ def conditions_of(
     """Conditions for walls with signs, in the order of their symbols, parameters first."""
     relations: list[tuple[Any, ...]] = []
     for wall, sign in walls:
-        beside = _beside_vertex(wall, sign, symbols, point)
+        beside = _beside_vertex(wall, sign, symbols, point, source.coordinates)
         solved = _solved(wall, sign, symbols)
-        # Another wall may make one of two bounds of an angle needless.
-        relations += [(*solved, *beside)] if beside else [(one,) for one in solved]
+        # Another wall may make one of two bounds needless.
+        relations += [(one,) for one in (*solved, *beside)]
     used = {s for some in relations for r in some for s in r.free_symbols}
     # Sizes and masses: a region is described for the signs that parameters have at its point.
     positive = [
@@ -180,9 +180,16 @@ def _of_angle(wall: sp.Expr, sign: int) -> tuple[Any, ...] | None:
 
 
 def _beside_vertex(
-    wall: sp.Expr, sign: int, symbols: Sequence[sp.Symbol], point: Mapping[sp.Expr, Any]
+    wall: sp.Expr,
+    sign: int,
+    symbols: Sequence[sp.Symbol],
+    point: Mapping[sp.Expr, Any],
+    coordinates: Sequence[sp.Symbol],
 ) -> tuple[Any, ...]:
-    """The side of the vertex of a parabola: its outside has two parts, as beyond two horizons."""
+    """The side of the vertex of a parabola: its outside has two parts, as beyond two horizons.
+
+    Whether there are horizons may depend on parameters: a region holds for all their values.
+    """
     for symbol in symbols:
         if symbol not in wall.free_symbols or not wall.is_polynomial(symbol):
             continue
@@ -190,9 +197,10 @@ def _beside_vertex(
         if poly.degree() != 2 or not poly.LC().is_number:
             continue
         a, b, c = (poly.nth(k) for k in (2, 1, 0))
-        gap = (b**2 - 4 * a * c).subs(point)
+        gap = b**2 - 4 * a * c
         vertex = sp.expand(-b / (2 * a))
-        if (a > 0) != (sign > 0) or gap.is_positive is not True:
+        has_parts = not gap.free_symbols & set(coordinates) or gap.subs(point).is_positive is True
+        if (a > 0) != (sign > 0) or not has_parts:
             return ()
         above = (symbol - vertex).subs(point) > 0
         return (symbol > vertex,) if above == sp.true else (symbol < vertex,)

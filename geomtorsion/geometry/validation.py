@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import combinations
@@ -22,7 +22,7 @@ from geomtorsion.errors import (
 from geomtorsion.exact import Element, Field, parse_expression
 from geomtorsion.exact.reading import counted_as
 from geomtorsion.geometry.components import dependence, determinant
-from geomtorsion.geometry.real_points import RationalPoint, RealPoints, check_met
+from geomtorsion.geometry.real_points import RealPoints, check_met
 from geomtorsion.geometry.relations import relations_in
 from geomtorsion.support import checks
 
@@ -369,17 +369,6 @@ def domain_relations(
                 checks.refuse(CoordinateError, "domain", "a relation", part, remedy)
             conditions.append(part)
     return tuple(conditions)
-
-
-def candidate_points(
-    coordinates: Sequence[sp.Symbol],
-    parameters: Sequence[sp.Symbol],
-    relations: Iterable[sp.Basic],
-    fineness: int = 0,
-) -> Iterator[RationalPoint]:
-    """Points that satisfy the relations and the assumptions of the symbols, in a fixed order."""
-    points: Iterator[Any] = RealPoints(coordinates, parameters, relations).points()
-    return points
 
 
 def with_functions(element: Element, point: Mapping[Any, Any]) -> dict[Any, Any]:

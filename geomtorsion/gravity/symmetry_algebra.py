@@ -68,8 +68,8 @@ def points(conditions: Conditions) -> Iterator[AtPoint]:
         except ZeroDivisionError:
             continue
     raise UndecidedError(
-        "expected a point at which the conditions on the symmetries are regular, got none. State "
-        "the domain of the frame, as numerical bounds of each coordinate."
+        "expected a point at which the conditions on the symmetries are regular, got none in the "
+        f"region {region}. Declare a part of it: domain=[...]."
     )
 
 

@@ -29,7 +29,7 @@ from geomtorsion.exact import Field
 from geomtorsion.exact.integration import integrated
 from geomtorsion.geometry import Frame
 from geomtorsion.geometry.connections import FrameLike, as_frame
-from geomtorsion.geometry.validation import candidate_points
+from geomtorsion.geometry.real_points import RealPoints
 from geomtorsion.loops.arcs import Arc, Curve, Ellipse, Parameters, Part, exact_number
 from geomtorsion.loops.defects import find_defects
 from geomtorsion.loops.domain import refuse_numbers_outside
@@ -452,7 +452,7 @@ def sample_of(frame: Frame, symbols: Collection[sp.Symbol]) -> dict[sp.Symbol, s
     """Values of the parameters of a frame, and of further symbols, for the numerical check."""
     values = {s: v for s, v in frame.region.point.items() if s not in frame.coordinates}
     others = sorted(set(symbols) - set(values), key=str)
-    return {**values, **next(candidate_points(others, (), ()))}
+    return {**values, **next(RealPoints(others, ()).points())}
 
 
 def _number(f: sp.Expr, piece: Piece, where: Mapping[sp.Symbol, sp.Expr]) -> acb:

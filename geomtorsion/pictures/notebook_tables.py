@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Protocol
 
 from geomtorsion.errors import ExpressionError, LimitError
-from geomtorsion.geometry.notation import letters, open_mark, plain_symbol, short
+from geomtorsion.geometry.notation import assumption_of, letters, open_mark, plain_symbol, short
 from geomtorsion.pictures.formula import mathml
 from geomtorsion.pictures.latex import latex_label, latex_matrix, latex_name, latex_text
 from geomtorsion.pictures.style import STYLE
@@ -143,7 +143,7 @@ def equations_html(found: Written) -> str:
 
 
 def frame_html(frame: Frame) -> str:
-    """Name, coordinates, one-forms, signs and branches of a frame.
+    """Name, coordinates, one-forms, signs, branches and assumed region of a frame.
 
     Examples
     --------
@@ -160,7 +160,8 @@ def frame_html(frame: Frame) -> str:
         ]
         rows.append((_math(rf"e^{{\hat{{{i + 1}}}}}"), f"= {_one_form(form)}"))
     table = _table((), rows)
-    branches = "".join(f"<p>{html_text(str(branch))}</p>" for branch in frame.branches)
+    remarks = [*map(str, frame.branches), *filter(None, [assumption_of(frame)])]
+    branches = "".join(f"<p>{html_text(remark)}</p>" for remark in remarks)
     name = html_text(frame.name or "frame")
     return f"<div><b>{name}</b> (coordinates {names}; {_signature(frame)}){table}{branches}</div>"
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
+from time import thread_time
 from typing import Any
 
 import numpy as np
 from flint import arb
 
-from geomtorsion.errors import ArgumentError, GeomtorsionError
+from geomtorsion.errors import AllowanceError, ArgumentError, GeomtorsionError, UndecidedError
 from geomtorsion.geometry import Connection
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.loops import (
@@ -29,10 +30,12 @@ from geomtorsion.prices.motions import proved_claim
 from geomtorsion.prices.offer import Bounds, Claim, Offer, Request, Way
 from geomtorsion.proofs import Proof, prove
 from geomtorsion.support import checks
+from geomtorsion.support.allowance import Limits
 
 # Digits of the proof against which errors are measured: twice as many as a double has.
 TRUTH_DIGITS = 2 * np.finfo(float).precision
-# How long a closed form is looked for, in seconds: a price list should not take longer.
+# How long a closed form is looked for, in seconds of the processor, so that the rows of a list do
+# not depend on other work of the machine: a price list should not take longer.
 FORMULA_SECONDS = 2.0
 # A grid is compared with every second, fourth and eighth of its nodes.
 STRIDES = (8, 4, 2, 1)
@@ -185,7 +188,14 @@ def _line(b: BurgersVector, accuracy: float) -> offers.Run:
 
 def _formula(b: BurgersVector, accuracy: float) -> offers.Run:
     """The closed form, derived once and evaluated for the clock."""
-    formula = exact_burgers_vector(b.frame, b.loop, FORMULA_SECONDS, parameters=b.parameters)
+    try:
+        with Limits(FORMULA_SECONDS, None, thread_time):
+            formula = exact_burgers_vector(b.frame, b.loop, parameters=b.parameters)
+    except AllowanceError:
+        raise UndecidedError(
+            f"no closed form was found in {FORMULA_SECONDS:g} s of the processor. Use "
+            "gt.exact_burgers_vector(frame, loop, seconds=...) for a longer search."
+        ) from None
     return lambda: Claim(formula.at(), None)
 
 

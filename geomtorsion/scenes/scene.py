@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -139,6 +140,32 @@ def _near(name: str, known: tuple[str, ...]) -> str:
     return f"Did you mean {near}? {listed}" if near else listed
 
 
+def _assembled(body: Body, effects: Mapping[str, Effect]) -> Assembly:
+    """The equations of a body under effects, the same for scenes that differ in other values."""
+    key = body, tuple(effects.items())
+    try:
+        hash(key)
+    except TypeError:
+        # An effect of the user may have a list as a value.
+        return assemble(body, effects)
+    return _shared_assembly(*key)
+
+
+@lru_cache
+def _shared_assembly(body: Body, effects: tuple[tuple[str, Effect], ...]) -> Assembly:
+    """As `assemble`."""
+    return assemble(body, dict(effects))
+
+
+@lru_cache
+def _selected(
+    title: str, assembly: Assembly, watch: tuple[str, ...], titles: tuple[tuple[str, str], ...]
+) -> StateSelection:
+    """The selection of all scenes with these equations and outputs."""
+    quantities = tuple(observable(name, assembly) for name in watch)
+    return StateSelection(title, assembly, quantities, dict(titles))
+
+
 @attribute_hints(solve="scene.run()")
 @dataclass(frozen=True)
 class Scene:
@@ -235,13 +262,13 @@ class Scene:
     @cached_property
     def assembly(self) -> Assembly:
         """All equations in symbols, before unneeded states are removed."""
-        return assemble(self.body, self.keyed)
+        return _assembled(self.body, self.keyed)
 
     @cached_property
     def correct_assembly(self) -> Assembly:
         """The equations without the laws that are shipped as wrong."""
         right = {key: effect for key, effect in self.keyed.items() if not effect.wrong}
-        return self.assembly if len(right) == len(self.keyed) else assemble(self.body, right)
+        return self.assembly if len(right) == len(self.keyed) else _assembled(self.body, right)
 
     @cached_property
     def selection(self) -> StateSelection:
@@ -250,8 +277,8 @@ class Scene:
         if self.assembly.constraint is None:
             titles["drift"] = Drift.title
         titles |= {key: effect.title for key, effect in self.keyed.items()}
-        quantities = tuple(observable(name, self.assembly) for name in self.watch)
-        return StateSelection(self.title or self.name, self.assembly, quantities, titles)
+        named = self.title or self.name
+        return _selected(named, self.assembly, tuple(self.watch), tuple(titles.items()))
 
     @cached_property
     def ode(self) -> ODE:

@@ -224,7 +224,7 @@ def solve_scene(
         try:
             result = _in_closed_form(scene, form)
         except AccuracyError as error:
-            refusal = f"; {error}"
+            refusal = str(error).removeprefix("closed form: ")
         else:
             with reports(progress, "scene") as show:
                 if show is not None:
@@ -236,9 +236,13 @@ def solve_scene(
         # The computed part becomes a result of the scene.
         if stuck.solution is not None:
             stuck.solution = of_solution(scene, stuck.solution)
+        if refusal:
+            raise StuckError(
+                f"{stuck} The closed form was refused: {refusal}", stuck.solution
+            ) from stuck
         raise
     found = of_solution(scene, solved)
-    return replace(found, reason=found.reason + refusal) if refusal else found
+    return replace(found, reason=f"{found.reason}; closed form: {refusal}") if refusal else found
 
 
 def of_solution(scene: Scene, solved: Solution) -> SceneResult:

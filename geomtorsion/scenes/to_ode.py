@@ -90,8 +90,7 @@ def ode_of(selection: StateSelection, start: State, correct: Assembly, name: str
         events.append(When(assembly.constrained(stops[0]).xreplace(chosen)))
     numbers, parameters = start_of(selection, start), parameters_of(selection, start)
     form = _Form(
-        _entries(pruned_rates(selection)),
-        _entries(invariants(selection, correct, chosen)),
+        *_laws(selection, correct),
         _entries(outputs),
         tuple(map(expression_of, stops)),
         tuple(unit),
@@ -102,6 +101,13 @@ def ode_of(selection: StateSelection, start: State, correct: Assembly, name: str
     return _ode_of_form(form).with_start(
         numbers, parameters, [event for event in events if isinstance(event, At)]
     )
+
+
+@lru_cache
+def _laws(selection: StateSelection, correct: Assembly) -> tuple[Entries, Entries]:
+    """Rates and invariants, which scenes with other starts share."""
+    kept = invariants(selection, correct, attitude_states(selection))
+    return _entries(pruned_rates(selection)), _entries(kept)
 
 
 # Name -> expression or expressions.

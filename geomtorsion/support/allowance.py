@@ -17,6 +17,7 @@ from geomtorsion.support.exclusive import BLOCKS
 from geomtorsion.support.workers import resident
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from types import TracebackType
 
 
@@ -35,17 +36,25 @@ def check_limits() -> None:
     """Raise if a limit of a block around this call is met: for the loops of exact work."""
     blocks = BLOCKS.get()
     if blocks:
-        now = time.monotonic()
         for block in blocks:
-            block.check(now)
+            block.check()
 
 
 class Limits:
-    """Result of `limits`: a block of `with` in which time and memory are bounded."""
+    """Result of `limits`: a block of `with` in which time and memory are bounded.
 
-    def __init__(self, seconds: float | None, megabytes: float | None) -> None:
+    clock: in seconds; wall time, or time of the processor.
+    """
+
+    def __init__(
+        self,
+        seconds: float | None,
+        megabytes: float | None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
         self.seconds = seconds
         self.megabytes = megabytes
+        self.clock = clock
         self._end = self._next = float("inf")
         self._before = 0
 
@@ -54,7 +63,7 @@ class Limits:
 
     def __enter__(self) -> Limits:
         """Start to count."""
-        now, before = time.monotonic(), resident()
+        now, before = self.clock(), resident()
         if self.megabytes is not None and before is None:
             raise LimitError(
                 "megabytes: this system does not report the memory of a process. Give only seconds"
@@ -65,14 +74,15 @@ class Limits:
         BLOCKS.set((*BLOCKS.get(), self))
         return self
 
-    def check(self, now: float) -> None:
-        """Raise if a limit is met at a time of the clock."""
+    def check(self) -> None:
+        """Raise if a limit is met."""
+        now = self.clock()
         if now >= self._end:
             raise _Met(self, f"{self.seconds:g} s")
         if self.megabytes is not None and now >= self._next:
             taken = (resident() or 0) - self._before
             # Looks at the memory take a hundredth of the time.
-            self._next = now + 100 * (time.monotonic() - now)
+            self._next = now + 100 * (self.clock() - now)
             if taken > self.megabytes * 10**6:
                 raise _Met(self, f"{self.megabytes:g} MB")
 

@@ -15,7 +15,6 @@ of a solution, quadratures) runs without it; nobody may wait for another thread 
 from __future__ import annotations
 
 import os
-import time
 from contextvars import ContextVar
 from functools import wraps
 from threading import RLock
@@ -30,8 +29,8 @@ T = TypeVar("T")
 class Block(Protocol):
     """A block of code with limits."""
 
-    def check(self, now: float) -> None:
-        """Raise if a limit is met at a time of the clock."""
+    def check(self) -> None:
+        """Raise if a limit is met."""
         ...
 
 
@@ -93,9 +92,8 @@ def unlocked(entrance: T) -> T:
 def wait() -> None:
     """Return when no other thread does exact work; limits of this thread end the wait."""
     while not LOCK.acquire(timeout=0.05):
-        now = time.monotonic()
         for block in BLOCKS.get():
-            block.check(now)
+            block.check()
     LOCK.release()
 
 

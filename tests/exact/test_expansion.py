@@ -108,7 +108,7 @@ def test_roots_keep_the_sign_that_they_have_near_the_point():
         (sp.exp(x) / x**5, x, sp.oo, SingularPointError, "grows without bound as x -> oo"),
         (sp.sin(1 / x), x, 0, SingularPointError, "does not settle"),
         (sp.sin(x), x, sp.oo, SingularPointError, "does not settle"),
-        (sp.exp(-k * r), r, sp.oo, UndecidedError, "cannot be had. Declare the signs"),
+        (sp.exp(-k * r), r, sp.oo, UndecidedError, "cannot be had. Declare the domain"),
         (f(x), x, sp.oo, UndecidedError, "cannot be had"),
     ],
 )

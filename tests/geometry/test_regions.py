@@ -42,6 +42,11 @@ METRICS = [
     ("Kasner", "t x y z", "", diagonal("-1", "t**(12/7)", "t**(6/7)", "t**(-4/7)"), "t > 0"),
     ("Fisher", "m s", "", diagonal("1/s**2", "2/s**2"), "s > 0"),
     ("one line", "x", "", [["1"]], "everywhere"),
+    ("Kerr and Newman", "t r theta phi", "M a Q",
+     diagonal(
+         "-(r**2 - 2*M*r + a**2 + Q**2)", "1/(r**2 - 2*M*r + a**2 + Q**2)",
+         "r**2 + a**2*cos(theta)**2", "sin(theta)**2"
+     ), "M > 0, a > 0, Q > 0, -2*M*r + Q**2 + a**2 + r**2 > 0, r > M, 0 < theta < pi"),
     ("isotropic", "t x y z", "M",
      diagonal("-((1-M/(2*sqrt(x**2+y**2+z**2)))/(1+M/(2*sqrt(x**2+y**2+z**2))))**2",
               *["(1+M/(2*sqrt(x**2+y**2+z**2)))**4"] * 3),
@@ -264,3 +269,17 @@ def test_a_rounded_point_stays_inside() -> None:
     rounded = [place.rounded for place in places]
     assert rounded
     assert all(1000 < values[radius] < 1001 for values in rounded)
+
+
+def test_a_printed_frame_names_the_region_that_was_assumed():
+    """Without a domain the region is printed beside the legs, with one it is not."""
+    exterior = diagonal("-(1-2*M/r)", "1/(1-2*M/r)", *SPHERE)
+    bare = gt.Frame.from_metric("t r theta phi", exterior, parameters="M")
+    words = "for M > 0, r > 2*M, 0 < theta < pi, assumed; declare domain=[...] for another region"
+    assert str(bare).splitlines()[-1].strip() == words
+    assert "for M &gt; 0, r &gt; 2*M" in bare._repr_html_()
+    declared = gt.Frame.from_metric(
+        "t r theta phi", exterior, parameters="M", domain="M > 0, r > 2*M, 0 < theta, theta < pi"
+    )
+    for frame in (declared, gt.Frame("x y", diagonal("1", "1"))):
+        assert "assumed" not in str(frame) + frame._repr_html_()

@@ -160,6 +160,13 @@ def test_the_reason_names_the_defect_of_a_refused_closed_form(monkeypatch):
     assert np.abs(other["omega"] - right["omega"]).max() < 1e-9
 
 
+def test_an_error_of_the_engine_names_the_refusal_of_the_closed_form():
+    """Where neither closed form nor engine reach a time, the error gives both reasons."""
+    scene = gt.scenes.load("dzhanibekov").with_values(t=1e17)
+    with pytest.raises(gt.errors.StuckError, match="The closed form was refused: expected times"):
+        scene.run()
+
+
 @pytest.mark.parametrize("push", [1e-3, 1e-8, 1e-12])
 @pytest.mark.parametrize("t", [1.0, 1e2, 1e4, 1e6])
 def test_reported_errors_next_to_the_unstable_axis(push, t):

@@ -11,7 +11,7 @@ import sympy
 from sympy.core.relational import Relational
 
 from geomtorsion.exact import Field
-from geomtorsion.geometry.validation import candidate_points
+from geomtorsion.geometry.validation import RealPoints
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.checks import GREEK
 
@@ -59,7 +59,7 @@ class Domain:
     @cached_property
     def points(self) -> tuple[Point, ...]:
         """Points all over the domain, always the same ones."""
-        return tuple(islice(candidate_points(self.symbols, (), self.relations), POINTS))
+        return tuple(islice(RealPoints(self.symbols, (), self.relations).points(), POINTS))
 
     @property
     def places(self) -> tuple[Point, ...]:
