@@ -25,7 +25,8 @@ from geomtorsion.support.files import UNSIGNED, plain_float
 
 # Options that begin messages of the library, without the dashes of the command line.
 OPTIONS = tuple(
-    "sigma threshold order laue slip size plane spots resolution blocks steps workers".split()
+    "sigma threshold order missing laue slip size plane spots resolution blocks steps "
+    "workers".split()
 )
 _SIZE = re.compile(rf"({UNSIGNED})\s*([^0-9.].*)?")
 
@@ -42,6 +43,7 @@ class Reading:
     pixel: str | None = None
     spots: str | None = None
     resolution: float | None = None
+    missing: Sequence[float] = ()
 
     @property
     def given(self) -> dict[str, object]:
@@ -68,6 +70,7 @@ def opened(source: str, reading: Reading) -> Source:
             pixel=None if reading.pixel is None else _pixel(reading.pixel),
             spots=None if reading.spots is None else _spots(reading.spots),
             resolution=reading.resolution,
+            missing=reading.missing or None,
         )
     except (GridError, OrientationError, ImageError) as error:
         raise dashed(error) from None

@@ -178,6 +178,10 @@ MeasuredOrder = Annotated[
     int | None,
     option("--order", metavar="N", text="Grids: order of interpolation, 2, 4, 6 or 8; default: 4."),
 ]
+MeasuredMissing = Annotated[
+    list[float] | None,
+    option("--missing", metavar="X", text="Grids: a value that means no data: --missing=-9999"),
+]
 
 MeasuredSlip = Annotated[
     str | None,

@@ -65,9 +65,14 @@ class Reader:
     seems: Callable[[bytes], bool] | None = None
 
 
-def _read_grid(path: Path, sigma: float | str | None = None, order: int = 4) -> SampledFrame:
+def _read_grid(
+    path: Path,
+    sigma: float | str | None = None,
+    order: int = 4,
+    missing: object = None,
+) -> SampledFrame:
     """A sampled frame; its noise is estimated unless the file or the caller states it."""
-    frame = SampledFrame.read(path, order)
+    frame = SampledFrame.read(path, order, missing=missing)
     if sigma is None and frame.sigma is None:
         sigma = "estimate"
     return frame if sigma is None else replace(frame, sigma=sigma)
@@ -95,7 +100,9 @@ def _read_image(
     return LatticeImage.read(path, *size).phases(spots, resolution)
 
 
-GRID = Kind("a sampled frame", "sampled frames", ("sigma", "order"), GridError, _read_grid)
+GRID = Kind(
+    "a sampled frame", "sampled frames", ("sigma", "order", "missing"), GridError, _read_grid
+)
 MAP = Kind(
     "an orientation map",
     f"orientation maps ({', '.join(end for end in MAPS if end not in GRIDS)})",
@@ -159,6 +166,7 @@ def open_source(
     pixel: tuple[float, str] | None = None,
     spots: Sequence[Sequence[float]] | None = None,
     resolution: float | None = None,
+    missing: object = None,
 ) -> Source:
     """Read the sampled frame, orientation map or lattice image in a file.
 
@@ -179,6 +187,8 @@ def open_source(
         Images: size of a pixel, and its unit; by default the size in the file.
     spots, resolution
         Images: see `LatticeImage.phases`.
+    missing
+        Sampled frames: values that mean "no data", see `SampledFrame.read`.
 
     Raises
     ------
@@ -208,7 +218,7 @@ def open_source(
     kind = kind_of(path)
     options = {
         "sigma": sigma, "threshold": threshold, "order": order, "laue": laue or None, "slip": slip,
-        "pixel": pixel, "spots": spots, "resolution": resolution,
+        "pixel": pixel, "spots": spots, "resolution": resolution, "missing": missing,
     }  # fmt: skip
     arguments = {name: value for name, value in options.items() if value is not None}
     for name in arguments:

@@ -181,6 +181,10 @@ def number_table(
         return None
 
     table = parsed(rows)
+    if table is None and not words:
+        # Words for missing values, and exponents as Fortran writes them.
+        rows = _plain_rows(rows)
+        table = parsed(rows)
     if table is None:
         good, bad = 0, len(rows)
         while bad - good > 1:
@@ -192,6 +196,21 @@ def number_table(
         k = int(np.isfinite(values).all(axis=1).argmin())
         refuse_row(name, lines[k], rows[k], width, columns, split, finite=True)
     return np.ascontiguousarray(values), [table[f"f{k}"].tolist() for k in words]
+
+
+# What programs write where no number is known.
+_MISSING = re.compile(
+    r"(?i)(?<![^\s,;])(?:#?n/?a|null|none|missing|no ?data|[-+]?nan(?:\(\w*\))?|-?1\.#\w+"
+    r"|#\w+[!?]|--+)"
+    r"(?![^\s,;])"
+)
+_FORTRAN = re.compile(r"(?<![^\s,;])([+-]?(?:\d+\.?\d*|\.\d+))[dD]([+-]?\d{1,3})(?![^\s,;])")
+
+
+def _plain_rows(rows: Sequence[str]) -> list[str]:
+    """Rows with nan for words that mean a missing value, and with plain exponents."""
+    text = _FORTRAN.sub(r"\1e\2", _MISSING.sub("nan", "\n".join(rows)))
+    return text.split("\n") if rows else []
 
 
 def _filled(rows: Sequence[str], width: int, split: str) -> list[str]:

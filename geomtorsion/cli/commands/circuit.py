@@ -13,6 +13,7 @@ from geomtorsion.cli.options import (
     Form,
     MeasuredFile,
     MeasuredLaue,
+    MeasuredMissing,
     MeasuredOrder,
     MeasuredPixel,
     MeasuredResolution,
@@ -43,6 +44,7 @@ def circuit(
     sigma: MeasuredSigma = None,
     threshold: MeasuredThreshold = None,
     order: MeasuredOrder = None,
+    missing: MeasuredMissing = None,
     laue: MeasuredLaue = None,
     slip: MeasuredSlip = None,
     pixel: MeasuredPixel = None,
@@ -72,7 +74,9 @@ def circuit(
       geomtorsion circuit lattice.tif --pixel 0.032nm --loop "circle 4,4:2.5"
       geomtorsion circuit distortion.npz --sigma 0.001 --loops loops.json --format json
     """
-    reading = Reading(sigma, threshold, order, tuple(laue or ()), slip, pixel, spots, resolution)
+    reading = Reading(
+        sigma, threshold, order, tuple(laue or ()), slip, pixel, spots, resolution, missing or ()
+    )
     with working(Path(source).name):
         field = opened(source, reading)
     frame = identity_frame(field.names)

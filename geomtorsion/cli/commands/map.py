@@ -15,6 +15,7 @@ from geomtorsion.cli.measured_sources import Reading, dashed, identity_frame, op
 from geomtorsion.cli.options import (
     MeasuredFile,
     MeasuredLaue,
+    MeasuredMissing,
     MeasuredOrder,
     MeasuredPixel,
     MeasuredResolution,
@@ -63,6 +64,7 @@ def map(
     sigma: MeasuredSigma = None,
     threshold: MeasuredThreshold = None,
     order: MeasuredOrder = None,
+    missing: MeasuredMissing = None,
     laue: MeasuredLaue = None,
     slip: MeasuredSlip = None,
     pixel: MeasuredPixel = None,
@@ -116,7 +118,9 @@ def map(
       geomtorsion map lattice.tif --pixel 0.032nm --size 40 -o image-map
       geomtorsion map field.zarr --steps 0.5,0.5 --unit um --workers 2 -o field-map
     """
-    reading = Reading(sigma, threshold, order, tuple(laue or ()), slip, pixel, spots, resolution)
+    reading = Reading(
+        sigma, threshold, order, tuple(laue or ()), slip, pixel, spots, resolution, missing or ()
+    )
     path = Path(source)
     if blocks is not None or resume or is_array(path):
         layout = Blocks(blocks, steps, unit, 1 if workers is None else workers, resume, overwrite)

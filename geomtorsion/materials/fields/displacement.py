@@ -13,11 +13,14 @@ from geomtorsion.materials.fields.grid import Grid, numbers
 from geomtorsion.materials.fields.noise import along, chances_of, spread
 from geomtorsion.materials.fields.sides import on_grid
 from geomtorsion.materials.fields.stencils import applied
+from geomtorsion.support.precision import EPS
 
 # Number of steps in the median for an edge: the edge itself and two neighbours on each side.
 NEIGHBOURS = 5
 # Standard error of the median of normal numbers, in units of the standard error of their mean.
 OF_MEDIAN = float(np.sqrt(np.pi / 2))
+# Roundings in the difference of two values, and in the median of such differences.
+ROUNDINGS = 8
 # Value of `branch` that requests a search for jumps.
 FIND = "find"
 
@@ -103,7 +106,9 @@ def displacement_of(
     # is a step that differs from its neighbours along the line.
     bent = [step - _medians(step, 1 + k) for k, step in enumerate(steps)]
     if branch is None or (isinstance(branch, str) and branch == FIND):
-        jumps = _found(steps, bent, grid)
+        # Differences of equal values are no larger than the rounding of these values.
+        least = ROUNDINGS * EPS * float(np.abs(np.nan_to_num(values)).max())
+        jumps = _found(steps, bent, grid, least)
         inverse = jumps.vectors / (jumps.vectors**2).sum(axis=1, keepdims=True)
         times = [_nearest(rest, jumps.vectors) for rest in bent]
     else:
@@ -223,12 +228,12 @@ def lattice_vectors(branch: object, rows: int) -> np.ndarray:
     return lattice
 
 
-def _found(steps: list[np.ndarray], bent: list[np.ndarray], grid: Grid) -> Jumps:
+def _found(steps: list[np.ndarray], bent: list[np.ndarray], grid: Grid, least: float) -> Jumps:
     """The vectors by which steps exceed their neighbours, the largest first.
 
     A step may be a jump if its excess is larger than the excess of each neighbour. A vector is
     accepted if its jumps (within a quarter of it) form lines: fewer cells remain open than there
-    are jumps. Vectors smaller than half of a rejected vector are not examined.
+    are jumps. Vectors smaller than half of a rejected vector, or than `least`, are not examined.
     """
     away = [np.sqrt((x**2).sum(axis=0)) for x in bent]
     open_ = [
@@ -237,7 +242,6 @@ def _found(steps: list[np.ndarray], bent: list[np.ndarray], grid: Grid) -> Jumps
     ]
     smooth = [_of_near_and_far(step, 1 + k) for k, step in enumerate(steps)]
     rows: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
-    least = 0.0
     while any(x.any() for x in open_):
         k = int(np.argmax([np.where(o, x, 0).max() for o, x in zip(open_, away, strict=True)]))
         place = np.unravel_index(np.where(open_[k], away[k], 0).argmax(), away[k].shape)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
@@ -31,6 +31,7 @@ from geomtorsion.materials.fields.grid import (
 )
 from geomtorsion.materials.fields.grid_files import holds_covariance, read_grid, save_grid
 from geomtorsion.materials.fields.holes import Hole, holes_of
+from geomtorsion.materials.fields.missing import checked_missing, with_holes
 from geomtorsion.materials.fields.noise import Noise, estimated, noise_of, sigma_of
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
@@ -261,11 +262,18 @@ class Samples:
         return cls.from_distortion(axes, values, order, names, **options)
 
     @classmethod
-    def read(cls, path: str | Path, order: int = 4) -> Self:
+    def read(cls, path: str | Path, order: int = 4, *, missing: object = None) -> Self:
         """Read an .npz, .nc, .csv, .h5, .vtk or .vtu file (contents: `grid_files.read_grid`).
 
         A .csv, .txt or .dat file with columns x, y, u, v, or from DaVis, DICe or VIC, is a
         displacement, as is a .vtk or .vtu file with point data displacement, u or U.
+
+        Parameters
+        ----------
+        missing
+            Values that mean "no data", such as -9999; words such as NA and NaN always do. Without
+            it a value that all failed nodes share, and that is much farther from the others than
+            these are from each other, is treated so. `source` reports how many nodes are missing.
 
         Raises
         ------
@@ -276,14 +284,20 @@ class Samples:
             The order is invalid.
         """
         check_order(order)
+        marks = checked_missing(missing)
         contents = read_grid(checks.file_name(path))
+        grid = tuple(len(axis) for axis in contents.axes)
+        values, report = with_holes(contents.values, grid, marks)
         make: Any = cls.from_distortion if contents.is_distortion else cls
         if contents.is_displacement:
             make = cls.from_displacement
         try:
-            return make(contents.axes, contents.values, order, contents.names, **contents.options)
+            frame = make(contents.axes, values, order, contents.names, **contents.options)
         except GridError as error:
             raise FileFormatError(f"{path}: {error}") from None
+        if not report:
+            return frame
+        return replace(frame, source="; ".join(filter(None, (frame.source, report))))
 
     def save(self, path: str | Path) -> None:
         """Write a file that `read` reads back, in the format of the file ending.
