@@ -196,6 +196,16 @@ class ScalarModes:
         left = CURVATURE.diff(T, 2) + self.friction * CURVATURE.diff(T)
         return sp.Eq(left - self.speed2 / scale**2 * CURVATURE.diff(Z, 2), 0)
 
+    def to_json(self) -> dict[str, str]:
+        """The results as text, by their names."""
+        return {
+            "lagrangian": str(self.equations.lagrangian.expression),
+            "kinetic": str(self.kinetic),
+            "speed2": str(self.speed2),
+            "friction": str(self.friction),
+            "lapse": str(self.lapse),
+        }
+
     def __str__(self) -> str:
         lines = [
             f"scalar waves of {self.equations.lagrangian!r}",
