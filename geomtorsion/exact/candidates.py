@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import zlib
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import TypeVar
 
@@ -28,7 +28,7 @@ class Candidates:
     """Numbered points over symbols: positive near one, then of other sizes and signs.
 
     Coordinates are larger than parameters, so that r > 2*M holds at most of them; angles are acute.
-    Odd numbers have some signs reversed. Bounds and assumptions of symbols hold at all of them.
+    Many odd numbers have some signs reversed. Bounds and assumptions hold at all of them.
 
     symbols: the symbols, or unknown functions, that get values.
     coordinates: how many of them, from the first, are coordinates; so are unknown functions.
@@ -81,7 +81,9 @@ class Candidates:
         elif self._angles[k]:
             value = (3 + 25 * share) / 20
         elif k < self._coordinates or not symbol.is_Symbol:
-            scale = self._scales[int(number * GOLDEN % 1 * len(self._scales))]
+            # Some have a scale for each coordinate: a cosine below one, a radius far above.
+            shift = _part(number // 8, k + 1) if number % 8 == 7 else 0.0
+            scale = self._scales[int((number * GOLDEN + shift) % 1 * len(self._scales))]
             value = (1 + 5 * share) / 4 * kind(scale)
         else:
             # Later ones are smaller, as a < M.
@@ -91,9 +93,32 @@ class Candidates:
             value = low + value
         elif high is not None and low is None:
             value = high - value
-        elif low is None and number % 2 and _part(number, -1 - k) < 0.5:
+        elif low is None and number % 2 and number % 8 < 7 and _part(number, -1 - k) < 0.5:
             value = -value
         return kind(_whole(symbol, value, low is not None) if symbol.is_integer else value)
+
+
+def interval(symbol: sympy.Symbol, relations: Iterable[sympy.Basic]) -> Bounds:
+    """Bounds of a symbol from relations to numbers.
+
+    Examples
+    --------
+    >>> r = sympy.Symbol("r")
+    >>> interval(r, [r > 2, r < 3])
+    (Fraction(2, 1), Fraction(3, 1))
+    """
+    low = high = None
+    for relation in relations:
+        if relation.free_symbols != {symbol} or not hasattr(relation, "lts"):
+            continue
+        less, greater = relation.lts, relation.gts
+        if less == symbol and greater.is_number and greater.is_finite:
+            bound = Fraction(float(greater)).limit_denominator(10**6)
+            high = bound if high is None else min(high, bound)
+        elif greater == symbol and less.is_number and less.is_finite:
+            bound = Fraction(float(less)).limit_denominator(10**6)
+            low = bound if low is None else max(low, bound)
+    return low, high
 
 
 def value_of_name(text: str, number: int) -> mpmath.mpf:

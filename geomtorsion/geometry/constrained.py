@@ -118,7 +118,7 @@ def _over_legs(frame: Frame, allowed: tuple[int, ...]) -> Connection:
                 f"with product {value}. Give the constraints as one-forms, which adapts the frame."
             )
         if i == j and i in permitted and not value.as_fraction() > 0:
-            raise _not_positive(f"leg {i} of square {value}", value)
+            raise _not_positive(frame, f"leg {i} of square {value}", [value])
     spin = levi_civita(frame).spin_connection.components.get
     zero = frame.field.zero
 
@@ -136,12 +136,16 @@ def _over_legs(frame: Frame, allowed: tuple[int, ...]) -> Connection:
     )
 
 
-def _not_positive(found: str, square: Element) -> MetricError:
+def _not_positive(frame: Frame, found: str, squares: Sequence[Element]) -> MetricError:
+    """The refusal of velocities of which the last square is negative."""
     remedy = "Give the metric of a kinetic energy, or permit other velocities."
-    if square.symbols:
+    signs = [[region.sign(x) for x in squares] for region in frame.regions]
+    if frame.domain or any(-1 not in row for row in signs):
         # The sign was read at one point; elsewhere it may be positive.
+        columns = zip(squares, zip(*signs, strict=True), strict=True)
+        open_ = [f"'{x} > 0'" for x, column in columns if set(column) != {1}]
         remedy = (
-            f"Declare where it is positive, domain=[..., '{square} > 0'] of the frame. {remedy}"
+            f"Declare where it is positive, domain=[..., {', '.join(open_)}] of the frame. {remedy}"
         )
     return MetricError(
         f"expected a metric that is positive on the permitted velocities, got {found}. {remedy}"
@@ -232,9 +236,11 @@ def _adapted(frame: Frame, constraints: list[Row]) -> tuple[Frame, tuple[int, ..
     products = {pair: value for pair, value in products.items() if not value.is_zero}
     squares = completed_squares(field, products, n, leading=len(free))
     forms = []
-    for square, form in (squares[place] for place in range(len(free))):
+    leading = [squares[place] for place in range(len(free))]
+    for square, form in leading:
         if not field.sample.is_positive(square):
-            raise _not_positive(f"a velocity of square {square}", square)
+            every = [x for x, _ in leading if x is not square]
+            raise _not_positive(frame, f"a velocity of square {square}", [*every, square])
         length = field.root(square, 2)
         terms = [(mu, (1, length, x, y)) for i, x in form.items() for mu, y in duals[i].items()]
         forms.append([field.sum([term for mu, term in terms if mu == nu]) for nu in range(n)])

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from itertools import chain
 from typing import Any
 
@@ -14,7 +13,7 @@ from sympy.core.function import AppliedUndef
 
 from geomtorsion.codegen.expression_graph import graph
 from geomtorsion.errors import CoordinateError, GeomtorsionError
-from geomtorsion.exact.candidates import SCALES, Bounds, Candidates
+from geomtorsion.exact.candidates import SCALES, Candidates, interval
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.checks import expression
 
@@ -259,8 +258,9 @@ class Table:
         sides = [side(relation) for relation in points.relations]
         entries = points._expressions
         every = [*entries, *positive, *nonzero, *sides]
+        function = points.numbers(every)
         with np.errstate(all="ignore"):
-            values = points.numbers(every)(self.values)
+            values = function(self.values)
         ends = np.cumsum([len(entries), len(positive), len(nonzero)])
         entry, above, below, held = np.split(values, ends)
         self.conditions = [
@@ -306,8 +306,10 @@ class Table:
             sizes = abs(np.log(abs(symbols))).max(axis=0, initial=0)
         worth = np.minimum(np.minimum(room, regular), 0.2) - 0.1 * sizes
 
+        opens = self._opens(function, np.flatnonzero(good), slice(len(entries), ends[-1]))
+
         def order(k: int) -> tuple[float, ...]:
-            return (negative[k], -worth[k], k)
+            return (negative[k], -opens[k], -worth[k], k)
 
         ranked = [(key, sorted(some, key=order)) for key, some in members.items()]
         ranked.sort(key=lambda pair: (*pair[0][:2], negative[pair[1][0]], -len(pair[1])))
@@ -316,6 +318,20 @@ class Table:
             Group(tuple(some), tuple(key[2 : n + 2]), key[1] < 2 and not negative[some[0]])
             for key, some in ranked
         ]
+
+    def _opens(self, function: Callable[[Array], Array], numbers: Array, walls: slice) -> Array:
+        """Along how many coordinates each candidate reaches far without meeting a wall."""
+        opens, columns = np.zeros(self.size), self.values[:, numbers]
+        with np.errstate(all="ignore"):
+            here = np.sign(np.real(function(columns)[walls]))
+            for k in range(len(self._points.coordinates)):
+                moved, is_open = columns.copy(), np.ones(len(numbers), dtype=bool)
+                for _ in SCALES:
+                    moved[k] *= SCALES[1]
+                    there = np.sign(np.real(function(moved)[walls]))
+                    is_open &= np.all((there == here) | ~np.isfinite(there), axis=0)
+                opens[numbers] += is_open
+        return opens
 
     def refusal(self) -> str:
         """The conditions that hold nowhere among the candidates, each by itself or in pairs."""
@@ -462,22 +478,6 @@ def _is_bound(relation: Any) -> bool:
         one is not None and one.is_Symbol and other is not None and other.is_number
         for one, other in ((less, greater), (greater, less))
     )
-
-
-def interval(symbol: sp.Symbol, relations: Iterable[sp.Basic]) -> Bounds:
-    """Bounds of a symbol from relations to numbers."""
-    low = high = None
-    for relation in relations:
-        if relation.free_symbols != {symbol} or not hasattr(relation, "lts"):
-            continue
-        less, greater = relation.lts, relation.gts
-        if less == symbol and greater.is_number and greater.is_finite:
-            bound = Fraction(float(greater)).limit_denominator(10**6)
-            high = bound if high is None else min(high, bound)
-        elif greater == symbol and less.is_number and less.is_finite:
-            bound = Fraction(float(less)).limit_denominator(10**6)
-            low = bound if low is None else max(low, bound)
-    return low, high
 
 
 def check_met(points: RealPoints) -> None:

@@ -283,13 +283,7 @@ class Equivalence:
         opposite = opposite_signs(one, two, first, second)
         if opposite is not None:
             return _Outcome("different", *opposite)
-        # The search evaluates the second geometry often.
-        swapped = self.near is None and _length(one) < _length(two)
-        sides = (two, one) if swapped else (one, two)
-        search = Search(*sides, self.orientation, TRIES, self.near)
-        match = search.match()
-        if match is not None and swapped:
-            match = match.inverted()
+        match = self._searched()
         if match is not None and match.difference < AGREES:
             exact = one.rank == 0 and one.keep in ("legs", "metric") and _are_equal(first, second)
             error = Certainty(proved=False, error=max(match.difference, 10.0**-DIGITS))
@@ -307,6 +301,25 @@ class Equivalence:
                 reason = "the same after a reflection, and no map without one was found"
                 return _Outcome("undecided", reason, UNKNOWN)
         return _Outcome("undecided", self._unmatched(match), UNKNOWN, match)
+
+    def _searched(self) -> Match | None:
+        """The best match, from a generic point of either geometry.
+
+        One region may be part of the other, as the outside of a black hole is.
+        """
+        # The search evaluates the second geometry often.
+        swapped = self.near is None and _length(self.one) < _length(self.two)
+        best: Match | None = None
+        for other_way in (swapped, not swapped):
+            sides = (self.two, self.one) if other_way else (self.one, self.two)
+            match = Search(
+                *sides, self.orientation, TRIES, None if other_way else self.near
+            ).match()
+            if match is not None and (best is None or match.difference < best.difference):
+                best = match.inverted() if other_way else match
+            if best is not None and best.difference < AGREES:
+                break
+        return best
 
     def _simple_difference(self) -> str | None:
         """A difference of dimension or signature, in words."""

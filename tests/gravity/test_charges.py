@@ -225,6 +225,54 @@ def test_both_horizons_of_kerr() -> None:
     assert outer.temperature == pytest.approx(0.8 / (3.6 * 3.141592653589793 * 2), rel=ROUNDED)
 
 
+INGOING = gt.Frame.from_metric(
+    "v r theta phi",
+    [["2*M*r/(r**2 + a**2*cos(theta)**2) - 1", 1, 0,
+      "-2*M*a*r*sin(theta)**2/(r**2 + a**2*cos(theta)**2)"],
+     [1, 0, 0, "-a*sin(theta)**2"],
+     [0, 0, "r**2 + a**2*cos(theta)**2", 0],
+     ["-2*M*a*r*sin(theta)**2/(r**2 + a**2*cos(theta)**2)", "-a*sin(theta)**2", 0,
+      "(r**2 + a**2 + 2*M*r*a**2*sin(theta)**2/(r**2 + a**2*cos(theta)**2))*sin(theta)**2"]],
+    parameters="M a", domain="M > a, a > 0, r > 2*M",
+)  # fmt: skip
+PAINLEVE = gt.Frame.from_metric(
+    SPHERICAL,
+    [["2*M/r - 1", "sqrt(2*M/r)", 0, 0], ["sqrt(2*M/r)", 1, 0, 0],
+     [0, 0, "r**2", 0], [0, 0, 0, "r**2*sin(theta)**2"]],
+    parameters="M",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("frame", "kappa"),
+    [
+        ("schwarzschild", 1 / (2 * r)),
+        (static("1 - 2*M/r", "M", -1), 1 / (2 * r)),
+        (PAINLEVE, 1 / (2 * r)),
+        (INGOING, (r**2 - a**2) / (2 * r * (r**2 + a**2))),
+        ("kerr", (r**2 - a**2) / (2 * r * (r**2 + a**2))),
+        ("taub_nut", 1 / (2 * r)),
+    ],
+)
+def test_one_surface_gravity_in_all_coordinates(frame: gt.Frame | str, kappa: sp.Expr) -> None:
+    (hole,) = gravity.horizons(frame)
+    assert equal(hole.surface_gravity, kappa)
+    assert equal(hole.entropy, positive(hole.area) / 4)
+
+
+def test_area_of_the_dilaton_hole() -> None:
+    """Area 4 pi r (r - b), positive outside of b (Garfinkle, Horowitz, Strominger 1991)."""
+    frame = gt.Frame.from_metric(
+        SPHERICAL,
+        [["2*M/r - 1", 0, 0, 0], [0, "1/(1 - 2*M/r)", 0, 0],
+         [0, 0, "r*(r - b)", 0], [0, 0, 0, "r*(r - b)*sin(theta)**2"]],
+        parameters="M b", domain="r > 2*M, M > 0, b > 0, b < M",
+    )  # fmt: skip
+    (hole,) = gravity.horizons(frame)
+    b = sp.Symbol("b", positive=True)
+    assert equal(hole.area, 4 * sp.pi * r * (r - b))
+
+
 # -- refusals --------------------------------------------------------------------------------------
 
 NUMBERS = {"M": 1, "a": "3/5"}
@@ -257,10 +305,21 @@ REFUSED = [
     (lambda: float(gravity.charge("kerr")), "expected a value without symbols"),
     (lambda: gravity.charge("kerr").at({"b": 1}), "There are M"),
     (lambda: gravity.horizons(static("1", "")), "expected a factor"),
+    (lambda: gravity.horizons(static("1 - 2*M*r**2/(r**2 + g**2)**(3/2)", "M g")), "poles"),
+    (lambda: gravity.horizons(throat()), "a throat"),
+    (lambda: gravity.charge("kerr", surface={"r": -3}), "domain of the frame"),
+    (lambda: gravity.charge(static("1 - 2*m(r)/r", ""), "brown-york"), "known functions"),
     (lambda: gravity.horizons("kerr", parameters={"M": 1, "a": 2}), "no positive root"),
     (lambda: gravity.horizons("kerr", parameters={"M": 1}), "got none for a"),
     (lambda: gravity.horizons("kerr", surface={"r": 1}), "surface: expected"),
 ]
+
+
+def throat() -> gt.Frame:
+    """A wormhole, whose lapse is one everywhere."""
+    rows = [[-1, 0, 0, 0], [0, "1/(1 - b/r)", 0, 0],
+            [0, 0, "r**2", 0], [0, 0, 0, "r**2*sin(theta)**2"]]  # fmt: skip
+    return gt.Frame.from_metric(SPHERICAL, rows, parameters="b")
 
 
 @pytest.mark.parametrize(("call", "words"), REFUSED)

@@ -220,7 +220,8 @@ def charge(
     request = Request(own, connection, killing, lagrangian, leg, potential, vary, reference)
     one = sphere(own, surface, over, parameters, outside)
     if kind in OUTSIDE:
-        one.check_outside_horizons()
+        one.check_outside_horizons(is_slice=kind != "komar")
+    one.check_domain()
     density = KINDS[kind](request, one)
     found = density.expression
     time = own.coordinates[one.time]

@@ -8,6 +8,7 @@ from fractions import Fraction
 from typing import Any
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, parse_expression
@@ -78,6 +79,8 @@ def _killing(request: Request) -> Tensor:
 def _kind(one: Sphere, xi: Tensor) -> tuple[str, bool]:
     """Name of the charge of a Killing vector, and whether it is tangent to the surface."""
     inside = xi.components.get((one.time,)).is_zero is True
+    if not inside and len(xi.components.nonzero) > 1:
+        return "charge of the Killing vector", inside
     return ("angular momentum" if inside else "mass"), inside
 
 
@@ -228,6 +231,12 @@ def _parameter(frame: Frame, given: object) -> sp.Symbol:
 def _slice(one: Sphere) -> Frame:
     """The slice of constant time, with a positive metric."""
     others = [q for k, q in enumerate(one.frame.coordinates) if k != one.time]
+    unknown = sorted(map(str, one.put(sp.Matrix(one.frame.metric[:, :])).atoms(AppliedUndef)))
+    if unknown:
+        raise GravityError(
+            f"frame: expected a metric of known functions for this kind, got {unknown[0]}. Put a "
+            "formula in its place with frame.subs."
+        )
     frame = surface(one.frame, [q.name for q in others]).frame
     known = {*others, *one.frame.parameters}
     where = one.frame.domain or one.frame.region.relations

@@ -94,7 +94,7 @@ def horizons(
     Equation
     --------
     S = -2 pi of dL/dR_abcd eps_ab eps_cd, L over 16 pi [Wald1993]: A/4 for L = R
-    T = kappa/(2 pi), kappa = (g^rr/N^2)^(1/2) d_r N^2 / 2, N^2 = -1/g^tt
+    T = kappa/(2 pi), d(xi^2) = -2 kappa xi for the Killing vector xi of the horizon
 
     Parameters
     ----------
@@ -177,7 +177,8 @@ class _Hole:
 
     def relation(self) -> dict[sp.Symbol, sp.Expr]:
         """The first parameter that the radius of the horizon determines."""
-        condition, own = self.condition, self.sphere.frame.parameters
+        one, condition = self.sphere, self.condition
+        own = one.frame.parameters
         order = sorted(own, key=lambda x: (x.name not in MASSES, own.index(x)))
         for symbol in order:
             if symbol not in condition.free_symbols:
@@ -185,6 +186,8 @@ class _Hole:
             # Formulas in a positive radius and positive parameters.
             positive = _positive(self.sphere, condition.free_symbols - {symbol})
             roots = sp.solve(condition.xreplace(positive), symbol, dict=False)
+            if one.frame.region.sign(symbol) == 1:
+                roots = [x for x in roots if x.is_negative is not True]
             if len(roots) == 1:
                 back = {dummy: x for x, dummy in positive.items()}
                 return {symbol: sp.factor(roots[0].xreplace(back))}
@@ -196,13 +199,12 @@ class _Hole:
     def formulas(self, put: Mapping[sp.Symbol, sp.Expr], text: str) -> Horizon:
         """All quantities in terms of the radius."""
         one = self.sphere
-        frame, field = one.frame, one.frame.field
+        frame = one.frame
         t, r = one.time, one.radius
         inverse = frame.inverse_metric.components.get
         gtt, grr, gtr = inverse((t, t)), inverse((r, r)), inverse((t, r))
-        slope = gtt.diff(one.symbol) * (gtt * gtt * 2 * one.signature).inverse()
-        ratio = self._root(self._at(grr * gtt * -1, put))
-        kappa = self._constant(self._at(slope, put) * ratio, "surface gravity")
+        velocity, turning = self._turning(put)
+        kappa = self._surface_gravity(put, velocity, turning)
         normal = (gtr * gtr - gtt * grr).inverse()
         weight = self._at(normal * self._contracted(), put)
         others = [k for k in range(frame.dimension) if k not in (t, r)]
@@ -210,27 +212,71 @@ class _Hole:
             [self._at(frame.metric.components.get((i, j)), put) for j in others] for i in others
         ]
         density = self._root(sp.factor(sp.Matrix(metric).det()))
-        area, entropy = (
-            integrated(one, x)[0] for x in (density, density * weight * one.signature / 8)
-        )
+        area, entropy = (integrated(one, x)[0] for x in (density, density * weight / 8))
         if area is None or entropy is None:
             raise GravityError(
                 "frame: expected a horizon whose area has a closed form, got none. Use another "
                 "coordinate."
             )
         area, entropy = self._tidy(area), self._tidy(entropy)
-        turning = [k for k in others if not frame.metric.components.get((t, k)).is_zero]
-        velocity: sp.Expr = sp.S.Zero
-        if turning:
-            k = turning[0]
-            get = frame.metric.components.get
-            turn = field.sum([(-1, get((t, k)), get((k, k)).inverse())])
-            velocity = self._constant(self._at(turn, put), "angular velocity")
         return Horizon(
             radius=one.symbol, relation=dict(put), area=area, angular_velocity=velocity,
             surface_gravity=kappa, temperature=sp.factor(kappa / (2 * sp.pi)), entropy=entropy,
             error=0.0, lagrangian=text,
         )  # fmt: skip
+
+    def _turning(self, put: Mapping[sp.Symbol, sp.Expr]) -> tuple[sp.Expr, int | None]:
+        """Angular velocity, and the coordinate of the angle; None for a hole that does not turn."""
+        one, get = self.sphere, self.sphere.frame.metric.components.get
+        for k in range(one.frame.dimension):
+            if k in (one.time, one.radius) or get((one.time, k)).is_zero:
+                continue
+            ratio = get((one.time, k)) * get((k, k)).inverse() * -1
+            return self._constant(self._at(ratio, put), "angular velocity"), k
+        return sp.S.Zero, None
+
+    def _surface_gravity(
+        self, put: Mapping[sp.Symbol, sp.Expr], velocity: sp.Expr, turning: int | None
+    ) -> sp.Expr:
+        """kappa from the lapse; from d(xi^2) where coordinates are regular at the horizon."""
+        one = self.sphere
+        t, r, q = one.time, one.radius, one.symbol
+        inverse, metric = (x.components.get for x in (one.frame.inverse_metric, one.frame.metric))
+        if inverse((t, r)).is_zero:
+            others = [k for k in range(one.frame.dimension) if k != t]
+            is_static = all(metric((t, k)).is_zero for k in others)
+            square = metric((t, t)) if is_static else inverse((t, t)).inverse()
+            square = square * -one.signature
+            if self._tidy(sp.simplify(self._at(square, put))) != 0:
+                raise GravityError(
+                    f"frame: expected a horizon, got a throat: g^{2 * str(q)} vanishes where the "
+                    "lapse does not. It has no temperature."
+                )
+            ratio = self._root(self._at(inverse((r, r)) * inverse((t, t)) * -1, put))
+            slope = self._at(square.diff(q), put) / 2
+            return self._constant(slope * ratio, "surface gravity")
+        slope, normal = (
+            sum(
+                (factor * self._at(change(metric(place)), put) for factor, place in terms),
+                sp.S.Zero,
+            )
+            for change, terms in (
+                (lambda x: x.diff(q), self._squared(velocity, turning)),
+                (lambda x: x, [(1, (t, r)), *([(velocity, (turning, r))] if turning else [])]),
+            )
+        )
+        size = self._root(sp.factor(normal**2))
+        return self._constant(-slope * one.signature / (2 * size), "surface gravity")
+
+    def _squared(
+        self, velocity: sp.Expr, turning: int | None
+    ) -> list[tuple[sp.Expr, tuple[int, int]]]:
+        """Terms of the square of d_t + velocity d_phi: factors of components of the metric."""
+        t = self.sphere.time
+        terms: list[Any] = [(sp.S.One, (t, t))]
+        if turning is not None:
+            terms += [(2 * velocity, (t, turning)), (velocity**2, (turning, turning))]
+        return terms
 
     def _tidy(self, expression: sp.Expr) -> sp.Expr:
         """An expression with factors, and without roots of squares."""
@@ -253,16 +299,45 @@ class _Hole:
         )
 
     def _at(self, element: Element, put: Mapping[sp.Symbol, sp.Expr]) -> sp.Expr:
-        """An element at the horizon, with the parameter that the radius determines."""
-        expression = element.sympy.xreplace(dict(put))
-        if expression.is_rational_function():
-            return sp.factor(expression)
-        positive = _positive(self.sphere, expression.free_symbols)
+        """An element at the horizon, with the parameter that the radius determines.
+
+        Raises
+        ------
+        GravityError
+            Its denominator vanishes at the horizon.
+        """
+        expression = element.sympy
+        positive = _positive(self.sphere, expression.free_symbols | set(put))
+        for q, _, _ in self.sphere.ranges:
+            positive |= {f(q): sp.Dummy(f.__name__) for f in (sp.sin, sp.cos)}
         back = {dummy: x for x, dummy in positive.items()}
-        return sp.factor(sp.simplify(expression.xreplace(positive))).xreplace(back)
+        values = {x: value.xreplace(positive) for x, value in put.items()}
+        parts = sp.fraction(sp.together(expression))
+        above, below = (self._reduced(x.xreplace(values).xreplace(positive), back) for x in parts)
+        if not (above.is_rational_function() and below.is_rational_function()):
+            above, below = (sp.simplify(sp.expand(part)) for part in (above, below))
+        if sp.factor(below) == 0:
+            raise GravityError(
+                "frame: expected quantities without poles at the horizon, got "
+                f"{checks.cut(str(expression))}. Use coordinates that are regular there, or a "
+                "metric without roots."
+            )
+        return sp.factor(above / below).xreplace(back)
+
+    @staticmethod
+    def _reduced(part: sp.Expr, back: Mapping[sp.Dummy, sp.Basic]) -> sp.Expr:
+        """A quotient whose polynomials contain no even power of a cosine."""
+        sines = {x.args[0]: dummy for dummy, x in back.items() if isinstance(x, sp.sin)}
+        for c, x in back.items():
+            if isinstance(x, sp.cos) and part.has(c) and part.is_rational_function(c):
+                above, below = sp.fraction(sp.together(part))
+                square = c**2 + sines[x.args[0]] ** 2 - 1
+                part = sp.rem(above, square, c) / sp.rem(below, square, c)
+        return part
 
     def _root(self, expression: sp.Expr) -> sp.Expr:
-        """The root of an expression, even powers taken out."""
+        """The root of an expression, even powers taken out with the sign of the region."""
+        one = self.sphere
         positive = _positive(self.sphere, expression.free_symbols)
         for q, low, high in self.sphere.ranges:
             if (low, high) == (0, sp.pi):
@@ -274,14 +349,18 @@ class _Hole:
             factor, parts = sp.factor_list(whole)
             inside *= factor**sign
             for part, power in parts:
-                outside *= part ** (sign * (power // 2))
+                own = one.frame.region.sign(part.xreplace(back)) if power > 1 else 1
+                if own is None:
+                    inside *= part ** (sign * power)
+                    continue
+                outside *= (own * part) ** (sign * (power // 2))
                 inside *= part ** (sign * (power % 2))
         return (outside * sp.sqrt(inside)).xreplace(back)
 
     def _constant(self, expression: sp.Expr, name: str) -> sp.Expr:
         """What does not depend on the direction."""
-        found = [expression.subs(self._direction(x)) for x in DIRECTIONS]
-        if sp.simplify(found[0] - found[1]) != 0:
+        found = [self._tidy(expression.subs(self._direction(x))) for x in DIRECTIONS]
+        if self._tidy(sp.simplify(found[0] - found[1])) != 0:
             raise GravityError(
                 f"frame: expected a horizon with one {name}, got one that depends on the "
                 "direction. The horizon is not where the coordinates put it."

@@ -88,28 +88,37 @@ class Sphere:
         """Which side of the surface is outside, in words."""
         return f"{'larger' if self.outwards > 0 else 'smaller'} {self.symbol}"
 
-    def check_outside_horizons(self) -> None:
+    def check_outside_horizons(self, *, is_slice: bool) -> None:
         """Refuse a surface that meets a horizon or is inside of one.
 
         Raises
         ------
         GravityError
-            g^rr does not have the sign of a space direction on the whole surface.
+            The radius is not a direction of space on the whole surface; for a surface of a slice
+            (is_slice), or time is not a direction of time.
         """
         inverse = self.frame.inverse_metric.components
-        names = (self.time, self.time), (self.radius, self.radius)
-        slopes = [self.put(inverse.get(x).sympy * self.signature) for x in names]
-        for slope, wanted, q in zip(slopes, (-1, 1), (self.time, self.radius), strict=True):
+        for k, wanted in ((self.radius, 1), *([(self.time, -1)] if is_slice else [])):
+            q = self.frame.coordinates[k]
+            slope = self.put(inverse.get((k, k)).sympy * self.signature)
             free = slope.free_symbols - {x for x, _, _ in self.ranges}
             if free:
                 continue
             signs = {int(sp.sign(slope.subs(point).evalf())) for point in self._points()}
             if signs != {wanted}:
-                place = "crosses a horizon" if len(signs) > 1 or 0 in signs else "is in a region"
+                place = "is on" if signs == {0} else "crosses" if len(signs) > 1 else "is inside of"
                 raise GravityError(
                     f"surface: expected one outside of all horizons, got {self}, which {place} "
-                    f"where g^{2 * str(self.frame.coordinates[q])} has another sign. Choose "
-                    f"another {self.symbol}."
+                    f"a horizon: g^{2 * str(q)} has another sign. Choose another {self.symbol}."
+                )
+
+    def check_domain(self) -> None:
+        """Refuse values outside of the declared domain of the frame."""
+        for relation in self.frame.domain:
+            if relation.subs(dict(self.values)) == sp.false:
+                raise GravityError(
+                    f"surface: expected values in the domain of the frame, got {self}, where "
+                    f"{relation} does not hold. Choose others."
                 )
 
     def _points(self) -> list[dict[sp.Symbol, sp.Expr]]:

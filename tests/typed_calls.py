@@ -1,0 +1,106 @@
+"""Public calls that take a frame, on a frame as people type it, from the point of its region."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import sympy as sp
+
+import geomtorsion as gt
+from geomtorsion.pictures.report import write_report
+from tests.typed import Typed
+
+# Length of motions and loops, relative to the coordinates: too short to leave the region.
+SHORT = 0.01
+
+
+def start(frame: gt.Frame) -> list[float]:
+    """Coordinates of the point of the region."""
+    return [float(frame.region.point[q]) for q in frame.coordinates]
+
+
+def values(frame: gt.Frame) -> dict[str, float]:
+    """Parameters at the point of the region."""
+    return {str(p): float(frame.region.point[p]) for p in frame.parameters}
+
+
+def calls(row: Typed, folder: Path) -> Iterator[tuple[str, Callable[[], object]]]:
+    """Names and calls that must return for each frame without unknown functions."""
+    frame = row.frame
+    n = frame.dimension
+    velocity = [1.0] + [0.0] * (n - 1)
+    at: dict[str, Any] = {"parameters": values(frame)}
+    connection = gt.levi_civita(frame)
+    along = {"frame_velocity": velocity, **at}
+    point = start(frame)
+    moved = [x + SHORT * abs(x) * (k + 1) / n for k, x in enumerate(point)]
+
+    yield "identities", lambda: gt.identities(connection)
+    yield "Killing equations", lambda: gt.killing_equations(frame)
+    yield "torsion", lambda: gt.cartan(frame).torsion.T.at(frame.region.point)
+    yield "curvature", lambda: connection.curvature.scalar.at(frame.region.point)
+    yield "Kretschmann scalar", lambda: connection.curvature.kretschmann.at(frame.region.point)
+    yield "legs", lambda: frame.legs.at(frame.region.point)
+    yield "volume", lambda: frame.volume.at(frame.region.point)
+    yield "symmetries", lambda: str(gt.symmetries(frame))
+    yield "symmetries of the legs", lambda: str(gt.symmetries(frame, "teleparallel"))
+    yield "holonomy algebra", lambda: str(connection.holonomy_algebra)
+    yield "geodesic", lambda: gt.solve(gt.geodesic(frame, point, **along), SHORT)
+    yield (
+        "autoparallel",
+        lambda: gt.solve(gt.autoparallel(gt.cartan(frame), point, **along), SHORT),
+    )
+    yield (
+        "transport",
+        lambda: gt.solve(
+            gt.parallel_transport(gt.geodesic(frame, point, **along), [velocity]), SHORT
+        ),
+    )
+    yield (
+        "exponential map",
+        lambda: gt.exponential_map(connection, point, [SHORT * x for x in velocity], **at),
+    )
+    yield "holonomy", lambda: gt.holonomy(connection, gt.geodesic(frame, point, **along), SHORT)
+    if n > 1:
+        yield "development", lambda: gt.develop_path(gt.cartan(frame), [point, moved], **at)
+        yield (
+            "Burgers vector",
+            lambda: gt.burgers_vector(frame, gt.Loop.circle(point, SHORT * abs(point[1])), **at),
+        )
+        rest = " ".join(map(str, frame.coordinates[:-1]))
+        yield "surface", lambda: gt.surface(frame, rest).extrinsic_curvature
+    yield "equations of motion", lambda: gt.equations_of_motion(frame, kinetic(frame)).accelerations
+    yield "variation", lambda: gt.variation(frame)
+    yield "limit", lambda: limit(frame)
+    yield "report", lambda: report(frame, folder)
+
+
+def positive_calls(row: Typed) -> Iterator[tuple[str, Callable[[], object]]]:
+    """Names and calls that must return for positive metrics and may be refused for others."""
+    frame = row.frame
+    yield "diffusion", lambda: gt.diffusion(gt.levi_civita(frame))
+    if frame.dimension > 1:
+        yield "constraint", lambda: gt.constrained(frame, [f"d{frame.coordinates[-1]}"])
+
+
+def kinetic(frame: gt.Frame) -> str:
+    """Half of the sum of squares of the frame velocities."""
+    return "(" + " + ".join(f"u{i + 1}**2" for i in range(frame.dimension)) + ")/2"
+
+
+def limit(frame: gt.Frame) -> None:
+    """The limit of the metric as a symbol tends to its value is the metric there."""
+    symbol = (*frame.parameters, *frame.coordinates)[0]
+    value = frame.region.point[symbol]
+    rest = {s: x for s, x in frame.region.point.items() if s != symbol}
+    limits = frame.metric.limit(symbol, value)
+    for i in range(frame.dimension):
+        difference = limits[i, i].subs(rest) - frame.metric[i, i].subs(frame.region.point)
+        assert abs(sp.N(difference)) < 1e-9
+
+
+def report(frame: gt.Frame, folder: Path) -> None:
+    """The page of a frame."""
+    space = gt.spaces.Space("typed", frame=frame)
+    page = write_report(space, folder, pictures=False)
+    assert page.stat().st_size
