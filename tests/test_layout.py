@@ -101,6 +101,7 @@ CEILINGS = {
     # 8: the grids and the search of the frequencies of a hole.
     # One more: the size of the change from which a solution is searched.
     # One more: the steps of Newton's method for jets of solutions.
+    # Two standard errors in tests of gravity, and spare rough frequencies of a hole.
     "tuned constants": 182,
     # Two more than before: converters of arguments are three files by kind instead of one of 1,000.
     # Two more: kinetic metrics and forces are files of their own.

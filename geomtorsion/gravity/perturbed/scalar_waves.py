@@ -82,7 +82,7 @@ class ScalarModes:
                 "scalar_modes: expected a theory whose equation of the shift gives the lapse, got "
                 f"{self.equations.lagrangian!r}. Add a term of gravity such as R/2."
             )
-        if self._density.is_zero and not self._gradient.is_zero:
+        if self._density.is_zero and self._written(self._gradient) != 0:
             raise GravityError(
                 "scalar_modes: expected a theory with a scalar wave, got the kinetic factor 0 with "
                 f"a gradient for {self.equations.lagrangian!r}: a cuscuton, whose field follows "
