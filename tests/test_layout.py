@@ -99,7 +99,10 @@ CEILINGS = {
     # One separates a pole of the rates from a removable one.
     # One more: the samples that look for pulses between steps.
     # 8: the grids and the search of the frequencies of a hole.
-    "tuned constants": 180,
+    # One more: the size of the change from which a solution is searched.
+    # One more: the steps of Newton's method for jets of solutions.
+    # Two standard errors in tests of gravity, and spare rough frequencies of a hole.
+    "tuned constants": 182,
     # Two more than before: converters of arguments are three files by kind instead of one of 1,000.
     # Two more: kinetic metrics and forces are files of their own.
     # One more: squares that roots hide in circular functions.
@@ -111,7 +114,7 @@ CEILINGS = {
 }
 # Lines of code below and above the wall, rounded up to five hundreds, without docstrings, comments
 # and blanks. A change that needs more raises a number and states in its commit what users get.
-BUDGET = {"below the wall": 49000, "above the wall": 54500}
+BUDGET = {"below the wall": 49000, "above the wall": 55500}
 # What a program that imports the package does not wait for.
 LATER = ("sympy", "flint", "mpmath", "numpy", "multiprocessing", "asyncio", "tomllib", "sqlite3")
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")

@@ -76,6 +76,29 @@ class KerrOrbit:
         """a^2 (1 - E^2)."""
         return self.a**2 * (1 - self.energy) * (1 + self.energy)
 
+    @cached_property
+    def separatrix(self) -> float:
+        """Smallest p of stable bound orbits with the same a, e and x; inside it orbits plunge.
+
+        Equation
+        --------
+        r2 = r3; without spin p = 6 + 2 e (Levin and Perez-Giz, 2009)
+
+        Examples
+        --------
+        >>> round(kerr_orbit(0, 10, 0.5).separatrix, 12)
+        7.0
+        """
+        with working_precision(CONSTANT_BITS):
+            a, e, x = (mpmath.mpf(number) for number in (self.a, self.e, self.x))
+            # No turning point is inside the horizon; this orbit is outside the separatrix.
+            low, high = (1 + e) * (1 + mpmath.sqrt(1 - a * a)), mpmath.mpf(self.p)
+            while float(low) != float(high):
+                middle = (low + high) / 2
+                bound = _constants(a, middle, e, x) is not None
+                low, high = (low, middle) if bound else (middle, high)
+        return float(high)
+
     def radius(self, psi: np.ndarray) -> np.ndarray:
         """r at the angle psi of the ellipse, 0 at the periapsis."""
         return self.p / (1 + self.e * np.cos(psi))
@@ -234,7 +257,7 @@ def kerr_orbit(a: float, p: float, e: float = 0.0, x: float = 1.0) -> KerrOrbit:
     Parameters
     ----------
     a
-        spin, 0 <= a <= 1.
+        spin, -1 <= a <= 1; a < 0 is read as the spin -a with -x, the same orbit against the spin.
     p, e
         semilatus rectum and eccentricity: r between p / (1 + e) and p / (1 - e); 0 <= e < 1.
     x
@@ -259,13 +282,14 @@ def kerr_orbit(a: float, p: float, e: float = 0.0, x: float = 1.0) -> KerrOrbit:
         if real is None or not math.isfinite(real):
             raise StartError(f"{name}: expected a finite number, got {checks.shown(value)}.")
         numbers[name] = real
+    if -1 <= numbers["a"] < 0:
+        numbers |= {"a": -numbers["a"], "x": 0.0 - numbers["x"]}
     low = {"a": 0 <= numbers["a"] <= 1, "e": 0 <= numbers["e"] < 1, "x": abs(numbers["x"]) <= 1}
     low["p"] = numbers["p"] > 0
-    ranges = {"a": "0 <= a <= 1", "e": "0 <= e < 1", "x": "-1 <= x <= 1", "p": "p > 0"}
+    ranges = {"a": "-1 <= a <= 1", "e": "0 <= e < 1", "x": "-1 <= x <= 1", "p": "p > 0"}
     for name, inside in low.items():
         if not inside:
-            more = " For motion against the spin give x < 0." if name == "a" else ""
-            raise StartError(f"expected {ranges[name]}, got {name} = {numbers[name]:.6g}.{more}")
+            raise StartError(f"expected {ranges[name]}, got {name} = {numbers[name]:.6g}.")
     with working_precision(CONSTANT_BITS):
         constants = _constants(*(mpmath.mpf(numbers[name]) for name in "apex"))
     if constants is None:

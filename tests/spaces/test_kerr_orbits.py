@@ -115,6 +115,45 @@ def test_frequency_beside_the_separatrix(distance):
     assert gt.kerr_orbit(0, p, e).mino_frequencies.radial == pytest.approx(exact, rel=1e-12)
 
 
+@pytest.mark.parametrize("x", [1, 0.3, 0, -1])
+@pytest.mark.parametrize("e", [0, 0.3, 0.9])
+def test_separatrix_without_spin(e, x):
+    """p = 6 + 2 e at any inclination."""
+    assert gt.kerr_orbit(0, 20, e, x).separatrix == pytest.approx(6 + 2 * e, rel=ROUNDED)
+
+
+@pytest.mark.parametrize("sense", [1, -1])
+@pytest.mark.parametrize("e", [0.0, 0.3, 0.9])
+@pytest.mark.parametrize("a", [1e-3, 0.5, 0.95])
+def test_separatrix_in_the_equator(a, e, sense):
+    """The polynomial of degree four in p; for circles the radius of Bardeen, Press, Teukolsky."""
+    orbit = gt.kerr_orbit(a, 20, e, sense)
+    with mpmath.workdps(40):
+        p, spin, shape = mpmath.mpf(orbit.separatrix), mpmath.mpf(a), mpmath.mpf(e)
+        plain = spin**2 * (3 - shape) * (1 + shape) + p * (6 + 2 * shape - p)
+        mixed = 14 + 2 * shape**2 + (3 - shape) * p
+        cross = 2 * spin**2 * (1 + shape) * p
+        # The terms of a^4 and p^2 (p - 6 - 2 e)^2 as a square: its cross term is taken back.
+        both = cross * mixed + cross * (3 - shape) * (6 + 2 * shape - p)
+        # The root of each side has the sign of the sense.
+        gap = plain + sense * -mpmath.sqrt(both)
+        slope = mpmath.fabs(6 + 2 * shape - 2 * p) + mpmath.sqrt(both) / p
+        assert abs(gap) <= ROUNDED * slope * p
+    for side, bound in ((1 + 1e-9, True), (1 - 1e-9, False)):
+        if bound:
+            assert gt.kerr_orbit(a, orbit.separatrix * side, e, sense).energy < 1
+        else:
+            with pytest.raises(StartError, match="inside the separatrix"):
+                gt.kerr_orbit(a, orbit.separatrix * side, e, sense)
+
+
+def test_a_negative_spin_turns_the_sense():
+    """a < 0 is the orbit of -a against the spin."""
+    assert gt.kerr_orbit(-0.9, 12, 0.2, 0.5) == gt.kerr_orbit(0.9, 12, 0.2, -0.5)
+    polar = [gt.kerr_orbit(a, 12, 0.2, 0).frequencies.azimuthal for a in (-0.9, 0.9)]
+    assert polar[0] == polar[1]
+
+
 def test_constants_agree_with_the_curve():
     """E, L and Carter's constant agree with the frame velocities of the geodesic."""
     orbit = gt.kerr_orbit(0.9, 6, 0.3, 0.5)
@@ -131,8 +170,9 @@ def test_constants_agree_with_the_curve():
         ((0.9, 2, 0.3, 1), "stable bound orbit, got p = 2 inside the separatrix"),
         ((0, 6.99, 0.5, 1), "inside the separatrix"),
         ((0.9, 8, 0.2, -1), "inside the separatrix"),
-        ((1.2, 6, 0, 1), "0 <= a <= 1, got a = 1.2. For motion against the spin give x < 0"),
-        ((-0.5, 6, 0, 1), "0 <= a <= 1, got a = -0.5"),
+        ((1.2, 6, 0, 1), "-1 <= a <= 1, got a = 1.2"),
+        ((-1.2, 6, 0, 1), "-1 <= a <= 1, got a = -1.2"),
+        ((-0.9, 8, 0.2, 1), "inside the separatrix"),
         ((0.9, 6, 1, 1), "0 <= e < 1"),
         ((0.9, 6, 0.1, 1.1), "-1 <= x <= 1"),
         ((0.9, -6, 0.1, 1), "p > 0"),

@@ -13,8 +13,8 @@ from geomtorsion.cli.results import write_result
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working, wrapped
 from geomtorsion.cli.theories import LagrangianOption, theory_of
-from geomtorsion.cli.values import assigned
-from geomtorsion.gravity import perturbed
+from geomtorsion.cli.values import assigned, separated
+from geomtorsion.gravity import maxwell, perturbed
 from geomtorsion.pictures.ringing import draw_ringing
 
 
@@ -30,6 +30,14 @@ def ringing(
     values: Annotated[
         list[str] | None,
         option("--set", metavar="NAME=VALUE", text="Value of a parameter. May be repeated."),
+    ] = None,
+    potential: Annotated[
+        str | None,
+        option(
+            "--maxwell",
+            metavar="A,A,A,A",
+            text='Potential of a charged hole, such as "Q/r, 0, 0, 0".',
+        ),
     ] = None,
     geometry: Annotated[
         str, typer.Option("-g", "--geometry", metavar="NAME", help="riemannian or teleparallel.")
@@ -52,6 +60,7 @@ def ringing(
       geomtorsion ringing schwarzschild --set M=1
       geomtorsion ringing schwarzschild --set M=1 -l 3 --parity axial --modes 2 -o rings
       geomtorsion ringing schwarzschild --set M=1 -L "-X/2" -l 0
+      geomtorsion ringing charged.toml --set M=1 --set Q=4/5 -L "R - F2" --maxwell "Q/r, 0, 0, 0"
     """
     given = dict(assigned(one, "--set", "M=1") for one in values or ())
     with working(source):
@@ -64,6 +73,7 @@ def ringing(
             digits=digits,
             parameters=given,
             geometry=geometry,
+            matter=None if potential is None else maxwell(separated(potential)),
         )
     document = rings.to_json()
     if form is Form.json:

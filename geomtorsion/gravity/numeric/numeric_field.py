@@ -430,14 +430,14 @@ class NumericField:
         arithmetic = self.arithmetic
         if len(inner) != 1:
             raise GravityError(f"expected functions of one argument, got {name}.")
-        element = self._as_array(inner[0])
+        element = self.as_array(inner[0])
         value = arithmetic.call(name, element.value)
         return self._through(element, value, lambda: arithmetic.slope(name, element.value, value))
 
     def _power(self, base: Numeric, exponent: Numeric) -> Numeric:
         if not exponent.is_constant:
             raise GravityError("expected powers with a constant exponent, got another one.")
-        base, power = self._as_array(base), exponent.value
+        base, power = self.as_array(base), exponent.value
         value = self.arithmetic.power(base.value, power)
 
         def slope() -> np.ndarray:
@@ -446,7 +446,8 @@ class NumericField:
 
         return self._through(base, value, slope)
 
-    def _as_array(self, element: Numeric) -> Numeric:
+    def as_array(self, element: Numeric) -> Numeric:
+        """An element whose value is an array, also for a constant."""
         if not element.is_constant:
             return element
         return Numeric(self, self.arithmetic.raised(self._plain(element.value)))

@@ -3,12 +3,14 @@
 from geomtorsion.gravity.perturbed.cosmology import TensorModes, tensor_modes
 from geomtorsion.gravity.perturbed.dust import Growth, growth
 from geomtorsion.gravity.perturbed.particles import Particle, Spectrum, spectrum
+from geomtorsion.gravity.perturbed.phase_space import DegreesOfFreedom, degrees_of_freedom
 from geomtorsion.gravity.perturbed.quasi_normal import Mode, Ringing, ringing
 from geomtorsion.gravity.perturbed.scalar_waves import ScalarModes, scalar_modes
 from geomtorsion.gravity.perturbed.solar_system import SolarTest
 from geomtorsion.gravity.perturbed.weak_field import PostNewtonian, post_newtonian
 
 __all__ = [
+    "DegreesOfFreedom",
     "Growth",
     "Mode",
     "Particle",
@@ -18,6 +20,7 @@ __all__ = [
     "SolarTest",
     "Spectrum",
     "TensorModes",
+    "degrees_of_freedom",
     "growth",
     "post_newtonian",
     "ringing",

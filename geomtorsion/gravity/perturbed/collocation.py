@@ -31,6 +31,8 @@ ROUGH = (30, 38)
 FIRST, STEP, LAST = 44, 12, 128
 # Frequencies that are looked for, in units of 1/r_h: oscillations, and damping.
 SLOWEST, LEAST, MOST = 0.02, 0.004, 4.0
+# Rough frequencies that are refined beyond the requested ones: some belong to the grid.
+SPARE = 3
 # Relative distance from a rough frequency that the iteration may go, and the steps it may take.
 NEAR, STEPS = 0.1, 30
 
@@ -212,7 +214,7 @@ def frequencies(radial: Radial, modes: int, digits: int) -> list[tuple[acb, floa
     with mpmath.workdps(work), ctx.workdps(work):
         for count in range(FIRST, LAST + 1, STEP):
             matrices = [_ball(m) for m in radial.matrices(count)]
-            for k in sorted(latest.keys() - settled.keys()):
+            for k in sorted(latest.keys() - settled.keys())[: modes + SPARE]:
                 value = _newton(matrices, latest[k])
                 if value is None:
                     del latest[k]
@@ -257,10 +259,13 @@ def _ball(matrix: mpmath.matrix) -> acb_mat:
 
 
 def _newton(matrices: Sequence[acb_mat], start: acb) -> acb | None:
-    """The eigenvalue near a start; None where the iteration leaves its neighbourhood."""
+    """The eigenvalue near a start; None where the iteration leaves its neighbourhood.
+
+    Each step squares the error, so that twice the digits are right behind the last one.
+    """
     w, n = start, matrices[0].nrows()
     vector = acb_mat(n, 1, [acb(1)] * n)
-    for _ in range(STEPS):
+    for number in range(STEPS):
         whole, slope = matrices[0], matrices[0] * acb(0)
         for k, matrix in enumerate(matrices[1:], 1):
             whole = whole + matrix * w**k
@@ -275,6 +280,7 @@ def _newton(matrices: Sequence[acb_mat], start: acb) -> acb | None:
         w = (w - step).mid()
         if _size(w - start) > NEAR * _size(start):
             return None
-        if _size(step) < 10.0 ** (-ctx.dps / 2):
+        # The first step has no direction yet: it is small near an eigenvalue, and inaccurate.
+        if number and _size(step) < 10.0 ** (-ctx.dps / 4):
             return w
     return None

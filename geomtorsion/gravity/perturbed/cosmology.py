@@ -157,6 +157,18 @@ class TensorModes:
         left += self.mass2 * WAVE - self.speed2 / scale**2 * WAVE.diff(Z, 2)
         return sp.Eq(left, 0)
 
+    def to_json(self) -> dict[str, str]:
+        """The results as text, by their names."""
+        return {
+            "lagrangian": str(self.equations.lagrangian.expression),
+            "kinetic": str(self.kinetic),
+            "speed2": str(self.speed2),
+            "friction": str(self.friction),
+            "mass2": str(self.mass2),
+            "alpha_M": str(self.alpha_M),
+            "alpha_T": str(self.alpha_T),
+        }
+
     def __str__(self) -> str:
         lines = [
             f"gravitational waves of {self.equations.lagrangian!r}",

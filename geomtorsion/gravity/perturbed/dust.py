@@ -142,6 +142,14 @@ class Growth:
         left = delta.diff(T, 2) + 2 * H * delta.diff(T) - self.G * DENSITY * delta / 2
         return sp.Eq(left, 0)
 
+    def to_json(self) -> dict[str, str]:
+        """The results as text, by their names."""
+        return {
+            "lagrangian": str(self.equations.lagrangian.expression),
+            "G": str(self.G),
+            "slip": str(self.slip),
+        }
+
     def __str__(self) -> str:
         return (
             f"growth of dust in {self.equations.lagrangian!r}\nG = {self.G}\nPhi/Psi = {self.slip}"

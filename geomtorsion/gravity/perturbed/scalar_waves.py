@@ -82,7 +82,7 @@ class ScalarModes:
                 "scalar_modes: expected a theory whose equation of the shift gives the lapse, got "
                 f"{self.equations.lagrangian!r}. Add a term of gravity such as R/2."
             )
-        if self._density.is_zero and not self._gradient.is_zero:
+        if self._density.is_zero and self._written(self._gradient) != 0:
             raise GravityError(
                 "scalar_modes: expected a theory with a scalar wave, got the kinetic factor 0 with "
                 f"a gradient for {self.equations.lagrangian!r}: a cuscuton, whose field follows "
@@ -195,6 +195,16 @@ class ScalarModes:
         scale = sp.Function("a")(T)
         left = CURVATURE.diff(T, 2) + self.friction * CURVATURE.diff(T)
         return sp.Eq(left - self.speed2 / scale**2 * CURVATURE.diff(Z, 2), 0)
+
+    def to_json(self) -> dict[str, str]:
+        """The results as text, by their names."""
+        return {
+            "lagrangian": str(self.equations.lagrangian.expression),
+            "kinetic": str(self.kinetic),
+            "speed2": str(self.speed2),
+            "friction": str(self.friction),
+            "lapse": str(self.lapse),
+        }
 
     def __str__(self) -> str:
         lines = [

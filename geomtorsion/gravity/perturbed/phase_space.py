@@ -1,0 +1,486 @@
+"""Phase space: degrees of freedom of a full nonlinear theory, counted on power series."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from geomtorsion.errors import GravityError
+from geomtorsion.exact import parse_expression
+from geomtorsion.geometry import Connection, Frame, Tensor
+from geomtorsion.gravity.equations import FieldEquations
+from geomtorsion.gravity.geometries import listed
+from geomtorsion.gravity.invariants import Invariant
+from geomtorsion.gravity.lagrangian import Lagrangian
+from geomtorsion.gravity.matter import maxwell, scalar_field
+from geomtorsion.gravity.numeric.numeric_field import NumericField
+from geomtorsion.gravity.numeric.power_series import PowerSeries
+from geomtorsion.gravity.numeric.solution_jets import Jet, noise
+from geomtorsion.gravity.numeric.varied import Setting, varied
+from geomtorsion.gravity.perturbed.geometries import GEOMETRIES, OF_THEORY, names_of, theory_in
+from geomtorsion.gravity.vocabulary import declared_constants
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.exclusive import exclusive
+from geomtorsion.support.precision import HALF, PRINTED
+
+NAMES = ("flat", "riemannian", "teleparallel", "symmetric teleparallel", "poincare")
+COORDINATES = sp.symbols("t x y z")
+# Relative size of the random change of the start: larger ones end on other branches.
+SPREAD = 0.05
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DegreesOfFreedom:
+    """Answer of `degrees_of_freedom`: a count near one solution of a theory, with its evidence.
+
+    lagrangian, geometry, dimension: the theory.
+    order: highest order of the power series.
+    numbers: H(q), q = 0, 1, ...: Taylor coefficients of all fields up to order q that are free
+        for nearby solutions. shorter: the same from series with one order less.
+    gauge: pairs (number of gauge functions, derivatives with which they enter the fields).
+    place: order from which the differences agree; None where they do not.
+    gaps: smallest singular value that counts in a rank, and largest that does not.
+    residual: largest coefficient of the equations on the solution.
+    branch: names of the invariants of the Lagrangian whose gradient vanishes at the point of the
+        solution.
+    invariants: values of all invariants of the Lagrangian at the point.
+    parameters: values of the constants. assumed: what the count rests on, in words.
+    fields: coefficients of the solution, for a later call (near=answer).
+    """
+
+    lagrangian: str
+    geometry: str
+    dimension: int
+    order: int
+    numbers: tuple[int, ...]
+    shorter: tuple[int, ...]
+    gauge: tuple[tuple[int, int], ...]
+    place: int | None
+    gaps: tuple[float, float]
+    residual: float
+    branch: tuple[str, ...]
+    invariants: Mapping[str, float]
+    parameters: Mapping[str, float]
+    assumed: tuple[str, ...]
+    fields: Mapping[str, np.ndarray]
+
+    @cached_property
+    def reduced(self) -> tuple[int, ...]:
+        """H(q) less the coefficients of the gauge functions: the growth of the phase space."""
+        n = self.dimension
+        return tuple(
+            number - sum(m * math.comb(q + o + n, n) for m, o in self.gauge)
+            for q, number in enumerate(self.numbers)
+        )
+
+    @cached_property
+    def differences(self) -> tuple[int, ...]:
+        """(n - 1)-th differences of `reduced`; each settled one is the size of the phase space."""
+        return tuple(np.diff(self.reduced, self.dimension - 1).tolist())
+
+    @property
+    def is_clear(self) -> bool:
+        """Whether all ranks are sure: no singular value between rounding and half of the digits."""
+        size = noise((max(self.numbers),))
+        return self.gaps[0] > math.sqrt(size) and self.gaps[1] < 10 * size
+
+    @property
+    def settled(self) -> bool:
+        """Whether the count is the same with one order less, all ranks are clear, and it fits."""
+        return self.place is not None and self.is_clear and self.residual < HALF
+
+    @property
+    def number(self) -> Fraction | None:
+        """Degrees of freedom: half the number of phase space functions; None where not settled."""
+        if not self.settled or self.place is None:
+            return None
+        return Fraction(self.differences[self.place], 2)
+
+    @property
+    def reason(self) -> str:
+        """Why the count is not settled, in words; "" where it is."""
+        if self.settled:
+            return ""
+        if not self.residual < HALF:
+            return (
+                f"no solution was found from this start (equations are left at "
+                f"{self.residual:.0e}). Give another start: near=frame, another seed."
+            )
+        if not self.is_clear:
+            return (
+                f"ranks are not sure (singular values {self.gaps[0]:.0e} and {self.gaps[1]:.0e}). "
+                "Give another start: near=frame, another seed."
+            )
+        names = ", ".join(self.branch)
+        constant = f" The gradient of {names} vanishes on this solution." if names else ""
+        return (
+            "the numbers fit no known gauge symmetry, or change with the order of the series."
+            f"{constant} Give a higher order, or another start with near=frame."
+        )
+
+    def __str__(self) -> str:
+        count = "not settled" if self.number is None else str(self.number)
+        where = f"{self.geometry}, {self.dimension} dimensions"
+        lines = [f"degrees of freedom of L = {self.lagrangian} ({where}): {count}"]
+        if self.reason:
+            lines.append(f"  {self.reason}")
+        lines += [
+            f"  free Taylor coefficients H(q): {', '.join(map(str, self.numbers))}",
+            f"  with one order less:           {', '.join(map(str, self.shorter))}",
+            f"  gauge functions: {sum(m for m, _ in self.gauge)}",
+            f"  phase space functions by q: {', '.join(map(str, self.differences))}",
+            f"  singular values: counted from {self.gaps[0]:.0e}, dropped up to {self.gaps[1]:.0e}",
+        ]
+        values = [f"{x} = {value:.4g}" for x, value in self.invariants.items()]
+        constant = ", ".join(self.branch) or "none"
+        lines.append(f"  at the point: {', '.join(values)}; constant invariants: {constant}")
+        lines += [f"  assumed: {one}" for one in self.assumed]
+        return "\n".join(lines)
+
+    __repr__ = __str__
+
+    def to_json(self) -> dict[str, Any]:
+        """The answer as plain data."""
+        return {
+            "lagrangian": self.lagrangian,
+            "geometry": self.geometry,
+            "dimension": self.dimension,
+            "order": self.order,
+            "number": None if self.number is None else str(self.number),
+            "settled": self.settled,
+            "reason": self.reason,
+            "numbers": list(self.numbers),
+            "shorter": list(self.shorter),
+            "gauge": [list(x) for x in self.gauge],
+            "differences": list(self.differences),
+            "gaps": list(self.gaps),
+            "residual": self.residual,
+            "branch": list(self.branch),
+            "invariants": dict(self.invariants),
+            "parameters": dict(self.parameters),
+            "assumed": list(self.assumed),
+        }
+
+
+@exclusive
+def degrees_of_freedom(
+    lagrangian: Lagrangian | str | sp.Expr,
+    geometry: str | None = None,
+    *,
+    dimension: int = 4,
+    near: Frame | DegreesOfFreedom | None = None,
+    scalars: str | Iterable[str] | Mapping[str, object] = (),
+    vectors: int = 0,
+    parameters: Mapping[str, object] | None = None,
+    constants: str | Iterable[str] = (),
+    invariants: Invariant | Iterable[Invariant] = (),
+    order: int | None = None,
+    seed: int = 0,
+) -> DegreesOfFreedom:
+    """Degrees of freedom of the full nonlinear theory, near one of its solutions.
+
+    All fields are power series at a point. Newton's method finds a solution of all field equations
+    up to an order, and the rank of the linearized equations gives H(q), the number of Taylor
+    coefficients up to order q that are free for nearby solutions; hidden constraints are included.
+    A function of n variables in the solution adds (q + n over n) to H(q), and is gauge; a function
+    of n - 1 variables adds (q + n - 1 over n - 1). Two of these are a degree of freedom.
+
+    Nothing is proved: the count is that near one solution, in doubles, with clear ranks.
+
+    Parameters
+    ----------
+    lagrangian
+        Text or a theory, as in `gravity.equations`.
+    geometry
+        "flat" (only matter varies), "riemannian", "teleparallel", "symmetric teleparallel" (in the
+        coincident gauge) or "poincare" (coframe and metric connection); the one of the theory.
+    dimension
+        2, 3 or 4; 4 takes minutes for theories of a coframe.
+    near
+        Frame of signature -++... near which the solution is searched, at its sample point, or an
+        earlier answer, whose fields are the start; without it flat space. Coordinates are its own.
+    scalars
+        Names of scalar fields, or names with formulas near which they are searched.
+    vectors
+        Number of vector fields.
+    parameters
+        Values of the constants of the Lagrangian; others get a value, which `.assumed` lists.
+    order
+        Highest order of the power series; by default the dimension plus the order of the
+        equations. H only falls where it grows.
+    seed
+        Of the random change of the start: equal calls give equal answers.
+
+    Raises
+    ------
+    GravityError
+        The Lagrangian does not fit the geometry, or near has another dimension or signature.
+
+    Examples
+    --------
+    >>> from geomtorsion.gravity import perturbed
+    >>> count = perturbed.degrees_of_freedom("-F2/4", "flat", dimension=3, vectors=1)
+    >>> count.number, count.settled, count.gauge
+    (Fraction(1, 1), True, ((1, 1),))
+    """
+    n = checks.count(dimension, "dimension", GravityError, 2, 4)
+    name = _geometry(lagrangian, geometry)
+    theory = (
+        theory_in(lagrangian, name) if name in GEOMETRIES else theory_in(lagrangian, "poincare")
+    )
+    own = listed(invariants, Invariant, "invariants", "gravity.invariant(name, formula)")
+    theory = replace(theory, geometry="any",
+                     constants=(*declared_constants(theory.constants),
+                                *declared_constants(constants)),
+                     invariants=(*theory.invariants, *own))  # fmt: skip
+    formulas = dict(scalars) if isinstance(scalars, Mapping) else dict.fromkeys(names_of(scalars))
+    count = checks.count(vectors, "vectors", GravityError, 0, 4)
+    coordinates = COORDINATES[:n]
+    if isinstance(near, Frame):
+        coordinates = _checked(near, n)
+    elif near is not None:
+        checks.instance(near, DegreesOfFreedom, "near", GravityError)
+    kind = varied(name, n)
+
+    def equations(
+        connection: Connection, own: Sequence[Tensor], potentials: Sequence[Sequence[Tensor]]
+    ) -> FieldEquations:
+        matter: list[Any] = [
+            scalar_field(value, None if text == "phi" else text)
+            for text, value in zip(formulas, own, strict=True)
+        ]
+        matter += [maxwell(x) for x in potentials]
+        made = FieldEquations((connection,), theory, tuple(matter))
+        made.check_names()
+        made.check_presence()
+        return made
+
+    setting = Setting(kind, coordinates, {}, equations, len(formulas), count)
+    values, assumed = _constants(setting, parameters)
+    setting = replace(setting, constants=values)
+    probe = PowerSeries(n, 4)
+    start = _start(setting, probe, near, formulas)
+    highest = Jet(probe, _moved(start, probe, setting, seed), setting.residuals).order
+    last = n + highest if order is None else checks.count(order, "order", GravityError, highest + 1)
+    series = PowerSeries(n, last)
+    fields = _start(setting, series, near, formulas)
+    if isinstance(near, DegreesOfFreedom):
+        solved, rest = Jet(series, fields, setting.residuals).solved()
+    else:
+        if near is not None:
+            # A symmetric start stays symmetric, on the branch of the frame.
+            fields = Jet(series, fields, setting.residuals).solved()[0].fields
+        moved = _moved(fields, series, setting, seed)
+        solved, rest = Jet(series, moved, setting.residuals).solved()
+    numbers, *gaps = solved.freedom(highest)
+    below = PowerSeries(n, last - 1)
+    cut_off = Jet(below, solved.fields[:, : below.size], setting.residuals)
+    shorter, *others = cut_off.freedom(highest)
+    gauge, place = _fit(numbers, shorter, name, kind.gauge, n, count)
+    branch, scalars_at = _branch(setting, solved)
+    begin = "flat space" if near is None else "the start in near"
+    assumed += [
+        f"a point of one solution, from {begin} with the random change of seed {seed}",
+        "ranks of matrices of doubles",
+    ]
+    return DegreesOfFreedom(
+        str(theory.expression), name, n, last, tuple(numbers), tuple(shorter), gauge, place,
+        (min(gaps[0], others[0]), max(gaps[1], others[1])), rest, branch, scalars_at,
+        dict(values), tuple(assumed), _named(setting, solved.fields),
+    )  # fmt: skip
+
+
+def _geometry(lagrangian: object, name: object) -> str:
+    """The name of the geometry: given, or the one for which the theory is meant."""
+    if name is None and isinstance(lagrangian, Lagrangian):
+        name = OF_THEORY.get(lagrangian.geometry, lagrangian.geometry)
+    if name is None:
+        raise GravityError(
+            "geometry: expected a geometry, got none for a Lagrangian in text. Give one of "
+            f"{', '.join(NAMES)}."
+        )
+    return checks.choice(name, NAMES, "geometry", GravityError)
+
+
+def _checked(near: Frame, n: int) -> tuple[sp.Symbol, ...]:
+    """Coordinates of a frame that can be a start."""
+    if near.dimension != n:
+        raise GravityError(
+            f"near: expected a frame of {n} dimensions, got one of {near.dimension}. Give "
+            f"dimension={near.dimension}, or another frame."
+        )
+    signs = [near.eta[i, j] for i in range(n) for j in range(n)]
+    if signs != [0 if i != j else -1 if i == 0 else 1 for i in range(n) for j in range(n)]:
+        raise GravityError(
+            "near: expected a frame of signature -++..., got another signature. Order the legs "
+            "with the timelike one first."
+        )
+    if near.parameters:
+        raise GravityError(
+            f"near: expected a frame without parameters, got {', '.join(map(str, near.parameters))}"
+            ". Give them values: frame.subs({...})."
+        )
+    return near.coordinates
+
+
+def _constants(
+    setting: Setting, parameters: Mapping[str, object] | None
+) -> tuple[dict[str, float], list[str]]:
+    """Values of the constants of the Lagrangian, and which of them were assumed."""
+    given = checks.by_name(checks.table(parameters, "parameters"), "parameters", GravityError)
+    flat = PowerSeries(setting.dimension, 0)
+    names = setting.theory(flat, _start(setting, flat, None, {}), moving=False).constants
+    for text in given:
+        checks.known_name(text, names, "parameters", GravityError, expected="a constant of L")
+    values, assumed = {}, []
+    for k, text in enumerate(names):
+        if text in given:
+            values[text] = checks.number(given[text], f"parameters: {text}", GravityError)
+        else:
+            values[text] = float(Fraction(3 + 4 * k, 10))
+            assumed.append(f"{text} = {values[text]:g}")
+    return values, assumed
+
+
+def _labels(setting: Setting) -> list[str]:
+    """A name for each field, by which a later start finds it."""
+    labels = [f"e {i} {mu}" for i, mu in setting.kind.coframe]
+    labels += [f"w {a} {i} {j}" for a, i, j in setting.kind.turning]
+    labels += [f"scalar {k}" for k in range(setting.scalars)]
+    labels += [f"A {k} {mu}" for k in range(setting.vectors) for mu in range(setting.dimension)]
+    return labels
+
+
+def _named(setting: Setting, fields: np.ndarray) -> dict[str, np.ndarray]:
+    return dict(zip(_labels(setting), fields, strict=True))
+
+
+def _start(
+    setting: Setting, series: PowerSeries, near: object, formulas: Mapping[str, object]
+) -> np.ndarray:
+    """Coefficients of all fields at the start, without a random change."""
+    fields = np.zeros((setting.size, series.size))
+    for k, (i, mu) in enumerate(setting.kind.coframe):
+        fields[k, 0] = float(i == mu)
+    if isinstance(near, DegreesOfFreedom):
+        for k, label in enumerate(_labels(setting)):
+            row = near.fields.get(label, np.zeros(1))[: series.size]
+            fields[k, : len(row)] = row
+        return fields
+    point: dict[Any, Any] = dict.fromkeys(setting.coordinates, 0.0)
+    if isinstance(near, Frame):
+        point = {x: float(sp.Rational(str(near.sample_point[x]))) for x in near.coordinates}
+    variables = {
+        x.name: series.variable(mu, float(point[x])) for mu, x in enumerate(setting.coordinates)
+    }
+    field = NumericField(setting.coordinates, series, variables)
+    if isinstance(near, Frame) and setting.kind.coframe:
+        n = setting.dimension
+        every = [(i, mu) for i in range(n) for mu in range(n)]
+        rows = field.evaluated([near.coframe.element(*place) for place in every])
+        for place, value in zip(every, rows, strict=True):
+            if place in setting.kind.coframe:
+                fields[setting.kind.coframe.index(place)] = field.as_array(value).value
+            elif value.fraction != 0:
+                raise GravityError(
+                    f"near: expected a coframe with zeros above its diagonal, got "
+                    f"{near.coframe[place]} in row {place[0]}, column {place[1]}. Rotate the legs, "
+                    "or use the geometry teleparallel."
+                )
+    first = len(setting.kind.coframe) + len(setting.kind.turning)
+    names = {x.name: x for x in setting.coordinates}
+
+    def read(text: str) -> sp.Expr:
+        return parse_expression(text, names, where="scalars")
+
+    for k, (text, formula) in enumerate(formulas.items()):
+        if formula is not None:
+            where = f"scalars: {text}"
+            expression = checks.expression(formula, where, GravityError, read=read)
+            fields[first + k] = field.as_array(field.read(expression, where)).value
+    return fields
+
+
+def _moved(fields: np.ndarray, series: PowerSeries, setting: Setting, seed: int) -> np.ndarray:
+    """A start with a random change, smaller for higher orders; matter of size one."""
+    random = np.random.default_rng(checks.count(seed, "seed", GravityError))
+    change = (
+        SPREAD
+        * random.normal(size=(setting.size, 1 + series.size))
+        / 2.0 ** np.append(0, series.degrees)
+    )
+    result = fields + change[:, 1:]
+    first = len(setting.kind.coframe) + len(setting.kind.turning)
+    result[first:, 0] += change[first:, 0] / SPREAD
+    return result
+
+
+def _fit(
+    numbers: Sequence[int],
+    shorter: Sequence[int],
+    geometry: str,
+    gauge: tuple[tuple[int, int], ...],
+    n: int,
+    vectors: int,
+) -> tuple[tuple[tuple[int, int], ...], int | None]:
+    """The gauge symmetry that fits H, and the order from which the fit holds.
+
+    The fit starts at the last order whose numbers are the same with one order less, where a
+    known symmetry has as many functions of n variables.
+    """
+    known = _symmetries(geometry, gauge, n, vectors)
+    top = np.diff(numbers, n)
+    for place in range(len(top) - 1, -1, -1):
+        last = place + n
+        if last > len(shorter) or tuple(numbers[place:last]) != tuple(shorter[place:last]):
+            continue
+        functions = int(top[place])
+        if functions in known:
+            return known[functions], place
+    return gauge, None
+
+
+def _symmetries(
+    geometry: str, gauge: tuple[tuple[int, int], ...], n: int, vectors: int
+) -> dict[int, tuple[tuple[int, int], ...]]:
+    """Number of functions of n variables -> the gauge symmetries that have so many.
+
+    Diffeomorphisms change coframe and metric by first derivatives, rotations of a tetrad change it
+    without a derivative, and a gradient changes a vector field.
+    """
+    further: list[tuple[tuple[int, int], ...]] = [()]
+    if geometry == "teleparallel":
+        further.append(((n * (n - 1) // 2, 0),))
+    if geometry == "symmetric teleparallel":
+        further.append(((n, 1),))
+    table: dict[int, tuple[tuple[int, int], ...]] = {}
+    for extra in further:
+        for k in range(vectors + 1):
+            pairs = (*gauge, *extra, *(((k, 1),) if k else ()))
+            table.setdefault(sum(m for m, _ in pairs), pairs)
+    return table
+
+
+def _branch(setting: Setting, jet: Jet) -> tuple[tuple[str, ...], dict[str, float]]:
+    """Invariants that are constant on a solution, and the values of all."""
+    theory = setting.theory(jet.series, jet.fields, moving=False)
+    constant, values = [], {}
+    for name in theory.invariant_names:
+        element = theory.scalar(name).element()
+        if element.is_constant:
+            values[name] = float(element.value)
+            constant.append(name)
+            continue
+        values[name] = float(element.value[0])
+        gradient = element.value[jet.series.degrees == 1]
+        # Where equations have a double root, half of the digits of a solution are left.
+        if not np.any(np.abs(gradient) > PRINTED):
+            constant.append(name)
+    return tuple(constant), values

@@ -1,0 +1,46 @@
+"""The command `modes`: text, JSON and refusals."""
+
+import json
+
+import pytest
+
+from geomtorsion.cli.exits import ExitCode
+from geomtorsion.gravity import perturbed
+from tests.cli import running
+
+GALILEON = ("modes", "-L", "R/2 - X/2 + c*X*Box(phi)", "-g", "riemannian", "--scalars", "phi")
+
+
+@pytest.mark.parametrize(
+    ("kind", "function"),
+    [
+        ("tensor", perturbed.tensor_modes),
+        ("scalar", perturbed.scalar_modes),
+        ("growth", perturbed.growth),
+    ],
+)
+def test_text_and_json_equal_the_library(kind: str, function) -> None:
+    result = function("R/2 - X/2 + c*X*Box(phi)", "riemannian", scalars="phi")
+    shown = running.run(*GALILEON, "--kind", kind).stdout
+    assert "".join(shown.split()) == "".join(str(result).split())
+    document = json.loads(running.run(*GALILEON, "--kind", kind, "--format", "json").stdout)
+    assert document == result.to_json()
+
+
+def test_speed_of_light() -> None:
+    """Gravitational waves of a cubic galileon have the speed of light; G4(X) changes it."""
+    assert json.loads(running.run(*GALILEON, "--format", "json").stdout)["speed2"] == "1"
+    kinetic = ("modes", "-L", "R/2 + c*Y", "-g", "riemannian", "--scalars", "phi")
+    slow = running.run(*kinetic, "--invariant", "Y = G_ab phi^a phi^b", "--format", "json")
+    assert json.loads(slow.stdout)["speed2"] != "1"
+
+
+def test_refusals_name_the_remedy() -> None:
+    for arguments, words in (
+        (["modes"], "-L 'f(R)' -g riemannian"),
+        (["modes", "-L", "f(R)"], "Give one of riemannian"),
+        (["modes", "-L", "R/2 + sqrt(-X)", "--scalars", "phi", "--kind", "scalar"], "cuscuton"),
+        (["modes", "-L", "R/2 + Box(phi)", "-g", "riemannian"], "matter field"),
+    ):
+        result = running.run(*arguments, code=ExitCode.wrong_input)
+        assert words in result.stderr
