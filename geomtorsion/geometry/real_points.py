@@ -263,15 +263,11 @@ class Table:
             values = function(self.values)
         ends = np.cumsum([len(entries), len(positive), len(nonzero)])
         entry, above, below, held = np.split(values, ends)
-        self.conditions = [
-            *((f"{x} > 0", np.real(row) > 0) for x, row in zip(positive, above, strict=True)),
-            *(
-                (str(relation), _holds(relation, np.real(row)))
-                for relation, row in zip(points.relations, held, strict=True)
-            ),
-        ]
+        pairs = zip(points.relations, held, strict=True)
+        self._radicands = [np.real(row) > 0 for row in above]
+        self._related = [_holds(relation, np.real(row)) for relation, row in pairs]
         inside = np.ones(size, dtype=bool)
-        for _, holds in self.conditions[len(positive) :]:
+        for holds in self._related:
             inside &= holds
         self.inside = inside
         self.allowed = [int(k) for k in np.flatnonzero(inside)]
@@ -319,6 +315,13 @@ class Table:
             for key, some in ranked
         ]
 
+    @property
+    def conditions(self) -> list[tuple[str, Array]]:
+        """Texts of all conditions, and where they hold; they are written for messages only."""
+        positive = (f"{x} > 0" for x in self._points.walls[0])
+        radicands = zip(positive, self._radicands, strict=True)
+        return [*radicands, *zip(map(str, self._points.relations), self._related, strict=True)]
+
     def _opens(self, function: Callable[[Array], Array], numbers: Array, walls: slice) -> Array:
         """Along how many coordinates each candidate reaches far without meeting a wall."""
         opens, columns = np.zeros(self.size), self.values[:, numbers]
@@ -335,22 +338,23 @@ class Table:
 
     def refusal(self) -> str:
         """The conditions that hold nowhere among the candidates, each by itself or in pairs."""
+        conditions = self.conditions
         declared = {str(relation) for relation in self._points.relations}
-        for k, (one, first) in enumerate(self.conditions):
+        for k, (one, first) in enumerate(conditions):
             if not first.any():
                 remedy = "Correct it" if one in declared else f'Declare domain="{one}"'
                 return (
                     f"{one} holds at no point that was tried. {remedy}, with numerical bounds of "
                     "its symbols if it holds only far from the origin."
                 )
-            for two, second in self.conditions[:k]:
+            for two, second in conditions[:k]:
                 if not (first & second).any():
                     return (
                         f"{two} and {one} exclude each other at every point that was tried. "
                         f'Correct one of them, or declare where both hold: domain="{two}, {one}" '
                         "with numerical bounds."
                     )
-        texts = [text for text, _ in self.conditions if text not in declared]
+        texts = [text for text, _ in conditions if text not in declared]
         name = self._points.coordinates[0]
         example = ", ".join(texts) or f"1 < {name}, {name} < 2"
         return (
