@@ -10,13 +10,9 @@ from geomtorsion.errors import GridError
 from geomtorsion.support import checks
 from geomtorsion.support.checks import shown
 
-# A mark of failed nodes is farther from all other values than so many times their spread; no noise
-# reaches this far.
-APART = 100
-# Fewer known values do not show a spread.
-FEWEST = 8
-# Where all other values are equal, a mark is a whole number from here on, such as -999 or 9999.
-LEAST = 99
+# Least distance of a mark from all other values, in units of their spread; no noise reaches so far.
+# Where they are all equal, the least size of a mark, which then is a whole number such as 999.
+APART = 99
 
 
 def checked_missing(missing: object) -> tuple[float, ...]:
@@ -86,11 +82,12 @@ def _marks(row: np.ndarray) -> list[float]:
     for extreme in (known.min, known.max) if len(known) else ():
         mark = float(extreme())
         others = known[known != mark]
-        if len(others) < FEWEST:
+        # Two values have no spread to compare with.
+        if len(others) < 3:
             continue
         low, high = float(others.min()), float(others.max())
         gap = max(low - mark, mark - high)
-        is_number_of_a_mark = mark.is_integer() and abs(mark) >= LEAST
+        is_number_of_a_mark = mark.is_integer() and abs(mark) >= APART
         if gap > APART * (high - low) and (high > low or is_number_of_a_mark):
             found.append(mark)
             known = others

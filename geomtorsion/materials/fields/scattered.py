@@ -178,13 +178,11 @@ class ScatteredFrame:
     ) -> Self:
         """Frame from the displacement in a table or a mesh; see `grid_files.read_scattered`.
 
-        branch, options: as for `from_displacement`. missing: values that mean "no data", as for
-        `SampledFrame.read`.
+        branch, options: as for `from_displacement`. missing: as for `SampledFrame.read`.
         """
         points = read_scattered(checks.file_name(path))
-        values, report = with_holes(
-            points.values, points.values.shape[1:], checked_missing(missing)
-        )
+        marks = checked_missing(missing)
+        values, report = with_holes(points.values, points.values.shape[1:], marks)
         places = np.stack(list(points.places.values()), axis=1)
         options = points.options | options
         if report:
