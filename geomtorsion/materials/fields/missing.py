@@ -34,7 +34,7 @@ def checked_missing(missing: object) -> tuple[float, ...]:
 
 
 def with_holes(
-    values: np.ndarray, grid: Sequence[int], missing: Sequence[float] = ()
+    values: np.ndarray, grid: Sequence[int], missing: object = None
 ) -> tuple[np.ndarray, str]:
     """Values with NaN at missing nodes, and a sentence that reports them, or an empty text.
 
@@ -45,8 +45,8 @@ def with_holes(
     grid
         the shape of the grid, or (n,) for scattered points.
     missing
-        declared marks. Without any, a value that all failed nodes share, and that is much farther
-        from the others than these are from each other, is a mark.
+        declared marks: a number or several. Without any, a value that all failed nodes share, and
+        that is much farther from the others than these are from each other, is a mark.
 
     Examples
     --------
@@ -55,11 +55,12 @@ def with_holes(
     >>> int(np.isnan(holes).sum()), report
     (2, '2 nodes with the value -9999 are treated as missing')
     """
+    declared = checked_missing(missing)
     if values.shape[values.ndim - len(grid) :] != tuple(grid):
         # The frame refuses it in its own words.
         return values, ""
     flat = values.reshape(-1, int(np.prod(grid)))
-    marks = missing or sorted({mark for row in flat for mark in _marks(row)})
+    marks = declared or sorted({mark for row in flat for mark in _marks(row)})
     reports = []
     hidden = np.zeros(flat.shape[1], dtype=bool)
     for mark in marks:

@@ -1,7 +1,7 @@
 """Mass, spin and charge inside a surface: Komar, quasi-local and teleparallel, and horizons.
 
-    python examples/40_how_much_mass_is_inside.py
-    python examples/40_how_much_mass_is_inside.py --picture masses.png
+    python examples/39_how_much_mass_is_inside.py
+    python examples/39_how_much_mass_is_inside.py --picture masses.png
 
 The Burgers vector is the integral of a form around a loop. The mass is the integral of a form over
 a sphere. The definitions agree far outside and differ near a hole.
