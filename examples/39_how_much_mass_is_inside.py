@@ -48,7 +48,8 @@ def main(arguments: list[str] | None = None) -> None:
     r, a = sp.symbols("r a", positive=True)
     names = {x: {"r": r, "a": a}[x.name] for x in total.free_symbols}
     total, heat, turn, entropy = (
-        x.xreplace(names) for x in (total, hole.temperature, hole.angular_velocity, hole.entropy)
+        sp.Add(x).xreplace(names)
+        for x in (total, hole.temperature, hole.angular_velocity, hole.entropy)
     )
     for x in (r, a):
         work = heat * entropy.diff(x) + turn * (total * a).diff(x)
