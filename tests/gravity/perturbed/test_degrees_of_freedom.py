@@ -1,8 +1,8 @@
 """Degrees of freedom: theories whose count is in every textbook, and f(T) in three dimensions."""
 
-from typing import re
+import re
+from typing import Any
 
-import Any
 import numpy as np
 import pytest
 
