@@ -216,7 +216,7 @@ SLIPS = [
     (lambda: POLAR._private, AttributeError, "no attribute '_private'$"),
     (lambda: SO3.metric, AttributeError, r"mean space.frame.metric\?"),
     (lambda: gt.cartan(POLAR).ricci, AttributeError, r"mean connection.curvature.ricci\?"),
-    (lambda: POLAR.metric.simplify, AttributeError, r"mean tensor.to_sympy\(\)\?"),
+    (lambda: POLAR.metric.trace, AttributeError, r"mean sympy.Matrix\(tensor\).trace\(\)\?"),
     (lambda: POLAR.metric.element_, AttributeError, r"Did you mean element\?"),
     (lambda: LOOP.curve, AttributeError, r"Did you mean gt.Loop.parametric\?"),
     (lambda: CURVE.strat, AttributeError, r"Did you mean start\?"),

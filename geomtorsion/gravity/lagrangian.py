@@ -240,6 +240,9 @@ def scalar_of(
     return element
 
 
+_WAVES = r"(?:\b[Bb]ox\s+|\u25a1\s*)"
+
+
 def _parsed(
     text: str,
     vocabulary: Vocabulary,
@@ -250,6 +253,10 @@ def _parsed(
 
     applied: functions that may be written without their arguments.
     """
+    # Many write the operator of waves without brackets.
+    for name in vocabulary.boxes:
+        text = re.sub(rf"{_WAVES}{re.escape(name)}\b", f"Box({name})", text)
+        text = re.sub(rf"\u25a1(?=\s*\(\s*{re.escape(name)}\b)", "Box", text)
     functions: dict[str, sp.Basic] = dict(applied or {})
     symbols = {}
     names, own = vocabulary.names, vocabulary.symbols

@@ -35,7 +35,7 @@ def first_motion(
     >>> first_motion(load("ax_plus_b").frame)
     FirstMotion(start=(0.77, 1.17), frame_velocity=(0.832, 0.555), t=2.0, parameters={})
     >>> [first_motion(load("schwarzschild").frame, {"M": m}).start[1] for m in (1, 6)]
-    [10.0, 13.17]
+    [10.0, 12.56]
     """
     motion = _first_motion(frame)
     if not parameters:

@@ -43,18 +43,18 @@ def check_limits() -> None:
 class Limits:
     """Result of `limits`: a block of `with` in which time and memory are bounded.
 
-    clock: in seconds; wall time, or time of the processor.
+    clock: in seconds; None for wall time.
     """
 
     def __init__(
         self,
         seconds: float | None,
         megabytes: float | None,
-        clock: Callable[[], float] = time.monotonic,
+        clock: Callable[[], float] | None = None,
     ) -> None:
         self.seconds = seconds
         self.megabytes = megabytes
-        self.clock = clock
+        self.clock = clock or time.monotonic
         self._end = self._next = float("inf")
         self._before = 0
 

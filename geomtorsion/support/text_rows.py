@@ -209,8 +209,7 @@ _FORTRAN = re.compile(r"(?<![^\s,;])([+-]?(?:\d+\.?\d*|\.\d+))[dD]([+-]?\d{1,3})
 
 def _plain_rows(rows: Sequence[str]) -> list[str]:
     """Rows with nan for words that mean a missing value, and with plain exponents."""
-    text = _FORTRAN.sub(r"\1e\2", _MISSING.sub("nan", "\n".join(rows)))
-    return text.split("\n") if rows else []
+    return [_FORTRAN.sub(r"\1e\2", _MISSING.sub("nan", row)) for row in rows]
 
 
 def _filled(rows: Sequence[str], width: int, split: str) -> list[str]:

@@ -180,7 +180,8 @@ def test_ways_to_write_the_operator() -> None:
     own = g.invariant("Y", "phi_a^a")
     E = g.equations(metric, "phi*Box", field).E
     symbol = g.names["phi"] * g.names["Box"]
-    for lagrangian in ("phi*Box(phi)", "phi*box(u(r))", symbol, u * sp.Function("Box")(u)):
+    texts = ("phi*Box(phi)", "phi*box(u(r))", "phi*Box phi", "phi \u25a1phi", "phi*\u25a1(phi)")
+    for lagrangian in (*texts, symbol, u * sp.Function("Box")(u)):
         assert g.equations(metric, lagrangian, field).E == E
     assert g.equations(metric, "phi*Y", field, invariants=own).E == E
     named = g.equations(metric, "chi*Box(chi)", g.scalar_field("u(r)", name="chi"))

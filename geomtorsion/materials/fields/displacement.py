@@ -19,8 +19,6 @@ from geomtorsion.support.precision import EPS
 NEIGHBOURS = 5
 # Standard error of the median of normal numbers, in units of the standard error of their mean.
 OF_MEDIAN = float(np.sqrt(np.pi / 2))
-# Roundings in the difference of two values, and in the median of such differences.
-ROUNDINGS = 8
 # Value of `branch` that requests a search for jumps.
 FIND = "find"
 
@@ -107,7 +105,8 @@ def displacement_of(
     bent = [step - _medians(step, 1 + k) for k, step in enumerate(steps)]
     if branch is None or (isinstance(branch, str) and branch == FIND):
         # Differences of equal values are no larger than the rounding of these values.
-        least = ROUNDINGS * EPS * float(np.abs(np.nan_to_num(values)).max())
+        # A difference and its median have two roundings each.
+        least = 4 * EPS * float(np.abs(np.nan_to_num(values)).max())
         jumps = _found(steps, bent, grid, least)
         inverse = jumps.vectors / (jumps.vectors**2).sum(axis=1, keepdims=True)
         times = [_nearest(rest, jumps.vectors) for rest in bent]

@@ -10,13 +10,9 @@ from geomtorsion.errors import GridError
 from geomtorsion.support import checks
 from geomtorsion.support.checks import shown
 
-# A mark of failed nodes is farther from all other values than so many times their spread; no noise
-# reaches this far.
-APART = 100
-# Fewer known values do not show a spread.
-FEWEST = 8
-# Where all other values are equal, a mark is a whole number from here on, such as -999 or 9999.
-LEAST = 99
+# Least distance of a mark from all other values, in units of their spread; no noise reaches so far.
+# Where they are all equal, the least size of a mark, which then is a whole number such as 999.
+APART = 99
 
 
 def checked_missing(missing: object) -> tuple[float, ...]:
@@ -38,7 +34,7 @@ def checked_missing(missing: object) -> tuple[float, ...]:
 
 
 def with_holes(
-    values: np.ndarray, grid: Sequence[int], missing: Sequence[float] = ()
+    values: np.ndarray, grid: Sequence[int], missing: object = None
 ) -> tuple[np.ndarray, str]:
     """Values with NaN at missing nodes, and a sentence that reports them, or an empty text.
 
@@ -49,8 +45,8 @@ def with_holes(
     grid
         the shape of the grid, or (n,) for scattered points.
     missing
-        declared marks. Without any, a value that all failed nodes share, and that is much farther
-        from the others than these are from each other, is a mark.
+        declared marks: a number or several. Without any, a value that all failed nodes share, and
+        that is much farther from the others than these are from each other, is a mark.
 
     Examples
     --------
@@ -59,11 +55,12 @@ def with_holes(
     >>> int(np.isnan(holes).sum()), report
     (2, '2 nodes with the value -9999 are treated as missing')
     """
+    declared = checked_missing(missing)
     if values.shape[values.ndim - len(grid) :] != tuple(grid):
         # The frame refuses it in its own words.
         return values, ""
     flat = values.reshape(-1, int(np.prod(grid)))
-    marks = missing or sorted({mark for row in flat for mark in _marks(row)})
+    marks = declared or sorted({mark for row in flat for mark in _marks(row)})
     reports = []
     hidden = np.zeros(flat.shape[1], dtype=bool)
     for mark in marks:
@@ -86,11 +83,12 @@ def _marks(row: np.ndarray) -> list[float]:
     for extreme in (known.min, known.max) if len(known) else ():
         mark = float(extreme())
         others = known[known != mark]
-        if len(others) < FEWEST:
+        # Two values have no spread to compare with.
+        if len(others) < 3:
             continue
         low, high = float(others.min()), float(others.max())
         gap = max(low - mark, mark - high)
-        is_number_of_a_mark = mark.is_integer() and abs(mark) >= LEAST
+        is_number_of_a_mark = mark.is_integer() and abs(mark) >= APART
         if gap > APART * (high - low) and (high > low or is_number_of_a_mark):
             found.append(mark)
             known = others

@@ -31,7 +31,7 @@ from geomtorsion.materials.fields.grid import (
 )
 from geomtorsion.materials.fields.grid_files import holds_covariance, read_grid, save_grid
 from geomtorsion.materials.fields.holes import Hole, holes_of
-from geomtorsion.materials.fields.missing import checked_missing, with_holes
+from geomtorsion.materials.fields.missing import with_holes
 from geomtorsion.materials.fields.noise import Noise, estimated, noise_of, sigma_of
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
@@ -284,10 +284,9 @@ class Samples:
             The order is invalid.
         """
         check_order(order)
-        marks = checked_missing(missing)
         contents = read_grid(checks.file_name(path))
         grid = tuple(len(axis) for axis in contents.axes)
-        values, report = with_holes(contents.values, grid, marks)
+        values, report = with_holes(contents.values, grid, missing)
         make: Any = cls.from_distortion if contents.is_distortion else cls
         if contents.is_displacement:
             make = cls.from_displacement

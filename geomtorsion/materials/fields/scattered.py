@@ -19,7 +19,7 @@ from geomtorsion.materials.fields.circuits import unexplained
 from geomtorsion.materials.fields.displacement import lattice_vectors
 from geomtorsion.materials.fields.grid import numbers, two_axes
 from geomtorsion.materials.fields.grid_files import read_scattered
-from geomtorsion.materials.fields.missing import checked_missing, with_holes
+from geomtorsion.materials.fields.missing import with_holes
 from geomtorsion.materials.fields.noise import EdgeNoise, JumpNoise, NodeNoise, chances_of, noise_of
 from geomtorsion.materials.fields.samples import strain_and_rotation
 from geomtorsion.materials.fields.scattered_values import (
@@ -178,18 +178,12 @@ class ScatteredFrame:
     ) -> Self:
         """Frame from the displacement in a table or a mesh; see `grid_files.read_scattered`.
 
-        branch, options: as for `from_displacement`. missing: values that mean "no data", as for
-        `SampledFrame.read`.
-        """
+        branch, options: as for `from_displacement`. missing: as for `SampledFrame.read`."""
         points = read_scattered(checks.file_name(path))
-        values, report = with_holes(
-            points.values, points.values.shape[1:], checked_missing(missing)
-        )
-        places = np.stack(list(points.places.values()), axis=1)
-        options = points.options | options
-        if report:
-            options["source"] = "; ".join(filter(None, (options.get("source", ""), report)))
-        return cls.from_displacement(places, values, branch=branch, **options)
+        values, report = with_holes(points.values, points.values.shape[1:], missing)
+        places = np.column_stack([*points.places.values()])
+        texts = {"source": report, **points.options}
+        return cls.from_displacement(places, values, branch=branch, **texts | options)
 
     @classmethod
     def from_displacement(

@@ -1,5 +1,6 @@
 """Degrees of freedom: theories whose count is in every textbook, and f(T) in three dimensions."""
 
+import re
 from typing import Any
 
 import numpy as np
@@ -93,7 +94,7 @@ def test_a_start_in_flat_space_falls_on_another_branch():
     assert not answer.settled
     assert answer.number is None
     assert answer.branch == ("T",)
-    assert "gradient of T vanishes" in answer.reason
+    assert re.search("gradient of T vanishes|ranks are not sure", answer.reason)
 
 
 def test_equal_calls_give_equal_bits():

@@ -1,7 +1,7 @@
 """Mass, spin and charge inside a surface: Komar, quasi-local and teleparallel, and horizons.
 
-    python examples/40_how_much_mass_is_inside.py
-    python examples/40_how_much_mass_is_inside.py --picture masses.png
+    python examples/39_how_much_mass_is_inside.py
+    python examples/39_how_much_mass_is_inside.py --picture masses.png
 
 The Burgers vector is the integral of a form around a loop. The mass is the integral of a form over
 a sphere. The definitions agree far outside and differ near a hole.
@@ -48,7 +48,8 @@ def main(arguments: list[str] | None = None) -> None:
     r, a = sp.symbols("r a", positive=True)
     names = {x: {"r": r, "a": a}[x.name] for x in total.free_symbols}
     total, heat, turn, entropy = (
-        x.xreplace(names) for x in (total, hole.temperature, hole.angular_velocity, hole.entropy)
+        sp.Add(x).xreplace(names)
+        for x in (total, hole.temperature, hole.angular_velocity, hole.entropy)
     )
     for x in (r, a):
         work = heat * entropy.diff(x) + turn * (total * a).diff(x)

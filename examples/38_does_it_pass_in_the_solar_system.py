@@ -1,7 +1,7 @@
 """Does a theory pass in the solar system: gamma and beta from the Lagrangian, and measurements.
 
-    python examples/39_does_it_pass_in_the_solar_system.py
-    python examples/39_does_it_pass_in_the_solar_system.py --picture gamma.png
+    python examples/38_does_it_pass_in_the_solar_system.py
+    python examples/38_does_it_pass_in_the_solar_system.py --picture gamma.png
 
 Cassini measured the delay of signals that pass the Sun, laser ranging the fall of the Moon. Both
 agree with general relativity to some parts in 10^5. The theory of Brans and Dicke passes only for a
