@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from geomtorsion.cli.exits import ExitCode
-from geomtorsion.cli.options import NO_PICTURES
+from geomtorsion.cli.options import NO_PICTURES, Form
 from geomtorsion.cli.terminal import working, wrapped
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.loops import Loop
@@ -55,6 +55,14 @@ def burgers_of(
         except KeyboardInterrupt:
             return results, vectors, False
     return results, vectors, True
+
+
+def show_result(document: object, text: str, form: Form) -> None:
+    """Print a result as JSON or in words."""
+    if form is Form.json:
+        typer.echo(json.dumps(document, indent=2))
+    else:
+        typer.echo("\n".join(wrapped(line) for line in text.splitlines()))
 
 
 def write_result(

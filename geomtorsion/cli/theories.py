@@ -100,6 +100,12 @@ def model_of(source: str) -> Model | None:
     return gravity.read_model(path) if "theory" in read_toml(path).data else None
 
 
+def invariants_of(texts: Sequence[str] | None) -> list[gravity.Invariant]:
+    """Invariants with indices, as typed: NAME=FORMULA."""
+    named = [assigned(one, "--invariant", "Y = R_abcd R^abdc") for one in texts or ()]
+    return [gravity.invariant(name, formula) for name, formula in named]
+
+
 def theory_of(lagrangian: str) -> Lagrangian | str:
     """A named theory, the theory in a file, or the formula itself."""
     if lagrangian.endswith(".toml"):
@@ -121,7 +127,6 @@ def field_equations(
     riemannian = isinstance(theory, Lagrangian) and theory.geometry == "riemannian"
     chosen = connections or [Over.levi_civita if riemannian else Over.own]
     own = [connection_of(space, one) for one in chosen]
-    named = [assigned(one, "--invariant", "Y = R_abcd R^abdc") for one in invariants or ()]
     fields = [assigned(one, "--scalar", "phi = u(t)") for one in scalars or ()]
     matter = [
         *(scalar_field(value, None if name == "phi" else name) for name, value in fields),
@@ -132,7 +137,7 @@ def field_equations(
         theory,
         matter,
         constants=constants,
-        invariants=[gravity.invariant(name, formula) for name, formula in named],
+        invariants=invariants_of(invariants),
     )
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from functools import partial
 from pathlib import Path
 from typing import Annotated
@@ -11,9 +10,9 @@ import typer
 
 from geomtorsion import gravity
 from geomtorsion.cli.options import Form, SpaceOrFile, directory, option
-from geomtorsion.cli.results import write_result
+from geomtorsion.cli.results import show_result, write_result
 from geomtorsion.cli.sources import open_space
-from geomtorsion.cli.terminal import working, wrapped
+from geomtorsion.cli.terminal import working
 from geomtorsion.cli.theories import LagrangianOption, theory_of
 from geomtorsion.cli.values import assigned, separated
 from geomtorsion.errors import ArgumentError
@@ -107,9 +106,5 @@ def charge(
             document, text = found.to_json(), str(found)
             if found.is_exact and found.symbols <= {found.radius.name}:
                 drawn = partial(draw_charge, found)
-    if form is Form.json:
-        typer.echo(json.dumps(document, indent=2))
-    else:
-        for line in text.splitlines():
-            typer.echo(wrapped(line))
+    show_result(document, text, form)
     write_result(output, "charge", document, drawn)

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import json
 from typing import Annotated
 
 import typer
 
-from geomtorsion import gravity
 from geomtorsion.cli.options import Form, option
-from geomtorsion.cli.terminal import working, wrapped
+from geomtorsion.cli.results import show_result
+from geomtorsion.cli.terminal import working
 from geomtorsion.cli.theories import (
     ConstantsOption,
     InvariantOption,
     LagrangianOption,
+    invariants_of,
     theory_of,
 )
 from geomtorsion.cli.values import assigned
@@ -70,7 +70,6 @@ def count(
         raise ArgumentError(
             "count: expected a Lagrangian, got none. Give -L 'T + c*T**2' -c cartan."
         )
-    named = [assigned(one, "--invariant", "Y = R_abcd R^abdc") for one in invariant or ()]
     given = dict(assigned(one, "--set", "c=1") for one in values or ())
     with working(lagrangian):
         answer = perturbed.degrees_of_freedom(
@@ -81,12 +80,8 @@ def count(
             vectors=vectors,
             parameters=given,
             constants=constants,
-            invariants=[gravity.invariant(name, formula) for name, formula in named],
+            invariants=invariants_of(invariant),
             order=order,
             seed=seed,
         )
-    if form is Form.json:
-        typer.echo(json.dumps(answer.to_json(), indent=2))
-    else:
-        for line in str(answer).splitlines():
-            typer.echo(wrapped(line))
+    show_result(answer.to_json(), str(answer), form)

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-import json
 from enum import StrEnum
 from typing import Annotated
 
 import typer
 
-from geomtorsion import gravity
 from geomtorsion.cli.options import Form, option
-from geomtorsion.cli.terminal import working, wrapped
-from geomtorsion.cli.theories import ConstantsOption, InvariantOption, LagrangianOption, theory_of
-from geomtorsion.cli.values import assigned
+from geomtorsion.cli.results import show_result
+from geomtorsion.cli.terminal import working
+from geomtorsion.cli.theories import (
+    ConstantsOption,
+    InvariantOption,
+    LagrangianOption,
+    invariants_of,
+    theory_of,
+)
 from geomtorsion.errors import ArgumentError
 from geomtorsion.gravity import perturbed
 
@@ -74,18 +78,13 @@ def modes(
     """
     if lagrangian is None:
         raise ArgumentError("modes: expected a Lagrangian, got none. Give -L 'f(R)' -g riemannian.")
-    named = [assigned(one, "--invariant", "Y = R_abcd R^abdc") for one in invariant or ()]
     with working(lagrangian):
         result = OF_KIND[kind](
             theory_of(lagrangian),
             geometry,
             scalars=scalars,
             constants=constants,
-            invariants=[gravity.invariant(name, formula) for name, formula in named],
+            invariants=invariants_of(invariant),
         )
-        document, lines = result.to_json(), str(result).splitlines()
-    if form is Form.json:
-        typer.echo(json.dumps(document, indent=2))
-    else:
-        for line in lines:
-            typer.echo(wrapped(line))
+        document, text = result.to_json(), str(result)
+    show_result(document, text, form)

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from geomtorsion import gravity
 from geomtorsion.cli.options import Form, directory, option
-from geomtorsion.cli.results import write_result
-from geomtorsion.cli.terminal import working, wrapped
+from geomtorsion.cli.results import show_result, write_result
+from geomtorsion.cli.terminal import working
 from geomtorsion.cli.theories import (
     ConstantsOption,
     InvariantOption,
     LagrangianOption,
+    invariants_of,
     theory_of,
 )
 from geomtorsion.cli.values import assigned
@@ -74,7 +73,6 @@ def post_newtonian(
             "post-newtonian: expected a Lagrangian, got none. Give -L 'T + c*vector2' -g "
             "teleparallel."
         )
-    named = [assigned(one, "--invariant", "Y = R_abcd R^abdc") for one in invariant or ()]
     given = dict(assigned(one, "--set", "c=1") for one in values or ())
     with working(lagrangian):
         weak = perturbed.post_newtonian(
@@ -83,13 +81,8 @@ def post_newtonian(
             scalars=scalars,
             far=dict(assigned(one, "--far", "phi=1") for one in far or ()),
             constants=constants,
-            invariants=[gravity.invariant(name, formula) for name, formula in named],
+            invariants=invariants_of(invariant),
         ).subs(given)
-        lines = str(weak).splitlines()
     document = weak.to_json()
-    if form is Form.json:
-        typer.echo(json.dumps(document, indent=2))
-    else:
-        for line in lines:
-            typer.echo(wrapped(line))
+    show_result(document, str(weak), form)
     write_result(output, "post_newtonian", document, lambda: draw_post_newtonian(weak))

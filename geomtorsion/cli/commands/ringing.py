@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from geomtorsion.cli.options import Form, SpaceOrFile, directory, option
-from geomtorsion.cli.results import write_result
+from geomtorsion.cli.results import show_result, write_result
 from geomtorsion.cli.sources import open_space
-from geomtorsion.cli.terminal import working, wrapped
+from geomtorsion.cli.terminal import working
 from geomtorsion.cli.theories import LagrangianOption, theory_of
 from geomtorsion.cli.values import assigned, separated
 from geomtorsion.gravity import maxwell, perturbed
@@ -76,9 +75,5 @@ def ringing(
             matter=None if potential is None else maxwell(separated(potential)),
         )
     document = rings.to_json()
-    if form is Form.json:
-        typer.echo(json.dumps(document, indent=2))
-    else:
-        for line in str(rings).splitlines():
-            typer.echo(wrapped(line))
+    show_result(document, str(rings), form)
     write_result(output, "ringing", document, lambda: draw_ringing(rings))

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from geomtorsion import gravity
 from geomtorsion.cli.options import Form, directory, option
-from geomtorsion.cli.results import write_result
-from geomtorsion.cli.terminal import working, wrapped
+from geomtorsion.cli.results import show_result, write_result
+from geomtorsion.cli.terminal import working
 from geomtorsion.cli.theories import (
     ConstantsOption,
     InvariantOption,
     LagrangianOption,
+    invariants_of,
     theory_of,
 )
 from geomtorsion.cli.values import assigned
@@ -69,7 +68,6 @@ def spectrum(
         raise ArgumentError(
             "spectrum: expected a Lagrangian, got none. Give -L 'R/2 + c*R**2' -g riemannian."
         )
-    named = [assigned(one, "--invariant", "Y = R_abcd R^abdc") for one in invariant or ()]
     given = dict(assigned(one, "--set", "c=1") for one in values or ())
     with working(lagrangian):
         result = perturbed.spectrum(
@@ -78,15 +76,10 @@ def spectrum(
             scalars=scalars,
             vectors=vectors,
             constants=constants,
-            invariants=[gravity.invariant(name, formula) for name, formula in named],
+            invariants=invariants_of(invariant),
         )
         if given:
             result = result.subs(given)
-        lines = str(result).splitlines()
     document = result.to_json()
-    if form is Form.json:
-        typer.echo(json.dumps(document, indent=2))
-    else:
-        for line in lines:
-            typer.echo(wrapped(line))
+    show_result(document, str(result), form)
     write_result(output, "spectrum", document, lambda: draw_particles(result))

@@ -49,6 +49,11 @@ class Jet:
         return max((int(degrees[np.flatnonzero(x > least)[-1]]) for x in sizes if x.max() > least),
                    default=0)  # fmt: skip
 
+    @property
+    def is_empty(self) -> bool:
+        """Whether no equation depends on any field."""
+        return not any(one.slope is not None and one.slope.any() for one in self._values)
+
     def _rows(self, order: int) -> np.ndarray:
         """Places of the coefficients of an equation that truncation leaves right."""
         return np.flatnonzero(self.series.degrees <= self.series.order - order)

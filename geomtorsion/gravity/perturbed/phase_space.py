@@ -221,7 +221,8 @@ def degrees_of_freedom(
     Raises
     ------
     GravityError
-        The Lagrangian does not fit the geometry, or near has another dimension or signature.
+        The Lagrangian does not fit the geometry, its equations do not contain the fields, or near
+        has another dimension or signature.
 
     Examples
     --------
@@ -263,11 +264,23 @@ def degrees_of_freedom(
         return made
 
     setting = Setting(kind, coordinates, {}, equations, len(formulas), count)
+    if not setting.size:
+        raise GravityError(
+            f"geometry: expected a matter field for {name}, got none. Give scalars= or vectors=."
+        )
     values, assumed = _constants(setting, parameters)
     setting = replace(setting, constants=values)
     probe = PowerSeries(n, 4)
     start = _start(setting, probe, near, formulas)
-    highest = Jet(probe, _moved(start, probe, setting, seed), setting.residuals).order
+    first = Jet(probe, _moved(start, probe, setting, seed), setting.residuals)
+    if first.is_empty:
+        kept = np.abs(first.residual(0)).max(initial=0) > HALF
+        came = "a number that is not zero" if kept else "zero for every field"
+        raise GravityError(
+            f"lagrangian: expected field equations, got {came} from L = {theory.expression} in {n} "
+            "dimensions. Give a Lagrangian whose variation contains the fields."
+        )
+    highest = first.order
     last = n + highest if order is None else checks.count(order, "order", GravityError, highest + 1)
     series = PowerSeries(n, last)
     fields = _start(setting, series, near, formulas)

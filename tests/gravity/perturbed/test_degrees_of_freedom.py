@@ -150,3 +150,18 @@ def test_refusals(call: Any, words: str):
     """The message of each wrong call names the expected value."""
     with pytest.raises(GeomtorsionError, match=words):
         call()
+
+
+@pytest.mark.parametrize(
+    ("lagrangian", "geometry", "dimension", "words"),
+    [
+        ("0", "flat", 2, "expected a matter field"),
+        ("0", "riemannian", 3, "zero for every field"),
+        ("R", "riemannian", 2, "zero for every field"),
+        ("1", "riemannian", 3, "a number that is not zero"),
+    ],
+)
+def test_no_equations(lagrangian, geometry, dimension, words):
+    """Nothing, a topological term and a bare constant are refused in words."""
+    with pytest.raises(GeomtorsionError, match=words):
+        count(lagrangian, geometry, dimension=dimension)
