@@ -252,14 +252,20 @@ def _scalar(theory: Theory, hole: Hole, l: int) -> Radial:  # noqa: E741
     small = scalar_field(SMALL * u * sp.legendre(l, sp.cos(THETA)))
     system = theory.equations(frame, [small])
     row = _radial(theory, system.matter_equations["phi"].element(), [u])
-    # Far away waves move as exp(i w r); with a mass they do not.
-    far = sp.limit(row[0].get((0, 0), sp.S.Zero) / row[0].get((0, 2), sp.S.One), R, sp.oo)
-    if hole.outer == sp.oo and far != 0:
-        raise GravityError(
-            f"ringing: expected a massless field in space that is flat far away, got m^2 = {-far}. "
-            "Omit the mass, or choose a hole in de Sitter space."
-        )
-    return Radial(hole, [row], [1 / R])
+    return Radial(hole, [row], [1 / R], _mass2(hole, row[0]))
+
+
+def _mass2(hole: Hole, wave: Mapping[tuple[int, int], sp.Expr]) -> sp.Expr:
+    """m^2 of a field far away, from the coefficients of its equation."""
+    if hole.outer != sp.oo:
+        return sp.S.Zero
+    mass2 = -sp.limit(wave.get((0, 0), sp.S.Zero) / wave.get((0, 2), sp.S.One), R, sp.oo)
+    if mass2.is_finite and mass2 >= 0:
+        return mass2
+    raise GravityError(
+        f"ringing: expected a field with m^2 >= 0 far away, got m^2 = {mass2}. Such a field grows "
+        "by itself, and the hole is unstable; change the signs of its terms."
+    )
 
 
 def _maxwell(theory: Theory, hole: Hole, l: int) -> Radial:  # noqa: E741
