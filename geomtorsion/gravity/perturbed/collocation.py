@@ -35,6 +35,7 @@ ROUGH = (30, 38)
 FIRST, STEP, LAST = 44, 12, 128
 # Frequencies that are looked for, in units of 1/r_h: oscillations, and damping.
 SLOWEST, LEAST, MOST = 0.02, 0.004, 4.0
+HEAVY = " A wave of a field with a large mass may have no such frequency."
 # Relative distance in which two rough grids share a frequency.
 SHARED = 1e-2
 # Relative distance from a rough frequency that the iteration may go, and the steps it may take.
@@ -43,15 +44,17 @@ NEAR, STEPS = 0.1, 30
 
 @dataclass(frozen=True)
 class Hole:
-    """The outside of a static hole with g_tt = -f.
+    """The outside of a static hole, -f dt^2 + (stretch^2/f) dr^2 + area_radius^2 dOmega^2.
 
-    f: a function of r without other symbols. inner, outer: its horizons; outer is oo where space
-    is flat far away.
+    f, stretch, area_radius: functions of r without other symbols. inner, outer: horizons; outer
+    is oo where space is flat far away.
     """
 
     f: sp.Expr
     inner: sp.Expr
     outer: sp.Expr
+    stretch: sp.Expr = sp.S.One
+    area_radius: sp.Expr = R
 
     @cached_property
     def place(self) -> sp.Expr:
@@ -64,14 +67,14 @@ class Hole:
 
     def leaving(self, mass2: sp.Expr) -> Series:
         """F'/(i F) of the factor F that leaves on both sides, in powers of w and k."""
-        x, f = self.place, self.f
+        x, f = self.place, self.f / self.stretch
         if self.outer != sp.oo:
             return {(1, 0): (2 * x - 1) / f}
         near = (1 - x) ** 2
         if mass2 == 0:
             return {(1, 0): (1 - 2 * near) / f}
         # f F'/(i F) = k + m^2 M/(k r) + ... far away, f = 1 - 2 M/r + ...
-        pull = mass2 * sp.limit(R * (1 - f), R, sp.oo) / 2
+        pull = mass2 * sp.limit(R * (1 - self.f), R, sp.oo) / 2
         far = (1 - near) / f
         return {(1, 0): -near / f, (0, 1): far, (0, -1): far * pull / R}
 
