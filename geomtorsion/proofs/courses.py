@@ -68,7 +68,7 @@ class Course(Protocol):
         ...
 
     def shown(self, label: str, box: Sequence[arb]) -> list[arb]:
-        """States, or their derivatives, as users count them, from those of the equations."""
+        """States or derivatives in the units of users, from the states of the equations."""
         ...
 
 

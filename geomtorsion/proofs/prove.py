@@ -117,7 +117,7 @@ class Proof:
         Raises
         ------
         TimeError
-            The result is no solution, or this is none of its times.
+            The time is not one of the times of a solution.
         """
         times = self.result.times.tolist() if isinstance(self.result, Solution) else []
         if time not in times:

@@ -38,9 +38,6 @@ SMALLER = 30
 SHRINK, MOST_TRIES = 0.87, 100
 # The derivative V is known to about so many bits, by a series of no higher order than this.
 VARIATION_BITS, HIGHEST_VARIATION = 16, 24
-# Series of derivatives are at most so many times as long as those of the motion. They are bounded on
-# a disk of a radius between those of the step and of the disk: without growth, two would do.
-HIGHEST_COLUMN = 4
 # A tube is widened to its own image so many times at most.
 MOST_TUBES = 3
 # Terms of the series are no larger than the states times 2 to this power: larger ones would cancel.
@@ -312,7 +309,8 @@ class Stepper:
             if needed > HIGHEST_VARIATION:
                 continue
             column_order = self._column_order(growth, math.log2(outer / h))
-            if column_order > HIGHEST_COLUMN * order:
+            # Bounded on a disk of a radius halfway, twice the order would do without growth.
+            if column_order > 2 * order + HIGHEST_VARIATION:
                 continue
             local = grown(bound, time, disk.remainder(time, order))
             reach, _ = self.reach(time)
@@ -380,7 +378,7 @@ class Stepper:
         largest = max(log2(upper(growth[i, j])) for i in range(self.system.size)
                       for j in range(self.system.size))  # fmt: skip
         needed = max(bits, self.method.variation_bits) + max(largest, 0.0)
-        return math.ceil(needed / gain) if gain > 0 else HIGHEST_COLUMN * self.method.order + 1
+        return math.ceil(needed / max(gain, 1 / self._bits))
 
 
 def growth_of(bound: arb_mat, time: arb) -> arb_mat:
