@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, ClassVar
 
 import mpmath
@@ -20,6 +21,7 @@ from geomtorsion.gravity.perturbed.geometries import theory_in
 from geomtorsion.gravity.perturbed.hole_waves import SYSTEMS, Theory
 from geomtorsion.gravity.perturbed.static_holes import chart_of, fields_of
 from geomtorsion.support import checks
+from geomtorsion.support.csv_table import write_csv
 from geomtorsion.support.displays import Plot, drawn_by, figure_by
 
 PARITIES = ("axial", "polar", "both")
@@ -59,6 +61,20 @@ class Mode:
         names = {"l": self.l, "parity": self.parity, "field": self.field}
         return {**names, "real": real, "imag": imag, "error": self.error}
 
+    def _repr_latex_(self) -> str:
+        """The frequency, for notebooks."""
+        return f"${self._latex}$"
+
+    @property
+    def _latex(self) -> str:
+        real, imag = (mpmath.nstr(abs(x), self._digits) for x in (self.omega.real, self.omega.imag))
+        mantissa, exponent = f"{self.error:.0e}".split("e")
+        kind = ", ".join(x for x in (self.field, self.parity, f"l = {self.l}") if x)
+        return (
+            rf"\omega = {real} - {imag}\, i \pm {mantissa} \times 10^{{{int(exponent)}}} "
+            rf"\quad (\text{{{kind}}})"
+        )
+
     def __str__(self) -> str:
         digits = self._digits
         kind = f"{self.field} field, " * (self.field != "gravity")
@@ -89,6 +105,19 @@ class Ringing:
             "f": str(self.f),
             "modes": [one.to_json() for one in self.modes],
         }
+
+    def to_csv(self, path: str | Path) -> None:
+        """Write the modes as a table of doubles; `to_json` has all digits."""
+        rows = [one.to_json() for one in self.modes]
+        table = {name: [row[name] for row in rows] for name in ("l", "parity", "field", "error")}
+        for name in ("real", "imag"):
+            table[name] = [float(row[name]) for row in rows]
+        write_csv(checks.file_name(path), table)
+
+    def _repr_latex_(self) -> str:
+        """The frequencies, for notebooks."""
+        lines = r" \\ ".join(one._latex for one in self.modes)
+        return rf"$$\begin{{gathered}} {lines} \end{{gathered}}$$"
 
     def __str__(self) -> str:
         head = f"ringing of f = {self.f} in {self.lagrangian!r}"
@@ -122,14 +151,17 @@ def ringing(
     lagrangian
         As in `gravity.equations`, with the values of its constants. A Lagrangian of only a
         scalar field, "-X/2", or only a Maxwell field, "-F2/4", is a test field on the frame.
+        f(R) has a scalar with the mass m^2 = f'/(3 f'') - R/3 of its own [Whitt 1984].
     frame
-        A frame or space with the metric -f dt^2 + dr^2/f + r^2 dOmega^2.
+        A frame or space with the metric -f dt^2 + dr^2/f + r^2 dOmega^2, also with another time,
+        another rational radius or Cartesian coordinates. Test fields take another g_rr.
     l
-        Number of the spherical harmonic.
+        Number of the spherical harmonic: from 2 for waves of the tetrad, 1 for light, 0 for
+        scalars.
     parity
         "axial", "polar" or "both".
     modes
-        How many for each parity, those damped least.
+        How many for each field and parity, those damped least.
     digits
         Digits of each frequency.
     parameters
@@ -137,14 +169,15 @@ def ringing(
     geometry
         "riemannian" or "teleparallel".
     matter
-        The Maxwell field of a charged hole, `maxwell(["Q/r", 0, 0, 0])`. Gravitational and
-        electromagnetic waves are then coupled, and both ring.
+        Fields of the hole: electric or magnetic, `maxwell(["Q/r", 0, 0, 0])` or
+        `maxwell([0, 0, 0, "-P*cos(theta)"])`, whose waves are coupled with those of the tetrad,
+        and a constant scalar field, `scalar_field(1)`.
 
     Raises
     ------
     GravityError
-        The frame is of another form or not a solution, or the waves need more than two
-        derivatives.
+        The frame is of another form or not a solution, the waves need more than two derivatives,
+        or a scalar does not decouple.
     AccuracyError
         The digits are not reached.
 
