@@ -146,7 +146,7 @@ def _sum(tensor: Tensor, i: int, j: int) -> Element:
 def _axial(theory: Theory, hole: Hole, l: int) -> Radial:  # noqa: E741
     """Waves that drag the sphere around: two fields in the last leg, and light.
 
-    Light is A_phi, or A_t and A_r on a magnetic hole. The first field alone remains for l = 1.
+    Light is A_phi, or A_t and A_r on a magnetic hole. For l = 1 only the first field remains.
     """
     f, (h0, h1, a, a0, a1) = hole.f, _functions("H0", "H1", "a", "a0", "a1")
     shape = sp.legendre(l, sp.cos(THETA))
@@ -237,7 +237,7 @@ def _decoupled(theory: Theory, hole: Hole, l: int) -> Radial:  # noqa: E741
     """The scalar of a theory of gravity, where it is constant on the hole.
 
     The wave (1 + epsilon k) g with phi + epsilon u, k = alpha u, solves all E_ij exactly. The
-    action of the first order is symmetric, so that every other wave is one of the tetrad alone.
+    action of the first order is symmetric, so that all other waves leave the scalar unchanged.
     """
     k, u = fields = _functions("k", "u")
     shape = sp.legendre(l, sp.cos(THETA))

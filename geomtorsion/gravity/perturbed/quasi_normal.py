@@ -170,8 +170,8 @@ def ringing(
         "riemannian" or "teleparallel".
     matter
         Fields of the hole: electric or magnetic, `maxwell(["Q/r", 0, 0, 0])` or
-        `maxwell([0, 0, 0, "-P*cos(theta)"])`, whose waves are coupled with those of the tetrad,
-        and a constant scalar field, `scalar_field(1)`.
+        `maxwell([0, 0, 0, "-P*cos(theta)"])`, whose waves are coupled with gravity, and a
+        constant scalar field, `scalar_field(1)`.
 
     Raises
     ------
@@ -265,7 +265,7 @@ def _waves(
     if l == 1 and theory.background.charged and (parity != "axial" or theory.magnetic):
         raise GravityError(
             "l: expected at least 2, or the axial light of an electric hole with l = 1, got "
-            f"{parity} waves with l = 1. Their frequencies are those of parity='axial' and the "
+            f"{parity} waves with l = 1. The same frequencies come from parity='axial' and the "
             "potential of an electric charge, maxwell(['Q/r', 0, 0, 0])."
         )
     if l >= tetrad:

@@ -275,8 +275,8 @@ def _charges(
         )
     if magnetic != 0 and electric.has(RHO):
         raise GravityError(
-            "matter: expected an electric or a magnetic charge, got both. For L linear in F2 the "
-            "frequencies are those of one electric charge, the root of the sum of both squares."
+            "matter: expected an electric or a magnetic charge, got both. For L linear in F2 "
+            "give one electric charge, the root of the sum of both squares: it rings alike."
         )
     return chart.by_radius(electric), magnetic
 
