@@ -145,7 +145,7 @@ class NumericField:
 
     Examples
     --------
-    >>> from geomtorsion.gravity.numeric.power_series import PowerSeries
+    >>> from geomtorsion.geometry.numeric.power_series import PowerSeries
     >>> x = sp.Symbol("x")
     >>> series = PowerSeries(1, 3)
     >>> field = NumericField((x,), series, {"x": series.variable(0, 0.0)})
