@@ -35,7 +35,7 @@ class Arithmetic(Protocol):
         """The product of two arrays."""
         ...
 
-    def derivative(self, a: np.ndarray, mu: int) -> np.ndarray:
+    def derivative(self, a: np.ndarray, mu: int, /) -> np.ndarray:
         """The partial derivative by a coordinate."""
         ...
 

@@ -123,8 +123,8 @@ def sampled_tensors(
         differences = Differences.of(grid, order, stride)
         if differences.grid.holes.all():
             raise GridError(
-                f"grid: expected {order + 1} known nodes along each axis, {stride} steps apart, "
-                "got fewer at all nodes. Give a larger grid, or a lower order."
+                "mask: expected nodes with known neighbours along all axes, up to two steps away "
+                "on both sides or four on one, got none. Mask fewer nodes, or give a finer grid."
             )
         geometry = GridGeometry.of(differences, samples.coframe, signs, constants or {})
         results.append({k: geometry.values(x) for k, x in formulas(geometry).items()})
