@@ -103,8 +103,8 @@ def sampled_tensors(
     Raises
     ------
     GridError
-        There are not as many rows as axes, the grid is too small for twice the step, or the coframe
-        is that of a displacement.
+        There are not as many rows as axes, the grid is too small for twice the step, or the frame
+        comes from a displacement.
     """
     grid, order = samples._grid, samples.order
     if samples.rows != samples.dimension:
@@ -132,7 +132,7 @@ def sampled_tensors(
     made = {}
     for name, (values, depth) in fine.items():
         error = _around(np.abs(coarse[name][0] - values), grid)
-        # Rounding of all components is that of the largest.
+        # All components share the rounding of the largest.
         error += ROUNDING * np.nanmax(np.abs(values), initial=0.0)
         values = np.where(np.isnan(error), np.nan, values)
         unit = f"1/{samples.unit}" if depth and samples.unit else ""

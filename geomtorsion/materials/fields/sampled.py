@@ -161,7 +161,7 @@ class SampledFrame(Samples):
         Parameters
         ----------
         signature
-            Signs of the rows, such as "-+++"; by default those of the metric, negative ones first.
+            Signs of the rows, such as "-+++"; by default negative ones first.
         options
             mask, periodic, unit, vector_unit, source, as for `SampledFrame`.
 

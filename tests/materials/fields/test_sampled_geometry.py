@@ -97,7 +97,7 @@ def test_the_signs_of_rows_may_be_in_another_order():
 
 
 def test_torsion_and_connection_of_a_coframe():
-    """Exact tensors of a frame of formulas, sampled, agree with those of its samples."""
+    """Exact tensors of a frame of formulas, sampled, agree with tensors of its samples."""
     frame = gt.Frame("x y", [["1 + x*y/4", "y/5"], ["x**2/3", "exp(x/4)"]])
     axes = [np.linspace(-1, 1, 13)] * 2
     sampled = gt.SampledFrame.from_frame(frame, axes)
