@@ -90,7 +90,7 @@ REFUSED = [
     (lambda: perturbed.ringing("R", "s2"), "static hole"),
     (lambda: perturbed.ringing("R", "so3"), "static hole"),
     (lambda: perturbed.ringing("R", hole(1 - 2 / r - r**2 / 150)), "solves the equations"),
-    (lambda: perturbed.ringing("R + Ric2", "schwarzschild", parity="polar", parameters=MASS),
+    (lambda: perturbed.ringing("R + R4", "schwarzschild", parity="polar", parameters=MASS),
      "parity='axial'"),
     (lambda: perturbed.ringing("R**2", "schwarzschild", parameters=MASS), "0 = 0"),
     (lambda: perturbed.ringing("R**2", "schwarzschild", parity="polar", parameters=MASS),
