@@ -85,6 +85,8 @@ def test_f_of_r_without_a_scalar_rings_as_general_relativity() -> None:
         ("R/2 - phi**2", {"matter": gt.gravity.scalar_field(0)}, "scalar with a wave"),
         ("-X/2", {"matter": gt.gravity.scalar_field(0)}, "test field"),
         ("R + c*R**2", {}, "'c': 1"),
+        ("R + 1/R", {}, "two derivatives by R"),
+        ("R + lambda*R**2", {"parameters": {"M": 1, "lambda": 0}}, "l: expected"),
     ],
 )
 def test_refusals(lagrangian: str, options: dict, words: str) -> None:
