@@ -53,12 +53,15 @@ def error_over_time(solution: Solution) -> np.ndarray | None:
     >>> bool(abs(error_over_time(sol).max() - sol.error) < 1e-16)
     True
     """
-    if solution.reference is None:
+    if not solution.comparisons:
         return None
-    differences = difference_over_samples(
-        solution.problem, solution.trajectory, solution.reference, solution.accuracy
-    )
-    return solution.safety * differences[len(differences) - len(solution.times) :]
+    errors = np.zeros(len(solution.times))
+    for run, factor in solution.comparisons:
+        differences = difference_over_samples(
+            solution.problem, solution.trajectory, run, solution.accuracy
+        )
+        errors += factor * differences[len(differences) - len(solution.times) :]
+    return errors
 
 
 # Position of a panel (rows, columns, number), and curves by name.
