@@ -94,6 +94,15 @@ class Comparison(NamedTuple):
     factor: float
 
 
+def combined(gaps: Sequence[np.ndarray], comparisons: Sequence[Comparison]) -> np.ndarray:
+    """Errors from differences to the finer run and, where there is one, to a changed run."""
+    errors = comparisons[0].factor * gaps[0]
+    for gap, (_, factor) in zip(gaps[1:], comparisons[1:], strict=True):
+        # The finer run has errors of its own, or it has roundings of its own.
+        errors = np.maximum(errors, gaps[0] + factor * gap)
+    return errors
+
+
 class Verified(NamedTuple):
     """An answer, with what it was compared, the error, and all runs that were made.
 
@@ -156,7 +165,7 @@ def verified(
         if best is None or error < best.error:
             comparisons = (Comparison(reference, error / gap),)
             if shown is not None and noise > gap:
-                comparisons = Comparison(reference, 1.0), shown
+                comparisons = Comparison(reference, SAFETY), shown
             best = Verified(answer, comparisons, error, (), growth, amplified)
         # What steps omit may add up in proportion to their number, roundings as its root.
         hopeless = not last and growth * 2.0**-engine.precision > accuracy

@@ -14,7 +14,14 @@ from geomtorsion.codegen.arrays import BLOCK
 from geomtorsion.codegen.steps import ROUNDINGS
 from geomtorsion.errors import ArgumentError, ExpressionError, TimeError
 from geomtorsion.ode.derivatives import EventDerivative
-from geomtorsion.ode.error_estimate import CHANCE, UNALIKE, Comparison, difference, rounding
+from geomtorsion.ode.error_estimate import (
+    CHANCE,
+    UNALIKE,
+    Comparison,
+    combined,
+    difference,
+    rounding,
+)
 from geomtorsion.ode.moment import Moment, Term
 from geomtorsion.ode.numbers import PARTS, times_between
 from geomtorsion.ode.roots import crossings
@@ -183,7 +190,8 @@ class Solution:
     cost: steps, evaluations, seconds.
     trajectory: the integration.
     comparisons: the finer run with which it was compared, and one that was changed on the way where
-        roundings matter. The error is the sum of their differences, each times its factor.
+        roundings matter. The error is twice the first difference, or the first and a multiple of
+        the second together, whichever is larger.
 
     Numbers are floats unless an accuracy finer than 1.1e-16 was requested, which floats do not
     hold. Then all arrays are of the type of the engine: NumPy's long double, or heyoka's longer
@@ -568,26 +576,23 @@ class Solution:
         return self.comparisons[0].run if self.comparisons else None
 
     @cached_property
-    def _others(self) -> list[tuple[Solution, float]]:
-        """What each comparison makes of the same times, and its factor."""
-        return [
-            (replace(self, trajectory=x.run, comparisons=()), x.factor) for x in self.comparisons
-        ]
+    def _others(self) -> list[Solution]:
+        """What each comparison makes of the same times."""
+        return [replace(self, trajectory=x.run, comparisons=()) for x in self.comparisons]
 
     def _apart(self, here: np.ndarray, read: Callable[[Solution], np.ndarray]) -> float:
         """Estimate of the error of some values; infinite where there is nothing to compare with."""
-        if not self.comparisons:
-            return math.inf
-        total = 0.0
-        for other, factor in self._others:
+        gaps = []
+        for other in self._others:
             if other.trajectory.count != self.trajectory.count:
                 return math.inf
             there = read(other)
             if there.shape != here.shape:
                 return math.inf
-            total += factor * float(np.abs(here - there).max(initial=0.0))
+            gaps.append(np.abs(here - there).max(initial=0.0).astype(float))
+        error = float(combined(gaps, self.comparisons)) if gaps else math.inf
         # A difference may be NaN.
-        return total if math.isfinite(total) else math.inf
+        return error if math.isfinite(error) else math.inf
 
     @cached_property
     def error_between(self) -> float:
