@@ -15,6 +15,7 @@ from geomtorsion.ode.batch import Failure, batch_method
 from geomtorsion.ode.engines import Engine
 from geomtorsion.ode.error_estimate import (
     AIM,
+    NOISE,
     SAFETY,
     change_by_rounding,
     next_tolerance,
@@ -456,7 +457,7 @@ class _Job:
         """Raise errors to what roundings of all steps may add up to, as `verified` does."""
         engine = self.engine
         steps = answer.steps.astype(int).tolist()
-        some = np.array([failed or roundings_matter(engine, n, tolerance) for n in steps])
+        some = np.array([failed or roundings_matter(engine, n, tolerance, NOISE**2) for n in steps])
         some &= errors <= self.accuracy
         if not some.any():
             return

@@ -3,7 +3,7 @@
 The answer is compared with one more run, some orders finer; twice the largest difference is the
 error. The finer run starts a rounding away.
 
-Roundings of two runs may agree by chance, so that their difference says nothing about roundings.
+Roundings of two runs may agree by chance: then their difference does not contain them.
 Unless steps omit far more than roundings, one more run like the answer is therefore changed on the
 way, in 64 places, at random and by a thousand times what the roundings of all steps add up to: its
 difference from the answer shows how much the motion amplifies roundings. A few random numbers do
@@ -176,13 +176,15 @@ def verified(
     return best._replace(runs=tuple(runs), growth=growth, amplified=amplified)
 
 
-def roundings_matter(engine: Engine, steps: int, tolerance: float) -> bool:
+def roundings_matter(engine: Engine, steps: int, tolerance: float, far: float = FAR) -> bool:
     """Whether roundings may be a noticeable part of the error of a run.
 
     The motion carries the rounding of a step to the end as it carries what the step omits, which is
     about the tolerance, or less.
+
+    far: how many times less steps may omit.
     """
-    return rounding(engine, steps) > tolerance / FAR
+    return rounding(engine, steps) > tolerance / far
 
 
 def _noise(

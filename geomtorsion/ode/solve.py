@@ -196,7 +196,7 @@ def _solved(
         check_memory(len(grid), len(problem.first_stage(candidate.precision, 0.0).start))
         last = engine is not None or candidate.precision > 113
         if not last and amplified * rounding(candidate, 1) > accuracy:
-            # Its roundings alone would be too much.
+            # Its roundings would be too much.
             continue
         asked = _Runs(problem, candidate, accuracy, grid, parts, kept, report, last)
         result = _followed(asked, runs, growth, amplified)

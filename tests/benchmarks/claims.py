@@ -170,7 +170,7 @@ def long_lorenz(random: Random) -> tuple[Any, float]:
 
 
 def sleeping_top(random: Random) -> tuple[Any, float]:
-    """A heavy symmetric top that stands too slowly to stay upright."""
+    """A heavy symmetric top that turns too slowly to stay upright."""
     spin = random.uniform(0.5, 1.8)
     rates = {
         "x": f"-{spin}*y + n2", "y": f"{spin}*x - n1", "n1": f"n2*{spin} - n3*y",
@@ -271,14 +271,11 @@ def motions(
         random = np.random.default_rng((seed, place))
         for _ in range(-(-number // len(families))):
             problem, end = family(random)
-            # Near saddles what is asked for is not a round number, for ladders begin at one.
-            exact = float(random.choice(ACCURACIES))
-            yield (
-                name,
-                problem,
-                end,
-                exact if families is FAMILIES else float(10 ** random.uniform(-12, -4)),
-            )
+            accuracy = float(random.choice(ACCURACIES))
+            if families is SADDLES:
+                # Ladders begin at powers of ten: other numbers try all rungs.
+                accuracy = float(10 ** random.uniform(-12, -4))
+            yield name, problem, end, accuracy
 
 
 def shipped() -> Iterator[tuple[str, Any, float, float]]:
