@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
@@ -25,9 +26,12 @@ from geomtorsion.gravity.perturbed.geometries import (
     Z,
     geometry_of,
     names_of,
+    shown,
     theory_in,
 )
+from geomtorsion.gravity.perturbed.time_orders import TimeOrders, orders_of_cosmos
 from geomtorsion.support.caching import cached_property
+from geomtorsion.support.displays import latex_of
 
 # Geometries without a connection of its own equation.
 WITHOUT_CONNECTION = ("riemannian", "teleparallel", "symmetric teleparallel")
@@ -149,6 +153,21 @@ class TensorModes:
         """c_T^2 - 1, the excess of the speed of the waves."""
         return sp.factor(self.speed2 - 1)
 
+    @cached_property
+    def time_orders(self) -> TimeOrders:
+        """The highest time derivatives of a and of the scalar fields in the background equations.
+
+        An order above two means further modes beside these waves.
+
+        Examples
+        --------
+        >>> from geomtorsion.gravity import perturbed
+        >>> waves = perturbed.tensor_modes("R/2 - X/2 + c*Box(phi)**2", "riemannian", scalars="phi")
+        >>> print(waves.time_orders)
+        a to order 3, phi to order 4, not degenerate
+        """
+        return orders_of_cosmos(self.equations, self._tensor, N)
+
     @property
     def equation(self) -> sp.Eq:
         """The wave equation for h(t, z)."""
@@ -157,7 +176,7 @@ class TensorModes:
         left += self.mass2 * WAVE - self.speed2 / scale**2 * WAVE.diff(Z, 2)
         return sp.Eq(left, 0)
 
-    def to_json(self) -> dict[str, str]:
+    def to_json(self) -> dict[str, Any]:
         """The results as text, by their names."""
         return {
             "lagrangian": str(self.equations.lagrangian.expression),
@@ -167,25 +186,29 @@ class TensorModes:
             "mass2": str(self.mass2),
             "alpha_M": str(self.alpha_M),
             "alpha_T": str(self.alpha_T),
+            "time_orders": dict(self.time_orders.orders),
+            "degenerate": self.time_orders.is_degenerate,
         }
 
     def __str__(self) -> str:
         lines = [
             f"gravitational waves of {self.equations.lagrangian!r}",
-            f"M^2 = {self.kinetic}",
-            f"c_T^2 = {self.speed2}",
-            f"friction = {self.friction}",
-            f"alpha_M = {self.alpha_M}, alpha_T = {self.alpha_T}",
+            f"M^2 = {shown(self.kinetic)}",
+            f"c_T^2 = {shown(self.speed2)}",
+            f"friction = {shown(self.friction)}",
+            f"alpha_M = {shown(self.alpha_M)}, alpha_T = {shown(self.alpha_T)}",
         ]
         if self.mass2 != 0:
-            lines.append(f"m^2 = {self.mass2}")
+            lines.append(f"m^2 = {shown(self.mass2)}")
+        if self.time_orders.is_higher:
+            lines.append(self.time_orders.meaning)
         return "\n".join(lines)
 
     __repr__ = __str__
 
     def _repr_latex_(self) -> str:
         """The wave equation, for notebooks."""
-        return f"${sp.latex(self.equation)}$"
+        return f"${latex_of(shown(self.equation))}$"
 
 
 def tensor_modes(

@@ -28,9 +28,11 @@ from geomtorsion.gravity.perturbed.geometries import (
     geometry_of,
     names_of,
     riemannian_only,
+    shown,
     theory_in,
 )
 from geomtorsion.support.caching import cached_property
+from geomtorsion.support.displays import latex_of
 
 # Potentials of clocks and of lengths, the scale factor, a wave number and the density of dust.
 CLOCK, SPACE = (sp.Function(name)(T, Z) for name in ("Psi", "Phi"))
@@ -67,7 +69,7 @@ class Growth:
             if x.has(WAVE_NUMBER**4) and (x.has(H) or _rates(x)):
                 raise GravityError(
                     "growth: expected potentials that do not depend on rates of the cosmos, got "
-                    f"{x}. See the waves with perturbed.scalar_modes."
+                    f"{shown(x)}. See the waves with perturbed.scalar_modes."
                 )
         if not self._potentials[0].has(WAVE_NUMBER):
             raise GravityError(
@@ -151,15 +153,14 @@ class Growth:
         }
 
     def __str__(self) -> str:
-        return (
-            f"growth of dust in {self.equations.lagrangian!r}\nG = {self.G}\nPhi/Psi = {self.slip}"
-        )
+        head = f"growth of dust in {self.equations.lagrangian!r}"
+        return f"{head}\nG = {shown(self.G)}\nPhi/Psi = {shown(self.slip)}"
 
     __repr__ = __str__
 
     def _repr_latex_(self) -> str:
         """The equation of growth, for notebooks."""
-        return f"${sp.latex(self.equation)}$"
+        return f"${latex_of(shown(self.equation))}$"
 
 
 def _rates(expression: sp.Expr) -> set[sp.Expr]:

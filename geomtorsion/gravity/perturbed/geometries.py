@@ -22,6 +22,7 @@ from geomtorsion.geometry import (
 from geomtorsion.gravity.equations import FieldEquations
 from geomtorsion.gravity.lagrangian import Lagrangian, known_as
 from geomtorsion.gravity.matter import MatterField, maxwell, scalar_field
+from geomtorsion.gravity.naming import shorthand
 from geomtorsion.support import checks
 
 # Coordinates of flat space; a wave travels along z.
@@ -188,6 +189,11 @@ def replacements(
             read=lambda text, where=str(name): parse_expression(text, names, where=where),
         )
     return replaced
+
+
+def shown(expression: sp.Basic) -> sp.Basic:
+    """A result as it is printed: H, Hdot and phidot for functions of the time, f_T for df/dT."""
+    return shorthand(expression, [T, X, Y, Z], T)
 
 
 def names_of(scalars: str | Iterable[str]) -> list[str]:

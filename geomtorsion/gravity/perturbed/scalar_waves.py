@@ -24,9 +24,12 @@ from geomtorsion.gravity.perturbed.geometries import (
     Z,
     names_of,
     riemannian_only,
+    shown,
     theory_in,
 )
+from geomtorsion.gravity.perturbed.time_orders import orders_of_cosmos
 from geomtorsion.support.caching import cached_property
+from geomtorsion.support.displays import latex_of
 
 # Small changes of the lapse, the shift and the curvature of space.
 LAPSE, SHIFT, CURVATURE = (sp.Function(name)(T, Z) for name in ("alpha", "beta", "zeta"))
@@ -67,6 +70,12 @@ class ScalarModes:
 
     def check(self) -> None:
         """Refuse a theory without one scalar wave of second order."""
+        orders = orders_of_cosmos(self.equations, self.equations.E, N)
+        if orders.is_higher:
+            raise GravityError(
+                "scalar_modes: expected equations of second order in time, got "
+                f"{orders.meaning}, or list the particles with perturbed.spectrum."
+            )
         for (row, column), orders in ORDERS.items():
             excess = self._rows[row][1].get(column, {}).keys() - orders
             if excess:
@@ -96,8 +105,8 @@ class ScalarModes:
             )
         if self._rate.has(H.diff(T)):
             raise GravityError(
-                "scalar_modes: expected a background equation linear in H', got "
-                f"H' = {self._rate}. List the particles with perturbed.spectrum."
+                "scalar_modes: expected a background equation linear in Hdot, got "
+                f"Hdot = {shown(self._rate)}. List the particles with perturbed.spectrum."
             )
 
     @cached_property
@@ -209,9 +218,9 @@ class ScalarModes:
     def __str__(self) -> str:
         lines = [
             f"scalar waves of {self.equations.lagrangian!r}",
-            f"Q_s = {self.kinetic}",
-            f"c_s^2 = {self.speed2}",
-            f"friction = {self.friction}",
+            f"Q_s = {shown(self.kinetic)}",
+            f"c_s^2 = {shown(self.speed2)}",
+            f"friction = {shown(self.friction)}",
         ]
         return "\n".join(lines)
 
@@ -219,7 +228,7 @@ class ScalarModes:
 
     def _repr_latex_(self) -> str:
         """The wave equation, for notebooks."""
-        return f"${sp.latex(self.equation)}$"
+        return f"${latex_of(shown(self.equation))}$"
 
 
 def scalar_modes(

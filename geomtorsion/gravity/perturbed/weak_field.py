@@ -28,6 +28,7 @@ from geomtorsion.gravity.perturbed.geometries import (
     geometry_of,
     names_of,
     replacements,
+    shown,
     theory_in,
 )
 from geomtorsion.gravity.perturbed.solar_system import CASSINI, MEASUREMENTS, SolarTest
@@ -305,7 +306,7 @@ class PostNewtonian:
         lines = [f"field of a mass at rest in {self.lagrangian!r}"]
         if self.values:
             lines[0] += ", " + ", ".join(f"{x} = {value}" for x, value in self.values.items())
-        lines.append(", ".join(f"{name} = {value}" for name, value in self.numbers.items()))
+        lines.append(", ".join(f"{name} = {shown(value)}" for name, value in self.numbers.items()))
         return "\n".join([*lines, *map(str, self._tests)])
 
     __repr__ = __str__
@@ -315,9 +316,8 @@ class PostNewtonian:
     def _repr_latex_(self) -> str:
         """The numbers as formulas, for papers."""
         signs = {"gamma": r"\gamma", "beta": r"\beta", "gamma(k)": r"\gamma(k)"}
-        parts = [
-            f"{signs.get(name, name)} = {latex_of(value)}" for name, value in self.numbers.items()
-        ]
+        numbers = [(signs.get(x, x), shown(value)) for x, value in self.numbers.items()]
+        parts = [f"{name} = {latex_of(value)}" for name, value in numbers]
         return "$" + r",\quad ".join(parts) + "$"
 
 

@@ -91,6 +91,50 @@ def test_scalar_tensor_theories(
     assert at(waves.friction) == at(3 * H + H * waves.alpha_M)
 
 
+# Quadratic theories with second derivatives of the field. The second one is Einstein's with the
+# metric (1 - X) g_ab, hence degenerate (Zumalacarregui and Garcia-Bellido 2014).
+GRADIENT = gravity.invariant("Y", "phi^a phi_ab phi^bc phi_c")
+HIGHER = [
+    ("R/2 - X/2 + c*Box(phi)**2", {"a": 3, "phi": 4}, False),
+    ("(1 - X)*R/2 + 3*Y/(1 - X) - X/2", {"a": 3, "phi": 4}, True),
+    ("R/2 - X/2 + c*Y", {"a": 2, "phi": 4}, False),
+    ("R/2 + c*R**2 - X/2", {"a": 4, "phi": 2}, False),
+]
+
+
+@pytest.mark.parametrize(("lagrangian", "orders", "degenerate"), HIGHER)
+def test_higher_time_derivatives_are_reported(
+    lagrangian: str, orders: dict[str, int], degenerate: bool
+) -> None:
+    """Tensor modes report the orders of the background; scalar modes refuse with this reason."""
+    invariants = [GRADIENT] if "Y" in lagrangian else []
+    waves = perturbed.tensor_modes(lagrangian, "riemannian", scalars="phi", invariants=invariants)
+    assert waves.time_orders.orders == orders
+    assert waves.time_orders.is_degenerate is degenerate
+    assert waves.speed2 == 1
+    kind = ", degenerate" if degenerate else "not degenerate"
+    assert f"{kind}" in str(waves).splitlines()[-1]
+    with pytest.raises(GeomtorsionError, match=f"second order in time.*{kind}"):
+        perturbed.scalar_modes(lagrangian, invariants=invariants)
+
+
+@pytest.mark.parametrize(
+    ("lagrangian", "geometry"),
+    [
+        ("R/2 - X/2 + c*X*Box(phi)", "riemannian"),
+        ("X*R - 2*(Box(phi)**2 - hessian2)", "riemannian"),
+        ("R/2 - X/2 + f(phi)*GB", "riemannian"),
+        ("f(T) - X/2", "teleparallel"),
+        ("f(Q) - X/2", "symmetric teleparallel"),
+    ],
+)
+def test_theories_of_second_order(lagrangian: str, geometry: str) -> None:
+    """Horndeski's G3, G4 and G5, f(T) and f(Q) have no higher time derivatives."""
+    waves = perturbed.tensor_modes(lagrangian, geometry, scalars="phi")
+    assert str(waves.time_orders) == "second order"
+    assert "higher" not in str(waves)
+
+
 @pytest.mark.parametrize(
     ("call", "words"),
     [
