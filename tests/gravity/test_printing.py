@@ -13,9 +13,9 @@ COSMOS = gt.spaces.load("frw_flat").frame
 FLAT = gt.Frame("t x", [["1", "0"], ["0", "1"]], signature="-+")
 
 
-def teleparallel(lagrangian: str, **options: str) -> gravity.FieldEquations:
+def teleparallel(lagrangian: str, constants: str = "") -> gravity.FieldEquations:
     """Equations on the flat cosmos with the Cartan connection."""
-    return gravity.equations(gt.cartan(COSMOS), lagrangian, **options)
+    return gravity.equations(gt.cartan(COSMOS), lagrangian, constants=constants)
 
 
 def test_friedmann_equation_of_f_of_t() -> None:

@@ -28,7 +28,10 @@ from geomtorsion.gravity.perturbed.geometries import (
 from geomtorsion.gravity.perturbed.sectors import Sector, helicities, spins
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
-from geomtorsion.support.displays import Plot, drawn_by, figure_by
+from geomtorsion.support.displays import Plot, drawn_by, figure_by, latex_of
+
+# Frequency and wave number of a wave exp(i k z - i w t), in the factors of field equations.
+FREQUENCY, WAVE_NUMBER = sp.symbols("w k")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,6 +72,12 @@ class Particle:
         return self.energy is None
 
     @property
+    def factor(self) -> sp.Expr:
+        """Factor of the field equations on a wave exp(i k z - i w t): w^2 - k^2 - m^2."""
+        place = FREQUENCY**2 - WAVE_NUMBER**2
+        return place - self.mass2 if self.mass2 is not None else self.equation.subs(VARIABLE, place)
+
+    @property
     def label(self) -> str:
         """Spin and parity, 2+, or the helicities, +-2."""
         if self.is_massless:
@@ -84,6 +93,7 @@ class Particle:
             "mass2": None if self.mass2 is None else str(self.mass2),
             "equation": str(self.equation),
             "energy": None if self.energy is None else str(self.energy),
+            "factor": str(self.factor),
             "number": self.number,
         }
 
@@ -94,9 +104,27 @@ class Particle:
             mass = f", m^2 from {self.equation} = 0"
         elif self.is_tachyon:
             mass += " (tachyon)"
-        energy = "double pole" if self.energy is None else f"energy {_energy_text(self.energy)}"
+        energy = f"double pole ({self.factor})**2"
+        if self.energy is not None:
+            energy = f"energy {_energy_text(self.energy)}"
         modes = f"{self.number} mode{'s' if self.number > 1 else ''}"
         return f"{kind}{self.label}{mass}, {energy}, {modes}"
+
+
+def _latex_row(one: Particle) -> str:
+    """A particle as a row of an array in LaTeX."""
+    spin = rf"\pm {one.spin}" if one.is_massless and one.spin else f"{one.spin}"
+    if not one.is_massless and one.parity:
+        spin += f"^{{{'-+'[one.parity > 0]}}}"
+    mass = f"m^2 = {latex_of(one.mass2)}"
+    if one.mass2 is None:
+        mass = f"{latex_of(one.equation.subs(VARIABLE, sp.Symbol('m') ** 2))} = 0"
+    energy = rf"\text{{double pole }} \left({latex_of(one.factor)}\right)^2"
+    if one.energy is not None:
+        energy = rf"\text{{energy {_energy_text(one.energy)}}}"
+        if not one.energy.is_number:
+            energy = rf"\text{{energy of the sign of }} {latex_of(one.energy)}"
+    return f"{spin} & {mass} & {energy} & {one.number}"
 
 
 def _energy_text(energy: sp.Expr) -> str:
@@ -145,11 +173,35 @@ class Spectrum:
         return sum(one.number for one in self.particles)
 
     @cached_property
+    def lorentz_violating(self) -> tuple[sp.Expr, ...]:
+        """Factors of waves along z that belong to no particle, as polynomials in w for k = 1.
+
+        Empty for each Lagrangian that has no preferred direction.
+        """
+        blocks = [
+            self.waves.block(sector, at_rest=False)
+            for sector in _coupled(self.waves, helicities(self.components), at_rest=False)
+        ]
+        if sum(one.divisor.degree() for one in blocks) == 2 * self.degrees_of_freedom:
+            return ()
+        known = [one.factor.subs(WAVE_NUMBER, 1) for one in self.particles]
+        waves = sp.prod(sp.fraction(sp.together(x))[0] for x in known)
+        found: dict[sp.Expr, None] = {}
+        for block in blocks:
+            for factor in block.factors:
+                one = factor.as_expr().subs(VARIABLE, FREQUENCY)
+                if block.multiplicity(factor) and sp.rem(waves, one, FREQUENCY) != 0:
+                    found[one] = None
+        return tuple(found)
+
+    @cached_property
     def healthy(self) -> sp.Basic:
         """The condition in the couplings that there is no ghost and no tachyon.
 
         True or False where it holds for all couplings or for none.
         """
+        if self.lorentz_violating:
+            return sp.false
         expressions: list[sp.Expr] = []
         for one in self.particles:
             if one.energy is None:
@@ -180,9 +232,35 @@ class Spectrum:
         count = len(self.particles)
         head = f"{count} particle{'s' if count != 1 else ''}, {self.degrees_of_freedom} degrees of "
         head += f"freedom, {self.gauge} gauge functions"
-        return "\n".join([head, *map(str, self.particles), _healthy_text(self.healthy)])
+        odd = [
+            f"not Lorentz invariant: waves with {x} = 0 for k = 1" for x in self.lorentz_violating
+        ]
+        return "\n".join([head, *map(str, self.particles), *odd, _healthy_text(self.healthy)])
 
     __repr__ = __str__
+
+    def to_latex(self) -> str:
+        r"""The particles as an `array`: spin, squared mass, sign of the energy, number of modes.
+
+        `sympy.latex(spectrum)` gives the same.
+
+        Examples
+        --------
+        >>> from geomtorsion.gravity import perturbed
+        >>> print(perturbed.spectrum("R/2", "riemannian").to_latex())
+        \begin{array}{llll} \pm 2 & m^2 = 0 & \text{energy positive} & 2 \end{array}
+        """
+        if not self.particles:
+            return r"\text{no particles}"
+        body = r" \\ ".join(_latex_row(one) for one in self.particles)
+        return rf"\begin{{array}}{{llll}} {body} \end{{array}}"
+
+    def _latex(self, _: object) -> str:
+        return self.to_latex()
+
+    def _repr_latex_(self) -> str:
+        return f"$\\displaystyle {self.to_latex()}$"
+
     _repr_html_ = drawn_by("particles", "spectrum_html")
     plot: ClassVar[Plot] = figure_by("particles", "draw_particles")
 
@@ -194,6 +272,7 @@ class Spectrum:
             "degrees_of_freedom": self.degrees_of_freedom,
             "gauge_functions": self.gauge,
             "particles": [one.to_json() for one in self.particles],
+            "lorentz_violating": [str(x) for x in self.lorentz_violating],
             "healthy": str(self.healthy),
         }
 
@@ -286,7 +365,7 @@ def _healthy_text(condition: sp.Basic) -> str:
     if condition == sp.true:
         return "healthy: no ghost, no tachyon"
     if condition == sp.false:
-        return "not healthy for any couplings: a ghost or a tachyon remains"
+        return "not healthy for any couplings: a ghost, a tachyon or a double pole remains"
     parts = condition.args if isinstance(condition, sp.And) else (condition,)
     return f"healthy where {', '.join(map(str, parts))}"
 

@@ -7,6 +7,8 @@ import geomtorsion as gt
 from geomtorsion import gravity
 from geomtorsion.errors import GeomtorsionError, GravityError
 from geomtorsion.gravity import perturbed
+from geomtorsion.gravity.perturbed.blocks import Waves
+from geomtorsion.gravity.perturbed.geometries import Component
 
 # Quadratic Poincare gauge theory in the couplings of Karananas (2014).
 KARANANAS = (
@@ -161,6 +163,64 @@ def test_a_vector_with_a_mass() -> None:
     (vector,) = [x for x in spectrum.particles if not x.is_massless]
     assert (vector.spin, vector.parity, vector.mass2) == (1, -1, sp.Symbol("mu"))
     assert spectrum.healthy == (sp.Symbol("mu") > 0)
+
+
+def test_conformal_gravity_has_a_dipole() -> None:
+    """Weyl^2: six massless modes, of which the gravitons make a double pole (Riegert 1984)."""
+    for lagrangian in ("P1", "R4 - R**2/3", "R1 - 2*R4 + R**2/3"):
+        spectrum = perturbed.spectrum(lagrangian, "riemannian")
+        modes = {(x.spin, x.number): x.is_dipole for x in spectrum.particles}
+        assert modes == {(1, 2): False, (2, 4): True}
+        assert spectrum.gauge == 11
+        assert spectrum.healthy == sp.false
+    (dipole,) = [x for x in spectrum.particles if x.is_dipole]
+    w, k = sp.symbols("w k")
+    assert dipole.factor == w**2 - k**2
+    assert "double pole (-k**2 + w**2)**2" in str(spectrum)
+    assert dipole.to_json()["factor"] == "-k**2 + w**2"
+
+
+def test_a_scalar_of_fourth_order_has_a_dipole() -> None:
+    """Box(phi)^2: a double pole; with -X/2 it splits into a field and a ghost (Pais, Uhlenbeck)."""
+    alone = perturbed.spectrum("R/2 + c*Box(phi)**2", "riemannian", scalars="phi")
+    assert [(x.spin, x.number) for x in alone.particles if x.is_dipole] == [(0, 2)]
+    split = perturbed.spectrum("R/2 - X/2 + c*Box(phi)**2", "riemannian", scalars="phi")
+    (ghost,) = [x for x in split.particles if not x.is_massless]
+    assert (ghost.mass2, ghost.energy) == (-1 / (2 * sp.Symbol("c")), -1)
+
+
+def test_waves_with_a_preferred_time_are_named() -> None:
+    """-X/2 + c (phi_t)^2/2 has waves with (1 + c) w^2 = k^2, which no particle has."""
+    small = sp.Symbol("epsilon")
+    frame = gt.Frame("t x y z", sp.eye(4).tolist(), "-+++", parameters=[small])
+    function = sp.Function("s_phi")(*frame.coordinates)
+    clock = gravity.invariant("D", "A^a phi_a")
+    equations = gravity.equations(
+        gt.levi_civita(frame.expanded(small, 1)),
+        "-X/2 + c*D**2/2",
+        [gravity.scalar_field(small * function), gravity.maxwell([1, 0, 0, 0])],
+        invariants=clock,
+    )
+    waves = Waves.of(equations.operator([function]))
+    component = Component("s_phi", ())
+    spectrum = perturbed.Spectrum(equations.lagrangian, "riemannian", waves, (component,))
+    c, w = sp.symbols("c w")
+    assert spectrum.particles == ()
+    assert [sp.expand(x - ((1 + c) * w**2 - 1)) for x in spectrum.lorentz_violating] == [0]
+    assert "not Lorentz invariant" in str(spectrum)
+    assert spectrum.healthy == sp.false
+    invariant = spectrum.subs(c=0)
+    assert invariant.lorentz_violating == ()
+    assert invariant.degrees_of_freedom == 1
+
+
+def test_latex_of_a_spectrum() -> None:
+    spectrum = perturbed.spectrum("R/2 + c*R**2", "riemannian")
+    assert sp.latex(spectrum) == spectrum.to_latex()
+    assert spectrum._repr_latex_() == rf"$\displaystyle {spectrum.to_latex()}$"
+    assert r"0^{+} & m^2 = \frac{1}{12 c} & \text{energy positive} & 1" in spectrum.to_latex()
+    empty = perturbed.spectrum("0*R", "riemannian")
+    assert empty.to_latex() == r"\text{no particles}"
 
 
 # -- laws ------------------------------------------------------------------------------------------
