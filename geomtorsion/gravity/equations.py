@@ -59,6 +59,8 @@ class FieldEquations:
     matter: matter fields and fluids.
 
     All tensors have leg slots, written in capitals; in coordinates: `.in_coordinates()`.
+    `E[0, 0]` is exact in the coordinates; `print(E)` and LaTeX write f_T for df/dT, and `readable`
+    gives components in the names of invariants.
 
     Examples
     --------
@@ -95,9 +97,9 @@ class FieldEquations:
         Examples
         --------
         >>> import geomtorsion as gt
-        >>> plane = gt.Frame("t x", [["1", "0"], ["0", "a(t)"]], "-+")
-        >>> print(gt.gravity.equations(gt.cartan(plane), "c*T1").to_latex())
-        \begin{aligned}
+        >>> cosmos = gt.spaces.load("frw_flat").frame
+        >>> "f_{TT}" in gt.gravity.equations(gt.cartan(cosmos), "f(T)").to_latex()
+        True
         """
         return self._lines.latex()
 

@@ -69,7 +69,7 @@ def _applied(function: object, arguments: Sequence[sp.Expr], orders: Sequence[in
 def shorthand(
     expression: sp.Expr, coordinates: Collection[sp.Expr], time: sp.Symbol | None = None
 ) -> sp.Expr:
-    """An expression as readers write it: f_T for df/dT, and H, Hdot for functions of the time.
+    r"""An expression as readers write it: f_T for df/dT, and H, Hdot for functions of the time.
 
     The new symbols print as such in text and in LaTeX. A name that has another meaning in the
     expression is not used: the derivative then stays as it is.
