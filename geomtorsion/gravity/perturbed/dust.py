@@ -34,6 +34,8 @@ from geomtorsion.gravity.perturbed.geometries import (
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.displays import latex_of
 
+# Geometries without curvature, with the invariant of which a theory may be a function.
+SCALAR_OF = {"teleparallel": "T", "symmetric teleparallel": "Q"}
 # Potentials of clocks and of lengths, the scale factor, a wave number and the density of dust.
 CLOCK, SPACE = (sp.Function(name)(T, Z) for name in ("Psi", "Phi"))
 SCALE, WAVE_NUMBER, DENSITY = sp.symbols("a k rho")
@@ -81,7 +83,11 @@ class Growth:
         """Derivatives of the action by the potentials and the scalar fields."""
         frame, E = self.equations.frame, self.equations.E
         volume = frame.determinant.element()
-        mixed = [volume * E.element(i, i) for i in range(4)]
+        # The metric equation is half the derivative by the coframe.
+        tensor, weight = E, 1
+        if self.equations.connections[0].kind not in ("levi-civita", "cartan"):
+            tensor, weight = self.equations.M.raised(1), 2
+        mixed = [weight * volume * tensor.element(i, i) for i in range(4)]
         rows = [mixed[0], mixed[1] + mixed[2] + mixed[3]]
         return rows + [volume * x.element() for x in self.equations.matter_equations.values()]
 
@@ -169,21 +175,32 @@ def _rates(expression: sp.Expr) -> set[sp.Expr]:
 
 
 def _geometry_of_dust(lagrangian: object, geometry: object) -> str:
-    """The name of the geometry, riemannian for a text; teleparallel for functions of T."""
-    if geometry == "teleparallel" or (
-        isinstance(lagrangian, Lagrangian) and lagrangian.geometry == "teleparallel"
-    ):
+    """The name of the geometry, riemannian for a text; others for functions of T or Q."""
+    own = lagrangian.geometry if isinstance(lagrangian, Lagrangian) else None
+    if {geometry, own} & {*SCALAR_OF}:
         return geometry_of(lagrangian, geometry)
     return riemannian_only(lagrangian, geometry, "growth")
 
 
 def _check_torsion(equations: FieldEquations, name: str) -> None:
-    """Refuse theories of torsion whose legs have small fields besides one boost."""
-    others = sorted(equations.scalars.keys() - {"T"})
-    if name == "teleparallel" and others:
+    """Refuse theories of torsion or nonmetricity with more small fields than one that drops out."""
+    scalar = SCALAR_OF.get(name)
+    if scalar is None:
+        return
+    fields = {x for one in equations.matter for x in one.names}
+    others = sorted(equations.scalars.keys() - {scalar} - fields)
+    if others:
         raise GravityError(
-            "growth: expected a function of T for the geometry teleparallel, got a theory with "
+            f"growth: expected a function of {scalar} for the geometry {name}, got a theory with "
             f"{others[0]}. List the particles with perturbed.spectrum."
+        )
+    slope = equations.expression.diff(sp.Symbol(scalar))
+    mixed = sorted(str(x) for x in slope.free_symbols if x.name in fields)
+    if mixed:
+        raise GravityError(
+            f"growth: expected a sum of a function of {scalar} and of terms of the scalar field, "
+            f"got a factor that contains {mixed[0]} and {scalar}: the legs move as much as the "
+            "potentials there. Couple the field to R of the geometry riemannian."
         )
 
 
@@ -201,14 +218,16 @@ def growth(
     --------
     e^0 = (1 + epsilon Psi) dt, e^i = a (1 - epsilon Phi) dx^i; delta'' + 2 H delta' = G rho
     delta / 2. For f(R): [Tsujikawa 2007]. For f(T), a boost of the legs solves E_[0z] = 0; it is as
-    small as the rates of the cosmos against k/a, and drops out [Zheng and Huang 2011].
+    small as the rates of the cosmos against k/a, and drops out [Zheng and Huang 2011]; for f(Q) the
+    same holds for the coordinates [Jimenez et al. 2020].
 
     Parameters
     ----------
     lagrangian, constants, invariants
         As in `scalar_modes`. The dust couples to the metric.
     geometry
-        "riemannian", which is also the geometry of a text, or "teleparallel" for f(T).
+        "riemannian", which is also the geometry of a text, "teleparallel" for f(T), or "symmetric
+        teleparallel" for f(Q); scalar fields may be added to these.
     scalars
         Names of scalar fields that depend on the time, "phi".
 

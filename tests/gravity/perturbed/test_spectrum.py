@@ -193,7 +193,8 @@ def test_waves_with_a_preferred_time_are_named() -> None:
     """-X/2 + c (phi_t)^2/2 has waves with (1 + c) w^2 = k^2, which no particle has."""
     small = sp.Symbol("epsilon")
     frame = gt.Frame("t x y z", sp.eye(4).tolist(), "-+++", parameters=[small])
-    function = sp.Function("s_phi")(*frame.coordinates)
+    component = Component("s_phi", ())
+    function = component.function
     clock = gravity.invariant("D", "A^a phi_a")
     equations = gravity.equations(
         gt.levi_civita(frame.expanded(small, 1)),
@@ -202,7 +203,6 @@ def test_waves_with_a_preferred_time_are_named() -> None:
         invariants=clock,
     )
     waves = Waves.of(equations.operator([function]))
-    component = Component("s_phi", ())
     spectrum = perturbed.Spectrum(equations.lagrangian, "riemannian", waves, (component,))
     c, w = sp.symbols("c w")
     assert spectrum.particles == ()
