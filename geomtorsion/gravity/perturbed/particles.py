@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 import sympy as sp
@@ -26,6 +26,7 @@ from geomtorsion.gravity.perturbed.geometries import (
     theory_in,
 )
 from geomtorsion.gravity.perturbed.sectors import Sector, helicities, spins
+from geomtorsion.gravity.perturbed.taylor import about_flat_space
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.displays import Plot, drawn_by, figure_by, latex_of
@@ -140,7 +141,8 @@ class Spectrum:
     """Particles of a theory about flat space.
 
     lagrangian: the theory. geometry: the name of its geometry. waves: the operator.
-    components: the small fields.
+    components: the small fields. conditions: values of unknown functions for which flat space is a
+    solution, f_0 = 0.
 
     Examples
     --------
@@ -156,6 +158,7 @@ class Spectrum:
     geometry: str
     waves: Waves
     components: tuple[Component, ...]
+    conditions: Mapping[sp.Symbol, sp.Expr] = field(default_factory=dict)
 
     @cached_property
     def particles(self) -> tuple[Particle, ...]:
@@ -226,12 +229,14 @@ class Spectrum:
         2
         """
         replaced = replacements(self.waves.couplings, {**(values or {}), **named})
-        return Spectrum(self.lagrangian, self.geometry, self.waves.subs(replaced), self.components)
+        return replace(self, waves=self.waves.subs(replaced))
 
     def __str__(self) -> str:
         count = len(self.particles)
         head = f"{count} particle{'s' if count != 1 else ''}, {self.degrees_of_freedom} degrees of "
         head += f"freedom, {self.gauge} gauge functions"
+        if self.conditions:
+            head += f", for {', '.join(f'{x} = {y}' for x, y in self.conditions.items())}"
         odd = [
             f"not Lorentz invariant: waves with {x} = 0 for k = 1" for x in self.lorentz_violating
         ]
@@ -269,6 +274,7 @@ class Spectrum:
         return {
             "lagrangian": str(self.lagrangian.expression),
             "geometry": self.geometry,
+            "conditions": {x.name: str(y) for x, y in self.conditions.items()},
             "degrees_of_freedom": self.degrees_of_freedom,
             "gauge_functions": self.gauge,
             "particles": [one.to_json() for one in self.particles],
@@ -384,7 +390,8 @@ def spectrum(
     Parameters
     ----------
     lagrangian
-        As in `gravity.equations`; couplings stay symbols.
+        As in `gravity.equations`; couplings stay symbols. Unknown functions become their values and
+        derivatives in flat space: f_0, f_R, f_RR of f(R), where f_0 = 0 makes it a solution.
     geometry
         "riemannian", "teleparallel", "symmetric teleparallel", "poincare" (metric connection with
         torsion) or "metric-affine". A `gravity.Lagrangian` knows its own.
@@ -418,9 +425,11 @@ def spectrum(
     )
     components = [*fields, *kind.fields, *more]
     theory = theory_in(lagrangian, name)
-    system = equations(
-        kind.connection(frame), theory, matter, constants=constants, invariants=invariants
-    )
+    connection = kind.connection(frame)
+    system = equations(connection, theory, matter, constants=constants, invariants=invariants)
     check_couplings(system, [VARIABLE])
+    flat = about_flat_space(system, order=2)
+    if flat.lagrangian is not system.lagrangian:
+        system = equations(connection, flat.lagrangian, matter)
     operator = system.operator([one.function for one in components])
-    return Spectrum(theory, name, Waves.of(operator), tuple(components))
+    return Spectrum(theory, name, Waves.of(operator), tuple(components), flat.conditions)

@@ -32,6 +32,7 @@ from geomtorsion.gravity.perturbed.geometries import (
     theory_in,
 )
 from geomtorsion.gravity.perturbed.solar_system import CASSINI, MEASUREMENTS, SolarTest
+from geomtorsion.gravity.perturbed.taylor import about_flat_space
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.displays import Plot, drawn_by, figure_by, latex_of
@@ -391,7 +392,8 @@ def post_newtonian(
     Parameters
     ----------
     lagrangian, geometry, constants, invariants
-        As in `tensor_modes`.
+        As in `tensor_modes`. Unknown functions of invariants become their derivatives in flat
+        space, f_T and f_TT of f(T), with f_0 = 0.
     scalars
         Names of scalar fields, "phi".
     far
@@ -418,7 +420,7 @@ def post_newtonian(
             "List its particles with perturbed.spectrum."
         )
     fields = tuple(names_of(scalars))
-    theory = theory_in(lagrangian, name)
+    theory = written = theory_in(lagrangian, name)
     values_far = {}
     for one, value in (far or {}).items():
         checks.known_name(one, fields, "scalar field", GravityError)
@@ -446,6 +448,11 @@ def post_newtonian(
         return equations(connection, theory, matter, constants=constants, invariants=invariants)
 
     first = build(sp.exp(X), 1)
+    # The second order of the equations contains the third derivative of a function.
+    flat = about_flat_space(first, order=3, moving=fields)
+    if flat.lagrangian is not first.lagrangian:
+        theory, constants, invariants = flat.lagrangian, (), ()
+        first = build(sp.exp(X), 1)
     # The value of a scalar field far away may occur in its potential.
     far_away = {f"{one}0" for one in fields}
     check_couplings(first, [K, *(x for x in first.frame.parameters if x.name not in far_away)])
@@ -456,4 +463,4 @@ def post_newtonian(
             "far away: far={'phi': 1}."
         )
     own = {sp.Symbol(str(x)) for x in first.constants} | {sp.Symbol(x) for x in far_away}
-    return PostNewtonian(theory, build, fields, tuple(sorted(own, key=str)))
+    return PostNewtonian(written, build, fields, tuple(sorted(own, key=str)))

@@ -47,7 +47,7 @@ def test_functions_of_torsion() -> None:
 
 
 def test_functions_of_nonmetricity() -> None:
-    """G = 1 / f_Q where L = R/2 is -Q/2, and no slip (Jimenez, Heisenberg, Koivisto, Pekar 2020)."""
+    """G = 1 / f_Q where L = R/2 is -Q/2, and no slip (Jimenez et al. 2020)."""
     Q = sp.Symbol("Q")
     growth = perturbed.growth("f(Q)", "symmetric teleparallel")
     assert sp.simplify(growth.G + 1 / (2 * sp.Function("f")(Q).diff(Q))) == 0

@@ -165,6 +165,37 @@ def test_a_vector_with_a_mass() -> None:
     assert spectrum.healthy == (sp.Symbol("mu") > 0)
 
 
+# Scalar mass of a theory with unknown functions, from the values of these in flat space.
+UNKNOWN = [
+    # Sotiriou and Faraoni (2010).
+    ("f(R)", "", "f_R/(3*f_RR)", {"f_0": 0}),
+    ("R*f(R)", "", "f_0/(6*f_R)", {}),
+    ("f(R, GB)", "", "f_R/(3*f_R_R)", {"f_0": 0}),
+    # The Einstein frame: F V'' over F + 3 F'^2/2.
+    ("F(phi)*R/2 - X/2 - V(phi)", "phi", "V_phi_phi/(1 + 3*F_phi**2/(2*F_0))",
+     {"V_0": 0, "V_phi": 0}),
+    ("R/2 + K(X, phi)", "phi", "K_phi_phi/(2*K_X)", {"K_0": 0, "K_phi": 0}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("lagrangian", "scalars", "mass2", "conditions"), UNKNOWN)
+def test_unknown_functions_become_their_derivatives(
+    lagrangian: str, scalars: str, mass2: str, conditions: dict[str, int]
+) -> None:
+    spectrum = perturbed.spectrum(lagrangian, "riemannian", scalars=scalars)
+    (scalar,) = [x for x in spectrum.particles if not x.is_massless]
+    assert sp.cancel(scalar.mass2 - sp.sympify(mass2)) == 0
+    assert {x.name: y for x, y in spectrum.conditions.items()} == conditions
+    assert all(f"{x} = {y}" in str(spectrum) for x, y in conditions.items())
+
+
+def test_unknown_functions_with_values_are_the_explicit_theory() -> None:
+    """f(R) with f_R = 1/2, f_RR = 2 c is R/2 + c R^2."""
+    explicit = perturbed.spectrum("R/2 + c*R**2", "riemannian")
+    given = perturbed.spectrum("f(R)", "riemannian").subs(f_R="1/2", f_RR=2 * sp.Symbol("c"))
+    assert given.particles == explicit.particles
+
+
 def test_conformal_gravity_has_a_dipole() -> None:
     """Weyl^2: six massless modes, of which the gravitons make a double pole (Riegert 1984)."""
     for lagrangian in ("P1", "R4 - R**2/3", "R1 - 2*R4 + R**2/3"):
@@ -272,6 +303,8 @@ def test_each_particle_has_frequencies_along_z(poincare: perturbed.Spectrum) -> 
     ("call", "words"),
     [
         (lambda: perturbed.spectrum("R/2 + Lambda", "riemannian"), "solves the equations"),
+        (lambda: perturbed.spectrum("f(R) - 2*Lambda", "riemannian"), "solves the equations"),
+        (lambda: perturbed.spectrum("f(R) + f_R*R", "riemannian"), "Rename the constant"),
         (lambda: perturbed.spectrum("R/2", "riemann"), "expected one of riemannian"),
         (lambda: perturbed.spectrum("R/2"), "geometry: expected a geometry"),
         (lambda: perturbed.spectrum("R/2 + x*R**2", "riemannian"), "x, which is a coordinate"),
