@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import sympy as sp
+from numpy.typing import ArrayLike
 from sympy.core.function import AppliedUndef
 
 from geomtorsion.errors import GravityError
@@ -16,6 +17,7 @@ from geomtorsion.gravity.equations import FieldEquations, equations
 from geomtorsion.gravity.invariants import Invariant
 from geomtorsion.gravity.lagrangian import Lagrangian
 from geomtorsion.gravity.matter import ScalarField, scalar_field
+from geomtorsion.gravity.perturbed.evolution import Evolution, evolution
 from geomtorsion.gravity.perturbed.geometries import (
     ETA,
     GEOMETRIES,
@@ -175,6 +177,30 @@ class TensorModes:
         left = WAVE.diff(T, 2) + self.friction * WAVE.diff(T)
         left += self.mass2 * WAVE - self.speed2 / scale**2 * WAVE.diff(Z, 2)
         return sp.Eq(left, 0)
+
+    def over_time(self, times: ArrayLike, **cosmos: object) -> Evolution:
+        """Squared speed, kinetic factor, alpha_M and alpha_T as numbers on a given cosmos.
+
+        times: values of t, shape (n,). cosmos: the scale factor a and the fields as functions of t,
+        and couplings as numbers, by name.
+
+        Raises
+        ------
+        GravityError
+            A function or a coupling has no value, or a name does not occur.
+        SingularPointError
+            A number is not finite at a time.
+
+        Examples
+        --------
+        >>> from geomtorsion.gravity import perturbed
+        >>> waves = perturbed.tensor_modes("R/2 - X/2 + c*phi*GB", "riemannian", scalars="phi")
+        >>> waves.over_time([1, 2], a="t**(1/2)", phi="t**2", c="1/16").values["speed2"].tolist()
+        [1.3333333333333333, 1.3333333333333333]
+        """
+        names = ("speed2", "kinetic", "alpha_M", "alpha_T")
+        formulas = {name: getattr(self, name) for name in names}
+        return evolution(self.equations.lagrangian, formulas, times, cosmos)
 
     def to_json(self) -> dict[str, Any]:
         """The results as text, by their names."""

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import sympy as sp
+from numpy.typing import ArrayLike
 from sympy.core.function import AppliedUndef
 
 from geomtorsion.errors import GravityError
@@ -16,6 +17,7 @@ from geomtorsion.gravity.invariants import Invariant
 from geomtorsion.gravity.lagrangian import Lagrangian
 from geomtorsion.gravity.matter import scalar_field
 from geomtorsion.gravity.perturbed.cosmology import H, N, fields_in_time, in_rates
+from geomtorsion.gravity.perturbed.evolution import Evolution, evolution
 from geomtorsion.gravity.perturbed.geometries import (
     ETA,
     GEOMETRIES,
@@ -149,6 +151,21 @@ class Growth:
         delta = sp.Function("delta")(T)
         left = delta.diff(T, 2) + 2 * H * delta.diff(T) - self.G * DENSITY * delta / 2
         return sp.Eq(left, 0)
+
+    def over_time(self, times: ArrayLike, **cosmos: object) -> Evolution:
+        """G and the slip as numbers on a given cosmos, for one wave number k.
+
+        times, cosmos, errors: as in `TensorModes.over_time`, with k where it occurs.
+
+        Examples
+        --------
+        >>> from geomtorsion.gravity import perturbed
+        >>> theory = perturbed.growth("R/2 + R**2/6")
+        >>> theory.over_time([1], a="t**(2/3)", k=0).values["G"].tolist()
+        [1.0]
+        """
+        formulas = {"G": self.G, "slip": self.slip}
+        return evolution(self.equations.lagrangian, formulas, times, cosmos)
 
     def to_json(self) -> dict[str, str]:
         """The results as text, by their names."""

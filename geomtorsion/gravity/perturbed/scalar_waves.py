@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import sympy as sp
+from numpy.typing import ArrayLike
 from sympy.core.function import AppliedUndef
 
 from geomtorsion.errors import GravityError
@@ -15,6 +16,7 @@ from geomtorsion.gravity.equations import FieldEquations, equations
 from geomtorsion.gravity.invariants import Invariant
 from geomtorsion.gravity.lagrangian import Lagrangian
 from geomtorsion.gravity.perturbed.cosmology import H, N, fields_in_time, in_rates
+from geomtorsion.gravity.perturbed.evolution import Evolution, evolution
 from geomtorsion.gravity.perturbed.geometries import (
     ETA,
     SMALL,
@@ -204,6 +206,26 @@ class ScalarModes:
         scale = sp.Function("a")(T)
         left = CURVATURE.diff(T, 2) + self.friction * CURVATURE.diff(T)
         return sp.Eq(left - self.speed2 / scale**2 * CURVATURE.diff(Z, 2), 0)
+
+    def over_time(self, times: ArrayLike, **cosmos: object) -> Evolution:
+        """Squared speed, kinetic factor and the left side of the Friedmann equation as numbers.
+
+        times, cosmos, errors: as in `TensorModes.over_time`. The left side vanishes where a and the
+        field solve the Friedmann equation.
+
+        Examples
+        --------
+        A stiff field, a = t^(1/3), phi' = sqrt(2/3) / t.
+
+        >>> from geomtorsion.gravity import perturbed
+        >>> waves = perturbed.scalar_modes("R/2 - X/2")
+        >>> values = waves.over_time([1, 2], a="t**(1/3)", phi="sqrt(2/3)*log(t)").values
+        >>> values["speed2"].tolist(), values["friedmann"].tolist()
+        ([1.0, 1.0], [0.0, 0.0])
+        """
+        formulas = {"speed2": self.speed2, "kinetic": self.kinetic}
+        formulas["friedmann"] = self.background[0].lhs
+        return evolution(self.equations.lagrangian, formulas, times, cosmos)
 
     def to_json(self) -> dict[str, str]:
         """The results as text, by their names."""
