@@ -13,8 +13,7 @@ from geomtorsion.geometry import Tensor
 from geomtorsion.gravity.distinct import marks
 from geomtorsion.support.displays import latex_of
 
-# Equations that are written; more fill the screen, and of others their number is given.
-SHOWN = 24
+HOLDS = "all equations hold"
 
 
 @dataclass(frozen=True)
@@ -34,33 +33,28 @@ class Lines:
         """Invariants with their values, without fields that are known by their names."""
         return [(name, value) for name, value in self.scalars.items() if str(value.func) != name]
 
-    @property
-    def _ending(self) -> str:
-        if not self.equations:
-            return "all equations hold"
-        hidden = len(self.equations) - SHOWN
-        return f"and {hidden} more equations" if hidden > 0 else ""
-
     def text(self) -> list[str]:
         """Values of invariants, and the equations."""
         lines = [f"{name} = {value}" for name, value in self._values]
-        for name, x in list(self.equations.items())[:SHOWN]:
+        for name, x in self.equations.items():
             bare = bare_name(name)
             label = f"equation of {name}:" if bare in self.fields else f"{name} ="
             lines.append(f"{label} {x} = 0")
-        return [f"  {line}" for line in [*lines, self._ending] if line]
+        if not self.equations:
+            lines.append(HOLDS)
+        return [f"  {line}" for line in lines]
 
     def latex(self) -> str:
         """Values of invariants, and the equations, as an `aligned` environment."""
         write = TexPrinter().doprint
         lines = [f"{latex_of(sp.Symbol(name))} &= {write(value)}" for name, value in self._values]
-        for name, x in list(self.equations.items())[:SHOWN]:
+        for name, x in self.equations.items():
             label = f"{_label(name)} &="
             if bare_name(name) in self.fields:
                 label = rf"\text{{equation of }} {_label(name)}: &\quad"
             lines.append(f"{label} {write(x)} = 0")
-        if self._ending:
-            lines.append(rf"&\text{{{self._ending}}}")
+        if not self.equations:
+            lines.append(rf"&\text{{{HOLDS}}}")
         body = r" \\ ".join(lines)
         return rf"\begin{{aligned}} {body} \end{{aligned}}"
 

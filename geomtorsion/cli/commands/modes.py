@@ -26,9 +26,6 @@ from geomtorsion.gravity import perturbed
 from geomtorsion.pictures.modes import draw_evolution
 from geomtorsion.support.checks import shown
 
-# Points of a curve in a figure.
-POINTS = 200
-
 
 class Kind(StrEnum):
     """The waves to report."""
@@ -134,4 +131,4 @@ def _between(text: str) -> np.ndarray:
         raise ArgumentError(
             f"--times: expected two increasing times, got {shown(text)}. Write --times 1,10."
         )
-    return np.linspace(*ends, POINTS)
+    return np.linspace(*ends, 200)
