@@ -74,7 +74,7 @@ def shorthand(
     The new symbols print as such in text and in LaTeX. A name that has another meaning in the
     expression is not used: the derivative then stays as it is.
 
-    coordinates: derivatives by these stay as they are, except those of functions of the time.
+    coordinates: derivatives by these stay as they are, except for functions of the time.
     time: functions of it and of other coordinates are written without arguments.
 
     Examples

@@ -26,6 +26,7 @@ from geomtorsion.gravity.perturbed.geometries import (
     X,
     Y,
     Z,
+    check_couplings,
     geometry_of,
     names_of,
     shown,
@@ -41,6 +42,8 @@ WITHOUT_CONNECTION = ("riemannian", "teleparallel", "symmetric teleparallel")
 N = sp.Function("N")(T)
 H = sp.Function("H")(T)
 WAVE = sp.Function("h")(T, Z)
+# Where parity is violated: the sign of the helicity, the wave number and the scale factor.
+HELICITY, WAVE_NUMBER, SCALE = sp.Symbol("helicity"), sp.Symbol("k"), sp.Function("a")(T)
 
 
 def in_rates(
@@ -73,7 +76,9 @@ def fields_in_time(names: Iterable[str], own: Iterable[AppliedUndef]) -> list[Sc
 class TensorModes:
     """Gravitational waves on a flat cosmos: M^2 (h'' + friction h' - (c_T/a)^2 h_zz + m^2 h) = 0.
 
-    H(t) is the rate of expansion, a'/a. Functions such as f(T) stay unknown.
+    H(t) is the rate of expansion, a'/a. Functions such as f(T) stay unknown. Where parity is
+    violated, the waves are circular ones, h = exp(i k z), of helicity +1 or -1 (times two), and
+    the results contain the symbols helicity and k.
 
     equations: field equations of the cosmos with the wave, at first order.
 
@@ -96,6 +101,14 @@ class TensorModes:
                 f"{max((sum(k) for k in orders), default=0)}. List the particles with "
                 "perturbed.spectrum."
             )
+        if any(t > 2 or z % 2 == 0 for t, z in self._mixed):
+            raise GravityError(
+                "tensor_modes: expected polarisations that mix by odd derivatives along the wave, "
+                f"got derivatives by t and z of orders {', '.join(map(str, sorted(self._mixed)))}. "
+                "List the particles with perturbed.spectrum."
+            )
+        if self._mixed:
+            check_couplings(self.equations, [HELICITY, WAVE_NUMBER])
 
     @cached_property
     def _tensor(self) -> Tensor:
@@ -114,6 +127,35 @@ class TensorModes:
         parts = linear_parts(one.parts[1] - two.parts[1], [WAVE])
         return {(k[0], k[1]): x for (_, k), x in parts.items()}
 
+    @cached_property
+    def _mixed(self) -> dict[tuple[int, int], Element]:
+        """Order in t and in z -> coefficient of h in E_1^2, which violates parity."""
+        one, two = self._tensor.element(1, 2), self._tensor.element(2, 1)
+        assert isinstance(one, Truncated)
+        assert isinstance(two, Truncated)
+        parts = linear_parts((one.parts[1] + two.parts[1]) / 2, [WAVE])
+        return {(k[0], k[1]): x for (_, k), x in parts.items()}
+
+    @property
+    def violates_parity(self) -> bool:
+        """Whether waves of both helicities differ, as with a field times pontryagin or nieh_yan."""
+        return bool(self._mixed)
+
+    def _circular(self, order: int, *, is_rate: bool = False) -> sp.Expr:
+        """Factor of a time derivative of a circular wave exp(i k z), or d/dt of the factor.
+
+        A wave h_+ has (E_1^1 - E_2^2)/2 = P h_+ and E_1^2 = Q h_+; turned by 45 degrees about z, a
+        wave h_x has -Q h_x and P h_x. So h_+ + i s h_x with s = +-1 has P + i s Q.
+        """
+        total = sp.S.Zero
+        whole = ((self._parts, sp.Rational(1, 2)), (self._mixed, sp.I * HELICITY))
+        for parts, weight in whole:
+            for (t, z), x in parts.items():
+                if t == order:
+                    value = self._written(x.diff(T) if is_rate else x)
+                    total += weight * (sp.I * WAVE_NUMBER) ** z * value.subs(sp.exp(N), SCALE)
+        return sp.expand(total)
+
     def _written(self, element: Element) -> sp.Expr:
         return in_rates(self.equations, element)
 
@@ -125,27 +167,38 @@ class TensorModes:
         """The square of the effective Planck mass M^2, 1 for L = R/2; negative for a ghost."""
         is_metric_equation = self._tensor is not self.equations.E
         # The kinetic factor of L = R/2 is -2 in E and -1 in M.
+        if self.violates_parity:
+            return sp.factor(-self._circular(2) * (2 if is_metric_equation else 1))
         return self._written(-self._part(2, 0) / (1 if is_metric_equation else 2))
 
     @cached_property
     def speed2(self) -> sp.Expr:
-        """The square of the speed of the waves, c_T^2."""
+        """The square of the speed of the waves, c_T^2; of the phase where it depends on k."""
+        if self.violates_parity:
+            waves = self._circular(0) - self._circular(0).subs(WAVE_NUMBER, 0)
+            return sp.factor(waves * SCALE**2 / WAVE_NUMBER**2 / self._circular(2))
         scale = self.equations.E.order(0).frame.field.read(sp.exp(2 * N))
         return self._written(-self._part(0, 2) * scale / self._part(2, 0))
 
     @cached_property
     def friction(self) -> sp.Expr:
         """The factor of h': 3 H + d ln M^2 / dt."""
+        if self.violates_parity:
+            return sp.factor(self._circular(1) / self._circular(2))
         return self._written(self._part(1, 0) / self._part(2, 0))
 
     @cached_property
     def mass2(self) -> sp.Expr:
         """The square of the mass of the waves."""
+        if self.violates_parity:
+            return sp.factor(self._circular(0).subs(WAVE_NUMBER, 0) / self._circular(2))
         return self._written(self._part(0, 0) / self._part(2, 0))
 
     @cached_property
     def alpha_M(self) -> sp.Expr:
         """d ln M^2 / d ln a, the running of the Planck mass (Bellini and Sawicki 2014)."""
+        if self.violates_parity:
+            return sp.factor(self._circular(2, is_rate=True) / self._circular(2) / H)
         rate = self.equations.E.order(0).frame.field.read(N.diff(T))
         kinetic = self._part(2, 0)
         return self._written(kinetic.diff(T) / (kinetic * rate))
@@ -172,10 +225,13 @@ class TensorModes:
 
     @property
     def equation(self) -> sp.Eq:
-        """The wave equation for h(t, z)."""
-        scale = sp.Function("a")(T)
-        left = WAVE.diff(T, 2) + self.friction * WAVE.diff(T)
-        left += self.mass2 * WAVE - self.speed2 / scale**2 * WAVE.diff(Z, 2)
+        """The wave equation for h(t, z), or for the amplitude h(t) of a circular wave."""
+        wave, space = WAVE, WAVE.diff(Z, 2)
+        if self.violates_parity:
+            wave = sp.Function("h")(T)
+            space = -(WAVE_NUMBER**2) * wave
+        left = wave.diff(T, 2) + self.friction * wave.diff(T)
+        left += self.mass2 * wave - self.speed2 / SCALE**2 * space
         return sp.Eq(left, 0)
 
     def over_time(self, times: ArrayLike, **cosmos: object) -> Evolution:
@@ -214,6 +270,7 @@ class TensorModes:
             "alpha_T": str(self.alpha_T),
             "time_orders": dict(self.time_orders.orders),
             "degenerate": self.time_orders.is_degenerate,
+            "violates_parity": self.violates_parity,
         }
 
     def __str__(self) -> str:
@@ -226,6 +283,8 @@ class TensorModes:
         ]
         if self.mass2 != 0:
             lines.append(f"m^2 = {shown(self.mass2)}")
+        if self.violates_parity:
+            lines.append("parity is violated: waves exp(i k z) of helicity +1 or -1 (times two)")
         if self.time_orders.is_higher:
             lines.append(self.time_orders.meaning)
         return "\n".join(lines)

@@ -91,6 +91,41 @@ def test_scalar_tensor_theories(
     assert at(waves.friction) == at(3 * H + H * waves.alpha_M)
 
 
+def test_chern_simons_gravity_changes_the_amplitude() -> None:
+    """M^2 = 1 + 16 c s k phi'/a, c_T = 1 (Alexander and Yunes 2009, alpha = 8 c, kappa = 1/2)."""
+    c, s, k, a = sp.symbols("c helicity k a")
+    waves = perturbed.tensor_modes("R/2 - X/2 + c*phi*pontryagin", "riemannian", scalars="phi")
+    assert waves.violates_parity
+    assert waves.speed2 == 1
+    scale = sp.Function("a")(t)
+    assert sp.cancel(waves.kinetic - 1 - 16 * c * s * k * speed / scale) == 0
+    growing = {scale.diff(t): H * scale}
+    running = (waves.kinetic.diff(t) / waves.kinetic).subs(growing)
+    assert sp.simplify(waves.friction - 3 * H - running) == 0
+    assert sp.simplify(H * waves.alpha_M - running) == 0
+    assert "parity is violated" in str(waves)
+
+
+def test_nieh_yan_term_changes_the_speed() -> None:
+    """k^2 c_T^2 = k^2 + 8 c s a phi' k, friction 3 H (Li, Rao and Zhao 2020, with 8 c for c)."""
+    c, s, k = sp.symbols("c helicity k")
+    waves = perturbed.tensor_modes("-T/2 - X/2 + c*phi*nieh_yan", "teleparallel", scalars="phi")
+    assert (waves.kinetic, waves.friction, waves.alpha_M) == (1, 3 * H, 0)
+    assert sp.cancel(waves.alpha_T - 8 * c * s * sp.Function("a")(t) * speed / k) == 0
+    values = waves.over_time([1], a="t", phi="t", c="1/8", k=2, helicity=-1).values
+    assert values["speed2"].tolist() == [0.5]
+
+
+def test_a_constant_in_front_of_a_boundary_term_changes_nothing() -> None:
+    for lagrangian, geometry in (
+        ("R/2 + c*pontryagin", "riemannian"),
+        ("-T/2 + c*nieh_yan", "teleparallel"),
+    ):
+        waves = perturbed.tensor_modes(lagrangian, geometry)
+        assert not waves.violates_parity
+        assert (waves.kinetic, waves.speed2, waves.friction) == (1, 1, 3 * H)
+
+
 # Quadratic theories with second derivatives of the field. The second one is Einstein's with the
 # metric (1 - X) g_ab, hence degenerate (Zumalacarregui and Garcia-Bellido 2014).
 GRADIENT = gravity.invariant("Y", "phi^a phi_ab phi^bc phi_c")
@@ -143,6 +178,12 @@ def test_theories_of_second_order(lagrangian: str, geometry: str) -> None:
         (lambda: perturbed.tensor_modes("R/2 + b*P1", "riemannian"), "second order"),
         (lambda: perturbed.tensor_modes("GB", "riemannian"), "second order"),
         (lambda: perturbed.tensor_modes("R/2 - X/2", "riemannian"), "X"),
+        (
+            lambda: perturbed.tensor_modes(
+                "R/2 - X/2 + k*phi*pontryagin", "riemannian", scalars="phi"
+            ),
+            "another name",
+        ),
     ],
 )
 def test_refusals(call, words: str) -> None:
