@@ -93,7 +93,7 @@ def test_scalar_tensor_theories(
 
 def test_chern_simons_gravity_changes_the_amplitude() -> None:
     """M^2 = 1 + 16 c s k phi'/a, c_T = 1 (Alexander and Yunes 2009, alpha = 8 c, kappa = 1/2)."""
-    c, s, k, a = sp.symbols("c helicity k a")
+    c, s, k = sp.symbols("c helicity k")
     waves = perturbed.tensor_modes("R/2 - X/2 + c*phi*pontryagin", "riemannian", scalars="phi")
     assert waves.violates_parity
     assert waves.speed2 == 1
