@@ -95,6 +95,11 @@ class TensorModes:
     def check(self) -> None:
         """Refuse waves of another order in time than two."""
         orders = self._parts.keys()
+        if not orders:
+            raise GravityError(
+                "tensor_modes: expected a theory with gravitational waves, got none for "
+                f"{self.equations.lagrangian!r}. Add a term of gravity such as R/2."
+            )
         if (2, 0) not in orders or orders - {(2, 0), (1, 0), (0, 2), (0, 0)}:
             raise GravityError(
                 "tensor_modes: expected waves of second order in time, got derivatives of order "

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import sympy as sp
 
-from geomtorsion.errors import GravityError
+from geomtorsion.errors import GravityError, SingularPointError
 from geomtorsion.gravity.equations import equations
 from geomtorsion.gravity.invariants import Invariant
 from geomtorsion.gravity.lagrangian import Lagrangian
@@ -431,5 +431,12 @@ def spectrum(
     flat = about_flat_space(system, order=2)
     if flat.lagrangian is not system.lagrangian:
         system = equations(connection, flat.lagrangian, matter)
-    operator = system.operator([one.function for one in components])
+    try:
+        operator = system.operator([one.function for one in components])
+    except SingularPointError:
+        raise GravityError(
+            "spectrum: expected a Lagrangian with a power series about flat space, where "
+            f"invariants and fields vanish, got {theory.expression}. Write 1 + phi for a field "
+            "that is 1 in flat space; terms such as 1/R have no particles there."
+        ) from None
     return Spectrum(theory, name, Waves.of(operator), tuple(components), flat.conditions)

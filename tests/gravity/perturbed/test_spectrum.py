@@ -245,6 +245,37 @@ def test_waves_with_a_preferred_time_are_named() -> None:
     assert invariant.degrees_of_freedom == 1
 
 
+def test_massive_vector_with_a_compensator() -> None:
+    """Stueckelberg: F^2 with mu (A - d phi)^2 has one vector of three modes and one more gauge."""
+    invariants = [gravity.invariant("A2", "A_a A^a"), gravity.invariant("AD", "A^a phi_a")]
+    spectrum = perturbed.spectrum(
+        "R/2 - F2/4 - mu*(A2 - 2*AD + X)/2", "riemannian", vectors=1, scalars="phi",
+        constants="mu", invariants=invariants,
+    )  # fmt: skip
+    (vector,) = [x for x in spectrum.particles if not x.is_massless]
+    assert (vector.spin, vector.mass2, vector.number) == (1, sp.Symbol("mu"), 3)
+    assert (spectrum.gauge, spectrum.degrees_of_freedom) == (11, 5)
+
+
+def test_lee_and_wick() -> None:
+    """-X/2 - m phi^2/2 + c Box(phi)^2: 2 c q^2 + q - m = 0, one root a ghost."""
+    spectrum = perturbed.spectrum(
+        "R/2 - X/2 - m*phi**2/2 + c*Box(phi)**2", "riemannian", scalars="phi", constants="m"
+    )
+    (both,) = [x for x in spectrum.particles if not x.is_massless]
+    q, c, m = sp.symbols("mass2 c m")
+    assert sp.expand(both.equation - (2 * c * q**2 + q - m)) == 0
+    assert both.number == 2
+    assert spectrum.healthy == sp.false
+
+
+def test_brans_and_dicke_with_a_value_far_away() -> None:
+    """(1 + phi) R/2 - om X/2: a massless scalar, healthy for om > -3/2."""
+    spectrum = perturbed.spectrum("(1 + phi)*R/2 - om*X/2", "riemannian", scalars="phi")
+    assert [(x.spin, x.mass2) for x in spectrum.particles] == [(0, 0), (2, 0)]
+    assert spectrum.healthy == (2 * sp.Symbol("om") + 3 > 0)
+
+
 def test_latex_of_a_spectrum() -> None:
     spectrum = perturbed.spectrum("R/2 + c*R**2", "riemannian")
     assert sp.latex(spectrum) == spectrum.to_latex()
@@ -305,6 +336,15 @@ def test_each_particle_has_frequencies_along_z(poincare: perturbed.Spectrum) -> 
         (lambda: perturbed.spectrum("R/2 + Lambda", "riemannian"), "solves the equations"),
         (lambda: perturbed.spectrum("f(R) - 2*Lambda", "riemannian"), "solves the equations"),
         (lambda: perturbed.spectrum("f(R) + f_R*R", "riemannian"), "Rename the constant"),
+        (lambda: perturbed.spectrum("R/2 + mu**4/R", "riemannian"), "power series about flat"),
+        (
+            lambda: perturbed.spectrum("T**n", "teleparallel", constants="n"),
+            "functions with a value",
+        ),
+        (
+            lambda: perturbed.spectrum("phi*R/2 - om*X/(2*phi)", "riemannian", scalars="phi"),
+            "Write 1 . phi",
+        ),
         (lambda: perturbed.spectrum("R/2", "riemann"), "expected one of riemannian"),
         (lambda: perturbed.spectrum("R/2"), "geometry: expected a geometry"),
         (lambda: perturbed.spectrum("R/2 + x*R**2", "riemannian"), "x, which is a coordinate"),
