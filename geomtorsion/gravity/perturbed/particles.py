@@ -310,6 +310,11 @@ class Spectrum:
             weights = block.modes(sp.S.One)
             rest = (count - len(weights)) * share
             energies = [positive_part(weight.sympy) for weight in weights]
+            if helicity and not mirror:
+                # Terms of odd parity mix both mirror signs, and each wave occurs twice.
+                pairs = [x for x in dict.fromkeys(energies) for _ in range(energies.count(x) // 2)]
+                particles += [_massless(helicity, energy, 2) for energy in pairs]
+                energies = [x for x in dict.fromkeys(energies) if energies.count(x) % 2]
             particles += [_massless(helicity, energy, share) for energy in energies]
             if rest:
                 particles.append(_massless(helicity, None, rest))

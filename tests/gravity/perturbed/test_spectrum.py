@@ -30,6 +30,8 @@ COUNTS = [
     ("R/2", "riemannian", 10, [2], []),
     ("-T/2", "teleparallel", 10, [2], []),
     ("R/2", "poincare", 10, [2], []),
+    # The term of Holst mixes both mirror signs and changes nothing without torsion.
+    ("R/2 + a*holst", "poincare", 10, [2], []),
     # Local Lorentz, translations, and the projective change of the connection.
     ("R/2", "metric-affine", 14, [2], []),
     ("-Q/2", "symmetric teleparallel", 10, [2], []),
