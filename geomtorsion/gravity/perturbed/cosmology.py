@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -72,6 +73,20 @@ def fields_in_time(names: Iterable[str], own: Iterable[AppliedUndef]) -> list[Sc
     return fields
 
 
+def check_signs(equations: FieldEquations) -> None:
+    """Refuse roots, powers and logarithms of X, which is negative on a cosmos."""
+    kinetic = {
+        sp.Symbol(name) for name in equations.invariant_names if re.fullmatch(r"X(_\d+)?", name)
+    }
+    for x in sorted(equations.expression.atoms(sp.Pow, sp.log), key=str):
+        is_whole = isinstance(x, sp.Pow) and x.exp.is_integer
+        if x.args[0] in kinetic and not is_whole:
+            raise GravityError(
+                f"lagrangian: expected functions of X that are real on a cosmos, got {x} with "
+                f"{x.args[0]} = -phidot**2. Write {x.func(-x.args[0], *x.args[1:])}."
+            )
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class TensorModes:
     """Gravitational waves on a flat cosmos: M^2 (h'' + friction h' - (c_T/a)^2 h_zz + m^2 h) = 0.
@@ -94,6 +109,7 @@ class TensorModes:
 
     def check(self) -> None:
         """Refuse waves of another order in time than two."""
+        check_signs(self.equations)
         orders = self._parts.keys()
         if not orders:
             raise GravityError(

@@ -16,7 +16,7 @@ from geomtorsion.gravity.equations import FieldEquations, equations
 from geomtorsion.gravity.invariants import Invariant
 from geomtorsion.gravity.lagrangian import Lagrangian
 from geomtorsion.gravity.matter import scalar_field
-from geomtorsion.gravity.perturbed.cosmology import H, N, fields_in_time, in_rates
+from geomtorsion.gravity.perturbed.cosmology import H, N, check_signs, fields_in_time, in_rates
 from geomtorsion.gravity.perturbed.evolution import Evolution, evolution
 from geomtorsion.gravity.perturbed.geometries import (
     ETA,
@@ -280,6 +280,7 @@ def growth(
         ),
         small,
     )
+    check_signs(result.equations)
     _check_torsion(result.equations, name)
     check_couplings(result.equations, [SCALE, WAVE_NUMBER, DENSITY])
     result.check()

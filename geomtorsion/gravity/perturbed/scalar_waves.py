@@ -15,7 +15,7 @@ from geomtorsion.geometry import Frame, levi_civita
 from geomtorsion.gravity.equations import FieldEquations, equations
 from geomtorsion.gravity.invariants import Invariant
 from geomtorsion.gravity.lagrangian import Lagrangian
-from geomtorsion.gravity.perturbed.cosmology import H, N, fields_in_time, in_rates
+from geomtorsion.gravity.perturbed.cosmology import H, N, check_signs, fields_in_time, in_rates
 from geomtorsion.gravity.perturbed.evolution import Evolution, evolution
 from geomtorsion.gravity.perturbed.geometries import (
     ETA,
@@ -72,6 +72,7 @@ class ScalarModes:
 
     def check(self) -> None:
         """Refuse a theory without one scalar wave of second order."""
+        check_signs(self.equations)
         orders = orders_of_cosmos(self.equations, self.equations.E, N)
         if orders.is_higher:
             raise GravityError(

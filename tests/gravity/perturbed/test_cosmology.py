@@ -171,6 +171,22 @@ def test_theories_of_second_order(lagrangian: str, geometry: str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("term", "words"),
+    [
+        ("sqrt(X)", r"Write sqrt\(-X\)"),
+        ("log(X)", r"log\(-X\)"),
+        ("X**(3/2)", r"\(-X\)\*\*\(3/2\)"),
+    ],
+)
+def test_roots_of_a_negative_number_are_refused(term: str, words: str) -> None:
+    """X = -phi'^2: each report on a cosmos refuses sqrt(X) and offers sqrt(-X)."""
+    lagrangian = f"R/2 + {term}"
+    for report in (perturbed.tensor_modes, perturbed.scalar_modes, perturbed.growth):
+        with pytest.raises(GeomtorsionError, match=words):
+            report(lagrangian, "riemannian", scalars="phi")
+
+
+@pytest.mark.parametrize(
     ("call", "words"),
     [
         (lambda: perturbed.tensor_modes("R/2", "poincare"), "perturbed.spectrum"),
