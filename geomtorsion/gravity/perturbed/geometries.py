@@ -139,7 +139,15 @@ def geometry_of(lagrangian: object, name: object) -> str:
                 f"{', '.join(GEOMETRIES)}."
             )
         return OF_THEORY.get(lagrangian.geometry, lagrangian.geometry)
+    if isinstance(name, str):
+        plain = {_plain(one): one for one in GEOMETRIES}
+        name = plain.get(_plain(name), name)
     return checks.choice(name, tuple(GEOMETRIES), "geometry", GravityError)
+
+
+def _plain(name: str) -> str:
+    """A name in lower case with blanks between its words."""
+    return name.lower().replace("-", " ").replace("_", " ").strip()
 
 
 def riemannian_only(lagrangian: object, geometry: object, caller: str) -> str:

@@ -198,6 +198,11 @@ def test_unknown_functions_with_values_are_the_explicit_theory() -> None:
     assert given.particles == explicit.particles
 
 
+@pytest.mark.parametrize("name", ["symmetric-teleparallel", "Symmetric_Teleparallel"])
+def test_names_of_geometries_as_people_type_them(name: str) -> None:
+    assert perturbed.spectrum("-Q/2", name).geometry == "symmetric teleparallel"
+
+
 def test_conformal_gravity_has_a_dipole() -> None:
     """Weyl^2: six massless modes, of which the gravitons make a double pole (Riegert 1984)."""
     for lagrangian in ("P1", "R4 - R**2/3", "R1 - 2*R4 + R**2/3"):
