@@ -193,10 +193,10 @@ def _rates(expression: sp.Expr) -> set[sp.Expr]:
 
 def _geometry_of_dust(lagrangian: object, geometry: object) -> str:
     """The name of the geometry, riemannian for a text; others for functions of T or Q."""
-    own = lagrangian.geometry if isinstance(lagrangian, Lagrangian) else None
-    if {geometry, own} & {*SCALAR_OF}:
-        return geometry_of(lagrangian, geometry)
-    return riemannian_only(lagrangian, geometry, "growth")
+    if geometry is None and not isinstance(lagrangian, Lagrangian):
+        return "riemannian"
+    name = geometry_of(lagrangian, geometry)
+    return name if name in SCALAR_OF else riemannian_only(lagrangian, geometry, "growth")
 
 
 def _check_torsion(equations: FieldEquations, name: str) -> None:
