@@ -107,8 +107,13 @@ def _short_name(
     """The name of a function or of its derivative; None where it has no short one."""
     if isinstance(part, sp.Subs):
         inner = part.expr
-        if not isinstance(inner, sp.Derivative) or len(inner.expr.args) != 1:
+        if not isinstance(inner, sp.Derivative) or not isinstance(inner.expr, AppliedUndef):
             return None
+        if len(inner.expr.args) > 1:
+            # A sum among several arguments is known by its number: f_T2 of f(T, R + T).
+            numbers = {x: str(k) for k, x in enumerate(inner.expr.args, start=1)}
+            names = {x: sp.Symbol(numbers[x]) for x in part.variables}
+            return _slope(inner.expr.func.__name__, inner.xreplace(names).variable_count)
         primes = "'" * int(inner.derivative_count)
         return sp.Function(f"{inner.expr.func.__name__}{primes}")(*part.point)
     if isinstance(part, AppliedUndef):
@@ -117,13 +122,18 @@ def _short_name(
     function = part.expr
     if not isinstance(function, AppliedUndef):
         return None
-    steps = [(x, int(k)) for x, k in part.variable_count]
+    steps = part.variable_count
     name, in_coordinates = function.func.__name__, coordinates & set(part.variables)
     if in_coordinates and (time not in function.args or not coordinates >= set(function.args)):
         return None
     if [x for x, _ in steps] == [time] and steps[0][1] < len(DOTS):
-        return sp.Symbol(name + DOTS[steps[0][1]])
-    marks = [str(x).removesuffix("_0") for x, k in steps for _ in range(k)]
+        return sp.Symbol(name + DOTS[int(steps[0][1])])
+    return _slope(name, steps)
+
+
+def _slope(name: str, steps: Iterable[tuple[sp.Basic, sp.Basic]]) -> sp.Symbol:
+    """The symbol of a derivative: f_TT, or F_phi_phi where a name has more than one letter."""
+    marks = [str(x).removesuffix("_0") for x, k in steps for _ in range(int(k))]
     gap = "" if all(len(x) == 1 for x in marks) else "_"
     return sp.Symbol(f"{name}_{gap.join(marks)}")
 

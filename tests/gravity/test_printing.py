@@ -71,6 +71,14 @@ def test_sums_and_several_arguments() -> None:
     )
 
 
+def test_a_sum_among_several_arguments_has_its_number() -> None:
+    """f(T, Rbar + T): f_T2 is the derivative by T and by the second argument."""
+    waves = perturbed.tensor_modes("f(T, Rbar + T)", "teleparallel")
+    assert "f_T2" in str(waves)
+    assert "Subs" not in str(waves)
+    assert "M^2 = -2*f_T\n" in str(waves)
+
+
 def test_names_with_another_meaning_are_not_used() -> None:
     """A constant f_T beside f(T): the derivative is written out."""
     text = str(teleparallel("f(T) + f_T*T1"))

@@ -337,7 +337,7 @@ def tensor_modes(
         As in `gravity.equations`; functions such as f(R) stay unknown.
     geometry
         "riemannian", "teleparallel" or "symmetric teleparallel". A `gravity.Lagrangian` knows its
-        own.
+        own. Beside T or Q, the Lagrangian may contain Rbar: f(T, Rbar + T).
     scalars
         Names of scalar fields that depend on the time, "phi".
     constants, invariants
@@ -366,10 +366,10 @@ def tensor_modes(
     rows = sp.diag(1, scale * (1 + SMALL * WAVE), scale * (1 - SMALL * WAVE), scale)
     frame = Frame([T, X, Y, Z], rows, signature=ETA, parameters=[SMALL]).expanded(SMALL, 1)
     matter = fields_in_time(names_of(scalars), [WAVE])
-    connection = GEOMETRIES[name].connection(frame)
     theory = theory_in(lagrangian, name)
+    connections = GEOMETRIES[name].connections(frame, theory)
     modes = TensorModes(
-        equations(connection, theory, matter, constants=constants, invariants=invariants)
+        equations(connections, theory, matter, constants=constants, invariants=invariants)
     )
     modes.check()
     return modes

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
@@ -21,6 +22,7 @@ from geomtorsion.geometry import (
 )
 from geomtorsion.gravity.equations import FieldEquations
 from geomtorsion.gravity.lagrangian import Lagrangian, known_as
+from geomtorsion.gravity.lagrangian import names as gravity_names
 from geomtorsion.gravity.matter import MatterField, maxwell, scalar_field
 from geomtorsion.gravity.naming import shorthand
 from geomtorsion.support import checks
@@ -117,6 +119,13 @@ class FlatGeometry:
     connection: Callable[[Frame], Connection]
     fields: tuple[Component, ...]
     theory: str
+
+    def connections(self, frame: Frame, theory: Lagrangian) -> list[Connection]:
+        """The connection, and the Levi-Civita one beside it where the theory has Rbar or others."""
+        own = self.connection(frame)
+        words = re.findall(r"[^\W\d]\w*", str(theory.expression))
+        has_metric = any(x.endswith("bar") and x in gravity_names for x in words)
+        return [own, levi_civita(frame)] if has_metric and own.kind != "levi-civita" else [own]
 
 
 GEOMETRIES = {

@@ -430,12 +430,12 @@ def spectrum(
     )
     components = [*fields, *kind.fields, *more]
     theory = theory_in(lagrangian, name)
-    connection = kind.connection(frame)
-    system = equations(connection, theory, matter, constants=constants, invariants=invariants)
+    connections = kind.connections(frame, theory)
+    system = equations(connections, theory, matter, constants=constants, invariants=invariants)
     check_couplings(system, [VARIABLE])
     flat = about_flat_space(system, order=2)
     if flat.lagrangian is not system.lagrangian:
-        system = equations(connection, flat.lagrangian, matter)
+        system = equations(connections, flat.lagrangian, matter)
     try:
         operator = system.operator([one.function for one in components])
     except SingularPointError:

@@ -444,8 +444,8 @@ def post_newtonian(
             if order == 2:
                 value += SMALL**2 * sp.Symbol(f"{one}_2") * potential**2
             matter.append(scalar_field(value, None if one == "phi" else one))
-        connection = GEOMETRIES[name].connection(frame.expanded(SMALL, order))
-        return equations(connection, theory, matter, constants=constants, invariants=invariants)
+        connections = GEOMETRIES[name].connections(frame.expanded(SMALL, order), theory)
+        return equations(connections, theory, matter, constants=constants, invariants=invariants)
 
     first = build(sp.exp(X), 1)
     # The second order of the equations contains the third derivative of a function.

@@ -36,6 +36,19 @@ def test_functions_of_one_invariant(lagrangian: str, geometry: str, kinetic: sp.
     assert sp.simplify(waves.friction - 3 * H - H * waves.alpha_M) == 0
 
 
+def test_torsion_scalar_beside_the_curvature_of_the_metric() -> None:
+    """Functions of T and of the boundary term Rbar + T, or of Rbar (Farrugia et al. 2018).
+
+    Only the derivative by T counts for the waves, and c_T = 1.
+    """
+    waves = perturbed.tensor_modes("f(T, Rbar + T)", "teleparallel")
+    assert "M^2 = -2*f_T" in str(waves)
+    assert waves.speed2 == 1
+    explicit = perturbed.tensor_modes("-T/2 + c*(Rbar + T)**2", "teleparallel")
+    assert (explicit.kinetic, explicit.friction) == (1, 3 * H)
+    assert perturbed.tensor_modes("Rbar/2", "teleparallel").kinetic == 1
+
+
 def test_running_of_the_planck_mass() -> None:
     """d ln f'/d ln a for f = R + c R^2, in numbers of a power law a = t^p."""
     c = sp.Symbol("c")

@@ -191,6 +191,15 @@ def test_unknown_functions_become_their_derivatives(
     assert all(f"{x} = {y}" in str(spectrum) for x, y in conditions.items())
 
 
+def test_boundary_term_of_torsion() -> None:
+    """f(T, B): a scalar of m^2 = -f_T/(3 f_BB) (Farrugia, Levi Said, Gakis, Saridakis 2018)."""
+    spectrum = perturbed.spectrum("f(T, Rbar + T)", "teleparallel")
+    (scalar,) = [x for x in spectrum.particles if not x.is_massless]
+    f_T, f_BB = sp.symbols("f_T f_22")
+    assert sp.cancel(scalar.mass2 + f_T / (3 * f_BB)) == 0
+    assert spectrum.degrees_of_freedom == 3
+
+
 def test_unknown_functions_with_values_are_the_explicit_theory() -> None:
     """f(R) with f_R = 1/2, f_RR = 2 c is R/2 + c R^2."""
     explicit = perturbed.spectrum("R/2 + c*R**2", "riemannian")
