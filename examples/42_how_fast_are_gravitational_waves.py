@@ -1,7 +1,7 @@
 """How fast are gravitational waves: their speed in a theory, over the life of a cosmos.
 
-    python examples/40_how_fast_are_gravitational_waves.py
-    python examples/40_how_fast_are_gravitational_waves.py --picture speed.png
+    python examples/42_how_fast_are_gravitational_waves.py
+    python examples/42_how_fast_are_gravitational_waves.py --picture speed.png
 
 A scalar field that couples to the Gauss-Bonnet term changes the speed of gravitational waves:
 c_T^2 = (1 + 8 c phi'')/(1 + 8 c H phi') for L = R/2 - X/2 + c phi GB (Kobayashi, Yamaguchi and
