@@ -131,4 +131,4 @@ def _between(text: str) -> np.ndarray:
         raise ArgumentError(
             f"--times: expected two increasing times, got {shown(text)}. Write --times 1,10."
         )
-    return np.linspace(*ends, 200)
+    return np.linspace(ends[0], ends[1], 200)

@@ -15,7 +15,7 @@ from geomtorsion.geometry import Frame
 from geomtorsion.gravity.equations import FieldEquations, equations
 from geomtorsion.gravity.invariants import Invariant
 from geomtorsion.gravity.lagrangian import Lagrangian
-from geomtorsion.gravity.matter import scalar_field
+from geomtorsion.gravity.matter import MatterField, scalar_field
 from geomtorsion.gravity.perturbed.cosmology import H, N, check_signs, fields_in_time, in_rates
 from geomtorsion.gravity.perturbed.evolution import Evolution, evolution
 from geomtorsion.gravity.perturbed.geometries import (
@@ -204,7 +204,8 @@ def _check_torsion(equations: FieldEquations, name: str) -> None:
     scalar = SCALAR_OF.get(name)
     if scalar is None:
         return
-    fields = {x for one in equations.matter for x in one.names}
+    own = [one for one in equations.matter if isinstance(one, MatterField)]
+    fields = {x for one in own for x in one.names}
     others = sorted(equations.scalars.keys() - {scalar} - fields)
     if others:
         raise GravityError(

@@ -13,6 +13,7 @@ from sympy.core.function import AppliedUndef
 from geomtorsion.errors import GravityError
 from geomtorsion.gravity.equations import FieldEquations
 from geomtorsion.gravity.lagrangian import Lagrangian
+from geomtorsion.gravity.matter import ScalarField
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,8 @@ def about_flat_space(
     # A function may occur under a derivative by its argument, G_X(X).
     whole = expression.xreplace(values).doit()
     zero = dict.fromkeys(invariants, sp.S.Zero)
-    fields = {x for one in system.matter for x in one.names[1:2] if x not in moving}
+    scalars = [one.symbol for one in system.matter if isinstance(one, ScalarField)]
+    fields = {x for x in scalars if x not in moving}
     still = [whole, *(whole.diff(x) for x in invariants if x.name in fields)]
     conditions: dict[sp.Symbol, sp.Expr] = {}
     for one in still:
