@@ -80,18 +80,61 @@ class GridGeometry:
         return array, depth
 
 
+# Factor of safety of an error from two steps [Roache, J. Fluids Eng. 116 (1994) 405].
+SAFETY = 3.0
+# Values at the nodes and number of derivatives, by name.
+Values = dict[str, tuple[np.ndarray, int]]
 # Tensors by their names, from a geometry on the grid.
 Formulas = Callable[[GridGeometry], Mapping[str, Tensor]]
 
 
-def sampled_tensors(
-    samples: Samples, formulas: Formulas, constants: Mapping[str, float] | None = None
-) -> dict[str, Density]:
-    """Tensors of a sampled frame at the nodes, with their errors.
+@dataclass(frozen=True, eq=False)
+class TwoSteps:
+    """Tensors at the nodes from differences of one step and of two.
 
-    The error is the difference from twice the step. Where differences converge, it is
-    2^order - 1 times the error of the values. The largest difference of neighbouring nodes counts,
-    because it may vanish at a node by chance.
+    samples: the frame. fine, coarse: for one step and for two. share: error of a value as a share
+    of the difference between both, shape (N_1, ..., N_d).
+    """
+
+    samples: Samples
+    fine: Values
+    coarse: Values
+    share: np.ndarray
+
+    def error(self, differences: np.ndarray, depth: int, largest: float) -> np.ndarray:
+        """Error of values from their differences from twice the step, shape (..., grid...).
+
+        The largest difference of neighbouring nodes counts, because it may vanish at a node by
+        chance. NaN stays.
+
+        depth: number of derivatives. largest: size of the values. Both give the rounding, of which
+        a smaller step makes more, not less.
+        """
+        grid = self.samples._grid
+        tensors = (1,) * (differences.ndim - grid.dimension)
+        unknown = np.isnan(differences)
+        filled = np.where(unknown, 0.0, np.abs(differences))
+        widest = _widest(filled, grid, tensors, 1)
+        rounding = ROUNDING * max(largest, 1.0) / min(map(abs, grid.steps)) ** depth
+        error = np.maximum(widest * self.share, np.minimum(widest, rounding))
+        return np.where(unknown, np.nan, error + ROUNDING * largest)
+
+    def density(self, name: str) -> Density:
+        """A tensor with its error; all its components share the rounding of the largest."""
+        (values, depth), (other, _) = self.fine[name], self.coarse[name]
+        largest = float(np.nanmax(np.abs(values), initial=0.0))
+        error = self.error(other - values, depth, largest)
+        unit = f"1/{self.samples.unit}" if depth and self.samples.unit else ""
+        unit += f"^{depth}" if unit and depth > 1 else ""
+        unknown = np.isnan(error)
+        sigma = np.where(unknown, np.nan, 0.0)
+        return Density(np.where(unknown, np.nan, values), error, sigma, unit)
+
+
+def at_two_steps(
+    samples: Samples, formulas: Formulas, constants: Mapping[str, float] | None = None
+) -> TwoSteps:
+    """Tensors of a sampled frame at the nodes, from differences of one step and of two.
 
     Parameters
     ----------
@@ -106,7 +149,7 @@ def sampled_tensors(
         There are not as many rows as axes, the grid is too small for twice the step, or the frame
         comes from a displacement.
     """
-    grid, order = samples._grid, samples.order
+    grid = samples._grid
     if samples.rows != samples.dimension:
         raise GridError(
             f"coframe: expected as many rows as axes for a metric, {samples.dimension}, got "
@@ -118,35 +161,27 @@ def sampled_tensors(
             "flat between its jumps. Use burgers_map for its defects."
         )
     signs = signs_of(samples.signature, samples.rows)
-    results: list[dict[str, tuple[np.ndarray, int]]] = []
+    results: list[Values] = []
+    centred: list[np.ndarray] = []
     for stride in (1, 2):
-        differences = Differences.of(grid, order, stride)
+        differences = Differences.of(grid, samples.order, stride)
         if differences.grid.holes.all():
             raise GridError(
                 "mask: expected nodes with known neighbours along all axes, up to two steps away "
                 "on both sides or four on one, got none. Mask fewer nodes, or give a finer grid."
             )
+        centred.append(differences.centred)
         geometry = GridGeometry.of(differences, samples.coframe, signs, constants or {})
         results.append({k: geometry.values(x) for k, x in formulas(geometry).items()})
-    fine, coarse = results
-    made = {}
-    for name, (values, depth) in fine.items():
-        error = _around(np.abs(coarse[name][0] - values), grid)
-        # All components share the rounding of the largest.
-        error += ROUNDING * np.nanmax(np.abs(values), initial=0.0)
-        values = np.where(np.isnan(error), np.nan, values)
-        unit = f"1/{samples.unit}" if depth and samples.unit else ""
-        unit += f"^{depth}" if unit and depth > 1 else ""
-        made[name] = Density(values, error, np.where(np.isnan(error), np.nan, 0.0), unit)
-    return made
+    # Where stencils are centred, the difference is 2^order - 1 times the error; elsewhere its share
+    # is not known.
+    inside = SAFETY / (2.0**samples.order - 1)
+    share = _widest(np.where(centred[0], inside, 1.0), grid, (), samples.order // 2)
+    return TwoSteps(samples, results[0], results[1], share)
 
 
-def _around(differences: np.ndarray, grid: Grid) -> np.ndarray:
-    """Largest difference at each node and its neighbours; NaN stays."""
-    tensors = (1,) * (differences.ndim - grid.dimension)
-    size = (*tensors, *(3,) * grid.dimension)
+def _widest(values: np.ndarray, grid: Grid, tensors: tuple[int, ...], reach: int) -> np.ndarray:
+    """Largest value at each node and up to some nodes away."""
+    size = (*tensors, *(2 * reach + 1,) * grid.dimension)
     mode = ["wrap" if x else "nearest" for x in (*(False,) * len(tensors), *grid.periodic)]
-    unknown = np.isnan(differences)
-    filled = np.where(unknown, 0.0, differences)
-    largest = scipy.ndimage.maximum_filter(filled, size, mode=mode)
-    return np.where(unknown, np.nan, largest)
+    return scipy.ndimage.maximum_filter(values, size, mode=mode)
