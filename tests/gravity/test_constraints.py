@@ -1,5 +1,6 @@
 """Constraints: initial data of formulas and on grids, against known solutions and wrong ones."""
 
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -99,11 +100,11 @@ def test_the_sign_of_the_momentum():
     slopes = np.array([[1 / 3, 1, 0], [0, 0, 1]])
     flux = -slopes @ einstein @ future / (8 * np.pi)
     assert abs(flux[0]) > 0.005
-    found = g.constraints(tilted, density=str(rho), momentum=[str(x) for x in flux])
+    found = g.constraints(tilted, density=Fraction(rho), momentum=[Fraction(x) for x in flux])
     here = {"x": 0.75, "y": 0.5}
     left = [float(found.hamiltonian.at(here)), *np.asarray(found.momentum.at(here))]
     assert np.abs(left).max() < 100 * np.finfo(float).eps
-    turned = g.constraints(tilted, density=str(rho), momentum=[str(-x) for x in flux])
+    turned = g.constraints(tilted, density=Fraction(rho), momentum=[Fraction(-x) for x in flux])
     assert abs(np.asarray(turned.momentum.at(here))[0]) > 0.1
 
 

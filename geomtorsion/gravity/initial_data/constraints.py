@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import overload
 
 from geomtorsion.errors import ArgumentError, GravityError, MetricError, ShapeError
 from geomtorsion.exact import Element
@@ -41,6 +42,24 @@ class Constraints:
         return "constraints: " + ", ".join(f"{name} = {value}" for name, value in parts.items())
 
 
+@overload
+def constraints(
+    metric: SampledFrame,
+    extrinsic_curvature: object = None,
+    *,
+    density: object = None,
+    momentum: object = None,
+    cosmological_constant: object = 0,
+) -> SampledConstraints: ...
+@overload
+def constraints(
+    metric: FrameLike | Surface,
+    extrinsic_curvature: object = None,
+    *,
+    density: object = None,
+    momentum: object = None,
+    cosmological_constant: object = 0,
+) -> Constraints: ...
 def constraints(
     metric: FrameLike | Surface | SampledFrame,
     extrinsic_curvature: object = None,

@@ -106,6 +106,8 @@ class Residual:
         }
 
     def __repr__(self) -> str:
+        if not self.rms:
+            return f"{self.name}: zero at all nodes"
         unit = f" {self.unit}" if self.unit else ""
         place = ", ".join(f"{name} = {x:.4g}" for name, x in self.place.items())
         falls = "" if math.isnan(self.order) else f", falls with order {self.order:.1f}"

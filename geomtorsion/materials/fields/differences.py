@@ -61,7 +61,7 @@ class Differences:
 
     @property
     def centred(self) -> np.ndarray:
-        """Whether the stencils of a node along all axes are of full length with it in the middle."""
+        """Whether all stencils of a node have full length, with the node in the middle."""
         result = ~self.grid.holes
         for axis, rules in enumerate(self.rules):
             for nodes, rule in rules:
