@@ -96,7 +96,7 @@ def test_the_sign_of_the_momentum():
     # The normal of the surface points to the past.
     future = -normal
     assert future[0] > 0
-    rho = future @ einstein @ future / (8 * np.pi)
+    rho = float(future @ einstein @ future) / (8 * np.pi)
     slopes = np.array([[1 / 3, 1, 0], [0, 0, 1]])
     flux = -slopes @ einstein @ future / (8 * np.pi)
     assert abs(flux[0]) > 0.005

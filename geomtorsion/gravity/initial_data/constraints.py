@@ -84,7 +84,7 @@ def constraints(
         nodes are excised.
     extrinsic_curvature
         K_ij in coordinates, shape (d, d), of expressions, or an array (d, d, N_1, ..., N_d). The
-        default is zero (time symmetry), or that of the surface.
+        default is zero (time symmetry); a surface has its own.
     density, momentum
         rho and j_i, an expression and d expressions, or arrays (N_1, ...) and (d, N_1, ...).
     cosmological_constant

@@ -31,7 +31,8 @@ class Residual:
 
     name: hamiltonian or momentum. frame: the metric. size: at the nodes, NaN where unknown.
     error: of the size. coarse: the size from differences of twice the step. scale: sizes of the
-    terms that cancel on a solution. unit: of these. All have shape (N_1, ..., N_d).
+    terms that cancel on a solution. inside: nodes with centred stencils, where errors are sharp.
+    unit: of the sizes. All have shape (N_1, ..., N_d).
     """
 
     name: str
@@ -40,6 +41,7 @@ class Residual:
     error: np.ndarray
     coarse: np.ndarray
     scale: np.ndarray
+    inside: np.ndarray
     unit: str = ""
 
     @cached_property
@@ -61,7 +63,7 @@ class Residual:
 
     @cached_property
     def relative(self) -> float:
-        """Root mean square over that of the scale; 0 where both vanish.
+        """Root mean square over the root mean square of the scale; 0 if both vanish.
 
         The scale is sqrt(R_ij R^ij) + K_ij K^ij + 2 |Lambda| + 16 pi |rho| for the Hamiltonian
         constraint, and the length of D_i K_jk plus 8 pi |j| for the momentum constraint.
@@ -70,24 +72,34 @@ class Residual:
 
     @cached_property
     def mismatch(self) -> float:
-        """Root mean square of the sizes in units of their errors: below 1 on a solution."""
+        """Root mean square of the sizes in units of their errors: below 1 on a solution.
+
+        It counts the nodes with centred stencils if there are any, otherwise all nodes.
+        """
         ratio = np.divide(self.size, self.error, out=np.zeros_like(self.size), where=self.size > 0)
-        return _rms(np.where(np.isnan(self.size), np.nan, ratio))
+        return _rms(ratio[self._counted])
 
     @cached_property
     def order(self) -> float:
         """Power of the step with which the root mean square falls, from twice the step.
 
-        On a solution it is about the order of the differences, otherwise about 0. It is NaN where
-        the size is rounding.
+        On a solution it is about the order of the differences, otherwise about 0. It counts the
+        nodes of `mismatch`, and is NaN where the size is rounding.
         """
-        if not self.rms > 0 or self._is_rounding:
+        sizes = self.size[self._counted]
+        if not sizes.any() or self._is_rounding:
             return math.nan
-        return math.log2(_rms(np.where(np.isnan(self.size), np.nan, self.coarse)) / self.rms)
+        return math.log2(_rms(self.coarse[self._counted]) / _rms(sizes))
+
+    @cached_property
+    def _counted(self) -> np.ndarray:
+        """Nodes with centred stencils if there are any, otherwise all known nodes."""
+        known = ~np.isnan(self.size)
+        return known & self.inside if (known & self.inside).any() else known
 
     @property
     def _is_rounding(self) -> bool:
-        """Whether twice the step would not be more accurate: the errors are those of rounding."""
+        """Whether twice the step would not be more accurate: only rounding is left."""
         step = min(map(abs, self.frame.steps))
         size = float(np.nanmax(np.abs(self.frame.coframe)))
         return self.rms <= np.finfo(float).eps * max(1.0, size) / step**2
@@ -110,7 +122,7 @@ class Residual:
             return f"{self.name}: zero at all nodes"
         unit = f" {self.unit}" if self.unit else ""
         place = ", ".join(f"{name} = {x:.4g}" for name, x in self.place.items())
-        falls = "" if math.isnan(self.order) else f", falls with order {self.order:.1f}"
+        falls = "" if math.isnan(self.order) else f", falls with order {round(self.order, 1) + 0.0:g}"
         return (
             f"{self.name}: root mean square {self.rms:.3g}{unit} (relative {self.relative:.2g}, "
             f"{self.mismatch:.2g} errors{falls}), largest {self.largest:.3g} at {place}"
@@ -210,6 +222,7 @@ def sampled_constraints(
     residuals = {
         "hamiltonian": Residual(
             "hamiltonian", frame, np.abs(H.values), H.error, np.abs(coarse["hamiltonian"]), scale,
+            found.inside,
             unit,
         ),
         "momentum": Residual(
@@ -217,7 +230,8 @@ def sampled_constraints(
             frame,
             sizes,
             found.error(others, 1, float(np.nanmax(sizes))),
-            length(coarse["momentum"]), _root(fine["slope"]) + 8 * math.pi * length(flux), unit,
+            length(coarse["momentum"]), _root(fine["slope"]) + 8 * math.pi * length(flux),
+            found.inside, unit,
         ),
     }  # fmt: skip
     return SampledConstraints(frame, H, M, residuals)

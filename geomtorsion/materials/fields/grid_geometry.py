@@ -39,12 +39,13 @@ class GridGeometry:
         differences: Differences,
         coframe: np.ndarray,
         signature: Sequence[int],
-        constants: Mapping[str, float],
+        values: Mapping[str, Any],
+        coordinates: Sequence[sp.Symbol] = (),
     ) -> GridGeometry:
-        """The geometry of a coframe of shape (n, n, grid...)."""
+        """The geometry of a coframe of shape (n, n, grid...); values: see `at_two_steps`."""
         n, grid = len(coframe), differences.grid
-        coordinates = sp.symbols(f"x0:{n}", real=True)
-        field = NumericField(coordinates, GridValues(grid.shape, differences), dict(constants))
+        coordinates = tuple(coordinates) or sp.symbols(f"x0:{n}", real=True)
+        field = NumericField(coordinates, GridValues(grid.shape, differences), dict(values))
         eta = {(i, i): field.rational(sign) for i, sign in enumerate(signature)}
         made = cls(Frame(coordinates, np.eye(n, dtype=int).tolist(), list(signature)), differences)
         entries = {
@@ -101,6 +102,11 @@ class TwoSteps:
     coarse: Values
     share: np.ndarray
 
+    @property
+    def inside(self) -> np.ndarray:
+        """Nodes where the share is smallest, because stencils are centred; all for order 2."""
+        return self.share == self.share.min()
+
     def error(self, differences: np.ndarray, depth: int, largest: float) -> np.ndarray:
         """Error of values from their differences from twice the step, shape (..., grid...).
 
@@ -116,7 +122,9 @@ class TwoSteps:
         filled = np.where(unknown, 0.0, np.abs(differences))
         widest = _widest(filled, grid, tensors, 1)
         rounding = ROUNDING * max(largest, 1.0) / min(map(abs, grid.steps)) ** depth
-        error = np.maximum(widest * self.share, np.minimum(widest, rounding))
+        # All components share the rounding of neighbouring nodes.
+        noise = _widest(filled.max(axis=tuple(range(len(tensors)))), grid, (), self.samples.order)
+        error = np.maximum(widest * self.share, np.minimum(noise, rounding))
         return np.where(unknown, np.nan, error + ROUNDING * largest)
 
     def density(self, name: str) -> Density:
@@ -132,7 +140,10 @@ class TwoSteps:
 
 
 def at_two_steps(
-    samples: Samples, formulas: Formulas, constants: Mapping[str, float] | None = None
+    samples: Samples,
+    formulas: Formulas,
+    values: Mapping[str, Any] | None = None,
+    coordinates: Sequence[sp.Symbol] = (),
 ) -> TwoSteps:
     """Tensors of a sampled frame at the nodes, from differences of one step and of two.
 
@@ -140,8 +151,10 @@ def at_two_steps(
     ----------
     formulas
         Function of a `GridGeometry` with the tensors by name.
-    constants
-        Values of the names in the formulas.
+    values
+        Number, or array on the grid, of each name in the formulas.
+    coordinates
+        Symbols of the axes in the formulas.
 
     Raises
     ------
@@ -171,12 +184,12 @@ def at_two_steps(
                 "on both sides or four on one, got none. Mask fewer nodes, or give a finer grid."
             )
         centred.append(differences.centred)
-        geometry = GridGeometry.of(differences, samples.coframe, signs, constants or {})
+        geometry = GridGeometry.of(differences, samples.coframe, signs, values or {}, coordinates)
         results.append({k: geometry.values(x) for k, x in formulas(geometry).items()})
     # Where stencils are centred, the difference is 2^order - 1 times the error; elsewhere its share
     # is not known.
     inside = SAFETY / (2.0**samples.order - 1)
-    share = _widest(np.where(centred[0], inside, 1.0), grid, (), samples.order // 2)
+    share = _widest(np.where(np.logical_and(*centred), inside, 1.0), grid, (), samples.order // 2)
     return TwoSteps(samples, results[0], results[1], share)
 
 
