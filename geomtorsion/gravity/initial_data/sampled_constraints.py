@@ -122,7 +122,8 @@ class Residual:
             return f"{self.name}: zero at all nodes"
         unit = f" {self.unit}" if self.unit else ""
         place = ", ".join(f"{name} = {x:.4g}" for name, x in self.place.items())
-        falls = "" if math.isnan(self.order) else f", falls with order {round(self.order, 1) + 0.0:g}"
+        order = round(self.order, 1) + 0.0
+        falls = "" if math.isnan(order) else f", falls with order {order:g}"
         return (
             f"{self.name}: root mean square {self.rms:.3g}{unit} (relative {self.relative:.2g}, "
             f"{self.mismatch:.2g} errors{falls}), largest {self.largest:.3g} at {place}"
