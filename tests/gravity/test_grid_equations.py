@@ -1,4 +1,4 @@
-"""Field equations on a grid: those of samples of a frame agree with those of the frame."""
+"""Field equations on a grid: samples of a frame give the values of the exact frame."""
 
 from typing import Any
 
