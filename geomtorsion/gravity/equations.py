@@ -40,11 +40,8 @@ from geomtorsion.gravity.residuals import Sources
 from geomtorsion.gravity.unknown_terms import terms_of
 from geomtorsion.gravity.variation import Variation
 from geomtorsion.gravity.vocabulary import declared_constants
-<<<<<<< HEAD
-from geomtorsion.materials.fields import SampledFrame
-=======
 from geomtorsion.gravity.writing import Lines, distinct_components
->>>>>>> main
+from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.displays import drawn_by
