@@ -6,160 +6,33 @@ import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeAlias
 
 import flint
 import numpy as np
-import sympy as sp
-from flint import acb, arb, arb_mat
+from flint import arb, arb_mat
 
+from geomtorsion.codegen.balls import exact_ball
 from geomtorsion.errors import ArgumentError, ProofError
-from geomtorsion.ode import ODE, Solution, solve
-from geomtorsion.proofs.closing import Closing, as_ode, closing_of, real, vanishes
+from geomtorsion.ode import Solution, solve
+from geomtorsion.proofs.closing import Closing, as_ode, closing_of, density_of
 from geomtorsion.proofs.multipliers import Multipliers
-from geomtorsion.proofs.prove import ALWAYS, certain_digits
+from geomtorsion.proofs.orbits import ClosedOrbit
+from geomtorsion.proofs.prove import ALWAYS
 from geomtorsion.proofs.solutions import SolutionTask
-from geomtorsion.proofs.wanted import FAR_BELOW, SPARE, Wanted, around_zero, log2, upper
+from geomtorsion.proofs.wanted import SPARE, Wanted, log2, upper
 from geomtorsion.support import checks
-from geomtorsion.support.caching import cached_property
-from geomtorsion.support.copies import only_fields
 from geomtorsion.support.exclusive import exclusive
 from geomtorsion.support.precision import ball_precision, series_length
 
 # Newton's method takes no more steps than this, and halves a step no more often.
-MOST_NEWTON = 40
+MOST_NEWTON, MOST_HALVES = 40, 12
 # Newton's method starts with so many bits, and ends where steps are this part of the orbit; then
 # steps with the last slopes take over.
 ROUGH, ROUGHLY = 23, 1e-6
 # Half sides of the boxes that are tried, in bits below the size of the orbit: from a box in which
 # people look for an orbit to one that only rounding fills.
 BOXES = (34, 64, 100, 160)
-
-
-@exclusive
-@dataclass(frozen=True, eq=False, repr=False)
-class ClosedOrbit:
-    """Theorem: the box contains the start of exactly one closed orbit.
-
-    problem: the equations, from the middle of the start.
-    start: state -> ball of the start of the orbit.
-    period: ball of its period T, x(T) = x(0); T may be a multiple of the smallest period.
-    box: state -> ball; no other closed orbit of these conditions starts in it, with a period in
-        `period_box`.
-    growth: state -> by how much it grows in one period, for states that do not return.
-    multipliers: Floquet multipliers that are not exactly 1, as complex balls; `trivial` of them are
-        exactly 1. Empty where they are not separated.
-    stability: "attracting", "repelling", "saddle", "elliptic", "partly elliptic" (pairs on and off
-        the unit circle), "neutral" (all multipliers are 1) or "undecided".
-    digits, bits, steps, seconds: the requested digits, and what the proof took.
-    assumes: assumptions of the proof.
-    """
-
-    problem: ODE
-    start: Mapping[str, arb]
-    period: arb
-    box: Mapping[str, arb]
-    period_box: arb
-    growth: Mapping[str, arb]
-    multipliers: tuple[acb, ...]
-    trivial: int
-    stability: str
-    digits: int
-    bits: int
-    steps: int
-    seconds: float
-    assumes: tuple[str, ...]
-
-    def __getstate__(self) -> dict[str, object]:
-        return {name: _packed(value) for name, value in only_fields(self).items()}
-
-    def __setstate__(self, state: Mapping[str, Any]) -> None:
-        for name, value in state.items():
-            object.__setattr__(self, name, _unpacked(value))
-
-    def __getitem__(self, name: str) -> arb:
-        """The ball of a state at the start."""
-        return self.start[checks.known_name(name, self.start, "name", ArgumentError)]
-
-    @cached_property
-    def solution(self) -> Solution:
-        """The orbit in floats, over one period."""
-        return solve(self.problem, float(self.period.mid()))
-
-    def lines(self) -> list[str]:
-        """Start, period and multipliers with their certain digits, one per line."""
-        with ball_precision(self.bits):
-            rows = {**self.start, "period": self.period}
-            lines = [f"{name} = {certain_digits(x, self.digits)}" for name, x in rows.items()]
-            lines += [
-                f"growth of {name} = {certain_digits(x, self.digits)}"
-                for name, x in self.growth.items()
-            ]
-            return [*lines, *(f"multiplier {_complex(x)}" for x in self.multipliers)]
-
-    def to_json(self) -> dict[str, Any]:
-        """The theorem as a JSON-ready mapping: values with their certain digits, as text."""
-        return {
-            "values": self.lines(),
-            "stability": self.stability,
-            "trivial": self.trivial,
-            "bits": self.bits,
-            "steps": self.steps,
-            "seconds": self.seconds,
-            "assumes": list(self.assumes),
-            "text": str(self),
-        }
-
-    def __str__(self) -> str:
-        radius = max(float(x.rad()) for x in self.box.values())
-        return "\n".join(
-            [
-                f"theorem, {self.digits} digits, {self.bits} bits, {self.seconds:.3g} s: exactly "
-                f"one closed orbit starts within {radius:.2g} of",
-                *(f"  {line}" for line in self.lines()),
-                f"  {self.trivial} trivial multipliers; {self.stability}",
-            ]
-        )
-
-    __repr__ = __str__
-
-
-def _complex(x: acb) -> str:
-    digits = 6
-    if x.imag.is_zero():
-        return certain_digits(x.real, digits)
-    return f"{certain_digits(x.real, digits)} + {certain_digits(x.imag, digits)} i"
-
-
-def _packed(value: Any) -> Any:
-    """Balls of FLINT, which cannot be pickled, as exact numbers."""
-    if isinstance(value, arb):
-        (m, e), (r, s) = value.mid().man_exp(), value.rad().man_exp()
-        return _Packed((int(m), int(e), int(r), int(s)))
-    if isinstance(value, acb):
-        return _Packed((*_packed(value.real), *_packed(value.imag)))
-    if isinstance(value, Mapping):
-        return {name: _packed(x) for name, x in value.items()}
-    if type(value) is tuple:
-        return tuple(_packed(x) for x in value)
-    return value
-
-
-class _Packed(tuple[int, ...]):
-    """The numbers of one ball."""
-
-    __slots__ = ()
-
-
-def _unpacked(value: Any) -> Any:
-    if isinstance(value, _Packed):
-        parts = [arb(value[k : k + 2], value[k + 2 : k + 4]) for k in range(0, len(value), 4)]
-        return parts[0] if len(parts) == 1 else acb(*parts)
-    if isinstance(value, dict):
-        return {name: _unpacked(x) for name, x in value.items()}
-    if type(value) is tuple:
-        return tuple(_unpacked(x) for x in value)
-    return value
 
 
 @exclusive
@@ -189,7 +62,7 @@ def closed_orbit(
         An ODE without the time in its rates, or a geodesic, autoparallel or constrained motion,
         which is written in its home chart.
     period
-        Rough guess of the period T > 0.
+        Rough guess of the period T > 0, which is searched between its half and its double.
     near
         Rough guess of the start, as for `ODE.with_start`; None: the start of the problem. States of
         a curve are its coordinates and u1, u2, ...
@@ -240,6 +113,7 @@ def closed_orbit(
     if near is not None:
         equations = equations.with_start(near)
     closing = closing_of(equations, equations.start, section, symmetry, conserved, shift)
+    closing = replace(closing, density=density_of(problem))
     with ball_precision(53), series_length(flint.ctx.cap):
         orbit = _Search.of(closing, guess, digits).proved()
     return replace(orbit, seconds=time.perf_counter() - began)
@@ -254,6 +128,10 @@ class _Image:
     columns: Mapping[str, list[arb]]
     bits: int
     steps: int
+
+
+# An image, the inverse of the slopes there, and Newton's step.
+_Trial: TypeAlias = tuple[_Image, arb_mat, list[arb]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -277,7 +155,7 @@ class _Search:
         path = solve(scaled, 1.0, 1e-6)
         extents = {x: float(np.abs(path[x]).max()) or 1.0 for x in closing.states}
         known = dict(zip(closing.states, closing.near, strict=True))
-        first = [arb(sp.Rational(known[x]).p) / sp.Rational(known[x]).q for x in closing.free]
+        first = [exact_ball(known[x]).mid() for x in closing.free]
         first.append(arb(guess))
         count = len(closing.multiplier_names)
         sizes = [*(extents[x] for x in closing.free), guess, *[1.0] * count]
@@ -310,33 +188,40 @@ class _Search:
                 "start or period."
             )
         for _ in range(MOST_NEWTON):
-            image, inverse, step = here
+            _, inverse, step = here
             change = self._size(step)
             if change < ROUGHLY:
                 return [(x - y).mid() for x, y in zip(unknown, step, strict=True)], inverse
-            share, after = 1.0, None
-            for _ in range(MOST_NEWTON):
-                tried = [(x - share * y).mid() for x, y in zip(unknown, step, strict=True)]
-                after = self._tried(tried, names) if tried[len(self.closing.free)] > 0 else None
-                # The natural monotonicity test [Deuflhard 2004].
-                if after is not None:
-                    gaps = arb_mat([[x] for x in after[0].gaps])
-                    if self._size(_column(inverse * gaps)) < (1 - share / 4) * change:
-                        break
-                share, after = share / 2, None
-                if share < 2.0**-12:
-                    break
-            if after is None:
+            next_one = self._damped(unknown, here, names)
+            if next_one is None:
                 break
-            unknown, here = tried, after
+            unknown, here = next_one
         raise ProofError(
             "Newton's method finds no closed orbit near the guess. Give a better start or period, "
             "or another section."
         )
 
-    def _tried(
-        self, unknown: Sequence[arb], names: Sequence[str]
-    ) -> tuple[_Image, arb_mat, list[arb]] | None:
+    def _damped(
+        self, unknown: Sequence[arb], here: _Trial, names: Sequence[str]
+    ) -> tuple[list[arb], _Trial] | None:
+        """The longest of some halved steps that comes nearer, and its image; None without one."""
+        _, inverse, step = here
+        change, share = self._size(step), 1.0
+        for _ in range(MOST_HALVES):
+            tried = [(x - share * y).mid() for x, y in zip(unknown, step, strict=True)]
+            place = len(self.closing.free)
+            # The guess of the period is at least so good.
+            is_near = self.first[place] < 2 * tried[place] < 4 * self.first[place]
+            after = self._tried(tried, names) if is_near else None
+            # The natural monotonicity test [Deuflhard 2004].
+            if after is not None:
+                gaps = arb_mat([[x] for x in after[0].gaps])
+                if self._size(_column(inverse * gaps)) < (1 - share / 4) * change:
+                    return tried, after
+            share = share / 2
+        return None
+
+    def _tried(self, unknown: Sequence[arb], names: Sequence[str]) -> _Trial | None:
         """The image of a guess, the inverse of the slopes there, and Newton's step."""
         try:
             image = self.image(unknown, ROUGH, names)
@@ -353,19 +238,19 @@ class _Search:
 
     def _size(self, step: Sequence[arb]) -> float:
         """The largest part of a step, in units of the unknowns."""
-        return max(
-            abs(float(x.mid())) / size for x, size in zip(step, self.sizes, strict=True)
-        )
+        return max(abs(float(x.mid())) / size for x, size in zip(step, self.sizes, strict=True))
 
     def _singular(self) -> ProofError:
         """Why the conditions do not determine one orbit."""
         return ProofError(
-            "the conditions do not determine one orbit: their derivative is singular. Closed orbits "
-            "come in a family there: name what is conserved in conserved=[...], give a symmetry or "
-            "another section; or the motion is at rest, or along the section."
+            "the conditions do not determine one orbit: their derivative is singular. Where closed "
+            "orbits come in a family, name what is conserved in conserved=[...], give a symmetry "
+            "or another section; the motion may also be at rest, or along the section."
         )
 
-    def _polished(self, unknown: list[arb], inverse: arb_mat, bits: int) -> tuple[list[arb], _Image]:
+    def _polished(
+        self, unknown: list[arb], inverse: arb_mat, bits: int
+    ) -> tuple[list[arb], _Image]:
         """The unknowns to a number of bits, by steps with one slope, and their image."""
         before = math.inf
         while True:
@@ -427,28 +312,34 @@ class _Search:
                 "further from it."
             )
 
-    def _box(
-        self, unknown: list[arb], inverse: arb_mat
-    ) -> tuple[list[arb], list[arb], arb_mat]:
+    def _box(self, unknown: list[arb], inverse: arb_mat) -> tuple[list[arb], list[arb], arb_mat]:
         """A box in which exactly one orbit starts, its middle, and the slopes over it."""
-        reason = ""
+        reason, before = "", arb.pos_inf()
         for small in BOXES:
             try:
                 unknown, image = self._polished(unknown, inverse, small + SPARE)
                 # Exactly these balls, without rounding, are the box of the theorem.
-                box = [arb(x, size * 2.0**-small) for x, size in zip(unknown, self.sizes)]
+                box = [
+                    arb(x, size * 2.0**-small) for x, size in zip(unknown, self.sizes, strict=True)
+                ]
                 wide = self.image(box, small, self.closing.unknowns)
             except ProofError as error:
                 reason = str(error)
                 continue
             with ball_precision(image.bits):
                 slopes = self.closing.slopes(box, wide.columns)
-                if _is_krawczyk(slopes, inverse, image.gaps, [arb(x.rad()) for x in box]):
-                    return unknown, box, slopes
+                radii = [arb(x.rad()) for x in box]
+                size = _contraction(slopes, inverse, image.gaps, radii)
+            if size < 1:
+                return unknown, box, slopes
             reason = "Krawczyk's operator does not map any box into itself"
+            if not size < before / 2:
+                # Where slopes are singular, smaller boxes do not help.
+                break
+            before = size
         raise ProofError(
-            f"no box is proved to contain one closed orbit, from 2^-{BOXES[0]} to 2^-{BOXES[-1]} of "
-            f"its size: {reason.rstrip('.')}. {self._singular()}"
+            f"no box is proved to contain one closed orbit: {reason.rstrip('.')}. "
+            f"{self._singular()}"
         )
 
     def _theorem(self, enclosed: list[arb], box: list[arb], bits: int) -> ClosedOrbit:
@@ -468,11 +359,9 @@ class _Search:
                                 for i, s in enumerate(signs)])  # fmt: skip
                 monodromy = turn * half.inv() * turn * half
             trivial = 1 + len(closing.conserved)
-            paired = bool(closing.mirrored) or (
-                len(names) - trivial == 2 and _keeps_volume(closing.problem, names)
-            )
+            paired = bool(closing.mirrored) or (len(names) - trivial == 2 and closing.keeps_volume)
             multipliers = Multipliers.of(monodromy, trivial, paired=paired)
-            values = [_ball(x) for x in closing.start(enclosed)]
+            values = [exact_ball(x) for x in closing.start(enclosed)]
             growth = {
                 name: (last.end[k] - values[k]) * (2 if closing.mirrored else 1)
                 for k, name in enumerate(closing.states)
@@ -482,34 +371,28 @@ class _Search:
         return ClosedOrbit(
             closing.problem.with_start(middle), dict(zip(closing.states, values, strict=True)),
             enclosed[n], dict(zip(closing.free, box, strict=False)), box[n], growth,
-            multipliers.balls, multipliers.trivial, multipliers.stability, self.digits, bits + SPARE,
-            last.steps, 0.0, ALWAYS,
+            multipliers.balls, multipliers.trivial, multipliers.stability, self.digits,
+            bits + SPARE, last.steps, 0.0, ALWAYS,
         )  # fmt: skip
-
-
-def _ball(x: Any) -> arb:
-    from geomtorsion.codegen.balls import exact_ball
-    return exact_ball(x)
 
 
 def _column(matrix: arb_mat) -> list[arb]:
     return [matrix[i, 0] for i in range(matrix.nrows())]
 
 
-def _is_krawczyk(
+def _contraction(
     slopes: arb_mat, inverse: arb_mat, gaps: Sequence[arb], radii: Sequence[arb]
-) -> bool:
-    """Whether m - Y F(m) + (1 - Y F'(box)) (box - m) is inside the box around m."""
+) -> arb:
+    """How large m - Y F(m) + (1 - Y F'(box)) (box - m) is in units of the box around m."""
     step = inverse * arb_mat([[x] for x in gaps])
     rest = inverse * slopes
-    n = len(radii)
+    n, largest = len(radii), arb(0)
     for i in range(n):
         reach = upper(step[i, 0])
         for j in range(n):
             reach = reach + upper(int(i == j) - rest[i, j]) * radii[j]
-        if not reach < radii[i]:
-            return False
-    return True
+        largest = largest.max(reach / radii[i])
+    return largest.upper()
 
 
 def _enclosed(
@@ -518,9 +401,3 @@ def _enclosed(
     """m - F'(box)^-1 F(m), which contains the zero in the box."""
     step = (inverse * slopes).solve(inverse * arb_mat([[x] for x in gaps]))
     return [x - y for x, y in zip(unknown, _column(step), strict=True)]
-
-
-def _keeps_volume(problem: ODE, names: Sequence[str]) -> bool:
-    """Whether the divergence of the rates of some states vanishes."""
-    rates = problem.rates.expressions
-    return vanishes(sp.Add(*(sp.diff(rates[x], real(x)) for x in names)))

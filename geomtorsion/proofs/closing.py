@@ -91,6 +91,17 @@ def as_ode(problem: object) -> ODE:
     )  # fmt: skip
 
 
+def density_of(problem: object) -> sp.Expr:
+    """The density of the volume that a motion may keep: of phase space over q and u for a curve."""
+    if not isinstance(problem, CurveProblem) or not problem.equations().moves:
+        return sp.S.One
+    frame = problem.frame
+    matrix = sp.zeros(frame.dimension)
+    for (i, mu), value in frame.coframe.components.nonzero.items():
+        matrix[i, mu] = value.sympy
+    return _real(matrix.det())
+
+
 def _real(term: sp.Expr) -> sp.Expr:
     return term.xreplace({s: real(s.name) for s in term.free_symbols if isinstance(s, sp.Symbol)})
 
@@ -105,6 +116,7 @@ class Closing:
         at `near`.
     mirrored: state -> value at its mirror; empty without a reversing symmetry.
     shift: state -> by how much it grows in one period; None where this is free.
+    density: of a volume that the motion may keep.
 
     Without a symmetry, x(T) = x + shift, and a multiplier l of each conserved quantity I makes the
     equations as many as the unknowns: x' = f + sum l grad I [Galan, Munoz-Almaraz, Freire,
@@ -118,6 +130,7 @@ class Closing:
     conserved: Mapping[sp.Expr, Any]
     mirrored: Exprs
     shift: Mapping[str, sp.Expr | None]
+    density: sp.Expr = sp.S.One
 
     # -- names -----------------------------------------------------------------------------------
 
@@ -241,6 +254,19 @@ class Closing:
                     "or none."
                 )
 
+    @cached_property
+    def keeps_volume(self) -> bool:
+        """Whether the volume of the states that return is the same after one period.
+
+        It is where div(density f) = 0, and the density is the same there.
+        """
+        rates, term = self.problem.rates.expressions, self.density
+        moved = {real(name): real(name) + x for name, x in self.shift.items() if x is not None}
+        if {s.name for s in term.free_symbols} - {*self.closed, *self.problem.parameters}:
+            return False
+        change = sp.Add(*(sp.diff(term * rates[x], real(x)) for x in self.closed))
+        return vanishes(term.xreplace(moved) - term) and vanishes(change)
+
     # -- in balls --------------------------------------------------------------------------------
 
     def start(self, unknown: Sequence[arb]) -> tuple[Any, ...]:
@@ -321,7 +347,7 @@ def closing_of(
     for name in free:
         checks.known_name(name, states, "shift", UnknownNameError, expected="a state")
     quantities = _conserved(problem, conserved)
-    sections = _sections(problem, section)
+    sections = sections_of(problem, section)
     closing = Closing(problem, near, sections, quantities, mirrored, {**moved, **free})
     if section is None and not mirrored:
         closing = Closing(
@@ -352,7 +378,8 @@ def _read(problem: ODE, entries: Sequence[object], subject: str) -> list[sp.Expr
     return [expression(entry, subject, symbols) for entry in entries]
 
 
-def _sections(problem: ODE, section: object) -> tuple[sp.Expr, ...]:
+def sections_of(problem: ODE, section: object) -> tuple[sp.Expr, ...]:
+    """Expressions that vanish on a surface, from text, expressions or When."""
     if section is None:
         return ()
     entries = section if isinstance(section, list | tuple) else [section]
