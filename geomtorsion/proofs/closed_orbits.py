@@ -26,10 +26,11 @@ from geomtorsion.support.exclusive import exclusive
 from geomtorsion.support.precision import ball_precision, series_length
 
 # Newton's method takes no more steps than this, and halves a step no more often.
-MOST_NEWTON, MOST_HALVES = 40, 12
-# Newton's method starts with so many bits, and ends where steps are this part of the orbit; then
-# steps with the last slopes take over.
-ROUGH, ROUGHLY = 23, 1e-6
+MOST_NEWTON = 20
+# Newton's method begins with so many bits, and ends three bits above rounding; then steps with the
+# last slopes take over.
+ROUGH = 23
+ROUGHLY = 2.0 ** (3 - ROUGH)
 # Half sides of the boxes that are tried, in bits below the size of the orbit: from a box in which
 # people look for an orbit to one that only rounding fills.
 BOXES = (34, 64, 100, 160)
@@ -166,7 +167,7 @@ class _Search:
         closing = self.closing
         start, parameters = closing.start(unknown), closing.parameters(unknown)
         task = SolutionTask.of(self.solution, start, parameters, tuple(by))
-        # The enclosures of the theorem tell how many bits are known.
+        # How many bits are known follows from the enclosures of the theorem.
         task = replace(task, is_exact=False)
         motion = task.proved(Wanted(bits, arb(0)))
         with ball_precision(motion.bits):
@@ -207,7 +208,7 @@ class _Search:
         """The longest of some halved steps that comes nearer, and its image; None without one."""
         _, inverse, step = here
         change, share = self._size(step), 1.0
-        for _ in range(MOST_HALVES):
+        for _ in range(MOST_NEWTON):
             tried = [(x - share * y).mid() for x, y in zip(unknown, step, strict=True)]
             place = len(self.closing.free)
             # The guess of the period is at least so good.
@@ -244,7 +245,7 @@ class _Search:
         """Why the conditions do not determine one orbit."""
         return ProofError(
             "the conditions do not determine one orbit: their derivative is singular. Where closed "
-            "orbits come in a family, name what is conserved in conserved=[...], give a symmetry "
+            "orbits come in a family, list what stays constant in conserved=[...], give a symmetry "
             "or another section; the motion may also be at rest, or along the section."
         )
 

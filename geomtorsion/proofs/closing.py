@@ -359,7 +359,7 @@ def closing_of(
 
 
 def _values(given: object, subject: str, states: Sequence[str]) -> dict[str, sp.Expr]:
-    """State -> exact number; names alone have the value zero."""
+    """State -> exact number; a list of names gives each the value zero."""
     if given is None:
         return {}
     if not isinstance(given, Mapping):

@@ -114,7 +114,7 @@ def poincare(
     count
         Which crossing: 1 for the first return, 2 for the second, ...
     start, parameters
-        Numbers or balls instead of those of the problem, as for `prove`.
+        Numbers or balls that replace values of the problem, as for `prove`.
     digits
         How many digits of the largest state, from 1 to 1000; fewer where starts are wide balls.
 

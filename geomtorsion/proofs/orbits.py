@@ -18,9 +18,6 @@ from geomtorsion.support.displays import drawn_by
 from geomtorsion.support.exclusive import exclusive
 from geomtorsion.support.precision import ball_precision
 
-# Digits of multipliers in a line.
-SHOWN = 6
-
 
 @exclusive
 @dataclass(frozen=True, eq=False, repr=False)
@@ -83,7 +80,10 @@ class ClosedOrbit:
             ]
             return [
                 *lines,
-                *(f"multiplier {k + 1} = {_complex(x)}" for k, x in enumerate(self.multipliers)),
+                *(
+                    f"multiplier {k + 1} = {_complex(x, self.digits)}"
+                    for k, x in enumerate(self.multipliers)
+                ),
             ]
 
     def to_json(self) -> dict[str, Any]:
@@ -114,8 +114,8 @@ class ClosedOrbit:
     _repr_html_ = drawn_by("notebook_pictures", "proof_html")
 
 
-def _complex(x: acb) -> str:
-    parts = [certain_digits(part, SHOWN) for part in (x.real, x.imag)]
+def _complex(x: acb, digits: int) -> str:
+    parts = [certain_digits(part, digits) for part in (x.real, x.imag)]
     return parts[0] if x.imag.is_zero() else f"{parts[0]} + {parts[1]} i"
 
 

@@ -210,7 +210,7 @@ class Stepper:
             self._table = arb_mat([row[1:] for row in sizes])
             self._middle = [acb(x) for x in whole.middle]
             self._rho = whole.radii
-            # Numbers that never change say nothing about the time of the motion.
+            # Numbers that never change do not count for the time scale of the motion.
             pairs = zip(whole.middle, sizes, strict=True)
             state = max((log2(x) for x, row in pairs if not row[1].is_zero()), default=FAR_BELOW)
             speed = max(log2(row[1]) for row in sizes)

@@ -183,13 +183,13 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("call", "error", "words"), REFUSED)
-def test_what_is_refused(call, error, words):
-    """Each refusal names what is missing."""
+def test_refusals(call, error, words):
+    """Each refusal names the missing part."""
     with pytest.raises(error, match=words):
         call()
 
 
-def test_what_it_shows():
+def test_displays():
     """Certain digits, JSON, a copy by pickle, and the orbit in floats."""
     orbit = gt.closed_orbit(SWING, 6.5, conserved=["E"], section="v")
     assert "period = 6.6999756643704" in str(orbit)

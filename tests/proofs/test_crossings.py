@@ -89,13 +89,13 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("call", "error", "words"), REFUSED)
-def test_what_is_refused(call, error, words):
-    """Each refusal names what is missing."""
+def test_refusals(call, error, words):
+    """Each refusal names the missing part."""
     with pytest.raises(error, match=words):
         call()
 
 
-def test_what_it_shows():
+def test_displays():
     """Lines with certain digits, and a copy by pickle."""
     crossing = gt.poincare(SPRING, "x", 4)
     assert "time = 1.5707963267949" in str(crossing)
