@@ -57,7 +57,6 @@ def latex_name(name: str) -> str:
     """
     head, mark, tail = name.partition("_")
     if mark and head and tail:
-        # A letter that occurs twice is not a word: f_TT is a second derivative.
         parts = [_subscript(x) for x in tail.split("_") if x]
         return f"{_scripted(latex_name(head))}_{{{' '.join(parts)}}}"
     numbered = _NUMBERED.fullmatch(name)
