@@ -123,8 +123,9 @@ class TwoSteps:
         mean, count = (
             scipy.ndimage.uniform_filter(x, size, mode=mode) for x in (filled, 1.0 * ~unknown)
         )
-        mean = np.divide(np.abs(mean), count, out=np.zeros_like(mean), where=~unknown)
-        error = np.maximum(widest * self.share, widest - mean)
+        mean = np.divide(mean, count, out=np.zeros_like(mean), where=~unknown)
+        rough = np.where(unknown, 0.0, np.abs(filled - mean))
+        error = np.maximum(widest * self.share, _widest(rough, grid, tensors, 1))
         return np.where(unknown, np.nan, error)
 
     def density(self, name: str) -> Density:
