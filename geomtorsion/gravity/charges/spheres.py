@@ -59,8 +59,10 @@ class Sphere:
         volume = self.frame.volume.element()
         sign = self.frame.region.sign(volume)
         if sign is None:
+            verdict = self.frame.region.sign_verdict(volume)
             raise GravityError(
-                "frame: expected a determinant of one sign, got both. Declare a domain=[...]."
+                f"frame: expected a determinant of one sign in the region, got {verdict}. Declare "
+                "where it is positive: domain=[...]."
             )
         return volume * sign
 
