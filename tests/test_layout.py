@@ -117,7 +117,7 @@ CEILINGS = {
 }
 # Lines of code below and above the wall, rounded up to five hundreds, without docstrings, comments
 # and blanks. A change that needs more raises a number and states in its commit what users get.
-BUDGET = {"below the wall": 49500, "above the wall": 55500}
+BUDGET = {"below the wall": 50500, "above the wall": 55500}
 # What a program that imports the package does not wait for.
 LATER = ("sympy", "flint", "mpmath", "numpy", "multiprocessing", "asyncio", "tomllib", "sqlite3")
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")
@@ -299,28 +299,48 @@ def test_measures_find_examples():
 
 # Who draws points: the candidates, and the two files that select real ones among them.
 DRAWN_IN = ("exact/candidates.py", "exact/generic_point.py", "geometry/real_points.py")
-# Further files with points of their own, with the reason.
+# Further files that draw numbers, with the reason: none of them is a point of a frame.
 DRAWN_ELSEWHERE = {
-    "exact/modular.py": "points modulo a prime, which decide zero",
     "geometry/regions.py": "points between the bounds of a box, which a region returns",
     "loops/brownian.py": "the noise of a random motion",
     "same/matching.py": "turns at which a match begins",
     "exact/polynomials.py": "numbers modulo a prime",
     "exact/square_factors.py": "numbers modulo a prime",
+    "fits/motions.py": "noise in an example",
+    "gravity/perturbed/phase_space.py": "the random change of a start, by a seed",
+    "materials/crystals/frames.py": "atoms that represent all of a specimen",
+    "materials/crystals/local_frames.py": "disturbed neighbours, from which a bound follows",
+    "materials/crystals/triangulation.py": "small moves that make a triangulation unique",
+    "materials/fields/scattered.py": "points in examples",
+    "materials/lines/circuit.py": "the apex of a cone over a circuit",
+    "scenes/to_ode.py": "states of a body, at which a rate vanishes",
+    "teaching/lab/server.py": "the access code of a page",
 }
 DRAWING = re.compile(
-    r"\bCandidates\(|value_of_name\(|import random|from random|default_rng|sqrt\(PRIMES"
+    r"\bCandidates\(|value_of_name\(|import random|from random|default_rng|RandomState|PCG64"
+    r"|sqrt\(PRIMES|[hH]alton|[sS]obol|\bqmc\b|import secrets|urandom|sample=\{"
 )
 
 
 def test_no_other_module_draws_a_point():
-    """Below the wall a generic point comes from the region of a frame, and from nowhere else."""
-    below = {part for floor in BELOW_THE_WALL for part in floor}
-    drawing = {
-        name_of(file) for file in FILES if part_of(file) in below and DRAWING.search(text_of(file))
-    }
-    assert set(DRAWN_IN[:2]) <= drawing
-    assert drawing <= {*DRAWN_IN, *DRAWN_ELSEWHERE}
+    """A generic point comes from the region of a frame, and from nowhere else."""
+    drawing = {name_of(file) for file in FILES if DRAWING.search(text_of(file))}
+    assert drawing == {*DRAWN_IN, *DRAWN_ELSEWHERE}
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "point = Candidates(symbols, 2).exact(0)",
+        "from random import Random",
+        "rng = np.random.default_rng(1)",
+        "field = Field(symbols, sample={s: 1 + k for k, s in enumerate(symbols)})",
+        "engine = scipy.stats.qmc.Halton(2)",
+    ],
+)
+def test_a_module_that_draws_a_point_would_be_found(line: str):
+    """The law above can fail: each way to draw a point is found."""
+    assert DRAWING.search(line)
 
 
 def test_a_first_motion_can_be_followed():
