@@ -7,11 +7,14 @@ The imports at the top of these files, which run, form no ring: connection is ab
 above tensor. The other imports are for types, or within a method that needs a file above its own.
 """
 
-<<<<<<< HEAD
-from geomtorsion.geometry import assumption, connections, notation, quantities, validation
-=======
-from geomtorsion.geometry import connections, notation, numeric, quantities, validation
->>>>>>> main
+from geomtorsion.geometry import (
+    assumption,
+    connections,
+    notation,
+    numeric,
+    quantities,
+    validation,
+)
 from geomtorsion.geometry.brackets import Brackets
 from geomtorsion.geometry.components import antisymmetric, determinant, symmetric
 from geomtorsion.geometry.connection import Connection
