@@ -24,6 +24,7 @@ from geomtorsion.codegen.expression_graph import graph
 from geomtorsion.errors import AllowanceError, GeomtorsionError
 from geomtorsion.geometry.real_points import replaced, side
 from geomtorsion.support.caching import cached_property
+from geomtorsion.support.exclusive import exclusive
 from geomtorsion.support.precision import CONSTANT_BITS, ball_precision
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ Cell = tuple[fmpq_mpoly, list[Map], int]
 CELLS = 400
 
 
+@exclusive
 class RegionSigns:
     """The signs of elements in one region of a frame."""
 
