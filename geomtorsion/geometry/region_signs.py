@@ -127,8 +127,13 @@ class RegionSigns:
     @cached_property
     def _inside(self) -> BallCode:
         """Positive functions of a point inside: sides of relations, and walls with their signs."""
-        sides = [side(relation) for relation in self._region.relations]
+        sides = [side(relation) for relation in self._inequalities]
         return self._code([*sides, *(x * sign for x, sign in self._region.signs.items())])
+
+    @property
+    def _inequalities(self) -> list[sp.Basic]:
+        """The relations that bound the region: not x != 0."""
+        return [relation for relation in self._region.relations if hasattr(relation, "gts")]
 
     def _code(self, expressions: Iterable[sp.Expr]) -> BallCode:
         """Expressions as functions of balls."""
@@ -157,7 +162,7 @@ class RegionSigns:
         """All lower and all upper bounds of a symbol."""
         low = [sp.S.Zero] if s.is_nonnegative else []
         high = [sp.S.Zero] if s.is_nonpositive else []
-        for relation in self._region.relations:
+        for relation in self._inequalities:
             inner = side(relation)
             if inner.is_polynomial(*inner.free_symbols) and sp.degree(inner, s) == 1:
                 slope = inner.coeff(s)
@@ -202,7 +207,7 @@ class Variables:
         self.free: list[int] = []
         self._symbols: dict[sp.Symbol, Pair] = {}
         # Angles and exponents: the variable, and the inverse of the function.
-        self._inner: dict[sp.Expr, tuple[Pair, str]] = {}
+        self._inner: dict[tuple[sp.Expr, str], Pair] = {}
         self._generators: dict[str, Pair] = {}
         self._numbers: dict[sp.Expr, Pair] = {}
         for s in used:
@@ -265,7 +270,7 @@ class Variables:
         if not one.depends:
             return self._number(one.shown)
         if one.kind in ("cos", "sin", "cosh", "sinh"):
-            (n, d), _ = self._half(one.shown.args[0], one.kind[-1] == "h")
+            n, d = self._half(one.shown.args[0], one.kind[-1] == "h")
             if one.kind == "sin":
                 return 2 * n * d, n * n + d * d
             if one.kind == "cos":
@@ -276,28 +281,29 @@ class Variables:
             low, high = {1: (1, None), -1: (0, 1), 0: (0, None)}[signs.proved(one.argument)]
             ends = (None if x is None else self._constant(Fraction(x)) for x in (low, high))
             pair = self._between(*ends)
-            self._inner[one.shown.args[0]] = pair, "exp"
+            self._inner[one.shown.args[0], "exp"] = pair
             return pair
         sign = signs.sign_of_generator(one)
         return (sign * self._variable(), unit) if sign else self._between(None, None)
 
-    def _half(self, argument: sp.Expr, is_hyperbolic: bool) -> tuple[Pair, str]:
+    def _half(self, argument: sp.Expr, is_hyperbolic: bool) -> Pair:
         """tan(x/2), or exp(x), between its values at the bounds of x."""
-        if argument not in self._inner:
-            low, high = self._bounds.get(argument, (None, None))
-            zero, unit = self._constant(Fraction(0)), self._constant(Fraction(1))
+        key = argument, "exp" if is_hyperbolic else "tan"
+        if key not in self._inner:
+            factor, symbol = argument.as_coeff_Mul()
+            bounds = (x and factor * x for x in self._bounds.get(symbol, (None, None)))
+            low, high = bounds if factor > 0 else reversed([*bounds])
             if is_hyperbolic:
                 is_above = low is not None and low.is_nonnegative
-                pair, name = self._between(unit if is_above else zero, None), "exp"
+                self._inner[key] = self._between(self._constant(Fraction(is_above)), None)
             elif low is not None and high is not None and _is_within(low, high):
                 # Rounded outwards; at half a turn the tangent has no bound.
                 tangents = (None if abs(x) == sp.pi else _ends(sp.tan(x / 2)) for x in (low, high))
                 ends = (x and self._constant(x[k]) for k, x in enumerate(tangents))
-                pair, name = self._between(*ends), "tan"
+                self._inner[key] = self._between(*ends)
             else:
-                pair, name = self._between(None, None), "tan"
-            self._inner[argument] = pair, name
-        return self._inner[argument]
+                self._inner[key] = self._between(None, None)
+        return self._inner[key]
 
     # -- polynomials ---------------------------------------------------------------------------
 
@@ -322,12 +328,11 @@ class Variables:
             return Fraction(int(above.p), int(above.q)) / Fraction(int(below.p), int(below.q))
 
         found: dict[sp.Expr, Fraction] = {s: number(pair) for s, pair in self._symbols.items()}
-        for argument, (pair, name) in self._inner.items():
+        for (argument, name), pair in self._inner.items():
             if argument.is_Symbol:
                 inner = float(number(pair))
-                found[argument] = Fraction(
-                    2 * math.atan(inner) if name == "tan" else math.log(inner)
-                )
+                inverse = 2 * math.atan(inner) if name == "tan" else math.log(inner)
+                found[argument] = Fraction(inverse)
         return found
 
 

@@ -61,6 +61,13 @@ CASES = [
     (STRIP, "(x - y)**2 - 1/1000000", "both"),
     (STRIP, "(x - y)**2 + (x - z)**2 + 1/1000000", "positive"),
     (STRIP, "x**2 - x", "negative"),
+    (STRIP, "2 + sin(y) + exp(y)", "positive"),
+    (STRIP, "exp(y) + sin(y)", "both"),
+    (STRIP, "2*cosh(y) + sinh(y)", "positive"),
+    (STRIP, "sin(x/2) + x", "positive"),
+    # cos(2) = -0.4161...
+    (STRIP, "cos(2*x) + 41615/100000", "positive"),
+    (STRIP, "cos(2*x) + 41/100", "both"),
     (STRIP, "x**2 - x + 1/4", "positive"),
     (STRIP, "x**2 - x + 249999/1000000", "both"),
     (STRIP, "2 - x - x*exp(-y**2)", "positive"),
@@ -101,6 +108,13 @@ def test_the_sign_of_polynomials():
 def test_a_sign_without_proof_is_undecided(expression: str):
     """Functions of one symbol that hold each other up are positive; no other sign is stated."""
     assert STRIP.region.sign_verdict(expression) in ("positive", "undecided")
+
+
+def test_a_hole_in_a_domain_is_no_bound():
+    """x != 0 leaves both signs of x."""
+    frame = gt.Frame("x y", diagonal("1", "1"), domain=[sp.Ne(sp.Symbol("x"), 0)])
+    assert frame.region.sign_verdict("x") in ("both", "undecided")
+    assert frame.region.sign_verdict("x**2 + 1") == "positive"
 
 
 def test_an_unknown_function_is_undecided():
