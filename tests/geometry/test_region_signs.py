@@ -110,7 +110,7 @@ def test_a_sign_without_proof_is_undecided(expression: str):
     assert STRIP.region.sign_verdict(expression) in ("positive", "undecided")
 
 
-def test_a_hole_in_a_domain_is_no_bound():
+def test_a_domain_with_a_hole_has_both_sides():
     """x != 0 leaves both signs of x."""
     frame = gt.Frame("x y", diagonal("1", "1"), domain=[sp.Ne(sp.Symbol("x"), 0)])
     assert frame.region.sign_verdict("x") in ("both", "undecided")
