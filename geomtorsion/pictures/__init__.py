@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from geomtorsion.pictures.charges import draw_charge
+    from geomtorsion.pictures.constraints import draw_constraints
     from geomtorsion.pictures.curve_files import curve_pictures
     from geomtorsion.pictures.development import draw_development
     from geomtorsion.pictures.fits import draw_fit
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.measured import draw_circuits, draw_survey
     from geomtorsion.pictures.network import draw_dislocations, draw_lines, draw_network
     from geomtorsion.pictures.notebook_pictures import draw_plan
+    from geomtorsion.pictures.orbits import draw_closed_orbit
     from geomtorsion.pictures.particles import draw_particles
     from geomtorsion.pictures.prices import draw_price
     from geomtorsion.pictures.report import write_report
@@ -41,7 +43,9 @@ _HOMES = {
     "curve_pictures": "curve_files",
     "draw_charge": "charges",
     "draw_circuits": "measured",
+    "draw_closed_orbit": "orbits",
     "draw_closure": "loops",
+    "draw_constraints": "constraints",
     "draw_development": "development",
     "draw_dislocations": "network",
     "draw_fit": "fits",
@@ -68,7 +72,9 @@ __all__ = [
     "curve_pictures",
     "draw_charge",
     "draw_circuits",
+    "draw_closed_orbit",
     "draw_closure",
+    "draw_constraints",
     "draw_development",
     "draw_dislocations",
     "draw_fit",
