@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -259,6 +259,30 @@ def _check_closed(one: Sphere) -> None:
 def _is_short(q: sp.Symbol, low: sp.Expr, high: sp.Expr) -> bool:
     """Whether an angle around an axis runs less or more than once around."""
     return q.name in AROUND and high - low != 2 * sp.pi
+
+
+def divergence(
+    one: Sphere, current: Callable[[int], Element]
+) -> tuple[sp.Expr, dict[sp.Symbol, sp.Expr]]:
+    """The exact derivative of a flux inside its slice, and its flux through ends of coordinates.
+
+    dQ/dr is the integral of d_k F^{tk} and of what enters through the ends of each coordinate q of
+    the surface, F^{tq} at the lower end less F^{tq} at the upper one; current: k -> F^{tk}, a
+    tensor density.
+    """
+    frame, field = one.frame, one.frame.field
+    others = [k for k in range(frame.dimension) if k != one.time]
+    total = field.sum([(1, current(k).diff(frame.coordinates[k])) for k in others])
+    leaks = {}
+    for q, low, high in one.ranges:
+        flux = current(frame.coordinates.index(q))
+        if flux.is_zero or q not in flux.sympy.free_symbols:
+            continue
+        ends = [sp.simplify(one.put(flux.sympy.subs(q, end))) for end in (low, high)]
+        if ends[0] != ends[1]:
+            leaks[q] = sp.factor(ends[0] - ends[1]) / sp.pi * one.outwards
+    value = sp.S.Zero if total.is_zero else one.put(total.sympy) * one.outwards / sp.pi
+    return value, leaks
 
 
 # -- integrals -------------------------------------------------------------------------------------

@@ -24,6 +24,7 @@ from geomtorsion.gravity.numeric.power_series import PowerSeries
 from geomtorsion.gravity.numeric.solution_jets import Jet, noise
 from geomtorsion.gravity.numeric.varied import Setting, varied
 from geomtorsion.gravity.perturbed.geometries import GEOMETRIES, OF_THEORY, names_of, theory_in
+from geomtorsion.gravity.perturbed.hilbert import fitted
 from geomtorsion.gravity.vocabulary import declared_constants
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
@@ -45,7 +46,8 @@ class DegreesOfFreedom:
     numbers: H(q), q = 0, 1, ...: Taylor coefficients of all fields up to order q that are free
         for nearby solutions. shorter: the same from series with one order less.
     gauge: pairs (number of gauge functions, derivatives with which they enter the fields).
-    place: order from which the differences agree; None where they do not.
+    place: order from which the numbers that are the same with one order less fit a phase space
+        and a gauge symmetry; None where they do not, or are too few for a check.
     gaps: smallest singular value that counts in a rank, and largest that does not.
     residual: largest coefficient of the equations on the solution.
     branch: names of the invariants of the Lagrangian whose gradient vanishes at the point of the
@@ -93,13 +95,18 @@ class DegreesOfFreedom:
 
     @property
     def settled(self) -> bool:
-        """Whether the count is the same with one order less, all ranks are clear, and it fits."""
-        return self.place is not None and self.is_clear and self.residual < HALF
+        """Whether the count is the same with one order less, all ranks are clear, and it fits.
+
+        A phase space of an odd number of functions is not settled.
+        """
+        if self.place is None or self.differences[self.place] % 2:
+            return False
+        return self.is_clear and self.residual < HALF
 
     @property
     def number(self) -> Fraction | None:
         """Degrees of freedom: half the number of phase space functions; None where not settled."""
-        if not self.settled or self.place is None:
+        if self.place is None or not self.settled:
             return None
         return Fraction(self.differences[self.place], 2)
 
@@ -118,6 +125,9 @@ class DegreesOfFreedom:
                 f"ranks are not sure (singular values {self.gaps[0]:.0e} and {self.gaps[1]:.0e}). "
                 "Give another start: near=frame, another seed."
             )
+        if self.place is not None:
+            size = self.differences[self.place]
+            return f"the phase space has an odd number of functions, {size}. Give a higher order."
         names = ", ".join(self.branch)
         constant = f" The gradient of {names} vanishes on this solution." if names else ""
         return (
@@ -214,7 +224,7 @@ def degrees_of_freedom(
         Values of the constants of the Lagrangian; others get a value, which `.assumed` lists.
     order
         Highest order of the power series; by default the dimension plus the order of the
-        equations. H only falls where it grows.
+        equations, and one more where the count is not settled. H only falls where it grows.
     seed
         Of the random change of the start: equal calls give equal answers.
 
@@ -281,33 +291,48 @@ def degrees_of_freedom(
             "dimensions. Give a Lagrangian whose variation contains the fields."
         )
     highest = first.order
-    last = n + highest if order is None else checks.count(order, "order", GravityError, highest + 1)
-    series = PowerSeries(n, last)
-    fields = _start(setting, series, near, formulas)
-    if isinstance(near, DegreesOfFreedom):
-        solved, rest = Jet(series, fields, setting.residuals).solved()
-    else:
-        if near is not None:
-            # A symmetric start stays symmetric, on the branch of the frame.
-            fields = Jet(series, fields, setting.residuals).solved()[0].fields
-        moved = _moved(fields, series, setting, seed)
-        solved, rest = Jet(series, moved, setting.residuals).solved()
-    numbers, *gaps = solved.freedom(highest)
-    below = PowerSeries(n, last - 1)
-    cut_off = Jet(below, solved.fields[:, : below.size], setting.residuals)
-    shorter, *others = cut_off.freedom(highest)
-    gauge, place = _fit(numbers, shorter, name, kind.gauge, n, count)
-    branch, scalars_at = _branch(setting, solved)
+    orders = [n + highest, n + highest + 1]
+    if order is not None:
+        orders = [checks.count(order, "order", GravityError, highest + 1)]
     begin = "flat space" if near is None else "the start in near"
     assumed += [
         f"a point of one solution, from {begin} with the random change of seed {seed}",
         "ranks of matrices of doubles",
     ]
-    return DegreesOfFreedom(
-        str(theory.expression), name, n, last, tuple(numbers), tuple(shorter), gauge, place,
-        (min(gaps[0], others[0]), max(gaps[1], others[1])), rest, branch, scalars_at,
-        dict(values), tuple(assumed), _named(setting, solved.fields),
-    )  # fmt: skip
+    for last in orders:
+        series = PowerSeries(n, last)
+        solved, rest = _solution(setting, series, near, formulas, seed)
+        numbers, *gaps = solved.freedom(highest)
+        below = PowerSeries(n, last - 1)
+        cut_off = Jet(below, solved.fields[:, : below.size], setting.residuals)
+        shorter, *others = cut_off.freedom(highest)
+        gauge, place = fitted(numbers, shorter, name, kind.gauge, n, count)
+        branch, scalars_at = _branch(setting, solved)
+        answer = DegreesOfFreedom(
+            str(theory.expression), name, n, last, tuple(numbers), tuple(shorter), gauge, place,
+            (min(gaps[0], others[0]), max(gaps[1], others[1])), rest, branch, scalars_at,
+            dict(values), tuple(assumed), _named(setting, solved.fields),
+        )  # fmt: skip
+        if answer.settled or not rest < HALF:
+            break
+    return answer
+
+
+def _solution(
+    setting: Setting,
+    series: PowerSeries,
+    near: Frame | DegreesOfFreedom | None,
+    formulas: Mapping[str, object],
+    seed: int,
+) -> tuple[Jet, float]:
+    """A solution near the start, and its largest residual."""
+    fields = _start(setting, series, near, formulas)
+    if not isinstance(near, DegreesOfFreedom):
+        if near is not None:
+            # A symmetric start stays symmetric, on the branch of the frame.
+            fields = Jet(series, fields, setting.residuals).solved()[0].fields
+        fields = _moved(fields, series, setting, seed)
+    return Jet(series, fields, setting.residuals).solved()
 
 
 def _geometry(lagrangian: object, name: object) -> str:
@@ -433,52 +458,6 @@ def _moved(fields: np.ndarray, series: PowerSeries, setting: Setting, seed: int)
     first = len(setting.kind.coframe) + len(setting.kind.turning)
     result[first:, 0] += change[first:, 0] / SPREAD
     return result
-
-
-def _fit(
-    numbers: Sequence[int],
-    shorter: Sequence[int],
-    geometry: str,
-    gauge: tuple[tuple[int, int], ...],
-    n: int,
-    vectors: int,
-) -> tuple[tuple[tuple[int, int], ...], int | None]:
-    """The gauge symmetry that fits H, and the order from which the fit holds.
-
-    The fit starts at the last order whose numbers are the same with one order less, where a
-    known symmetry has as many functions of n variables.
-    """
-    known = _symmetries(geometry, gauge, n, vectors)
-    top = np.diff(numbers, n)
-    for place in range(len(top) - 1, -1, -1):
-        last = place + n
-        if last > len(shorter) or tuple(numbers[place:last]) != tuple(shorter[place:last]):
-            continue
-        functions = int(top[place])
-        if functions in known:
-            return known[functions], place
-    return gauge, None
-
-
-def _symmetries(
-    geometry: str, gauge: tuple[tuple[int, int], ...], n: int, vectors: int
-) -> dict[int, tuple[tuple[int, int], ...]]:
-    """Number of functions of n variables -> the gauge symmetries that have so many.
-
-    Diffeomorphisms change coframe and metric by first derivatives, rotations of a tetrad change it
-    without a derivative, and a gradient changes a vector field.
-    """
-    further: list[tuple[tuple[int, int], ...]] = [()]
-    if geometry == "teleparallel":
-        further.append(((n * (n - 1) // 2, 0),))
-    if geometry == "symmetric teleparallel":
-        further.append(((n, 1),))
-    table: dict[int, tuple[tuple[int, int], ...]] = {}
-    for extra in further:
-        for k in range(vectors + 1):
-            pairs = (*gauge, *extra, *(((k, 1),) if k else ()))
-            table.setdefault(sum(m for m, _ in pairs), pairs)
-    return table
 
 
 def _branch(setting: Setting, jet: Jet) -> tuple[tuple[str, ...], dict[str, float]]:
