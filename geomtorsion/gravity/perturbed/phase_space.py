@@ -299,7 +299,9 @@ def degrees_of_freedom(
         f"a point of one solution, from {begin} with the random change of seed {seed}",
         "ranks of matrices of doubles",
     ]
-    for last in orders:
+
+    def counted(last: int) -> DegreesOfFreedom:
+        """The count with series of this order."""
         series = PowerSeries(n, last)
         solved, rest = _solution(setting, series, near, formulas, seed)
         numbers, *gaps = solved.freedom(highest)
@@ -308,13 +310,16 @@ def degrees_of_freedom(
         shorter, *others = cut_off.freedom(highest)
         gauge, place = fitted(numbers, shorter, name, kind.gauge, n, count)
         branch, scalars_at = _branch(setting, solved)
-        answer = DegreesOfFreedom(
+        return DegreesOfFreedom(
             str(theory.expression), name, n, last, tuple(numbers), tuple(shorter), gauge, place,
             (min(gaps[0], others[0]), max(gaps[1], others[1])), rest, branch, scalars_at,
             dict(values), tuple(assumed), _named(setting, solved.fields),
         )  # fmt: skip
-        if answer.settled or not rest < HALF:
-            break
+
+    answer = counted(orders[0])
+    for last in orders[1:]:
+        if answer.residual < HALF and not answer.settled:
+            answer = counted(last)
     return answer
 
 
