@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from geomtorsion.pictures.charges import draw_charge
     from geomtorsion.pictures.curve_files import curve_pictures
+    from geomtorsion.pictures.degrees_of_freedom import draw_degrees_of_freedom
     from geomtorsion.pictures.development import draw_development
     from geomtorsion.pictures.fits import draw_fit
     from geomtorsion.pictures.gaps import draw_gap
@@ -42,6 +43,7 @@ _HOMES = {
     "draw_charge": "charges",
     "draw_circuits": "measured",
     "draw_closure": "loops",
+    "draw_degrees_of_freedom": "degrees_of_freedom",
     "draw_development": "development",
     "draw_dislocations": "network",
     "draw_fit": "fits",
@@ -69,6 +71,7 @@ __all__ = [
     "draw_charge",
     "draw_circuits",
     "draw_closure",
+    "draw_degrees_of_freedom",
     "draw_development",
     "draw_dislocations",
     "draw_fit",

@@ -44,7 +44,7 @@ class Density:
 
     expression: in the coordinates of the surface. name: of the charge. formula: in words.
     current: k -> component (time, k) of the antisymmetric tensor density whose flux is the charge;
-        None for an integrand that is no such component.
+        None for an integrand of another kind.
     at_infinity: whether the radius grows without bound. assumed: assumptions, in words.
     """
 

@@ -123,7 +123,7 @@ class _Hole:
     def condition(self) -> sp.Expr:
         """Factors of g^rr that vanish at the horizon, without angles; or factors of the lapse.
 
-        The lapse alone vanishes where the radius is a distance, as in Rindler's coordinates.
+        Only the lapse vanishes where the radius is a distance, as in Rindler's coordinates.
         """
         one = self.sphere
         around = {q for q, _, _ in one.ranges}
@@ -134,7 +134,7 @@ class _Hole:
             own = [x for x in whole if x != q]
             if own and not any(x.free_symbols & around for x in own):
                 return sp.Mul(*own)
-        # The radius is a factor of many metrics at their centre, and counts only alone.
+        # The radius is a factor of many metrics at their centre: it counts only without others.
         if [q] in wholes:
             return q
         above = sp.fraction(sp.together(inverse((r, r)).sympy))[0]

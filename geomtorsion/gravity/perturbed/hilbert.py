@@ -24,10 +24,10 @@ def fitted(
     where the order grows.
     """
     known = _symmetries(geometry, gauge, n, vectors)
-    same = next((q for q, x in enumerate(shorter) if x != numbers[q]), len(shorter))
+    same = confirmed(numbers, shorter)
     for place in range(same - n):
         heads = [int(np.diff(numbers, k)[place]) for k in range(n + 1)]
-        values = [_polynomial(heads, q) for q in range(len(numbers) - place)]
+        values = [polynomial(heads, q) for q in range(len(numbers) - place)]
         pairs = list(zip(numbers[place:], values, strict=True))
         is_same = all(number == value for number, value in pairs[: same - place])
         if heads[-1] in known and is_same and all(number >= value for number, value in pairs):
@@ -35,7 +35,12 @@ def fitted(
     return gauge, None
 
 
-def _polynomial(heads: Sequence[int], q: int) -> int:
+def confirmed(numbers: Sequence[int], shorter: Sequence[int]) -> int:
+    """How many of the first numbers are the same with one order less."""
+    return next((q for q, x in enumerate(shorter) if x != numbers[q]), len(shorter))
+
+
+def polynomial(heads: Sequence[int], q: int) -> int:
     """The polynomial with these differences at 0, by Newton's formula."""
     return sum(math.comb(q, k) * head for k, head in enumerate(heads))
 
