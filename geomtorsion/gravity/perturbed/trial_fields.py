@@ -11,8 +11,8 @@ import sympy as sp
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import parse_expression
 from geomtorsion.geometry import Frame
-from geomtorsion.gravity.numeric.numeric_field import NumericField
-from geomtorsion.gravity.numeric.power_series import PowerSeries
+from geomtorsion.geometry.numeric.numeric_field import NumericField
+from geomtorsion.geometry.numeric.power_series import PowerSeries
 from geomtorsion.gravity.numeric.varied import Setting
 from geomtorsion.support import checks
 
