@@ -278,11 +278,18 @@ def divergence(
         flux = current(frame.coordinates.index(q))
         if flux.is_zero or q not in flux.sympy.free_symbols:
             continue
-        ends = [sp.simplify(one.put(flux.sympy.subs(q, end))) for end in (low, high)]
+        whole = one.put(flux.sympy)
+        ends = [_end(whole, q, end, side) for end, side in ((low, "+"), (high, "-"))]
         if ends[0] != ends[1]:
             leaks[q] = sp.factor(ends[0] - ends[1]) / sp.pi * one.outwards
     value = sp.S.Zero if total.is_zero else one.put(total.sympy) * one.outwards / sp.pi
     return value, leaks
+
+
+def _end(expression: sp.Expr, q: sp.Symbol, end: sp.Expr, side: str) -> sp.Expr:
+    """An expression at an end of a coordinate; its limit where it is not finite there."""
+    value = sp.simplify(expression.subs(q, end))
+    return sp.limit(expression, q, end, side) if value.has(sp.nan, sp.zoo, sp.oo) else value
 
 
 # -- integrals -------------------------------------------------------------------------------------
