@@ -21,6 +21,7 @@ from geomtorsion.cli.theories import (
 from geomtorsion.cli.values import assigned, separated
 from geomtorsion.errors import ArgumentError
 from geomtorsion.gravity import perturbed
+from geomtorsion.gravity.charges.spheres import number
 
 # Names of connections in other commands -> the geometry that varies them.
 CONNECTIONS = {"cartan": "teleparallel", "levi-civita": "riemannian"}
@@ -105,7 +106,8 @@ def count(
         if near is not None:
             start = open_space(near).frame
             own = {x.name for x in start.parameters} & given.keys()
-            start = start.subs({name: given.pop(name) for name in own}) if own else start
+            put = {name: number(given.pop(name), f"--set {name}") for name in sorted(own)}
+            start = start.subs(put) if put else start
         answer = perturbed.degrees_of_freedom(
             theory_of(lagrangian),
             CONNECTIONS.get(connection, connection) if connection else None,
