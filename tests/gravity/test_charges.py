@@ -136,6 +136,13 @@ def test_a_number_where_there_is_no_closed_form() -> None:
     assert abs(float(found) - 10 * (1 - 0.8**0.5)) < 0.36 / 100
 
 
+@pytest.mark.parametrize("spin", ["3/5", "0.6", 0.6, "6e-1"])
+def test_a_decimal_is_exact(spin: object) -> None:
+    """Text and floats mean the decimal that they show."""
+    found = gravity.charge("kerr", killing="phi", parameters={"M": 1, "a": spin})
+    assert found.value == sp.Rational(3, 5)
+
+
 def test_the_side_of_a_surface_is_chosen() -> None:
     other = gravity.charge("kerr", outside=-1)
     assert other.value == -gravity.charge("kerr").value

@@ -196,9 +196,11 @@ def _held(surface: object, symbols: Mapping[str, sp.Symbol]) -> dict[str, object
 
 def number(value: object, name: str) -> sp.Expr:
     """An exact real number from a number or text; a float is the shortest decimal that it has."""
-    read = checks.expression(
-        value, name, GravityError, read=lambda text: parse_expression(text, {}, where=name)
-    )
+
+    def decimal(text: str) -> sp.Expr:
+        return parse_expression(text, {}, where=name, decimals=True)
+
+    read = checks.expression(value, name, GravityError, read=decimal)
     if read.free_symbols or read.is_real is not True:
         checks.refuse(GravityError, name, "a real number", value)
     if read.is_Float:
