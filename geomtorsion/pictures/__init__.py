@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from geomtorsion.pictures.charges import draw_charge
+    from geomtorsion.pictures.constraints import draw_constraints
     from geomtorsion.pictures.curve_files import curve_pictures
     from geomtorsion.pictures.degrees_of_freedom import draw_degrees_of_freedom
     from geomtorsion.pictures.development import draw_development
@@ -43,6 +44,7 @@ _HOMES = {
     "draw_charge": "charges",
     "draw_circuits": "measured",
     "draw_closure": "loops",
+    "draw_constraints": "constraints",
     "draw_degrees_of_freedom": "degrees_of_freedom",
     "draw_development": "development",
     "draw_dislocations": "network",
@@ -71,6 +73,7 @@ __all__ = [
     "draw_charge",
     "draw_circuits",
     "draw_closure",
+    "draw_constraints",
     "draw_degrees_of_freedom",
     "draw_development",
     "draw_dislocations",
