@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.charges import draw_charge
     from geomtorsion.pictures.constraints import draw_constraints
     from geomtorsion.pictures.curve_files import curve_pictures
+    from geomtorsion.pictures.degrees_of_freedom import draw_degrees_of_freedom
     from geomtorsion.pictures.development import draw_development
     from geomtorsion.pictures.fits import draw_fit
     from geomtorsion.pictures.gaps import draw_gap
@@ -46,6 +47,7 @@ _HOMES = {
     "draw_closed_orbit": "orbits",
     "draw_closure": "loops",
     "draw_constraints": "constraints",
+    "draw_degrees_of_freedom": "degrees_of_freedom",
     "draw_development": "development",
     "draw_dislocations": "network",
     "draw_fit": "fits",
@@ -75,6 +77,7 @@ __all__ = [
     "draw_closed_orbit",
     "draw_closure",
     "draw_constraints",
+    "draw_degrees_of_freedom",
     "draw_development",
     "draw_dislocations",
     "draw_fit",
