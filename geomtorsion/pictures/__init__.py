@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.charges import draw_charge
     from geomtorsion.pictures.constraints import draw_constraints
     from geomtorsion.pictures.curve_files import curve_pictures
+    from geomtorsion.pictures.degrees_of_freedom import draw_degrees_of_freedom
     from geomtorsion.pictures.development import draw_development
     from geomtorsion.pictures.fits import draw_fit
     from geomtorsion.pictures.gaps import draw_gap
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.measured import draw_circuits, draw_survey
     from geomtorsion.pictures.network import draw_dislocations, draw_lines, draw_network
     from geomtorsion.pictures.notebook_pictures import draw_plan
+    from geomtorsion.pictures.orbits import draw_closed_orbit
     from geomtorsion.pictures.particles import draw_particles
     from geomtorsion.pictures.prices import draw_price
     from geomtorsion.pictures.report import write_report
@@ -42,8 +44,10 @@ _HOMES = {
     "curve_pictures": "curve_files",
     "draw_charge": "charges",
     "draw_circuits": "measured",
+    "draw_closed_orbit": "orbits",
     "draw_closure": "loops",
     "draw_constraints": "constraints",
+    "draw_degrees_of_freedom": "degrees_of_freedom",
     "draw_development": "development",
     "draw_dislocations": "network",
     "draw_fit": "fits",
@@ -70,8 +74,10 @@ __all__ = [
     "curve_pictures",
     "draw_charge",
     "draw_circuits",
+    "draw_closed_orbit",
     "draw_closure",
     "draw_constraints",
+    "draw_degrees_of_freedom",
     "draw_development",
     "draw_dislocations",
     "draw_fit",
