@@ -433,6 +433,11 @@ class CurveProblem:
             speeds = zip(velocity_names(self.frame), self.frame_velocity, strict=True)
             check_stops(self.stops, {**point, **{name: float(u) for name, u in speeds}})
 
+    @property
+    def stop_texts(self) -> tuple[str, ...]:
+        """The conditions that end the curve, as text."""
+        return tuple(stop.text for stop in self.stops)
+
     def first_stage(self, precision: int, perturbation: float) -> Stage:
         """The motion from its start on; perturbation: the part by which this is changed."""
         key = precision, perturbation
@@ -797,7 +802,10 @@ class CurveProblem:
     def read_members(
         self, members: Members, rows: Rows, times: np.ndarray
     ) -> dict[str, np.ndarray]:
-        """Coordinates and frame velocities, shapes (number, m, n), and each by its name."""
+        """Coordinates and frame velocities, shapes (number, m, n), and each by its name.
+
+        times: the same for all members, shape (m,), or of each, shape (number, m).
+        """
         return readout.read_members(self, members, rows, times)
 
 
