@@ -37,6 +37,7 @@ if TYPE_CHECKING:
         Chart,
         CurveProblem,
         LogMap,
+        Shadow,
         TransitionMap,
         autoparallel,
         distance_apart,
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
         holonomy,
         log_map,
         parallel_transport,
+        shadow,
         spinning,
     )
     from geomtorsion.exact import Certainty, parse_expression
@@ -208,9 +210,9 @@ _LATER = {
         "Taylor", "When", "solve", "solve_many",
     ),
     "curves": (
-        "Atlas", "Chart", "CurveProblem", "LogMap", "TransitionMap", "autoparallel",
+        "Atlas", "Chart", "CurveProblem", "LogMap", "Shadow", "TransitionMap", "autoparallel",
         "distance_apart", "exponential_map", "geodesic", "geodesic_deviation", "holonomy",
-        "log_map", "parallel_transport", "spinning",
+        "log_map", "parallel_transport", "shadow", "spinning",
     ),
     "rigid": ("FreeTop", "free_top"),
     "gravity": ("Symmetries", "killing_equations", "symmetries"),
@@ -397,6 +399,7 @@ __all__ = [
     "read",
     "same_geometry",
     "scenes",
+    "shadow",
     "solve",
     "solve_many",
     "spaces",

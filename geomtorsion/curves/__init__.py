@@ -17,6 +17,7 @@ from geomtorsion.curves.exponential import exponential_map, holonomy
 from geomtorsion.curves.linear import closed_form
 from geomtorsion.curves.log_map import LogMap, log_map
 from geomtorsion.curves.problem import CurveProblem
+from geomtorsion.curves.shadow import Shadow, ShadowEdge, ShadowImage, shadow
 from geomtorsion.curves.spinning import spinning
 
 __all__ = [
@@ -24,6 +25,9 @@ __all__ = [
     "Chart",
     "CurveProblem",
     "LogMap",
+    "Shadow",
+    "ShadowEdge",
+    "ShadowImage",
     "TransitionMap",
     "autoparallel",
     "closed_form",
@@ -35,5 +39,6 @@ __all__ = [
     "holonomy",
     "log_map",
     "parallel_transport",
+    "shadow",
     "spinning",
 ]

@@ -391,14 +391,14 @@ def read_members(
         seen = np.all(np.isfinite(states), axis=2, keepdims=True)
         u[done] = np.where(seen, members.varied["own_velocity"][done, None, :], np.nan)
     if width:
-        there, turned = states[..., :width].reshape(-1, width).copy(), u[done].reshape(-1, n)
+        there, turned = states[..., :width].reshape(-1, width), u[done].reshape(-1, n)
         home = problem.atlas.home
         if members.label != home:
             # After its stop a member has no numbers.
             seen = np.isfinite(there).all(axis=1)
-            there[seen], turned[seen] = converted(
-                problem, members.label, home, there[seen], turned[seen]
-            )
+            read = converted(problem, members.label, home, there[seen], turned[seen])
+            there, turned = np.full((2, len(seen), n), np.nan)
+            there[seen], turned[seen] = read
         q[done], u[done] = there.reshape(-1, m, n), turned.reshape(-1, m, n)
     first = rows.states.shape[1] - m
     for k, trajectory in rows.trajectories.items():

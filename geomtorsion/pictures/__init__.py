@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.prices import draw_price
     from geomtorsion.pictures.report import write_report
     from geomtorsion.pictures.ringing import draw_ringing
+    from geomtorsion.pictures.shadow import draw_shadow
     from geomtorsion.pictures.solar_system import draw_post_newtonian
     from geomtorsion.pictures.solutions import draw_solution
     from geomtorsion.pictures.stress import draw_stress
@@ -55,6 +56,7 @@ _HOMES = {
     "draw_post_newtonian": "solar_system",
     "draw_price": "prices",
     "draw_ringing": "ringing",
+    "draw_shadow": "shadow",
     "draw_solution": "solutions",
     "draw_stress": "stress",
     "draw_survey": "measured",
@@ -82,6 +84,7 @@ __all__ = [
     "draw_post_newtonian",
     "draw_price",
     "draw_ringing",
+    "draw_shadow",
     "draw_solution",
     "draw_stress",
     "draw_survey",

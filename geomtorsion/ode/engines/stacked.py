@@ -181,7 +181,7 @@ class _Walk:
             return
         member, high = live[some], places[nearest[some]]
         low = np.concatenate(([step.begin], places))[nearest[some]]
-        # Of two conditions that fall between two places the earlier one counts.
+        # If two conditions fall between two places, the earlier one counts.
         times = np.full((len(self.system.stops), len(some)), np.nan)
         for k in range(len(times)):
             now = first[k, some] == nearest[some]
