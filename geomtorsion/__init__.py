@@ -321,6 +321,7 @@ __all__ = [
     "Scene",
     "SceneCost",
     "SceneResult",
+    "Shadow",
     "Solution",
     "State",
     "StateSelection",

@@ -17,7 +17,8 @@ from geomtorsion.curves.exponential import exponential_map, holonomy
 from geomtorsion.curves.linear import closed_form
 from geomtorsion.curves.log_map import LogMap, log_map
 from geomtorsion.curves.problem import CurveProblem
-from geomtorsion.curves.shadow import Shadow, ShadowEdge, ShadowImage, shadow
+from geomtorsion.curves.shadow import Shadow, shadow
+from geomtorsion.curves.shadow_image import ShadowEdge, ShadowImage
 from geomtorsion.curves.spinning import spinning
 
 __all__ = [

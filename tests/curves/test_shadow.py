@@ -131,18 +131,17 @@ def test_light_winds_near_the_edge():
 
 def test_one_camera_turned():
     """Another axis and another upward direction move the image as a whole."""
-    hole = {"parameters": {"M": M}}
-    plain = gt.shadow("schwarzschild", [0, 10, 1.3, 0], **hole).image(6, field=1.6)
-    turned = gt.shadow("schwarzschild", [0, 10, 1.3, 0], up=[0, 0, 1], **hole).image(6, field=1.6)
+    plain = schwarzschild().image(6, field=1.6)
+    turned = schwarzschild(up=[0, 0, 1]).image(6, field=1.6)
     assert turned.redshift == pytest.approx(np.rot90(plain.redshift), rel=1e-5)
 
 
 def test_any_number_of_workers_gives_the_same_bits():
     """Fates, places and velocities."""
-    hole = {"parameters": {"M": M, "a": 0.7}}
-    plain = gt.shadow("kerr", [0, 10, 1.3, 0], **hole).image(16, field=1.0)
+    hole, place = {"M": M, "a": 0.7}, [0, 10, 1.3, 0]
+    plain = gt.shadow("kerr", place, parameters=hole).image(16, field=1.0)
     with ThreadPoolExecutor(2) as pool:
-        sent = gt.shadow("kerr", [0, 10, 1.3, 0], executor=pool, **hole).image(16, field=1.0)
+        sent = gt.shadow("kerr", place, parameters=hole, executor=pool).image(16, field=1.0)
     for name in ("fate", "coordinates", "frame_velocity", "errors"):
         assert getattr(plain, name).tobytes() == getattr(sent, name).tobytes(), name
 

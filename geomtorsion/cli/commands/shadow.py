@@ -70,8 +70,8 @@ def shadow(
     """Compute the shadow of a black hole in the light that reaches a camera.
 
     The legs of the tetrad carry the camera. Its rays are followed back until they are captured or
-    escape. Parameters that are not set, and the camera, are those of the first motion of the space.
-    The image is computed only with -o.
+    escape. The first motion of the space supplies a missing camera and missing parameters. The
+    image is computed only with -o.
 
     \b
     Examples:
