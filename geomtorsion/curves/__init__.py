@@ -5,6 +5,7 @@ these take a problem. At run time only `problem` imports `readout`; the other im
 """
 
 from geomtorsion.curves.atlas import Atlas, Chart, TransitionMap
+from geomtorsion.curves.camera import Shadow, shadow
 from geomtorsion.curves.constructors import (
     autoparallel,
     geodesic,
@@ -17,7 +18,6 @@ from geomtorsion.curves.exponential import exponential_map, holonomy
 from geomtorsion.curves.linear import closed_form
 from geomtorsion.curves.log_map import LogMap, log_map
 from geomtorsion.curves.problem import CurveProblem
-from geomtorsion.curves.shadow import Shadow, shadow
 from geomtorsion.curves.shadow_image import ShadowEdge, ShadowImage
 from geomtorsion.curves.spinning import spinning
 

@@ -1,4 +1,4 @@
-"""Shadow: light traced back from a camera that a tetrad carries, its edge and its image."""
+"""Camera: light traced back from a camera that a tetrad carries, up to where it ends."""
 
 from __future__ import annotations
 
