@@ -145,6 +145,7 @@ if TYPE_CHECKING:
     from geomtorsion.ode import (
         ODE,
         At,
+        EndMap,
         Engine,
         Ensemble,
         RungeKutta,
@@ -153,6 +154,7 @@ if TYPE_CHECKING:
         Stiff,
         Taylor,
         When,
+        end_map,
         solve_many,
     )
 
@@ -206,8 +208,8 @@ _LATER = {
         "equations_of_motion", "linearized", "variation",
     ),
     "ode": (
-        "At", "Ensemble", "Engine", "ODE", "RungeKutta", "SavedSolution", "Solution", "Stiff",
-        "Taylor", "When", "solve", "solve_many",
+        "At", "EndMap", "Ensemble", "Engine", "ODE", "RungeKutta", "SavedSolution", "Solution",
+        "Stiff", "Taylor", "When", "end_map", "solve", "solve_many",
     ),
     "curves": (
         "Atlas", "Chart", "CurveProblem", "LogMap", "Shadow", "TransitionMap", "autoparallel",
@@ -279,6 +281,7 @@ __all__ = [
     "EffectBudget",
     "ElasticConstants",
     "EnclosedDefect",
+    "EndMap",
     "Engine",
     "Ensemble",
     "EquationsOfMotion",
@@ -359,6 +362,7 @@ __all__ = [
     "effects",
     "embedded",
     "enclosed_defects",
+    "end_map",
     "equations_of_motion",
     "errors",
     "exact_burgers_vector",

@@ -782,6 +782,28 @@ class CurveProblem:
 
     # -- many starts -----------------------------------------------------------------------------
 
+    def bundle(self, columns: Mapping[str, np.ndarray]) -> dict[str, object]:
+        """Arguments of `solve_many` for members that differ in some coordinates and velocities.
+
+        columns: one of `variables` without the parameters -> its values, shape (number,).
+
+        Raises
+        ------
+        UnknownNameError
+            the start has no such coordinate or velocity.
+        """
+        names = [name for name in self.variables if name not in self.parameters]
+        own = {name: float(self.variables[name]) for name in names}
+        number = len(next(iter(columns.values())))
+        for name in columns:
+            checks.known_name(name, own, "start", UnknownNameError)
+        table = own | dict(columns)
+        rows = np.array([np.broadcast_to(table[name], number) for name in names]).T
+        width = 0 if self.start is None else len(self.start)
+        kind = "frame_velocities" if self.coordinate_velocity is None else "velocities"
+        lists: dict[str, object] = {kind: rows[:, width:]}
+        return lists if self.start is None else lists | {"starts": rows[:, :width]}
+
     def members(
         self, starts: object, velocities: object = None, frame_velocities: object = None
     ) -> Members:

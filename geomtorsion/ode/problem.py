@@ -821,6 +821,10 @@ class ODE:
 
     # -- many starts -----------------------------------------------------------------------------
 
+    def bundle(self, columns: Mapping[str, np.ndarray]) -> dict[str, object]:
+        """Arguments of `solve_many` for members that differ in some states and parameters."""
+        return {"starts": columns}
+
     def members(
         self, starts: object, velocities: object = None, frame_velocities: object = None
     ) -> Members:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.charges import draw_charge
     from geomtorsion.pictures.curve_files import curve_pictures
     from geomtorsion.pictures.development import draw_development
+    from geomtorsion.pictures.end_maps import draw_ends
     from geomtorsion.pictures.fits import draw_fit
     from geomtorsion.pictures.gaps import draw_gap
     from geomtorsion.pictures.loops import draw_closure, draw_loop, draw_map
@@ -45,6 +46,7 @@ _HOMES = {
     "draw_closure": "loops",
     "draw_development": "development",
     "draw_dislocations": "network",
+    "draw_ends": "end_maps",
     "draw_fit": "fits",
     "draw_gap": "gaps",
     "draw_lines": "network",
@@ -73,6 +75,7 @@ __all__ = [
     "draw_closure",
     "draw_development",
     "draw_dislocations",
+    "draw_ends",
     "draw_fit",
     "draw_gap",
     "draw_lines",
