@@ -59,7 +59,7 @@ def main(arguments: list[str] | None = None) -> None:
     view = gt.shadow(
         wormhole(), [0, 3, np.pi / 3, 0], parameters={"b": 2}, dark="l + 10", sky="10 - l"
     )  # fmt: skip
-    throat = view.edge(4, accuracy=1e-7)
+    throat = view.edge([0.0, 1.0, 2.0], accuracy=1e-7)
     print(throat)
     assert np.abs(throat.radii - np.arcsin(2 / np.sqrt(13))).max() < 2e-7
 

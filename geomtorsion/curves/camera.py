@@ -14,12 +14,13 @@ from geomtorsion.codegen import graph
 from geomtorsion.curves.constructors import autoparallel, geodesic
 from geomtorsion.curves.equations import velocity_names
 from geomtorsion.curves.problem import CurveProblem
-from geomtorsion.curves.shadow_image import DARK, SKY, UNDECIDED, ShadowEdge, ShadowImage
+from geomtorsion.curves.shadow_image import Fate, ShadowEdge, ShadowImage
 from geomtorsion.errors import AccuracyError, MetricError, ShapeError, StartError
 from geomtorsion.geometry import Frame
 from geomtorsion.geometry.connections import as_connection
 from geomtorsion.ode.engines import Engine
 from geomtorsion.ode.ensemble import Ensemble, solve_many
+from geomtorsion.ode.error_estimate import AIM
 from geomtorsion.support import checks
 from geomtorsion.support.copies import only_fields
 from geomtorsion.support.executors import Executor
@@ -82,7 +83,9 @@ class Shadow:
         angles
             directions in the image in radians from the right upwards, shape (m,), or their number.
         accuracy
-            largest half width of the bracket of the edge, in radians.
+            largest half width of the bracket of the edge, in radians. A direction in which a ray
+            meets an axis of the coordinates is turned by this angle, and its error is twice as
+            large.
 
         Raises
         ------
@@ -106,29 +109,32 @@ class Shadow:
             )
         accuracy = checks.positive(accuracy, "accuracy", StartError)
         scan = np.pi * np.arange(SCANNED) / SCANNED
-        first = self._fates(turns[:, None], scan)
-        if not (first[:, 0] == DARK).all():
+        moved = np.zeros(len(turns), dtype=bool)
+        first, beside = self._beside(turns[:, None], scan, accuracy)
+        moved |= beside.any(axis=1)
+        if not (first[:, 0] == Fate.dark).all():
             raise StartError(
                 "expected a camera whose axis points into the shadow, got a ray along it that is "
                 "not captured. Give another axis, or the conditions `dark` at which rays end."
             )
-        if not (first == SKY).any(axis=1).all():
+        if not (first == Fate.sky).any(axis=1).all():
             raise StartError(
                 "expected rays that escape in each direction, got none. Give the condition `sky`, "
                 "or a greater `length`."
             )
-        place = (first != DARK).argmax(axis=1)
-        low, high = scan[place - 1], scan[(first == SKY).argmax(axis=1)]
+        place = (first != Fate.dark).argmax(axis=1)
+        low, high = scan[place - 1], scan[(first == Fate.sky).argmax(axis=1)]
         open_ = np.ones(len(turns), dtype=bool)
         while (open_ & (high - low > 2 * accuracy)).any():
             some = np.flatnonzero(open_ & (high - low > 2 * accuracy))
             middle = (low[some] + high[some]) / 2
-            fate = self._fates(turns[some], middle)
-            low[some] = np.where(fate == DARK, middle, low[some])
-            high[some] = np.where(fate == SKY, middle, high[some])
+            fate, beside = self._beside(turns[some], middle, accuracy)
+            moved[some] |= beside
+            low[some] = np.where(fate == Fate.dark, middle, low[some])
+            high[some] = np.where(fate == Fate.sky, middle, high[some])
             # The end of this ray depends on its error: the bracket is as narrow as it gets.
-            open_[some] = fate != UNDECIDED
-        return ShadowEdge(turns, (low + high) / 2, (high - low) / 2)
+            open_[some] = fate != Fate.undecided
+        return ShadowEdge(turns, (low + high) / 2, (high - low) / 2 + accuracy * moved)
 
     def image(
         self, pixels: int = 64, field: float | None = None, accuracy: float = 1e-6,
@@ -170,12 +176,24 @@ class Shadow:
         parts = [part.reshape(*shape, *part.shape[1:]) for part in rays]
         return ShadowImage(self.rays, self.time, width, accuracy, *parts)
 
-    def _fates(self, angles: np.ndarray, chi: np.ndarray) -> np.ndarray:
+    def _beside(
+        self, angles: np.ndarray, chi: np.ndarray, turn: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Fates, and which rays were turned a little because they have no end where they are."""
+        angles, chi = np.broadcast_arrays(angles, chi)
+        fate = self._fates(angles, chi)
+        lost = fate == Fate.undecided
+        if lost.any():
+            # So near to an axis only a more accurate ray passes it on the right side.
+            fate[lost] = self._fates(angles[lost] + turn, chi[lost], AIM**2 * turn)
+        return fate, lost & (fate != Fate.undecided)
+
+    def _fates(self, angles: np.ndarray, chi: np.ndarray, accuracy: float = RAYS) -> np.ndarray:
         """Whether rays at angles chi from the axis end in the dark, the sky, or neither."""
         angles, chi = np.broadcast_arrays(angles, chi)
         round_ = np.cos(angles)[..., None] * self.right + np.sin(angles)[..., None] * self.up
         lines = np.cos(chi)[..., None] * self.axis + np.sin(chi)[..., None] * round_
-        fate, *_ = self._traced(lines.reshape(-1, 3), RAYS, False)
+        fate, *_ = self._traced(lines.reshape(-1, 3), accuracy, False)
         return fate.reshape(chi.shape)
 
     def _traced(
@@ -184,13 +202,13 @@ class Shadow:
         """Fate, condition, coordinates, frame velocity and error of rays in some directions."""
         number, n = len(lines), self.rays.frame.dimension
         speeds = np.insert(lines, self.time, -1.0, axis=1)
-        fate, errors = np.full(number, UNDECIDED), np.full(number, np.nan)
+        fate, errors = np.full(number, Fate.undecided), np.full(number, np.nan)
         stopped_by = np.full(number, "", dtype=object)
         q, u = np.full((2, number, n), np.nan)
         # Most rays stay in the chart of the camera; the others are followed through all charts.
         home = self.rays.with_charts(self.rays.atlas.home)
         for problem in (home, self.rays):
-            left = np.flatnonzero(fate == UNDECIDED)
+            left = np.flatnonzero(fate == Fate.undecided)
             if not len(left) or (problem is self.rays and len(problem.charts) == 1):
                 break
             many = self._solved(problem, speeds[left], accuracy, progress)
@@ -199,7 +217,7 @@ class Shadow:
             done = many.finished & (many.stopped_by != "")
             place, end = left[done], many.end
             is_dark = np.isin(many.stopped_by[done], self.dark)
-            fate[place] = np.where(is_dark, DARK, SKY)
+            fate[place] = np.where(is_dark, Fate.dark, Fate.sky)
             stopped_by[place], errors[place] = many.stopped_by[done], many.errors[done]
             q[place], u[place] = end.coordinates[done], end.frame_velocity[done]
         return fate, stopped_by.astype(str), q, u, errors

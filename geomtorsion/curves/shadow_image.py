@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import IntEnum
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -17,7 +18,13 @@ from geomtorsion.support.csv_table import write_csv
 from geomtorsion.support.displays import Plot, drawn_by, figure_by
 from geomtorsion.support.outgoing import size_text
 
-UNDECIDED, SKY, DARK = -1, 0, 1
+
+class Fate(IntEnum):
+    """How a ray ends; undecided: it does not end, or its end depends on its error."""
+
+    undecided = -1
+    sky = 0
+    dark = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,12 +101,12 @@ class ShadowImage:
     @property
     def dark(self) -> np.ndarray:
         """Which pixels are captured, shape (n, n)."""
-        return self.fate == DARK
+        return self.fate == Fate.dark
 
     @property
     def undecided(self) -> np.ndarray:
         """Which pixels have no end that is certain, shape (n, n)."""
-        return self.fate == UNDECIDED
+        return self.fate == Fate.undecided
 
     @cached_property
     def redshift(self) -> np.ndarray:

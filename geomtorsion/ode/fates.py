@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import IntEnum
 from typing import Any, ClassVar
 
 import numpy as np
@@ -15,8 +16,12 @@ from geomtorsion.support import checks
 from geomtorsion.support.displays import Plot, drawn_by, figure_by
 from geomtorsion.support.executors import Executor
 
-# Fates without a condition: on the way at the last time, and uncertain.
-ON_THE_WAY, UNDECIDED = -1, -2
+
+class Fate(IntEnum):
+    """Ends without a condition: on the way at the last time, or as the error decides."""
+
+    undecided = -2
+    on_the_way = -1
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,13 +47,13 @@ class EndMap:
     @property
     def undecided(self) -> np.ndarray:
         """Which motions have no end that is certain, shape (m, n)."""
-        return self.fate == UNDECIDED
+        return self.fate == Fate.undecided
 
     @property
     def counts(self) -> dict[str, int]:
         """Number of motions for each end, in words."""
         ends = dict(enumerate(self.conditions))
-        ends |= {ON_THE_WAY: "on the way", UNDECIDED: "undecided"}
+        ends |= {Fate.on_the_way: "on the way", Fate.undecided: "undecided"}
         return {text: int((self.fate == k).sum()) for k, text in ends.items()}
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
@@ -138,7 +143,7 @@ def end_map(
             raise
         many = error.ensemble
     ends = many.rows.ends
-    fate = np.where(many.finished, ends.stops, UNDECIDED)
+    fate = np.where(many.finished, ends.stops, Fate.undecided)
     times = np.where(many.finished, many.end.time, np.nan)
     shape = len(second), len(first)
     parts = (x.reshape(shape) for x in (fate, times, many.errors))
