@@ -57,7 +57,9 @@ ABOVE_THE_WALL = (
 )
 FLOORS = BELOW_THE_WALL + ABOVE_THE_WALL
 # Allowed imports within one layer, with the reason.
-NEIGHBOURS: dict[tuple[str, str], str] = {}
+NEIGHBOURS: dict[tuple[str, str], str] = {
+    ("gravity", "materials"): "constraints and field equations of frames on a grid",
+}
 # A longer file holds more than one idea, unless a reason is given here.
 LONG: dict[str, str] = {
     "ode/problem.py": "what a solver asks of equations, in one place; a quarter is documentation",
@@ -101,12 +103,14 @@ CEILINGS = {
     # 8: the grids and the search of the frequencies of a hole.
     # One more: the size of the change from which a solution is searched.
     # One more: the steps of Newton's method for jets of solutions.
+    # Two more: the steps of Newton's method for closed orbits, and the bits with which it begins.
     # Two standard errors in tests of gravity, and spare rough frequencies of a hole.
+    # One: the factor of safety of errors from two steps on a grid.
     # One: the number of points whose field equations are evaluated together.
     # One: how far a mark of missing values is from all other values.
     # Three: the size of changes of a motion on the way, and two rules for when to make them.
     # Seven: where rays of a camera end, how far they are followed, and the stripes of its sky.
-    "tuned constants": 195,
+    "tuned constants": 198,
     # Two more than before: converters of arguments are three files by kind instead of one of 1,000.
     # Two more: kinetic metrics and forces are files of their own.
     # One more: squares that roots hide in circular functions.
@@ -119,7 +123,7 @@ CEILINGS = {
 }
 # Lines of code below and above the wall, rounded up to five hundreds, without docstrings, comments
 # and blanks. A change that needs more raises a number and states in its commit what users get.
-BUDGET = {"below the wall": 51000, "above the wall": 56000}
+BUDGET = {"below the wall": 52000, "above the wall": 57000}
 # What a program that imports the package does not wait for.
 LATER = ("sympy", "flint", "mpmath", "numpy", "multiprocessing", "asyncio", "tomllib", "sqlite3")
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from geomtorsion.pictures.charges import draw_charge
+    from geomtorsion.pictures.constraints import draw_constraints
     from geomtorsion.pictures.curve_files import curve_pictures
     from geomtorsion.pictures.development import draw_development
     from geomtorsion.pictures.end_maps import draw_ends
@@ -44,6 +45,7 @@ _HOMES = {
     "draw_charge": "charges",
     "draw_circuits": "measured",
     "draw_closure": "loops",
+    "draw_constraints": "constraints",
     "draw_development": "development",
     "draw_dislocations": "network",
     "draw_ends": "end_maps",
@@ -73,6 +75,7 @@ __all__ = [
     "draw_charge",
     "draw_circuits",
     "draw_closure",
+    "draw_constraints",
     "draw_development",
     "draw_dislocations",
     "draw_ends",

@@ -1,7 +1,7 @@
 """The shadow of a black hole, seen by a camera that the tetrad carries; and a wormhole.
 
-    python examples/40_the_shadow_of_a_hole.py
-    python examples/40_the_shadow_of_a_hole.py --picture shadow.png
+    python examples/44_the_shadow_of_a_hole.py
+    python examples/44_the_shadow_of_a_hole.py --picture shadow.png
 
 A pixel is a direction in the legs of the tetrad. Its ray is followed back until it comes near the
 horizon, or escapes. No metric is inverted by hand, so that the same lines serve any frame.

@@ -1,7 +1,7 @@
 """A heavy top falls or not: a map over its first angle and its spin, against a closed form.
 
-    python examples/41_a_top_that_falls_or_not.py
-    python examples/41_a_top_that_falls_or_not.py --picture falls.png
+    python examples/45_a_top_that_falls_or_not.py
+    python examples/45_a_top_that_falls_or_not.py --picture falls.png
 
 Each start is a motion that ends at its own time. Starts whose end depends on the error are marked.
 """
