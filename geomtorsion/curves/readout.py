@@ -397,7 +397,7 @@ def read_members(
             # After its stop a member has no numbers.
             seen = np.isfinite(there).all(axis=1)
             read = converted(problem, members.label, home, there[seen], turned[seen])
-            there, turned = np.full((2, len(seen), n), np.nan)
+            there, turned = np.full((2, there.shape[0], n), np.nan)
             there[seen], turned[seen] = read
         q[done], u[done] = there.reshape(-1, m, n), turned.reshape(-1, m, n)
     first = rows.states.shape[1] - m
