@@ -10,10 +10,6 @@ from geomtorsion.exact.common_values import LONGEST
 from geomtorsion.exact.element import least_certain
 from geomtorsion.geometry import contract, levi_civita
 from geomtorsion.same.invariants import Invariants
-from geomtorsion.same.scalars import is_constant
-
-# Signs are read at some hundred points all over a region; after so many a different one is rarer.
-SAMPLED = Certainty(proved=False, error=1e-2)
 
 
 def opposite_signs(
@@ -41,9 +37,7 @@ def _opposite(
         left, right = _sign(one, a), _sign(two, b)
         if left is not None and right is not None and left * right < 0:
             text = f"{name} is {words[left]} for the first and {words[right]} for the second"
-            constant = is_constant(one, a) and is_constant(two, b)
-            sure = [a.certainty, b.certainty, *([] if constant else [SAMPLED])]
-            return f"{text} geometry", least_certain(sure)
+            return f"{text} geometry", least_certain([a.certainty, b.certainty])
     return None
 
 
