@@ -315,7 +315,7 @@ DRAWN_ELSEWHERE = {
     "exact/polynomials.py": "numbers modulo a prime",
     "exact/square_factors.py": "numbers modulo a prime",
     "fits/motions.py": "noise in an example",
-    "gravity/perturbed/phase_space.py": "the random change of a start, by a seed",
+    "gravity/perturbed/trial_fields.py": "the random change of a start, by a seed",
     "materials/crystals/frames.py": "atoms that represent all of a specimen",
     "materials/crystals/local_frames.py": "disturbed neighbours, from which a bound follows",
     "materials/crystals/triangulation.py": "small moves that make a triangulation unique",

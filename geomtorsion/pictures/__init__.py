@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.charges import draw_charge
     from geomtorsion.pictures.constraints import draw_constraints
     from geomtorsion.pictures.curve_files import curve_pictures
+    from geomtorsion.pictures.degrees_of_freedom import draw_degrees_of_freedom
     from geomtorsion.pictures.development import draw_development
     from geomtorsion.pictures.end_maps import draw_ends
     from geomtorsion.pictures.fits import draw_fit
@@ -48,6 +49,7 @@ _HOMES = {
     "draw_closed_orbit": "orbits",
     "draw_closure": "loops",
     "draw_constraints": "constraints",
+    "draw_degrees_of_freedom": "degrees_of_freedom",
     "draw_development": "development",
     "draw_dislocations": "network",
     "draw_ends": "end_maps",
@@ -79,6 +81,7 @@ __all__ = [
     "draw_closed_orbit",
     "draw_closure",
     "draw_constraints",
+    "draw_degrees_of_freedom",
     "draw_development",
     "draw_dislocations",
     "draw_ends",
