@@ -199,7 +199,8 @@ class _Search:
             unknown, here = next_one
         raise ProofError(
             "Newton's method finds no closed orbit near the guess. Give a better start or period, "
-            "or another section."
+            "or another section; where orbits come in a family, list what stays constant in "
+            "conserved=[...]."
         )
 
     def _damped(
@@ -310,7 +311,8 @@ class _Search:
         if moving < ROUGHLY:
             raise ProofError(
                 "Newton's method found an equilibrium instead of a closed orbit. Give a start "
-                "further from it."
+                "further from it; where orbits come in a family, list what stays constant in "
+                "conserved=[...]."
             )
 
     def _box(self, unknown: list[arb], inverse: arb_mat) -> tuple[list[arb], list[arb], arb_mat]:
