@@ -8,24 +8,19 @@ from itertools import islice
 
 import mpmath
 import numpy as np
-import scipy  # loads its subpackages at first use
 import sympy as sp
 
 from geomtorsion.geometry import Frame
-from geomtorsion.same.demands import Demands, best_starts
+from geomtorsion.same.demands import ALIKE, Demands, best_starts, least_squares
 from geomtorsion.same.invariants import Invariants
 from geomtorsion.same.values import Array, Evaluation, Values, generators
 from geomtorsion.support.allowance import check_limits
 from geomtorsion.support.caching import cached_property
-from geomtorsion.support.precision import EPS, working_digits
+from geomtorsion.support.precision import working_digits
 
 # Digits to which invariants are compared, and those with which they are computed.
 DIGITS = 50
 WORKING = DIGITS + 15
-# Singular values that are zero up to the errors of floats, in units of the largest.
-ALIKE = 1e-6
-# Relative difference of invariants that is used for points where they are not finite.
-FAR = ALIKE**-0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,7 +186,7 @@ class Search:
             low, high = (ends[: len(coordinates)] for ends in self._bounds)
             for start in best_starts(demands, self.tries):
                 check_limits()
-                place = least_squares(demands.miss, start, bounds=(low, high))
+                place = demands.nearest(start, bounds=(low, high))
                 if place is not None:
                     yield place
 
@@ -287,32 +282,6 @@ def lies_in(frame: Frame, place: Array) -> bool:
     """Whether the region of a frame contains a point."""
     point = {q: sp.Float(float(x)) for q, x in zip(frame.coordinates, place, strict=True)}
     return all(relation.subs(point) != sp.false for relation in frame.region.relations)
-
-
-def least_squares(
-    miss: Callable[[Array], Array | None],
-    start: Array,
-    enough: float = 1e-14,
-    bounds: tuple[Array, Array] | None = None,
-) -> Array | None:
-    """A zero of a function near a start, within bounds; None if none was reached.
-
-    enough: the sum of squares at which it counts as a zero.
-    """
-    first = miss(start)
-    if first is None:
-        return None
-
-    def finite(x: Array) -> Array:
-        value = miss(x)
-        return np.full(len(first), FAR) if value is None else value
-
-    limits = (-np.inf, np.inf) if bounds is None else bounds
-    options = {"ftol": EPS, "xtol": EPS, "gtol": None, "x_scale": "jac", "max_nfev": 80}
-    with np.errstate(all="ignore"):
-        # Steps of length zero in directions without effect, as along symmetries.
-        result = scipy.optimize.least_squares(finite, start, "2-point", limits, **options)
-    return result.x if 2 * result.cost < enough else None
 
 
 def _slopes(miss: Callable[[Array], Array | None], x: Array) -> Array | None:

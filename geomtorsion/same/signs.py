@@ -29,7 +29,7 @@ def opposite_signs(
 
 def mirror_images(one: Invariants, two: Invariants) -> tuple[str, Certainty] | None:
     """A scalar that a reflection changes in sign, of opposite signs in the two regions."""
-    pairs = zip(_pseudoscalars(one), _pseudoscalars(two), strict=True)
+    pairs = zip(pseudoscalars(one), pseudoscalars(two), strict=True)
     return _opposite([(name, a, b) for (name, a), (_, b) in pairs], one, two)
 
 
@@ -74,7 +74,7 @@ def _null_energy(invariants: Invariants) -> Element | None:
     return ricci(k, k) if all(x.is_zero is True for x in minors) else None
 
 
-def _pseudoscalars(invariants: Invariants) -> Iterator[tuple[str, Element]]:
+def pseudoscalars(invariants: Invariants) -> Iterator[tuple[str, Element]]:
     """Scalars of an odd number of volume forms."""
     frame, n = invariants.frame, invariants.frame.dimension
     letters = "abcdef"[:n]

@@ -1,0 +1,299 @@
+"""Family: the member of a family of geometries, a frame with parameters, that a geometry is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import combinations, islice, product
+from math import prod
+
+import numpy as np
+import sympy as sp
+
+from geomtorsion.errors import GeomtorsionError
+from geomtorsion.exact import Certainty
+from geomtorsion.exact.element import least_certain
+from geomtorsion.geometry import Frame
+from geomtorsion.same.classification import Classification, classification
+from geomtorsion.same.equivalence import RESULTANTS, TRIES, Equivalence, Outcome
+from geomtorsion.same.fitting import parameters_near
+from geomtorsion.same.invariants import Invariants
+from geomtorsion.same.petrov import ZERO
+from geomtorsion.same.scalars import is_excluded, scalars
+from geomtorsion.same.signs import opposite_signs, pseudoscalars
+from geomtorsion.same.vanishing import never_vanishes
+from geomtorsion.support.allowance import check_limits
+from geomtorsion.support.caching import cached_property
+
+# Parameters are looked for as a rational number times powers of the parameters of the frame.
+POWERS = (Fraction(0), Fraction(1), Fraction(-1), Fraction(2), Fraction(-2), Fraction(1, 2))
+# The largest denominator of that rational number; it must be met far more exactly than by chance.
+LARGEST = 1000
+CLOSE = 0.1 / LARGEST**2
+
+
+@dataclass(frozen=True, eq=False)
+class Stratum:
+    """The members of a family at which some parameters are zero; positive ones tend to zero.
+
+    family: the frame with all parameters.
+    zeros: names of the parameters that are zero.
+    frame: the frame with the other parameters.
+    """
+
+    family: Frame
+    zeros: tuple[str, ...]
+    frame: Frame
+    keep: str
+
+    @cached_property
+    def invariants(self) -> Invariants:
+        """The invariants for general values of the other parameters."""
+        return Invariants(self.frame, self.keep)
+
+    @cached_property
+    def classification(self) -> Classification:
+        """The properties for general values of the other parameters."""
+        return classification(self.invariants)
+
+
+def strata(family: Frame, keep: str) -> tuple[Stratum, ...]:
+    """The general members first, then the limits with most parameters zero."""
+    names = [str(x) for x in family.parameters]
+    result = [Stratum(family, (), family, keep)]
+    for count in range(len(names), 0, -1):
+        for zeros in combinations(names, count):
+            frame = _regular_limit(family, zeros)
+            if frame is not None:
+                result.append(Stratum(family, zeros, frame, keep))
+    return tuple(result)
+
+
+def _regular_limit(family: Frame, zeros: tuple[str, ...]) -> Frame | None:
+    """The frame at which parameters are zero; None where it is regular nowhere."""
+    try:
+        frame = _limit(family, zeros)
+        return frame if frame.region.point else None
+    except GeomtorsionError:
+        return None
+
+
+def _limit(frame: Frame, names: tuple[str, ...]) -> Frame:
+    """The frame at which parameters are zero, also where they are declared positive."""
+    zeros = {x: 0 for x in frame.parameters if str(x) in names}
+    n = range(frame.dimension)
+    relations = [relation.subs(zeros) for relation in frame.domain]
+    # Roots of squares take the signs that they have in the domain: sqrt(r**2) is r.
+    signs = {q: sp.Dummy(positive=True) for q in frame.coordinates if frame.region.sign(q) == 1}
+    back = {dummy: q for q, dummy in signs.items()}
+    rows = [
+        [sp.powdenest(frame.coframe[i, k].subs({**zeros, **signs})).subs(back) for k in n]
+        for i in n
+    ]
+    return Frame(
+        frame.coordinates,
+        rows,
+        [[frame.eta[i, k] for k in n] for i in n],
+        parameters=[x for x in frame.parameters if x not in zeros],
+        domain=[relation for relation in relations if relation != sp.true],
+        complex=frame.complex,
+    )
+
+
+def member(frame: Frame, values: Mapping[str, sp.Expr]) -> Frame:
+    """The frame at values of its parameters, or its limit where a positive one is zero."""
+    zeros = tuple(str(x) for x in frame.parameters if values[str(x)] == 0 and x.is_zero is False)
+    limit = _limit(frame, zeros) if zeros else frame
+    own = {str(x): values[str(x)] for x in limit.parameters}
+    return limit.subs(own) if own else limit
+
+
+@dataclass(frozen=True)
+class Query:
+    """A geometry whose member of a family is searched, at generic values of its parameters.
+
+    values: those values, by name.
+    classification: properties for general values.
+    assumption: the region that was assumed, in words.
+    """
+
+    one: Invariants
+    values: Mapping[str, sp.Rational]
+    classification: Classification
+    assumption: str
+
+    @classmethod
+    def of(cls, frame: Frame, keep: str) -> Query:
+        """The query for a frame."""
+        point = frame.region.point
+        values = {str(x): point[x] for x in frame.parameters}
+        whole = Invariants(frame, keep)
+        one = Invariants(frame.subs(values), keep) if values else whole
+        return cls(one, values, classification(whole), frame.region.assumption)
+
+    def equivalence(
+        self,
+        family: Frame,
+        values: Mapping[str, sp.Expr],
+        near: np.ndarray | None = None,
+        orientation: bool = False,
+    ) -> Equivalence | None:
+        """The comparison with a member of a family; None for values that it does not allow.
+
+        values: of the parameters of the family by name, in parameters of the frame.
+        near: coordinates of the member from which the search for a point begins.
+        """
+        numbers = {
+            k: x.subs({own: self.values[own.name] for own in x.free_symbols})
+            for k, x in values.items()
+        }
+        try:
+            two = Invariants(member(family, numbers), self.one.keep)
+            assumptions = self.assumption, ""
+            result = Equivalence(self.one, two, orientation, self.values, assumptions, near, values)
+            _ = result.verdict
+        except GeomtorsionError:
+            return None
+        return result
+
+    # -- which values ------------------------------------------------------------------------------
+
+    def candidates(
+        self, stratum: Stratum
+    ) -> Iterator[tuple[np.ndarray | None, dict[str, sp.Expr], tuple[str, ...]]]:
+        """For each start of a fit a place, values of all parameters, and limits, as "M -> oo".
+
+        The values are empty where the fit fails or runs to a limit.
+        """
+        zeros = dict.fromkeys(stratum.zeros, sp.Integer(0))
+        names = [str(x) for x in stratum.frame.parameters]
+        if not names:
+            yield None, zeros, ()
+            return
+        tried = set[tuple[sp.Expr, ...]]()
+        # A few points, each from a few starts.
+        points = islice(self.one.frame.region.points(), TRIES // 4)
+        for number, start in enumerate(points):
+            for fit in parameters_near(self.one, start, stratum.invariants, TRIES // 3):
+                if fit is None:
+                    yield None, {}, ()
+                    continue
+                ends = tuple(
+                    f"{name} -> {'0' if value == 0 else 'oo'}"
+                    for x, name, value in zip(
+                        stratum.frame.parameters, names, fit.values, strict=True
+                    )
+                    if np.isinf(value) or (value == 0 and x.is_zero is False)
+                )
+                if ends:
+                    yield None, {}, ends
+                    continue
+                options = [list(islice(expressions(x, self.values), 4)) for x in fit.values]
+                for chosen in product(*options):
+                    if chosen not in tried:
+                        tried.add(chosen)
+                        values = zeros | dict(zip(names, chosen, strict=True))
+                        ordered = {str(x): values[str(x)] for x in stratum.family.parameters}
+                        yield None if number else fit.place, ordered, ()
+
+    def excluded(self, stratum: Stratum) -> tuple[str, Certainty] | None:
+        """Why no member of a stratum is the geometry, by what is cheap; None: some may be."""
+        own, other, two = self.classification, stratum.classification, stratum.invariants
+        sure = [self.one.certainty, two.certainty]
+        if own.excludes(other) and not own.may_be_special(other):
+            if self.one.growth == two.growth:
+                sure.append(Certainty(proved=False, error=10.0**-ZERO))
+            return f"the properties differ: {own}; {other}", least_certain(sure)
+        pairs = zip(_named(self.one), _named(two), strict=False)
+        for (name, a), (other_name, b) in pairs:
+            if name == other_name and a.is_zero is True and never_vanishes(b, stratum.frame):
+                reason = f"{name} vanishes for the first geometry only"
+                return reason, least_certain([a.certainty, b.certainty])
+        return None
+
+    def resultants_exclude(self, stratum: Stratum) -> tuple[str, Certainty] | None:
+        """The proof that no member of a stratum has the scalars of a generic point, if any."""
+        if is_excluded(self.one, stratum.invariants):
+            reason = "no point of the second geometry has the invariants of a generic point"
+            return f"{reason} of the first, for any values of its parameters", RESULTANTS
+        if not self.one.turns:
+            return None
+        return opposite_signs(
+            self.one, stratum.invariants, scalars(self.one), scalars(stratum.invariants)
+        )
+
+
+def _named(invariants: Invariants) -> list[tuple[str, sp.Expr]]:
+    return [*scalars(invariants).items(), *pseudoscalars(invariants)] if invariants.turns else []
+
+
+def member_of(frame: Frame, family: Frame, keep: str, orientation: bool) -> Equivalence:
+    """The comparison of a geometry with the member of a family that it is, or with all members."""
+    query = Query.of(frame, keep)
+    own = {str(x): sp.Symbol(str(x), positive=True) for x in frame.parameters}
+    names = [str(x) for x in family.parameters]
+    whole = Invariants(family, keep)
+    simple = Equivalence(query.one, whole).simple_difference
+    texts = query.assumption, ""
+    if simple is not None:
+        return Equivalence(query.one, whole, orientation, query.values, texts)
+    if set(names) <= set(own):
+        equal = query.equivalence(family, {name: own[name] for name in names}, None, orientation)
+        if equal is not None and equal.verdict == "same":
+            return equal
+    reasons, ends, is_open = [], dict[str, None](), False
+    for stratum in strata(family, keep):
+        reason = query.excluded(stratum)
+        for number, (place, values, limits) in enumerate(
+            () if reason is not None else query.candidates(stratum)
+        ):
+            check_limits()
+            ends |= dict.fromkeys(limits)
+            result = query.equivalence(family, values, place, orientation) if values else None
+            if result is not None and result.verdict == "same":
+                return result
+            if result is not None and orientation:
+                mirror = query.equivalence(family, values, place)
+                if mirror is not None and mirror.verdict == "same":
+                    return result
+            reason = query.resultants_exclude(stratum) if number == 0 else None
+            if reason is not None:
+                break
+        is_open = is_open or reason is None
+        reasons += [] if reason is None else [reason]
+    towards = f"; it is approached for {', '.join(ends)}" if ends else ""
+    if is_open:
+        text = f"no values of {', '.join(names)} were found, and none are excluded{towards}"
+        outcome = Outcome("undecided", text, Certainty(proved=False, error=1.0))
+    else:
+        outcome = Outcome(
+            "different", reasons[0][0] + towards, least_certain(sure for _, sure in reasons)
+        )
+    return Equivalence(query.one, whole, orientation, query.values, texts, decided=outcome)
+
+
+def expressions(value: float, own: Mapping[str, sp.Rational]) -> Iterator[sp.Expr]:
+    """A float as a simple number times powers of parameters, the simplest first."""
+    if value == 0:
+        yield sp.Integer(0)
+    if not value or not np.isfinite(value):
+        return
+    simple = []
+    for powers in product(POWERS, repeat=len(own)):
+        factors = zip(own.values(), powers, strict=True)
+        size = prod(float(v) ** float(p) for v, p in factors)
+        for root in (1, 2):
+            ratio = Fraction((value / size) ** root).limit_denominator(LARGEST)
+            if ratio and abs(float(ratio) - (value / size) ** root) < CLOSE * abs(float(ratio)):
+                number = sp.Rational(ratio.numerator, ratio.denominator)
+                number = number if root == 1 else sp.sign(sp.Float(value)) * sp.sqrt(number)
+                monomial = sp.prod(
+                    sp.Symbol(k, positive=True) ** sp.Rational(p.numerator, p.denominator)
+                    for k, p in zip(own, powers, strict=True)
+                )
+                cost = ratio.numerator + ratio.denominator + 5 * sum(map(abs, powers)) + 9 * root
+                simple.append((cost, str(number * monomial), number * monomial))
+                break
+    for _, _, expression in sorted(simple, key=lambda entry: entry[:2]):
+        yield expression
