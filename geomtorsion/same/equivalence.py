@@ -17,7 +17,7 @@ from geomtorsion.same.coordinate_map import CoordinateMap
 from geomtorsion.same.invariants import Growth, Invariants
 from geomtorsion.same.matching import DIGITS, Match, Search, identity
 from geomtorsion.same.scalars import contradiction, is_excluded, scalars
-from geomtorsion.same.signs import mirror_images, opposite_signs
+from geomtorsion.same.signs import Contrast, mirror_images, opposite_signs
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.copies import content_hash, equal_content, only_fields
 from geomtorsion.support.displays import drawn_by
@@ -33,12 +33,18 @@ AGREES = 10.0 ** (8 - DIGITS)
 
 @dataclass(frozen=True)
 class Outcome:
-    """A verdict, its reason, its certainty, and the points at which it was found."""
+    """A verdict, its reason, its certainty, the points where it was found, and how it was."""
 
     verdict: str
     reason: str
     certainty: Certainty
     match: Match | None = None
+    how: str = ""
+
+    @classmethod
+    def of(cls, contrast: Contrast) -> Outcome:
+        """The outcome of opposite signs."""
+        return cls("different", contrast.reason, contrast.certainty, None, contrast.how)
 
 
 @exclusive
@@ -182,7 +188,7 @@ class Equivalence:
             return Outcome("different", *proof)
         opposite = opposite_signs(one, two, first, second)
         if opposite is not None:
-            return Outcome("different", *opposite)
+            return Outcome.of(opposite)
         match = self._searched()
         if match is not None and match.difference < AGREES:
             exact = one.rank == 0 and one.keep in ("legs", "metric") and _are_equal(first, second)
@@ -192,12 +198,15 @@ class Equivalence:
         if is_excluded(one, two):
             reason = "no point of the second geometry has the invariants of a generic point"
             return Outcome("different", reason + " of the first", RESULTANTS)
-        if match is None and self.orientation:
+        if self.orientation:
             mirror = replace(self, orientation=False)
             if mirror.verdict == "same":
-                proof = mirror_images(one, two)
-                if proof is not None:
-                    return Outcome("different", *proof)
+                contrast = mirror_images(one, two)
+                if contrast is not None:
+                    return Outcome.of(contrast)
+                reason = "the same after a reflection only"
+                if is_excluded(one, two, proper=True):
+                    return Outcome("different", reason, RESULTANTS)
                 reason = "the same after a reflection, and no map without one was found"
                 return Outcome("undecided", reason, UNKNOWN)
         return Outcome("undecided", self._unmatched(match), UNKNOWN, match)
@@ -268,10 +277,11 @@ class Equivalence:
     def compared(self) -> str:
         """The kind of geometry that was compared."""
         match = self.match if self.verdict == "same" else None
-        reflected = match is not None and match.reflects
+        either = "turn" if self.orientation else "turn or reflection"
+        change = either if match is None else "reflection" if match.reflects else "turn"
         return {
             "legs": "frames, leg by leg",
-            "teleparallel": f"frames up to one constant {'reflection' if reflected else 'turn'}",
+            "teleparallel": f"frames up to one constant {change}",
             "metric": "metrics",
             "connection": "metrics with connections",
         }[self.one.keep]
@@ -291,7 +301,7 @@ class Equivalence:
                 else "no difference at a pair of generic points"
             )
         else:
-            rows["certainty"] = str(self.certainty)
+            rows["certainty"] = self._outcome.how or str(self.certainty)
         if self.verdict == "undecided":
             del rows["certainty"]
         one = self.one

@@ -20,8 +20,8 @@ from geomtorsion.same.equivalence import RESULTANTS, TRIES, Equivalence, Outcome
 from geomtorsion.same.fitting import parameters_near
 from geomtorsion.same.invariants import Invariants
 from geomtorsion.same.petrov import ZERO
-from geomtorsion.same.scalars import is_excluded, scalars
-from geomtorsion.same.signs import opposite_signs, pseudoscalars
+from geomtorsion.same.scalars import is_excluded, pseudoscalars, scalars
+from geomtorsion.same.signs import Contrast, opposite_signs
 from geomtorsion.same.vanishing import never_vanishes
 from geomtorsion.support.allowance import check_limits
 from geomtorsion.support.caching import cached_property
@@ -197,26 +197,26 @@ class Query:
                         ordered = {str(x): values[str(x)] for x in stratum.family.parameters}
                         yield None if number else fit.place, ordered, ()
 
-    def excluded(self, stratum: Stratum) -> tuple[str, Certainty] | None:
+    def excluded(self, stratum: Stratum) -> Contrast | None:
         """Why no member of a stratum is the geometry, by what is cheap; None: some may be."""
         own, other, two = self.classification, stratum.classification, stratum.invariants
         sure = [self.one.certainty, two.certainty]
         if own.excludes(other) and not own.may_be_special(other):
             if self.one.growth == two.growth:
                 sure.append(Certainty(proved=False, error=10.0**-ZERO))
-            return f"the properties differ: {own}; {other}", least_certain(sure)
+            return Contrast(f"the properties differ: {own}; {other}", least_certain(sure))
         pairs = zip(_named(self.one), _named(two), strict=False)
         for (name, a), (other_name, b) in pairs:
             if name == other_name and a.is_zero is True and never_vanishes(b, stratum.frame):
                 reason = f"{name} vanishes for the first geometry only"
-                return reason, least_certain([a.certainty, b.certainty])
+                return Contrast(reason, least_certain([a.certainty, b.certainty]))
         return None
 
-    def resultants_exclude(self, stratum: Stratum) -> tuple[str, Certainty] | None:
+    def resultants_exclude(self, stratum: Stratum) -> Contrast | None:
         """The proof that no member of a stratum has the scalars of a generic point, if any."""
         if is_excluded(self.one, stratum.invariants):
             reason = "no point of the second geometry has the invariants of a generic point"
-            return f"{reason} of the first, for any values of its parameters", RESULTANTS
+            return Contrast(f"{reason} of the first, for any values of its parameters", RESULTANTS)
         if not self.one.turns:
             return None
         return opposite_signs(
@@ -267,9 +267,9 @@ def member_of(frame: Frame, family: Frame, keep: str, orientation: bool) -> Equi
         text = f"no values of {', '.join(names)} were found, and none are excluded{towards}"
         outcome = Outcome("undecided", text, Certainty(proved=False, error=1.0))
     else:
-        outcome = Outcome(
-            "different", reasons[0][0] + towards, least_certain(sure for _, sure in reasons)
-        )
+        sure = least_certain(x.certainty for x in reasons)
+        how = next((x.how for x in reasons if x.how), "")
+        outcome = Outcome("different", reasons[0].reason + towards, sure, None, how)
     return Equivalence(query.one, whole, orientation, query.values, texts, decided=outcome)
 
 

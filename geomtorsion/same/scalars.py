@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from itertools import combinations_with_replacement
 
 import mpmath
@@ -69,6 +69,37 @@ def _components(invariants: Invariants) -> dict[str, Element]:
     return values
 
 
+def pseudoscalars(invariants: Invariants) -> Iterator[tuple[str, Element]]:
+    """Scalars of an odd number of volume forms."""
+    frame, n = invariants.frame, invariants.frame.dimension
+    letters = "abcdef"[:n]
+    plain = invariants.slot == "d"
+    volume = (frame.epsilon if plain else frame.epsilon.in_frame()).raised()
+    for tensor in invariants.start:
+        rank, symbol = len(tensor.slots), tensor.symbol
+        if rank == 3 and n == 3:
+            yield "the axial torsion", contract(f"{letters},{letters}->", volume, tensor).element()
+        elif rank == 3 and n == 4:
+            yield (
+                f"epsilon^abcd {symbol}_abe {symbol}_cd^e",
+                contract("abcd,abe,cde->", volume, tensor, tensor.raised(2)).element(),
+            )
+        elif rank == 4 and n == 3:
+            ricci = contract("abac->bc", tensor.raised(0))
+            slope = levi_civita(frame).covariant_derivative(ricci)
+            slope = slope.in_coordinates() if plain else slope.in_frame()
+            yield (
+                "epsilon^abc Ric_ad D_b Ric_c^d",
+                contract("abc,ad,bcd->", volume, ricci.raised(1), slope).element(),
+            )
+        elif rank == 4 and n == 4:
+            mixed = tensor.raised(2).raised(3)
+            yield (
+                f"epsilon^abcd {symbol}_abef {symbol}_cd^ef",
+                contract("abcd,abef,cdef->", volume, tensor, mixed).element(),
+            )
+
+
 def is_constant(invariants: Invariants, value: Element) -> bool:
     """Whether an invariant is the same at all points."""
     return all(value.diff(q).is_zero is True for q in invariants.frame.coordinates)
@@ -102,10 +133,11 @@ def contradiction(
     return None
 
 
-def is_excluded(one: Invariants, two: Invariants) -> bool:
+def is_excluded(one: Invariants, two: Invariants, proper: bool = False) -> bool:
     """Whether no point has the scalars of a generic one, here or for a weaker `keep`.
 
-    Parameters of the second geometry may have any values.
+    Parameters of the second geometry may have any values. proper: scalars that a reflection
+    changes in sign count as well.
     """
     keeps = [one.keep]
     while keeps[-1] in WEAKER:
@@ -116,6 +148,11 @@ def is_excluded(one: Invariants, two: Invariants) -> bool:
         if keep != one.keep:
             sides = tuple(Invariants(x.frame, keep) for x in sides)
         first, second = map(scalars, sides)
+        if proper:
+            first, second = (
+                first | dict(pseudoscalars(sides[0])),
+                second | dict(pseudoscalars(sides[1])),
+            )
         varying = [k for k, x in first.items() if k in second and x.is_zero is False]
         varying = sorted(varying, key=lambda k: second[k].length)[:DEMANDS]
         symbols = (*two.frame.coordinates, *two.frame.parameters)

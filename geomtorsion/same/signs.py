@@ -2,23 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 from geomtorsion.errors import LimitError
 from geomtorsion.exact import Certainty, Element
 from geomtorsion.exact.common_values import LONGEST
 from geomtorsion.exact.element import least_certain
-from geomtorsion.geometry import contract, levi_civita
+from geomtorsion.geometry import levi_civita
+from geomtorsion.same.definite import definite_sign
 from geomtorsion.same.invariants import Invariants
-from geomtorsion.same.scalars import is_constant
+from geomtorsion.same.scalars import is_constant, pseudoscalars
 
 # Signs are read at some hundred points all over a region; after so many a different one is rarer.
 SAMPLED = Certainty(proved=False, error=1e-2)
 
 
+@dataclass(frozen=True)
+class Contrast:
+    """Why two geometries differ, how sure this is, and in words how it was decided."""
+
+    reason: str
+    certainty: Certainty
+    how: str = ""
+
+
 def opposite_signs(
     one: Invariants, two: Invariants, first: Mapping[str, Element], second: Mapping[str, Element]
-) -> tuple[str, Certainty] | None:
+) -> Contrast | None:
     """A scalar, or the energy of light-like matter, of opposite signs in the two regions."""
     pairs = [(name, a, second[name]) for name, a in first.items()]
     energy, other = _null_energy(one), _null_energy(two)
@@ -27,7 +38,7 @@ def opposite_signs(
     return _opposite(pairs, one, two)
 
 
-def mirror_images(one: Invariants, two: Invariants) -> tuple[str, Certainty] | None:
+def mirror_images(one: Invariants, two: Invariants) -> Contrast | None:
     """A scalar that a reflection changes in sign, of opposite signs in the two regions."""
     pairs = zip(pseudoscalars(one), pseudoscalars(two), strict=True)
     return _opposite([(name, a, b) for (name, a), (_, b) in pairs], one, two)
@@ -35,16 +46,23 @@ def mirror_images(one: Invariants, two: Invariants) -> tuple[str, Certainty] | N
 
 def _opposite(
     rows: list[tuple[str, Element, Element]], one: Invariants, two: Invariants
-) -> tuple[str, Certainty] | None:
+) -> Contrast | None:
     words = {1: "positive", -1: "negative"}
     for name, a, b in rows:
         left, right = _sign(one, a), _sign(two, b)
         if left is not None and right is not None and left * right < 0:
             text = f"{name} is {words[left]} for the first and {words[right]} for the second"
-            constant = is_constant(one, a) and is_constant(two, b)
-            sure = [a.certainty, b.certainty, *([] if constant else [SAMPLED])]
-            return f"{text} geometry", least_certain(sure)
+            sure = [a.certainty, b.certainty]
+            if _is_proved(one, a, left) and _is_proved(two, b, right):
+                return Contrast(f"{text} geometry", least_certain(sure))
+            how = f"signs were read at some hundred points: chance of error {SAMPLED.error:.0e}"
+            return Contrast(f"{text} geometry", least_certain([*sure, SAMPLED]), how)
     return None
+
+
+def _is_proved(invariants: Invariants, x: Element, sign: int) -> bool:
+    """Whether a sign is that of a constant, or is proved for the whole region."""
+    return is_constant(invariants, x) or definite_sign(x.sympy, invariants.frame.region) == sign
 
 
 def _sign(invariants: Invariants, x: Element) -> int | None:
@@ -72,26 +90,3 @@ def _null_energy(invariants: Invariants) -> Element | None:
         for j in range(i + 1)
     )
     return ricci(k, k) if all(x.is_zero is True for x in minors) else None
-
-
-def pseudoscalars(invariants: Invariants) -> Iterator[tuple[str, Element]]:
-    """Scalars of an odd number of volume forms."""
-    frame, n = invariants.frame, invariants.frame.dimension
-    letters = "abcdef"[:n]
-    plain = invariants.slot == "d"
-    volume = (frame.epsilon if plain else frame.epsilon.in_frame()).raised()
-    for tensor in invariants.start:
-        rank, symbol = len(tensor.slots), tensor.symbol
-        if rank == 3 and n == 3:
-            yield "the axial torsion", contract(f"{letters},{letters}->", volume, tensor).element()
-        elif rank == 3 and n == 4:
-            yield (
-                f"epsilon^abcd {symbol}_abe {symbol}_cd^e",
-                contract("abcd,abe,cde->", volume, tensor, tensor.raised(2)).element(),
-            )
-        elif rank == 4 and n == 4:
-            mixed = tensor.raised(2).raised(3)
-            yield (
-                f"epsilon^abcd {symbol}_abef {symbol}_cd^ef",
-                contract("abcd,abef,cdef->", volume, tensor, mixed).element(),
-            )
