@@ -52,8 +52,9 @@ def same_geometry(
     Returns
     -------
     Equivalence: "same" with the largest difference, "different" with its proof, or "undecided".
-    It is local: it holds near generic points, and not for the shape in the large. Formulas count
-    wherever they are regular, also beyond the stated domains.
+    It is local: it holds near generic points, and not for the shape in the large. Signs of
+    invariants are compared in the regions of both frames; otherwise formulas count wherever they
+    are regular.
     Otherwise parameters of one name are one constant, to which a random rational value is given.
 
     Raises

@@ -68,7 +68,7 @@ class Equivalence:
     assumptions: tuple[str, str] = ("", "")
     near: np.ndarray | None = field(default=None, repr=False)
     member: Mapping[str, sp.Expr] = field(default_factory=dict)
-    decided: Outcome | None = field(default=None, repr=False)
+    decided: Outcome | None = field(default=None, repr=False, compare=False)
 
     def __eq__(self, other: object) -> bool:
         return equal_content(self, other)

@@ -12,7 +12,7 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion.errors import GeomtorsionError
-from geomtorsion.exact import Certainty
+from geomtorsion.exact import Certainty, Element
 from geomtorsion.exact.element import least_certain
 from geomtorsion.geometry import Frame
 from geomtorsion.same.classification import Classification, classification
@@ -205,27 +205,26 @@ class Query:
             if self.one.growth == two.growth:
                 sure.append(Certainty(proved=False, error=10.0**-ZERO))
             return Contrast(f"the properties differ: {own}; {other}", least_certain(sure))
-        pairs = zip(_named(self.one), _named(two), strict=False)
-        for (name, a), (other_name, b) in pairs:
-            if name == other_name and a.is_zero is True and never_vanishes(b, stratum.frame):
-                reason = f"{name} vanishes for the first geometry only"
-                return Contrast(reason, least_certain([a.certainty, b.certainty]))
         return None
 
-    def resultants_exclude(self, stratum: Stratum) -> Contrast | None:
-        """The proof that no member of a stratum has the scalars of a generic point, if any."""
-        if is_excluded(self.one, stratum.invariants):
+    def proof(self, stratum: Stratum) -> Contrast | None:
+        """The proof by invariants that no member of a stratum is the geometry, if there is one."""
+        two = stratum.invariants
+        first, second = _named(self.one), _named(two)
+        for name in (name for name in first if name in second):
+            a, b = first[name], second[name]
+            if a.is_zero is True and never_vanishes(b, stratum.frame):
+                reason = f"{name} vanishes for the first geometry only"
+                return Contrast(reason, least_certain([a.certainty, b.certainty]))
+        if is_excluded(self.one, two):
             reason = "no point of the second geometry has the invariants of a generic point"
             return Contrast(f"{reason} of the first, for any values of its parameters", RESULTANTS)
-        if not self.one.turns:
-            return None
-        return opposite_signs(
-            self.one, stratum.invariants, scalars(self.one), scalars(stratum.invariants)
-        )
+        return opposite_signs(self.one, two, scalars(self.one), scalars(two))
 
 
-def _named(invariants: Invariants) -> list[tuple[str, sp.Expr]]:
-    return [*scalars(invariants).items(), *pseudoscalars(invariants)] if invariants.turns else []
+def _named(invariants: Invariants) -> dict[str, Element]:
+    """Scalars, also those that a reflection changes in sign; none along fixed legs."""
+    return scalars(invariants) | dict(pseudoscalars(invariants)) if invariants.turns else {}
 
 
 def member_of(frame: Frame, family: Frame, keep: str, orientation: bool) -> Equivalence:
@@ -257,7 +256,11 @@ def member_of(frame: Frame, family: Frame, keep: str, orientation: bool) -> Equi
                 mirror = query.equivalence(family, values, place)
                 if mirror is not None and mirror.verdict == "same":
                     return result
-            reason = query.resultants_exclude(stratum) if number == 0 else None
+            if result is not None and not stratum.frame.parameters:
+                is_different = result.verdict == "different"
+                reason = Contrast(result.reason, result.certainty) if is_different else None
+            elif number == 0:
+                reason = query.proof(stratum)
             if reason is not None:
                 break
         is_open = is_open or reason is None

@@ -43,12 +43,14 @@ def parameters_near(
     highest = max(one.highest, 1)
     exact = Evaluation(one, highest).at(start, 20)
     if exact is None:
+        yield None
         return
     goal = floats(exact)
     positive = _lengths(two)
     orders = sorted({max(highest - 1, 0), highest})
     stages = [Demands(goal, two, order, positive) for order in orders]
     if not len(stages[-1].aim):
+        yield None
         return
     first = next(stage for stage in stages if len(stage.aim))
     for y in best_starts(first, starts):

@@ -31,7 +31,7 @@ def opposite_signs(
     one: Invariants, two: Invariants, first: Mapping[str, Element], second: Mapping[str, Element]
 ) -> Contrast | None:
     """A scalar, or the energy of light-like matter, of opposite signs in the two regions."""
-    pairs = [(name, a, second[name]) for name, a in first.items()]
+    pairs = [(name, a, second[name]) for name, a in first.items() if name in second]
     energy, other = _null_energy(one), _null_energy(two)
     if energy is not None and other is not None:
         pairs.append(("the null energy R_ab k^a k^b", energy, other))

@@ -259,7 +259,7 @@ def _compared(
             if same or not stratum.family.parameters:
                 return same, is_open
         # Most geometries that are the same fit at once; a proof that none does saves other starts.
-        if number == 0 and query.resultants_exclude(stratum) is not None:
+        if number == 0 and query.proof(stratum) is not None:
             return [], False
     return [], True
 
