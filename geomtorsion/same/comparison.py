@@ -90,17 +90,12 @@ def same_geometry(
     first, second = frame_of(one, "one"), frame_of(two, "two")
     for frame in (first, second):
         refuse_functions(frame)
-    families = [_is_family(one, first), _is_family(two, second)]
-    if families == [False, True]:
+    names = [isinstance(side, str) and not side.endswith(".toml") for side in (one, two)]
+    if names == [False, True] and second.parameters:
         return member_of(first, second, name, orientation)
-    if families == [True, False]:
-        return member_of(second, first, name, orientation).swapped()
+    if names == [True, False] and first.parameters:
+        return member_of(second, first, name, orientation, flipped=True)
     return _compared(name, [(first, None), (second, None)], orientation)
-
-
-def _is_family(side: object, frame: Frame) -> bool:
-    """Whether a side is the name of a shipped space with parameters."""
-    return isinstance(side, str) and not side.endswith(".toml") and bool(frame.parameters)
 
 
 def _compared(

@@ -44,7 +44,7 @@ class Outcome:
     @classmethod
     def of(cls, contrast: Contrast) -> Outcome:
         """The outcome of opposite signs."""
-        return cls("different", contrast.reason, contrast.certainty, None, contrast.how)
+        return cls("different", contrast.reason(), contrast.certainty, None, contrast.how)
 
 
 @exclusive
@@ -126,10 +126,19 @@ class Equivalence:
         """The dimension of the turns at a generic point that no invariant fixes, for both."""
         return self.one.isotropy, self.two.isotropy
 
+    @property
+    def is_mirror_image(self) -> bool:
+        """Whether only a reflection, which does not count here, takes one into the other."""
+        if not self.orientation or self.verdict == "same":
+            return False
+        return replace(self, orientation=False).verdict == "same"
+
     def swapped(self) -> Equivalence:
         """The verdict on the second and the first geometry."""
-        match = None if self.match is None else self.match.inverted()
-        outcome = replace(self._outcome, match=match)
+        outcome = None
+        if self.verdict == "same":
+            match = None if self.match is None else self.match.inverted()
+            outcome = replace(self._outcome, match=match)
         return replace(
             self,
             one=self.two,

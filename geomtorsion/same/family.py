@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import combinations, islice, product
 from math import prod
@@ -16,7 +16,7 @@ from geomtorsion.exact import Certainty, Element
 from geomtorsion.exact.element import least_certain
 from geomtorsion.geometry import Frame
 from geomtorsion.same.classification import Classification, classification
-from geomtorsion.same.equivalence import RESULTANTS, TRIES, Equivalence, Outcome
+from geomtorsion.same.equivalence import RESULTANTS, TRIES, UNKNOWN, Equivalence, Outcome
 from geomtorsion.same.fitting import parameters_near
 from geomtorsion.same.invariants import Invariants
 from geomtorsion.same.petrov import ZERO
@@ -172,6 +172,9 @@ class Query:
             yield None, zeros, ()
             return
         tried = set[tuple[sp.Expr, ...]]()
+        if not zeros and set(names) <= set(self.values):
+            # Parameters of the same names are the same constants, if they fit.
+            yield None, {x: sp.Symbol(x, positive=True) for x in names}, ()
         # A few points, each from a few starts.
         points = islice(self.one.frame.region.points(), TRIES // 4)
         for number, start in enumerate(points):
@@ -204,7 +207,8 @@ class Query:
         if own.excludes(other) and not own.may_be_special(other):
             if self.one.growth == two.growth:
                 sure.append(Certainty(proved=False, error=10.0**-ZERO))
-            return Contrast(f"the properties differ: {own}; {other}", least_certain(sure))
+            text = f"the {{first}} geometry: {own}; the {{second}}: {other}"
+            return Contrast(text, least_certain(sure))
         return None
 
     def proof(self, stratum: Stratum) -> Contrast | None:
@@ -214,11 +218,13 @@ class Query:
         for name in (name for name in first if name in second):
             a, b = first[name], second[name]
             if a.is_zero is True and never_vanishes(b, stratum.frame):
-                reason = f"{name} vanishes for the first geometry only"
+                reason = f"{name} vanishes for the {{first}} geometry only"
                 return Contrast(reason, least_certain([a.certainty, b.certainty]))
         if is_excluded(self.one, two):
-            reason = "no point of the second geometry has the invariants of a generic point"
-            return Contrast(f"{reason} of the first, for any values of its parameters", RESULTANTS)
+            reason = (
+                "no point of the {second} geometry has the invariants of a generic point of the "
+            )
+            return Contrast(reason + "{first}, for any values of the parameters", RESULTANTS)
         return opposite_signs(self.one, two, scalars(self.one), scalars(two))
 
 
@@ -227,53 +233,48 @@ def _named(invariants: Invariants) -> dict[str, Element]:
     return scalars(invariants) | dict(pseudoscalars(invariants)) if invariants.turns else {}
 
 
-def member_of(frame: Frame, family: Frame, keep: str, orientation: bool) -> Equivalence:
-    """The comparison of a geometry with the member of a family that it is, or with all members."""
-    query = Query.of(frame, keep)
-    own = {str(x): sp.Symbol(str(x), positive=True) for x in frame.parameters}
-    names = [str(x) for x in family.parameters]
-    whole = Invariants(family, keep)
-    simple = Equivalence(query.one, whole).simple_difference
-    texts = query.assumption, ""
-    if simple is not None:
-        return Equivalence(query.one, whole, orientation, query.values, texts)
-    if set(names) <= set(own):
-        equal = query.equivalence(family, {name: own[name] for name in names}, None, orientation)
-        if equal is not None and equal.verdict == "same":
-            return equal
-    reasons, ends, is_open = [], dict[str, None](), False
+def member_of(
+    frame: Frame, family: Frame, keep: str, orientation: bool, flipped: bool = False
+) -> Equivalence:
+    """The comparison of a geometry with the member of a family that it is, or with all members.
+
+    flipped: the family is the first geometry of the answer.
+    """
+    query, whole = Query.of(frame, keep), Invariants(family, keep)
+    sides = (whole, query.one) if flipped else (query.one, whole)
+    texts = ("", query.assumption) if flipped else (query.assumption, "")
+    every = Equivalence(*sides, orientation, query.values, texts)
+    if every.simple_difference is not None:
+        return every
+    contrasts, ends, is_open = [], dict[str, None](), False
     for stratum in strata(family, keep):
-        reason = query.excluded(stratum)
-        for number, (place, values, limits) in enumerate(
-            () if reason is not None else query.candidates(stratum)
-        ):
+        contrast = query.excluded(stratum)
+        candidates = () if contrast is not None else query.candidates(stratum)
+        for number, (place, values, limits) in enumerate(candidates):
             check_limits()
             ends |= dict.fromkeys(limits)
             result = query.equivalence(family, values, place, orientation) if values else None
-            if result is not None and result.verdict == "same":
-                return result
-            if result is not None and orientation:
-                mirror = query.equivalence(family, values, place)
-                if mirror is not None and mirror.verdict == "same":
-                    return result
+            if result is not None and (result.verdict == "same" or result.is_mirror_image):
+                return result.swapped() if flipped else result
             if result is not None and not stratum.frame.parameters:
-                is_different = result.verdict == "different"
-                reason = Contrast(result.reason, result.certainty) if is_different else None
+                if result.verdict == "different":
+                    contrast = Contrast("the members without parameters differ", result.certainty)
             elif number == 0:
-                reason = query.proof(stratum)
-            if reason is not None:
+                contrast = query.proof(stratum)
+            if contrast is not None:
                 break
-        is_open = is_open or reason is None
-        reasons += [] if reason is None else [reason]
-    towards = f"; it is approached for {', '.join(ends)}" if ends else ""
+        is_open = is_open or contrast is None
+        contrasts += [] if contrast is None else [contrast]
+    towards = f"; the invariants are approached for {', '.join(ends)}" if ends else ""
     if is_open:
-        text = f"no values of {', '.join(names)} were found, and none are excluded{towards}"
-        outcome = Outcome("undecided", text, Certainty(proved=False, error=1.0))
+        names = ", ".join(map(str, family.parameters))
+        text = f"no values of {names} were found, and not all are excluded{towards}"
+        outcome = Outcome("undecided", text, UNKNOWN)
     else:
-        sure = least_certain(x.certainty for x in reasons)
-        how = next((x.how for x in reasons if x.how), "")
-        outcome = Outcome("different", reasons[0].reason + towards, sure, None, how)
-    return Equivalence(query.one, whole, orientation, query.values, texts, decided=outcome)
+        sure = least_certain(x.certainty for x in contrasts)
+        how = next((x.how for x in contrasts if x.how), "")
+        outcome = Outcome("different", contrasts[0].reason(flipped) + towards, sure, None, how)
+    return replace(every, decided=outcome)
 
 
 def expressions(value: float, own: Mapping[str, sp.Rational]) -> Iterator[sp.Expr]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations_with_replacement
+from math import gcd
 
 import mpmath
 
@@ -26,7 +27,13 @@ def scalars(invariants: Invariants) -> dict[str, Element]:
     """Scalar invariants by name: components along fixed legs, otherwise contractions."""
     if not invariants.turns:
         return _components(invariants)
+    return {name: value for name, (value, _) in _weighted(invariants).items()}
+
+
+def _weighted(invariants: Invariants) -> dict[str, tuple[Element, int]]:
+    """Contractions by name, each with its power of 1/length."""
     tensors: dict[str, Tensor] = {}
+    weights: dict[str, int] = {}
     for tensor in invariants.start:
         symbol, rank = tensor.symbol.strip("\\"), len(tensor.slots)
         upper = tensor.raised()
@@ -36,10 +43,12 @@ def scalars(invariants: Invariants) -> dict[str, Element]:
             tensors["the curvature scalar"] = curvature.scalar
             tensors["Ric_ab Ric^ab"] = contract("ab,ab->", ricci, ricci.raised())
             tensors["R_abcd R^abcd"] = contract("abcd,abcd->", tensor, upper)
+            weights |= {"the curvature scalar": 2, "Ric_ab Ric^ab": 4, "R_abcd R^abcd": 4}
             continue
         for rule in CUBIC:
             first, second = rule.removesuffix("->").split(",")
             tensors[f"{symbol}_{first} {symbol}^{second}"] = contract(rule, tensor, upper)
+            weights[f"{symbol}_{first} {symbol}^{second}"] = 2
     values = {name: tensor.element() for name, tensor in tensors.items()}
     varying = [name for name, value in values.items() if not is_constant(invariants, value)][:3]
     bar = levi_civita(invariants.frame)
@@ -47,14 +56,18 @@ def scalars(invariants: Invariants) -> dict[str, Element]:
     for one, two in combinations_with_replacement(varying, 2):
         name = f"the product of the gradients of {one} and {two}"
         values[name] = contract("a,a->", slopes[one], slopes[two].raised()).element()
+        weights[name] = weights[one] + weights[two] + 2
     for name in varying:
         values[f"the Laplacian of {name}"] = bar.laplacian(tensors[name]).element()
+        weights[f"the Laplacian of {name}"] = weights[name] + 2
     if not varying:
         for tensor, slope in zip(invariants.start, invariants.order(1), strict=True):
             letters = "abcde"[: len(slope.slots)]
             square = contract(f"{letters},{letters}->", slope, slope.raised())
-            values[f"the square of the derivative of {tensor.symbol}"] = square.element()
-    return values
+            name = f"the square of the derivative of {tensor.symbol}"
+            values[name] = square.element()
+            weights[name] = 6 if len(tensor.slots) == 4 else 4
+    return {name: (value, weights[name]) for name, value in values.items()}
 
 
 def _components(invariants: Invariants) -> dict[str, Element]:
@@ -160,7 +173,23 @@ def is_excluded(one: Invariants, two: Invariants, proper: bool = False) -> bool:
             pairs = [first[k] for k in varying], [second[k] for k in varying]
             if can_agree(*pairs, symbols) is False:
                 return True
+            if two.frame.parameters and one.turns and not proper:
+                pairs = _ratios(sides[0], varying), _ratios(sides[1], varying)
+                if pairs[0] and can_agree(*pairs, symbols) is False:
+                    return True
     return False
+
+
+def _ratios(invariants: Invariants, names: Sequence[str]) -> list[Element]:
+    """Ratios of powers of scalars without a unit, which do not depend on the scale of a family."""
+    weighted = _weighted(invariants)
+    base, unit = weighted[names[0]]
+    result = []
+    for name in names[1:]:
+        value, weight = weighted[name]
+        shared = gcd(unit, weight)
+        result.append(value ** (unit // shared) / base ** (weight // shared))
+    return result
 
 
 def _text(value: Element, number: mpmath.mpf) -> str:

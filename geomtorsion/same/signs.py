@@ -20,11 +20,21 @@ SAMPLED = Certainty(proved=False, error=1e-2)
 
 @dataclass(frozen=True)
 class Contrast:
-    """Why two geometries differ, how sure this is, and in words how it was decided."""
+    """Why two geometries differ.
 
-    reason: str
+    text: the reason, with {first} and {second} for the two geometries.
+    certainty: how sure it is.
+    how: in words how it was decided; empty: as the certainty says.
+    """
+
+    text: str
     certainty: Certainty
     how: str = ""
+
+    def reason(self, flipped: bool = False) -> str:
+        """The reason in words. flipped: the geometries are printed in the other order."""
+        names = ("second", "first") if flipped else ("first", "second")
+        return self.text.format(first=names[0], second=names[1])
 
 
 def opposite_signs(
@@ -51,7 +61,8 @@ def _opposite(
     for name, a, b in rows:
         left, right = _sign(one, a), _sign(two, b)
         if left is not None and right is not None and left * right < 0:
-            text = f"{name} is {words[left]} for the first and {words[right]} for the second"
+            kinds = words[left], words[right]
+            text = f"{name} is {kinds[0]} for the {{first}} and {kinds[1]} for the {{second}}"
             sure = [a.certainty, b.certainty]
             if _is_proved(one, a, left) and _is_proved(two, b, right):
                 return Contrast(f"{text} geometry", least_certain(sure))

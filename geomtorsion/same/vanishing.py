@@ -12,9 +12,10 @@ from geomtorsion.geometry import Frame
 def never_vanishes(element: Element, frame: Frame) -> bool:
     """Whether an element vanishes at all points for no values of the parameters; False: open.
 
-    The numerator is a polynomial in the coordinates and in sines and cosines of them. It vanishes
-    at all points where all its coefficients do. One of them is never zero if all its terms have one
-    sign for positive parameters.
+    The parameters are not zero; geometries at which some are zero have frames of their own. The
+    numerator is a polynomial in the coordinates and in sines and cosines of them. It vanishes at
+    all points where all its coefficients do. One of them is never zero if it is one product of
+    powers, or if all its terms have one sign.
     """
     if element.is_zero is not False or element.length > LONGEST:
         return False
@@ -47,15 +48,19 @@ def _is_simple(generator: sp.Expr, coordinates: set[sp.Symbol]) -> bool:
 
 
 def _has_one_sign(coefficient: sp.Expr, frame: Frame) -> bool:
-    """Whether a polynomial in parameters has terms of one sign only."""
+    """Whether a polynomial vanishes for no values of the parameters that are not zero."""
     if coefficient.is_number:
         return True
     polynomial = sp.Poly(coefficient)
-    numbers = polynomial.coeffs()
-    if not all(x.is_real for x in numbers):
+    terms, gens = polynomial.terms(), polynomial.gens
+    if not all(g in frame.parameters for g in gens) or not all(x.is_real for _, x in terms):
         return False
-    signs = {bool(x > 0) for x in numbers}
-    positive = all(
-        g.is_positive or frame.region.sign(g) == 1 for g in polynomial.gens if g in frame.parameters
+    if len(terms) == 1:
+        return True
+    positive = [g.is_positive or frame.region.sign(g) == 1 for g in gens]
+    squares = all(
+        ok or power % 2 == 0
+        for powers, _ in terms
+        for ok, power in zip(positive, powers, strict=True)
     )
-    return positive and len(signs) == 1 and all(g in frame.parameters for g in polynomial.gens)
+    return squares and len({bool(x > 0) for _, x in terms}) == 1

@@ -38,12 +38,12 @@ MEMBERS = [
     (FLAT, "kerr", {"M": "0", "a": "0"}),
 ]
 STRANGERS = [
-    (WALLS, "schwarzschild", "for any values of its parameters"),
+    (WALLS, "schwarzschild", "for any values of the parameters"),
     (WALLS, "kerr", "vanishes for the first geometry only"),
     (WALLS, "taub_nut", "vanishes for the first geometry only"),
-    (hole("1 - 2/r + 1/(4*r**2)"), "schwarzschild", "the properties differ"),
-    (diagonal("a b", ["1", "1"]), "s2", "the properties differ"),
-    (diagonal("a b", ["1", "(2 + cos(a))**2"]), "s2", "the properties differ"),
+    (hole("1 - 2/r + 1/(4*r**2)"), "schwarzschild", "the second: "),
+    (diagonal("a b", ["1", "1"]), "s2", "vanishes for the first geometry only"),
+    (diagonal("a b", ["1", "(2 + cos(a))**2"]), "s2", "the second: "),
     (diagonal("a b", ["1", "sin(a)**2"]), "schwarzschild", "dimensions are 2 and 4"),
 ]
 
@@ -77,6 +77,19 @@ def test_the_family_may_come_first():
     image = result.map(start)
     # r = rho (1 + M/(2 rho))^2
     assert image["r"] == pytest.approx(rho * (1 + 1 / (2 * rho)) ** 2, abs=1e-9)
+
+
+def test_reasons_name_the_sides_in_their_order():
+    """The reason is about the first and the second geometry as they were given."""
+    for sides, words in (
+        ((WALLS, "kerr"), "vanishes for the first geometry only"),
+        (("kerr", WALLS), "vanishes for the second geometry only"),
+        (("s2", FLAT), "dimensions are 2 and 4"),
+        ((FLAT, "s2"), "dimensions are 4 and 2"),
+    ):
+        result = gt.same_geometry(*sides)
+        assert result.verdict == "different"
+        assert words in result.reason
 
 
 def test_legs_of_a_family_are_fitted():
