@@ -36,7 +36,15 @@ def main(arguments: list[str] | None = None) -> None:
     print(tegr)
     assert abs(tegr.modes[0].frequency - LEAVER[0]) < 1e-9
 
-    print("\nA scalar field on it:")
+    print("\nThe scalar of R + c R^2, with m^2 = 1/(6 c), has no wave of the tetrad for l = 1:")
+    square = perturbed.ringing("R + c*R**2", "schwarzschild", l=1, parameters={"M": 1, "c": "5/3"})
+    print(square)
+    field = {"M": 1, "m2": "1/10"}
+    test = perturbed.ringing("-X/2 - m2*phi**2/2", "schwarzschild", l=1, parameters=field)
+    one, two = square.modes[0], test.modes[0]
+    assert abs(one.frequency - two.frequency) < one.error + two.error
+
+    print("\nA scalar field without a mass:")
     print(perturbed.ringing("-X/2", "schwarzschild", l=0, parameters=mass))
 
     # In seconds: a hole of 62 solar masses, the first one heard (GW150914).

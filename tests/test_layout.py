@@ -102,8 +102,9 @@ CEILINGS = {
     # One more: the size of the change from which a solution is searched.
     # One more: the steps of Newton's method for jets of solutions.
     # Two standard errors in tests of gravity, and spare rough frequencies of a hole.
+    # One: the number of points whose field equations are evaluated together.
     # One: how far a mark of missing values is from all other values.
-    "tuned constants": 184,
+    "tuned constants": 185,
     # Two more than before: converters of arguments are three files by kind instead of one of 1,000.
     # Two more: kinetic metrics and forces are files of their own.
     # One more: squares that roots hide in circular functions.
@@ -115,7 +116,7 @@ CEILINGS = {
 }
 # Lines of code below and above the wall, rounded up to five hundreds, without docstrings, comments
 # and blanks. A change that needs more raises a number and states in its commit what users get.
-BUDGET = {"below the wall": 49000, "above the wall": 55500}
+BUDGET = {"below the wall": 50500, "above the wall": 56000}
 # What a program that imports the package does not wait for.
 LATER = ("sympy", "flint", "mpmath", "numpy", "multiprocessing", "asyncio", "tomllib", "sqlite3")
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")

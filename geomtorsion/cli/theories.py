@@ -12,7 +12,14 @@ import typer
 from geomtorsion import gravity
 from geomtorsion.cli.values import assigned, separated
 from geomtorsion.geometry import Connection, cartan, from_torsion, levi_civita
-from geomtorsion.gravity import FieldEquations, Lagrangian, Model, maxwell, scalar_field
+from geomtorsion.gravity import (
+    FieldEquations,
+    Lagrangian,
+    Model,
+    maxwell,
+    scalar_field,
+)
+from geomtorsion.gravity.matter import MatterField
 from geomtorsion.gravity.vocabulary import THEORIES
 from geomtorsion.spaces import Space, names
 from geomtorsion.support.files import read_toml
@@ -127,18 +134,22 @@ def field_equations(
     riemannian = isinstance(theory, Lagrangian) and theory.geometry == "riemannian"
     chosen = connections or [Over.levi_civita if riemannian else Over.own]
     own = [connection_of(space, one) for one in chosen]
-    fields = [assigned(one, "--scalar", "phi = u(t)") for one in scalars or ()]
-    matter = [
-        *(scalar_field(value, None if name == "phi" else name) for name, value in fields),
-        *(maxwell(separated(one)) for one in potentials or ()),
-    ]
     return gravity.equations(
         own,
         theory,
-        matter,
+        matter_of(scalars, potentials),
         constants=constants,
         invariants=invariants_of(invariants),
     )
+
+
+def matter_of(scalars: Sequence[str] | None, potentials: Sequence[str] | None) -> list[MatterField]:
+    """Scalar and Maxwell fields, as typed."""
+    fields = [assigned(one, "--scalar", "phi = u(t)") for one in scalars or ()]
+    return [
+        *(scalar_field(value, None if name == "phi" else name) for name, value in fields),
+        *(maxwell(separated(one)) for one in potentials or ()),
+    ]
 
 
 def connection_of(space: Space, over: Over) -> Connection:

@@ -204,12 +204,12 @@ def _number(
     except (ZeroDivisionError, SingularPointError):
         number = float("nan")
     except MissingValueError as error:
-        raise MissingValueError(f"{tensor.label}{list(index)}: {error}") from None
+        raise MissingValueError(f"{tensor.label}{list(index) or ''}: {error}") from None
     if mpmath.isfinite(number) and (tensor.frame.complex or number.imag == 0):
         return number
     place = ", ".join(f"{symbol} = {value}" for symbol, value in values.items())
     raise SingularPointError(
-        f"{tensor.label}{list(index)} has no finite real value at {place}. "
+        f"{tensor.label}{list(index) or ''} has no finite real value at {place}. "
         "Choose a point inside the domain of the frame."
     )
 

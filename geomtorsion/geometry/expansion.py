@@ -129,4 +129,5 @@ def coefficient(tensor: Tensor, order: object) -> Tensor:
         tensor.symbol,
         f"{tensor.name} at order {k}".strip(),
         tensor.anchored,
+        tensor.writing,
     )

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 # Names of the values of an index, and values that are chosen: {index: value}.
 Names = str | Sequence[str]
 Where = Mapping[int, int | str]
+# A component as it is printed: tensor, its index and its value -> expression.
+Writing = Callable[["Tensor", tuple[int, ...], "Element"], sp.Expr]
 # Components that are written one by one, as text and as formulas; more fill the screen, and of
 # others their number is given.
 SHOWN = 12
@@ -122,7 +124,11 @@ def plain(value: Element) -> sp.Expr:
 
 def short(tensor: Tensor, index: tuple[int, ...]) -> sp.Expr:
     """One component as it is printed."""
-    return component(tensor, index, tensor.frame.written)
+    writing = tensor.writing
+    if writing is None:
+        return component(tensor, index, tensor.frame.written)
+    _, first = tensor.components.representative(index)
+    return component(tensor, index, lambda value: writing(tensor, first, value))
 
 
 def array(tensor: Tensor, is_short: bool) -> sp.ImmutableDenseNDimArray | sp.Expr:

@@ -51,6 +51,7 @@ class Tensor:
     symmetry: generators of the symmetry that the all-lower (or all-upper) form has.
     symbol, name: how it is written and called.
     anchored: indices whose basis cannot be changed, as of connection coefficients.
+    writing: how a component is printed; without it, by the names of the frame.
 
     Examples
     --------
@@ -71,6 +72,7 @@ class Tensor:
     symbol: str = "t"
     name: str = ""
     anchored: tuple[int, ...] = ()
+    writing: notation.Writing | None = None
 
     has_own_field: ClassVar[bool] = True
 
@@ -633,7 +635,7 @@ class Tensor:
     def __reduce__(self) -> tuple[object, ...]:
         values = {index: x.sympy for index, x in self.components.independent.items()}
         symmetry = effective(self.symmetry, self.slots)
-        names = (self.symbol, self.name, self.anchored)
+        names = (self.symbol, self.name, self.anchored, self.writing)
         return type(self), (self.frame, self.slots, values, symmetry, *names)
 
     def __deepcopy__(self, _: object) -> Tensor:
@@ -684,6 +686,17 @@ class Tensor:
 
     def _repr_latex_(self) -> str:
         return notation.latex(self)
+
+    def to_latex(self) -> str:
+        r"""A matrix for two indices, else the independent components; as `sympy.latex` writes it.
+
+        Examples
+        --------
+        >>> from geomtorsion.geometry import Frame
+        >>> Frame("r phi", [["1", "0"], ["0", "r"]]).metric.to_latex()
+        'g_{ab} = \\begin{pmatrix} 1 & 0 \\\\ 0 & r^{2} \\end{pmatrix}'
+        """
+        return notation.sympy_latex(self, None)
 
     _repr_html_ = drawn_by("notebook_tables", "tensor_html")
     plot: ClassVar[Plot] = figure_by("tensors", "draw_tensor")

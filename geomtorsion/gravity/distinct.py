@@ -28,7 +28,7 @@ def distinct(
         for index in tensor.components.independent:
             numerator = _numerator(written(tensor.element(*index)), nonzero)
             if numerator != 0 and numerator not in result.values():
-                result[name + _marks(index, tensor.slots)] = numerator
+                result[name + marks(index, tensor.slots)] = numerator
     return result
 
 
@@ -44,7 +44,7 @@ def _numerator(expression: sp.Expr, nonzero: Collection[sp.Basic]) -> sp.Expr:
     return -numerator if numerator.could_extract_minus_sign() else numerator
 
 
-def _marks(index: Sequence[int], slots: str) -> str:
+def marks(index: Sequence[int], slots: str) -> str:
     """Marks of an index, _1^1 or ^12_3."""
     marks, last = "", ""
     for place, slot in zip(index, slots.upper(), strict=True):

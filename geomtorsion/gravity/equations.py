@@ -30,7 +30,7 @@ from geomtorsion.gravity.invariants import Invariant
 from geomtorsion.gravity.lagrangian import Lagrangian, Reading, known_as
 from geomtorsion.gravity.matter import MatterField, numbered
 from geomtorsion.gravity.momenta import Momenta
-from geomtorsion.gravity.naming import Call, calls_of, jet_names
+from geomtorsion.gravity.naming import Call, calls_of, jet_names, shorthand
 from geomtorsion.gravity.numeric.equation_values import EquationValues, equations_at
 from geomtorsion.gravity.operator import LinearOperator, operator
 from geomtorsion.gravity.reducing import reduced
@@ -39,10 +39,14 @@ from geomtorsion.gravity.residuals import Sources
 from geomtorsion.gravity.unknown_terms import terms_of
 from geomtorsion.gravity.variation import Variation
 from geomtorsion.gravity.vocabulary import declared_constants
+from geomtorsion.gravity.writing import Lines, distinct_components
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.displays import drawn_by
 from geomtorsion.support.exclusive import exclusive
+
+# Parts of the coframe equation by the names that `readable` has for them.
+DIVIDED = {"E": "E", "E_ij": "E_lower", "E_(ij)": "symmetric", "E_[ij]": "antisymmetric"}
 
 
 @exclusive
@@ -55,6 +59,8 @@ class FieldEquations:
     matter: matter fields and fluids.
 
     All tensors have leg slots, written in capitals; in coordinates: `.in_coordinates()`.
+    `E[0, 0]` is exact in the coordinates; `print(E)` and LaTeX write f_T for df/dT, and `readable`
+    gives components in the names of invariants.
 
     Examples
     --------
@@ -79,6 +85,32 @@ class FieldEquations:
             for name, (kind, _) in self._absent.items()
         )
         return f"field equations of {self.lagrangian!r} ({names}){constants}{zeros}"
+
+    def __str__(self) -> str:
+        return "\n".join([repr(self), *self._lines.text()])
+
+    def to_latex(self) -> str:
+        r"""Invariants and the equations that differ, as an `aligned` environment.
+
+        `sympy.latex(equations)` gives the same.
+
+        Examples
+        --------
+        >>> import geomtorsion as gt
+        >>> cosmos = gt.spaces.load("frw_flat").frame
+        >>> "f_{TT}" in gt.gravity.equations(gt.cartan(cosmos), "f(T)").to_latex()
+        True
+        """
+        return self._lines.latex()
+
+    def _latex(self, _: object) -> str:
+        return self.to_latex()
+
+    @property
+    def _lines(self) -> Lines:
+        every = {x: one for x, one in self.tensors.items() if x != "E_[ij]"}
+        equations = distinct_components(every | self.matter_equations, self._shown)
+        return Lines(self.scalars, equations, self.matter_equations)
 
     @property
     def frame(self) -> Frame:
@@ -267,7 +299,7 @@ class FieldEquations:
         >>> equations.readable("L"), equations.readable("P", 0, 1, 1)
         (f(T), 2*Derivative(a(t), t)*Derivative(f(T), T)/a(t))
         """
-        further = {"E_ij": "E_lower", "E_(ij)": "symmetric"} | {x: x for x in "LPZN"}
+        further = DIVIDED | {x: x for x in "LPZN"}
         every = {**self.tensors, **self.matter_equations}
         checks.choice(name, (*every, *further), "name", GravityError)
         tensor = every[name] if name in every else getattr(self, further[name])
@@ -276,6 +308,25 @@ class FieldEquations:
             return self.written(tensor.element(*index))
         written = self.frame.written
         return sp.Add(*(x * written(one.element(*index)) for x, one in terms.items()))
+
+    def _shown(self, tensor: Tensor, index: Index, element: Element) -> sp.Expr:
+        """A component as tensors print it: f_T for df/dT, and the parts of E by unknown functions.
+
+        Tensors in other coordinates have other elements, which are written as they are.
+        """
+        labels = [x for x, name in DIVIDED.items() if self.__dict__.get(name) is tensor]
+        field = self.frame.field
+        if labels:
+            expression = self.readable(labels[0], *index)
+        elif tensor.frame.field in (field, getattr(field, "base", field)):
+            expression = self.written(element)
+        else:
+            return tensor.frame.written(element)
+        return shorthand(expression, self.frame.coordinates)
+
+    def _printed(self, tensor: Tensor) -> Tensor:
+        """A tensor whose components print with the names of invariants."""
+        return replace(tensor, source=tensor.components, writing=self._shown)
 
     @cached_property
     def _divided(self) -> dict[str, dict[sp.Expr, Tensor]]:
@@ -371,7 +422,9 @@ class FieldEquations:
     def L(self) -> Tensor:
         """The Lagrangian on these fields, rank 0."""
         reading = self._reading
-        return self.frame.scalar(lambda: reading.element(reading.expression), "L", "Lagrangian")
+        return self._printed(
+            self.frame.scalar(lambda: reading.element(reading.expression), "L", "Lagrangian")
+        )
 
     @cached_property
     def _slopes(self) -> dict[str, Element]:
@@ -393,20 +446,20 @@ class FieldEquations:
         """P = dL/dT, Z = dL/dR, N = dL/dQ of each connection."""
         return self._variation.momenta
 
-    @property
+    @cached_property
     def P(self) -> Tensor:
         """P^{ab}_c = dL/dT_ab^c of the first connection, slots UUD."""
-        return self.momenta[0].P
+        return self._printed(self.momenta[0].P)
 
-    @property
+    @cached_property
     def Z(self) -> Tensor:
         """Z^{abi}_j = dL/dR_abi^j of the first connection, slots UUUD."""
-        return self.momenta[0].Z
+        return self._printed(self.momenta[0].Z)
 
-    @property
+    @cached_property
     def N(self) -> Tensor:
         """N^{aij} = dL/dQ_aij of the first connection, slots UUU."""
-        return self.momenta[0].N
+        return self._printed(self.momenta[0].N)
 
     # -- the equations -------------------------------------------------------------------------
 
@@ -426,7 +479,7 @@ class FieldEquations:
             terms += [(1, source.components.get(index)) for source in sources]
             return self.frame.field.sum([*terms, (1, own(index))])
 
-        return Tensor(self.frame, "DU", rule, (), "E", "coframe equation")
+        return self._printed(Tensor(self.frame, "DU", rule, (), "E", "coframe equation"))
 
     @cached_property
     def E_lower(self) -> Tensor:
@@ -440,7 +493,8 @@ class FieldEquations:
         >>> equations.E[0, 0], equations.E_lower[0, 0]
         (-6*Derivative(a(t), t)**2/a(t)**2, 6*Derivative(a(t), t)**2/a(t)**2)
         """
-        return replace(self.E.lowered(1), name="coframe equation, both indices down")
+        lower = self.E.lowered(1)
+        return self._printed(replace(lower, name="coframe equation, both indices down"))
 
     @cached_property
     def symmetric(self) -> Tensor:
@@ -449,7 +503,7 @@ class FieldEquations:
         E[i, j] + E[j, i] of the mixed components is another sum: it vanishes for i = 0, j > 0
         wherever E_ij is symmetric, because index 0 changes its sign where it moves.
         """
-        return symmetric_part(self.E)
+        return self._printed(symmetric_part(self.E))
 
     @cached_property
     def _fields(self) -> list[MatterField]:
@@ -476,11 +530,8 @@ class FieldEquations:
                     total = total + fluid.connection_source(self.connections[0])
                 if self._content.metric[0] and self._fluids:
                     total = turning(total)
-            tensors.append(
-                Tensor(
-                    self.frame, "UUD", total.components, total.symmetry, "C", "connection equation"
-                )
-            )
+            total = replace(total, symbol="C", name="connection equation")
+            tensors.append(self._printed(total))
         return tuple(tensors)
 
     @property
@@ -506,7 +557,7 @@ class FieldEquations:
             terms = [(HALF, get(index)) for get in turned]
             return frame.field.sum([(HALF, lower((j, i))), *terms])
 
-        return Tensor(frame, "DD", rule, (), "M", "metric equation")
+        return self._printed(Tensor(frame, "DD", rule, (), "M", "metric equation"))
 
     @cached_property
     def _turned(self) -> tuple[Tensor, ...]:
@@ -521,7 +572,7 @@ class FieldEquations:
         Where it does not vanish the spin connection does not belong to the coframe. Where it
         vanishes the spin connection may still be wrong.
         """
-        return antisymmetric_part(self.E)
+        return self._printed(antisymmetric_part(self.E))
 
     @cached_property
     def tensors(self) -> dict[str, Tensor]:
@@ -535,7 +586,7 @@ class FieldEquations:
             tensors["M"] = self.M
         return tensors
 
-    @property
+    @cached_property
     def matter_equations(self) -> dict[str, Tensor]:
         """(1/e) d(eL)/d(field) of each matter field, by its name; a scalar's is [0].
 
@@ -547,7 +598,7 @@ class FieldEquations:
         >>> gt.gravity.equations(flat, "-X/2 - phi(t)**2/2", field).matter_equations["phi"][0]
         -phi(t) - Derivative(phi(t), (t, 2))
         """
-        return self._variation.matter_equations
+        return {x: self._printed(one) for x, one in self._variation.matter_equations.items()}
 
     def reduce(self, variable: object, conditions: object = ()) -> Reduction:
         """First-order equations for unknown functions of one variable, with constraints.

@@ -14,8 +14,8 @@ from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, parse_expression
 from geomtorsion.exact import names as words
 from geomtorsion.geometry import Frame, Tensor, at_home
+from geomtorsion.geometry.numeric.numeric_field import NumericField
 from geomtorsion.gravity.invariants import INVARIANTS, Invariant
-from geomtorsion.gravity.numeric.numeric_field import NumericField
 from geomtorsion.gravity.vocabulary import MATTER, WAVE_OPERATORS, Vocabulary
 from geomtorsion.support import checks
 

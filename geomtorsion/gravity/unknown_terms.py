@@ -69,7 +69,8 @@ class Chain:
         for term in sp.Add.make_args(sp.expand(expression)):
             coefficient, unknown = sp.S.One, sp.S.One
             for factor in sp.Mul.make_args(term):
-                called = any(not x.free_symbols.isdisjoint(own) for x in factor.atoms(AppliedUndef))
+                calls = factor.atoms(AppliedUndef, sp.Subs)
+                called = any(not x.free_symbols.isdisjoint(own) for x in calls)
                 if called or not factor.free_symbols.isdisjoint(derivatives):
                     unknown *= factor
                 else:

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
-import sympy
-
-from geomtorsion.exact import Element
+from geomtorsion.geometry.notation import short
 from geomtorsion.geometry.quantities import Entry
 from geomtorsion.gravity import FieldEquations
 from geomtorsion.pictures.formula import mathml
@@ -59,14 +56,11 @@ def field_equations_html(equations: FieldEquations) -> str:
         for name, value in equations.scalars.items()
     ]
     for name, tensor in equations.matter_equations.items():
-        for index, element in tensor.components.independent.items():
+        for index in tensor.components.independent:
             label = latex_label(name, latex_marks(tensor, index), tensor.slots)
-            written = latex_text(equations.written(element))
+            written = latex_text(short(tensor, index))
             values.append(mathml(f"{label}: \\quad {written} = 0", display=True))
-    quantities = [
-        Quantity(ENTRIES[name], x, _printed(equations, name))
-        for name, x in equations.tensors.items()
-    ]
+    quantities = [Quantity(ENTRIES[name], x) for name, x in equations.tensors.items()]
     return (
         f'<section class="card"><p>Left sides of the field equations of '
         f"{mathml(f'L = {lagrangian}')} ({names}). {constants}The space is "
@@ -74,19 +68,6 @@ def field_equations_html(equations: FieldEquations) -> str:
         f'<div class="scroll">{"".join(values)}</div></section>'
         f"{''.join(map(section, quantities))}"
     )
-
-
-def _printed(equations: FieldEquations, name: str) -> Callable[[Element], sympy.Expr]:
-    """How components of an equation are written: as sums of unknown functions."""
-    components = equations.tensors[name].components.independent
-    places = {id(element): index for index, element in components.items()}
-
-    def printed(element: Element) -> sympy.Expr:
-        # Components that follow by symmetry are elements of their own.
-        index = places.get(id(element))
-        return equations.written(element) if index is None else equations.readable(name, *index)
-
-    return printed
 
 
 def field_equations_data(equations: FieldEquations) -> dict[str, Any]:

@@ -59,7 +59,7 @@ def _mass(particle: Particle) -> str:
 
 def _energy(particle: Particle) -> str:
     if particle.energy is None:
-        return "double pole"
+        return f"double pole {mathml(latex_text(particle.factor**2))}"
     if particle.energy.is_number:
         return "positive" if particle.energy > 0 else "negative (ghost)"
     return f"sign of {mathml(latex_text(particle.energy))}"
@@ -104,6 +104,8 @@ def draw_particles(spectrum: Spectrum) -> Figure:
         axes.plot(0, y, "o", color=colours[_kind(one)], markersize=6 + 2 * min(one.number, 5))
         axes.annotate(figure_text(_text(one)), (0, y), (22, 0), textcoords="offset points",
                       va="center", fontsize=9)  # fmt: skip
+    if not labels:
+        axes.text(0.5, 0, "no particles", ha="center", fontsize=9)
     axes.set_yticks([-k for k in range(len(labels))], labels)
     axes.set_xticks([])
     axes.set_xlim(-0.06, 1)
@@ -117,7 +119,7 @@ def draw_particles(spectrum: Spectrum) -> Figure:
         if kind in used
     ]
     if handles:
-        figure.legend(handles=handles, loc="outside lower left", ncols=len(handles), frameon=False,
+        figure.legend(handles=handles, loc="outside upper left", ncols=len(handles), frameon=False,
                       fontsize=8)  # fmt: skip
     first, *_, last = str(spectrum).splitlines()
     captioned(figure, [figure_text(first), figure_text(checks.cut(last))])
@@ -127,6 +129,7 @@ def draw_particles(spectrum: Spectrum) -> Figure:
 def _text(particle: Particle) -> str:
     """Mass and number of modes in one line."""
     modes = f"{particle.number} mode{'s' if particle.number > 1 else ''}"
+    modes += ", double pole" * particle.is_dipole
     if particle.is_massless:
         return f"massless, {modes}"
     if particle.mass2 is None:

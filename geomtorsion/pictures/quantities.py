@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import UnknownNameError
-from geomtorsion.geometry.notation import open_mark
+from geomtorsion.geometry.notation import open_mark, short
 from geomtorsion.geometry.quantities import entries
 from geomtorsion.pictures.latex import letters, text_label
 from geomtorsion.pictures.text import plain_text
@@ -31,13 +31,11 @@ BASES = ("natural", "coordinate", "frame")
 class Quantity:
     """A quantity of a space, computed when its components are read.
 
-    entry: how it is presented. tensor: its components, in the requested basis. printed: a
-    component as it is printed; without it, by the names of the frame.
+    entry: how it is presented. tensor: its components, in the requested basis.
     """
 
     entry: Entry
     tensor: Tensor
-    printed: Callable[[Element], sympy.Expr] | None = None
 
     @property
     def letters(self) -> list[str]:
@@ -51,8 +49,8 @@ class Quantity:
 
     def written(self, element: Element) -> sympy.Expr:
         """A component as it is printed."""
-        if self.printed is not None:
-            return self.printed(element)
+        if self.tensor.writing is not None:
+            return short(self.tensor, self._places[id(element)])
         frame = self.tensor.frame
         return frame.written(element) if frame.names else element.sympy
 
@@ -65,6 +63,11 @@ class Quantity:
     def nonzero(self) -> dict[tuple[int, ...], Element]:
         """All components that are not known to vanish."""
         return dict(sorted(self.tensor.components.nonzero.items()))
+
+    @cached_property
+    def _places(self) -> dict[int, tuple[int, ...]]:
+        """Identity of each component that may not vanish -> its index."""
+        return {id(element): index for index, element in self.nonzero.items()}
 
     @cached_property
     def undecided(self) -> tuple[tuple[int, ...], ...]:

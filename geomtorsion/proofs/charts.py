@@ -62,12 +62,15 @@ class CurveCourse:
 
     backwards: whether it runs to negative times.
     start, parameters: numbers or balls that replace the values of the problem.
+    by: names of `variables` of the problem by which derivatives are taken. Then all parameters and
+        constant velocities on which something depends are states, after all others.
     """
 
     problem: CurveProblem
     backwards: bool
     start: Sequence[Any] = ()
     parameters: Mapping[str, Any] = field(default_factory=dict)
+    by: tuple[str, ...] = ()
 
     def stretches(self, times: Sequence[fmpq], hints: Sequence[Stretch]) -> list[Stretch]:
         """The charts of the solution, the last one on to where a stopped curve may end."""
@@ -84,7 +87,7 @@ class CurveCourse:
     def shown(self, label: str, box: Sequence[arb]) -> list[arb]:
         """Velocities in units of the time of users."""
         equations, unit = self.problem.equations(label), arb(self.problem.time_unit)
-        numbers = list(box)
+        numbers = list(box[: len(equations.states)])
         first = equations.width
         if equations.clock:
             numbers.pop(equations.plain_width - 1)
@@ -111,6 +114,8 @@ class CurveCourse:
             point, source = before.whole, before.label
             if before.constant:
                 point = extended(point, problem.equations(source).width, before.constant)
+            elif self.by and not problem.equations(source).moves:
+                point = self._velocities_first(point, problem.equations(source))
         if source != stretch.label:
             point = self._moved(point, source, stretch.label)
             angles = problem.atlas.route(source, stretch.label)[-1].angles
@@ -120,19 +125,40 @@ class CurveCourse:
         if not equations.moves:
             places = range(equations.width, equations.width + len(equations.velocities))
             constant = tuple(point.hull[k] for k in places)
-            point = without(point, places)
-        position = Position(point, stretch.label, constant)
+            point = permuted_last(point, places) if self.by else without(point, places)
+        position = Position(point, stretch.label, () if self.by else constant)
         return position, self._leg(stretch, equations, constant)
+
+    def _varied(self, equations: Equations) -> tuple[str, ...]:
+        """Parameters of the equations that are states, because derivatives are taken by them."""
+        if not self.by:
+            return ()
+        return (*self._varied_parameters, *(() if equations.moves else equations.velocities))
+
+    @property
+    def _varied_parameters(self) -> tuple[str, ...]:
+        return tuple(name for name in self.problem.parameters if name in self.by)
+
+    def _velocities_first(self, point: LohnerSet, equations: Equations) -> LohnerSet:
+        """The set with constant velocities, its last states, after the coordinates again."""
+        size, n = len(point.middle), len(equations.velocities)
+        rest = range(equations.width, size - n)
+        return permuted_last(point, rest)
 
     def _leg(self, stretch: Stretch, equations: Equations, constant: Sequence[arb]) -> Leg:
         table = {**self._values(), **equations.constants}
         table |= dict(zip(equations.velocities, constant, strict=False))
+        varied = self._varied(equations)
+        rest = [name for name in equations.parameters if name not in varied]
 
         def parameters() -> list[arb]:
             return [exact_ball(table[name]) for name in equations.parameters]
 
-        system = BallSystem.of(equations.system, parameters, backwards=self.backwards)
-        inside, words = conditions_of(equations)
+        def others() -> list[arb]:
+            return [exact_ball(table[name]) for name in rest]
+
+        system = BallSystem.of(equations.system, others, backwards=self.backwards, varied=varied)
+        inside, words = conditions_of(equations, (*equations.states, *varied, *rest))
         fall = None
         if self.problem.stops:
             (term,) = self.problem.stop_terms(stretch.label)
@@ -145,33 +171,53 @@ class CurveCourse:
         problem = self.problem
         unit = arb(problem.time_unit)
         coordinates = [exact_ball(x) for x in self.start or problem.start or ()]
-        velocities = [x / unit for x in self._velocities(coordinates)]
+        rates, slopes = self._velocities(coordinates)
+        velocities = [x / unit for x in rates]
         carried = []
         if problem.carried is not None:
             pairs = zip(problem.carried.start, problem.carried.speed_powers, strict=True)
             carried = [exact_ball(x) / unit if power else exact_ball(x) for x, power in pairs]
         # Equations with a clock have one chart, where the motion begins at zero.
         clock = [arb(0)] if problem.equations().clock else []
-        return LohnerSet.of([*coordinates, *velocities, *clock, *carried])
+        varied = self._varied_parameters
+        values = self._values()
+        columns = [
+            [
+                *(arb(int(name == x)) for x in problem.coordinates[: len(coordinates)]),
+                *(slope / unit for slope in column),
+                *(arb(0) for _ in clock),
+                *(arb(int(name == x)) for x in varied),
+            ]
+            for name, column in zip(self.by, slopes, strict=True)
+        ]
+        constants = [exact_ball(values[name]) for name in varied]
+        return LohnerSet.of([*coordinates, *velocities, *clock, *carried, *constants], columns)
 
-    def _velocities(self, coordinates: Sequence[arb]) -> list[arb]:
-        """u^i, from q'^mu where that was given."""
+    def _velocities(self, coordinates: Sequence[arb]) -> tuple[list[arb], list[list[arb]]]:
+        """u^i, from q'^mu where that was given, and its derivatives by each of `by`."""
         problem = self.problem
         velocity = problem.coordinate_velocity
         if velocity is None or problem.start is None:
-            return [exact_ball(x) for x in problem.frame_velocity]
+            speeds = list(problem.variables)[-len(problem.frame_velocity) :]
+            columns = [[arb(int(name == x)) for x in speeds] for name in self.by]
+            return [exact_ball(x) for x in problem.frame_velocity], columns
         chart = problem.chart(problem.atlas.home)
         rates = [f"rate {name}" for name in chart.names]
         rows: list[list[Any]] = [[] for _ in problem.frame_velocity]
         for (i, mu), element in chart.coframe.entries.items():
             rows[i].append((element, (rates[mu],)))
-        parameters, values = self._frame_parameters()
-        form = graph([*chart.names, *rates, *parameters], [tuple(x) for x in rows], factor=False)
-        return BallCode(form).real([*coordinates, *(exact_ball(x) for x in velocity), *values])
+        table = self._values()
+        form = graph([*chart.names, *rates, *table], [tuple(x) for x in rows], factor=False)
+        numbers = [*coordinates, *(exact_ball(x) for x in (*velocity, *table.values()))]
+        speeds = {f"{name}'": rate for name, rate in zip(chart.names, rates, strict=True)}
+        columns = [
+            BallCode(form.derivative([speeds.get(name, name)])).real(numbers) for name in self.by
+        ]
+        return BallCode(form).real(numbers), columns
 
     def _frame_parameters(self) -> tuple[list[str], list[arb]]:
-        """Names and values of the quantities in charts other than coordinates."""
-        table = self._values()
+        """Names and values of the quantities in charts that are not states."""
+        table = {k: x for k, x in self._values().items() if k not in self._varied_parameters}
         return list(table), [exact_ball(x) for x in table.values()]
 
     # -- from chart to chart ---------------------------------------------------------------------
@@ -180,7 +226,7 @@ class CurveCourse:
         """Coordinates, velocities and carried quantities, in another chart."""
         atlas = self.problem.atlas
         turning = not atlas.same_frame(source, target)
-        carried = self.problem.equations(source).carried
+        carried = (*self.problem.equations(source).carried, *self._varied_parameters)
         names, values = self._frame_parameters()
         if turning:
             point = _legs_map(atlas.chart(source), carried, names)(point, values)
@@ -203,7 +249,8 @@ class CurveCourse:
         # Where a map is written with cases, its expressions are one of these: of the two points of
         # a quaternion that are one rotation, the other one may be meant.
         place = [float(x) for x in point.middle[: len(change.coordinates)]]
-        there = change(place, {name: float(x.mid()) for name, x in zip(names, values, strict=True)})
+        table = {name: float(exact_ball(x).mid()) for name, x in self._values().items()}
+        there = change(place, table)
         if _are_near(image, there):
             return image
         if self.problem.chart(change.source).kept is not None:
@@ -227,7 +274,7 @@ def turned(point: LohnerSet, angles: Sequence[int], near: Sequence[float]) -> Lo
         if turns:
             shifted = middle[k] + 2 * turns * arb.pi()
             middle[k], radii[k] = shifted.mid(), arb(shifted.rad())
-    return widened(LohnerSet(tuple(middle), point.axes, point.spread), radii)
+    return widened(replace(point, middle=tuple(middle)), radii)
 
 
 def _legs_map(chart: Chart, carried: Sequence[str], parameters: Sequence[str]) -> SetMap:
@@ -290,7 +337,8 @@ def _negated(point: LohnerSet, count: int) -> LohnerSet:
     signs = [-1 if k < count else 1 for k in range(len(point.middle))]
     middle = tuple(s * x for s, x in zip(signs, point.middle, strict=True))
     rows = [[s * point.axes[i, j] for j in range(point.axes.ncols())] for i, s in enumerate(signs)]
-    return LohnerSet(middle, arb_mat(rows), point.spread)
+    columns = tuple(_negated(column, count) for column in point.columns)
+    return LohnerSet(middle, arb_mat(rows), point.spread, columns)
 
 
 def extended(point: LohnerSet, place: int, balls: Sequence[arb]) -> LohnerSet:
@@ -305,9 +353,20 @@ def extended(point: LohnerSet, place: int, balls: Sequence[arb]) -> LohnerSet:
 
 def without(point: LohnerSet, places: Sequence[int]) -> LohnerSet:
     """The set without some of its states."""
-    indices = [k for k in range(len(point.middle)) if k not in places]
+    return selected(point, [k for k in range(len(point.middle)) if k not in places])
+
+
+def permuted_last(point: LohnerSet, places: Sequence[int]) -> LohnerSet:
+    """The set with some of its states after all others."""
+    others = [k for k in range(len(point.middle)) if k not in places]
+    return selected(point, [*others, *places])
+
+
+def selected(point: LohnerSet, indices: Sequence[int]) -> LohnerSet:
+    """The set of some of its states, in an order."""
     axes = arb_mat([[point.axes[i, j] for j in range(point.axes.ncols())] for i in indices])
-    return LohnerSet(tuple(point.middle[k] for k in indices), axes, point.spread)
+    columns = tuple(selected(column, indices) for column in point.columns)
+    return LohnerSet(tuple(point.middle[k] for k in indices), axes, point.spread, columns)
 
 
 def widened(point: LohnerSet, radii: Sequence[arb]) -> LohnerSet:
@@ -319,11 +378,16 @@ def widened(point: LohnerSet, radii: Sequence[arb]) -> LohnerSet:
         [point.axes[i, j] for j in range(columns)] + [arb(int(i == j)) for j in range(rows)]
         for i in range(rows)
     ]
-    return LohnerSet(point.middle, arb_mat(table), (*point.spread, *radii))
+    return replace(point, axes=arb_mat(table), spread=(*point.spread, *radii))
 
 
-def conditions_of(equations: Equations) -> tuple[Graph | None, tuple[str, ...]]:
-    """Quantities that stay positive while the equations of a chart hold, and their words."""
+def conditions_of(
+    equations: Equations, arguments: Sequence[str]
+) -> tuple[Graph | None, tuple[str, ...]]:
+    """Quantities that stay positive while the equations of a chart hold, and their words.
+
+    arguments: states and parameters, in the order of the graph.
+    """
     chart = equations.chart
     if chart is None:
         return None, ()
@@ -337,5 +401,4 @@ def conditions_of(equations: Equations) -> tuple[Graph | None, tuple[str, ...]]:
             words.append(str(branch))
     if not outputs:
         return None, ()
-    arguments = (*equations.states, *equations.parameters)
     return graph(arguments, outputs, equations.parameters, factor=False), tuple(words)

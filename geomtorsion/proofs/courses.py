@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 from flint import arb, fmpq
 
-from geomtorsion.codegen import rational
+from geomtorsion.codegen import Graph, rational
 from geomtorsion.codegen.balls import BallCode, exact_ball
 from geomtorsion.ode import ODE
 from geomtorsion.ode.rates import CLOCK
@@ -20,6 +20,7 @@ from geomtorsion.proofs.events import Fall
 from geomtorsion.proofs.motions import Leg, RefusalError
 from geomtorsion.proofs.series import BallSystem
 from geomtorsion.proofs.sets import LohnerSet
+from geomtorsion.support.caching import cached_property
 
 
 @dataclass(frozen=True)
@@ -67,7 +68,7 @@ class Course(Protocol):
         ...
 
     def shown(self, label: str, box: Sequence[arb]) -> list[arb]:
-        """States as users count them, from the states of the equations."""
+        """States or derivatives in the units of users, from the states of the equations."""
         ...
 
 
@@ -84,12 +85,14 @@ class OdeCourse:
 
     backwards: whether the motion runs to negative times.
     start, parameters: numbers or balls that replace the values of the problem.
+    by: names of parameters and starts of states by which derivatives are taken.
     """
 
     problem: ODE
     backwards: bool
     start: Sequence[Any] = ()
     parameters: Mapping[str, Any] = field(default_factory=dict)
+    by: tuple[str, ...] = ()
 
     def stretches(self, times: Sequence[fmpq], hints: Sequence[Stretch]) -> list[Stretch]:
         """From one change to the next."""
@@ -126,9 +129,69 @@ class OdeCourse:
         leg = self._leg(stretch)
         if leg.fall is not None:
             self._refuse_stopped(leg.fall, boxes, stretch.begin, is_start=before is None)
-        if before is not None and not changed:
+        if before is not None and not changed and not self._varied:
             return before, leg
-        return Position(LohnerSet.of(boxes)), leg
+        return Position(self._set(stretch, before, boxes, changed)), leg
+
+    # -- derivatives -------------------------------------------------------------------------------
+
+    @cached_property
+    def _slopes(self) -> Graph:
+        """Derivatives of the numbers of the system by each parameter."""
+        return self.problem.rates.numbers.derivative(self.problem.rates.parameters)
+
+    @cached_property
+    def _varied(self) -> tuple[str, ...]:
+        """Numbers of the system that depend on a parameter by which derivatives are taken."""
+        names, steps = self.problem.rates.parameters, self._slopes.steps
+        depends = set()
+        for k, (_, place) in enumerate(self._slopes.outputs):
+            row, column = divmod(k, len(names))
+            is_zero = steps[place].kind == "number" and steps[place].detail == 0
+            if names[column] in self.by and not is_zero:
+                depends.add(row)
+        return tuple(self.problem.system.parameters[k] for k in sorted(depends))
+
+    def _set(
+        self, stretch: Stretch, before: Position | None, boxes: list[arb], changed: set[str]
+    ) -> LohnerSet:
+        """The set at the beginning of a stretch, with derivatives."""
+        if not self.by:
+            return LohnerSet.of(boxes)
+        rates, size, count = self.problem.rates, self.problem.size, len(boxes)
+        if any(changed & set(group) for group in self.problem.normalized):
+            raise RefusalError(
+                "a change of states of length one has no derivatives",
+                stretch.begin,
+                "Prove the motion without derivatives.",
+            )
+        values = self._values(stretch.begin)
+        given = [exact_ball(values[name]) for name in rates.parameters]
+        numbers, slopes = BallCode(rates.numbers).real(given), BallCode(self._slopes).real(given)
+        places = [self.problem.system.parameters.index(name) for name in self._varied]
+        columns = []
+        for k, name in enumerate(self.by):
+            if before is None:
+                column = [arb(int(x == name)) for x in rates.states]
+            else:
+                column = before.whole.columns[k].hull[:size]
+            for state in changed:
+                column[rates.states.index(state)] = arb(0)
+            column += [arb(0)] * (count - size)
+            acts = name in rates.parameters and not self._is_changed(name, stretch.begin)
+            for place in places:
+                at = place * len(rates.parameters)
+                slope = slopes[at + rates.parameters.index(name)] if acts else arb(0)
+                column.append(slope)
+            columns.append(column)
+        return LohnerSet.of([*boxes, *(numbers[place] for place in places)], columns)
+
+    def _is_changed(self, name: str, time: fmpq) -> bool:
+        """Whether a parameter has had another value, on which nothing depends, up to a time."""
+        return any(
+            name in event.changes and exact_time(event.time) <= time
+            for event in self.problem.events
+        )
 
     def _leg(self, stretch: Stretch) -> Leg:
         rates, values = self.problem.rates, self._values(stretch.begin)
@@ -137,10 +200,16 @@ class OdeCourse:
         def given() -> list[arb]:
             return [exact_ball(values[name]) for name in rates.parameters]
 
-        def numbers() -> list[arb]:
-            return code.real(given())
+        names = self.problem.system.parameters
+        rest = [k for k, name in enumerate(names) if name not in self._varied]
 
-        system = BallSystem.of(self.problem.system, numbers, backwards=self.backwards)
+        def numbers() -> list[arb]:
+            every = code.real(given())
+            return [every[k] for k in rest]
+
+        system = BallSystem.of(
+            self.problem.system, numbers, backwards=self.backwards, varied=self._varied
+        )
         term, fall = rates.stop_graph, None
         if term is not None:
             fall = Fall(system, term, rates.states, given, CLOCK if rates.has_clock else None)

@@ -24,7 +24,7 @@ class Fall:
     then the time.
     states: names of the states of the equations, except a clock.
     parameters: makes the values of the parameters of the term at the precision in use.
-    ticks: time unit of a clock, which is the last state of the equations; None without a clock.
+    ticks: time unit of a clock, which is the state after these; None without a clock.
     """
 
     system: BallSystem
@@ -42,8 +42,9 @@ class Fall:
         return BallCode(self.term.derivative((*self.states, self.term.arguments[-1])))
 
     def _arguments(self, states: Sequence[arb]) -> list[arb]:
-        time = arb(0) if self.ticks is None else self.ticks * states[-1]
-        return [*states[: len(self.states)], *self.parameters(), time]
+        n = len(self.states)
+        time = arb(0) if self.ticks is None else self.ticks * states[n]
+        return [*states[:n], *self.parameters(), time]
 
     def value(self, states: Sequence[arb]) -> arb:
         """The term at a box."""
@@ -54,7 +55,8 @@ class Fall:
         slopes = self._slopes.real(self._arguments(states))
         rates: list[Ball] = self.system.rates_at(states)
         if self.ticks is not None:
-            rates = [*rates[:-1], self.ticks * rates[-1]]
+            n = len(self.states)
+            rates = [*rates[:n], self.ticks * rates[n]]
         return sum((x * y for x, y in zip(slopes, rates, strict=False)), arb(0))
 
     def first(self, step: Step) -> arb | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from flint import arb, fmpq
 
@@ -60,6 +61,18 @@ class Leg:
     words: tuple[str, ...] = ()
 
 
+class Box(NamedTuple):
+    """Bounds at one time: of the states, and of each column of derivatives."""
+
+    states: list[arb]
+    columns: list[list[arb]]
+
+    @classmethod
+    def of(cls, whole: LohnerSet) -> Box:
+        """The smallest box around a set."""
+        return cls(whole.hull, [column.hull for column in whole.columns])
+
+
 @dataclass(frozen=True, eq=False)
 class Followed:
     """Result of one leg.
@@ -70,9 +83,9 @@ class Followed:
     steps: how many there were.
     """
 
-    samples: list[list[arb]]
+    samples: list[Box]
     whole: LohnerSet | None
-    stop: tuple[arb, list[arb]] | None
+    stop: tuple[arb, Box] | None
     steps: int
 
 
@@ -94,12 +107,12 @@ def follow(
         the motion ends, reaches the edge of its chart or touches a stop; or the set of motions
         grew too wide for a step.
     """
-    boxes: list[list[arb]] = []
+    boxes: list[Box] = []
     waiting = list(leg.samples)
     time, radius, steps = leg.begin, None, 0
     lengths, slow = list[fmpq](), 0
     while waiting and waiting[0] == time:
-        boxes.append(whole.hull)
+        boxes.append(Box.of(whole))
         waiting.pop(0)
     while time < leg.end:
         if steps >= steps_left:
@@ -127,10 +140,11 @@ def follow(
             here = arb(waiting[0] - time)
             if stop is not None and not here < last:
                 break
-            boxes.append(step.hull(here))
+            boxes.append(Box(step.hull(here), step.columns(here)))
             waiting.pop(0)
         if stop is not None:
-            return Followed(boxes, None, (arb(time) + stop, step.hull(stop)), steps)
+            box = Box(step.hull(stop), step.columns(stop))
+            return Followed(boxes, None, (arb(time) + stop, box), steps)
         try:
             whole = step.end()
         except ProofError as error:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from flint import acb, arb, arb_mat, arb_series, ctx
@@ -11,6 +12,7 @@ from flint import acb, arb, arb_mat, arb_series, ctx
 from geomtorsion.codegen import Graph
 from geomtorsion.codegen.ball_functions import Ball
 from geomtorsion.codegen.balls import BallCode, BallFunction, coefficient
+from geomtorsion.codegen.steps import Builder
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.precision import series_length
 
@@ -55,13 +57,26 @@ class BallSystem:
 
     @classmethod
     def of(
-        cls, system: System, parameters: Callable[[], list[arb]], *, backwards: bool = False
+        cls,
+        system: System,
+        parameters: Callable[[], list[arb]],
+        *,
+        backwards: bool = False,
+        varied: Sequence[str] = (),
     ) -> BallSystem:
-        """A system of the library, or the same run backwards in time."""
+        """A system of the library, or the same run backwards in time.
+
+        varied: names of parameters that are further states, at the end, with rates of zero; then
+            `parameters` makes the values of the others.
+        """
         rates = system.rates
         if backwards:
             rates = replace(rates, outputs=tuple((-sign, place) for sign, place in rates.outputs))
-        return cls(system.size, parameters, rates, rates.derivative(system.states))
+        states = (*system.states, *varied)
+        if varied:
+            rest = (name for name in system.parameters if name not in varied)
+            rates = _with_constants(rates, (*states, *rest), len(varied))
+        return cls(len(states), parameters, rates, rates.derivative(states))
 
     @cached_property
     def places(self) -> tuple[tuple[int, int], ...]:
@@ -146,6 +161,19 @@ class BallSystem:
         return [values[k] for k in self._entries]
 
 
+def _with_constants(rates: Graph, arguments: Sequence[str], count: int) -> Graph:
+    """Rates over arguments in another order, with zeros for further states that do not change."""
+    places = [arguments.index(name) for name in rates.arguments]
+    builder = Builder()
+    for step in rates.steps:
+        detail = places[step.detail] if step.kind == "argument" else step.detail
+        builder.add(step.kind, step.operands, detail, signs=step.signs, constant=step.constant)
+    zero = builder.number(Fraction(0))
+    return Graph(
+        tuple(arguments), *builder.needed([*rates.outputs, *[(1, zero)] * count]), rates.is_complex
+    )
+
+
 def taylor(system: BallSystem, start: Sequence[arb], order: int, block: int) -> tuple[Rows, Slopes]:
     """Series coefficients, up to an order, of the solution through a start, and some of J along it.
 
@@ -160,11 +188,9 @@ def taylor(system: BallSystem, start: Sequence[arb], order: int, block: int) -> 
         rates = _along(system.rates_at, rows, k + 1)
         for i in range(n):
             rows[i].append(coefficient(rates[i], k) / (k + 1))
-    entries = _along(system.slopes_at, rows, first + 1)
-    series = tuple(tuple(coefficient(x, k) for k in range(first + 1)) for x in entries)
-    slopes = Slopes(system.places, series)
+    slopes = slopes_along(system, rows, first)
     by_row: list[list[tuple[int, tuple[arb, ...]]]] = [[] for _ in range(n)]
-    for (i, j), entry in zip(slopes.places, series, strict=True):
+    for (i, j), entry in zip(slopes.places, slopes.series, strict=True):
         by_row[i].append((j, entry))
     length = first
     while length < order:
@@ -186,6 +212,13 @@ def taylor(system: BallSystem, start: Sequence[arb], order: int, block: int) -> 
     return rows, slopes
 
 
+def slopes_along(system: BallSystem, rows: Rows, order: int) -> Slopes:
+    """Coefficients of J, up to an order, along polynomials."""
+    entries = _along(system.slopes_at, rows, order + 1)
+    series = tuple(tuple(coefficient(x, k) for k in range(order + 1)) for x in entries)
+    return Slopes(system.places, series)
+
+
 def _along(function: Callable[[list[arb_series]], list[Ball]], rows: Rows, length: int) -> list:
     """A function of series, to some number of coefficients, at the known polynomials."""
     with series_length(length):
@@ -202,6 +235,20 @@ def variation(slopes: Slopes, size: int, order: int) -> list[arb_mat]:
             total = total + jacobians[m] * coefficients[k - m]
         coefficients.append(total * (1 / arb(k + 1)))
     return coefficients
+
+
+def carried(slopes: Slopes, start: Sequence[arb], order: int) -> Rows:
+    """Series coefficients w_0 .. w_order, for each state, of w' = J w from w_0 = start."""
+    rows = [[x] for x in start]
+    for k in range(order):
+        totals = [arb(0) for _ in start]
+        for (i, j), entry in zip(slopes.places, slopes.series, strict=True):
+            row = rows[j]
+            for m in range(k + 1):
+                totals[i] += entry[m] * row[k - m]
+        for row, total in zip(rows, totals, strict=True):
+            row.append(total / (k + 1))
+    return rows
 
 
 def polynomial(row: Sequence[arb], time: arb) -> arb:

@@ -6,7 +6,7 @@ turn with it do not [Lohner 1987; Nedialkov, Jackson, Corliss 1999].
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,18 +29,26 @@ class LohnerSet:
 
     middle: m, exact numbers; axes: A, exact numbers, one row for each state.
     spread: the radii of r, a box about zero.
+    columns: derivatives of the points by numbers at the start, each a set: they move by the
+        derivative of a map (Zgliczynski's C^1-Lohner algorithm [Zgliczynski 2002]).
     """
 
     middle: tuple[arb, ...]
     axes: arb_mat
     spread: tuple[arb, ...]
+    columns: tuple[LohnerSet, ...] = ()
 
     @classmethod
-    def of(cls, balls: Sequence[arb]) -> LohnerSet:
-        """A box."""
+    def of(cls, balls: Sequence[arb], columns: Iterable[Sequence[arb]] = ()) -> LohnerSet:
+        """A box, with a box for each column of derivatives."""
         n = len(balls)
         unit = arb_mat([[int(i == j) for j in range(n)] for i in range(n)])
-        return cls(tuple(x.mid() for x in balls), unit, tuple(arb(x.rad()) for x in balls))
+        return cls(
+            tuple(x.mid() for x in balls),
+            unit,
+            tuple(arb(x.rad()) for x in balls),
+            tuple(cls.of(column) for column in columns),
+        )
 
     @property
     def radii(self) -> list[arb]:
@@ -68,11 +76,16 @@ class LohnerSet:
         ]
 
     def moved(
-        self, values: Sequence[arb], slopes: arb_mat, sizes: Sequence[float] | None = None
+        self,
+        values: Sequence[arb],
+        slopes: arb_mat,
+        sizes: Sequence[float] | None = None,
+        columns: Sequence[Sequence[arb]] | None = None,
     ) -> LohnerSet:
         """The set around the image under a map; see `image`.
 
         sizes: logarithms of the sizes of states, in units of which directions are compared.
+        columns: slopes times the middle of each column, where it is known better than by slopes.
 
         With W = slopes A and z what rounding and steps add: r' = (Q^-1 W) r + Q^-1 z, where the
         columns of Q are orthogonal and begin with the longest of W r.
@@ -92,7 +105,16 @@ class LohnerSet:
                 [[around_zero(x)] for x in rest]
             )
             spread = tuple(upper(product[i, 0]) for i in range(len(middle)))
-        return LohnerSet(middle, axes, spread)
+        if columns is None:
+            columns = [times(slopes, column.middle) for column in self.columns]
+        moved = (x.moved(y, slopes, sizes) for x, y in zip(self.columns, columns, strict=True))
+        return LohnerSet(middle, axes, spread, tuple(moved))
+
+
+def times(matrix: arb_mat, vector: Sequence[arb]) -> list[arb]:
+    """A matrix times a vector."""
+    product = matrix * arb_mat([[x] for x in vector])
+    return [product[i, 0] for i in range(matrix.nrows())]
 
 
 def _orthogonal(turned: arb_mat, spread: Sequence[arb], sizes: Sequence[float]) -> arb_mat:

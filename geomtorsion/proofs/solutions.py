@@ -17,9 +17,9 @@ from geomtorsion.ode import ODE, Solution
 from geomtorsion.ode.trajectory import Segment
 from geomtorsion.proofs.charts import CurveCourse
 from geomtorsion.proofs.courses import Course, OdeCourse, Position, Stretch, exact_time
-from geomtorsion.proofs.motions import MOST_STEPS, RefusalError, follow
+from geomtorsion.proofs.motions import MOST_STEPS, Box, RefusalError, follow
 from geomtorsion.proofs.steps import SMALLER, Method
-from geomtorsion.proofs.wanted import MOST_BITS, SPARE, Wanted, log2
+from geomtorsion.proofs.wanted import FAR_BELOW, MOST_BITS, SPARE, Wanted, log2
 from geomtorsion.support import checks
 from geomtorsion.support.precision import ball_precision
 
@@ -52,8 +52,8 @@ class MotionBalls:
     bits, steps: the precision, and how many steps were taken.
     """
 
-    boxes: tuple[list[arb], ...]
-    stop: tuple[arb, list[arb]] | None
+    boxes: tuple[Box, ...]
+    stop: tuple[arb, Box] | None
     bits: int
     steps: int
 
@@ -79,8 +79,12 @@ class SolutionTask:
         solution: Solution,
         start: Start = None,
         parameters: Mapping[str, Any] | None = None,
+        by: tuple[str, ...] = (),
     ) -> SolutionTask:
-        """The task of a solution, with balls instead of its start and parameters."""
+        """The task of a solution, with balls instead of its start and parameters.
+
+        by: names by which derivatives are taken.
+        """
         problem, segments = solution.problem, solution.trajectory.segments
         backwards = solution.trajectory.reached < 0
         sign = -1 if backwards else 1
@@ -121,7 +125,7 @@ class SolutionTask:
         # Each ends exactly where the next one begins.
         ends = [*(x.begin for x in hints[1:]), end]
         hints = [replace(x, end=last) for x, last in zip(hints, ends, strict=True)]
-        course = course_of(problem, backwards, start, parameters)
+        course = course_of(problem, backwards, start, parameters, by)
         times = [sample.time for sample in samples]
         if stopped is not None:
             # The true motion may end a little later.
@@ -129,7 +133,7 @@ class SolutionTask:
         stretches = tuple(course.stretches(times, hints))
         if stopped is not None:
             stretches = _without_last_sample(stretches)
-        is_exact = start is None and not parameters
+        is_exact = all(_is_number(x) for x in (*_entries(start), *_entries(parameters)))
         return cls(solution, course, tuple(samples), stopped, stretches, is_exact)
 
     def proved(self, wanted: Wanted) -> MotionBalls:
@@ -194,7 +198,7 @@ class SolutionTask:
         """The motion at the precision in use."""
         bits = ctx.prec
         method, steps = Method.of(bits), 0
-        boxes: list[list[arb]] = []
+        boxes: list[Box] = []
         position: Position | None = None
         for stretch in self.stretches:
             position, leg = self.course.enter(stretch, position)
@@ -202,7 +206,7 @@ class SolutionTask:
             path = follow(leg, position.whole, method, left, may_widen=may_widen)
             boxes += path.samples
             steps += path.steps
-            if not all(x.is_finite() for box in path.samples for x in box):
+            if not all(x.is_finite() for box in path.samples for x in box.states):
                 raise RefusalError("states have no finite bounds", stretch.end)
             if path.stop is not None:
                 return MotionBalls(tuple(boxes), path.stop, bits, steps)
@@ -241,7 +245,7 @@ class SolutionTask:
         # A group that is always zero is compared with the largest group; if all are, with one.
         top = max((log2(x) for x in extents.values() if x > 0), default=0.0)
         worst = math.inf
-        for sample, box in self.pairs(motion):
+        for sample, (box, columns) in self.pairs(motion):
             for group in sample.groups:
                 inside = [k for k in group if k < len(sample.row)]
                 largest = extents[sample.label, group]
@@ -250,12 +254,13 @@ class SolutionTask:
                 size = max(min(size, extent), extent - SMALLER)
                 radius = max((log2(box[k].rad()) for k in inside), default=-math.inf)
                 worst = min(worst, size - radius)
+            worst = min([worst, *(_column_bits(column, sample.groups) for column in columns)])
         if motion.stop is not None:
             time = motion.stop[0]
             worst = min(worst, log2(time) - log2(time.rad()))
         return worst
 
-    def pairs(self, motion: MotionBalls) -> Iterator[tuple[Sample, list[arb]]]:
+    def pairs(self, motion: MotionBalls) -> Iterator[tuple[Sample, Box]]:
         """Samples with the boxes of the same moments."""
         yield from zip(self.samples, motion.boxes, strict=False)
         if self.end is not None and motion.stop is not None:
@@ -279,7 +284,7 @@ class SolutionTask:
             time = arb(self.end.time)
             worst = abs(time - motion.stop[0]) / time
         extents, undecided = self._extents(), False
-        for sample, box in self.pairs(motion):
+        for sample, (box, _) in self.pairs(motion):
             for group in sample.groups:
                 inside = [k for k in group if k < len(sample.row)]
                 differences = [abs(box[k] - exact_ball(sample.row[k])) for k in inside]
@@ -297,17 +302,48 @@ class SolutionTask:
         return worst.union(arb.pos_inf()) if undecided else worst
 
 
+def _entries(given: Start) -> Sequence[Any]:
+    """Numbers and balls that replace others."""
+    return () if given is None else tuple(given.values() if isinstance(given, Mapping) else given)
+
+
+def _is_number(value: Any) -> bool:
+    """Whether a value is one number, and not a wider ball."""
+    return not isinstance(value, arb) or value.is_exact()
+
+
+def _column_bits(column: Sequence[arb], groups: Sequence[Sequence[int]]) -> float:
+    """How many bits of the derivatives of each group of states are known, at one time.
+
+    A group that is small against all others is measured as if it were larger, as states are.
+    """
+    top = max(log2(x.mid()) for x in column)
+    if top <= FAR_BELOW:
+        top = 0.0
+    worst = math.inf
+    for group in groups:
+        inside = [k for k in group if k < len(column)]
+        size = max((log2(column[k].mid()) for k in inside), default=top)
+        radius = max((log2(column[k].rad()) for k in inside), default=-math.inf)
+        worst = min(worst, max(size, top - SMALLER) - radius)
+    return worst
+
+
 def course_of(
-    problem: object, backwards: bool, start: Start, parameters: Mapping[str, Any] | None
+    problem: object,
+    backwards: bool,
+    start: Start,
+    parameters: Mapping[str, Any] | None,
+    by: tuple[str, ...] = (),
 ) -> Course:
-    """The course of a problem."""
+    """The course of a problem; by: names by which derivatives are taken."""
     if isinstance(problem, ODE):
         start_balls = _start(problem.states, problem.start, start)
-        return OdeCourse(problem, backwards, start_balls, dict(parameters or {}))
+        return OdeCourse(problem, backwards, start_balls, dict(parameters or {}), by)
     if isinstance(problem, CurveProblem):
         _check_stops(problem, start, parameters)
         start_balls = _start(problem.coordinates, problem.start or (), start)
-        return CurveCourse(problem, backwards, start_balls, dict(parameters or {}))
+        return CurveCourse(problem, backwards, start_balls, dict(parameters or {}), by)
     raise ArgumentError(
         f"expected a solution of an ODE or of a curve, got one of {type(problem).__name__}. "
         "Write the motion as one of these."

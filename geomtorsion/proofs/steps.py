@@ -16,9 +16,17 @@ from dataclasses import dataclass
 from flint import acb, arb, arb_mat, ctx, fmpq
 
 from geomtorsion.errors import ProofError
-from geomtorsion.proofs.series import BallSystem, Rows, polynomial, taylor, variation
-from geomtorsion.proofs.sets import FURTHEST, LOW_BITS, LohnerSet
-from geomtorsion.proofs.wanted import FAR_BELOW, around_zero, log2, upper
+from geomtorsion.proofs.series import (
+    BallSystem,
+    Rows,
+    carried,
+    polynomial,
+    slopes_along,
+    taylor,
+    variation,
+)
+from geomtorsion.proofs.sets import FURTHEST, LOW_BITS, LohnerSet, times
+from geomtorsion.proofs.wanted import FAR_BELOW, SHARPER, around_zero, log2, upper
 from geomtorsion.support.allowance import check_limits
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.precision import ball_precision
@@ -64,7 +72,8 @@ class Step:
     length: exact; remainder: bounds of |x(t) - P(t)| from m itself for |t| <= length.
     tube: a box around all motions from the set for |t| <= length.
     outer: the radius of the disk in which growth bounds |V|; growth: exp(L outer).
-    variation_order: of the polynomial for V.
+    variation_order: of the polynomial for V; column_order: of those for derivatives by the start of
+        the motion, or 0; block: coefficients that are computed together.
     radius: of the disk used, with which the next step begins.
     sizes: logarithms of the sizes of the states.
     own_time: about the time in which a state changes by its own size, the shortest of all.
@@ -79,6 +88,8 @@ class Step:
     outer: arb
     growth: arb_mat
     variation_order: int
+    column_order: int
+    block: int
     radius: float
     sizes: tuple[float, ...]
     own_time: float
@@ -105,6 +116,35 @@ class Step:
             ]
             return total + arb_mat(rest)
 
+    @cached_property
+    def _carried(self) -> list[Rows]:
+        """Coefficients of V w over all starts of the set, for the middle w of each column."""
+        hull, order = self.whole.hull, self.column_order
+        rows, _ = taylor(self.system, hull, order, self.block)
+        slopes = slopes_along(self.system, rows, order)
+        return [carried(slopes, column.middle, order) for column in self.whole.columns]
+
+    def _column_middles(self, time: arb) -> list[list[arb]]:
+        """V(time) w for the middle w of each column, over the whole set."""
+        if not self.whole.columns:
+            return []
+        with ball_precision(LOW_BITS):
+            tail = variation_tail(upper(time) / self.outer, self.column_order)
+            bound = self.growth * tail
+            rests = [
+                times(bound, [upper(x) for x in column.middle]) for column in self.whole.columns
+            ]
+        return [
+            [polynomial(row, time) + around_zero(x) for row, x in zip(rows, rest, strict=True)]
+            for rows, rest in zip(self._carried, rests, strict=True)
+        ]
+
+    def columns(self, time: arb) -> list[list[arb]]:
+        """Boxes around the derivatives of x(time) by numbers at the start of the motion."""
+        slopes = self.variation(time)
+        pairs = zip(self.whole.columns, self._column_middles(time), strict=True)
+        return [column.image(values, slopes) for column, values in pairs]
+
     def middle(self, time: arb) -> list[arb]:
         """x(time) from m itself; |time| <= length."""
         rows = zip(self.coefficients, self.remainder, strict=True)
@@ -117,7 +157,8 @@ class Step:
     def end(self) -> LohnerSet:
         """The set at the end of the step."""
         time = arb(self.length)
-        return self.whole.moved(self.middle(time), self.variation(time), self.sizes)
+        middles = self._column_middles(time)
+        return self.whole.moved(self.middle(time), self.variation(time), self.sizes, middles)
 
 
 def variation_tail(share: arb, order: int) -> arb:
@@ -175,6 +216,7 @@ class Stepper:
             moving = [a - b for a, b in pairs if a > FAR_BELOW and b > FAR_BELOW]
             self.own_time = 2.0 ** min(max(min(moving, default=0.0), -FURTHEST), FURTHEST)
             self._tolerance = [x - bits - 2 for x in self.sizes]
+            self._bits = bits
 
     def reach(self, radius: float | arb) -> tuple[list[arb], list[arb]]:
         """Bounds of |P - m| and of |P'| on |t| <= radius, for each state."""
@@ -266,6 +308,10 @@ class Stepper:
             needed = self._variation_order(growth, math.log2(outer / h))
             if needed > HIGHEST_VARIATION:
                 continue
+            column_order = self._column_order(growth, math.log2(outer / h))
+            # Bounded on a disk of a radius halfway, twice the order would do without growth.
+            if column_order > 2 * order + HIGHEST_VARIATION:
+                continue
             local = grown(bound, time, disk.remainder(time, order))
             reach, _ = self.reach(time)
             sides = [(x + w).upper() for x, w in zip(reach, width, strict=True)]
@@ -274,6 +320,7 @@ class Stepper:
                 system=self.system, whole=self.whole, coefficients=self.coefficients,
                 length=length, remainder=tuple(local), tube=tuple(around), outer=arb(outer),
                 growth=growth, variation_order=max(4, needed), radius=disk.radius,
+                column_order=column_order, block=self.method.block,
                 sizes=tuple(self.sizes), own_time=self.own_time,
             )  # fmt: skip
         return None
@@ -319,6 +366,19 @@ class Stepper:
         if gain <= 0:
             return HIGHEST_VARIATION + 1
         return math.ceil((self.method.variation_bits + max(largest, 0.0)) / gain)
+
+    def _column_order(self, growth: arb_mat, gain: float) -> int:
+        """The order at which the tail of the series is below the width of a column, or rounding."""
+        columns = self.whole.columns
+        if not columns:
+            return 0
+        # Derivatives are no sharper than the set over which they are taken.
+        pairs = zip(self.sizes, self._rho, strict=True)
+        bits = min(float(self._bits), min(size - log2(r) for size, r in pairs) + SHARPER)
+        largest = max(log2(upper(growth[i, j])) for i in range(self.system.size)
+                      for j in range(self.system.size))  # fmt: skip
+        needed = max(bits, self.method.variation_bits) + max(largest, 0.0)
+        return math.ceil(needed / max(gain, 1 / self._bits))
 
 
 def growth_of(bound: arb_mat, time: arb) -> arb_mat:

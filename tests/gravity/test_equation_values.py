@@ -176,3 +176,32 @@ def test_odd_functions_are_evaluated():
     frame = gt.Frame("t x", [[" + ".join(["2", *functions]), 0], [0, "1 + t**2 + sqrt(2 + t)"]])
     equations = g.equations(gt.cartan(frame), "T1**2")
     assert agrees(equations, {"t": Fraction(1, 3), "x": 0})
+
+
+def test_zeros_are_zeros():
+    """A component whose ball contains zero is zero; its error bounds the ball."""
+    equations = g.equations(gt.levi_civita("kerr"), "R")
+    point = {"t": 0, "r": 3, "theta": 1, "phi": 0, "M": 1, "a": Fraction(1, 2)}
+    values = equations.at(point)
+    assert not values.E.any()
+    assert 0 < values.error < EPS
+    assert str(values) == repr(values)
+
+
+def test_printed_components_have_errors():
+    """Printing lists the components that do not vanish, each with its error."""
+    text = str(g.equations(gt.cartan(BENT), "T1").at(PLACE))
+    assert "E[0, 0] = " in text
+    assert all(" +- " in line for line in text.splitlines()[1:])
+
+
+def test_many_points_are_single_points():
+    """Points in one call have the bits of single calls, also with a constant that varies."""
+    equations = g.equations(gt.cartan(BENT), "T + c*T**2")
+    t, c = np.linspace(0, 1, 6).reshape(2, 3), np.array([[1, 2, 1], [2, 2, 3]])
+    many = equations.at({"t": t, "x": 0.25, "y": 1, "c": c})
+    assert many.E.shape == (2, 3, 3, 3)
+    for k in np.ndindex(2, 3):
+        one = equations.at({"t": t[k], "x": 0.25, "y": 1, "c": c[k]})
+        assert one.E.tobytes() == many.E[k].tobytes()
+        assert one.L.tobytes() == many.L[k].tobytes()

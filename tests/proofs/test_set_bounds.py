@@ -39,7 +39,7 @@ def test_samples_contain_all_motions():
     times = (fmpq(0), fmpq(1, 3), fmpq(1))
     leg = Leg(system_of({"x": "x"}), fmpq(0), fmpq(1), times)
     path = follow(leg, LohnerSet.of([arb(1, RADIUS)]), Method.of(90))
-    boxes = [*path.samples, path.whole.hull]
+    boxes = [*(sample.states for sample in path.samples), path.whole.hull]
     for time, (box,) in zip((*times, fmpq(1)), boxes, strict=True):
         assert is_tight(box, [arb(time).exp() * (1 + sign * RADIUS) for sign in (-1, 1)])
 
@@ -51,7 +51,7 @@ def test_a_stop_contains_all_motions():
     fall = Fall(system, term, ("x", "y"), list, None)
     leg = Leg(system, fmpq(0), fmpq(3), (), fall)
     path = follow(leg, LohnerSet.of([arb(1, RADIUS)] * 2), Method.of(90))
-    time, (x, y) = path.stop
+    time, ((x, y), _) = path.stop
     signs = (-1, 1)
     assert is_tight(time, [(2 * (1 + sign * RADIUS)).log() for sign in signs])
     assert x.contains(0.5)

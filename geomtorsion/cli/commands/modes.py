@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from enum import StrEnum
+from functools import partial
+from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import typer
 
-from geomtorsion.cli.options import Form, option
-from geomtorsion.cli.results import show_result
+from geomtorsion.cli.options import Form, directory, option
+from geomtorsion.cli.results import show_result, write_result
 from geomtorsion.cli.terminal import working
 from geomtorsion.cli.theories import (
     ConstantsOption,
@@ -17,8 +20,11 @@ from geomtorsion.cli.theories import (
     invariants_of,
     theory_of,
 )
+from geomtorsion.cli.values import assigned, number, separated
 from geomtorsion.errors import ArgumentError
 from geomtorsion.gravity import perturbed
+from geomtorsion.pictures.modes import draw_evolution
+from geomtorsion.support.checks import shown
 
 
 class Kind(StrEnum):
@@ -60,14 +66,31 @@ def modes(
     scalars: Annotated[
         str, option(metavar="NAMES", text='Scalar fields that depend on the time, such as "phi".')
     ] = "",
+    values: Annotated[
+        list[str] | None,
+        option(
+            "--set",
+            metavar="NAME=VALUE",
+            text="With --times: the scale factor a and fields as functions of t, or the value of a "
+            "coupling. May be repeated.",
+        ),
+    ] = None,
+    times: Annotated[
+        str, option(metavar="FIRST,LAST", text="Report numbers between two times on a cosmos.")
+    ] = "",
     form: Annotated[
         Form, typer.Option("--format", help="text to read, json for programs.")
     ] = Form.text,
+    output: Annotated[
+        Path | None,
+        directory("Directory for modes.json and, with --times, modes.png, created if missing."),
+    ] = None,
 ) -> None:
     """Report the waves of a theory of gravity on a flat cosmos.
 
     Speeds and kinetic factors are formulas in the rate of expansion H(t) and in the fields, for any
-    expansion. A speed c_T^2 = 1 is the speed of light.
+    expansion. A speed c_T^2 = 1 is the speed of light. With --times, they are numbers on the cosmos
+    that --set gives, and -o writes their figure.
 
     \b
     Examples:
@@ -75,9 +98,14 @@ def modes(
       geomtorsion modes -L "R/2 - X/2 + c*phi*GB" -g riemannian --scalars phi
       geomtorsion modes -L "R/2 - X/2 + c*X*Box(phi)" -g riemannian --scalars phi --kind scalar
       geomtorsion modes -L "f(T)" -g teleparallel --kind growth
+      geomtorsion modes -L "R/2 - X/2 + c*phi*GB" -g riemannian --scalars phi --times 1,10 \
+          --set a=t**(1/2) --set phi=t --set c=1/10 -o speeds
     """
     if lagrangian is None:
         raise ArgumentError("modes: expected a Lagrangian, got none. Give -L 'f(R)' -g riemannian.")
+    given = dict(assigned(one, "--set", "a=t**(2/3)") for one in values or ())
+    if given and not times:
+        raise ArgumentError("--set: expected times for the cosmos, got none. Add --times 1,10.")
     with working(lagrangian):
         result = OF_KIND[kind](
             theory_of(lagrangian),
@@ -87,4 +115,20 @@ def modes(
             invariants=invariants_of(invariant),
         )
         document, text = result.to_json(), str(result)
+        figure = None
+        if times:
+            over = result.over_time(_between(times), **given)
+            document, text = document | {"over_time": over.to_json()}, f"{text}\n{over}"
+            figure = partial(draw_evolution, over)
     show_result(document, text, form)
+    write_result(output, "modes", document, figure)
+
+
+def _between(text: str) -> np.ndarray:
+    """Times of a figure from the first and the last one."""
+    ends = [number(one, "--times") for one in separated(text)]
+    if len(ends) != 2 or ends[0] >= ends[1]:
+        raise ArgumentError(
+            f"--times: expected two increasing times, got {shown(text)}. Write --times 1,10."
+        )
+    return np.linspace(ends[0], ends[1], 200)

@@ -11,9 +11,15 @@ from geomtorsion.cli.options import Form, SpaceOrFile, directory, option
 from geomtorsion.cli.results import show_result, write_result
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working
-from geomtorsion.cli.theories import LagrangianOption, theory_of
-from geomtorsion.cli.values import assigned, separated
-from geomtorsion.gravity import maxwell, perturbed
+from geomtorsion.cli.theories import (
+    LagrangianOption,
+    MaxwellOption,
+    ScalarOption,
+    matter_of,
+    theory_of,
+)
+from geomtorsion.cli.values import assigned
+from geomtorsion.gravity import perturbed
 from geomtorsion.pictures.ringing import draw_ringing
 
 
@@ -30,14 +36,8 @@ def ringing(
         list[str] | None,
         option("--set", metavar="NAME=VALUE", text="Value of a parameter. May be repeated."),
     ] = None,
-    potential: Annotated[
-        str | None,
-        option(
-            "--maxwell",
-            metavar="A,A,A,A",
-            text='Potential of a charged hole, such as "Q/r, 0, 0, 0".',
-        ),
-    ] = None,
+    scalar: ScalarOption = None,
+    potential: MaxwellOption = None,
     geometry: Annotated[
         str, typer.Option("-g", "--geometry", metavar="NAME", help="riemannian or teleparallel.")
     ] = "riemannian",
@@ -52,14 +52,18 @@ def ringing(
     """Compute the frequencies with which a static black hole rings.
 
     Without -L the theory is general relativity, L = R. The Lagrangian of a scalar field, -X/2, or
-    of a Maxwell field, -F2/4, is a test field on the hole.
+    of a Maxwell field, -F2/4, is a test field on the hole. --maxwell is the potential of a charged
+    hole, and --scalar a constant scalar field of the theory.
 
     \b
     Examples:
       geomtorsion ringing schwarzschild --set M=1
       geomtorsion ringing schwarzschild --set M=1 -l 3 --parity axial --modes 2 -o rings
       geomtorsion ringing schwarzschild --set M=1 -L "-X/2" -l 0
-      geomtorsion ringing charged.toml --set M=1 --set Q=4/5 -L "R - F2" --maxwell "Q/r, 0, 0, 0"
+      geomtorsion ringing schwarzschild --set M=1 -L "R + c*R**2" --set c=5/3 -l 1
+      geomtorsion ringing schwarzschild --set M=1 -L "phi*R" --scalar "phi = 1" --parity polar
+      geomtorsion ringing kerr_newman --set M=1 --set a=0 --set q=4/5 --parity axial \\
+          -L "R - F2" --maxwell "q/r, 0, 0, 0"
     """
     given = dict(assigned(one, "--set", "M=1") for one in values or ())
     with working(source):
@@ -72,7 +76,7 @@ def ringing(
             digits=digits,
             parameters=given,
             geometry=geometry,
-            matter=None if potential is None else maxwell(separated(potential)),
+            matter=matter_of(scalar, potential),
         )
     document = rings.to_json()
     show_result(document, str(rings), form)

@@ -13,9 +13,10 @@ import numpy as np
 from geomtorsion.codegen import balls
 from geomtorsion.errors import CoordinateError, GravityError, MissingValueError, ShapeError
 from geomtorsion.exact import TruncatedField
-from geomtorsion.geometry import Connection, Frame, Tensor, cartan, levi_civita, validation
-from geomtorsion.gravity.numeric.numeric_field import NumericField
-from geomtorsion.gravity.numeric.power_series import PowerSeries
+from geomtorsion.geometry import Connection, Frame, Tensor, cartan, levi_civita
+from geomtorsion.geometry.numeric.frames import numeric_frame
+from geomtorsion.geometry.numeric.numeric_field import NumericField
+from geomtorsion.geometry.numeric.power_series import PowerSeries
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.exclusive import exclusive
@@ -68,6 +69,9 @@ class Equations(Protocol):
         """Names of the invariants in the Lagrangian."""
         ...
 
+
+# Points that are evaluated at once: their series of all components take some 100 MB of memory.
+TOGETHER = 32
 
 E = TypeVar("E", bound=Equations)
 
@@ -156,16 +160,19 @@ class EquationValues:
         sizes = f"largest {self.largest:.3g}, error below {self.error:.1g}"
         return f"field equations in numbers ({names}): {sizes}"
 
+    def __str__(self) -> str:
+        """Components of the equations at one point with their errors; otherwise the sizes."""
+        lines = [repr(self)]
+        for name, array in {**self.tensors, **self.matter}.items() if not self.L.ndim else ():
+            lines += [
+                f"  {name}{list(index)} = {value:.12g} +- {self.errors[name][index]:.1g}"
+                for index, value in np.ndenumerate(array)
+                if value
+            ]
+        return "\n".join(lines)
+
 
 # -- numeric frames and connections ----------------------------------------------------------------
-
-
-def numeric_frame(frame: Frame, field: NumericField, matrices: Mapping[str, Any]) -> Frame:
-    """A frame over a numeric field with the symbols of another frame."""
-    opened = validation.Opened(frame.coordinates, frame.parameters, (), False, field)  # type: ignore[arg-type]
-    filled = object.__new__(Frame)
-    filled.fill(opened, frame.name, matrices, ("coframe", {}))
-    return filled
 
 
 def evaluated_frame(frame: Frame, field: NumericField) -> Frame:
@@ -222,7 +229,7 @@ def equations_at(equations: Equations, point: Mapping[Any, Any]) -> EquationValu
     values = _values(equations, point)
     several = {name: x for name, x in values.items() if np.ndim(x)}
     if not several:
-        return _joined([_at_one(equations, values)], ())
+        return _joined([_at_points(equations, values)], [[0]], ())
     try:
         arrays = np.broadcast_arrays(*(np.array(x, dtype=object) for x in several.values()))
     except ValueError:
@@ -231,11 +238,32 @@ def equations_at(equations: Equations, point: Mapping[Any, Any]) -> EquationValu
             f"point: expected values of one shape, got the shapes {shapes}. Give lists of equal "
             "length, or single numbers."
         ) from None
-    points = zip(*(x.ravel() for x in arrays), strict=True)
-    single = [_at_one(equations, {**values, **dict(zip(several, x, strict=True))}) for x in points]
-    if not single:
+    if not arrays[0].size:
         raise ShapeError("point: expected at least one point, got none.")
-    return _joined(single, arrays[0].shape)
+    flat = dict(zip(several, (x.ravel() for x in arrays), strict=True))
+    blocks = list(_blocks(equations, flat))
+    points = [_at_points(equations, values | one) for _, one in blocks]
+    return _joined(points, [places for places, _ in blocks], arrays[0].shape)
+
+
+def _blocks(
+    equations: Equations, flat: Mapping[str, np.ndarray]
+) -> Iterator[tuple[list[int], dict[str, Any]]]:
+    """Points that are evaluated together: their numbers, and the values of all that varies.
+
+    Points of one block share the constants, which may be exponents.
+    """
+    axes = {x.name for x in equations.frame.coordinates}
+    constants = [name for name in flat if name not in axes]
+    sizes = len(next(iter(flat.values())))
+    groups: dict[tuple[Any, ...], list[int]] = {}
+    for k in range(sizes):
+        groups.setdefault(tuple(flat[name][k] for name in constants), []).append(k)
+    for shared, members in groups.items():
+        for start in range(0, len(members), TOGETHER):
+            places = members[start : start + TOGETHER]
+            moving = {name: x[places] for name, x in flat.items() if name in axes}
+            yield places, dict(zip(constants, shared, strict=True)) | moving
 
 
 def _values(equations: Equations, point: Mapping[Any, Any]) -> dict[str, Any]:
@@ -267,8 +295,8 @@ def _values(equations: Equations, point: Mapping[Any, Any]) -> dict[str, Any]:
 Groups = tuple[dict[str, np.ndarray], dict[str, np.ndarray], dict[str, np.ndarray]]
 
 
-def _at_one(equations: Equations, values: Mapping[str, Any]) -> Groups:
-    """All equations at one point, as arrays of balls that are finite."""
+def _at_points(equations: Equations, values: Mapping[str, Any]) -> Groups:
+    """All equations at a point, or at several that come first, as arrays of finite balls."""
     order = 2
     with ball_precision(EXACT_BITS):
         groups, depth = _evaluated(equations, values, order)
@@ -283,10 +311,19 @@ def _at_one(equations: Equations, values: Mapping[str, Any]) -> Groups:
     return groups
 
 
+def _ball(value: Any) -> Any:
+    """A number as a ball, or an array of numbers as an array of balls."""
+    if np.ndim(value):
+        return np.array([_ball(x) for x in value], dtype=object)
+    checks.number(value, "point", CoordinateError)
+    return balls.exact_ball(checks.plain(value))
+
+
 def _evaluated(equations: Equations, values: Mapping[str, Any], order: int) -> tuple[Groups, int]:
     coordinates = equations.frame.coordinates
     series = PowerSeries(len(coordinates), order)
-    given: dict[str, Any] = {name: balls.exact_ball(checks.plain(x)) for name, x in values.items()}
+    given: dict[str, Any] = {name: _ball(x) for name, x in values.items()}
+    shape = np.broadcast_shapes(*(np.shape(x) for x in given.values()))
     for mu, symbol in enumerate(coordinates):
         given[symbol.name] = series.variable(mu, given[symbol.name])
     field = NumericField(coordinates, series, given, in_balls=True)
@@ -300,9 +337,10 @@ def _evaluated(equations: Equations, values: Mapping[str, Any], order: int) -> t
         for name, tensor in group.items():
             elements = dict(leading(tensor))
             depth = max([depth, *(x.depth for x in elements.values())])
-            array = np.empty((tensor.frame.dimension,) * len(tensor.slots), dtype=object)
+            sizes = (tensor.frame.dimension,) * len(tensor.slots)
+            array = np.empty(shape + sizes, dtype=object)
             for index, x in elements.items():
-                array[index] = x.value if x.is_constant else x.value[0]
+                array[(..., *index)] = x.value if x.is_constant else x.value[..., 0]
             made[name] = array
         arrays.append(made)
     return (arrays[0], arrays[1], arrays[2]), depth
@@ -314,20 +352,27 @@ def leading(tensor: Tensor) -> Iterator[tuple[tuple[int, ...], Any]]:
         yield index, tensor.components.get(index)
 
 
-def _joined(points: Sequence[Groups], shape: tuple[int, ...]) -> EquationValues:
-    """Floats with bounds of their errors, from balls at each point."""
+def _joined(
+    blocks: Sequence[Groups], places: Sequence[Sequence[int]], shape: tuple[int, ...]
+) -> EquationValues:
+    """Floats with bounds of their errors, from balls at the points of each block.
+
+    A ball that contains zero becomes zero, with a bound of the whole ball.
+    """
     errors: dict[str, np.ndarray] = {}
     floats: list[Mapping[str, np.ndarray]] = []
-    middle = np.frompyfunc(lambda x: float(x.mid()), 1, 1)
-    radius = np.frompyfunc(lambda x: float(x.rad()), 1, 1)
+    order = np.argsort(np.concatenate(places))
+    middle = np.frompyfunc(lambda x: 0.0 if x.contains(0) else float(x.mid()), 1, 1)
+    radius = np.frompyfunc(lambda x: float(abs(x).upper() if x.contains(0) else x.rad()), 1, 1)
     for number in range(3):
         group = {}
-        for name in points[0][number]:
-            stacked = np.stack([np.asarray(one[number][name]) for one in points])
-            stacked = stacked.reshape(shape + stacked.shape[1:])
-            values = np.asarray(middle(stacked), dtype=float)
+        for name in blocks[0][number]:
+            arrays = [np.asarray(one[number][name]) for one in blocks]
+            joined = np.concatenate(arrays)[order] if shape else arrays[0]
+            joined = joined.reshape(shape + joined.shape[1:]) if shape else joined
+            values = np.asarray(middle(joined), dtype=float)
             group[name] = values
             # The middle is rounded to a float.
-            errors[name] = np.asarray(radius(stacked), dtype=float) + EPS * np.abs(values)
+            errors[name] = np.asarray(radius(joined), dtype=float) + EPS * np.abs(values)
         floats.append(MappingProxyType(group))
     return EquationValues(floats[0], floats[1], floats[2], MappingProxyType(errors))

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geomtorsion.gravity.numeric.numeric_field import Numeric
-from geomtorsion.gravity.numeric.power_series import PowerSeries
+from geomtorsion.geometry.numeric.numeric_field import Numeric
+from geomtorsion.geometry.numeric.power_series import PowerSeries
 from geomtorsion.support.allowance import check_limits
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.precision import EPS

@@ -11,9 +11,9 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion.geometry import Connection, Frame, Tensor, cartan, levi_civita
-from geomtorsion.gravity.numeric.equation_values import numeric_frame
-from geomtorsion.gravity.numeric.numeric_field import Numeric, NumericField
-from geomtorsion.gravity.numeric.power_series import PowerSeries
+from geomtorsion.geometry.numeric.frames import numeric_frame
+from geomtorsion.geometry.numeric.numeric_field import Numeric, NumericField
+from geomtorsion.geometry.numeric.power_series import PowerSeries
 
 Place = tuple[int, ...]
 

@@ -2,6 +2,7 @@
 
 from geomtorsion.gravity.perturbed.cosmology import TensorModes, tensor_modes
 from geomtorsion.gravity.perturbed.dust import Growth, growth
+from geomtorsion.gravity.perturbed.evolution import Evolution
 from geomtorsion.gravity.perturbed.particles import Particle, Spectrum, spectrum
 from geomtorsion.gravity.perturbed.phase_space import DegreesOfFreedom, degrees_of_freedom
 from geomtorsion.gravity.perturbed.quasi_normal import Mode, Ringing, ringing
@@ -11,6 +12,7 @@ from geomtorsion.gravity.perturbed.weak_field import PostNewtonian, post_newtoni
 
 __all__ = [
     "DegreesOfFreedom",
+    "Evolution",
     "Growth",
     "Mode",
     "Particle",

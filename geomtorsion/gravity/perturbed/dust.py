@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import sympy as sp
+from numpy.typing import ArrayLike
 from sympy.core.function import AppliedUndef
 
 from geomtorsion.errors import GravityError
@@ -14,8 +15,9 @@ from geomtorsion.geometry import Frame
 from geomtorsion.gravity.equations import FieldEquations, equations
 from geomtorsion.gravity.invariants import Invariant
 from geomtorsion.gravity.lagrangian import Lagrangian
-from geomtorsion.gravity.matter import scalar_field
-from geomtorsion.gravity.perturbed.cosmology import H, N, fields_in_time, in_rates
+from geomtorsion.gravity.matter import MatterField, scalar_field
+from geomtorsion.gravity.perturbed.cosmology import H, N, check_signs, fields_in_time, in_rates
+from geomtorsion.gravity.perturbed.evolution import Evolution, evolution
 from geomtorsion.gravity.perturbed.geometries import (
     ETA,
     GEOMETRIES,
@@ -28,10 +30,14 @@ from geomtorsion.gravity.perturbed.geometries import (
     geometry_of,
     names_of,
     riemannian_only,
+    shown,
     theory_in,
 )
 from geomtorsion.support.caching import cached_property
+from geomtorsion.support.displays import latex_of
 
+# Geometries without curvature, with the invariant of which a theory may be a function.
+SCALAR_OF = {"teleparallel": "T", "symmetric teleparallel": "Q"}
 # Potentials of clocks and of lengths, the scale factor, a wave number and the density of dust.
 CLOCK, SPACE = (sp.Function(name)(T, Z) for name in ("Psi", "Phi"))
 SCALE, WAVE_NUMBER, DENSITY = sp.symbols("a k rho")
@@ -67,7 +73,7 @@ class Growth:
             if x.has(WAVE_NUMBER**4) and (x.has(H) or _rates(x)):
                 raise GravityError(
                     "growth: expected potentials that do not depend on rates of the cosmos, got "
-                    f"{x}. See the waves with perturbed.scalar_modes."
+                    f"{shown(x)}. See the waves with perturbed.scalar_modes."
                 )
         if not self._potentials[0].has(WAVE_NUMBER):
             raise GravityError(
@@ -79,7 +85,11 @@ class Growth:
         """Derivatives of the action by the potentials and the scalar fields."""
         frame, E = self.equations.frame, self.equations.E
         volume = frame.determinant.element()
-        mixed = [volume * E.element(i, i) for i in range(4)]
+        # The metric equation is half the derivative by the coframe.
+        tensor, weight = E, 1
+        if self.equations.connections[0].kind not in ("levi-civita", "cartan"):
+            tensor, weight = self.equations.M.raised(1), 2
+        mixed = [weight * volume * tensor.element(i, i) for i in range(4)]
         rows = [mixed[0], mixed[1] + mixed[2] + mixed[3]]
         return rows + [volume * x.element() for x in self.equations.matter_equations.values()]
 
@@ -142,6 +152,21 @@ class Growth:
         left = delta.diff(T, 2) + 2 * H * delta.diff(T) - self.G * DENSITY * delta / 2
         return sp.Eq(left, 0)
 
+    def over_time(self, times: ArrayLike, **cosmos: object) -> Evolution:
+        """G and the slip as numbers on a given cosmos, for one wave number k.
+
+        times, cosmos, errors: as in `TensorModes.over_time`, with k where it occurs.
+
+        Examples
+        --------
+        >>> from geomtorsion.gravity import perturbed
+        >>> theory = perturbed.growth("R/2 + R**2/6")
+        >>> theory.over_time([1], a="t**(2/3)", k=0).values["G"].tolist()
+        [1.0]
+        """
+        formulas = {"G": self.G, "slip": self.slip}
+        return evolution(self.equations.lagrangian, formulas, times, cosmos)
+
     def to_json(self) -> dict[str, str]:
         """The results as text, by their names."""
         return {
@@ -151,15 +176,14 @@ class Growth:
         }
 
     def __str__(self) -> str:
-        return (
-            f"growth of dust in {self.equations.lagrangian!r}\nG = {self.G}\nPhi/Psi = {self.slip}"
-        )
+        head = f"growth of dust in {self.equations.lagrangian!r}"
+        return f"{head}\nG = {shown(self.G)}\nPhi/Psi = {shown(self.slip)}"
 
     __repr__ = __str__
 
     def _repr_latex_(self) -> str:
         """The equation of growth, for notebooks."""
-        return f"${sp.latex(self.equation)}$"
+        return f"${latex_of(shown(self.equation))}$"
 
 
 def _rates(expression: sp.Expr) -> set[sp.Expr]:
@@ -168,21 +192,33 @@ def _rates(expression: sp.Expr) -> set[sp.Expr]:
 
 
 def _geometry_of_dust(lagrangian: object, geometry: object) -> str:
-    """The name of the geometry, riemannian for a text; teleparallel for functions of T."""
-    if geometry == "teleparallel" or (
-        isinstance(lagrangian, Lagrangian) and lagrangian.geometry == "teleparallel"
-    ):
-        return geometry_of(lagrangian, geometry)
-    return riemannian_only(lagrangian, geometry, "growth")
+    """The name of the geometry, riemannian for a text; others for functions of T or Q."""
+    if geometry is None and not isinstance(lagrangian, Lagrangian):
+        return "riemannian"
+    name = geometry_of(lagrangian, geometry)
+    return name if name in SCALAR_OF else riemannian_only(lagrangian, geometry, "growth")
 
 
 def _check_torsion(equations: FieldEquations, name: str) -> None:
-    """Refuse theories of torsion whose legs have small fields besides one boost."""
-    others = sorted(equations.scalars.keys() - {"T"})
-    if name == "teleparallel" and others:
+    """Refuse theories of torsion or nonmetricity with more small fields than one that drops out."""
+    scalar = SCALAR_OF.get(name)
+    if scalar is None:
+        return
+    own = [one for one in equations.matter if isinstance(one, MatterField)]
+    fields = {x for one in own for x in one.names}
+    others = sorted(equations.scalars.keys() - {scalar} - fields)
+    if others:
         raise GravityError(
-            "growth: expected a function of T for the geometry teleparallel, got a theory with "
+            f"growth: expected a function of {scalar} for the geometry {name}, got a theory with "
             f"{others[0]}. List the particles with perturbed.spectrum."
+        )
+    slope = equations.expression.diff(sp.Symbol(scalar))
+    mixed = sorted(str(x) for x in slope.free_symbols if x.name in fields)
+    if mixed:
+        raise GravityError(
+            f"growth: expected a sum of a function of {scalar} and of terms of the scalar field, "
+            f"got a factor that contains {mixed[0]} and {scalar}: the legs move as much as the "
+            "potentials there. Couple the field to R of the geometry riemannian."
         )
 
 
@@ -200,14 +236,16 @@ def growth(
     --------
     e^0 = (1 + epsilon Psi) dt, e^i = a (1 - epsilon Phi) dx^i; delta'' + 2 H delta' = G rho
     delta / 2. For f(R): [Tsujikawa 2007]. For f(T), a boost of the legs solves E_[0z] = 0; it is as
-    small as the rates of the cosmos against k/a, and drops out [Zheng and Huang 2011].
+    small as the rates of the cosmos against k/a, and drops out [Zheng and Huang 2011]; for f(Q) the
+    same holds for the coordinates [Jimenez et al. 2020].
 
     Parameters
     ----------
     lagrangian, constants, invariants
         As in `scalar_modes`. The dust couples to the metric.
     geometry
-        "riemannian", which is also the geometry of a text, or "teleparallel" for f(T).
+        "riemannian", which is also the geometry of a text, "teleparallel" for f(T), or "symmetric
+        teleparallel" for f(Q); scalar fields may be added to these.
     scalars
         Names of scalar fields that depend on the time, "phi".
 
@@ -243,6 +281,7 @@ def growth(
         ),
         small,
     )
+    check_signs(result.equations)
     _check_torsion(result.equations, name)
     check_couplings(result.equations, [SCALE, WAVE_NUMBER, DENSITY])
     result.check()

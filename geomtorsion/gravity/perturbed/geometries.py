@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
@@ -21,7 +22,9 @@ from geomtorsion.geometry import (
 )
 from geomtorsion.gravity.equations import FieldEquations
 from geomtorsion.gravity.lagrangian import Lagrangian, known_as
+from geomtorsion.gravity.lagrangian import names as gravity_names
 from geomtorsion.gravity.matter import MatterField, maxwell, scalar_field
+from geomtorsion.gravity.naming import shorthand
 from geomtorsion.support import checks
 
 # Coordinates of flat space; a wave travels along z.
@@ -117,6 +120,13 @@ class FlatGeometry:
     fields: tuple[Component, ...]
     theory: str
 
+    def connections(self, frame: Frame, theory: Lagrangian) -> list[Connection]:
+        """The connection, and the Levi-Civita one beside it where the theory has Rbar or others."""
+        own = self.connection(frame)
+        words = re.findall(r"[^\W\d]\w*", str(theory.expression))
+        has_metric = any(x.endswith("bar") and x in gravity_names for x in words)
+        return [own, levi_civita(frame)] if has_metric and own.kind != "levi-civita" else [own]
+
 
 GEOMETRIES = {
     "riemannian": FlatGeometry(levi_civita, (), "riemannian"),
@@ -138,7 +148,15 @@ def geometry_of(lagrangian: object, name: object) -> str:
                 f"{', '.join(GEOMETRIES)}."
             )
         return OF_THEORY.get(lagrangian.geometry, lagrangian.geometry)
+    if isinstance(name, str):
+        plain = {_plain(one): one for one in GEOMETRIES}
+        name = plain.get(_plain(name), name)
     return checks.choice(name, tuple(GEOMETRIES), "geometry", GravityError)
+
+
+def _plain(name: str) -> str:
+    """A name in lower case with blanks between its words."""
+    return name.lower().replace("-", " ").replace("_", " ").strip()
 
 
 def riemannian_only(lagrangian: object, geometry: object, caller: str) -> str:
@@ -188,6 +206,11 @@ def replacements(
             read=lambda text, where=str(name): parse_expression(text, names, where=where),
         )
     return replaced
+
+
+def shown(expression: sp.Basic) -> sp.Basic:
+    """A result as it is printed: H, Hdot and phidot for functions of the time, f_T for df/dT."""
+    return shorthand(expression, [T, X, Y, Z], T)
 
 
 def names_of(scalars: str | Iterable[str]) -> list[str]:

@@ -15,6 +15,7 @@ from geomtorsion.gravity.lagrangian import Lagrangian
 from geomtorsion.gravity.matter import MatterField, maxwell, scalar_field
 from geomtorsion.gravity.perturbed.collocation import Hole, R, Radial, Row
 from geomtorsion.gravity.perturbed.geometries import ETA, GEOMETRIES, SMALL, check_couplings
+from geomtorsion.gravity.perturbed.static_holes import Fields, missing_number
 from geomtorsion.support import checks
 
 T, THETA, PHI = sp.symbols("t theta azimuth")
@@ -27,21 +28,31 @@ class Theory:
     """A theory with numbers for its constants.
 
     values: numbers by name; of_frame: names among them that belong to the frame.
-    voltage: A_t(r) of the hole; None without a Maxwell field.
+    background: fields of the hole.
     """
 
     lagrangian: Lagrangian
     geometry: str
     values: Mapping[str, sp.Expr]
     of_frame: frozenset[str]
-    voltage: sp.Expr | None = None
+    background: Fields
 
-    def charged(self, *small: sp.Expr) -> list[MatterField]:
-        """The Maxwell field of the hole with a small wave A_mu, where it has one."""
-        if self.voltage is None:
-            return []
-        wave = [SMALL * x for x in small]
-        return [maxwell([self.voltage + wave[0], *wave[1:]])]
+    @property
+    def magnetic(self) -> bool:
+        """Whether the hole has a magnetic charge."""
+        return self.background.magnetic != 0
+
+    def matter(self, light: Sequence[sp.Expr] = (0, 0, 0, 0), u: sp.Expr = sp.S.Zero) -> list:
+        """The fields of the hole with small waves A_mu and u."""
+        own, fields = self.background, list[MatterField]()
+        if own.voltage is not None:
+            a = [SMALL * x for x in light]
+            around = a[3] - own.magnetic * sp.cos(THETA)
+            fields.append(maxwell([own.voltage + a[0], a[1], a[2], around]))
+        if own.scalar is not None:
+            name, value = own.scalar
+            fields.append(scalar_field(value + SMALL * u, name))
+        return fields
 
     def equations(self, frame: Frame, matter: Sequence[MatterField] = ()) -> FieldEquations:
         """Its equations on a frame; its constants stay symbols."""
@@ -69,36 +80,6 @@ class Theory:
         return value
 
 
-def missing_number(symbol: sp.Basic) -> GravityError:
-    """The error for a parameter without a number."""
-    return GravityError(
-        f"ringing: expected numbers for all parameters, got none for {symbol}. Give "
-        f"parameters={{'{symbol}': 1}}."
-    )
-
-
-def horizons(f: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
-    """The outermost horizon that encloses the hole, and the one around its outside, or oo."""
-    top = sp.Poly(sp.numer(sp.together(f)), R)
-    if top.degree() and not top.is_sqf:
-        raise GravityError(
-            f"ringing: expected simple zeros of f at the horizons, got f = {f} with a double zero. "
-            "Waves at an extremal horizon need another method; change the parameters."
-        )
-    roots = top.nroots(n=200, maxsteps=500) if top.degree() else []
-    real = [x for x in roots if abs(sp.im(x)) < sp.Float(10) ** -60 and sp.re(x) > 0]
-    real = sorted(sp.re(x) for x in real)
-    limit = sp.limit(f, R, sp.oo)
-    if limit == 1 and real:
-        return real[-1], sp.oo
-    if limit == -sp.oo and len(real) > 1:
-        return real[-2], real[-1]
-    raise GravityError(
-        "ringing: expected a horizon at a positive r, and outside of it flat space or a horizon of "
-        f"de Sitter, got f = {f}. Change the parameters."
-    )
-
-
 # -- radial equations ------------------------------------------------------------------------------
 
 
@@ -106,15 +87,21 @@ def _functions(*names: str) -> list[sp.Expr]:
     return [sp.Function(name)(T, R) for name in names]
 
 
-def _frame(f: sp.Expr, rows: sp.Matrix) -> Frame:
+def _frame(hole: Hole, rows: sp.Matrix) -> Frame:
     """A frame outside of the hole, expanded in the wave."""
     inner, outer = (
         x if x == sp.oo else sp.Rational(*checks.repr_fraction(float(x)).as_integer_ratio())
-        for x in horizons(f)
+        for x in (hole.inner, hole.outer)
     )
     domain = [inner < R, THETA > 0, sp.pi > THETA, *([outer > R] if outer != sp.oo else [])]
     frame = Frame((T, R, THETA, PHI), rows, signature=ETA, parameters=[SMALL], domain=domain)
     return frame.expanded(SMALL, 1)
+
+
+def _at_rest(hole: Hole) -> sp.Matrix:
+    """Rows of the coframe without a wave."""
+    f, radius = hole.f, hole.area_radius
+    return sp.diag(sp.sqrt(f), hole.stretch / sp.sqrt(f), radius, radius * sp.sin(THETA))
 
 
 def _radial(theory: Theory, element: Element, fields: Sequence[sp.Expr]) -> Row:
@@ -133,24 +120,21 @@ def _radial(theory: Theory, element: Element, fields: Sequence[sp.Expr]) -> Row:
     return row
 
 
-def _rows(
-    theory: Theory, frame: Frame, matter: Sequence[MatterField]
-) -> tuple[Tensor, Tensor | None]:
-    """E_ij and Maxwell's equation of a solution."""
+def _rows(theory: Theory, frame: Frame, matter: Sequence[MatterField]) -> dict[str, Tensor]:
+    """E_ij of a solution under the name E, and equations of its matter by their fields."""
     system = theory.equations(frame, matter)
-    lower = system.E.lowered(1)
-    current = system.matter_equations["A"] if matter else None
-    for name, tensor in (("E_", lower), ("J_", current)):
-        background = {} if tensor is None else tensor.order(0).components.nonzero
-        for index, x in sorted(background.items()):
+    rows = {"E": system.E.lowered(1), **system.matter_equations}
+    for name, tensor in rows.items():
+        for index, x in sorted(tensor.order(0).components.nonzero.items()):
             if (value := theory.at(x)) != 0:
+                letter = {"E": "E_", "A": "J_"}.get(name, f"equation of {name}")
                 raise GravityError(
                     "ringing: expected a frame that solves the equations, got "
-                    f"{name}{''.join(map(str, index))} = {checks.cut(str(value))}. Give another "
+                    f"{letter}{''.join(map(str, index))} = {checks.cut(str(value))}. Give another "
                     "frame, other constants, or the field of the hole, "
                     "matter=maxwell(['Q/r', 0, 0, 0])."
                 )
-    return lower, current
+    return rows
 
 
 def _sum(tensor: Tensor, i: int, j: int) -> Element:
@@ -160,53 +144,128 @@ def _sum(tensor: Tensor, i: int, j: int) -> Element:
 
 
 def _axial(theory: Theory, hole: Hole, l: int) -> Radial:  # noqa: E741
-    """Waves that drag the sphere around: two fields in the last leg, and A_phi."""
-    f, (h0, h1, a) = hole.f, _functions("H0", "H1", "a")
-    slope = sp.legendre(l, sp.cos(THETA)).diff(THETA)
-    rows = sp.diag(sp.sqrt(f), 1 / sp.sqrt(f), R, R * sp.sin(THETA))
-    rows[3, 0], rows[3, 1] = SMALL * h0 * slope / R, SMALL * h1 * slope / R
-    light = theory.charged(sp.S.Zero, sp.S.Zero, sp.S.Zero, a * sp.sin(THETA) * slope)
-    tensor, current = _rows(theory, _frame(f, rows), light)
-    elements = [_sum(tensor, *index) for index in ((2, 3), (1, 3))]
-    fields, scales = [h0, h1], [R, R / f]
-    if current is not None:
-        elements.append(current.element(3))
-        fields, scales = [*fields, a], [*scales, sp.S.One]
-    return Radial(hole, [_radial(theory, x, fields) for x in elements], scales)
+    """Waves that drag the sphere around: two fields in the last leg, and light.
+
+    Light is A_phi, or A_t and A_r on a magnetic hole. For l = 1 only the first field remains.
+    """
+    f, (h0, h1, a, a0, a1) = hole.f, _functions("H0", "H1", "a", "a0", "a1")
+    shape = sp.legendre(l, sp.cos(THETA))
+    slope = shape.diff(THETA)
+    rows = _at_rest(hole)
+    rows[3, 0], rows[3, 1] = SMALL * h0 * slope / R, SMALL * h1 * slope / R * int(l > 1)
+    if theory.magnetic:
+        wave = [a0 * shape, a1 * shape, 0, 0]
+    else:
+        wave = [0, 0, 0, a * sp.sin(THETA) * slope]
+    tensors = _rows(theory, _frame(hole, rows), theory.matter(wave))
+    drag = [((1, 3), h0, R), ((2, 3), h1, R / f)][: 1 + (l > 1)]
+    elements = [_sum(tensors["E"], *index) for index, *_ in drag]
+    fields, scales = [x for _, x, _ in drag], [x for *_, x in drag]
+    if theory.background.charged:
+        light = [(2, a0, sp.S.One), (1, a1, 1 / f)] if theory.magnetic else [(3, a, sp.S.One)]
+        elements += [tensors["A"].element(k) for k, *_ in light]
+        fields, scales = fields + [x for _, x, _ in light], scales + [x for *_, x in light]
+    system = [_radial(theory, x, fields) for x in elements]
+    _check_waves(theory, system)
+    return Radial(hole, system, scales)
+
+
+def _check_waves(theory: Theory, rows: Sequence[Row]) -> None:
+    """Refuse equations of the first order that vanish."""
+    if not all(any(row) for row in rows):
+        raise GravityError(
+            "ringing: expected field equations with waves of the tetrad, got 0 = 0 at the first "
+            f"order for {theory.lagrangian!r}. Add a term of gravity such as R."
+        )
 
 
 def _polar(theory: Theory, hole: Hole, l: int) -> Radial:  # noqa: E741
-    """Waves that stretch the sphere: after the gauge and H2 = H0, three fields, A_t and A_r."""
+    """Waves that stretch the sphere: after the gauge and H2 = H0, three fields, and light.
+
+    Light is A_t and A_r, or A_phi and its slope on a magnetic hole.
+    """
     f, (h0, h1, h2, k) = hole.f, _functions("H0", "H1", "H2", "K")
-    a0, a1 = _functions("a0", "a1")
+    a, a0, a1 = _functions("a", "a0", "a1")
     shape = sp.legendre(l, sp.cos(THETA))
     half = SMALL * shape / 2
-    rows = sp.diag(
-        sp.sqrt(f) * (1 - half * h0),
-        (1 + half * h2) / sp.sqrt(f),
-        R * (1 + half * k),
-        R * sp.sin(THETA) * (1 + half * k),
-    )
+    rows = _at_rest(hole) * sp.diag(1 - half * h0, 1 + half * h2, 1 + half * k, 1 + half * k)
     rows[1, 0] = SMALL * shape * h1 * sp.sqrt(f)
-    light = theory.charged(a0 * shape, a1 * shape, sp.S.Zero, sp.S.Zero)
-    tensor, current = _rows(theory, _frame(f, rows), light)
+    if theory.magnetic:
+        wave = [0, 0, 0, a * sp.sin(THETA) * shape.diff(THETA)]
+    else:
+        wave = [a0 * shape, a1 * shape, 0, 0]
+    tensors = _rows(theory, _frame(hole, rows), theory.matter(wave))
+    tensor = tensors["E"]
     fields, scales = [h0, h1, h2, k], [R / f, R / f, sp.S.One]
-    if current is not None:
-        fields, scales = [*fields, a0, a1], [*scales, sp.S.One, 1 / f]
+    if theory.background.charged:
+        fields += [a] if theory.magnetic else [a0, a1]
+        scales += [sp.S.One, 1 / f]
     stress = _radial(theory, tensor.element(2, 2) - tensor.element(3, 3), fields)
+    _check_waves(theory, [stress])
     one, two = stress[0], stress[2]
     others = stress[1] or any(stress[3:]) or one.keys() != {(0, 0)}
     if others or sp.cancel(one[0, 0] + two[0, 0]) != 0:
         raise GravityError(
-            "ringing: expected polar waves of the tetrad only, got a field of its own, such as the "
-            "scalar of R + c*R**2. Use parity='axial'."
+            "ringing: expected polar waves of the tetrad and at most one scalar that decouples, "
+            "such as the scalar of R + c*R**2, got another field of the theory. Use "
+            "parity='axial'."
         )
     elements = [_sum(tensor, *index) for index in ((0, 1), (0, 2), (1, 2), (1, 1))]
-    if current is not None:
-        elements[2:2] = [current.element(2), current.element(1)]
+    if theory.background.charged:
+        elements[2:2] = [tensors["A"].element(i) for i in ((3,) if theory.magnetic else (2, 1))]
     parts = [_radial(theory, x, fields) for x in elements]
     system = [[_added(row[0], row[2]), row[1], *row[3:]] for row in parts]
+    if theory.magnetic:
+        system = _with_slope(system)
     return Radial(hole, _first_order(system), scales)
+
+
+def _with_slope(system: Sequence[Sequence[Mapping]]) -> list[Row]:
+    """Equations with the slope of the last field as one more field."""
+    rows: list[Row] = []
+    for *others, last in system:
+        value = {key: x for key, x in last.items() if key[1] == 0}
+        slope = {(i, j - 1): x for (i, j), x in last.items() if j > 0}
+        rows.append([*others, value, slope])
+    definition: list[Mapping] = [{} for _ in rows[0]]
+    definition[-2:] = {(0, 1): sp.S.One}, {(0, 0): sp.S.NegativeOne}
+    rows.insert(2, definition)
+    return rows
+
+
+def _decoupled(theory: Theory, hole: Hole, l: int) -> Radial:  # noqa: E741
+    """The scalar of a theory of gravity, where it is constant on the hole.
+
+    The wave (1 + epsilon k) g with phi + epsilon u, k = alpha u, solves all E_ij exactly. The
+    action of the first order is symmetric, so that all other waves leave the scalar unchanged.
+    """
+    k, u = fields = _functions("k", "u")
+    shape = sp.legendre(l, sp.cos(THETA))
+    rows = _at_rest(hole) * (1 + SMALL * shape * k / 2)
+    tensors = _rows(theory, _frame(hole, rows), theory.matter(u=u * shape))
+    lower, name = tensors["E"], next(x for x in tensors if x not in ("E", "A"))
+    pairs = [(i, j) for i in range(4) for j in range(i, 4)]
+    stress = [_radial(theory, _sum(lower, *pair), fields) for pair in pairs]
+    both = ((one[key], two[key]) for one, two in stress for key in one.keys() & two.keys())
+    alpha = next((-sp.cancel(y / x) for x, y in both), sp.S.Zero)
+    rest = [x for one, two in stress for x in _added(_times(one, alpha), two).values()]
+    wave = _radial(theory, tensors[name].element(), fields)
+    row = _added(_times(wave[0], alpha), wave[1])
+    if alpha.has(R) or rest:
+        raise GravityError(
+            "ringing: expected a scalar that decouples from the tetrad, got terms of both in "
+            "their equations. Use parity='axial', or another background."
+        )
+    if (0, 2) not in row:
+        raise GravityError(
+            f"ringing: expected a scalar with a wave, got none for {theory.lagrangian!r}. Add a "
+            "kinetic term such as -X/2."
+        )
+    return Radial(hole, [[row]], [1 / R], _mass2(hole, row))
+
+
+def _times(one: Mapping, factor: sp.Expr) -> dict[tuple[int, int], sp.Expr]:
+    return {orders: factor * x for orders, x in one.items()}
 
 
 def _added(one: Mapping, two: Mapping) -> dict[tuple[int, int], sp.Expr]:
@@ -247,26 +306,30 @@ def _first_order(system: Sequence[Sequence[Mapping]]) -> list[Row]:
 def _scalar(theory: Theory, hole: Hole, l: int) -> Radial:  # noqa: E741
     """A scalar test field."""
     (u,) = _functions("u")
-    f = hole.f
-    frame = _frame(f, sp.diag(sp.sqrt(f), 1 / sp.sqrt(f), R, R * sp.sin(THETA)))
+    frame = _frame(hole, _at_rest(hole))
     small = scalar_field(SMALL * u * sp.legendre(l, sp.cos(THETA)))
     system = theory.equations(frame, [small])
     row = _radial(theory, system.matter_equations["phi"].element(), [u])
-    # Far away waves move as exp(i w r); with a mass they do not.
-    far = sp.limit(row[0].get((0, 0), sp.S.Zero) / row[0].get((0, 2), sp.S.One), R, sp.oo)
-    if hole.outer == sp.oo and far != 0:
-        raise GravityError(
-            f"ringing: expected a massless field in space that is flat far away, got m^2 = {-far}. "
-            "Omit the mass, or choose a hole in de Sitter space."
-        )
-    return Radial(hole, [row], [1 / R])
+    return Radial(hole, [row], [1 / R], _mass2(hole, row[0]))
+
+
+def _mass2(hole: Hole, wave: Mapping[tuple[int, int], sp.Expr]) -> sp.Expr:
+    """m^2 of a field far away, from the coefficients of its equation."""
+    if hole.outer != sp.oo:
+        return sp.S.Zero
+    mass2 = sp.limit(wave.get((0, 0), sp.S.Zero) / wave.get((2, 0), sp.S.One), R, sp.oo)
+    if mass2.is_finite and mass2 >= 0:
+        return mass2
+    raise GravityError(
+        f"ringing: expected a field with m^2 >= 0 far away, got m^2 = {mass2}. Such a field grows "
+        "by itself, and the hole is unstable; change the signs of its terms."
+    )
 
 
 def _maxwell(theory: Theory, hole: Hole, l: int) -> Radial:  # noqa: E741
     """A Maxwell test field, whose parities ring alike: A_phi."""
     (a,) = _functions("a")
-    f = hole.f
-    frame = _frame(f, sp.diag(sp.sqrt(f), 1 / sp.sqrt(f), R, R * sp.sin(THETA)))
+    frame = _frame(hole, _at_rest(hole))
     slope = sp.sin(THETA) * sp.legendre(l, sp.cos(THETA)).diff(THETA)
     small = maxwell([0, 0, 0, SMALL * a * slope])
     system = theory.equations(frame, [small])
@@ -277,6 +340,7 @@ def _maxwell(theory: Theory, hole: Hole, l: int) -> Radial:  # noqa: E741
 SYSTEMS = {
     ("gravity", "axial"): _axial,
     ("gravity", "polar"): _polar,
+    ("scalar", "polar"): _decoupled,
     ("scalar", ""): _scalar,
     ("Maxwell", ""): _maxwell,
 }

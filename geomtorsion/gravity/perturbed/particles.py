@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 import sympy as sp
 
-from geomtorsion.errors import GravityError
+from geomtorsion.errors import GravityError, SingularPointError
 from geomtorsion.gravity.equations import equations
 from geomtorsion.gravity.invariants import Invariant
 from geomtorsion.gravity.lagrangian import Lagrangian
@@ -26,9 +26,13 @@ from geomtorsion.gravity.perturbed.geometries import (
     theory_in,
 )
 from geomtorsion.gravity.perturbed.sectors import Sector, helicities, spins
+from geomtorsion.gravity.perturbed.taylor import about_flat_space
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
-from geomtorsion.support.displays import Plot, drawn_by, figure_by
+from geomtorsion.support.displays import Plot, drawn_by, figure_by, latex_of
+
+# Frequency and wave number of a wave exp(i k z - i w t), in the factors of field equations.
+FREQUENCY, WAVE_NUMBER = sp.symbols("w k")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,6 +73,12 @@ class Particle:
         return self.energy is None
 
     @property
+    def factor(self) -> sp.Expr:
+        """Factor of the field equations on a wave exp(i k z - i w t): w^2 - k^2 - m^2."""
+        place = FREQUENCY**2 - WAVE_NUMBER**2
+        return place - self.mass2 if self.mass2 is not None else self.equation.subs(VARIABLE, place)
+
+    @property
     def label(self) -> str:
         """Spin and parity, 2+, or the helicities, +-2."""
         if self.is_massless:
@@ -84,6 +94,7 @@ class Particle:
             "mass2": None if self.mass2 is None else str(self.mass2),
             "equation": str(self.equation),
             "energy": None if self.energy is None else str(self.energy),
+            "factor": str(self.factor),
             "number": self.number,
         }
 
@@ -94,9 +105,27 @@ class Particle:
             mass = f", m^2 from {self.equation} = 0"
         elif self.is_tachyon:
             mass += " (tachyon)"
-        energy = "double pole" if self.energy is None else f"energy {_energy_text(self.energy)}"
+        energy = f"double pole ({self.factor})**2"
+        if self.energy is not None:
+            energy = f"energy {_energy_text(self.energy)}"
         modes = f"{self.number} mode{'s' if self.number > 1 else ''}"
         return f"{kind}{self.label}{mass}, {energy}, {modes}"
+
+
+def _latex_row(one: Particle) -> str:
+    """A particle as a row of an array in LaTeX."""
+    spin = rf"\pm {one.spin}" if one.is_massless and one.spin else f"{one.spin}"
+    if not one.is_massless and one.parity:
+        spin += f"^{{{'-+'[one.parity > 0]}}}"
+    mass = f"m^2 = {latex_of(one.mass2)}"
+    if one.mass2 is None:
+        mass = f"{latex_of(one.equation.subs(VARIABLE, sp.Symbol('m') ** 2))} = 0"
+    energy = rf"\text{{double pole }} \left({latex_of(one.factor)}\right)^2"
+    if one.energy is not None:
+        energy = rf"\text{{energy {_energy_text(one.energy)}}}"
+        if not one.energy.is_number:
+            energy = rf"\text{{energy of the sign of }} {latex_of(one.energy)}"
+    return f"{spin} & {mass} & {energy} & {one.number}"
 
 
 def _energy_text(energy: sp.Expr) -> str:
@@ -112,7 +141,8 @@ class Spectrum:
     """Particles of a theory about flat space.
 
     lagrangian: the theory. geometry: the name of its geometry. waves: the operator.
-    components: the small fields.
+    components: the small fields. conditions: values of unknown functions for which flat space is a
+    solution, f_0 = 0.
 
     Examples
     --------
@@ -128,6 +158,7 @@ class Spectrum:
     geometry: str
     waves: Waves
     components: tuple[Component, ...]
+    conditions: Mapping[sp.Symbol, sp.Expr] = field(default_factory=dict)
 
     @cached_property
     def particles(self) -> tuple[Particle, ...]:
@@ -145,11 +176,35 @@ class Spectrum:
         return sum(one.number for one in self.particles)
 
     @cached_property
+    def lorentz_violating(self) -> tuple[sp.Expr, ...]:
+        """Factors of waves along z that belong to no particle, as polynomials in w for k = 1.
+
+        Empty for each Lagrangian that has no preferred direction.
+        """
+        blocks = [
+            self.waves.block(sector, at_rest=False)
+            for sector in _coupled(self.waves, helicities(self.components), at_rest=False)
+        ]
+        if sum(one.divisor.degree() for one in blocks) == 2 * self.degrees_of_freedom:
+            return ()
+        known = [one.factor.subs(WAVE_NUMBER, 1) for one in self.particles]
+        waves = sp.prod(sp.fraction(sp.together(x))[0] for x in known)
+        found: dict[sp.Expr, None] = {}
+        for block in blocks:
+            for factor in block.factors:
+                one = factor.as_expr().subs(VARIABLE, FREQUENCY)
+                if block.multiplicity(factor) and sp.rem(waves, one, FREQUENCY) != 0:
+                    found[one] = None
+        return tuple(found)
+
+    @cached_property
     def healthy(self) -> sp.Basic:
         """The condition in the couplings that there is no ghost and no tachyon.
 
         True or False where it holds for all couplings or for none.
         """
+        if self.lorentz_violating:
+            return sp.false
         expressions: list[sp.Expr] = []
         for one in self.particles:
             if one.energy is None:
@@ -174,15 +229,43 @@ class Spectrum:
         2
         """
         replaced = replacements(self.waves.couplings, {**(values or {}), **named})
-        return Spectrum(self.lagrangian, self.geometry, self.waves.subs(replaced), self.components)
+        return replace(self, waves=self.waves.subs(replaced))
 
     def __str__(self) -> str:
         count = len(self.particles)
         head = f"{count} particle{'s' if count != 1 else ''}, {self.degrees_of_freedom} degrees of "
         head += f"freedom, {self.gauge} gauge functions"
-        return "\n".join([head, *map(str, self.particles), _healthy_text(self.healthy)])
+        if self.conditions:
+            head += f", for {', '.join(f'{x} = {y}' for x, y in self.conditions.items())}"
+        odd = [
+            f"not Lorentz invariant: waves with {x} = 0 for k = 1" for x in self.lorentz_violating
+        ]
+        return "\n".join([head, *map(str, self.particles), *odd, _healthy_text(self.healthy)])
 
     __repr__ = __str__
+
+    def to_latex(self) -> str:
+        r"""The particles as an `array`: spin, squared mass, sign of the energy, number of modes.
+
+        `sympy.latex(spectrum)` gives the same.
+
+        Examples
+        --------
+        >>> from geomtorsion.gravity import perturbed
+        >>> print(perturbed.spectrum("R/2", "riemannian").to_latex())
+        \begin{array}{llll} \pm 2 & m^2 = 0 & \text{energy positive} & 2 \end{array}
+        """
+        if not self.particles:
+            return r"\text{no particles}"
+        body = r" \\ ".join(_latex_row(one) for one in self.particles)
+        return rf"\begin{{array}}{{llll}} {body} \end{{array}}"
+
+    def _latex(self, _: object) -> str:
+        return self.to_latex()
+
+    def _repr_latex_(self) -> str:
+        return f"$\\displaystyle {self.to_latex()}$"
+
     _repr_html_ = drawn_by("particles", "spectrum_html")
     plot: ClassVar[Plot] = figure_by("particles", "draw_particles")
 
@@ -191,9 +274,11 @@ class Spectrum:
         return {
             "lagrangian": str(self.lagrangian.expression),
             "geometry": self.geometry,
+            "conditions": {x.name: str(y) for x, y in self.conditions.items()},
             "degrees_of_freedom": self.degrees_of_freedom,
             "gauge_functions": self.gauge,
             "particles": [one.to_json() for one in self.particles],
+            "lorentz_violating": [str(x) for x in self.lorentz_violating],
             "healthy": str(self.healthy),
         }
 
@@ -225,6 +310,11 @@ class Spectrum:
             weights = block.modes(sp.S.One)
             rest = (count - len(weights)) * share
             energies = [positive_part(weight.sympy) for weight in weights]
+            if helicity and not mirror:
+                # Terms of odd parity mix both mirror signs, and each wave occurs twice.
+                pairs = [x for x in dict.fromkeys(energies) for _ in range(energies.count(x) // 2)]
+                particles += [_massless(helicity, energy, 2) for energy in pairs]
+                energies = [x for x in dict.fromkeys(energies) if energies.count(x) % 2]
             particles += [_massless(helicity, energy, share) for energy in energies]
             if rest:
                 particles.append(_massless(helicity, None, rest))
@@ -286,7 +376,7 @@ def _healthy_text(condition: sp.Basic) -> str:
     if condition == sp.true:
         return "healthy: no ghost, no tachyon"
     if condition == sp.false:
-        return "not healthy for any couplings: a ghost or a tachyon remains"
+        return "not healthy for any couplings: a ghost, a tachyon or a double pole remains"
     parts = condition.args if isinstance(condition, sp.And) else (condition,)
     return f"healthy where {', '.join(map(str, parts))}"
 
@@ -305,7 +395,8 @@ def spectrum(
     Parameters
     ----------
     lagrangian
-        As in `gravity.equations`; couplings stay symbols.
+        As in `gravity.equations`; couplings stay symbols. Unknown functions become their values and
+        derivatives in flat space: f_0, f_R, f_RR of f(R), where f_0 = 0 makes it a solution.
     geometry
         "riemannian", "teleparallel", "symmetric teleparallel", "poincare" (metric connection with
         torsion) or "metric-affine". A `gravity.Lagrangian` knows its own.
@@ -339,9 +430,18 @@ def spectrum(
     )
     components = [*fields, *kind.fields, *more]
     theory = theory_in(lagrangian, name)
-    system = equations(
-        kind.connection(frame), theory, matter, constants=constants, invariants=invariants
-    )
+    connections = kind.connections(frame, theory)
+    system = equations(connections, theory, matter, constants=constants, invariants=invariants)
     check_couplings(system, [VARIABLE])
-    operator = system.operator([one.function for one in components])
-    return Spectrum(theory, name, Waves.of(operator), tuple(components))
+    flat = about_flat_space(system, order=2)
+    if flat.lagrangian is not system.lagrangian:
+        system = equations(connections, flat.lagrangian, matter)
+    try:
+        operator = system.operator([one.function for one in components])
+    except SingularPointError:
+        raise GravityError(
+            "spectrum: expected a Lagrangian with a power series about flat space, where "
+            f"invariants and fields vanish, got {theory.expression}. Write 1 + phi for a field "
+            "that is 1 in flat space; terms such as 1/R have no particles there."
+        ) from None
+    return Spectrum(theory, name, Waves.of(operator), tuple(components), flat.conditions)

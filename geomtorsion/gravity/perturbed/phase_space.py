@@ -14,13 +14,13 @@ import sympy as sp
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import parse_expression
 from geomtorsion.geometry import Connection, Frame, Tensor
+from geomtorsion.geometry.numeric.numeric_field import NumericField
+from geomtorsion.geometry.numeric.power_series import PowerSeries
 from geomtorsion.gravity.equations import FieldEquations
 from geomtorsion.gravity.geometries import listed
 from geomtorsion.gravity.invariants import Invariant
 from geomtorsion.gravity.lagrangian import Lagrangian
 from geomtorsion.gravity.matter import maxwell, scalar_field
-from geomtorsion.gravity.numeric.numeric_field import NumericField
-from geomtorsion.gravity.numeric.power_series import PowerSeries
 from geomtorsion.gravity.numeric.solution_jets import Jet, noise
 from geomtorsion.gravity.numeric.varied import Setting, varied
 from geomtorsion.gravity.perturbed.geometries import GEOMETRIES, OF_THEORY, names_of, theory_in

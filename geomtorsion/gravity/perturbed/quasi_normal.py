@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, ClassVar
 
 import mpmath
@@ -12,19 +13,20 @@ import sympy as sp
 
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import parse_expression
-from geomtorsion.geometry import Frame
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.gravity.lagrangian import Lagrangian, known_as, names
-from geomtorsion.gravity.matter import Maxwell
+from geomtorsion.gravity.matter import MatterField
 from geomtorsion.gravity.perturbed.collocation import Hole, R, frequencies
-from geomtorsion.gravity.perturbed.geometries import (
-    theory_in,
-)
-from geomtorsion.gravity.perturbed.hole_waves import SYSTEMS, Theory, horizons, missing_number
+from geomtorsion.gravity.perturbed.geometries import theory_in
+from geomtorsion.gravity.perturbed.hole_waves import SYSTEMS, Theory
+from geomtorsion.gravity.perturbed.static_holes import chart_of, fields_of
 from geomtorsion.support import checks
+from geomtorsion.support.csv_table import write_csv
 from geomtorsion.support.displays import Plot, drawn_by, figure_by
 
 PARITIES = ("axial", "polar", "both")
+# The name of the scalar of f(R) in the equations.
+SCALARON = "scalaron"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,12 +36,14 @@ class Mode:
     omega: the frequency; its imaginary part is negative, minus the rate of damping.
     error: a bound from two grids on the error of omega.
     parity: axial or polar; empty for test fields. l: of the spherical harmonic.
+    field: gravity, with the light of a charged hole; scalar or Maxwell.
     """
 
     omega: mpmath.mpc
     error: float
     parity: str
     l: int  # noqa: E741
+    field: str = "gravity"
 
     @property
     def frequency(self) -> complex:
@@ -54,11 +58,27 @@ class Mode:
     def to_json(self) -> dict[str, Any]:
         """The mode as plain data."""
         real, imag = (mpmath.nstr(x, self._digits) for x in (self.omega.real, self.omega.imag))
-        return {"l": self.l, "parity": self.parity, "real": real, "imag": imag, "error": self.error}
+        names = {"l": self.l, "parity": self.parity, "field": self.field}
+        return {**names, "real": real, "imag": imag, "error": self.error}
+
+    def _repr_latex_(self) -> str:
+        """The frequency, for notebooks."""
+        return f"${self._latex}$"
+
+    @property
+    def _latex(self) -> str:
+        real, imag = (mpmath.nstr(abs(x), self._digits) for x in (self.omega.real, self.omega.imag))
+        mantissa, exponent = f"{self.error:.0e}".split("e")
+        kind = ", ".join(x for x in (self.field, self.parity, f"l = {self.l}") if x)
+        return (
+            rf"\omega = {real} - {imag}\, i \pm {mantissa} \times 10^{{{int(exponent)}}} "
+            rf"\quad (\text{{{kind}}})"
+        )
 
     def __str__(self) -> str:
         digits = self._digits
-        kind = f"{self.parity}, " * bool(self.parity)
+        kind = f"{self.field} field, " * (self.field != "gravity")
+        kind += f"{self.parity}, " * bool(self.parity)
         real = mpmath.nstr(self.omega.real, digits)
         imag = mpmath.nstr(-self.omega.imag, digits)
         return f"{kind}l = {self.l}: {real} - {imag} i +- {self.error:.0e}"
@@ -86,6 +106,19 @@ class Ringing:
             "modes": [one.to_json() for one in self.modes],
         }
 
+    def to_csv(self, path: str | Path) -> None:
+        """Write the modes as a table of doubles; `to_json` has all digits."""
+        rows = [one.to_json() for one in self.modes]
+        table = {name: [row[name] for row in rows] for name in ("l", "parity", "field", "error")}
+        for name in ("real", "imag"):
+            table[name] = [float(row[name]) for row in rows]
+        write_csv(checks.file_name(path), table)
+
+    def _repr_latex_(self) -> str:
+        """The frequencies, for notebooks."""
+        lines = r" \\ ".join(one._latex for one in self.modes)
+        return rf"$$\begin{{gathered}} {lines} \end{{gathered}}$$"
+
     def __str__(self) -> str:
         head = f"ringing of f = {self.f} in {self.lagrangian!r}"
         return "\n".join([head, *map(str, self.modes)])
@@ -103,7 +136,7 @@ def ringing(
     digits: int = 8,
     parameters: Mapping[str, object] | None = None,
     geometry: str = "riemannian",
-    matter: Maxwell | None = None,
+    matter: MatterField | Iterable[MatterField] | None = None,
 ) -> Ringing:
     """Quasi-normal modes of a static, spherical black hole of a theory.
 
@@ -118,14 +151,17 @@ def ringing(
     lagrangian
         As in `gravity.equations`, with the values of its constants. A Lagrangian of only a
         scalar field, "-X/2", or only a Maxwell field, "-F2/4", is a test field on the frame.
+        f(R) has a scalar with the mass m^2 = f'/(3 f'') - R/3 of its own [Whitt 1984].
     frame
-        A frame or space with the metric -f dt^2 + dr^2/f + r^2 dOmega^2.
+        A frame or space with the metric -f dt^2 + dr^2/f + r^2 dOmega^2, also with another time,
+        another rational radius or Cartesian coordinates. Test fields take another g_rr.
     l
-        Number of the spherical harmonic.
+        Number of the spherical harmonic: from 2 for waves of the tetrad, 1 for light, 0 for
+        scalars.
     parity
         "axial", "polar" or "both".
     modes
-        How many for each parity, those damped least.
+        How many for each field and parity, those damped least.
     digits
         Digits of each frequency.
     parameters
@@ -133,14 +169,15 @@ def ringing(
     geometry
         "riemannian" or "teleparallel".
     matter
-        The Maxwell field of a charged hole, `maxwell(["Q/r", 0, 0, 0])`. Gravitational and
-        electromagnetic waves are then coupled, and both ring.
+        Fields of the hole: electric or magnetic, `maxwell(["Q/r", 0, 0, 0])` or
+        `maxwell([0, 0, 0, "-P*cos(theta)"])`, whose waves are coupled with gravity, and a
+        constant scalar field, `scalar_field(1)`.
 
     Raises
     ------
     GravityError
-        The frame is of another form or not a solution, or the waves need more than two
-        derivatives.
+        The frame is of another form or not a solution, the waves need more than two derivatives,
+        or a scalar does not decouple.
     AccuracyError
         The digits are not reached.
 
@@ -153,31 +190,31 @@ def ringing(
     """
     known = known_as(lagrangian)
     kind = _kind(known)
-    lowest = {"gravity": 2, "scalar": 0, "Maxwell": 1}[kind]
-    checks.count(l, "l", GravityError, lowest, 29)
     checks.count(modes, "modes", GravityError, 1, 20)
     checks.count(digits, "digits", GravityError, 1, 30)
     checks.choice(parity, PARITIES, "parity", GravityError)
     checks.choice(geometry, ("riemannian", "teleparallel"), "geometry", GravityError)
     space = as_frame(frame, "frame", GravityError)
     values = {str(x): _number(value, str(x)) for x, value in (parameters or {}).items()}
-    f = _static(space, values)
-    of_frame = {x.name for x in space.parameters}
-    voltage = None if matter is None else _voltage(matter, space, values, kind)
-    theory = Theory(theory_in(lagrangian, geometry), geometry, values, frozenset(of_frame), voltage)
-    hole = Hole(f, *horizons(f))
-    parities = ("",)
-    if kind == "gravity":
-        parities = ("axial", "polar") if parity == "both" else (parity,)
+    chart = chart_of(space, values)
+    background = fields_of(_matter(matter, kind), chart, values)
+    hole = chart.hole()
+    if kind == "gravity" and (hole.stretch, hole.area_radius) != (1, R):
+        raise GravityError(
+            "frame: expected g_tt g_rr = -1 in the radius of the spheres for waves of the tetrad, "
+            f"got f = {hole.f} with another g_rr. Test fields such as '-X/2' ring on it."
+        )
+    of_frame = frozenset(x.name for x in space.parameters)
+    theory = Theory(theory_in(lagrangian, geometry), geometry, values, of_frame, background)
     rings = [
-        Mode(omega=_complex(w), error=error, parity=name, l=l)
-        for name in parities
-        for w, error in frequencies(SYSTEMS[kind, name](theory, hole, l), modes, digits)
+        Mode(omega=_complex(w), error=error, parity=name, l=l, field=field)
+        for theory_of_wave, field, name in _waves(theory, hole, kind, parity, l)
+        for w, error in frequencies(SYSTEMS[field, name](theory_of_wave, hole, l), modes, digits)
     ]
-    return Ringing(theory.lagrangian, f, tuple(rings))
+    return Ringing(theory.lagrangian, hole.f, tuple(rings))
 
 
-# -- the hole --------------------------------------------------------------------------------------
+# -- the theory ----------------------------------------------------------------------------------
 
 
 def _kind(theory: Lagrangian) -> str:
@@ -187,6 +224,54 @@ def _kind(theory: Lagrangian) -> str:
     if invariants == {"F2"}:
         return "Maxwell"
     return "scalar" if "X" in words and invariants <= {"X", "phi"} else "gravity"
+
+
+def _matter(
+    matter: MatterField | Iterable[MatterField] | None, kind: str
+) -> tuple[MatterField, ...]:
+    """The fields of the hole; none for a test field."""
+    if matter is None:
+        return ()
+    fields = (
+        (matter,)
+        if isinstance(matter, MatterField)
+        else checks.entries(matter, "matter", GravityError)
+    )
+    for one in fields:
+        checks.instance(one, MatterField, "matter", GravityError)
+    if kind != "gravity" and fields:
+        raise GravityError(
+            "matter: expected no field of the hole for a test field, got a Maxwell field. Omit it, "
+            "or give the Lagrangian of gravity and the field, such as R - F2."
+        )
+    return tuple(fields)
+
+
+def _waves(
+    theory: Theory,
+    hole: Hole,
+    kind: str,
+    parity: str,
+    l: int,  # noqa: E741
+) -> list[tuple[Theory, str, str]]:
+    """Theory, field and parity of each kind of wave."""
+    if kind != "gravity":
+        checks.count(l, "l", GravityError, {"scalar": 0, "Maxwell": 1}[kind], 29)
+        return [(theory, kind, "")]
+    waves, tetrad = [], 1 if theory.background.charged else 2
+    scalar = theory if parity == "axial" else _with_scalar(theory, hole)
+    own = parity != "axial" and scalar.background.scalar is not None
+    checks.count(l, "l", GravityError, 0 if own else tetrad, 29)
+    if l == 1 and theory.background.charged and (parity != "axial" or theory.magnetic):
+        raise GravityError(
+            "l: expected at least 2, or the axial light of an electric hole with l = 1, got "
+            f"{parity} waves with l = 1. The same frequencies come from parity='axial' and the "
+            "potential of an electric charge, maxwell(['Q/r', 0, 0, 0])."
+        )
+    if l >= tetrad:
+        waves += [(theory, "gravity", "axial")] * (parity != "polar")
+        waves += [(scalar, "gravity", "polar")] * (parity != "axial")
+    return waves + [(scalar, "scalar", "polar")] * own
 
 
 def _number(value: object, name: str) -> sp.Expr:
@@ -200,64 +285,34 @@ def _number(value: object, name: str) -> sp.Expr:
     return number
 
 
-def _static(frame: Frame, values: Mapping[str, sp.Expr]) -> sp.Expr:
-    """f(r) of a frame with the metric -f dt^2 + dr^2/f + r^2 dOmega^2."""
-    if frame.dimension == 4:
-        _, r, theta, _ = frame.coordinates
-        entries = frame.metric.components
-        f = -entries.get((0, 0))
-        area = frame.field.read(r**2)
-        wanted = {
-            (0, 0): -f,
-            (1, 1): f,
-            (2, 2): area,
-            (3, 3): area * frame.field.read(sp.sin(theta) ** 2),
-        }
-        fits = entries.nonzero.keys() == wanted.keys()
-        for index, value in wanted.items() if fits else ():
-            entry = entries.get(index)
-            same = entry * value - 1 if index == (1, 1) else entry - value
-            fits = fits and same.is_zero is True
-        named = {x: values[x.name] for x in frame.parameters if x.name in values}
-        written = f.sympy.xreplace(named)
-        if fits and not written.free_symbols & {*frame.coordinates} - {r}:
-            for symbol in sorted(written.free_symbols - {r}, key=str):
-                raise missing_number(symbol)
-            written = sp.cancel(written.xreplace({r: R}))
-            if written.is_rational_function(R):
-                return written
-    raise GravityError(
-        "frame: expected a static hole with the metric -f(r) dt^2 + dr^2/f(r) + r^2 dtheta^2 + "
-        f"r^2 sin(theta)^2 dphi^2, got {frame.name or 'another frame'}. Give its frame in these "
-        "coordinates, such as schwarzschild."
-    )
+def _with_scalar(theory: Theory, hole: Hole) -> Theory:
+    """A theory f(R) with its scalar chi: L = f(chi) + f'(chi) (R - chi), chi = R on the hole.
 
-
-def _voltage(matter: object, frame: Frame, values: Mapping[str, sp.Expr], kind: str) -> sp.Expr:
-    """A_t(r) of a Maxwell field (A_t, 0, 0, 0)."""
-    checks.instance(matter, Maxwell, "matter", GravityError)
-    assert isinstance(matter, Maxwell)
-    if kind != "gravity":
+    Other theories, and theories that are linear in R to the second order, are returned as they
+    are. [Whitt 1984]
+    """
+    given, f, r = theory.lagrangian.expression, hole.f, R
+    whole = parse_expression(given, {}, free=True) if isinstance(given, str) else given
+    curvature, chi = sp.Symbol("R"), sp.Symbol(SCALARON)
+    bend = whole.diff(curvature, 2)
+    if theory.geometry != "riemannian" or bend == 0:
+        return theory
+    constant = sp.cancel(2 / r**2 - (r**2 * f).diff(r, 2) / r**2)
+    if constant.has(r) or theory.background.scalar is not None:
         raise GravityError(
-            "matter: expected no field of the hole for a test field, got a Maxwell field. Omit it, "
-            "or give the Lagrangian of gravity and the field, such as R - F2."
+            "ringing: expected a constant R on the hole and no other scalar field for polar waves "
+            f"of {theory.lagrangian!r}, got R = {checks.cut(str(constant))}. Use parity='axial'."
         )
-    matter.check(frame)
-    first, *others = matter.elements(frame)
-    r = frame.coordinates[1]
-    written = first.sympy.xreplace(
-        {x: values[x.name] for x in frame.parameters if x.name in values}
+    named = {x: theory.values[x.name] for x in bend.free_symbols if x.name in theory.values}
+    if sp.simplify(bend.xreplace(named).subs(curvature, constant)) == 0:
+        return theory
+    there = {curvature: chi}
+    linear = whole.xreplace(there) + whole.diff(curvature).xreplace(there) * (curvature - chi)
+    return replace(
+        theory,
+        lagrangian=replace(theory.lagrangian, expression=linear),
+        background=replace(theory.background, scalar=(SCALARON, constant)),
     )
-    for symbol in sorted(written.free_symbols & {*frame.parameters}, key=str):
-        raise missing_number(symbol)
-    written = sp.cancel(written.xreplace({r: R}))
-    radial = written.is_rational_function(R) and not written.free_symbols - {R}
-    if not radial or any(not x.is_zero for x in others):
-        raise GravityError(
-            "matter: expected a potential A_t(r), 0, 0, 0 of an electric charge, got "
-            f"{checks.cut(', '.join(map(str, matter.potential)))}. Give maxwell(['Q/r', 0, 0, 0])."
-        )
-    return written
 
 
 def _complex(w: object) -> mpmath.mpc:

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import sympy as sp
+from numpy.typing import ArrayLike
 from sympy.core.function import AppliedUndef
 
 from geomtorsion.errors import GravityError
@@ -14,7 +15,8 @@ from geomtorsion.geometry import Frame, levi_civita
 from geomtorsion.gravity.equations import FieldEquations, equations
 from geomtorsion.gravity.invariants import Invariant
 from geomtorsion.gravity.lagrangian import Lagrangian
-from geomtorsion.gravity.perturbed.cosmology import H, N, fields_in_time, in_rates
+from geomtorsion.gravity.perturbed.cosmology import H, N, check_signs, fields_in_time, in_rates
+from geomtorsion.gravity.perturbed.evolution import Evolution, evolution
 from geomtorsion.gravity.perturbed.geometries import (
     ETA,
     SMALL,
@@ -24,9 +26,12 @@ from geomtorsion.gravity.perturbed.geometries import (
     Z,
     names_of,
     riemannian_only,
+    shown,
     theory_in,
 )
+from geomtorsion.gravity.perturbed.time_orders import orders_of_cosmos
 from geomtorsion.support.caching import cached_property
+from geomtorsion.support.displays import latex_of
 
 # Small changes of the lapse, the shift and the curvature of space.
 LAPSE, SHIFT, CURVATURE = (sp.Function(name)(T, Z) for name in ("alpha", "beta", "zeta"))
@@ -67,6 +72,13 @@ class ScalarModes:
 
     def check(self) -> None:
         """Refuse a theory without one scalar wave of second order."""
+        check_signs(self.equations)
+        orders = orders_of_cosmos(self.equations, self.equations.E, N)
+        if orders.is_higher:
+            raise GravityError(
+                "scalar_modes: expected equations of second order in time, got "
+                f"{orders.meaning}, or list the particles with perturbed.spectrum."
+            )
         for (row, column), orders in ORDERS.items():
             excess = self._rows[row][1].get(column, {}).keys() - orders
             if excess:
@@ -96,8 +108,8 @@ class ScalarModes:
             )
         if self._rate.has(H.diff(T)):
             raise GravityError(
-                "scalar_modes: expected a background equation linear in H', got "
-                f"H' = {self._rate}. List the particles with perturbed.spectrum."
+                "scalar_modes: expected a background equation linear in Hdot, got "
+                f"Hdot = {shown(self._rate)}. List the particles with perturbed.spectrum."
             )
 
     @cached_property
@@ -196,6 +208,26 @@ class ScalarModes:
         left = CURVATURE.diff(T, 2) + self.friction * CURVATURE.diff(T)
         return sp.Eq(left - self.speed2 / scale**2 * CURVATURE.diff(Z, 2), 0)
 
+    def over_time(self, times: ArrayLike, **cosmos: object) -> Evolution:
+        """Squared speed, kinetic factor and the left side of the Friedmann equation as numbers.
+
+        times, cosmos, errors: as in `TensorModes.over_time`. The left side vanishes where a and the
+        field solve the Friedmann equation.
+
+        Examples
+        --------
+        A stiff field, a = t^(1/3), phi' = sqrt(2/3) / t.
+
+        >>> from geomtorsion.gravity import perturbed
+        >>> waves = perturbed.scalar_modes("R/2 - X/2")
+        >>> values = waves.over_time([1, 2], a="t**(1/3)", phi="sqrt(2/3)*log(t)").values
+        >>> values["speed2"].tolist(), values["friedmann"].tolist()
+        ([1.0, 1.0], [0.0, 0.0])
+        """
+        formulas = {"speed2": self.speed2, "kinetic": self.kinetic}
+        formulas["friedmann"] = self.background[0].lhs
+        return evolution(self.equations.lagrangian, formulas, times, cosmos)
+
     def to_json(self) -> dict[str, str]:
         """The results as text, by their names."""
         return {
@@ -209,9 +241,9 @@ class ScalarModes:
     def __str__(self) -> str:
         lines = [
             f"scalar waves of {self.equations.lagrangian!r}",
-            f"Q_s = {self.kinetic}",
-            f"c_s^2 = {self.speed2}",
-            f"friction = {self.friction}",
+            f"Q_s = {shown(self.kinetic)}",
+            f"c_s^2 = {shown(self.speed2)}",
+            f"friction = {shown(self.friction)}",
         ]
         return "\n".join(lines)
 
@@ -219,7 +251,7 @@ class ScalarModes:
 
     def _repr_latex_(self) -> str:
         """The wave equation, for notebooks."""
-        return f"${sp.latex(self.equation)}$"
+        return f"${latex_of(shown(self.equation))}$"
 
 
 def scalar_modes(

@@ -7,6 +7,8 @@ from typing import Any
 
 import sympy as sp
 
+from geomtorsion.gravity.perturbed.geometries import shown
+
 # A theory disagrees with a measurement from this many standard errors on (95 percent).
 STANDARD_ERRORS = 2
 
@@ -123,7 +125,7 @@ class SolarTest:
             text = f"{'passes' if self.passes == sp.true else 'fails'}, {errors}"
         elif self._allowed is None:
             low, high = (sp.N(x, 7) for x in self.measurement.limits)
-            text = f"passes where {low} <= {self.predicted} <= {high}"
+            text = f"passes where {low} <= {shown(self.predicted)} <= {high}"
         else:
             (symbol,) = self.predicted.free_symbols
             text = _allowed_text(str(symbol), self._allowed)

@@ -28,9 +28,11 @@ from geomtorsion.gravity.perturbed.geometries import (
     geometry_of,
     names_of,
     replacements,
+    shown,
     theory_in,
 )
 from geomtorsion.gravity.perturbed.solar_system import CASSINI, MEASUREMENTS, SolarTest
+from geomtorsion.gravity.perturbed.taylor import about_flat_space
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.displays import Plot, drawn_by, figure_by, latex_of
@@ -305,7 +307,7 @@ class PostNewtonian:
         lines = [f"field of a mass at rest in {self.lagrangian!r}"]
         if self.values:
             lines[0] += ", " + ", ".join(f"{x} = {value}" for x, value in self.values.items())
-        lines.append(", ".join(f"{name} = {value}" for name, value in self.numbers.items()))
+        lines.append(", ".join(f"{name} = {shown(value)}" for name, value in self.numbers.items()))
         return "\n".join([*lines, *map(str, self._tests)])
 
     __repr__ = __str__
@@ -315,9 +317,8 @@ class PostNewtonian:
     def _repr_latex_(self) -> str:
         """The numbers as formulas, for papers."""
         signs = {"gamma": r"\gamma", "beta": r"\beta", "gamma(k)": r"\gamma(k)"}
-        parts = [
-            f"{signs.get(name, name)} = {latex_of(value)}" for name, value in self.numbers.items()
-        ]
+        numbers = [(signs.get(x, x), shown(value)) for x, value in self.numbers.items()]
+        parts = [f"{name} = {latex_of(value)}" for name, value in numbers]
         return "$" + r",\quad ".join(parts) + "$"
 
 
@@ -391,7 +392,8 @@ def post_newtonian(
     Parameters
     ----------
     lagrangian, geometry, constants, invariants
-        As in `tensor_modes`.
+        As in `tensor_modes`. Unknown functions of invariants become their derivatives in flat
+        space, f_T and f_TT of f(T), with f_0 = 0.
     scalars
         Names of scalar fields, "phi".
     far
@@ -418,7 +420,7 @@ def post_newtonian(
             "List its particles with perturbed.spectrum."
         )
     fields = tuple(names_of(scalars))
-    theory = theory_in(lagrangian, name)
+    theory = written = theory_in(lagrangian, name)
     values_far = {}
     for one, value in (far or {}).items():
         checks.known_name(one, fields, "scalar field", GravityError)
@@ -442,10 +444,15 @@ def post_newtonian(
             if order == 2:
                 value += SMALL**2 * sp.Symbol(f"{one}_2") * potential**2
             matter.append(scalar_field(value, None if one == "phi" else one))
-        connection = GEOMETRIES[name].connection(frame.expanded(SMALL, order))
-        return equations(connection, theory, matter, constants=constants, invariants=invariants)
+        connections = GEOMETRIES[name].connections(frame.expanded(SMALL, order), theory)
+        return equations(connections, theory, matter, constants=constants, invariants=invariants)
 
     first = build(sp.exp(X), 1)
+    # The second order of the equations contains the third derivative of a function.
+    flat = about_flat_space(first, order=3, moving=fields)
+    if flat.lagrangian is not first.lagrangian:
+        theory, constants, invariants = flat.lagrangian, (), ()
+        first = build(sp.exp(X), 1)
     # The value of a scalar field far away may occur in its potential.
     far_away = {f"{one}0" for one in fields}
     check_couplings(first, [K, *(x for x in first.frame.parameters if x.name not in far_away)])
@@ -456,4 +463,4 @@ def post_newtonian(
             "far away: far={'phi': 1}."
         )
     own = {sp.Symbol(str(x)) for x in first.constants} | {sp.Symbol(x) for x in far_away}
-    return PostNewtonian(theory, build, fields, tuple(sorted(own, key=str)))
+    return PostNewtonian(written, build, fields, tuple(sorted(own, key=str)))

@@ -22,7 +22,7 @@ from geomtorsion.support.checks import cut
 from geomtorsion.support.npz import LARGEST_ARRAYS
 
 # Texts that belong to a frame.
-TEXTS = ("unit", "vector_unit", "source")
+TEXTS = ("unit", "vector_unit", "source", "signature")
 
 
 @dataclass(frozen=True, eq=False)

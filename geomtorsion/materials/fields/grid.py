@@ -275,3 +275,14 @@ def several(given: object, count: int, name: str, least: int) -> tuple[int, ...]
     if len(rows) != count:
         raise GridError(f"{name}: expected one number or {count}, got {checks.shown(given)}.")
     return tuple(checks.count(n, name, GridError, least) for n in rows)
+
+
+def signs_of(signature: object, count: int) -> tuple[int, ...]:
+    """Signs of the rows of a coframe from a text such as "-+++"; all + for an empty text."""
+    text = checks.text(signature, "signature", GridError)
+    if text and (len(text) != count or set(text) - set("+-")):
+        raise GridError(
+            f"signature: expected {count} signs, one for each row, like {'-' + '+' * (count - 1)}, "
+            f"got {checks.shown(text)}."
+        )
+    return tuple(-1 if sign == "-" else 1 for sign in text or "+" * count)

@@ -51,6 +51,7 @@ FORMS = {
     "periodic": ArrayForm((None,), "b", optional=True),
     "unit": ArrayForm((), "U", optional=True),
     "vector_unit": ArrayForm((), "U", optional=True),
+    "signature": ArrayForm((), "U", optional=True),
     "source": ArrayForm((), "U", optional=True),
 }
 # Arrays that may hold the noise of the values.

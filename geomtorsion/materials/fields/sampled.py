@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -28,7 +29,9 @@ from geomtorsion.materials.fields.displaced import (
     displaced_torsion,
 )
 from geomtorsion.materials.fields.grid import two_axes
+from geomtorsion.materials.fields.grid_geometry import sampled_tensors
 from geomtorsion.materials.fields.holes import Hole
+from geomtorsion.materials.fields.metrics import orthonormal_coframe
 from geomtorsion.materials.fields.samples import Samples
 from geomtorsion.materials.fields.stretches import detoured
 from geomtorsion.materials.source import Backdrop
@@ -62,6 +65,7 @@ class SampledFrame(Samples):
     source, sigma_source: origin of the values and of sigma, in words.
     displacement: the displacement given to `from_displacement`. Circuits are then sums of its
         jumps, without interpolation.
+    signature: signs of the rows of the coframe, such as "-+++"; all + by default.
     unit, vector_unit: of the axes, and of integrals of the coframe (by default the same); any text,
         shown with results.
 
@@ -135,6 +139,80 @@ class SampledFrame(Samples):
         noise = self.sigma_source or "not known; the errors include only the grid error"
         source = (f"source: {self.source}",) if self.source else ()
         return (repr(self), f"noise: {noise}", *source)
+
+    # -- geometry ---------------------------------------------------------------------------------
+
+    @classmethod
+    def from_metric(
+        cls,
+        axes: Sequence[np.ndarray],
+        metric: np.ndarray,
+        order: int = 4,
+        names: Sequence[str] = (),
+        *,
+        signature: str = "",
+        **options: Any,
+    ) -> SampledFrame:
+        """Samples of a metric g_mu_nu, shape (d, d, N_1, ..., N_d), of any signature.
+
+        The coframe is orthonormal, g = e^T eta e, and as smooth as the metric. Its rotation or
+        boost is a choice: only quantities of the metric, such as curvature, do not depend on it.
+
+        Parameters
+        ----------
+        signature
+            Signs of the rows, such as "-+++"; by default negative ones first.
+        options
+            mask, periodic, unit, vector_unit, source, as for `SampledFrame`.
+
+        Raises
+        ------
+        GridError
+            The metric is not symmetric, or is degenerate at a node that is not masked.
+        SignatureError
+            The metric has another signature.
+
+        Examples
+        --------
+        >>> theta, phi = np.linspace(0.5, 2.5, 21), np.linspace(0, 1, 9)
+        >>> sine = np.sin(theta)[:, None] * np.ones(9)
+        >>> one, zero = np.ones((21, 9)), np.zeros((21, 9))
+        >>> metric = np.array([[one, zero], [zero, sine**2]])
+        >>> sphere = SampledFrame.from_metric([theta, phi], metric, names=("theta", "phi"))
+        >>> found = sphere.quantity("scalar_curvature")
+        >>> abs(found.values - 2).max() < found.error.max() < 0.05
+        np.True_
+        """
+        coframe, signs = orthonormal_coframe(metric, signature, options.get("mask"))
+        return cls(axes, coframe, order, names, signature=signs, **options)
+
+    def quantity(self, name: str) -> Density:
+        """A named tensor of this frame at the nodes, with its error, as `Frame.quantity`.
+
+        Examples are riemann, ricci, scalar_curvature, christoffel, torsion and contortion.
+        Derivatives come from polynomials through `order` + 1 nodes, one-sided at edges and holes.
+        The error is the difference from twice the step; it feels the noise of the values.
+        Values have shape (d, ..., N_1, ..., N_d), with indices as in the exact tensor, and NaN
+        where nodes are too few.
+
+        Raises
+        ------
+        UnknownNameError
+            There is no quantity of this name.
+        GridError
+            The frame has not as many rows as axes, or the grid is too small for twice the step.
+        SingularPointError
+            The coframe is singular at a node.
+
+        Examples
+        --------
+        >>> axes = [np.linspace(1, 2, 12), np.linspace(0, 1, 12)]
+        >>> r, phi = np.meshgrid(*axes, indexing="ij")
+        >>> polar = SampledFrame(axes, np.array([[1 + 0 * r, 0 * r], [0 * r, r]]), unit="km")
+        >>> polar.quantity("riemann").values.shape, polar.quantity("torsion").unit
+        ((2, 2, 2, 2, 12, 12), '1/km')
+        """
+        return sampled_tensors(self, lambda one: {name: one.frame.quantity(name)})[name]
 
     # -- closure ----------------------------------------------------------------------------------
 

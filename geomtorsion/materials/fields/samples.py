@@ -28,6 +28,7 @@ from geomtorsion.materials.fields.grid import (
     other_order,
     periodic_axes,
     regular_axis,
+    signs_of,
 )
 from geomtorsion.materials.fields.grid_files import holds_covariance, read_grid, save_grid
 from geomtorsion.materials.fields.holes import Hole, holes_of
@@ -61,6 +62,7 @@ class Samples:
     unit: str = field(default="", kw_only=True)
     vector_unit: str = field(default="", kw_only=True)
     source: str = field(default="", kw_only=True)
+    signature: str = field(default="", kw_only=True)
     displacement: Displacement | None = field(default=None, kw_only=True)
     noise: Noise | None = field(default=None, init=False)
     sigma_source: str = field(default="", init=False)
@@ -84,6 +86,7 @@ class Samples:
             values = np.where(unknown, np.nan, values)
         for key in ("unit", "vector_unit"):
             checks.text(getattr(self, key), key, GridError, longest=LONGEST_SHOWN)
+        signs_of(self.signature, len(values))
         if self.displacement is not None:
             inside = ~unknown
             if not np.array_equal(values[..., inside], self.displacement.coframe[..., inside]):
@@ -398,6 +401,8 @@ class Samples:
         if isinstance(self.sigma, np.ndarray):
             low, high = (f"{x:.2g}" for x in (self.sigma.min(), self.sigma.max()))
             parts.append(f"sigma {low}" + (f" to {high}" if high != low else ""))
+        if self.signature:
+            parts.append(f"signature {self.signature}")
         if self.unit:
             has_own_unit = self.vector_unit != self.unit
             parts.append(f"in {self.unit}" + (f", b in {self.vector_unit}" if has_own_unit else ""))
@@ -420,7 +425,7 @@ def strain_and_rotation(strain: object, rotation: object) -> np.ndarray:
         raise GridError(
             f"strain: expected shape (2, 2, grid...) or (3, 3, grid...), got {e.shape}."
         )
-    _check_turned(e, 1, "strain", "symmetric")
+    check_turned(e, 1, "strain", "symmetric")
     return e + skew(rotation, len(e), e.shape[2:])
 
 
@@ -431,7 +436,7 @@ def skew(rotation: object, n: int, shape: tuple[int, ...]) -> np.ndarray:
     """
     w = numbers(rotation, "rotation")
     if w.shape == (n, n, *shape):
-        _check_turned(w, -1, "rotation", "antisymmetric")
+        check_turned(w, -1, "rotation", "antisymmetric")
         return w
     matrix = np.zeros((n, n, *shape))
     if n == 2 and w.shape == shape:
@@ -447,7 +452,7 @@ def skew(rotation: object, n: int, shape: tuple[int, ...]) -> np.ndarray:
     )
 
 
-def _check_turned(values: np.ndarray, sign: int, name: str, word: str) -> None:
+def check_turned(values: np.ndarray, sign: int, name: str, word: str) -> None:
     """Refuse a matrix that is not symmetric, or not antisymmetric."""
     with np.errstate(invalid="ignore"):
         # Tolerance for the rounding of tables, as for axes.

@@ -31,14 +31,14 @@ from geomtorsion.support.outgoing import one_line, quiet_libraries
 from geomtorsion.support.text_rows import number_table
 
 _COLUMN = re.compile(r"(e|beta|sigma)_([0-9])_([0-9])")
-_SAID = re.compile(r"#\s*(unit|vector_unit|source|periodic)\s*:\s*(.*)")
+_SAID = re.compile(r"#\s*(unit|vector_unit|source|signature|periodic)\s*:\s*(.*)")
 
 
 def read_csv(path: Path) -> Contents:
     """Read columns x, y, ..., e_0_0, e_0_1, ... (or beta_0_0, ...), sigma_0_0, ...; a node a line.
 
-    Lines with # contain unit, vector_unit, source and periodic. Nodes without a line, and values
-    without a number, are holes.
+    Lines with # contain unit, vector_unit, source, signature and periodic. Nodes without a line,
+    and values without a number, are holes.
     """
     lines = read_text(path, LARGEST_ARRAYS).splitlines()
     texts: dict[str, str] = {}

@@ -46,6 +46,29 @@ def test_functions_of_torsion() -> None:
     assert opposite == -sp.Rational(1, 2)
 
 
+def test_functions_of_nonmetricity() -> None:
+    """G = 1 / f_Q where L = R/2 is -Q/2, and no slip (Jimenez et al. 2020)."""
+    Q = sp.Symbol("Q")
+    growth = perturbed.growth("f(Q)", "symmetric teleparallel")
+    assert sp.simplify(growth.G + 1 / (2 * sp.Function("f")(Q).diff(Q))) == 0
+    assert growth.slip == 1
+    assert perturbed.growth("-Q/2", "symmetric teleparallel").G == 1
+
+
+@pytest.mark.parametrize(
+    ("lagrangian", "geometry"),
+    [
+        ("-T/2 - X/2 - V(phi)", "teleparallel"),
+        ("-Q/2 + K(phi, X)", "symmetric teleparallel"),
+        ("R/2 - X/2 - V(phi)", "riemannian"),
+    ],
+)
+def test_a_field_that_couples_to_nothing_changes_nothing(lagrangian: str, geometry: str) -> None:
+    """A minimally coupled field leaves G = 1 and no slip, in each of the three equivalents of R."""
+    growth = perturbed.growth(lagrangian, geometry, scalars="phi")
+    assert (growth.G, growth.slip) == (1, 1)
+
+
 @pytest.mark.parametrize(
     "lagrangian",
     [
@@ -80,7 +103,11 @@ def test_horndeski(lagrangian: str) -> None:
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: perturbed.growth("f(Q)", "symmetric teleparallel"), "riemannian"),
+        (lambda: perturbed.growth("f(Q) + Q1", "symmetric teleparallel"), "function of Q"),
+        (
+            lambda: perturbed.growth("f(T, phi) - X/2", "teleparallel", scalars="phi"),
+            "contains phi and T",
+        ),
         (lambda: perturbed.growth("T + axial2", "teleparallel"), "function of T"),
         (lambda: perturbed.growth("T", "poincare"), "riemannian"),
         (lambda: perturbed.growth("f(R, GB)"), "rates"),

@@ -40,6 +40,18 @@ def test_published_parameters(
     assert G is None or sp.factor(weak.G - G) == 0
 
 
+def test_unknown_functions() -> None:
+    """f(T): 1, 1 (Ualikhanova and Hohmann 2019); f(R): a scalar of m^2 = f_R/(3 f_RR)."""
+    weak = perturbed.post_newtonian("f(T)", "teleparallel")
+    f_T = sp.Symbol("f_T")
+    assert (weak.gamma, weak.beta) == (1, 1)
+    assert sp.cancel(weak.G + 1 / (2 * f_T)) == 0
+    assert "L = f(T)" in str(weak)
+    massive = perturbed.post_newtonian("f(R)", "riemannian")
+    with pytest.raises(GeomtorsionError, match=r"m\^2 = f_R/\(3\*f_RR\)"):
+        _ = massive.gamma
+
+
 def test_a_mass_makes_gamma_depend_on_the_distance() -> None:
     """R + R^2/(6 M^2): gamma = (1 - x/3)/(1 + x/3), G = 1 + x/3 with x = k^2/(k^2 + M^2)."""
     weak = perturbed.post_newtonian("R/2 + R**2/(12*M**2)", "riemannian", constants="M")

@@ -7,6 +7,8 @@ import geomtorsion as gt
 from geomtorsion import gravity
 from geomtorsion.errors import GeomtorsionError, GravityError
 from geomtorsion.gravity import perturbed
+from geomtorsion.gravity.perturbed.blocks import Waves
+from geomtorsion.gravity.perturbed.geometries import Component
 
 # Quadratic Poincare gauge theory in the couplings of Karananas (2014).
 KARANANAS = (
@@ -28,6 +30,8 @@ COUNTS = [
     ("R/2", "riemannian", 10, [2], []),
     ("-T/2", "teleparallel", 10, [2], []),
     ("R/2", "poincare", 10, [2], []),
+    # The term of Holst mixes both mirror signs and changes nothing without torsion.
+    ("R/2 + a*holst", "poincare", 10, [2], []),
     # Local Lorentz, translations, and the projective change of the connection.
     ("R/2", "metric-affine", 14, [2], []),
     ("-Q/2", "symmetric teleparallel", 10, [2], []),
@@ -163,6 +167,140 @@ def test_a_vector_with_a_mass() -> None:
     assert spectrum.healthy == (sp.Symbol("mu") > 0)
 
 
+# Scalar mass of a theory with unknown functions, from the values of these in flat space.
+UNKNOWN = [
+    # Sotiriou and Faraoni (2010).
+    ("f(R)", "", "f_R/(3*f_RR)", {"f_0": 0}),
+    ("R*f(R)", "", "f_0/(6*f_R)", {}),
+    ("f(R, GB)", "", "f_R/(3*f_R_R)", {"f_0": 0}),
+    # The Einstein frame: F V'' over F + 3 F'^2/2.
+    ("F(phi)*R/2 - X/2 - V(phi)", "phi", "V_phi_phi/(1 + 3*F_phi**2/(2*F_0))",
+     {"V_0": 0, "V_phi": 0}),
+    ("R/2 + K(X, phi)", "phi", "K_phi_phi/(2*K_X)", {"K_0": 0, "K_phi": 0}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("lagrangian", "scalars", "mass2", "conditions"), UNKNOWN)
+def test_unknown_functions_become_their_derivatives(
+    lagrangian: str, scalars: str, mass2: str, conditions: dict[str, int]
+) -> None:
+    spectrum = perturbed.spectrum(lagrangian, "riemannian", scalars=scalars)
+    (scalar,) = [x for x in spectrum.particles if not x.is_massless]
+    assert sp.cancel(scalar.mass2 - sp.sympify(mass2)) == 0
+    assert {x.name: y for x, y in spectrum.conditions.items()} == conditions
+    assert all(f"{x} = {y}" in str(spectrum) for x, y in conditions.items())
+
+
+def test_boundary_term_of_torsion() -> None:
+    """f(T, B): a scalar of m^2 = -f_T/(3 f_BB) (Farrugia, Levi Said, Gakis, Saridakis 2018)."""
+    spectrum = perturbed.spectrum("f(T, Rbar + T)", "teleparallel")
+    (scalar,) = [x for x in spectrum.particles if not x.is_massless]
+    f_T, f_BB = sp.symbols("f_T f_22")
+    assert sp.cancel(scalar.mass2 + f_T / (3 * f_BB)) == 0
+    assert spectrum.degrees_of_freedom == 3
+
+
+def test_unknown_functions_with_values_are_the_explicit_theory() -> None:
+    """f(R) with f_R = 1/2, f_RR = 2 c is R/2 + c R^2."""
+    explicit = perturbed.spectrum("R/2 + c*R**2", "riemannian")
+    given = perturbed.spectrum("f(R)", "riemannian").subs(f_R="1/2", f_RR=2 * sp.Symbol("c"))
+    assert given.particles == explicit.particles
+
+
+@pytest.mark.parametrize("name", ["symmetric-teleparallel", "Symmetric_Teleparallel"])
+def test_names_of_geometries_as_people_type_them(name: str) -> None:
+    assert perturbed.spectrum("-Q/2", name).geometry == "symmetric teleparallel"
+
+
+def test_conformal_gravity_has_a_dipole() -> None:
+    """Weyl^2: six massless modes, of which the gravitons make a double pole (Riegert 1984)."""
+    for lagrangian in ("P1", "R4 - R**2/3", "R1 - 2*R4 + R**2/3"):
+        spectrum = perturbed.spectrum(lagrangian, "riemannian")
+        modes = {(x.spin, x.number): x.is_dipole for x in spectrum.particles}
+        assert modes == {(1, 2): False, (2, 4): True}
+        assert spectrum.gauge == 11
+        assert spectrum.healthy == sp.false
+    (dipole,) = [x for x in spectrum.particles if x.is_dipole]
+    w, k = sp.symbols("w k")
+    assert dipole.factor == w**2 - k**2
+    assert "double pole (-k**2 + w**2)**2" in str(spectrum)
+    assert dipole.to_json()["factor"] == "-k**2 + w**2"
+
+
+def test_a_scalar_of_fourth_order_has_a_dipole() -> None:
+    """Box(phi)^2: a double pole; with -X/2 it splits into a field and a ghost (Pais, Uhlenbeck)."""
+    alone = perturbed.spectrum("R/2 + c*Box(phi)**2", "riemannian", scalars="phi")
+    assert [(x.spin, x.number) for x in alone.particles if x.is_dipole] == [(0, 2)]
+    split = perturbed.spectrum("R/2 - X/2 + c*Box(phi)**2", "riemannian", scalars="phi")
+    (ghost,) = [x for x in split.particles if not x.is_massless]
+    assert (ghost.mass2, ghost.energy) == (-1 / (2 * sp.Symbol("c")), -1)
+
+
+def test_waves_with_a_preferred_time_are_named() -> None:
+    """-X/2 + c (phi_t)^2/2 has waves with (1 + c) w^2 = k^2, which no particle has."""
+    small = sp.Symbol("epsilon")
+    frame = gt.Frame("t x y z", sp.eye(4).tolist(), "-+++", parameters=[small])
+    component = Component("s_phi", ())
+    function = component.function
+    clock = gravity.invariant("D", "A^a phi_a")
+    equations = gravity.equations(
+        gt.levi_civita(frame.expanded(small, 1)),
+        "-X/2 + c*D**2/2",
+        [gravity.scalar_field(small * function), gravity.maxwell([1, 0, 0, 0])],
+        invariants=clock,
+    )
+    waves = Waves.of(equations.operator([function]))
+    spectrum = perturbed.Spectrum(equations.lagrangian, "riemannian", waves, (component,))
+    c, w = sp.symbols("c w")
+    assert spectrum.particles == ()
+    assert [sp.expand(x - ((1 + c) * w**2 - 1)) for x in spectrum.lorentz_violating] == [0]
+    assert "not Lorentz invariant" in str(spectrum)
+    assert spectrum.healthy == sp.false
+    invariant = spectrum.subs(c=0)
+    assert invariant.lorentz_violating == ()
+    assert invariant.degrees_of_freedom == 1
+
+
+def test_massive_vector_with_a_compensator() -> None:
+    """Stueckelberg: F^2 with mu (A - d phi)^2 has one vector of three modes and one more gauge."""
+    invariants = [gravity.invariant("A2", "A_a A^a"), gravity.invariant("AD", "A^a phi_a")]
+    spectrum = perturbed.spectrum(
+        "R/2 - F2/4 - mu*(A2 - 2*AD + X)/2", "riemannian", vectors=1, scalars="phi",
+        constants="mu", invariants=invariants,
+    )  # fmt: skip
+    (vector,) = [x for x in spectrum.particles if not x.is_massless]
+    assert (vector.spin, vector.mass2, vector.number) == (1, sp.Symbol("mu"), 3)
+    assert (spectrum.gauge, spectrum.degrees_of_freedom) == (11, 5)
+
+
+def test_lee_and_wick() -> None:
+    """-X/2 - m phi^2/2 + c Box(phi)^2: 2 c q^2 + q - m = 0, one root a ghost."""
+    spectrum = perturbed.spectrum(
+        "R/2 - X/2 - m*phi**2/2 + c*Box(phi)**2", "riemannian", scalars="phi", constants="m"
+    )
+    (both,) = [x for x in spectrum.particles if not x.is_massless]
+    q, c, m = sp.symbols("mass2 c m")
+    assert sp.expand(both.equation - (2 * c * q**2 + q - m)) == 0
+    assert both.number == 2
+    assert spectrum.healthy == sp.false
+
+
+def test_brans_and_dicke_with_a_value_far_away() -> None:
+    """(1 + phi) R/2 - om X/2: a massless scalar, healthy for om > -3/2."""
+    spectrum = perturbed.spectrum("(1 + phi)*R/2 - om*X/2", "riemannian", scalars="phi")
+    assert [(x.spin, x.mass2) for x in spectrum.particles] == [(0, 0), (2, 0)]
+    assert spectrum.healthy == (2 * sp.Symbol("om") + 3 > 0)
+
+
+def test_latex_of_a_spectrum() -> None:
+    spectrum = perturbed.spectrum("R/2 + c*R**2", "riemannian")
+    assert sp.latex(spectrum) == spectrum.to_latex()
+    assert spectrum._repr_latex_() == rf"$\displaystyle {spectrum.to_latex()}$"
+    assert r"0^{+} & m^2 = \frac{1}{12 c} & \text{energy positive} & 1" in spectrum.to_latex()
+    empty = perturbed.spectrum("0*R", "riemannian")
+    assert empty.to_latex() == r"\text{no particles}"
+
+
 # -- laws ------------------------------------------------------------------------------------------
 
 
@@ -212,6 +350,17 @@ def test_each_particle_has_frequencies_along_z(poincare: perturbed.Spectrum) -> 
     ("call", "words"),
     [
         (lambda: perturbed.spectrum("R/2 + Lambda", "riemannian"), "solves the equations"),
+        (lambda: perturbed.spectrum("f(R) - 2*Lambda", "riemannian"), "solves the equations"),
+        (lambda: perturbed.spectrum("f(R) + f_R*R", "riemannian"), "Rename the constant"),
+        (lambda: perturbed.spectrum("R/2 + mu**4/R", "riemannian"), "power series about flat"),
+        (
+            lambda: perturbed.spectrum("T**n", "teleparallel", constants="n"),
+            "functions with a value",
+        ),
+        (
+            lambda: perturbed.spectrum("phi*R/2 - om*X/(2*phi)", "riemannian", scalars="phi"),
+            "Write 1 . phi",
+        ),
         (lambda: perturbed.spectrum("R/2", "riemann"), "expected one of riemannian"),
         (lambda: perturbed.spectrum("R/2"), "geometry: expected a geometry"),
         (lambda: perturbed.spectrum("R/2 + x*R**2", "riemannian"), "x, which is a coordinate"),

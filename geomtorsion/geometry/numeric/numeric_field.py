@@ -35,7 +35,7 @@ class Arithmetic(Protocol):
         """The product of two arrays."""
         ...
 
-    def derivative(self, a: np.ndarray, mu: int) -> np.ndarray:
+    def derivative(self, a: np.ndarray, mu: int, /) -> np.ndarray:
         """The partial derivative by a coordinate."""
         ...
 
@@ -145,7 +145,7 @@ class NumericField:
 
     Examples
     --------
-    >>> from geomtorsion.gravity.numeric.power_series import PowerSeries
+    >>> from geomtorsion.geometry.numeric.power_series import PowerSeries
     >>> x = sp.Symbol("x")
     >>> series = PowerSeries(1, 3)
     >>> field = NumericField((x,), series, {"x": series.variable(0, 0.0)})

@@ -116,9 +116,10 @@ class PowerSeries:
     # -- arithmetic ------------------------------------------------------------------------------
 
     def raised(self, number: Any) -> np.ndarray:
-        """A constant as a series."""
-        result = np.zeros(self.size, dtype=float if isinstance(number, float) else object)
-        result[0] = number
+        """A constant as a series, or an array of constants as a series each."""
+        shape = (*np.shape(number), self.size)
+        result = np.zeros(shape, dtype=float if isinstance(number, float) else object)
+        result[..., 0] = number
         return result
 
     def variable(self, mu: int, value: Any) -> np.ndarray:
@@ -126,7 +127,7 @@ class PowerSeries:
         result = self.raised(value)
         if self.order:
             unit = tuple(int(k == mu) for k in range(self.dimension))
-            result[self.place[unit]] = value * 0 + 1
+            result[..., self.place[unit]] = value * 0 + 1
         return result
 
     def shifted(self, series: np.ndarray, number: Any) -> np.ndarray:

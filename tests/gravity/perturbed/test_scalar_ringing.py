@@ -1,0 +1,92 @@
+"""Scalars that ring: fields with a mass, the scalar of f(R), and fields that multiply R."""
+
+from __future__ import annotations
+
+import pytest
+import sympy as sp
+
+import geomtorsion as gt
+from geomtorsion.errors import GeomtorsionError
+from geomtorsion.gravity import perturbed
+from tests.gravity.perturbed.leaver import schwarzschild
+
+MASS = {"M": 1}
+TETRAD = 0.373671684418042 - 0.088962315688936j
+
+
+@pytest.mark.parametrize(
+    ("l", "mass2", "start"),
+    [(0, "1/400", 0.11 - 0.1j), (1, "1/100", 0.297 - 0.095j), (2, "1/4", 0.565 - 0.068j)],
+)
+def test_a_test_field_with_a_mass(l: int, mass2: str, start: complex) -> None:  # noqa: E741
+    """Leaver's series with the mass (Konoplya and Zhidenko 2005) gives the same frequency."""
+    rings = perturbed.ringing(
+        "-X/2 - m2*phi**2/2", "schwarzschild", l=l, digits=5, parameters={"M": 1, "m2": mass2}
+    )
+    mode = rings.modes[0]
+    series = [schwarzschild(l, start, mass2=sp.Rational(mass2), count=n) for n in (300, 400)]
+    assert abs(mode.omega - series[1]) < mode.error + abs(series[1] - series[0])
+    assert mode.field == "scalar"
+
+
+def test_the_scalar_of_f_of_r_rings_beside_the_tetrad() -> None:
+    """R + c R^2 has a scalar with m^2 = 1/(6 c), and the tetrad rings as in general relativity."""
+    rings = perturbed.ringing(
+        "R + c*R**2", "schwarzschild", parity="polar", parameters={"M": 1, "c": "2/3"}
+    )
+    tetrad, scalar = rings.modes
+    assert (tetrad.field, scalar.field) == ("gravity", "scalar")
+    assert abs(tetrad.frequency - TETRAD) < tetrad.error + 1e-15
+    series = schwarzschild(2, 0.565 - 0.068j, mass2=sp.Rational(1, 4), count=300)
+    assert abs(scalar.omega - series) < scalar.error
+    assert str(scalar).startswith("scalar field, polar, l = 2: 0.56493691")
+
+
+@pytest.mark.parametrize(
+    ("lagrangian", "parameters", "field"),
+    [
+        ("R + R**2*5/3", MASS, None),
+        ("R + c*R**2 + R**3", {"M": 1, "c": "5/3"}, None),
+        ("exp(10*R/3) - 1", MASS, None),
+        ("phi*R - 3*(phi - 1)**2/20", MASS, "1"),
+        ("R/2 - X/2 - phi**2/20", MASS, "0"),
+        ("(1 + phi**2)*R/2 - X/2 - phi**2/20", MASS, "0"),
+    ],
+)
+def test_theories_with_one_scalar_of_the_same_mass(
+    lagrangian: str, parameters: dict, field: str | None
+) -> None:
+    """m^2 = 1/10 in each, also for l = 1, where the tetrad has no wave."""
+    matter = None if field is None else gt.gravity.scalar_field(field)
+    rings = perturbed.ringing(
+        lagrangian, "schwarzschild", l=1, digits=5, parameters=parameters, matter=matter
+    )
+    (mode,) = rings.modes
+    series = schwarzschild(1, 0.338 - 0.069j, mass2=sp.Rational(1, 10), count=300)
+    assert abs(mode.omega - series) < mode.error
+
+
+def test_f_of_r_without_a_scalar_rings_as_general_relativity() -> None:
+    """R + R^3 has no scalar where R = 0."""
+    rings = perturbed.ringing("R + R**3", "schwarzschild", parity="polar", parameters=MASS)
+    (mode,) = rings.modes
+    assert abs(mode.frequency - TETRAD) < mode.error + 1e-15
+
+
+@pytest.mark.parametrize(
+    ("lagrangian", "options", "words"),
+    [
+        ("R - R**2", {}, "m\\^2 = -1/6"),
+        ("phi*R", {"l": 2}, "phi"),
+        ("phi*R", {"matter": gt.gravity.scalar_field("1/r")}, "constant scalar field"),
+        ("phi*R + R**2", {"matter": gt.gravity.scalar_field(1)}, "no other scalar"),
+        ("phi*R/2 - phi**2", {"matter": gt.gravity.scalar_field(1)}, "solves the equations"),
+        ("R/2 - V*phi**2", {"matter": gt.gravity.scalar_field(0)}, "V"),
+        ("R/2 - phi**2", {"matter": gt.gravity.scalar_field(0)}, "scalar with a wave"),
+        ("-X/2", {"matter": gt.gravity.scalar_field(0)}, "test field"),
+        ("R + c*R**2", {}, "'c': 1"),
+    ],
+)
+def test_refusals(lagrangian: str, options: dict, words: str) -> None:
+    with pytest.raises(GeomtorsionError, match=words):
+        perturbed.ringing(lagrangian, "schwarzschild", **{"l": 1, "parameters": MASS} | options)
