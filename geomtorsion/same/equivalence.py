@@ -56,7 +56,7 @@ class Equivalence:
     orientation: whether left and right are kept apart.
     parameters: values that were given to parameters, by name.
     assumptions: the regions that were assumed for frames without a declared domain, in words.
-    near: coordinates of the second geometry from which the search for a point begins, if known.
+    near: coordinates of the second geometry to which the search for a point is limited, if known.
     member: values of the parameters of a family at which it was compared, by name.
     decided: the outcome, where it is about all members of a family.
     """
@@ -235,7 +235,7 @@ class Equivalence:
             ).match()
             if match is not None and (best is None or match.difference < best.difference):
                 best = match.inverted() if other_way else match
-            if best is not None and best.difference < AGREES:
+            if self.near is not None or (best is not None and best.difference < AGREES):
                 break
         return best
 

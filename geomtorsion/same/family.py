@@ -288,7 +288,7 @@ def expressions(value: float, own: Mapping[str, sp.Rational]) -> Iterator[sp.Exp
         factors = zip(own.values(), powers, strict=True)
         size = prod(float(v) ** float(p) for v, p in factors)
         for root in (1, 2):
-            ratio = Fraction((value / size) ** root).limit_denominator(LARGEST)
+            ratio = _simple((value / size) ** root)
             if ratio and abs(float(ratio) - (value / size) ** root) < CLOSE * abs(float(ratio)):
                 number = sp.Rational(ratio.numerator, ratio.denominator)
                 number = number if root == 1 else sp.sign(sp.Float(value)) * sp.sqrt(number)
@@ -301,3 +301,12 @@ def expressions(value: float, own: Mapping[str, sp.Rational]) -> Iterator[sp.Exp
                 break
     for _, _, expression in sorted(simple, key=lambda entry: entry[:2]):
         yield expression
+
+
+def _simple(value: float) -> Fraction:
+    """The nearest fraction of small whole numbers, or the nearest whole number."""
+    if abs(value) <= 1:
+        return Fraction(value).limit_denominator(LARGEST)
+    inverse = Fraction(1 / value).limit_denominator(LARGEST)
+    close = inverse and abs(value * float(inverse) - 1) < CLOSE
+    return 1 / inverse if close else Fraction(round(value))

@@ -85,6 +85,11 @@ def _limits(demands: Demands, y: Array, first: int) -> Iterator[float]:
     """The values of the parameters, of which those that have no effect are 0 or infinite."""
     values = demands.symbols(y)
     for k in range(first, len(y)):
+        # In units of the lengths at the point.
+        size = float(values[k]) * demands.size
+        if demands.positive[k] and not ALIKE < size < 1 / ALIKE:
+            yield 0.0 if size < 1 else np.inf
+            continue
         if demands.positive[k]:
             changes = [y[k] - np.log(STRETCH), y[k] + np.log(STRETCH)]
         else:

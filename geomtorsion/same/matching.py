@@ -173,6 +173,7 @@ class Search:
         coordinates = self.two.frame.coordinates
         if self.near is not None and lies_in(self.two.frame, self.near):
             yield self.near
+            return
         points = islice(self.two.frame.region.points(), self.tries)
         plain = (np.array([float(point[q]) for q in coordinates]) for point in points)
         if not self.two.turns:
@@ -237,6 +238,7 @@ class Search:
         with working_digits(WORKING):
             point = {q: mpmath.mpf(x) for q, x in zip(frame.coordinates, place, strict=True)}
             turning = None if turn is None else _orthogonal(turn, values.signs)
+            before = mpmath.inf
             for _ in range(16):
                 other = evaluation.at(point, WORKING)
                 if other is None or other.signs != values.signs:
@@ -246,6 +248,10 @@ class Search:
                 size = max((abs(x) for x in rest), default=mpmath.mpf(0))
                 if size < mpmath.mpf(10) ** (5 - WORKING):
                     break
+                if size > before / 10 and size > mpmath.mpf(10) ** -DIGITS:
+                    # A minimum that is no zero.
+                    return Match(start, point, turning, float(size))
+                before = size
                 step = -inverse @ np.array([complex(x / size) for x in rest])
                 step = [mpmath.mpf(float(x.real)) * size for x in step]
                 for q, x in zip(frame.coordinates, step, strict=False):
