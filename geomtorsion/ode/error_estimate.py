@@ -1,14 +1,14 @@
 """Error estimate: one rule for everything that moves.
 
-The answer is compared with one more run, two orders finer; twice the largest difference is the
+The answer is compared with one more run, some orders finer; twice the largest difference is the
 error. The finer run starts a rounding away.
 
-Roundings of two runs in doubles may agree by chance. Where they may be much of the difference, the
-state of the finer run is also changed on the way, in 64 places, by as much as the roundings of the
-answer's steps add up to: a motion that amplifies errors amplifies these changes as well. Such a
-difference is a random number, and may be small by chance: the error is twenty times as large. If
-that is not far below the accuracy, a second run with other changes shows by its difference from the
-first how much roundings are.
+Roundings of two runs may agree by chance: then their difference does not contain them.
+Unless steps omit far more than roundings, one more run like the answer is therefore changed on the
+way, in 64 places, at random and by a thousand times what the roundings of all steps add up to: its
+difference from the answer shows how much the motion amplifies roundings. A few random numbers do
+not show their mean: the factor is Student's. If the result is not far below the accuracy, further
+runs make it surer. The motion amplifies roundings of all engines alike: it is measured once.
 
 No step of the finer run is longer than a hundredth of the way: a long step sees nothing of rates
 that change further ahead.
@@ -34,9 +34,18 @@ from geomtorsion.support.precision import GOLDEN
 # The error is so many times the difference, for the finer run has an error of its own; and that run
 # starts so many units in the last place away, for roundings add up on the way.
 SAFETY = 2.0
-# The same where the difference may be a random number, which is below a tenth of its mean in some
-# ten of a hundred cases; and for the difference of two runs that differ by roundings only.
-CHANCE, SPREAD = 20.0, 2.0
+# A single difference of a name is not known better than to so many roundings.
+CHANCE = 20.0
+# Changes on the way are so many times as large as roundings, which they hide.
+MAGNIFIED = 1000.0
+# By so many times the root of the mean square of one, two, ... random numbers from a normal
+# distribution a further one is exceeded in two of a thousand cases (Student's distribution).
+STUDENT = (318.0, 22.3, 10.2, 7.2, 5.9, 5.2)
+# So many of them give an error that is not far too large.
+ENOUGH = 3
+# Near unstable rests steps omitted up to 4e6 times less than the tolerance (500 motions): they omit
+# far more than roundings only where the tolerance is so many times larger than these.
+FAR = 1e8
 # Each tolerance aims at this part of the accuracy, for errors do not follow it to the letter and
 # one more pair of runs costs more than a finer one.
 AIM = 0.1
@@ -68,26 +77,47 @@ class Integration(Protocol):
     """Integrates a motion."""
 
     def __call__(
-        self, engine: Engine, tolerance: float, answer: Trajectory | None = None, pattern: int = 1
+        self,
+        engine: Engine,
+        tolerance: float,
+        answer: Trajectory | None = None,
+        pattern: int = 0,
     ) -> Trajectory:
-        """The trajectory; to compare it with an answer, with changes of a pattern on the way."""
+        """The trajectory; to compare it with an answer, with changes of a pattern if not zero."""
         ...
 
 
-class Verified(NamedTuple):
-    """An answer, the finer run it was compared with, the error, and all runs that were made.
+class Comparison(NamedTuple):
+    """A run with which an answer is compared; their difference counts so many times."""
 
+    run: Trajectory
+    factor: float
+
+
+def combined(gaps: Sequence[np.ndarray], comparisons: Sequence[Comparison]) -> np.ndarray:
+    """Errors from differences to the finer run and, where there is one, to a changed run."""
+    errors = comparisons[0].factor * gaps[0]
+    for gap, (_, factor) in zip(gaps[1:], comparisons[1:], strict=True):
+        # The finer run has errors of its own, or it has roundings of its own.
+        errors = np.maximum(errors, gaps[0] + factor * gap)
+    return errors
+
+
+class Verified(NamedTuple):
+    """An answer, with what it was compared, the error, and all runs that were made.
+
+    comparisons: the finer run; and one that was changed on the way, where roundings matter.
     error: relative to the size of each group of states; infinite where nothing could be compared.
     growth: the error in units of what each step adds to it.
-    safety: the error in units of the difference.
+    amplified: what the motion makes of a rounding, at most; not a number where it is not known.
     """
 
     answer: Trajectory
-    reference: Trajectory
+    comparisons: tuple[Comparison, ...]
     error: float
     runs: tuple[Trajectory, ...]
     growth: float
-    safety: float
+    amplified: float
 
 
 def verified(
@@ -97,13 +127,14 @@ def verified(
     run: Integration,
     *,
     growth: float = 0.0,
+    amplified: float = math.nan,
     last: bool = True,
 ) -> Verified:
     """The first answer of an engine's ladder of tolerances whose error is small enough.
 
     Or the best one, where none is.
 
-    growth: of an attempt that failed. last: whether no more precise engine follows.
+    growth, amplified: of an attempt that failed. last: whether no more precise engine follows.
     """
     runs: list[Trajectory] = []
     best: Verified | None = None
@@ -115,42 +146,72 @@ def verified(
         reference = run(engine, finer, answer)
         runs += [answer, reference]
         gap = max(difference(problem, answer, reference, accuracy), least)
-        error = SAFETY * gap
-        if error <= accuracy and roundings_matter(engine, answer.steps, tolerance, NOISE):
-            error = CHANCE * gap
-            if error > AIM * accuracy:
-                second = run(engine, finer, answer, 2)
-                runs.append(second)
-                other = difference(problem, answer, second, accuracy)
-                reference, gap = (second, other) if other > gap else (reference, gap)
-                spread = difference(problem, *runs[-2:], accuracy)
-                error = SAFETY * gap + SPREAD * spread
+        noise, shown = 0.0, None
+        if SAFETY * gap <= accuracy and roundings_matter(engine, answer.steps, tolerance):
+            # The finer run has roundings of its own.
+            rounded_off = rounding(engine, max(answer.steps, reference.steps))
+            noise = amplified * rounded_off
+            if math.isnan(noise):
+                noise, shown, changed = _noise(problem, runs[-2:], gap, accuracy, run)
+                amplified = noise / rounded_off if noise <= UNALIKE else math.nan
+                runs += changed
+        error = max(SAFETY * gap, gap + noise)
         # If a finer tolerance does not halve the error, the rest is rounding, and later agreement
         # would be chance.
         rounded = best is not None and best.error <= UNALIKE and SAFETY * error > best.error
+        rounded |= SAFETY * noise > accuracy
         if math.isfinite(error):
-            growth = max(growth, error / max(tolerance, least))
+            growth = max(growth, SAFETY * gap / max(tolerance, least))
         if best is None or error < best.error:
-            best = Verified(answer, reference, error, (), growth, error / gap)
+            comparisons = (Comparison(reference, error / gap),)
+            if shown is not None and noise > gap:
+                comparisons = Comparison(reference, SAFETY), shown
+            best = Verified(answer, comparisons, error, (), growth, amplified)
         # What steps omit may add up in proportion to their number, roundings as its root.
         hopeless = not last and growth * 2.0**-engine.precision > accuracy
         if error <= accuracy or rounded or hopeless or answer.outcome == "stuck":
             break
         tolerance = next_tolerance(engine, tolerance, accuracy / error)
     assert best is not None
-    return best._replace(runs=tuple(runs), growth=growth)
+    return best._replace(runs=tuple(runs), growth=growth, amplified=amplified)
 
 
-def roundings_matter(engine: Engine, steps: int, tolerance: float, growth: float) -> bool:
+def roundings_matter(engine: Engine, steps: int, tolerance: float, far: float = FAR) -> bool:
     """Whether roundings may be a noticeable part of the error of a run.
 
     The motion carries the rounding of a step to the end as it carries what the step omits, which is
-    about the tolerance.
+    about the tolerance, or less.
 
-    growth: by which a rounding may grow more than what steps omit. A step may omit less where it
-        counts, for example on a separatrix.
+    far: how many times less steps may omit.
     """
-    return rounding(engine, steps) > tolerance / growth
+    return rounding(engine, steps) > tolerance / far
+
+
+def _noise(
+    problem: Comparable, pair: Sequence[Trajectory], gap: float, accuracy: float, run: Integration
+) -> tuple[float, Comparison, list[Trajectory]]:
+    """What roundings add to the gap of a pair; the run that shows most of it; all that were made.
+
+    pair: the answer and the finer run, which may have more roundings.
+    """
+    answer, reference = pair
+    scale = math.sqrt(max(reference.steps / max(answer.steps, 1), 1.0)) / MAGNIFIED
+    noise, total, widest, shown = math.inf, 0.0, 0.0, answer
+    changed: list[Trajectory] = []
+    for number, factor in enumerate(STUDENT, 1):
+        changed.append(run(answer.engine, answer.tolerance, answer, number))
+        part = difference(problem, answer, changed[-1], accuracy)
+        if part > widest:
+            widest, shown = part, changed[-1]
+        # What differs that much is not in proportion to the changes.
+        total += (part * (scale if part <= UNALIKE else 1.0)) ** 2
+        size = math.sqrt(total / number)
+        noise = factor * size
+        # Where it is much too large, further runs do not help.
+        enough = number >= ENOUGH and (gap + noise <= accuracy or SAFETY * size > accuracy)
+        if noise <= gap or gap + noise <= AIM * accuracy or enough:
+            break
+    return noise, Comparison(shown, noise / widest if widest > 0 else 0.0), changed
 
 
 def change_by_rounding(engine: Engine, steps: float) -> float:

@@ -39,35 +39,49 @@ class Changes:
     """Changes that one run makes."""
 
     def __init__(self, part: float, every: int, passed: int, first: int, clock: int | None) -> None:
-        self._part, self._every, self._steps = part, every, passed
-        self._first, self._clock = first, clock
-        self._block, self._parts = -1, np.empty((0, 0))
+        self._part, self._every, self._first, self._clock = part, every, first, clock
+        self._place = passed // every
+        while self._step(self._place) < passed:
+            self._place += 1
+        # Steps to the next change: calls are many.
+        self._left = self._step(self._place) - passed + 1
+        self._parts: list[np.ndarray] = []
         self._moved = False
+
+    def _step(self, place: int) -> int:
+        """Steps before a change: unequally many, as equal ones might fit into turns of a motion."""
+        return int(self._every * (place + place * GOLDEN % 1.0))
 
     def due(self) -> bool:
         """Count a step; whether the state is changed after it."""
-        self._steps += 1
-        return self._steps % self._every == 0
+        self._left -= 1
+        if self._left:
+            return False
+        self._left = self._step(self._place + 1) - self._step(self._place)
+        self._place += 1
+        return True
 
     def made(self, state: np.ndarray, start: np.ndarray) -> np.ndarray:
         """The changed state; a component that is as at the start has not been rounded: it stays."""
-        block, place = divmod(self._steps // self._every, PLACES)
-        if block != self._block:
-            numbers = random_parts(self._first + block * PLACES, len(state))
-            self._block, self._parts = block, self._part * numbers
+        place = self._place % PLACES
+        if not self._parts or not place:
+            numbers = random_parts(self._first + self._place - place, len(state))
+            parts = self._part * numbers
             if self._clock is not None:
-                self._parts[:, self._clock] = 0.0
-        parts = self._parts[place]
-        if state.dtype != parts.dtype:
-            kind = state.dtype.type
-            parts = np.array([kind(x) for x in parts.tolist()], dtype=state.dtype)
-        change = parts * state
+                parts[:, self._clock] = 0.0
+            if state.dtype != parts.dtype:
+                kind = state.dtype.type
+                rows = [[kind(x) for x in row] for row in parts.tolist()]
+                parts = np.array(rows, dtype=state.dtype)
+            self._parts = list(parts)
+        change = self._parts[place] * state
         if not self._moved:
             # Later each component has been rounded, even one that comes back.
             same = state == start
             self._moved = not same.any()
             change[same] = 0.0
-        return state + change
+        change += state
+        return change
 
 
 @lru_cache(maxsize=64)

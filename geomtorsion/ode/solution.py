@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, ItemsView, Iterator, KeysView, Mapping, Sequence
+import math
+from collections.abc import Callable, Collection, ItemsView, Iterator, KeysView, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
@@ -13,7 +14,14 @@ from geomtorsion.codegen.arrays import BLOCK
 from geomtorsion.codegen.steps import ROUNDINGS
 from geomtorsion.errors import ArgumentError, ExpressionError, TimeError
 from geomtorsion.ode.derivatives import EventDerivative
-from geomtorsion.ode.error_estimate import CHANCE, SAFETY, UNALIKE, difference, rounding
+from geomtorsion.ode.error_estimate import (
+    CHANCE,
+    UNALIKE,
+    Comparison,
+    combined,
+    difference,
+    rounding,
+)
 from geomtorsion.ode.moment import Moment, Term
 from geomtorsion.ode.numbers import PARTS, times_between
 from geomtorsion.ode.roots import crossings
@@ -180,8 +188,10 @@ class Solution:
         may be what `at` gives between the times: see `error_between`.
     engine, reason: what solved it, and why that was chosen.
     cost: steps, evaluations, seconds.
-    trajectory: the integration; reference: the finer one with which it was compared; safety: the
-        error in units of their difference.
+    trajectory: the integration.
+    comparisons: the finer run with which it was compared, and one that was changed on the way where
+        roundings matter. The error is twice the first difference, or the first and a multiple of
+        the second together, whichever is larger.
 
     Numbers are floats unless an accuracy finer than 1.1e-16 was requested, which floats do not
     hold. Then all arrays are of the type of the engine: NumPy's long double, or heyoka's longer
@@ -205,8 +215,7 @@ class Solution:
     reason: str
     cost: Cost
     trajectory: Trajectory
-    reference: Trajectory | None = None
-    safety: float = SAFETY
+    comparisons: tuple[Comparison, ...] = ()
 
     def __getstate__(self) -> dict[str, object]:
         return only_fields(self)
@@ -481,13 +490,11 @@ class Solution:
         """
         times = self.event_times(term, direction)
         values = self._event_slopes(term, by, times)
-        error = float("inf")
-        if self.reference is not None and self.reference.count == self.trajectory.count:
-            others = self._finer.event_times(term, direction)
-            if len(others) == len(times):
-                gap = np.abs(values - self._finer._event_slopes(term, by, others))
-                size = np.abs(values).max(initial=0.0)
-                error = max(self.safety * float(gap.max(initial=0.0)), self.error * float(size))
+        size = float(np.abs(values).max(initial=0.0))
+        apart = self._apart(
+            values, lambda one: one._event_slopes(term, by, one.event_times(term, direction))
+        )
+        error = max(apart, self.error * size)
         return EventDerivative(times, values, error)
 
     def _event_slopes(self, term: object, by: str, times: np.ndarray) -> np.ndarray:
@@ -546,28 +553,46 @@ class Solution:
         True
         """
         here = self[name]
-        if self.reference is None or self.reference.count != self.trajectory.count:
-            return float("inf")
-        gap = float(np.abs(here - self._finer[name]).max(initial=0.0))
+        apart = self._apart(here, lambda one: one[name])
+        if apart == math.inf:
+            return apart
         # A smaller difference of a single name may be chance.
         few = CHANCE * rounding(self.trajectory.engine, self.trajectory.steps)
         least = min(few, self.error)
-        if gap == 0:
+        if apart == 0:
             return least
         together = self.problem.together(name)
         size = max(float(np.abs(self[word]).max()) for word in together or (name,))
         # If a value is NaN, or nothing remains to compare with, the error is unknown.
-        error = self.safety * gap / size if np.isfinite(gap) and size > 0 else float("inf")
+        error = apart / size if size > 0 else math.inf
         if together and error > UNALIKE:
             # `error` knows the size of states that are only noise.
             return self.error
         return max(least, error)
 
+    @property
+    def reference(self) -> Trajectory | None:
+        """The finer run with which it was compared."""
+        return self.comparisons[0].run if self.comparisons else None
+
     @cached_property
-    def _finer(self) -> Solution:
-        """What the finer run makes of the same times."""
-        assert self.reference is not None
-        return replace(self, trajectory=self.reference, reference=None)
+    def _others(self) -> list[Solution]:
+        """What each comparison makes of the same times."""
+        return [replace(self, trajectory=x.run, comparisons=()) for x in self.comparisons]
+
+    def _apart(self, here: np.ndarray, read: Callable[[Solution], np.ndarray]) -> float:
+        """Estimate of the error of some values; infinite where there is nothing to compare with."""
+        gaps = []
+        for other in self._others:
+            if other.trajectory.count != self.trajectory.count:
+                return math.inf
+            there = read(other)
+            if there.shape != here.shape:
+                return math.inf
+            gaps.append(np.abs(here - there).max(initial=0.0).astype(float))
+        error = float(combined(gaps, self.comparisons)) if gaps else math.inf
+        # A difference may be NaN.
+        return error if math.isfinite(error) else math.inf
 
     @cached_property
     def error_between(self) -> float:
@@ -576,9 +601,9 @@ class Solution:
         Worked out on first use, from dense output of the solution and of the run with which it
         was compared, at about a hundred places: it costs as much as the solution did.
         """
-        one, two = self.trajectory, self.reference
-        if two is None:
-            return float("inf")
+        if not self.comparisons:
+            return math.inf
+        one, (two, factor) = self.trajectory, self.comparisons[0]
         reached = min(one.reached, two.reached, key=abs)
         knots = np.concatenate(([0.0], self.times.astype(float) * self.problem.time_unit))
         knots = np.unique(knots[np.abs(knots) <= abs(reached)])
@@ -588,7 +613,7 @@ class Solution:
         parts = (np.arange(count) + SHIFT) / count
         times = (knots[:-1, None] + parts * np.diff(knots)[:, None]).ravel()
         gap = difference(self.problem, _sampled(one, times), _sampled(two, times), self.accuracy)
-        return max(self.error, self.safety * gap)
+        return max(self.error, factor * gap)
 
     def __str__(self) -> str:
         ended = {"stopped": ", where it stops", "stuck": f", stuck: {self.trajectory.reason}"}

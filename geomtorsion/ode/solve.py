@@ -22,12 +22,11 @@ from geomtorsion.ode.checkpoint import Checkpoint, fingerprint
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.error_estimate import (
-    NOISE,
+    MAGNIFIED,
     SAFETY,
     Verified,
     change_by_rounding,
     rounding,
-    roundings_matter,
     verified,
 )
 from geomtorsion.ode.numbers import (
@@ -189,16 +188,19 @@ def _solved(
     """The answer of the first engine that is good enough."""
     runs: list[Trajectory] = []
     names: list[str] = []
-    best, growth = math.inf, 0.0
+    best, growth, amplified = math.inf, 0.0, math.nan
     ended: Solution | None = None
     end = float(grid[-1])
     parts = () if kept is None else tuple(end * k / PARTS for k in range(1, PARTS))
     for candidate, reason in engines(problem, accuracy, engine):
         check_memory(len(grid), len(problem.first_stage(candidate.precision, 0.0).start))
         last = engine is not None or candidate.precision > 113
+        if not last and amplified * rounding(candidate, 1) > accuracy:
+            # Its roundings would be too much.
+            continue
         asked = _Runs(problem, candidate, accuracy, grid, parts, kept, report, last)
-        result = _followed(asked, runs, growth)
-        growth = result.growth
+        result = _followed(asked, runs, growth, amplified)
+        growth, amplified = result.growth, result.amplified
         names.append(candidate.name)
         best = min(best, result.error)
         if result.answer.reason == AT_A_POLE and not last:
@@ -262,11 +264,12 @@ class _Runs:
         """
         return GOLDEN * abs(float(self.grid[-1])) / PARTS or math.inf
 
-    def verified(self, runs: list[Trajectory], growth: float = 0.0) -> Verified:
+    def verified(self, runs: list[Trajectory], growth: float, amplified: float) -> Verified:
         """The answer with its error; all runs are added to those given."""
         result = verified(
-            self.problem, self.engine, self.accuracy, self.run, growth=growth, last=self.last
-        )
+            self.problem, self.engine, self.accuracy, self.run, growth=growth,
+            amplified=amplified, last=self.last,
+        )  # fmt: skip
         runs += result.runs
         return result
 
@@ -280,7 +283,7 @@ class _Runs:
         engine: Engine,
         tolerance: float,
         answer: Trajectory | None = None,
-        pattern: int = 1,
+        pattern: int = 0,
     ) -> Trajectory:
         # A run to compare starts a rounding away; cut where the answer is cut, it would pass over
         # the same.
@@ -290,20 +293,20 @@ class _Runs:
             if answer.outcome == "stuck":
                 # A changed run may pass where the answer ends, and need any number of steps there.
                 grid = grid[: max(answer.count, 2)]
-        if answer is not None and roundings_matter(
-            engine, answer.steps, answer.tolerance, NOISE**2
-        ):
-            # Less than a last place would be rounded away.
-            part = max(change_by_rounding(engine, answer.steps / PLACES), rounding(engine, 1))
-            steps = max(answer.steps, int(PARTS / GOLDEN))
-            roundings = Roundings(part, steps, float(self.grid[-1]), pattern)
+        if answer is not None and pattern:
+            longest = math.inf
+            if getattr(engine, "changes_on_the_way", False):
+                part = MAGNIFIED * change_by_rounding(engine, answer.steps / PLACES)
+                roundings = Roundings(part, max(answer.steps, 1), float(self.grid[-1]), pattern)
+            else:
+                moved = MAGNIFIED * change_by_rounding(engine, answer.steps)
         try:
             return integrate(
                 self.problem.first_stage(engine.precision, moved),
                 grid,
                 tolerance,
                 engine,
-                cuts=() if answer and self.kept is None else self.cuts,
+                cuts=() if answer and self.kept is None and not pattern else self.cuts,
                 roundings=roundings,
                 longest=longest,
                 runner=self.kept and self.kept.runner(engine, tolerance, moved, longest, roundings),
@@ -333,16 +336,18 @@ def verified_motion(
     return _followed(_Runs(problem, engine, accuracy, grid, (), None, None), [])
 
 
-def _followed(asked: _Runs, runs: list[Trajectory], growth: float = 0.0) -> Verified:
+def _followed(
+    asked: _Runs, runs: list[Trajectory], growth: float = 0.0, amplified: float = math.nan
+) -> Verified:
     """The answer with its error.
 
     Where it fails and a step was long, the answer may not have seen what the finer run saw: it is
     cut into short parts.
     """
-    result = asked.verified(runs, growth)
+    result = asked.verified(runs, growth, amplified)
     long = result.answer.longest_step > asked.limit
     if result.error > asked.accuracy and long and not asked.cuts:
-        result = replace(asked, cuts=asked.parts).verified(runs)
+        result = replace(asked, cuts=asked.parts).verified(runs, growth, result.amplified)
     answer = ended_at_poles(result.answer)
     return result if answer is result.answer else result._replace(answer=answer, error=math.inf)
 
@@ -370,9 +375,7 @@ def _solution(
         error = max(error, DOUBLE)
     name = answer.engine.name
     cost = Cost.of(answer, runs)
-    return Solution(
-        problem, times, accuracy, error, name, reason, cost, answer, found.reference, found.safety
-    )
+    return Solution(problem, times, accuracy, error, name, reason, cost, answer, found.comparisons)
 
 
 def engines(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geomtorsion.errors import LimitError
-from geomtorsion.ode.error_estimate import difference_over_samples
+from geomtorsion.ode.error_estimate import combined, difference_over_samples
 from geomtorsion.pictures.sphere import curve_on, globe, numbered, space_axes, towards
 from geomtorsion.pictures.style import (
     FLAT,
@@ -53,12 +53,13 @@ def error_over_time(solution: Solution) -> np.ndarray | None:
     >>> bool(abs(error_over_time(sol).max() - sol.error) < 1e-16)
     True
     """
-    if solution.reference is None:
+    if not solution.comparisons:
         return None
-    differences = difference_over_samples(
-        solution.problem, solution.trajectory, solution.reference, solution.accuracy
-    )
-    return solution.safety * differences[len(differences) - len(solution.times) :]
+    first, runs = solution.trajectory, solution.comparisons
+    gaps = [
+        difference_over_samples(solution.problem, first, x.run, solution.accuracy) for x in runs
+    ]
+    return combined(gaps, runs)[len(gaps[0]) - len(solution.times) :]
 
 
 # Position of a panel (rows, columns, number), and curves by name.

@@ -278,6 +278,8 @@ __all__ = ["Taylor", "heyoka", "is_available"]
 
 # Below this order, steps are no longer in proportion to the truncation error.
 LOWEST_ORDER = 6
+# Orders of a finer run: with two more, a single step near a pole may dominate the errors of both.
+FINER = 3
 NO_VALUE = "the series has no finite value"
 
 
@@ -319,23 +321,23 @@ class Taylor:
 
     @property
     def finest(self) -> float:
-        """A tolerance at which only rounding is left, two orders beyond where that begins."""
-        return 2.0 ** -(self.precision + 9)
+        """A tolerance at which only rounding is left, four orders beyond where that begins."""
+        return 2.0 ** -(self.precision + 15)
 
     def first(self, accuracy: float) -> float:
         """See `Engine.first`: one order finer than the accuracy, as errors grow on the way."""
         order = max(order_of(max(accuracy, self.finest)) + 1, LOWEST_ORDER)
-        # The finest two have no finer run with which to compare them.
-        return tolerance_of(min(order, order_of(self.finest) - 2))
+        # The finest ones have no finer run with which to compare them.
+        return tolerance_of(min(order, order_of(self.finest) - FINER))
 
     def rung(self, tolerance: float) -> float:
         """See `Engine.rung`: one rung for each order of the series, the nearest."""
         return tolerance_of(max(2, round(1 - math.log(max(tolerance, self.finest)) / 2)))
 
     def finer(self, tolerance: float) -> float | None:
-        """See `Engine.finer`: two orders more, each worth a factor e^2."""
+        """See `Engine.finer`: four orders more, each worth a factor e^2."""
         order, last = order_of(tolerance), order_of(self.finest)
-        return tolerance_of(order + 2) if order + 2 <= last else None
+        return tolerance_of(order + FINER) if order + FINER <= last else None
 
     def number(self, value: Real) -> Any:  # of heyoka's own types
         """A number in the type of this precision, correctly rounded."""
@@ -439,7 +441,7 @@ class Taylor:
             if longest != math.inf:
                 step["max_delta_t"] = self.number(longest)
             if changes is not None:
-                step["callback"] = _Changing(changes, start)
+                step["callback"] = _changing(changes, start)
             states, outcome, steps, longest, reason = self._propagated(
                 integrator, grid, watch, room, refuse, step
             )
@@ -512,7 +514,8 @@ class Taylor:
             new = out[5][1:] if done else out[5]
             rows.append(new)
             done += len(new)
-            if code == "time_limit":
+            # The last sample and the last allowed step may come together.
+            if code == "time_limit" or (code == "step_limit" and done == len(grid)):
                 states = rows[0] if len(rows) == 1 else np.concatenate(rows)
                 return states, "done", steps, longest, ""
             if code != "step_limit":
@@ -553,17 +556,16 @@ def _place(integrator: Any, at: Any, state: np.ndarray) -> None:
         integrator.reset_cooldowns()
 
 
-class _Changing:
-    """Callback that changes the state after some steps."""
+def _changing(changes: Changes, start: np.ndarray) -> Callable[[Any], bool]:
+    """A callback that changes the state after some steps; called after each, so it is short."""
+    due, made = changes.due, changes.made
 
-    def __init__(self, changes: Changes, start: np.ndarray) -> None:
-        self.changes, self.start = changes, start
-
-    def __call__(self, integrator: Any) -> bool:
-        """Change the state where a change is due; True continues."""
-        if self.changes.due():
-            integrator.state[:] = self.changes.made(integrator.state, self.start)
+    def change(integrator: Any) -> bool:
+        if due():
+            integrator.state[:] = made(integrator.state, start)
         return True
+
+    return change
 
 
 class _Record:
