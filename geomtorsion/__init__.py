@@ -157,10 +157,7 @@ if TYPE_CHECKING:
     # mypy takes the name in the package for the module that bears it.
     from geomtorsion.ode.solve import solve
     from geomtorsion.prices import EffectBudget, PriceList, PriceRow, called_for, price
-    from geomtorsion.proofs import (
-        Proof,
-        prove,
-    )
+    from geomtorsion.proofs import ClosedOrbit, Crossing, Proof, closed_orbit, poincare, prove
     from geomtorsion.rigid import (
         FreeTop,
         free_top,
@@ -229,7 +226,7 @@ _LATER = {
     "materials.lines": ("Box", "DislocationNetwork", "LineArrays", "Reaction"),
     "materials.maps": ("Circuit", "OrientationMap", "Phase"),
     "materials.images": ("LatticeBurgers", "LatticeImage", "LatticePhases"),
-    "proofs": ("Proof", "prove"),
+    "proofs": ("ClosedOrbit", "Crossing", "Proof", "closed_orbit", "poincare", "prove"),
     "same": ("CoordinateMap", "Equivalence", "MappedPoint", "same_geometry"),
     "spaces.kerr_orbits": ("Frequencies", "KerrOrbit", "kerr_orbit"),
     "fits": ("Fit", "fit", "fit_frame", "fit_loops"),
@@ -262,10 +259,12 @@ __all__ = [
     "Certainty",
     "Chart",
     "Circuit",
+    "ClosedOrbit",
     "Cochain",
     "Complex",
     "Connection",
     "CoordinateMap",
+    "Crossing",
     "Curvature",
     "CurveProblem",
     "Defect",
@@ -340,6 +339,7 @@ __all__ = [
     "burgers_vectors",
     "called_for",
     "cartan",
+    "closed_orbit",
     "conserved_quantities",
     "constrained",
     "contract",
@@ -392,6 +392,7 @@ __all__ = [
     "parallel_transport",
     "parse_expression",
     "pictures",
+    "poincare",
     "price",
     "prove",
     "read",

@@ -45,6 +45,10 @@ def values() -> dict[str, Callable[[], Any]]:
         "BurgersMap": lambda: gt.burgers_map(so3, [[0.2, 0.3], [1.0, 1.1]]),
         "Certainty": lambda: so3.metric.certainty,
         "Circuit": lambda: gt.Circuit.rectangle((0, 1), rows=2, columns=2),
+        "ClosedOrbit": lambda: gt.closed_orbit(
+            gt.ODE.of({"x": "x*(1-x**2-y**2)-y", "y": "y*(1-x**2-y**2)+x"}, [1.1, 0]), 6
+        ),
+        "Crossing": lambda: gt.poincare(gt.ODE.of({"x": "v", "v": "-x"}, [1, 0]), "x", 3),
         "Cochain": lambda: gt.Cochain.of_edges([[0, 1], [1, 0]], [[3, 0], [-3, 0]]),
         "Complex": lambda: gt.Complex.grid((4, 3)),
         "ComponentTable": lambda: so3.metric.table("abc"),

@@ -57,7 +57,9 @@ ABOVE_THE_WALL = (
 )
 FLOORS = BELOW_THE_WALL + ABOVE_THE_WALL
 # Allowed imports within one layer, with the reason.
-NEIGHBOURS: dict[tuple[str, str], str] = {}
+NEIGHBOURS: dict[tuple[str, str], str] = {
+    ("gravity", "materials"): "constraints and field equations of frames on a grid",
+}
 # A longer file holds more than one idea, unless a reason is given here.
 LONG: dict[str, str] = {
     "ode/problem.py": "what a solver asks of equations, in one place; a quarter is documentation",
@@ -77,6 +79,7 @@ LONG: dict[str, str] = {
     "geometry/forms.py": "the exterior calculus: a form, its algebra and its derivatives",
     "gravity/equations.py": "all that field equations can be asked; half is documentation",
     "geometry/frame.py": "all that a frame can be asked; two thirds are documentation",
+    "geometry/real_points.py": "real points: candidates, their walls, and which one is preferred",
     "geometry/components.py": "sparse arrays with their symmetries, products and inverses",
     "geometry/tensor.py": "all that a tensor can be asked; half is documentation",
     "scenes/scene.py": "a scene and its cost; half is documentation",
@@ -91,7 +94,8 @@ CEILINGS = {
     # homes.py and indexing.py need frames for their types, and tensors need both files.
     # A region and its walls hold their frame, which makes them.
     # A frame writes its own file.
-    "files in rings": 47,
+    # Two more: the signs in a region, and the remark on a region beside the tensors of a frame.
+    "files in rings": 49,
     "inner imports without a reason": 0,
     "percent of Any": 3.6,
     # 17 of these choose steps and precision in proofs; no ball depends on them.
@@ -101,11 +105,14 @@ CEILINGS = {
     # 8: the grids and the search of the frequencies of a hole.
     # One more: the size of the change from which a solution is searched.
     # One more: the steps of Newton's method for jets of solutions.
+    # Two more: the steps of Newton's method for closed orbits, and the bits with which it begins.
     # Two standard errors in tests of gravity, and spare rough frequencies of a hole.
+    # One: the cells in which the sign of a polynomial is proved.
+    # One: the factor of safety of errors from two steps on a grid.
     # One: the number of points whose field equations are evaluated together.
     # One: how far a mark of missing values is from all other values.
     # Three: the size of changes of a motion on the way, and two rules for when to make them.
-    "tuned constants": 188,
+    "tuned constants": 192,
     # Two more than before: converters of arguments are three files by kind instead of one of 1,000.
     # Two more: kinetic metrics and forces are files of their own.
     # One more: squares that roots hide in circular functions.
@@ -118,7 +125,7 @@ CEILINGS = {
 }
 # Lines of code below and above the wall, rounded up to five hundreds, without docstrings, comments
 # and blanks. A change that needs more raises a number and states in its commit what users get.
-BUDGET = {"below the wall": 50500, "above the wall": 56000}
+BUDGET = {"below the wall": 51500, "above the wall": 57000}
 # What a program that imports the package does not wait for.
 LATER = ("sympy", "flint", "mpmath", "numpy", "multiprocessing", "asyncio", "tomllib", "sqlite3")
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")
@@ -300,28 +307,48 @@ def test_measures_find_examples():
 
 # Who draws points: the candidates, and the two files that select real ones among them.
 DRAWN_IN = ("exact/candidates.py", "exact/generic_point.py", "geometry/real_points.py")
-# Further files with points of their own, with the reason.
+# Further files that draw numbers, with the reason: none of them is a point of a frame.
 DRAWN_ELSEWHERE = {
-    "exact/modular.py": "points modulo a prime, which decide zero",
     "geometry/regions.py": "points between the bounds of a box, which a region returns",
     "loops/brownian.py": "the noise of a random motion",
     "same/matching.py": "turns at which a match begins",
     "exact/polynomials.py": "numbers modulo a prime",
     "exact/square_factors.py": "numbers modulo a prime",
+    "fits/motions.py": "noise in an example",
+    "gravity/perturbed/phase_space.py": "the random change of a start, by a seed",
+    "materials/crystals/frames.py": "atoms that represent all of a specimen",
+    "materials/crystals/local_frames.py": "disturbed neighbours, from which a bound follows",
+    "materials/crystals/triangulation.py": "small moves that make a triangulation unique",
+    "materials/fields/scattered.py": "points in examples",
+    "materials/lines/circuit.py": "the apex of a cone over a circuit",
+    "scenes/to_ode.py": "states of a body, at which a rate vanishes",
+    "teaching/lab/server.py": "the access code of a page",
 }
 DRAWING = re.compile(
-    r"\bCandidates\(|value_of_name\(|import random|from random|default_rng|sqrt\(PRIMES"
+    r"\bCandidates\(|value_of_name\(|import random|from random|default_rng|RandomState|PCG64"
+    r"|sqrt\(PRIMES|[hH]alton|[sS]obol|\bqmc\b|import secrets|urandom|sample=\{"
 )
 
 
 def test_no_other_module_draws_a_point():
-    """Below the wall a generic point comes from the region of a frame, and from nowhere else."""
-    below = {part for floor in BELOW_THE_WALL for part in floor}
-    drawing = {
-        name_of(file) for file in FILES if part_of(file) in below and DRAWING.search(text_of(file))
-    }
-    assert set(DRAWN_IN[:2]) <= drawing
-    assert drawing <= {*DRAWN_IN, *DRAWN_ELSEWHERE}
+    """A generic point comes from the region of a frame, and from nowhere else."""
+    drawing = {name_of(file) for file in FILES if DRAWING.search(text_of(file))}
+    assert drawing == {*DRAWN_IN, *DRAWN_ELSEWHERE}
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "point = Candidates(symbols, 2).exact(0)",
+        "from random import Random",
+        "rng = np.random.default_rng(1)",
+        "field = Field(symbols, sample={s: 1 + k for k, s in enumerate(symbols)})",
+        "engine = scipy.stats.qmc.Halton(2)",
+    ],
+)
+def test_a_module_that_draws_a_point_would_be_found(line: str):
+    """The law above can fail: each way to draw a point is found."""
+    assert DRAWING.search(line)
 
 
 def test_a_first_motion_can_be_followed():

@@ -72,6 +72,25 @@ def calls(row: Typed, folder: Path) -> Iterator[tuple[str, Callable[[], object]]
     yield "equations of motion", lambda: gt.equations_of_motion(frame, kinetic(frame)).accelerations
     yield "variation", lambda: gt.variation(frame)
     yield "limit", lambda: limit(frame)
+    yield (
+        "numbers",
+        lambda: gt.numpy_function(frame.metric, list(frame.region.point))(*point_of(frame)),
+    )
+    yield "conserved quantities", lambda: str(gt.conserved_quantities(frame, kinetic(frame)))
+    yield (
+        "geodesic deviation",
+        lambda: gt.solve(gt.geodesic_deviation(gt.geodesic(frame, point, **along), point), SHORT),
+    )
+    yield "logarithm", lambda: gt.log_map(connection, point, moved, **at)
+    yield "linearized", lambda: gt.linearized(frame, kinetic(frame), at=frame.region.point)
+    yield "defects", lambda: gt.find_defects(frame)
+    yield "tetrad file", lambda: round_trip(frame, folder)
+    if n > 1:
+        loop = gt.Loop.circle(point, SHORT * abs(point[1]))
+        yield "enclosed defects", lambda: gt.enclosed_defects(frame, loop, **at)
+        yield "Killing-Yano forms", lambda: gt.gravity.killing_yano(frame)
+        rows = [[x, y] for x, y in zip(point[:2], moved[:2], strict=True)]
+        yield "Burgers map", lambda: gt.burgers_map(frame, rows, at=point, **at)
     yield "report", lambda: report(frame, folder)
 
 
@@ -81,6 +100,30 @@ def positive_calls(row: Typed) -> Iterator[tuple[str, Callable[[], object]]]:
     yield "diffusion", lambda: gt.diffusion(gt.levi_civita(frame))
     if frame.dimension > 1:
         yield "constraint", lambda: gt.constrained(frame, [f"d{frame.coordinates[-1]}"])
+
+
+def charges(row: Typed) -> Iterator[tuple[str, Callable[[], object]]]:
+    """Names and calls for charges of space-times, which need a closed surface or a flat limit."""
+    frame = row.frame
+    if frame.dimension == 4:
+        yield "mass of Komar", lambda: str(gt.gravity.charge(frame))
+        yield "mass at infinity", lambda: str(gt.gravity.charge(frame, "adm"))
+        yield "horizons", lambda: str(gt.gravity.horizons(frame, parameters=values(frame)))
+
+
+def point_of(frame: gt.Frame) -> list[float]:
+    """Values of all symbols at the point of the region."""
+    return [float(x) for x in frame.region.point.values()]
+
+
+def round_trip(frame: gt.Frame, folder: Path) -> None:
+    """A frame from its own file has the same forms and lives in the same region."""
+    folder.mkdir(exist_ok=True)
+    file = folder / "typed.toml"
+    file.write_text(frame.to_toml())
+    again = gt.read(file).frame
+    assert again.to_toml().removeprefix('name = "typed"\n') == frame.to_toml()
+    assert set(map(str, again.region.relations)) == set(map(str, frame.region.relations))
 
 
 def kinetic(frame: gt.Frame) -> str:

@@ -22,6 +22,7 @@ from geomtorsion.action.principles import Principle, principle_named
 from geomtorsion.action.steady import Linearization
 from geomtorsion.action.tangent_bundle import TangentBundle, bundle_over
 from geomtorsion.errors import LagrangianError, LimitError
+from geomtorsion.geometry.assumption import assumption_latex, assumption_of
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.displays import drawn_by
 
@@ -248,7 +249,7 @@ class EquationsOfMotion:
     @property
     def latex(self) -> str:
         """The rates as aligned LaTeX."""
-        return writing.rate_latex(self.rates)
+        return writing.rate_latex(self.rates, assumption_latex(self.frame, self.rates.values()))
 
     def _repr_latex_(self) -> str:
         return f"$${self.latex}$$"
@@ -256,11 +257,12 @@ class EquationsOfMotion:
     _repr_html_ = drawn_by("notebook_tables", "equations_html")
 
     def __str__(self) -> str:
-        return self.text
+        remark = assumption_of(self.frame, self.rates.values())
+        return f"{self.text}\n{remark}" if remark else self.text
 
     def __repr__(self) -> str:
         where = f" on {self.frame.name}" if self.frame.name else ""
-        return f"equations of motion{where}, {self.principle}:\n{self.text}"
+        return f"equations of motion{where}, {self.principle}:\n{self}"
 
 
 def equations_of_motion(

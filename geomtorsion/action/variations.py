@@ -14,6 +14,7 @@ from geomtorsion.action.hamel import coefficients_of, torsion_over
 from geomtorsion.action.principles import principle_named
 from geomtorsion.action.tangent_bundle import bundle_over, free_pattern, symbols_of
 from geomtorsion.geometry import Tensor
+from geomtorsion.geometry.assumption import assumption_latex, assumption_of
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.displays import drawn_by, latex_of
 
@@ -227,6 +228,8 @@ class Variation:
             rest = shown if shown.startswith("-") or not shown else f"+ {shown}"
             head = f"\\bar\\delta {latex_of(symbol)} &= \\frac{{d}}{{dt}} {named[image].name}"
             lines.append(f"{head} {rest}".rstrip())
+        remark = assumption_latex(self.frame, self.changes)
+        lines += [f"&{remark}"] * bool(remark)
         return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"
 
     def _rows(self) -> list[tuple[sp.Symbol, sp.Symbol, Any]]:
@@ -240,11 +243,12 @@ class Variation:
     _repr_html_ = drawn_by("notebook_tables", "equations_html")
 
     def __str__(self) -> str:
-        return self.text
+        remark = assumption_of(self.frame, self.changes)
+        return f"{self.text}\n{remark}" if remark else self.text
 
     def __repr__(self) -> str:
         where = f" on {self.frame.name}" if self.frame.name else ""
-        return f"variation {self.principle}{where}:\n{self.text}"
+        return f"variation {self.principle}{where}:\n{self}"
 
 
 def variation(

@@ -63,8 +63,8 @@ def rate_text(rates: Mapping[str, sp.Expr]) -> str:
     return "\n".join(f"{name}' = {value}" for name, value in rates.items())
 
 
-def rate_latex(rates: Mapping[str, sp.Expr]) -> str:
-    """The same as aligned LaTeX.
+def rate_latex(rates: Mapping[str, sp.Expr], remark: str = "") -> str:
+    """The same as aligned LaTeX, with a remark below.
 
     Examples
     --------
@@ -74,6 +74,7 @@ def rate_latex(rates: Mapping[str, sp.Expr]) -> str:
     \\end{aligned}
     """
     lines = [f"{dotted(name)} &= {latex_of(value)}" for name, value in rates.items()]
+    lines += [f"&{remark}"] * bool(remark)
     return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"
 
 

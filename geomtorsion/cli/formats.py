@@ -14,6 +14,7 @@ from sympy.printing.numpy import NumPyPrinter, SciPyPrinter
 
 from geomtorsion.errors import CoordinateError, ExpressionError
 from geomtorsion.geometry import Frame
+from geomtorsion.geometry.assumption import assumption_of
 from geomtorsion.geometry.notation import open_mark
 from geomtorsion.pictures.latex import text_label, text_marks
 from geomtorsion.pictures.quantities import Quantity
@@ -118,6 +119,7 @@ def latex_of(space: Space, quantities: Sequence[Quantity], *, every: bool = Fals
     """One align* environment for each quantity; needs amsmath."""
     head = [f"{space.name}: {space.title}", r"needs \usepackage{amsmath}"]
     head += [f"{name} = {what}" for name, what in space.frame.names.items()]
+    head += filter(None, [assumption_of(space.frame)])
     parts = ["\n".join(map(latex_comment, head))]
     parts += [aligned(chosen, every=every) for chosen in quantities]
     return "\n\n".join(parts)
@@ -129,7 +131,9 @@ _CAPITALS = frozenset("CDEIKNO")
 
 def mathematica_of(space: Space, quantities: Sequence[Quantity]) -> str:
     """One assignment for each quantity: a sparse array with indices from 1."""
+    region = filter(None, [assumption_of(space.frame)])
     parts = [mathematica_comment(f"{space.name}: {space.title}; indices count from 1")]
+    parts += map(mathematica_comment, region)
     renamed = _renamed(x.sympy for chosen in quantities for x in chosen.nonzero.values())
     parts += [_assignment(space, chosen, renamed) for chosen in quantities]
     return "\n\n".join(parts)
@@ -216,8 +220,10 @@ def _open(chosen: Quantity, first: int = 0) -> str:
 
 def python_of(space: Space, quantities: Sequence[Quantity]) -> str:
     """A module with one function for each quantity; its arguments are numbers or arrays."""
-    title = python_text(f"{space.name}: {space.title}")
-    head = f'"""{title}. Exact components, computed by geomtorsion."""\n\nimport numpy\n'
+    title, region = python_text(f"{space.name}: {space.title}"), assumption_of(space.frame)
+    about = f"{title}. Exact components, computed by geomtorsion."
+    about += f" They hold {python_text(region)}." if region else ""
+    head = f'"""{about}"""\n\nimport numpy\n'
     functions = [_function(space, chosen) for chosen in quantities]
     if any("scipy.special" in function for function in functions):
         head += "import scipy.special\n"

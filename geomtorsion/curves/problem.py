@@ -38,6 +38,7 @@ from geomtorsion.errors import (
     StartError,
     UnknownNameError,
 )
+from geomtorsion.geometry.assumption import assumption_latex
 from geomtorsion.geometry.domain_edges import Edge
 from geomtorsion.geometry.evaluation import sign_of
 from geomtorsion.geometry.relations import broken_relations
@@ -380,6 +381,9 @@ class CurveProblem:
             lines.append(f"\\dot{{{latex_of(sp.Symbol(name))}}} &= {latex_of(total)}")
         if not equations.moves:
             lines += [f"\\dot{{{latex_of(sp.Symbol(n))}}} &= 0" for n in equations.velocities]
+        constants = [c for rate in equations.terms.values() for c, _ in rate]
+        remark = assumption_latex(self.frame, constants)
+        lines += [f"&{remark}"] * bool(remark)
         return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"
 
     def _repr_latex_(self) -> str:

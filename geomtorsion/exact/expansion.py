@@ -94,6 +94,8 @@ class Expansion:
             name += "_"
         self._w = sympy.Symbol(name, positive=True)
         self._own, self._field = field, field.with_symbol(self._w, NEAR[0])
+        # Coefficients are read apart: else a root of them may be written with a root that holds w.
+        self._free = field.with_symbol(self._w, NEAR[0])
 
     @cached_property
     def _local(self) -> tuple[sympy.Expr, int]:
@@ -126,7 +128,7 @@ class Expansion:
         """Coefficients of 1, w, w**2, ... of an expression that is analytic at w = 0."""
         element, order = self._read(expression), 0
         while True:
-            yield self._read(self._at_zero(element) / factorial(order))
+            yield self._free.read(self._at_zero(element) / factorial(order))
             element, order = element.diff(self._w), order + 1
 
     def _leading(self, expression: sympy.Expr) -> tuple[int, Element, Iterator[Element]]:
@@ -200,7 +202,7 @@ class Expansion:
                 tops.append(next(above[2]))
                 bottoms.append(next(below[2]))
             rest = [(-1, bottoms[j], coefficients[k - j]) for j in range(1, k + 1)]
-            coefficients.append(self._field.sum([(1, tops[k]), *rest]) / bottoms[0])
+            coefficients.append(self._free.sum([(1, tops[k]), *rest]) / bottoms[0])
             power = self.approach.distance ** sympy.Rational(first + k, root)
             terms.append(coefficients[k].sympy * power)
         return sympy.Add(*terms)
@@ -240,7 +242,7 @@ class Expansion:
             raise undecided from None
         if not all(later < sooner or not later for sooner, later in pairwise(gaps)):
             raise undecided
-        return self._read(value).sympy
+        return self._free.read(value).sympy
 
     def _gap(self, expression: sympy.Expr, limit: sympy.Expr, near: sympy.Rational) -> sympy.Expr:
         """By how much an expression differs from its limit, near it."""

@@ -7,7 +7,14 @@ The imports at the top of these files, which run, form no ring: connection is ab
 above tensor. The other imports are for types, or within a method that needs a file above its own.
 """
 
-from geomtorsion.geometry import connections, notation, numeric, quantities, validation
+from geomtorsion.geometry import (
+    assumption,
+    connections,
+    notation,
+    numeric,
+    quantities,
+    validation,
+)
 from geomtorsion.geometry.brackets import Brackets
 from geomtorsion.geometry.components import antisymmetric, determinant, symmetric
 from geomtorsion.geometry.connection import Connection
@@ -56,6 +63,7 @@ __all__ = [
     "Tensor",
     "Torsion",
     "antisymmetric",
+    "assumption",
     "at_home",
     "blend",
     "cartan",

@@ -12,6 +12,7 @@ import numpy as np
 from geomtorsion.errors import ShapeError, TensorIndexError
 from geomtorsion.exact import Element
 from geomtorsion.geometry import integrability, riemannian
+from geomtorsion.geometry.assumption import assumption_latex, assumption_of
 from geomtorsion.geometry.components import (
     Components,
     Index,
@@ -556,10 +557,27 @@ class Connection:
         """Itself: it never changes."""
         return self
 
+    @property
+    def assumption(self) -> str:
+        """The region that was assumed, where the coefficients or the permitted legs depend on it.
+
+        Examples
+        --------
+        >>> from geomtorsion.geometry import Frame, cartan
+        >>> cartan(Frame("x y", [["log(x)", 0], [0, 1]])).assumption
+        'for 0 < x < 1, assumed; declare domain=[...] for another region'
+        """
+        independent = self.coefficients.components.independent
+        return assumption_of(self.frame, None if self.allowed else independent.values())
+
     def __repr__(self) -> str:
-        return f"{self.name} {repr(self.coefficients).removeprefix(f'{self.coefficients.name} ')}"
+        text = f"{self.name} {repr(self.coefficients).removeprefix(f'{self.coefficients.name} ')}"
+        remark = self.assumption
+        return f"{text}\n  {remark}" if remark and remark not in text else text
 
     def _repr_latex_(self) -> str:
-        return self.coefficients._repr_latex_()
+        text = self.coefficients._repr_latex_()
+        remark = assumption_latex(self.frame) if self.allowed else ""
+        return text if not remark or remark in text else rf"{text[:-1]}\quad {remark}$"
 
     _repr_html_ = drawn_by("notebook_tables", "connection_html")

@@ -8,6 +8,7 @@ from itertools import combinations, product
 
 from geomtorsion.errors import TensorIndexError, UndecidedError
 from geomtorsion.exact import Echelon, Element, Reduced, Specialization, reduced, signature
+from geomtorsion.geometry.assumption import assumption_of
 from geomtorsion.geometry.brackets import Brackets
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.lie_algebra import LieAlgebra
@@ -156,6 +157,7 @@ class HolonomyAlgebra:
             f"parallel vectors: {self.parallel('u')}",
             f"parallel one-forms: {self.parallel('d')}",
             f"parallel tensors with two lower indices: {self.parallel('dd')}",
+            *filter(None, [assumption_of(self.frame)]),
         ]
 
     _repr_html_ = drawn_by("notebook_tables", "holonomy_html")

@@ -65,7 +65,7 @@ class LieAlgebra:
         rows = checked_constants(constants)
         free = sorted({s for a in rows for b in a for x in b for s in x.free_symbols}, key=str)
         counted_as(free)
-        field, n = _sampled(free), len(rows)
+        field, n = Field(free), len(rows)
         pairs = combinations(range(n), 2)
         table = {(i, j): field.read_all([("C", x) for x in rows[i][j]]) for i, j in pairs}
         object.__setattr__(self, "exact", Brackets.of(field, n, table))
@@ -282,16 +282,10 @@ class LieAlgebra:
     _repr_html_ = drawn_by("notebook_tables", "algebra_html")
 
 
-def _sampled(symbols: Sequence[sp.Symbol]) -> Field:
-    """A field over symbols with different values above 1 at its generic point, or below -1."""
-    values = {s: Fraction(2 * k + 3, 2 * k + 2) for k, s in enumerate(symbols)}
-    return Field(symbols, sample={s: -x if s.is_negative else x for s, x in values.items()})
-
-
 def _made_again(dimension: int, brackets: dict[tuple[int, int, int], sp.Expr]) -> LieAlgebra:
     """An algebra from its plain brackets."""
     free = sorted({s for x in brackets.values() for s in x.free_symbols}, key=str)
-    field = _sampled(free)
+    field = Field(free)
     table: dict[tuple[int, int], Vector] = {}
     for (i, j, k), value in brackets.items():
         row = table.setdefault((i, j), [field.zero] * dimension)

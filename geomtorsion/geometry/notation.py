@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 import sympy as sp
 from sympy.printing.pretty.stringpict import prettyForm
 
-from geomtorsion.errors import AllowanceError, CoordinateError, LimitError, TensorIndexError
+from geomtorsion.errors import AllowanceError, LimitError, TensorIndexError
 from geomtorsion.exact.printing import TexPrinter, TextPrinter
+from geomtorsion.geometry.assumption import assumption_latex, assumption_of
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.displays import drawn_by, latex_of
@@ -179,7 +180,7 @@ def _ranges(tensor: Tensor) -> str:
 
 def text(tensor: Tensor) -> str:
     """Name, label and the first non-vanishing components, one a line."""
-    independent = tensor.components.independent
+    independent: Mapping[tuple[int, ...], Element] = tensor.components.independent
     heading = f"{tensor.name or 'tensor'} {ascii_label(tensor)}".strip()
     heading += f" ({_ranges(tensor)})"
     if not independent:
@@ -196,7 +197,8 @@ def text(tensor: Tensor) -> str:
     if total > len(independent):
         counted = in_words(tensor) if tensor.components.undecided else f"{total} do not vanish"
         lines.append(f"  ({counted}; the others follow by symmetry)")
-    return "\n".join(lines)
+    assumption = assumption_of(tensor.frame, independent.values())
+    return "\n".join([*lines, *[f"  {assumption}"] * bool(assumption)])
 
 
 def _marks(tensor: Tensor, index: tuple[int, ...]) -> list[str]:
@@ -222,10 +224,12 @@ def latex(tensor: Tensor) -> str:
     symbol = _symbol_latex(tensor.symbol)
     label = _indexed(symbol, letters(tensor.slots), tensor.slots)
     write = TexPrinter().doprint
-    if not tensor.slots:
-        mark = rf"\quad\text{{{OPEN}}}" if open_mark(tensor, ()) else ""
-        return rf"$\displaystyle {symbol} = {write(short(tensor, ()))}{mark}$"
     independent = tensor.components.independent
+    assumption = assumption_latex(tensor.frame, independent.values()) if independent else ""
+    beside = rf"\quad {assumption}" if assumption else ""
+    if not tensor.slots:
+        mark = rf"\quad\text{{{OPEN}}}" if open_mark(tensor, ()) else beside
+        return rf"$\displaystyle {symbol} = {write(short(tensor, ()))}{mark}$"
     if not independent:
         return rf"$\displaystyle {label} = 0$"
     if len(tensor.slots) == 2:
@@ -236,6 +240,7 @@ def latex(tensor: Tensor) -> str:
             _indexed(symbol, _marks(tensor, i), tensor.slots) for i in tensor.undecided()
         )
         mark = rf"\quad {undecided}\ \text{{{OPEN}}}" if undecided else ""
+        mark += beside
         return rf"$\displaystyle {label} = \begin{{pmatrix}} {body} \end{{pmatrix}}{mark}$"
     lines = []
     for index in list(independent)[:SHOWN_LATEX]:
@@ -245,6 +250,7 @@ def latex(tensor: Tensor) -> str:
     hidden = len(independent) - len(lines)
     if hidden > 0:
         lines.append(rf"&\text{{and {hidden} more independent components}}")
+    lines += [f"&{assumption}"] * bool(assumption)
     body = r" \\ ".join(lines)
     return rf"$\displaystyle \begin{{aligned}} {body} \end{{aligned}}$"
 
@@ -265,21 +271,6 @@ def sympy_pretty(tensor: Tensor, _: object) -> prettyForm:
     return prettyForm("\n".join(line.ljust(max(map(len, lines))) for line in lines))
 
 
-def assumption_of(frame: Frame) -> str:
-    """The region in which signs of a frame are read, if it was assumed; else empty.
-
-    Examples
-    --------
-    >>> from geomtorsion.geometry import Frame
-    >>> assumption_of(Frame("x y", [["sqrt(x)", 0], [0, 1]]))
-    'for x > 0, assumed; declare domain=[...] for another region'
-    """
-    try:
-        return frame.region.assumption
-    except CoordinateError:
-        return ""
-
-
 def frame_text(frame: Frame) -> str:
     """Name, coordinates, the one-forms of a coframe, and the region that was assumed for it."""
     names = ", ".join(symbol.name for symbol in frame.coordinates)
@@ -292,12 +283,13 @@ def frame_text(frame: Frame) -> str:
 
 
 def frame_latex(frame: Frame) -> str:
-    """The one-forms of a coframe in LaTeX."""
+    """The one-forms of a coframe in LaTeX, and the region that was assumed for it."""
     lines = [
         rf"e^{{\hat{{{i + 1}}}}} &= {_one_form(frame, i, latex_of, chr(92) + ', ')}"
         for i in range(frame.dimension)
     ]
-    body = r" \\ ".join(lines)
+    assumption = assumption_latex(frame)
+    body = r" \\ ".join([*lines, *[f"&{assumption}"] * bool(assumption)])
     return rf"$\displaystyle \begin{{aligned}} {body} \end{{aligned}}$"
 
 
@@ -414,6 +406,13 @@ class ComponentTable:
         follow = "follows" if self.hidden == 1 else "follow"
         return f"{self.hidden} more {follow} by symmetry" if self.hidden else ""
 
+    @cached_property
+    def assumption(self) -> str:
+        """The region that was assumed, if a listed value depends on it."""
+        components = self.tensor.components
+        values = (components.get(components.representative(i)[1]) for i in self.indices)
+        return assumption_of(self.tensor.frame, values) if self.indices else ""
+
     _repr_html_ = drawn_by("notebook_tables", "table_html")
 
     def __iter__(self) -> Iterator[ComponentRow]:
@@ -431,7 +430,8 @@ class ComponentTable:
             f"{open_mark(self.tensor, row.index)}"
             for label, place, row in zip(labels, places, self.rows, strict=True)
         ]
-        return "\n".join([self.heading, *lines, *([f"  {self.ending}"] if self.ending else [])])
+        remarks = filter(None, [self.ending, self.assumption])
+        return "\n".join([self.heading, *lines, *(f"  {remark}" for remark in remarks)])
 
     def __repr__(self) -> str:
         return str(self)

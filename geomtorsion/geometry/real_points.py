@@ -302,12 +302,10 @@ class Table:
             sizes = abs(np.log(abs(symbols))).max(axis=0, initial=0)
         worth = np.minimum(np.minimum(room, regular), 0.2) - 0.1 * sizes
 
-        own, walls_at = np.flatnonzero(good), slice(len(entries), ends[-1])
-        opens = self._opens(function, own, walls_at, SCALES[1])
-        # Among parameters those with horizons, as a < M, where a formula has walls farther in.
-        bare = np.zeros(size)
-        if points.parameters:
-            bare = self._opens(function, own, walls_at, 1 / SCALES[1])
+        own, part = np.flatnonzero(good), slice(len(entries), ends[-1])
+        opens = self._opens(function, own, part, SCALES[1])
+        # Parameters with horizons, as a < M, where a formula has walls farther in.
+        bare = self._opens(function, own, part, 1 / SCALES[1]) * bool(points.parameters)
 
         def order(k: int) -> tuple[float, ...]:
             return (negative[k], -opens[k], bare[k], -worth[k], k)

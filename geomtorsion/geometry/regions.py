@@ -18,8 +18,10 @@ from geomtorsion.exact import TruncatedField
 from geomtorsion.exact.candidates import GRAINS, Candidates
 from geomtorsion.geometry.derived import derived
 from geomtorsion.geometry.real_points import side
+from geomtorsion.geometry.region_signs import RegionSigns, Verdict
 from geomtorsion.geometry.region_words import conditions_of, fewest, in_words
 from geomtorsion.geometry.walls import Walls
+from geomtorsion.support.caching import cached_property
 from geomtorsion.support.displays import latex_of
 
 if TYPE_CHECKING:
@@ -166,10 +168,10 @@ class Region:
         return pairs
 
     def sign(self, expression: object) -> int | None:
-        """The sign of an expression in the region: +1 or -1; None where both occur, or for zero.
+        """The sign of an expression in the region, if it is proved: +1 or -1; else None.
 
-        It is read at many points of the region, some of them close to each wall. Unknown functions
-        that the frame does not contain have no sign.
+        See `sign_verdict` for the reason of None. Single points where the expression vanishes do
+        not count: (x - 1)**2 has the sign +1.
 
         Parameters
         ----------
@@ -188,7 +190,30 @@ class Region:
         >>> region.sign("sin(theta)"), region.sign("cos(theta)")
         (1, None)
         """
-        return self._walls.sign(self, expression)
+        return {"positive": 1, "negative": -1}.get(self.sign_verdict(expression))
+
+    def sign_verdict(self, expression: object) -> Verdict:
+        """The sign of an expression in the region: positive, negative, zero, both or undecided.
+
+        A sign is proved for all points of the region; both signs are proved at two points. Unknown
+        functions of which nothing is assumed are undecided. Arguments and errors as for `sign`.
+
+        Examples
+        --------
+        A negative sliver, a thousandth wide, and a square that has none:
+
+        >>> from geomtorsion.geometry import Frame
+        >>> region = Frame("x y", [["log(x)", 0], [0, 1]]).region
+        >>> region.sign_verdict("(x - 1/2)**2 - 1/1000000"), region.sign_verdict("x**2 - x + 1")
+        ('both', 'positive')
+        """
+        element = self._walls.element(expression)
+        extremes = self._walls.extreme_points(self, element)
+        return self._signs.verdict(element, extremes)
+
+    @cached_property
+    def _signs(self) -> RegionSigns:
+        return RegionSigns(self._walls, self)
 
 
 @derived

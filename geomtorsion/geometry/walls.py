@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -166,20 +167,23 @@ class Walls:
         point = {**self.first_point(), **region.point}
         return np.array([[float(point[s])] for s in self.arguments])
 
-    def sign(self, region: Region, expression: object) -> int | None:
-        """See `Region.sign`."""
+    def element(self, expression: object) -> Element:
+        """An expression in the symbols of the frame as an element."""
         if isinstance(expression, Element):
-            element = expression
-        else:
-            (element,) = self.frame.read([("expression", checks.plain(expression))])
-        if element.is_zero:
-            return None
-        if not element.symbols and element.is_rational:
-            return 1 if element.as_fraction() > 0 else -1
-        values = np.real(numbers_of([element.sympy], self.arguments)(self._spread(region))[0])
-        values = values[np.isfinite(values)]
-        signs = set(np.sign(values[values != 0]).astype(int))
-        return int(signs.pop()) if len(signs) == 1 else None
+            return expression
+        (element,) = self.frame.read([("expression", checks.plain(expression))])
+        return element
+
+    def extreme_points(self, region: Region, element: Element) -> Iterator[dict[sp.Expr, Fraction]]:
+        """The points of a region where doubles give an element its largest and least value."""
+        columns = self._spread(region)
+        with np.errstate(all="ignore"):
+            values = np.real(numbers_of([element.sympy], self.arguments)(columns)[0])
+        values = np.where(np.isfinite(values), values, 0)
+        if values.min() < 0 < values.max():
+            for k in (values.argmin(), values.argmax()):
+                numbers = map(Fraction, map(float, columns[:, k]))
+                yield dict(zip(self.arguments, numbers, strict=True))
 
     def _spread(self, region: Region) -> Array:
         """Columns of points all over a region, and close to its walls."""

@@ -8,6 +8,9 @@ from geomtorsion.gravity.equations import FieldEquations, equations
 from geomtorsion.gravity.fluids import fluid, torsion_from_spin, weyssenhoff
 from geomtorsion.gravity.hypermomentum import hypermomentum
 from geomtorsion.gravity.inertial import inertial
+from geomtorsion.gravity.initial_data.constraints import Constraints, constraints
+from geomtorsion.gravity.initial_data.sampled_constraints import SampledConstraints
+from geomtorsion.gravity.initial_data.slices import Slice, read_slice
 from geomtorsion.gravity.invariance import (
     invariant_coframe,
     invariant_connection,
@@ -40,6 +43,7 @@ from geomtorsion.gravity.translations import Translation, translations
 
 __all__ = [
     "Charge",
+    "Constraints",
     "FieldEquations",
     "Horizon",
     "IntegratedSymmetry",
@@ -48,10 +52,13 @@ __all__ = [
     "Model",
     "NewmanPenrose",
     "Reduction",
+    "SampledConstraints",
     "Shooting",
+    "Slice",
     "Symmetries",
     "Translation",
     "charge",
+    "constraints",
     "einstein_cartan",
     "equations",
     "f_of",
@@ -76,6 +83,7 @@ __all__ = [
     "perturbed",
     "poincare",
     "read_model",
+    "read_slice",
     "read_theory",
     "scalar_field",
     "shoot",

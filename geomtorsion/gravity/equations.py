@@ -32,6 +32,7 @@ from geomtorsion.gravity.matter import MatterField, numbered
 from geomtorsion.gravity.momenta import Momenta
 from geomtorsion.gravity.naming import Call, calls_of, jet_names, shorthand
 from geomtorsion.gravity.numeric.equation_values import EquationValues, equations_at
+from geomtorsion.gravity.numeric.grid_equations import equations_on_grid
 from geomtorsion.gravity.operator import LinearOperator, operator
 from geomtorsion.gravity.reducing import reduced
 from geomtorsion.gravity.reduction import Reduction
@@ -40,6 +41,7 @@ from geomtorsion.gravity.unknown_terms import terms_of
 from geomtorsion.gravity.variation import Variation
 from geomtorsion.gravity.vocabulary import declared_constants
 from geomtorsion.gravity.writing import Lines, distinct_components
+from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.displays import drawn_by
@@ -150,7 +152,7 @@ class FieldEquations:
         """Names of the invariants that occur in the Lagrangian."""
         return tuple(self._named.symbols.values())
 
-    def at(self, point: Mapping[Any, Any]) -> EquationValues:
+    def at(self, point: Mapping[Any, Any], samples: SampledFrame | None = None) -> EquationValues:
         """E, C, M and the matter equations as numbers at a point, without expressions of them.
 
         The formulas run on power series of the frame at the point, in ball arithmetic, so that a
@@ -161,6 +163,9 @@ class FieldEquations:
         point
             Value of each coordinate, parameter and constant of the Lagrangian, by symbol or name;
             a float has its binary value. Lists and arrays are points one by one, of one shape.
+        samples
+            A coframe on a grid, which replaces the coframe of these equations. The values belong to
+            its nodes, and point holds constants only.
 
         Raises
         ------
@@ -182,6 +187,8 @@ class FieldEquations:
         >>> values.E.round(3).tolist(), values.error < 1e-13
         ([[-22.0, 14.0], [-138.0, -298.0]], True)
         """
+        if samples is not None:
+            return equations_on_grid(cast(Any, self), samples, point)
         return equations_at(cast(Any, self), point)
 
     def check_names(self) -> None:

@@ -62,7 +62,7 @@ def reduced(sources: Sources, variable: object, conditions: object) -> Reduction
             "that refer to each other in a circle. Omit a condition, or add one."
         ) from None
     _check_determined(sources, jets, functions, first.eliminated)
-    return Reduction(jets, first, search)
+    return Reduction(jets, first, search, frame)
 
 
 def _check_functions(functions: Sequence[AppliedUndef], variable: sp.Symbol) -> None:

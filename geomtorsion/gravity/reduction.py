@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
+from typing import TYPE_CHECKING
 
 import sympy as sp
 
 from geomtorsion.errors import GravityError, StartError
 from geomtorsion.exact import parse_expression
+from geomtorsion.geometry.assumption import assumption_latex, assumption_of
 from geomtorsion.gravity.branches import Branch, Search
 from geomtorsion.gravity.centre import Centre
 from geomtorsion.gravity.elimination import Eliminated
@@ -19,6 +21,9 @@ from geomtorsion.ode import ODE, At, When
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.displays import latex_of
+
+if TYPE_CHECKING:
+    from geomtorsion.geometry import Frame
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -31,6 +36,7 @@ class Reduction:
     jets: the unknown functions and their derivatives as symbols.
     branch: the rules for highest derivatives, and the constraints.
     search: for the other branches.
+    frame: of the ansatz; signs of roots are read in its region.
 
     Examples
     --------
@@ -55,6 +61,7 @@ class Reduction:
     jets: Jets
     branch: Branch
     search: Search
+    frame: Frame
 
     @property
     def eliminated(self) -> Eliminated:
@@ -85,7 +92,7 @@ class Reduction:
         [((), '0 = a**2 + 18*a_1**2*c'), (('a_1',), "a' = 0")]
         """
         return tuple(
-            Reduction(self.jets, one, self.search)
+            Reduction(self.jets, one, self.search, self.frame)
             for one in self._all_branches[0]
             if not self._free(one)
         )
@@ -380,7 +387,17 @@ class Reduction:
         """The equations, line by line."""
         lines = [f"{name}' = {rate}" for name, rate in self.rates.items()]
         lines += [f"{name} = {value}" for name, value in self.outputs.items()]
-        return "\n".join([*lines, *(f"0 = {one}" for one in self.constraints)])
+        lines += [f"0 = {one}" for one in self.constraints]
+        return "\n".join([*lines, *filter(None, [self.assumption])])
+
+    @property
+    def assumption(self) -> str:
+        """The region that was assumed for the ansatz, if the equations depend on it."""
+        return assumption_of(self.frame, self._every)
+
+    @property
+    def _every(self) -> list[sp.Expr]:
+        return [*self.rates.values(), *self.outputs.values(), *self.constraints]
 
     @property
     def latex(self) -> str:
@@ -395,6 +412,8 @@ class Reduction:
             for name, value in self.outputs.items()
         ]
         lines += [f"0 &= {latex_of(one)}" for one in self.constraints]
+        remark = assumption_latex(self.frame, self._every)
+        lines += [f"&{remark}"] * bool(remark)
         return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"
 
     def _repr_latex_(self) -> str:

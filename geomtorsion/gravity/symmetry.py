@@ -20,6 +20,7 @@ from geomtorsion.geometry import (
     levi_civita,
     lie,
 )
+from geomtorsion.geometry.assumption import assumption_of
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.gravity.symmetry_algebra import AtPoint, points
 from geomtorsion.gravity.symmetry_conditions import Conditions, difference, representatives
@@ -314,4 +315,5 @@ class Symmetries:
         if len(closed) < self.dimension:
             lines += [f"  {one!r}" for one in self.vectors[len(closed) :]]
             lines.append(f"searched: {self.ansatz}")
+        lines += filter(None, [assumption_of(self.frame)])
         return "\n".join(lines)

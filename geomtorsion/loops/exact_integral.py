@@ -326,14 +326,14 @@ def exact_burgers_vector(
                     if value is None:
                         raise UndecidedError(
                             f"b^{i} of this loop has no closed form that is known here: the "
-                            f"integrand is {f}. Use exact=False for a number."
+                            f"integrand is {f}. For a number use gt.burgers_vector."
                         )
                     total[i] += times * value
                     numbers[i].append(times * _number(f, piece, where))
             vector = tuple(short(x) for x in total)
     except AllowanceError:
         raise UndecidedError(
-            f"no closed form was found in {seconds:g} s. Use exact=False for a number."
+            f"no closed form was found in {seconds:g} s. For a number use gt.burgers_vector."
         ) from None
     _verify(vector, numbers, where)
     return ExactBurgersVector(frame, loop, vector, where, time.perf_counter() - start)
@@ -496,7 +496,7 @@ def _verify(
             shown = number.str(DIGITS, radius=False) if number.is_finite() else "not proved"
         raise UndecidedError(
             f"the closed form {expression} for b^{i} was found, but it is {value.evalf(DIGITS)} "
-            f"where the integral is {shown}. Use exact=False for a number."
+            f"where the integral is {shown}. For a number use gt.burgers_vector."
         )
 
 

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from geomtorsion.pictures.charges import draw_charge
+    from geomtorsion.pictures.constraints import draw_constraints
     from geomtorsion.pictures.curve_files import curve_pictures
     from geomtorsion.pictures.development import draw_development
     from geomtorsion.pictures.fits import draw_fit
@@ -42,6 +43,7 @@ _HOMES = {
     "draw_charge": "charges",
     "draw_circuits": "measured",
     "draw_closure": "loops",
+    "draw_constraints": "constraints",
     "draw_development": "development",
     "draw_dislocations": "network",
     "draw_fit": "fits",
@@ -69,6 +71,7 @@ __all__ = [
     "draw_charge",
     "draw_circuits",
     "draw_closure",
+    "draw_constraints",
     "draw_development",
     "draw_dislocations",
     "draw_fit",

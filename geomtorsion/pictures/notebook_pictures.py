@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from geomtorsion.fits import Fit
     from geomtorsion.loops import BurgersMap, BurgersVector, Development, Loop
     from geomtorsion.ode import Ensemble, Moment, Solution
-    from geomtorsion.proofs import Proof
+    from geomtorsion.proofs import ClosedOrbit, Proof
 
 
 def solution_html(found: Solution | Ensemble) -> str:
@@ -52,8 +52,8 @@ def loop_html(loop: Loop) -> str:
     return pictured(str(loop), lambda: draw_loop(loop))
 
 
-def proof_html(proof: Proof) -> str:
-    """Each value with its certain digits, and the verdict on the reported error.
+def proof_html(proof: Proof | ClosedOrbit) -> str:
+    """Each value with its certain digits, and the last line: the error, or the stability.
 
     Examples
     --------

@@ -6,7 +6,8 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Protocol
 
 from geomtorsion.errors import ExpressionError, LimitError
-from geomtorsion.geometry.notation import assumption_of, letters, open_mark, plain_symbol, short
+from geomtorsion.geometry.assumption import assumption_of
+from geomtorsion.geometry.notation import letters, open_mark, plain_symbol, short
 from geomtorsion.pictures.formula import mathml
 from geomtorsion.pictures.latex import latex_label, latex_matrix, latex_name, latex_text
 from geomtorsion.pictures.style import STYLE
@@ -96,7 +97,8 @@ def table_html(table: ComponentTable) -> str:
         beyond = len(rows) - STYLE.listed
         left = f"<p>{beyond} more: print(tensor.table())</p>" if beyond > 0 else ""
         shown += f"<details><summary>{count} more components</summary>{rest}{left}</details>"
-    ending = f"<p>{html_text(table.ending)}</p>" if table.ending else ""
+    remarks = filter(None, [table.ending, table.assumption])
+    ending = "".join(f"<p>{html_text(remark)}</p>" for remark in remarks)
     return f"{_OPEN}<summary>{heading}</summary>{shown}{ending}</details>"
 
 
@@ -125,6 +127,7 @@ def connection_html(connection: Connection) -> str:
         rows = _rows(table, table.indices)
         parts.append(f"<details{opened}><summary>{label}: {count}</summary>{rows}</details>")
     label = _math(latex_label(_symbol(tensor), letters(tensor.slots), tensor.slots))
+    parts += [f"<p>{html_text(connection.assumption)}</p>"] * bool(connection.assumption)
     return f"<div>{html_text(connection.name)} {label}: {whole.count}{''.join(parts)}</div>"
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import UnknownNameError
+from geomtorsion.geometry.assumption import assumption_of
 from geomtorsion.geometry.notation import open_mark, short
 from geomtorsion.geometry.quantities import entries
 from geomtorsion.pictures.latex import letters, text_label
@@ -142,6 +143,7 @@ def geometry_data(space: Space, quantities: Sequence[Quantity]) -> Data:
         "coordinates": [symbol.name for symbol in frame.coordinates],
         "parameters": [symbol.name for symbol in frame.parameters],
         "domain": [str(relation) for relation in frame.domain],
+        **({"region": region} if (region := assumption_of(frame)) else {}),
         "frame_metric": [
             [plain_text(frame.eta[i, j]) for j in range(frame.dimension)]
             for i in range(frame.dimension)

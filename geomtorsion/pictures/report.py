@@ -16,6 +16,7 @@ import sympy as sp
 from sympy.core.relational import Relational
 
 from geomtorsion.errors import GeomtorsionError, StartError
+from geomtorsion.geometry.assumption import assumption_of
 from geomtorsion.geometry.quantities import SECTIONS
 from geomtorsion.loops import BurgersVector, Loop, burgers_vector
 from geomtorsion.ode import RungeKutta
@@ -94,6 +95,7 @@ def _header(space: Space, sections: Sequence[str]) -> str:
         ("Coordinates", _symbols([symbol.name for symbol in frame.coordinates])),
         ("Parameters", _symbols([symbol.name for symbol in frame.parameters])),
         ("Domain", _domain(frame.domain)),
+        ("Region", _prose(assumption_of(frame))),
         ("Names", _names(frame.names)),
         ("Frame metric", _frame_metric(space)),
         ("Source", html_text(space.source)),

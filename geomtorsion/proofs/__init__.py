@@ -1,5 +1,8 @@
-"""Proofs: balls that contain the true value of a loop integral, a development or a motion."""
+"""Proofs: balls that contain the true value of a result, and theorems about orbits."""
 
+from geomtorsion.proofs.closed_orbits import closed_orbit
+from geomtorsion.proofs.crossings import Crossing, poincare
+from geomtorsion.proofs.orbits import ClosedOrbit
 from geomtorsion.proofs.prove import Proof, prove
 
-__all__ = ["Proof", "prove"]
+__all__ = ["ClosedOrbit", "Crossing", "Proof", "closed_orbit", "poincare", "prove"]

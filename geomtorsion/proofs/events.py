@@ -50,9 +50,13 @@ class Fall:
         """The term at a box."""
         return self._value.real(self._arguments(states))[0]
 
+    def slopes(self, states: Sequence[arb]) -> list[arb]:
+        """Derivatives of the term by the states, then by the time, at a box."""
+        return self._slopes.real(self._arguments(states))
+
     def rate(self, states: Sequence[arb]) -> arb:
         """The rate of the term at a box."""
-        slopes = self._slopes.real(self._arguments(states))
+        slopes = self.slopes(states)
         rates: list[Ball] = self.system.rates_at(states)
         if self.ticks is not None:
             n = len(self.states)

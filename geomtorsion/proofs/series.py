@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from flint import acb, arb, arb_mat, arb_series, ctx
 
@@ -225,10 +225,10 @@ def _along(function: Callable[[list[arb_series]], list[Ball]], rows: Rows, lengt
         return function([arb_series(row, prec=length) for row in rows])
 
 
-def variation(slopes: Slopes, size: int, order: int) -> list[arb_mat]:
-    """Coefficients V_0 .. V_order of V' = J V, V(0) = 1."""
-    jacobians = [slopes.matrix(k, size) for k in range(order)]
-    coefficients = [arb_mat([[int(i == j) for j in range(size)] for i in range(size)])]
+def variation(slopes: Slopes, start: arb_mat, order: int) -> list[arb_mat]:
+    """Coefficients W_0 .. W_order of W' = J W, with columns W_0 at the start."""
+    jacobians = [slopes.matrix(k, start.nrows()) for k in range(order)]
+    coefficients = [start]
     for k in range(order):
         total = jacobians[0] * coefficients[k]
         for m in range(1, k + 1):
@@ -237,22 +237,8 @@ def variation(slopes: Slopes, size: int, order: int) -> list[arb_mat]:
     return coefficients
 
 
-def carried(slopes: Slopes, start: Sequence[arb], order: int) -> Rows:
-    """Series coefficients w_0 .. w_order, for each state, of w' = J w from w_0 = start."""
-    rows = [[x] for x in start]
-    for k in range(order):
-        totals = [arb(0) for _ in start]
-        for (i, j), entry in zip(slopes.places, slopes.series, strict=True):
-            row = rows[j]
-            for m in range(k + 1):
-                totals[i] += entry[m] * row[k - m]
-        for row, total in zip(rows, totals, strict=True):
-            row.append(total / (k + 1))
-    return rows
-
-
-def polynomial(row: Sequence[arb], time: arb) -> arb:
-    """The value of a polynomial, by Horner's rule."""
+def polynomial(row: Sequence[Any], time: arb) -> Any:
+    """The value of a polynomial of numbers or matrices, by Horner's rule."""
     total = row[-1]
     for value in reversed(row[:-1]):
         total = total * time + value

@@ -7,7 +7,7 @@ turn with it do not [Lohner 1987; Nedialkov, Jackson, Corliss 1999].
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from flint import arb, arb_mat
@@ -47,7 +47,10 @@ class LohnerSet:
             tuple(x.mid() for x in balls),
             unit,
             tuple(arb(x.rad()) for x in balls),
-            tuple(cls.of(column) for column in columns),
+            tuple(
+                cls(tuple(x.mid() for x in column), unit, tuple(arb(x.rad()) for x in column))
+                for column in columns
+            ),
         )
 
     @property
@@ -90,8 +93,8 @@ class LohnerSet:
         With W = slopes A and z what rounding and steps add: r' = (Q^-1 W) r + Q^-1 z, where the
         columns of Q are orthogonal and begin with the longest of W r.
         """
-        middle = tuple(x.mid() for x in values)
-        rest = [upper(x - m) for x, m in zip(values, middle, strict=True)]
+        if columns is None:
+            columns = [times(slopes, column.middle) for column in self.columns]
         with ball_precision(LOW_BITS):
             turned = slopes * self.axes
             logarithms = [log2(x) for x in values] if sizes is None else sizes
@@ -100,15 +103,30 @@ class LohnerSet:
                 inverse = axes.inv()
             except ZeroDivisionError:
                 raise ProofError("the directions of the set collapse") from None
-            column = arb_mat([[around_zero(x)] for x in self.spread])
-            product = (inverse * turned) * column + inverse * arb_mat(
-                [[around_zero(x)] for x in rest]
-            )
-            spread = tuple(upper(product[i, 0]) for i in range(len(middle)))
-        if columns is None:
-            columns = [times(slopes, column.middle) for column in self.columns]
-        moved = (x.moved(y, slopes, sizes) for x, y in zip(self.columns, columns, strict=True))
-        return LohnerSet(middle, axes, spread, tuple(moved))
+            product = inverse * turned
+            # Derivatives turn with the set: they are measured along its directions.
+            products = [
+                product if column.axes is self.axes else inverse * (slopes * column.axes)
+                for column in self.columns
+            ]
+        moved = tuple(
+            _in_frame(axes, inverse, matrix, column.spread, image)
+            for matrix, column, image in zip(products, self.columns, columns, strict=True)
+        )
+        whole = _in_frame(axes, inverse, product, self.spread, values)
+        return replace(whole, columns=moved)
+
+
+def _in_frame(
+    axes: arb_mat, inverse: arb_mat, product: arb_mat, spread: Sequence[arb], values: Sequence[arb]
+) -> LohnerSet:
+    """The set around values, with product r + inverse z for what they are off by, z."""
+    middle = tuple(x.mid() for x in values)
+    rest = [upper(x - m) for x, m in zip(values, middle, strict=True)]
+    with ball_precision(LOW_BITS):
+        column = arb_mat([[around_zero(x)] for x in spread])
+        total = product * column + inverse * arb_mat([[around_zero(x)] for x in rest])
+        return LohnerSet(middle, axes, tuple(upper(total[i, 0]) for i in range(len(middle))))
 
 
 def times(matrix: arb_mat, vector: Sequence[arb]) -> list[arb]:

@@ -19,7 +19,7 @@ from geomtorsion.errors import ProofError
 from geomtorsion.proofs.series import (
     BallSystem,
     Rows,
-    carried,
+    Slopes,
     polynomial,
     slopes_along,
     taylor,
@@ -73,7 +73,7 @@ class Step:
     tube: a box around all motions from the set for |t| <= length.
     outer: the radius of the disk in which growth bounds |V|; growth: exp(L outer).
     variation_order: of the polynomial for V; column_order: of those for derivatives by the start of
-        the motion, or 0; block: coefficients that are computed together.
+        the motion, or 0; block: coefficients that are computed together; bits: the precision.
     radius: of the disk used, with which the next step begins.
     sizes: logarithms of the sizes of the states.
     own_time: about the time in which a state changes by its own size, the shortest of all.
@@ -90,6 +90,7 @@ class Step:
     variation_order: int
     column_order: int
     block: int
+    bits: int
     radius: float
     sizes: tuple[float, ...]
     own_time: float
@@ -98,18 +99,20 @@ class Step:
     def _variations(self) -> list[arb_mat]:
         """Coefficients of V over all starts of the set."""
         order = self.variation_order
-        _, slopes = taylor(self.system, self.whole.hull, order, order)
-        return variation(slopes, self.system.size, order)
+        if self.whole.columns and order <= self.column_order:
+            slopes = self._slopes
+        else:
+            _, slopes = taylor(self.system, self.whole.hull, order, order)
+        n = self.system.size
+        unit = arb_mat([[int(i == j) for j in range(n)] for i in range(n)])
+        return variation(slopes, unit, order)
 
     def variation(self, time: arb) -> arb_mat:
         """The derivative of x(time) by the start, over the whole set; |time| <= length."""
         with ball_precision(LOW_BITS):
             share = upper(time) / self.outer
-            order = self.variation_order
-            tail = variation_tail(share, order)
-            total = self._variations[order]
-            for matrix in reversed(self._variations[:order]):
-                total = total * time + matrix
+            tail = variation_tail(share, self.variation_order)
+            total = polynomial(self._variations, time)
             n = self.system.size
             rest = [
                 [around_zero(upper(self.growth[i, j]) * tail) for j in range(n)] for i in range(n)
@@ -117,12 +120,18 @@ class Step:
             return total + arb_mat(rest)
 
     @cached_property
-    def _carried(self) -> list[Rows]:
-        """Coefficients of V w over all starts of the set, for the middle w of each column."""
-        hull, order = self.whole.hull, self.column_order
-        rows, _ = taylor(self.system, hull, order, self.block)
-        slopes = slopes_along(self.system, rows, order)
-        return [carried(slopes, column.middle, order) for column in self.whole.columns]
+    def _slopes(self) -> Slopes:
+        """Coefficients of J over all starts of the set, for the columns and for V."""
+        with ball_precision(self.bits):
+            rows, _ = taylor(self.system, self.whole.hull, self.column_order, self.block)
+            return slopes_along(self.system, rows, self.column_order)
+
+    @cached_property
+    def _carried(self) -> list[arb_mat]:
+        """Coefficients of V W over all starts of the set, W the middles of the columns."""
+        columns = [column.middle for column in self.whole.columns]
+        start = arb_mat([list(row) for row in zip(*columns, strict=True)])
+        return variation(self._slopes, start, self.column_order)
 
     def _column_middles(self, time: arb) -> list[list[arb]]:
         """V(time) w for the middle w of each column, over the whole set."""
@@ -134,15 +143,17 @@ class Step:
             rests = [
                 times(bound, [upper(x) for x in column.middle]) for column in self.whole.columns
             ]
+        total = polynomial(self._carried, time)
         return [
-            [polynomial(row, time) + around_zero(x) for row, x in zip(rows, rest, strict=True)]
-            for rows, rest in zip(self._carried, rests, strict=True)
+            [total[i, k] + around_zero(x) for i, x in enumerate(rest)]
+            for k, rest in enumerate(rests)
         ]
 
     def columns(self, time: arb) -> list[list[arb]]:
         """Boxes around the derivatives of x(time) by numbers at the start of the motion."""
+        middles = self._column_middles(time)
         slopes = self.variation(time)
-        pairs = zip(self.whole.columns, self._column_middles(time), strict=True)
+        pairs = zip(self.whole.columns, middles, strict=True)
         return [column.image(values, slopes) for column, values in pairs]
 
     def middle(self, time: arb) -> list[arb]:
@@ -199,7 +210,9 @@ class Stepper:
             self._table = arb_mat([row[1:] for row in sizes])
             self._middle = [acb(x) for x in whole.middle]
             self._rho = whole.radii
-            state = max(log2(x) for x in whole.middle)
+            # Numbers that never change do not count for the time scale of the motion.
+            pairs = zip(whole.middle, sizes, strict=True)
+            state = max((log2(x) for x, row in pairs if not row[1].is_zero()), default=FAR_BELOW)
             speed = max(log2(row[1]) for row in sizes)
             # Accuracy for each state: a rounding of its size, or of its change nearby.
             is_moving = state > FAR_BELOW and speed > FAR_BELOW
@@ -320,7 +333,7 @@ class Stepper:
                 system=self.system, whole=self.whole, coefficients=self.coefficients,
                 length=length, remainder=tuple(local), tube=tuple(around), outer=arb(outer),
                 growth=growth, variation_order=max(4, needed), radius=disk.radius,
-                column_order=column_order, block=self.method.block,
+                column_order=column_order, block=self.method.block, bits=self._bits,
                 sizes=tuple(self.sizes), own_time=self.own_time,
             )  # fmt: skip
         return None

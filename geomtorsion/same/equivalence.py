@@ -33,18 +33,17 @@ AGREES = 10.0 ** (8 - DIGITS)
 
 @dataclass(frozen=True)
 class Outcome:
-    """A verdict, its reason, its certainty, the points where it was found, and how it was."""
+    """A verdict, its reason, its certainty, and the points at which it was found."""
 
     verdict: str
     reason: str
     certainty: Certainty
     match: Match | None = None
-    how: str = ""
 
     @classmethod
     def of(cls, contrast: Contrast) -> Outcome:
         """The outcome of opposite signs."""
-        return cls("different", contrast.reason(), contrast.certainty, None, contrast.how)
+        return cls("different", contrast.reason(), contrast.certainty)
 
 
 @exclusive
@@ -94,7 +93,7 @@ class Equivalence:
         """How sure the verdict is.
 
         "different" is proved, up to the chance of error of ranks modulo a prime, or rests on signs
-        that were read at some hundred points of both regions. "same" is proved
+        that are proved in both regions. "same" is proved
         where all invariants are constants that agree exactly; otherwise its error is the largest
         difference of invariants at the matched point, as two geometries that differ agree to so
         many digits only by accident.
@@ -310,7 +309,7 @@ class Equivalence:
                 else "no difference at a pair of generic points"
             )
         else:
-            rows["certainty"] = self._outcome.how or str(self.certainty)
+            rows["certainty"] = str(self.certainty)
         if self.verdict == "undecided":
             del rows["certainty"]
         one = self.one

@@ -272,8 +272,7 @@ def member_of(
         outcome = Outcome("undecided", text, UNKNOWN)
     else:
         sure = least_certain(x.certainty for x in contrasts)
-        how = next((x.how for x in contrasts if x.how), "")
-        outcome = Outcome("different", contrasts[0].reason(flipped) + towards, sure, None, how)
+        outcome = Outcome("different", contrasts[0].reason(flipped) + towards, sure)
     return replace(every, decided=outcome)
 
 

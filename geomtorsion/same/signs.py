@@ -10,12 +10,8 @@ from geomtorsion.exact import Certainty, Element
 from geomtorsion.exact.common_values import LONGEST
 from geomtorsion.exact.element import least_certain
 from geomtorsion.geometry import levi_civita
-from geomtorsion.same.definite import definite_sign
 from geomtorsion.same.invariants import Invariants
-from geomtorsion.same.scalars import is_constant, pseudoscalars
-
-# Signs are read at some hundred points all over a region; after so many a different one is rarer.
-SAMPLED = Certainty(proved=False, error=1e-2)
+from geomtorsion.same.scalars import pseudoscalars
 
 
 @dataclass(frozen=True)
@@ -24,12 +20,10 @@ class Contrast:
 
     text: the reason, with {first} and {second} for the two geometries.
     certainty: how sure it is.
-    how: in words how it was decided; empty: as the certainty says.
     """
 
     text: str
     certainty: Certainty
-    how: str = ""
 
     def reason(self, flipped: bool = False) -> str:
         """The reason in words. flipped: the geometries are printed in the other order."""
@@ -63,17 +57,8 @@ def _opposite(
         if left is not None and right is not None and left * right < 0:
             kinds = words[left], words[right]
             text = f"{name} is {kinds[0]} for the {{first}} and {kinds[1]} for the {{second}}"
-            sure = [a.certainty, b.certainty]
-            if _is_proved(one, a, left) and _is_proved(two, b, right):
-                return Contrast(f"{text} geometry", least_certain(sure))
-            how = f"signs were read at some hundred points: chance of error {SAMPLED.error:.0e}"
-            return Contrast(f"{text} geometry", least_certain([*sure, SAMPLED]), how)
+            return Contrast(f"{text} geometry", least_certain([a.certainty, b.certainty]))
     return None
-
-
-def _is_proved(invariants: Invariants, x: Element, sign: int) -> bool:
-    """Whether a sign is that of a constant, or is proved for the whole region."""
-    return is_constant(invariants, x) or definite_sign(x.sympy, invariants.frame.region) == sign
 
 
 def _sign(invariants: Invariants, x: Element) -> int | None:

@@ -6,6 +6,7 @@ import mpmath
 import pytest
 import sympy as sp
 
+import geomtorsion as gt
 from geomtorsion.errors import GeomtorsionError, SingularPointError, UndecidedError
 from geomtorsion.exact import Field
 from geomtorsion.exact.expansion import Approach, Expansion, limit
@@ -147,3 +148,20 @@ def test_names_do_not_clash():
     """A symbol of the user may have the name of the internal expansion symbol."""
     w, w_ = sp.symbols("w w_", real=True)
     assert expansion(w_ * sp.sin(w) / w, w, 0).series(2) == w_ - w_ * w**2 / 6
+
+
+def test_a_limit_does_not_hold_the_variable_of_its_expansion():
+    """Metric of Kerr and Schild: a root of x**2 + y**2 + z**2 beside roots that hold the mass."""
+    mass, *places = sp.symbols("M x y z")
+    root = sp.sqrt(sum(s**2 for s in places))
+    null = [1, *(s / root for s in places)]
+    rows = [[2 * mass / root * a * b for b in null] for a in null]
+    for i, sign in enumerate((-1, 1, 1, 1)):
+        rows[i][i] += sign
+    frame = gt.Frame.from_metric(["t", *places], rows, parameters=[mass])
+    third, point = sp.Rational(1, 3), dict(zip(places, (2, 3, 6), strict=True))
+    value = frame.metric.limit(mass, third)
+    for i, row in enumerate(rows):
+        for k, entry in enumerate(row):
+            assert value[i, k].free_symbols <= {*places, mass}
+            assert sp.simplify(value[i, k].subs(point) - entry.subs(mass, third).subs(point)) == 0

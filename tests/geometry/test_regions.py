@@ -311,3 +311,75 @@ def test_a_universe_is_closed_first_and_open_next():
     first, second, *_ = gt.Frame.from_metric("t r theta phi", rows, parameters="k").regions
     assert str(first) == "k > 0, a(t) > 0, k*r**2 - 1 < 0, r > 0, 0 < theta < pi"
     assert str(second) == "k < 0, a(t) > 0, r > 0, 0 < theta < pi"
+
+
+TYPED = ("t r theta phi", diagonal("sqrt(1-2*M/r)", "1/sqrt(1-2*M/r)", "r", "r*sin(theta)"))
+EXTERIOR = "M > 0, r > 2*M, 0 < theta, theta < pi"
+FREE = "(-u1**2 + u2**2 + u3**2 + u4**2)/2"
+# Everything printed that depends on signs of roots, as text, LaTeX or HTML.
+PRINTED = [
+    ("frame in LaTeX", lambda frame: frame._repr_latex_()),
+    ("legs", lambda frame: str(frame.legs)),
+    ("legs in LaTeX", lambda frame: frame.legs._repr_latex_()),
+    ("table of the coframe", lambda frame: str(frame.coframe.table())),
+    ("coframe in a notebook", lambda frame: frame.coframe._repr_html_()),
+    ("connection", lambda frame: repr(gt.cartan(frame))),
+    ("connection in a notebook", lambda frame: gt.cartan(frame)._repr_html_()),
+    ("torsion", lambda frame: str(gt.cartan(frame).torsion)),
+    ("equations of motion", lambda frame: repr(gt.equations_of_motion(frame, FREE))),
+    ("the same in LaTeX", lambda frame: gt.equations_of_motion(frame, FREE)._repr_latex_()),
+    ("variation", lambda frame: str(gt.variation(frame))),
+    (
+        "geodesic in LaTeX",
+        lambda frame: gt.geodesic(
+            frame, [0, 8, 1, 0], frame_velocity=[1, 0, 0, 0], parameters={"M": 1}
+        )._repr_latex_(),
+    ),
+    ("symmetries", lambda frame: str(gt.symmetries(frame))),
+    ("holonomy algebra", lambda frame: str(gt.levi_civita(frame).holonomy_algebra)),
+]
+
+
+@pytest.mark.parametrize(("name", "show"), PRINTED, ids=[name for name, _ in PRINTED])
+def test_printed_results_name_the_region_that_was_assumed(name: str, show: object) -> None:
+    """Each result with signs of roots names its region, unless the domain was declared."""
+    bare, declared = (
+        gt.Frame(*TYPED, signature="-+++", parameters="M", domain=domain)
+        for domain in (None, EXTERIOR)
+    )
+    assert "assumed" in show(bare), name  # type: ignore[operator]
+    assert "assumed" not in show(declared)  # type: ignore[operator]
+
+
+def test_results_without_signs_name_no_region() -> None:
+    """A result that is rational, of a frame without roots, is the same in each region."""
+    frame = gt.Frame("r theta", diagonal("1", "r"))
+    assert "assumed" not in str(gt.cartan(frame).torsion)
+    assert "assumed" in str(frame)
+
+
+def test_a_constrained_connection_names_the_region() -> None:
+    """The permitted legs of a kinetic metric have unit length where the masses are positive."""
+    metric = diagonal("m", "m", "I")
+    constraint = ["cos(theta)*dy - sin(theta)*dx"]
+    skate = gt.constrained(gt.Frame.from_metric("x y theta", metric, parameters="m I"), constraint)
+    words = "for m > 0, I > 0, assumed"
+    assert words in repr(skate)
+    assert words.replace(">", "&gt;") in skate._repr_html_()
+    assert "\\text{, assumed}" in skate._repr_latex_()
+    numbers = gt.Frame.from_metric("x y theta", diagonal("2", "2", "3"))
+    assert "assumed" not in repr(gt.constrained(numbers, constraint))
+
+
+def test_reduced_equations_name_the_region() -> None:
+    """Equations with a root of an unknown function name its sign; rational ones do not."""
+    A, h = (sp.Function(name)(r) for name in "Ah")
+    frame = gt.Frame([t, r, theta, phi], sp.diag(A, 1 / h, r, r * sp.sin(theta)), "-+++")
+    reduced = gt.gravity.equations(gt.levi_civita(frame), "R").reduce("r")
+    assert "assumed" not in str(reduced) + reduced.latex
+    rooted = gt.Frame([t, r, theta, phi], sp.diag(sp.sqrt(A), h, r, r * sp.sin(theta)), "-+++")
+    fluid = gt.gravity.fluid("rho(r)", "sqrt(A(r))", [1, 0, 0, 0])
+    reduced = gt.gravity.equations(gt.levi_civita(rooted), "R/2", fluid).reduce("r")
+    for one in reduced.branches:
+        assert "A(r) > 0" in str(one)
+        assert "assumed" in one.latex

@@ -3,6 +3,7 @@
 # pyright: reportOptionalMemberAccess=false
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,7 @@ import sympy as sp
 import geomtorsion as gt
 from geomtorsion.errors import ArgumentError, GeomtorsionError, MetricError, SignatureError
 from tests.typed import ROWS, Typed
-from tests.typed_calls import calls, positive_calls
+from tests.typed_calls import calls, charges, positive_calls
 
 # Frames without unknown functions, and frames with them.
 EXACT = [row for row in ROWS if not row.functions]
@@ -122,6 +123,10 @@ def test_what_takes_a_frame_works_as_typed(row: Typed, tmp_path: Path):
             call()
         except GeomtorsionError as refusal:
             pytest.fail(f"{name}: {refusal}")
+    names = {str(s) for s in (*frame.coordinates, *frame.parameters)}
+    for _, call in charges(row):
+        # What the advice names is there.
+        assert set(re.findall(r"\{'(\w+)'", refusal_of(call))) <= names
     is_positive = min(frame.region.signature) > 0
     for _, call in positive_calls(row):
         if is_positive:
@@ -134,6 +139,15 @@ def test_what_takes_a_frame_works_as_typed(row: Typed, tmp_path: Path):
             if advice:
                 within = row.within(advice[1].replace("'", ""))
                 assert gt.constrained(within, [f"d{frame.coordinates[-1]}"])
+
+
+def refusal_of(call: Callable[[], object]) -> str:
+    """The text of a refusal; empty where the call returns."""
+    try:
+        call()
+    except GeomtorsionError as refusal:
+        return str(refusal)
+    return ""
 
 
 @pytest.mark.parametrize("row", [pytest.param(row, id=row.name) for row in UNKNOWN])

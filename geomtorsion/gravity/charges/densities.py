@@ -302,9 +302,13 @@ def adm(request: Request, one: Sphere) -> Density:
         request.reference or {}, names, "reference", GravityError, expected="a parameter"
     )
     if not given:
+        advice = (
+            f"Give reference={{'{next(iter(names))}': 0}}, or other values."
+            if names
+            else "Write the metric with a parameter, such as its mass."
+        )
         raise GravityError(
-            "reference: expected the parameters for which the slice is flat, got none. Give "
-            "reference={'M': 0}."
+            f"reference: expected the parameters for which the slice is flat, got none. {advice}"
         )
     put = {names[x]: number(value, f"reference[{x}]") for x, value in given.items()}
     flat = _with_metric(space, (), lambda value: value.subs(put))

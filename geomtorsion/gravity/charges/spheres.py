@@ -59,8 +59,10 @@ class Sphere:
         volume = self.frame.volume.element()
         sign = self.frame.region.sign(volume)
         if sign is None:
+            verdict = self.frame.region.sign_verdict(volume)
             raise GravityError(
-                "frame: expected a determinant of one sign, got both. Declare a domain=[...]."
+                f"frame: expected a determinant of one sign in the region, got {verdict}. Declare "
+                "where it is positive: domain=[...]."
             )
         return volume * sign
 
@@ -231,8 +233,8 @@ def _range(frame: Frame, q: sp.Symbol, given: object) -> tuple[sp.Expr, sp.Expr,
     if q.name in AROUND or q.name.rstrip("_0123456789") in AROUND:
         return sp.S.Zero, 2 * sp.pi, True
     raise GravityError(
-        f"surface: expected a closed surface, got no bounds for {q}. Give "
-        f"over={{'{q}': (0, '2*pi')}}, or other constant coordinates in surface."
+        f"surface: expected a closed surface, got no bounds for {q}. Give the bounds of an angle, "
+        f"over={{'{q}': (0, '2*pi')}}, or write the metric in coordinates with two angles."
     )
 
 

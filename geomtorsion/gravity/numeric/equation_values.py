@@ -85,7 +85,7 @@ class EquationValues:
     matter: the equation of each matter field, by its name.
     scalars: L and the invariants in it.
     errors: for each of these names bounds of the errors, of the same shapes: rounding is enclosed
-        by ball arithmetic.
+        by ball arithmetic. On a grid they are estimates from twice the step, and NaN is unknown.
 
     Examples
     --------
@@ -147,13 +147,13 @@ class EquationValues:
     def largest(self) -> float:
         """Largest size of all components of the equations: 0 on a solution."""
         every = {**self.tensors, **self.matter}
-        return max(float(np.abs(x).max()) for x in every.values())
+        return max(float(np.nanmax(np.abs(x))) for x in every.values())
 
     @cached_property
     def error(self) -> float:
         """Largest error bound of all components of the equations."""
         names = (*self.tensors, *self.matter)
-        return max(float(self.errors[name].max()) for name in names)
+        return max(float(np.nanmax(self.errors[name])) for name in names)
 
     def __repr__(self) -> str:
         names = ", ".join((*self.tensors, *self.matter))
@@ -373,6 +373,8 @@ def _joined(
             values = np.asarray(middle(joined), dtype=float)
             group[name] = values
             # The middle is rounded to a float.
-            errors[name] = np.asarray(radius(joined), dtype=float) + EPS * np.abs(values)
+            error = np.asarray(radius(joined), dtype=float) + EPS * np.abs(values)
+            # A matter field and its equation have one name.
+            errors[name] = np.maximum(error, errors.get(name, 0.0))
         floats.append(MappingProxyType(group))
     return EquationValues(floats[0], floats[1], floats[2], MappingProxyType(errors))

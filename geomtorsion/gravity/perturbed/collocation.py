@@ -33,7 +33,8 @@ Factor = Callable[[mpmath.mpf], mpmath.mpc]
 # Numbers of nodes: of the rough frequencies, and of the finer grids with their step.
 ROUGH = (30, 38)
 FIRST, STEP, LAST = 44, 12, 128
-# Frequencies that are looked for, in units of 1/r_h: oscillations, and damping.
+# Frequencies that are looked for: oscillations and damping in units of 1/duration of the hole, and
+# the largest damping in units of 1/r_h.
 SLOWEST, LEAST, MOST = 0.02, 0.004, 4.0
 HEAVY = " A wave of a field with a large mass may have no such frequency."
 # Relative distance in which two rough grids share a frequency.
@@ -77,6 +78,17 @@ class Hole:
         pull = mass2 * sp.limit(R * (1 - self.f), R, sp.oo) / 2
         far = (1 - near) / f
         return {(1, 0): -near / f, (0, 1): far, (0, -1): far * pull / R}
+
+    @cached_property
+    def duration(self) -> float:
+        """The time of the slowest waves: r_h, or 1/(2 kappa) between two horizons if longer.
+
+        kappa is the surface gravity.
+        """
+        if self.outer == sp.oo:
+            return float(self.inner)
+        gravity = (sp.diff(self.f, R) / self.stretch).subs(R, self.inner)
+        return float(max(self.inner, 1 / gravity))
 
     def radius(self, x: arb) -> mpmath.mpf:
         """r at a place."""
@@ -248,16 +260,17 @@ def grid(count: int) -> tuple[list[arb], arb_mat, arb_mat]:
 def rough(radial: Radial) -> list[complex]:
     """Numbers z of waves in doubles that two grids share, those damped least first."""
     first, second = (_eigenvalues(radial.matrices(count)) for count in ROUGH)
-    unit = float(radial.hole.inner)
-    shared = []
+    hole, shared = radial.hole, []
     for z in map(complex, second):
         if z == 0 or not radial.dispersion.leaves(z):
             continue
-        scaled = complex(radial.dispersion.frequency(acb(z))) * unit
-        if scaled.real < SLOWEST or not -MOST < scaled.imag < -LEAST:
+        w = complex(radial.dispersion.frequency(acb(z)))
+        if min(w.real / SLOWEST, -w.imag / LEAST) * hole.duration < 1:
+            continue
+        if -w.imag * float(hole.inner) > MOST:
             continue
         if np.abs(first - z).min() < SHARED * abs(z):
-            shared.append((-scaled.imag, z))
+            shared.append((-w.imag, z))
     return [z for _, z in sorted(shared, key=lambda one: one[0])]
 
 

@@ -12,6 +12,7 @@ import mpmath
 import sympy as sp
 
 from geomtorsion.errors import GravityError
+from geomtorsion.exact import names as words
 from geomtorsion.exact import parse_expression
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.gravity.lagrangian import Lagrangian, known_as, names
@@ -219,11 +220,11 @@ def ringing(
 
 def _kind(theory: Lagrangian) -> str:
     """gravity, or the test field of which a Lagrangian consists."""
-    words = set(re.findall(r"[^\W\d]\w*", str(theory.expression)))
-    invariants = {name for name in words if name in names}
+    written = set(re.findall(r"[^\W\d]\w*", str(theory.expression)))
+    invariants = {name for name in written if name in names}
     if invariants == {"F2"}:
         return "Maxwell"
-    return "scalar" if "X" in words and invariants <= {"X", "phi"} else "gravity"
+    return "scalar" if "X" in written and invariants <= {"X", "phi"} else "gravity"
 
 
 def _matter(
@@ -274,6 +275,14 @@ def _waves(
     return waves + [(scalar, "scalar", "polar")] * own
 
 
+def _written(lagrangian: str | sp.Expr) -> sp.Expr:
+    """A Lagrangian as an expression; all its names are symbols."""
+    if not isinstance(lagrangian, str):
+        return lagrangian
+    own = set(re.findall(r"\b[^\W\d]\w*\b(?!\s*\()", lagrangian)) - {*words.CONSTANTS}
+    return parse_expression(lagrangian, {x: sp.Symbol(x) for x in own}, where="lagrangian")
+
+
 def _number(value: object, name: str) -> sp.Expr:
     number = checks.expression(
         value, f"parameters[{name}]", GravityError, read=lambda text: parse_expression(text, {})
@@ -291,8 +300,7 @@ def _with_scalar(theory: Theory, hole: Hole) -> Theory:
     Other theories, and theories that are linear in R to the second order, are returned as they
     are. [Whitt 1984]
     """
-    given, f, r = theory.lagrangian.expression, hole.f, R
-    whole = parse_expression(given, {}, free=True) if isinstance(given, str) else given
+    whole, f, r = _written(theory.lagrangian.expression), hole.f, R
     curvature, chi = sp.Symbol("R"), sp.Symbol(SCALARON)
     bend = whole.diff(curvature, 2)
     if theory.geometry != "riemannian" or bend == 0:
@@ -304,10 +312,17 @@ def _with_scalar(theory: Theory, hole: Hole) -> Theory:
             f"of {theory.lagrangian!r}, got R = {checks.cut(str(constant))}. Use parity='axial'."
         )
     named = {x: theory.values[x.name] for x in bend.free_symbols if x.name in theory.values}
-    if sp.simplify(bend.xreplace(named).subs(curvature, constant)) == 0:
+    there = bend.xreplace(named).subs(curvature, constant)
+    if there.has(sp.zoo, sp.oo, sp.nan):
+        raise GravityError(
+            f"ringing: expected a Lagrangian with two derivatives by R at R = {constant}, got "
+            f"{theory.lagrangian!r}. Give another theory, or a hole with another R."
+        )
+    if sp.simplify(there) == 0:
         return theory
-    there = {curvature: chi}
-    linear = whole.xreplace(there) + whole.diff(curvature).xreplace(there) * (curvature - chi)
+    at_chi = {curvature: chi}
+    slope = whole.diff(curvature).xreplace(at_chi)
+    linear = whole.xreplace(at_chi) + slope * (curvature - chi)
     return replace(
         theory,
         lagrangian=replace(theory.lagrangian, expression=linear),

@@ -59,6 +59,17 @@ class Differences:
         lines = lines.reshape(len(nodes), -1)[:, : None if lines.any() else 1]
         return Rule.of(self.order, lines, self.grid.periodic[axis], slopes=True)
 
+    @property
+    def centred(self) -> np.ndarray:
+        """Whether all stencils of a node have full length, with the node in the middle."""
+        result = ~self.grid.holes
+        for axis, rules in enumerate(self.rules):
+            for nodes, rule in rules:
+                place = (slice(None),) * axis + (nodes,)
+                full = (rule.used == self.order + 1) & (rule.shift == self.order // 2)
+                result[place] &= on_grid(full, _part(self.grid.shape, axis, len(nodes)), axis)
+        return result
+
     def __call__(self, values: np.ndarray, axis: int) -> np.ndarray:
         """The derivative of values of shape (N_1, ..., N_d) along an axis; NaN at holes."""
         holes = self.grid.holes

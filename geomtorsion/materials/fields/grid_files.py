@@ -151,14 +151,15 @@ def holds_covariance(path: Path) -> bool:
     return (path.suffix.lower() or ".npz") not in (".csv", ".vtk", ".vtu")
 
 
-def _npz(path: Path) -> Contents:
-    """Read an NPZ file."""
+def read_arrays(
+    path: Path, forms: Mapping[str, ArrayForm]
+) -> tuple[list[np.ndarray], tuple[str, ...], dict[str, np.ndarray]]:
+    """Axes and their names, and all arrays of an NPZ file of a grid; forms: see `read_npz`."""
     message = (
         "{path}: the file cannot be read: it is truncated or has another format ({reason}). Write "
         "it again."
     )
-    arrays = read_npz(path, FORMS, message=message)
-    key = "displacement" if "displacement" in arrays else key_of(path, arrays)
+    arrays = read_npz(path, forms, message=message)
     if "names" in arrays:
         names = tuple(str(name) for name in arrays["names"])
     else:
@@ -177,6 +178,13 @@ def _npz(path: Path) -> Contents:
             f"{path}: expected arrays axis_x, axis_y, ..., got "
             f"{cut(', '.join(sorted(arrays)))}. Add the coordinates of each axis."
         )
+    return axes, names, arrays
+
+
+def _npz(path: Path) -> Contents:
+    """Read an NPZ file."""
+    axes, names, arrays = read_arrays(path, FORMS)
+    key = "displacement" if "displacement" in arrays else key_of(path, arrays)
     options: dict[str, Any] = {k: text_of(arrays[k]) for k in TEXTS if k in arrays}
     options |= {k: arrays[k] for k in ("periodic",) if k in arrays} | _known(path, arrays)
     if key == "displacement" and "branch" in arrays:

@@ -39,12 +39,13 @@ class GridGeometry:
         differences: Differences,
         coframe: np.ndarray,
         signature: Sequence[int],
-        constants: Mapping[str, float],
+        values: Mapping[str, Any],
+        coordinates: Sequence[sp.Symbol] = (),
     ) -> GridGeometry:
-        """The geometry of a coframe of shape (n, n, grid...)."""
+        """The geometry of a coframe of shape (n, n, grid...); values: see `at_two_steps`."""
         n, grid = len(coframe), differences.grid
-        coordinates = sp.symbols(f"x0:{n}", real=True)
-        field = NumericField(coordinates, GridValues(grid.shape, differences), dict(constants))
+        coordinates = tuple(coordinates) or sp.symbols(f"x0:{n}", real=True)
+        field = NumericField(coordinates, GridValues(grid.shape, differences), dict(values))
         eta = {(i, i): field.rational(sign) for i, sign in enumerate(signature)}
         made = cls(Frame(coordinates, np.eye(n, dtype=int).tolist(), list(signature)), differences)
         entries = {
@@ -80,25 +81,80 @@ class GridGeometry:
         return array, depth
 
 
+# Factor of safety of an error from two steps [Roache, J. Fluids Eng. 116 (1994) 405].
+SAFETY = 3.0
+# Values at the nodes and number of derivatives, by name.
+Values = dict[str, tuple[np.ndarray, int]]
 # Tensors by their names, from a geometry on the grid.
 Formulas = Callable[[GridGeometry], Mapping[str, Tensor]]
 
 
-def sampled_tensors(
-    samples: Samples, formulas: Formulas, constants: Mapping[str, float] | None = None
-) -> dict[str, Density]:
-    """Tensors of a sampled frame at the nodes, with their errors.
+@dataclass(frozen=True, eq=False)
+class TwoSteps:
+    """Tensors at the nodes from differences of one step and of two.
 
-    The error is the difference from twice the step. Where differences converge, it is
-    2^order - 1 times the error of the values. The largest difference of neighbouring nodes counts,
-    because it may vanish at a node by chance.
+    samples: the frame. fine, coarse: for one step and for two. share: error of a value as a share
+    of the difference between both, shape (N_1, ..., N_d).
+    """
+
+    samples: Samples
+    fine: Values
+    coarse: Values
+    share: np.ndarray
+
+    @property
+    def inside(self) -> np.ndarray:
+        """Nodes where the share is smallest, because stencils are centred; all for order 2."""
+        return self.share == self.share.min()
+
+    def error(self, differences: np.ndarray, depth: int, largest: float) -> np.ndarray:
+        """Error of values from their differences from twice the step, shape (..., grid...).
+
+        The largest difference of neighbouring nodes counts, because it may vanish at a node by
+        chance. NaN stays.
+
+        depth: number of derivatives. largest: size of the values. Both give the rounding, of which
+        a smaller step makes more, not less.
+        """
+        grid = self.samples._grid
+        tensors = (1,) * (differences.ndim - grid.dimension)
+        unknown = np.isnan(differences)
+        filled = np.where(unknown, 0.0, np.abs(differences))
+        widest = _widest(filled, grid, tensors, 1)
+        rounding = ROUNDING * max(largest, 1.0) / min(map(abs, grid.steps)) ** depth
+        # All components share the rounding of neighbouring nodes.
+        noise = _widest(filled.max(axis=tuple(range(len(tensors)))), grid, (), self.samples.order)
+        error = np.maximum(widest * self.share, np.minimum(noise, rounding))
+        return np.where(unknown, np.nan, error + ROUNDING * largest)
+
+    def density(self, name: str) -> Density:
+        """A tensor with its error; all its components share the rounding of the largest."""
+        (values, depth), (other, _) = self.fine[name], self.coarse[name]
+        largest = float(np.nanmax(np.abs(values), initial=0.0))
+        error = self.error(other - values, depth, largest)
+        unit = f"1/{self.samples.unit}" if depth and self.samples.unit else ""
+        unit += f"^{depth}" if unit and depth > 1 else ""
+        unknown = np.isnan(error)
+        sigma = np.where(unknown, np.nan, 0.0)
+        return Density(np.where(unknown, np.nan, values), error, sigma, unit)
+
+
+def at_two_steps(
+    samples: Samples,
+    formulas: Formulas,
+    values: Mapping[str, Any] | None = None,
+    coordinates: Sequence[sp.Symbol] = (),
+) -> TwoSteps:
+    """Tensors of a sampled frame at the nodes, from differences of one step and of two.
 
     Parameters
     ----------
     formulas
         Function of a `GridGeometry` with the tensors by name.
-    constants
-        Values of the names in the formulas.
+    values
+        Number, or array on the grid, of each name in the formulas.
+    coordinates
+        Symbols of the axes in the formulas.
 
     Raises
     ------
@@ -106,7 +162,7 @@ def sampled_tensors(
         There are not as many rows as axes, the grid is too small for twice the step, or the frame
         comes from a displacement.
     """
-    grid, order = samples._grid, samples.order
+    grid = samples._grid
     if samples.rows != samples.dimension:
         raise GridError(
             f"coframe: expected as many rows as axes for a metric, {samples.dimension}, got "
@@ -118,35 +174,27 @@ def sampled_tensors(
             "flat between its jumps. Use burgers_map for its defects."
         )
     signs = signs_of(samples.signature, samples.rows)
-    results: list[dict[str, tuple[np.ndarray, int]]] = []
+    results: list[Values] = []
+    centred: list[np.ndarray] = []
     for stride in (1, 2):
-        differences = Differences.of(grid, order, stride)
+        differences = Differences.of(grid, samples.order, stride)
         if differences.grid.holes.all():
             raise GridError(
                 "mask: expected nodes with known neighbours along all axes, up to two steps away "
                 "on both sides or four on one, got none. Mask fewer nodes, or give a finer grid."
             )
-        geometry = GridGeometry.of(differences, samples.coframe, signs, constants or {})
+        centred.append(differences.centred)
+        geometry = GridGeometry.of(differences, samples.coframe, signs, values or {}, coordinates)
         results.append({k: geometry.values(x) for k, x in formulas(geometry).items()})
-    fine, coarse = results
-    made = {}
-    for name, (values, depth) in fine.items():
-        error = _around(np.abs(coarse[name][0] - values), grid)
-        # All components share the rounding of the largest.
-        error += ROUNDING * np.nanmax(np.abs(values), initial=0.0)
-        values = np.where(np.isnan(error), np.nan, values)
-        unit = f"1/{samples.unit}" if depth and samples.unit else ""
-        unit += f"^{depth}" if unit and depth > 1 else ""
-        made[name] = Density(values, error, np.where(np.isnan(error), np.nan, 0.0), unit)
-    return made
+    # Where stencils are centred, the difference is 2^order - 1 times the error; elsewhere its share
+    # is not known.
+    inside = SAFETY / (2.0**samples.order - 1)
+    share = _widest(np.where(np.logical_and(*centred), inside, 1.0), grid, (), samples.order // 2)
+    return TwoSteps(samples, results[0], results[1], share)
 
 
-def _around(differences: np.ndarray, grid: Grid) -> np.ndarray:
-    """Largest difference at each node and its neighbours; NaN stays."""
-    tensors = (1,) * (differences.ndim - grid.dimension)
-    size = (*tensors, *(3,) * grid.dimension)
+def _widest(values: np.ndarray, grid: Grid, tensors: tuple[int, ...], reach: int) -> np.ndarray:
+    """Largest value at each node and up to some nodes away."""
+    size = (*tensors, *(2 * reach + 1,) * grid.dimension)
     mode = ["wrap" if x else "nearest" for x in (*(False,) * len(tensors), *grid.periodic)]
-    unknown = np.isnan(differences)
-    filled = np.where(unknown, 0.0, differences)
-    largest = scipy.ndimage.maximum_filter(filled, size, mode=mode)
-    return np.where(unknown, np.nan, largest)
+    return scipy.ndimage.maximum_filter(values, size, mode=mode)

@@ -45,6 +45,40 @@ def test_schwarzschild(lagrangian: str, parity: str, l: int, published: list[com
         assert one.error < 1e-8
 
 
+# Other published values: Leaver (1985) with 2 M = 1, Berti, Cardoso and Starinets (2009) with
+# 2 M = 1, and with M = 1 Konoplya (2003) and Iyer (1987).
+TABLE = [
+    ("R", "axial", 2, "1/2", [0.747343 - 0.177925j, 0.693422 - 0.547830j, 0.602107 - 0.956554j,
+                              0.503010 - 1.410296j]),
+    ("R", "axial", 3, "1/2", [1.198887 - 0.185406j, 1.165288 - 0.562596j, 1.103370 - 0.958186j,
+                              1.023924 - 1.380674j, 0.940348 - 1.831299j]),
+    ("R", "polar", 4, "1/2", [1.6184 - 0.1883j]),
+    ("R", "axial", 6, "1/2", [2.4240 - 0.1905j]),
+    ("-X/2", "both", 0, 1, [0.1105 - 0.1049j, 0.0861 - 0.3481j]),
+    ("-X/2", "both", 1, 1, [0.2929 - 0.0977j, 0.2645 - 0.3063j]),
+    ("-X/2", "both", 2, 1, [0.4836 - 0.0968j, 0.4639 - 0.2956j, 0.4305 - 0.5086j]),
+    ("-F2/4", "both", 1, 1, [0.2483 - 0.0925j, 0.2145 - 0.2937j]),
+    ("-F2/4", "both", 2, 1, [0.4576 - 0.0950j, 0.4365 - 0.2907j, 0.4012 - 0.5016j]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("lagrangian", "parity", "l", "mass", "published"), TABLE)
+def test_overtones(
+    lagrangian: str,
+    parity: str,
+    l: int,  # noqa: E741
+    mass: object,
+    published: list[complex],
+) -> None:
+    rings = perturbed.ringing(
+        lagrangian, "schwarzschild", l=l, parity=parity, modes=len(published), digits=4,
+        parameters={"M": mass},
+    )  # fmt: skip
+    for one, value in zip(rings.modes, published, strict=True):
+        digits = len(repr(value.real).partition(".")[2])
+        assert abs(one.frequency - value) < 10.0**-digits + one.error
+
+
 def test_errors_hold_and_digits_are_kept() -> None:
     """A mode of 5 digits agrees with one of 15 within its error."""
     options = {"parity": "axial", "parameters": MASS}
@@ -64,6 +98,35 @@ def test_a_horizon_of_de_sitter() -> None:
     assert [one.parity for one in rings.modes] == ["axial", "polar"]
     for one in rings.modes:
         assert abs(one.frequency - (0.3383914276 - 0.0817564455j)) < 2e-10
+
+
+@pytest.mark.parametrize(
+    ("constant", "published"),
+    [("1/25", 0.2989 - 0.0733j), ("2/25", 0.1975 - 0.0499j), ("1/10", 0.1179 - 0.0302j)],
+)
+def test_larger_constants(constant: str, published: complex) -> None:
+    """Zhidenko (2004), four digits."""
+    f = 1 - 2 / r - sp.Rational(constant) * r**2 / 3
+    rings = perturbed.ringing(
+        "R - 2*Lambda", hole(f), parity="axial", parameters={"Lambda": constant}
+    )
+    assert abs(rings.modes[0].frequency - published) < 1e-4
+
+
+def test_almost_extremal_holes_of_de_sitter() -> None:
+    """omega = kappa (sqrt((l + 2)(l - 1) - 1/4) - i/2), Cardoso and Lemos (2003).
+
+    kappa is the surface gravity. The formula is off by the distance of the horizons over r.
+    """
+    constant = sp.Rational(11111, 100000)
+    f = 1 - 2 / r - constant * r**2 / 3
+    rings = perturbed.ringing("R - 2*Lambda", hole(f), parity="axial",
+                              parameters={"Lambda": constant})  # fmt: skip
+    roots = sorted(sp.re(x) for x in sp.Poly(sp.numer(sp.together(f)), r).nroots(n=40))
+    near, far = roots[-2:]
+    kappa = float(f.diff(r).subs(r, near) / 2)
+    limit = complex(15**0.5 / 2, -0.5)
+    assert abs(rings.modes[0].frequency / kappa - limit) < abs(limit) * float((far - near) / near)
 
 
 @pytest.mark.parametrize(

@@ -66,6 +66,20 @@ def test_theories_with_one_scalar_of_the_same_mass(
     assert abs(mode.omega - series) < mode.error
 
 
+def test_the_scalar_of_f_of_r_in_de_sitter_space() -> None:
+    """m^2 = f'/(3 f'') - R/3 with R = 4 Lambda: 1/3 for c = 1/2 and Lambda = 1/25."""
+    t, r, theta, phi = sp.symbols("t r theta phi")
+    f = 1 - 2 / r - r**2 / 75
+    rows = sp.diag(sp.sqrt(f), 1 / sp.sqrt(f), r, r * sp.sin(theta))
+    hole = gt.Frame([t, r, theta, phi], rows, signature="-+++")
+    square = perturbed.ringing(
+        "R + c*R**2 - 2*Lambda", hole, l=1, parity="polar",
+        parameters={"Lambda": "1/25", "c": "1/2"},
+    ).modes[0]  # fmt: skip
+    test = perturbed.ringing("-X/2 - phi**2/6", hole, l=1).modes[0]
+    assert abs(square.omega - test.omega) < square.error + test.error
+
+
 def test_f_of_r_without_a_scalar_rings_as_general_relativity() -> None:
     """R + R^3 has no scalar where R = 0."""
     rings = perturbed.ringing("R + R**3", "schwarzschild", parity="polar", parameters=MASS)
@@ -85,6 +99,8 @@ def test_f_of_r_without_a_scalar_rings_as_general_relativity() -> None:
         ("R/2 - phi**2", {"matter": gt.gravity.scalar_field(0)}, "scalar with a wave"),
         ("-X/2", {"matter": gt.gravity.scalar_field(0)}, "test field"),
         ("R + c*R**2", {}, "'c': 1"),
+        ("R + 1/R", {}, "two derivatives by R"),
+        ("R + lambda*R**2", {"parameters": {"M": 1, "lambda": 0}}, "l: expected"),
     ],
 )
 def test_refusals(lagrangian: str, options: dict, words: str) -> None:

@@ -1,0 +1,1 @@
+"""Initial data: the constraints of a slice of a spacetime, from formulas and on grids."""
