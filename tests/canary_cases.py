@@ -214,9 +214,9 @@ def public_functions() -> list[Case]:
         ),
         _public("distance_apart", one=SOLVED, two=SOLVED, chart=None),
         _public("prove", result=SOLVED, digits=5, start=[0, 0], parameters={}),
-        _public("poincare", problem=SOLVED.problem, section="v", t=6.0, digits=5, count=1),
-        _public("closed_orbit", problem=SOLVED.problem, period=6.0, near=[1, 0], section="v",
-                digits=5),
+        _public("poincare", problem=ODE, section="v", t=7.0, digits=5, count=1),
+        _public("closed_orbit", problem=ODE, period=6.0, near=[1, 0], section="v",
+                conserved=["k*x**2 + v**2"], digits=5),
         _public(
             "solve", problem=CURVE, t=[0, 0.5], accuracy=1e-6, engine=QUICK, checkpoint=None,
             progress=None, overwrite=False, derivatives=["x"],

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.measured import draw_circuits, draw_survey
     from geomtorsion.pictures.network import draw_dislocations, draw_lines, draw_network
     from geomtorsion.pictures.notebook_pictures import draw_plan
+    from geomtorsion.pictures.orbits import draw_closed_orbit
     from geomtorsion.pictures.particles import draw_particles
     from geomtorsion.pictures.prices import draw_price
     from geomtorsion.pictures.report import write_report
@@ -42,6 +43,7 @@ _HOMES = {
     "curve_pictures": "curve_files",
     "draw_charge": "charges",
     "draw_circuits": "measured",
+    "draw_closed_orbit": "orbits",
     "draw_closure": "loops",
     "draw_constraints": "constraints",
     "draw_development": "development",
@@ -70,6 +72,7 @@ __all__ = [
     "curve_pictures",
     "draw_charge",
     "draw_circuits",
+    "draw_closed_orbit",
     "draw_closure",
     "draw_constraints",
     "draw_development",

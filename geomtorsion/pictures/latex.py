@@ -48,16 +48,17 @@ def latex_text(expression: object) -> str:
 
 
 def latex_name(name: str) -> str:
-    r"""A name in LaTeX: Greek letters, a trailing number or the part after _ as subscript.
+    r"""A name in LaTeX: Greek letters, a trailing number or the parts after _ as subscript.
 
     Examples
     --------
-    >>> latex_name("phi1"), latex_name("x"), latex_name("mass")
-    ('\\phi_{1}', 'x', '\\operatorname{mass}')
+    >>> latex_name("phi1"), latex_name("x"), latex_name("mass"), latex_name("f_TT")
+    ('\\phi_{1}', 'x', '\\operatorname{mass}', 'f_{TT}')
     """
     head, mark, tail = name.partition("_")
     if mark and head and tail:
-        return f"{_scripted(latex_name(head))}_{{{tail if tail.isdigit() else latex_name(tail)}}}"
+        parts = [_subscript(x) for x in tail.split("_") if x]
+        return f"{_scripted(latex_name(head))}_{{{' '.join(parts)}}}"
     numbered = _NUMBERED.fullmatch(name)
     if numbered:
         return f"{_scripted(latex_name(numbered[1]))}_{{{numbered[2]}}}"
@@ -65,6 +66,12 @@ def latex_name(name: str) -> str:
         return f"\\{name}"
     letters = latex_letters(name)
     return letters if len(name) == 1 else f"\\operatorname{{{letters}}}"
+
+
+def _subscript(part: str) -> str:
+    """A part of a name below another; a letter that occurs twice, as in f_TT, is not a word."""
+    is_plain = part.isascii() and part.isalnum() and (part.isdigit() or len(set(part)) == 1)
+    return part if is_plain else latex_name(part)
 
 
 def _scripted(latex: str) -> str:

@@ -9,6 +9,7 @@ import sympy
 
 from geomtorsion.errors import ArgumentError
 from geomtorsion.gravity.perturbed import PostNewtonian
+from geomtorsion.gravity.perturbed.geometries import shown
 from geomtorsion.gravity.perturbed.solar_system import CASSINI, MEASUREMENTS, STANDARD_ERRORS
 from geomtorsion.pictures.formula import mathml
 from geomtorsion.pictures.latex import latex_text
@@ -126,7 +127,7 @@ def post_newtonian_html(weak: PostNewtonian) -> str:
     """
     first, _, *tests = str(weak).splitlines()
     rows = [
-        f"<tr><th>{html_text(name)}</th><td>{mathml(latex_text(value))}</td></tr>"
+        f"<tr><th>{html_text(name)}</th><td>{mathml(latex_text(shown(value)))}</td></tr>"
         for name, value in weak.numbers.items()
     ]
     lines = "".join(f"<p>{html_text(one)}</p>" for one in tests)

@@ -310,7 +310,8 @@ class _Search:
         if moving < ROUGHLY:
             raise ProofError(
                 "Newton's method found an equilibrium instead of a closed orbit. Give a start "
-                "further from it."
+                "further from it; where orbits come in a family, list what stays constant in "
+                "conserved=[...]."
             )
 
     def _box(self, unknown: list[arb], inverse: arb_mat) -> tuple[list[arb], list[arb], arb_mat]:

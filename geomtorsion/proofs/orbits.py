@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from flint import acb, arb
 
@@ -14,7 +14,7 @@ from geomtorsion.proofs.prove import certain_digits
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.copies import only_fields
-from geomtorsion.support.displays import drawn_by
+from geomtorsion.support.displays import Plot, drawn_by, figure_by
 from geomtorsion.support.exclusive import exclusive
 from geomtorsion.support.precision import ball_precision
 
@@ -112,6 +112,7 @@ class ClosedOrbit:
 
     __repr__ = __str__
     _repr_html_ = drawn_by("notebook_pictures", "proof_html")
+    plot: ClassVar[Plot] = figure_by("orbits", "draw_closed_orbit")
 
 
 def _complex(x: acb, digits: int) -> str:

@@ -152,6 +152,31 @@ def test_a_moving_slice_on_a_grid_converges():
     assert abs(g.constraints(frame, bent).residuals["momentum"].order) < 0.5
 
 
+def test_terms_that_cancel_leave_rounding():
+    """On the flat slice of Painleve and Gullstrand H is K^2 - K_ij K^ij, zero but for rounding."""
+    axes, _, _ = kerr_schild(15)
+    x = np.array(np.meshgrid(*axes, indexing="ij"))
+    r = np.sqrt((x**2).sum(axis=0))
+    K = np.sqrt(2) * r**-1.5 * (UNIT - 1.5 * (x / r)[:, None] * (x / r)[None])
+    found = g.constraints(gt.SampledFrame.from_metric(axes, UNIT * np.ones_like(r)), K)
+    assert found.is_solution
+    assert np.isnan(found.residuals["hamiltonian"].order)
+    assert found.residuals["momentum"].order > 3
+
+
+def test_noise_is_an_error():
+    """Noise of the metric hides a solution, and the errors contain it."""
+    axes, metric, K = kerr_schild(17)
+    noise = np.random.default_rng(1).normal(size=metric.shape)
+    noise = 1e-5 * (noise + np.swapaxes(noise, 0, 1))
+    found = g.constraints(gt.SampledFrame.from_metric(axes, metric + noise), K)
+    assert found.is_solution
+    assert found.residuals["hamiltonian"].order < 0
+    clear = g.constraints(gt.SampledFrame.from_metric(axes, metric), K)
+    ratio = found.residuals["hamiltonian"].error / clear.residuals["hamiltonian"].error
+    assert np.median(ratio) > 3
+
+
 def two_holes(n: int, power: float) -> gt.SampledFrame:
     """The metric psi^power delta of two holes at z = -1 and 1, excised within 0.6."""
     axes = [np.linspace(-2, 2, n), np.linspace(-2, 2, n), np.linspace(-3, 3, n)]

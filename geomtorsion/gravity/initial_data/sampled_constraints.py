@@ -13,6 +13,7 @@ import numpy as np
 from geomtorsion.errors import GridError, MetricError
 from geomtorsion.geometry import contract, levi_civita
 from geomtorsion.gravity.initial_data.constraint_tensors import constraint_tensors
+from geomtorsion.loops.quadrature import ROUNDING
 from geomtorsion.materials.fields import Density, SampledFrame
 from geomtorsion.materials.fields.grid import REGULAR
 from geomtorsion.materials.fields.grid_geometry import (
@@ -217,24 +218,25 @@ def sampled_constraints(
     unit = f"1/{frame.unit}^2" if frame.unit else ""
     H, M = (replace(found.density(name), unit=unit) for name in NAMES)
     length = partial(_length, inverse=fine["inverse"])
-    sizes, others = length(M.values), length(coarse["momentum"] - fine["momentum"])
+    sizes = length(M.values)
+    # Errors of components may have any signs.
+    errors = found.error(coarse["momentum"] - fine["momentum"])
+    others = _length(errors, np.abs(fine["inverse"]))
     energy_scale = 2 * abs(float(value)) + 16 * math.pi * np.abs(rho)
-    scale = _root(fine["ricci"]) + np.abs(fine["K"]) + energy_scale
+    scales = (
+        _root(fine["ricci"]) + np.abs(fine["K"]) + energy_scale,
+        _root(fine["slope"]) + 8 * math.pi * length(flux),
+    )
+    # Rounding of the terms that cancel.
+    H = replace(H, difference=H.difference + ROUNDING * scales[0])
+    parts = (
+        (np.abs(H.values), H.error, np.abs(coarse["hamiltonian"])),
+        (sizes, others + ROUNDING * scales[1], length(coarse["momentum"])),
+    )
     residuals = {
-        "hamiltonian": Residual(
-            "hamiltonian", frame, np.abs(H.values), H.error, np.abs(coarse["hamiltonian"]), scale,
-            found.inside,
-            unit,
-        ),
-        "momentum": Residual(
-            "momentum",
-            frame,
-            sizes,
-            found.error(others, 1, float(np.nanmax(sizes))),
-            length(coarse["momentum"]), _root(fine["slope"]) + 8 * math.pi * length(flux),
-            found.inside, unit,
-        ),
-    }  # fmt: skip
+        name: Residual(name, frame, *part, scale, found.inside, unit)
+        for name, part, scale in zip(NAMES, parts, scales, strict=True)
+    }
     return SampledConstraints(frame, H, M, residuals)
 
 

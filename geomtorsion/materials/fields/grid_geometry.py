@@ -107,31 +107,32 @@ class TwoSteps:
         """Nodes where the share is smallest, because stencils are centred; all for order 2."""
         return self.share == self.share.min()
 
-    def error(self, differences: np.ndarray, depth: int, largest: float) -> np.ndarray:
+    def error(self, differences: np.ndarray) -> np.ndarray:
         """Error of values from their differences from twice the step, shape (..., grid...).
 
         The largest difference of neighbouring nodes counts, because it may vanish at a node by
-        chance. NaN stays.
-
-        depth: number of derivatives. largest: size of the values. Both give the rounding, of which
-        a smaller step makes more, not less.
+        chance. Noise and rounding differ between neighbours, and a smaller step makes more of
+        them: they count in full. NaN stays.
         """
         grid = self.samples._grid
         tensors = (1,) * (differences.ndim - grid.dimension)
         unknown = np.isnan(differences)
-        filled = np.where(unknown, 0.0, np.abs(differences))
-        widest = _widest(filled, grid, tensors, 1)
-        rounding = ROUNDING * max(largest, 1.0) / min(map(abs, grid.steps)) ** depth
-        # All components share the rounding of neighbouring nodes.
-        noise = _widest(filled.max(axis=tuple(range(len(tensors)))), grid, (), self.samples.order)
-        error = np.maximum(widest * self.share, np.minimum(noise, rounding))
-        return np.where(unknown, np.nan, error + ROUNDING * largest)
+        filled = np.where(unknown, 0.0, differences)
+        widest = _widest(np.abs(filled), grid, tensors, 1)
+        size, mode = _window(grid, tensors, 1)
+        mean, count = (
+            scipy.ndimage.uniform_filter(x, size, mode=mode) for x in (filled, 1.0 * ~unknown)
+        )
+        mean = np.divide(mean, count, out=np.zeros_like(mean), where=~unknown)
+        rough = np.where(unknown, 0.0, np.abs(filled - mean))
+        error = np.maximum(widest * self.share, _widest(rough, grid, tensors, 1))
+        return np.where(unknown, np.nan, error)
 
     def density(self, name: str) -> Density:
         """A tensor with its error; all its components share the rounding of the largest."""
         (values, depth), (other, _) = self.fine[name], self.coarse[name]
         largest = float(np.nanmax(np.abs(values), initial=0.0))
-        error = self.error(other - values, depth, largest)
+        error = self.error(other - values) + ROUNDING * largest
         unit = f"1/{self.samples.unit}" if depth and self.samples.unit else ""
         unit += f"^{depth}" if unit and depth > 1 else ""
         unknown = np.isnan(error)
@@ -193,8 +194,14 @@ def at_two_steps(
     return TwoSteps(samples, results[0], results[1], share)
 
 
-def _widest(values: np.ndarray, grid: Grid, tensors: tuple[int, ...], reach: int) -> np.ndarray:
-    """Largest value at each node and up to some nodes away."""
+def _window(grid: Grid, tensors: tuple[int, ...], reach: int) -> tuple[tuple[int, ...], list[str]]:
+    """Size of a neighbourhood of nodes, and how it continues beyond the edges."""
     size = (*tensors, *(2 * reach + 1,) * grid.dimension)
     mode = ["wrap" if x else "nearest" for x in (*(False,) * len(tensors), *grid.periodic)]
+    return size, mode
+
+
+def _widest(values: np.ndarray, grid: Grid, tensors: tuple[int, ...], reach: int) -> np.ndarray:
+    """Largest value at each node and up to some nodes away."""
+    size, mode = _window(grid, tensors, reach)
     return scipy.ndimage.maximum_filter(values, size, mode=mode)
