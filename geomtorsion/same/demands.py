@@ -17,7 +17,7 @@ from geomtorsion.support.precision import EPS
 ALIKE = 1e-6
 # Relative difference of invariants that is used for points where they are not finite.
 FAR = ALIKE**-0.5
-# Relative fall of the sum of squares below which it ends at a minimum that is no zero.
+# Relative fall of the sum of squares below which it ends at a minimum that is not a zero.
 STALLED = ALIKE
 # Points of the region among which starts are chosen.
 POINTS = 200

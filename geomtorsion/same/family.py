@@ -201,7 +201,7 @@ class Query:
                         yield None if number else fit.place, ordered, ()
 
     def excluded(self, stratum: Stratum) -> Contrast | None:
-        """Why no member of a stratum is the geometry, by what is cheap; None: some may be."""
+        """Why no member of a stratum is the geometry, by cheap properties; None: some may be."""
         own, other, two = self.classification, stratum.classification, stratum.invariants
         sure = [self.one.certainty, two.certainty]
         if own.excludes(other) and not own.may_be_special(other):

@@ -101,7 +101,7 @@ def _limits(demands: Demands, y: Array, first: int) -> Iterator[float]:
             rest = demands.miss(moved)
             free.append(rest is not None and float(rest @ rest) < ENOUGH)
         if free == [True, True]:
-            # Of no effect: the simplest value that is allowed.
+            # Without effect: the simplest allowed value.
             yield 1.0 if demands.positive[k] else 0.0
         else:
             yield 0.0 if free[0] else np.inf if free[1] else float(values[k])

@@ -249,7 +249,7 @@ class Search:
                 if size < mpmath.mpf(10) ** (5 - WORKING):
                     break
                 if size > before / 10 and size > mpmath.mpf(10) ** -DIGITS:
-                    # A minimum that is no zero.
+                    # A minimum that is not a zero.
                     return Match(start, point, turning, float(size))
                 before = size
                 step = -inverse @ np.array([complex(x / size) for x in rest])

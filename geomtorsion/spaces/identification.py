@@ -212,7 +212,7 @@ def _candidates(
             continue
         for stratum in _strata(charts[0], keep):
             other = stratum.classification
-            # Properties alone name a space of constant curvature.
+            # A space of constant curvature is named by its properties.
             if stratum.zeros and other.curvature is not None:
                 continue
             if stratum.zeros and not own.excludes(other):

@@ -132,7 +132,7 @@ def test_orientation_counts_if_it_should():
 
 
 def nil(sign: int) -> gt.Frame:
-    """The Heisenberg group, whose metric is the mirror image of that of the other sign."""
+    """The Heisenberg group, for each sign the mirror image of the other."""
     return gt.Frame("x y z", [[1, 0, 0], [0, 1, 0], [0, f"{sign}*x", 1]])
 
 

@@ -59,7 +59,7 @@ def test_a_name_is_a_family(typed, name, values):
 
 
 @pytest.mark.parametrize(("typed", "name", "words"), STRANGERS, ids=lambda x: str(x)[:30])
-def test_a_stranger_is_no_member(typed, name, words):
+def test_a_stranger_is_not_a_member(typed, name, words):
     """A geometry outside of a family is different, for all values of the parameters."""
     result = gt.same_geometry(typed, name)
     assert result.verdict == "different", result
@@ -101,7 +101,7 @@ def test_legs_of_a_family_are_fitted():
 
 @pytest.mark.slow
 def test_an_undecided_verdict_is_neither_true_nor_false():
-    """`bool` of an undecided verdict raises with the reason and with what was tried."""
+    """`bool` of an undecided verdict raises an error with the reason."""
     melvin = diagonal(
         "t rho phi z",
         ["-(1 + rho**2)**2", "(1 + rho**2)**2", "rho**2/(1 + rho**2)**2", "(1 + rho**2)**2"],
