@@ -37,6 +37,7 @@ if TYPE_CHECKING:
         Chart,
         CurveProblem,
         LogMap,
+        Shadow,
         TransitionMap,
         autoparallel,
         distance_apart,
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
         holonomy,
         log_map,
         parallel_transport,
+        shadow,
         spinning,
     )
     from geomtorsion.exact import Certainty, parse_expression
@@ -143,6 +145,7 @@ if TYPE_CHECKING:
     from geomtorsion.ode import (
         ODE,
         At,
+        EndMap,
         Engine,
         Ensemble,
         RungeKutta,
@@ -151,6 +154,7 @@ if TYPE_CHECKING:
         Stiff,
         Taylor,
         When,
+        end_map,
         solve_many,
     )
 
@@ -201,13 +205,13 @@ _LATER = {
         "equations_of_motion", "linearized", "variation",
     ),
     "ode": (
-        "At", "Ensemble", "Engine", "ODE", "RungeKutta", "SavedSolution", "Solution", "Stiff",
-        "Taylor", "When", "solve", "solve_many",
+        "At", "EndMap", "Ensemble", "Engine", "ODE", "RungeKutta", "SavedSolution", "Solution",
+        "Stiff", "Taylor", "When", "end_map", "solve", "solve_many",
     ),
     "curves": (
-        "Atlas", "Chart", "CurveProblem", "LogMap", "TransitionMap", "autoparallel",
+        "Atlas", "Chart", "CurveProblem", "LogMap", "Shadow", "TransitionMap", "autoparallel",
         "distance_apart", "exponential_map", "geodesic", "geodesic_deviation", "holonomy",
-        "log_map", "parallel_transport", "spinning",
+        "log_map", "parallel_transport", "shadow", "spinning",
     ),
     "rigid": ("FreeTop", "free_top"),
     "gravity": ("Symmetries", "killing_equations", "symmetries"),
@@ -276,6 +280,7 @@ __all__ = [
     "EffectBudget",
     "ElasticConstants",
     "EnclosedDefect",
+    "EndMap",
     "Engine",
     "Ensemble",
     "EquationsOfMotion",
@@ -318,6 +323,7 @@ __all__ = [
     "Scene",
     "SceneCost",
     "SceneResult",
+    "Shadow",
     "Solution",
     "State",
     "StateSelection",
@@ -356,6 +362,7 @@ __all__ = [
     "effects",
     "embedded",
     "enclosed_defects",
+    "end_map",
     "equations_of_motion",
     "errors",
     "exact_burgers_vector",
@@ -398,6 +405,7 @@ __all__ = [
     "read",
     "same_geometry",
     "scenes",
+    "shadow",
     "solve",
     "solve_many",
     "spaces",

@@ -18,6 +18,8 @@ from tests.canary import Case
 
 X, Y = sp.symbols("x y")
 PLANE = gt.Frame([X, Y], [[1, 0], [0, 1 + X**2]], name="bent")
+FLAT = gt.Frame("t x y z", sp.eye(4), signature=(-1, 1, 1, 1))
+FALL = gt.ODE.of({"z": "v", "v": "-10"}, [1, 0], events=[gt.When("z")])
 CORE = gt.Frame("x y", [["1", "0"], ["b*y", "1"]], parameters="b")
 CRYSTAL = gt.parallel_screws([(0, 0)], [1])
 CARTAN, RIEMANN = gt.cartan(PLANE), gt.levi_civita(PLANE)
@@ -229,6 +231,15 @@ def public_functions() -> list[Case]:
             "solve_many", problem=CURVE, starts=[[0, 0], [0, 1]], t=0.5, accuracy=1e-6,
             engine=QUICK, velocities=None, frame_velocities=[[1, 0], [1, 0]], check=1,
             progress=None, executor=None,
+        ),
+        _public(
+            "end_map", problem=FALL, values={"z": [1.0, 2.0], "v": [0.0]}, t=0.5, accuracy=1e-6,
+            engine=QUICK, progress=None, executor=None,
+        ),
+        _public(
+            "shadow", space=FLAT, camera=[0, 9, 0, 0], parameters=None, axis=None, up=None,
+            dark="x**2 + y**2 + z**2 - 1", sky="99 - x**2 - y**2 - z**2", light="geodesic",
+            length=40.0, engine=QUICK, executor=None,
         ),
         _of(
             "ODE", gt.ODE.of, rates={"x": "v", "v": "-k*x"}, start=[1, 0], parameters={"k": 1},
@@ -674,7 +685,7 @@ def other_cases() -> list[Case]:
 # Results: the package makes them itself from checked input. They enter from outside only through
 # files, and the readers of files are tested.
 RESULTS = frozenset(
-    "BurgersMap BurgersVector Development EnclosedDefect Ensemble "
+    "BurgersMap BurgersVector Development EnclosedDefect EndMap Ensemble Shadow "
     "EquationsOfMotion ExactBurgersVector Fit IdentityCheck LogMap NodeRule SavedSolution "
     "SceneCost SceneResult Solution StateSelection Variation Atlas Chart CurveProblem "
     "DislocationNetwork Engine LatticeBurgers LatticePhases Certainty Proof Linearization "

@@ -112,7 +112,8 @@ CEILINGS = {
     # One: the number of points whose field equations are evaluated together.
     # One: how far a mark of missing values is from all other values.
     # Three: the size of changes of a motion on the way, and two rules for when to make them.
-    "tuned constants": 192,
+    # Seven: where rays of a camera end, how far they are followed, and the stripes of its sky.
+    "tuned constants": 199,
     # Two more than before: converters of arguments are three files by kind instead of one of 1,000.
     # Two more: kinetic metrics and forces are files of their own.
     # One more: squares that roots hide in circular functions.
@@ -125,7 +126,7 @@ CEILINGS = {
 }
 # Lines of code below and above the wall, rounded up to five hundreds, without docstrings, comments
 # and blanks. A change that needs more raises a number and states in its commit what users get.
-BUDGET = {"below the wall": 52000, "above the wall": 57000}
+BUDGET = {"below the wall": 52500, "above the wall": 57000}
 # What a program that imports the package does not wait for.
 LATER = ("sympy", "flint", "mpmath", "numpy", "multiprocessing", "asyncio", "tomllib", "sqlite3")
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")
@@ -315,7 +316,7 @@ DRAWN_ELSEWHERE = {
     "exact/polynomials.py": "numbers modulo a prime",
     "exact/square_factors.py": "numbers modulo a prime",
     "fits/motions.py": "noise in an example",
-    "gravity/perturbed/phase_space.py": "the random change of a start, by a seed",
+    "gravity/perturbed/trial_fields.py": "the random change of a start, by a seed",
     "materials/crystals/frames.py": "atoms that represent all of a specimen",
     "materials/crystals/local_frames.py": "disturbed neighbours, from which a bound follows",
     "materials/crystals/triangulation.py": "small moves that make a triangulation unique",

@@ -30,6 +30,7 @@ class Commands(LazyGroup):
         "identify": "Find the shipped space that a tetrad is, in other coordinates.",
         "plan": "Show the steps that a quantity or a scene needs, and those it omits.",
         "report": "Write a page with the geometry, motions and a loop of a space.",
+        "shadow": "Compute the shadow of a black hole in the light that reaches a camera.",
         "curve": "Follow the straightest and the shortest path from one start.",
         "fit": "Fit parameters and the start of a motion to recorded data.",
         "price": "Measure what digits and certainty cost, of a motion, a loop or a scene.",
@@ -65,7 +66,7 @@ class Commands(LazyGroup):
             "report",
             "paper",
         ),
-        "Motions": ("curve", "fit", "run", "scenes", "price"),
+        "Motions": ("curve", "shadow", "fit", "run", "scenes", "price"),
         "Defects and data": ("burgers", "circuit", "map", "crystal", "network", "stress"),
         "Teaching": ("lab", "exercises"),
     }  # fmt: skip

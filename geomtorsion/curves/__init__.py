@@ -5,6 +5,7 @@ these take a problem. At run time only `problem` imports `readout`; the other im
 """
 
 from geomtorsion.curves.atlas import Atlas, Chart, TransitionMap
+from geomtorsion.curves.camera import Shadow, shadow
 from geomtorsion.curves.constructors import (
     autoparallel,
     geodesic,
@@ -17,6 +18,7 @@ from geomtorsion.curves.exponential import exponential_map, holonomy
 from geomtorsion.curves.linear import closed_form
 from geomtorsion.curves.log_map import LogMap, log_map
 from geomtorsion.curves.problem import CurveProblem
+from geomtorsion.curves.shadow_image import ShadowEdge, ShadowImage
 from geomtorsion.curves.spinning import spinning
 
 __all__ = [
@@ -24,6 +26,9 @@ __all__ = [
     "Chart",
     "CurveProblem",
     "LogMap",
+    "Shadow",
+    "ShadowEdge",
+    "ShadowImage",
     "TransitionMap",
     "autoparallel",
     "closed_form",
@@ -35,5 +40,6 @@ __all__ = [
     "holonomy",
     "log_map",
     "parallel_transport",
+    "shadow",
     "spinning",
 ]

@@ -437,6 +437,11 @@ class CurveProblem:
             speeds = zip(velocity_names(self.frame), self.frame_velocity, strict=True)
             check_stops(self.stops, {**point, **{name: float(u) for name, u in speeds}})
 
+    @property
+    def stop_texts(self) -> tuple[str, ...]:
+        """The conditions that end the curve, as text."""
+        return tuple(stop.text for stop in self.stops)
+
     def first_stage(self, precision: int, perturbation: float) -> Stage:
         """The motion from its start on; perturbation: the part by which this is changed."""
         key = precision, perturbation
@@ -781,6 +786,28 @@ class CurveProblem:
 
     # -- many starts -----------------------------------------------------------------------------
 
+    def bundle(self, columns: Mapping[str, np.ndarray]) -> dict[str, object]:
+        """Arguments of `solve_many` for members that differ in some coordinates and velocities.
+
+        columns: one of `variables` without the parameters -> its values, shape (number,).
+
+        Raises
+        ------
+        UnknownNameError
+            the start has no such coordinate or velocity.
+        """
+        names = [name for name in self.variables if name not in self.parameters]
+        own = {name: float(self.variables[name]) for name in names}
+        number = len(next(iter(columns.values())))
+        for name in columns:
+            checks.known_name(name, own, "start", UnknownNameError)
+        table = own | dict(columns)
+        rows = np.array([np.broadcast_to(table[name], number) for name in names]).T
+        width = 0 if self.start is None else len(self.start)
+        kind = "frame_velocities" if self.coordinate_velocity is None else "velocities"
+        lists: dict[str, object] = {kind: rows[:, width:]}
+        return lists if self.start is None else lists | {"starts": rows[:, :width]}
+
     def members(
         self, starts: object, velocities: object = None, frame_velocities: object = None
     ) -> Members:
@@ -801,7 +828,10 @@ class CurveProblem:
     def read_members(
         self, members: Members, rows: Rows, times: np.ndarray
     ) -> dict[str, np.ndarray]:
-        """Coordinates and frame velocities, shapes (number, m, n), and each by its name."""
+        """Coordinates and frame velocities, shapes (number, m, n), and each by its name.
+
+        times: the same for all members, shape (m,), or of each, shape (number, m).
+        """
         return readout.read_members(self, members, rows, times)
 
 

@@ -9,6 +9,8 @@ import mpmath
 import numpy as np
 
 from geomtorsion.curves.atlas import MovingPoint, not_covered
+from geomtorsion.curves.equations import velocity_names
+from geomtorsion.curves.stops import check_stops
 from geomtorsion.errors import ChartEdgeError, ShapeError, StartError
 from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.error_estimate import NOISE, alike
@@ -120,7 +122,9 @@ def _at_edge(problem: CurveProblem, q: np.ndarray, accuracy: float) -> np.ndarra
     numbers = {key: float(value) for key, value in problem.parameters.items()}
     place = dict(zip(chart.names, rows.T, strict=True)) | numbers
     with np.errstate(all="ignore"):
-        left, reach = chart.edge_distances(place, accuracy * np.abs(rows).max(axis=0, initial=0.0))
+        # After its stop a member has no numbers.
+        sizes = np.nan_to_num(np.abs(rows)).max(axis=0, initial=0.0)
+        left, reach = chart.edge_distances(place, accuracy * sizes)
         near = ~(np.abs(left) > reach)
     return np.asarray(near.any(axis=0)).reshape(q.shape[:-1])
 
@@ -376,7 +380,7 @@ def read_members(
 ) -> dict[str, np.ndarray]:
     """Coordinates and frame velocities of an ensemble, and each by its name."""
     equations, n = problem.equations(members.label), problem.frame.dimension
-    width, number, m = equations.width, len(members), len(times)
+    width, number, m = equations.width, len(members), times.shape[-1]
     q, u = np.full((number, m, n if width else 0), np.nan), np.full((number, m, n), np.nan)
     done = rows.finished.copy()
     done[list(rows.trajectories)] = False
@@ -384,13 +388,19 @@ def read_members(
     if equations.moves:
         u[done] = states[..., width : width + n] * members.units[done, None, None]
     else:
-        u[done] = members.varied["own_velocity"][done, None, :]
+        seen = np.all(np.isfinite(states), axis=2, keepdims=True)
+        u[done] = np.where(seen, members.varied["own_velocity"][done, None, :], np.nan)
     if width:
         there, turned = states[..., :width].reshape(-1, width), u[done].reshape(-1, n)
         home = problem.atlas.home
         if members.label != home:
-            there, turned = converted(problem, members.label, home, there, turned)
+            # After its stop a member has no numbers.
+            seen = np.isfinite(there).all(axis=1)
+            read = converted(problem, members.label, home, there[seen], turned[seen])
+            there, turned = np.full((2, there.shape[0], n), np.nan)
+            there[seen], turned[seen] = read
         q[done], u[done] = there.reshape(-1, m, n), turned.reshape(-1, m, n)
+    first = rows.states.shape[1] - m
     for k, trajectory in rows.trajectories.items():
         single = problem.member(members, k)
         pieces = [(x, x.states) for x in trajectory.segments if x.count]
@@ -399,7 +409,8 @@ def read_members(
             motion = moment(single, grid, pieces, grid.shape, 53)
         except ChartEdgeError:
             continue
-        q[k], u[k] = motion.coordinates[-m:], motion.frame_velocity[-m:]
+        count = max(len(grid) - first, 0)
+        q[k, :count], u[k, :count] = motion.coordinates[first:], motion.frame_velocity[first:]
     table = {"coordinates": q, "frame_velocity": u}
     if width:
         table |= {name: q[..., k] for k, name in enumerate(problem.coordinates)}
@@ -477,6 +488,18 @@ def _rows(values: object, n: int, what: str) -> np.ndarray:
     return array
 
 
+def _check_members(
+    problem: CurveProblem, names: Sequence[str], place: np.ndarray | None, velocities: np.ndarray
+) -> None:
+    """Refuse members whose condition to stop has fallen at their start already."""
+    if not problem.stops:
+        return
+    point: dict[str, float | np.ndarray] = {k: float(x) for k, x in problem.parameters.items()}
+    if place is not None:
+        point |= dict(zip(problem.coordinates, place.T, strict=True))
+    check_stops(problem.stops, point | dict(zip(names, velocities.T, strict=True)))
+
+
 def laid_out(problem: CurveProblem, place: np.ndarray | None, velocities: np.ndarray) -> Members:
     """Members in the chart of preference, each with a time unit of its own."""
     if problem.carried is not None:
@@ -484,17 +507,16 @@ def laid_out(problem: CurveProblem, place: np.ndarray | None, velocities: np.nda
             "expected curves without vectors carried along, got curves with them. Solve such "
             "problems one by one."
         )
-    if problem.stops:
-        raise StartError(
-            "expected curves without stop=..., because each such curve ends at its own time, got "
-            f"stop = {', '.join(stop.text for stop in problem.stops)}. Solve them one by one, or "
-            "omit it and use event_times."
-        )
+    names = velocity_names(problem.frame)
+    _check_members(problem, names, place, velocities)
     sizes = np.abs(velocities).max(axis=1)
     if not problem.law.is_quadratic:
         # As `CurveProblem.time_unit`: the path depends on the speed.
         sizes = np.ones(len(velocities))
     units = np.where(sizes > 0, 2.0 ** np.round(np.log2(np.where(sizes > 0, sizes, 1))), 1.0)
+    if any(symbol.name in names for stop in problem.stops for symbol in stop.term.free_symbols):
+        # The condition is compiled for velocities in one unit.
+        units = np.full(len(velocities), problem.time_unit)
     scaled = velocities / units[:, None]
     varied = {"frame_velocity": velocities}
     if place is not None:

@@ -126,7 +126,9 @@ def with_stops(
     terms = [term + TINY for term in terms_in_chart(stops, atlas, chart, equations, unit)]
     arguments = (*equations.states, *equations.parameters)
     guard = graph(arguments, [*(end if single else margin), *terms], equations.parameters)
-    return replace(system, guard=guard, end=None)
+    first = len(end if single else margin)
+    places = tuple(range(first, first + len(terms)))
+    return replace(system, guard=guard, end=None, stops=places)
 
 
 def terms_in_chart(
@@ -164,8 +166,8 @@ def stopped(
     return stops[place].text if place >= 0 else None
 
 
-def check_stops(stops: Sequence[Stop], point: Mapping[str, float]) -> None:
-    """Refuse a start at which a condition has fallen already.
+def check_stops(stops: Sequence[Stop], point: Mapping[str, float | np.ndarray]) -> None:
+    """Refuse starts at which a condition has fallen already; point: of one or of all members.
 
     Raises
     ------
@@ -174,10 +176,13 @@ def check_stops(stops: Sequence[Stop], point: Mapping[str, float]) -> None:
     """
     for stop in stops:
         names = sorted(symbol.name for symbol in stop.term.free_symbols)
-        room = float(graph(names, [stop.term], factor=False).numpy()(*(point[x] for x in names))[0])
-        if not room >= 0:
+        room = graph(names, [stop.term], factor=False).numpy()(*(point[x] for x in names))[0]
+        bad = np.flatnonzero(~(np.atleast_1d(room) >= 0))
+        if len(bad):
+            which = f" for member {bad[0]}" if np.ndim(room) else ""
             raise StartError(
-                f"stop: expected {stop.text} above zero at the start, got {room:.6g}. A curve ends "
-                f"where the expression decreases through zero; write -({stop.text}) to stop where "
-                "it increases."
+                f"stop: expected {stop.text} above zero at the start, got "
+                f"{float(np.atleast_1d(room)[bad[0]]):.6g}{which}. A curve ends where the "
+                f"expression decreases through zero; write -({stop.text}) to stop where it "
+                "increases."
             )

@@ -14,6 +14,7 @@ from geomtorsion.ode.checkpoint import Checkpoint
 from geomtorsion.ode.derivatives import EventDerivative
 from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
 from geomtorsion.ode.ensemble import Ensemble, solve_many
+from geomtorsion.ode.fates import EndMap, end_map
 from geomtorsion.ode.files import SavedSolution
 from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.problem import ODE
@@ -28,6 +29,7 @@ __all__ = [
     "At",
     "Checkpoint",
     "Cost",
+    "EndMap",
     "Engine",
     "Ensemble",
     "EventDerivative",
@@ -45,6 +47,7 @@ __all__ = [
     "WorkLimitError",
     "checkpoint",
     "derivatives",
+    "end_map",
     "engines",
     "error_estimate",
     "integrate",

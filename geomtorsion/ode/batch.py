@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geomtorsion.errors import WorkerError
+from geomtorsion.ode.ends import Ends
 from geomtorsion.ode.engines.stacked import STACKED
 from geomtorsion.ode.poles import may_be_at_poles
 from geomtorsion.ode.system import (
@@ -27,14 +28,17 @@ from geomtorsion.support.executors import Executor, each_done
 class BatchRun:
     """What the members of a batch came to.
 
-    states: shape (number, times, size); not a number where a member is not finished.
-    finished: shape (number,), which came to the end without meeting the guard.
+    states: shape (number, times, size); not a number where a member is not finished, and after its
+        stop.
+    finished: shape (number,), which came to the last time or a stop without leaving the batch.
+    ends: of members that were stopped, in units of the times.
     steps, longest: shape (number,), how many steps each took, and the longest of them as a part of
         the way; where they were counted.
     """
 
     states: np.ndarray
     finished: np.ndarray
+    ends: Ends
     steps: np.ndarray
     longest: np.ndarray
     interrupted: bool = False
@@ -100,7 +104,9 @@ def run_batch(
             engine, scaled_system(system), states / sizes, columns, units / clocks, pace, times,
             tolerance, show, counted=counted, longest=longest, executor=executor,
         )  # fmt: skip
-        return replace(scaled, states=scaled.states * sizes[:, None, :])
+        ends = replace(scaled.ends, states=scaled.ends.states * sizes)
+        return replace(scaled, states=scaled.states * sizes[:, None, :], ends=ends)
+    ends = Ends.none(number, size)
     result = np.full((number, len(times), size), np.nan)
     finished, crossed = np.zeros((2, number), dtype=bool)
     steps, compiling, interrupted, failure = np.zeros((2, number)), 0.0, False, None
@@ -123,9 +129,10 @@ def run_batch(
                 part.crossed,
             )
             steps[:, place] = part.steps
+            ends.put(place, part.ends)
             compiling, interrupted = (
                 max(compiling, part.compile_seconds),
-                interrupted or part.stopped,
+                interrupted or part.interrupted,
             )
             done += place.stop - place.start
             if show is not None and executor is not None:
@@ -137,22 +144,50 @@ def run_batch(
     if system.guard is not None:
         with np.errstate(all="ignore"):
             guard = system.guard_along(np.moveaxis(result, 2, 0), parameters.T[:, :, None])
-        crossed |= finished & (np.broadcast_to(guard, result.shape[:2]) < 0).any(axis=1)
+        beyond = np.broadcast_to(guard, result.shape[:2]) < 0
+        crossed |= finished & (beyond & np.isfinite(result).all(axis=2)).any(axis=1)
+        crossed |= _stopped_early(system, states, parameters, ends, tolerance)
     # Members that end at a pole are followed one by one, as others that may not continue.
-    crossed |= finished & _meet_poles(system, result, parameters, units, times, steps[0])
+    last = np.where(ends.stopped, ends.times, times[-1])
+    until = np.where(np.abs(times) < np.abs(last[:, None]), times, last[:, None])
+    looked = np.where(np.isnan(result), ends.states[:, None, :], result)
+    crossed |= finished & _meet_poles(system, looked, parameters, units[:, None] * until, steps[0])
     finished &= ~crossed
     result[~finished] = np.nan
+    ends.put(~finished, Ends.none(int((~finished).sum()), size))
     taken, longest_taken = steps
-    return BatchRun(result, finished, taken, longest_taken, interrupted, compiling, failure)
+    return BatchRun(result, finished, ends, taken, longest_taken, interrupted, compiling, failure)
+
+
+def _stopped_early(
+    system: System, starts: np.ndarray, parameters: np.ndarray, ends: Ends, tolerance: float
+) -> np.ndarray:
+    """Which members were stopped where their condition is far from zero, shape (number,).
+
+    Truncated series that do not converge, such as of roots in long steps, can vanish anywhere.
+    """
+    early = np.zeros(len(starts), dtype=bool)
+    index = np.flatnonzero(ends.stopped)
+    if system.guard_is_entire or not len(index):
+        return early
+    here, before = (
+        system.stops_along(rows[index].T, parameters[index].T) for rows in (ends.states, starts)
+    )
+    some = ends.stops[index], np.arange(len(index))
+    early[index] = ~(np.abs(here[some]) <= tolerance * np.abs(before[some]))
+    return early
 
 
 def _meet_poles(
-    system: System, states: np.ndarray, parameters: np.ndarray, units: np.ndarray,
-    times: np.ndarray, steps: np.ndarray,
+    system: System, states: np.ndarray, parameters: np.ndarray, elapsed: np.ndarray,
+    steps: np.ndarray,
 ) -> np.ndarray:  # fmt: skip
-    """Which members have a sample that may be at a pole of their rates, shape (number,)."""
+    """Which members have a sample that may be at a pole of their rates, shape (number,).
+
+    elapsed: time of each sample, shape (number, times).
+    """
     number, count, size = states.shape
-    elapsed = np.abs(np.multiply.outer(units, times)).ravel()
+    elapsed = np.abs(elapsed).ravel()
     rows = columns([states.reshape(-1, size)], [])
     rows = np.concatenate((rows, np.repeat(parameters.T, count, axis=1)))
     near = may_be_at_poles(system, rows, elapsed, np.repeat(steps, count))
@@ -161,14 +196,15 @@ def _meet_poles(
 
 @dataclass(frozen=True, eq=False)
 class _Part:
-    """What an engine made of some members; stopped: by Ctrl-C."""
+    """What an engine made of some members; interrupted: by Ctrl-C."""
 
     states: np.ndarray
     finished: np.ndarray
     crossed: np.ndarray
     steps: np.ndarray
+    ends: Ends
     compile_seconds: float
-    stopped: bool
+    interrupted: bool
 
 
 def _filled(
@@ -192,11 +228,11 @@ def _filled(
     finished, crossed = np.zeros((2, number), dtype=bool)
     batch = Batch(
         system, states, parameters, units, pace, times, show, counted, longest, result, finished,
-        crossed, np.zeros((2, number)),
+        crossed, np.zeros((2, number)), Ends.none(number, size),
     )  # fmt: skip
-    compiling, stopped = 0.0, False
+    compiling, interrupted = 0.0, False
     try:
         compiling = run(batch, tolerance)
     except KeyboardInterrupt:
-        stopped = True
-    return _Part(result, finished, crossed, batch.steps, compiling, stopped)
+        interrupted = True
+    return _Part(result, finished, crossed, batch.steps, batch.ends, compiling, interrupted)

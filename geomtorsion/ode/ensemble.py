@@ -6,12 +6,14 @@ import math
 import time
 from collections.abc import Iterator, KeysView, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 
 from geomtorsion.errors import AccuracyError, StartError, TimeError, WorkerError
 from geomtorsion.ode.batch import Failure, batch_method
+from geomtorsion.ode.ends import Ends
 from geomtorsion.ode.engines import Engine
 from geomtorsion.ode.error_estimate import (
     AIM,
@@ -35,14 +37,19 @@ from geomtorsion.ode.singles import followed, listed, unfinished_text
 from geomtorsion.ode.solve import batch_engine
 from geomtorsion.ode.system import Show, checked_engine
 from geomtorsion.ode.trajectory import Trajectory
+from geomtorsion.ode.writing import pandas_table
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.copies import only_fields
+from geomtorsion.support.csv_table import write_csv
 from geomtorsion.support.displays import Plot, drawn_by, figure_by, key_completions
 from geomtorsion.support.executors import Executor, checked_executor, each_done
 from geomtorsion.support.hints import argument_hints, attribute_hints
 from geomtorsion.support.precision import GOLDEN
 from geomtorsion.support.progress import PATIENCE, bar
+
+# Names of vectors whose components have names of their own.
+WHOLE = ("states", "coordinates", "frame_velocity")
 
 
 @attribute_hints(t="ensemble.times")
@@ -54,13 +61,13 @@ class Ensemble:
     times: shape (m,).
     errors: shape (number,), estimate of the largest relative error of each member, as in
         `Solution.error`; not a number for members that were not verified or not finished.
-    finished: shape (number,), True for members that reached the last time.
+    finished: shape (number,), True for members that reached the last time or were stopped.
     interrupted: whether it was stopped by Ctrl-C.
     engine, reason, tolerance: the engine, why it was chosen, and its finest tolerance.
     compile_seconds, run_seconds, check_seconds: as in `Cost`.
 
     Arrays by name, as `ensemble["x"]`, have shape (number, m) or (number, m, k); they are not a
-    number where a member is not finished.
+    number where a member is not finished, and after its stop. `end` has the end of each member.
 
     Examples
     --------
@@ -70,6 +77,16 @@ class Ensemble:
     >>> many = solve_many(decay, {"k": np.array([1.0, 2.0])}, 1.0)
     >>> many["half"][:, -1].round(6).tolist(), bool(many.error < 1e-10)
     ([0.18394, 0.067668], True)
+
+    Each stone lands at its own time:
+
+    >>> from geomtorsion.ode import When
+    >>> fall = ODE.of({"z": "v", "v": "-10"}, [20, 0], events=[When("z")])
+    >>> stones = solve_many(fall, {"z": [5.0, 20.0, 80.0]}, 3.0)
+    >>> stones.times_at_stop.round(9).tolist(), stones.stopped_by.tolist()
+    ([1.0, 2.0, nan], ['z', 'z', ''])
+    >>> stones.end["v"].round(9).tolist()
+    [-10.0, -20.0, -30.0]
     """
 
     problem: Any  # a Problem; users know which one they posed
@@ -105,8 +122,31 @@ class Ensemble:
 
     @property
     def unfinished(self) -> tuple[int, ...]:
-        """Numbers of the members that did not reach the last time."""
+        """Numbers of the members that were neither stopped nor reached the last time."""
         return tuple(np.flatnonzero(~self.finished).tolist())
+
+    @property
+    def times_at_stop(self) -> np.ndarray:
+        """Time at which a condition stopped each member, shape (number,); not a number for none."""
+        return self.rows.ends.times
+
+    @property
+    def stopped_by(self) -> np.ndarray:
+        """Condition that stopped each member, as text, shape (number,); empty for none."""
+        texts = np.array([*self.problem.stop_texts, ""])
+        return texts[self.rows.ends.stops]
+
+    @cached_property
+    def end(self) -> Moment:
+        """Everything at the end of each member, its stop or the last time: shapes (number, ...)."""
+        ends = self.rows.ends
+        states = np.where(ends.stopped[:, None], ends.states, self.rows.states[:, -1])
+        times = np.where(ends.stopped, ends.times, self.times[-1])
+        lasts = {k: path.ending() for k, path in self.rows.trajectories.items()}
+        rows = Rows(states[:, None, :], self.finished, ends, lasts)
+        values = self.problem.read_members(self.members, rows, times[:, None])
+        whole = tuple(name for name in WHOLE if name in values)
+        return Moment(times, {name: x[:, 0] for name, x in values.items()}, whole)
 
     @cached_property
     def values(self) -> Mapping[str, np.ndarray]:
@@ -177,13 +217,55 @@ class Ensemble:
         accuracy = checked_accuracy(accuracy)
         return _ensemble(self.problem, self.members, when, accuracy, engine, every, False)
 
+    def to_pandas(self) -> Any:  # pandas is not a dependency
+        """A pandas table of the ends, a row for each member: its error, its stop, all names.
+
+        Raises
+        ------
+        MissingExtraError
+            pandas is not installed.
+        """
+        return pandas_table(self._columns())
+
+    def to_csv(self, path: str | Path) -> None:
+        """Write the table of `to_pandas`, every digit kept.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> from geomtorsion.ode import ODE, solve_many
+        >>> file = Path(tempfile.mkdtemp(), "ends.csv")
+        >>> solve_many(ODE.of({"x": "1"}, [0]), [[1.0], [2.0]], 1.0).to_csv(file)
+        >>> file.read_text().splitlines()[0]
+        'member,finished,error,stopped_by,t,x'
+        """
+        write_csv(checks.file_name(path), self._columns())
+
+    def _columns(self) -> dict[str, np.ndarray]:
+        """The end of each member, by name; components of vectors by their own."""
+        head = {
+            "member": np.arange(len(self)),
+            "finished": self.finished.astype(int),
+            "error": self.errors,
+            "stopped_by": self.stopped_by,
+            self.problem.time_name: self.end.time,
+        }
+        columns = {name: x for name, x in self.end.items() if x.ndim == 1}
+        for name in self.end:
+            if self.end[name].ndim > 1:
+                columns |= {f"{name}[{k}]": x for k, x in enumerate(self.end[name].T)}
+        return head | columns
+
     def __str__(self) -> str:
         done = int(self.finished.sum())
+        stopped = int(self.rows.ends.stopped.sum())
+        halted = f"{stopped} of them stopped; " if stopped else ""
         rate = done / self.run_seconds if self.run_seconds else 0.0
         lost = "; " + listed(self.unfinished, "not finished:") if self.unfinished else ""
         return (
             f"{done} of {len(self)} motions by {self.engine} ({self.reason}), "
             f"error below {self.error:.2g} in the {self.checked} of them that were verified; "
+            f"{halted}"
             f"{self.run_seconds:.3g} s ({rate:.3g} per second), "
             f"compiled in {self.compile_seconds:.3g} s, checked in {self.check_seconds:.3g} s{lost}"
         )
@@ -251,6 +333,9 @@ def solve_many(
         that reach it, and the others as unfinished.
     WorkerError
         a worker ended without a result; its `partial` has the members that others finished.
+
+    Members with `stop=` or `When` end each at its own time: see `Ensemble.end`. A member whose
+    answer and finer run are stopped by different conditions lacks accuracy.
 
     Examples
     --------
@@ -336,6 +421,7 @@ class _Job:
         self.failure: Failure | None = None
         self.errors = np.full(number, np.nan)
         self.states = np.full((number, len(grid), size), np.nan)
+        self.ends = Ends.none(number, size)
         self.finished = np.zeros(number, dtype=bool)
         self.trajectories: dict[int, Trajectory] = {}
         self.lacking: list[int] = []
@@ -345,7 +431,7 @@ class _Job:
     @property
     def rows(self) -> Rows:
         """The states of finished members."""
-        return Rows(self.states, self.finished, self.trajectories)
+        return Rows(self.states, self.finished, self.ends, self.trajectories)
 
     def run(self, some: np.ndarray, show: Show) -> str:
         """Run all members and verify some of them; report the members that lack accuracy.
@@ -473,6 +559,7 @@ class _Job:
         """Members of a batch that are done."""
         place = index[done]
         self.states[place], self.finished[place] = answer.states[done], True
+        self.ends.put(place, answer.ends.of(done))
         self.errors[place] = np.broadcast_to(errors, done.shape)[done]
 
     def _fail(self, reason: str, members: np.ndarray) -> None:
@@ -495,7 +582,7 @@ class _Job:
                 if answer is not None:
                     self.run_seconds += answer.run_seconds
                     self.tolerance = min(self.tolerance, answer.tolerance)
-                if answer is None or answer.outcome != "done":
+                if answer is None or answer.outcome not in ("done", "stopped"):
                     # It does not reach the end, and has no error to wait for.
                     reasons[k] = f"Member {k}: {single.reason}"
                 elif single.error > self.accuracy:
@@ -511,9 +598,16 @@ class _Job:
     def _keep_single(self, k: int, answer: Trajectory, error: float) -> None:
         """A member that was followed singly."""
         self.finished[k], self.errors[k] = True, error
-        if set(answer.labels) == {self.members.label}:
-            parts = [segment.states for segment in answer.segments]
-            self.states[k] = np.concatenate(parts)[:, : self.states.shape[2]]
+        unit = self.problem.member(self.members, k).time_unit
+        if answer.outcome == "stopped":
+            self.ends.stops[k] = self.problem.stop_texts.index(answer.reason)
+            self.ends.times[k] = answer.reached / unit
+        if set(answer.labels) == {self.members.label} and unit == self.members.units[k]:
+            size = self.states.shape[2]
+            states = np.concatenate([segment.states for segment in answer.segments])
+            self.states[k, : len(states)] = states[:, :size]
+            if answer.outcome == "stopped":
+                self.ends.states[k] = answer.segments[-1].last[:size]
         else:
             self.trajectories[k] = answer
 
@@ -521,17 +615,28 @@ class _Job:
         """The error of each member, group by group; not a number where it is not known."""
         worst = np.full(len(answer.finished), rounding(self.engine, 1))
         both = answer.finished & reference.finished
-        pairs = [
-            (answer.states[..., list(group)], reference.states[..., list(group)])
-            for group in self.members.groups
-        ]
+        # The end of each member is one more sample.
+        here, there = (_with_ends(x) for x in (answer, reference))
+        pairs = [(here[..., list(group)], there[..., list(group)]) for group in self.members.groups]
         pairs += self.problem.member_gaps(
             self.members.of(index),
-            *(Rows(x.states, both, {}) for x in (answer, reference)),
+            *(Rows(x, both, answer.ends) for x in (here, there)),
             self.accuracy,
         )
         with np.errstate(all="ignore"):
             for one, two in pairs:
-                size, gap = (np.abs(x).max(axis=(1, 2)) for x in (one, one - two))
+                # A sample between the two stops of a member is in one of the runs only.
+                seen = np.isfinite(one) & np.isfinite(two)
+                size = np.abs(np.where(np.isfinite(one), one, 0.0)).max(axis=(1, 2))
+                gap = np.abs(np.where(seen, one - two, 0.0)).max(axis=(1, 2))
                 worst = np.fmax(worst, np.where(gap > 0, gap / size, gap))
+            late = np.abs(answer.ends.times - reference.ends.times)
+            worst = np.fmax(worst, np.where(late > 0, late / np.abs(answer.ends.times), 0.0))
+        worst[answer.ends.stops != reference.ends.stops] = math.inf
         return np.where(both, SAFETY * worst, np.nan)
+
+
+def _with_ends(run: BatchRows) -> np.ndarray:
+    """States at all times, and at the stops of members that have one: (number, m + 1, size)."""
+    lasts = np.where(run.ends.stopped[:, None], run.ends.states, run.states[:, -1])
+    return np.concatenate((run.states, lasts[:, None, :]), axis=1)

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from geomtorsion.ode.batch import Failure, run_batch
+from geomtorsion.ode.ends import Ends
 from geomtorsion.ode.engines import Engine
 from geomtorsion.ode.system import Show, System
 from geomtorsion.ode.trajectory import Trajectory
@@ -83,12 +84,15 @@ class Members:
 class Rows:
     """States of members at all times of a grid.
 
-    states: shape (number, times, size), not a number for members that were followed singly.
+    states: shape (number, times, size), not a number for members that were followed singly, and
+        after the stop of a member.
+    ends: of members that were stopped.
     finished: shape (number,); trajectories: member -> what it was followed by singly.
     """
 
     states: np.ndarray
     finished: np.ndarray
+    ends: Ends
     trajectories: Mapping[int, Trajectory] = field(default_factory=dict)
 
 
@@ -102,6 +106,7 @@ class BatchRows:
 
     states: np.ndarray
     finished: np.ndarray
+    ends: Ends
     steps: np.ndarray
     longest: np.ndarray
     interrupted: bool = False
@@ -110,8 +115,9 @@ class BatchRows:
 
     def of(self, which: np.ndarray) -> BatchRows:
         """Some of the members."""
-        rows = self.states[which], self.finished[which], self.steps[which], self.longest[which]
-        return BatchRows(*rows, self.interrupted, self.compile_seconds, self.failure)
+        rows = self.states[which], self.finished[which], self.ends.of(which)
+        steps = self.steps[which], self.longest[which]
+        return BatchRows(*rows, *steps, self.interrupted, self.compile_seconds, self.failure)
 
 
 def run_members(
@@ -131,10 +137,13 @@ def run_members(
     """
     size, number = members.states.shape[1], len(members)
     states = np.full((number, len(grid), size), np.nan)
-    finished, compiling = np.ones(number, dtype=bool), 0.0
+    finished, compiling = np.zeros(number, dtype=bool), 0.0
+    ends = Ends.none(number, size)
     steps, longest_steps = np.zeros(number), np.zeros(number)
     end = float(grid[-1])
     sign = -1.0 if end < 0 else 1.0
+    # The members that are still on their way.
+    left = np.arange(number)
     while True:
         until = members.until
         final = until is None or sign * until >= sign * end
@@ -145,38 +154,47 @@ def run_members(
         local = grid[inside] - members.begin
         times = np.unique(np.concatenate(([0.0], local, [stop - members.begin])))
         times = times if sign > 0 else times[::-1]
-        run = _run_to_event(members, times, tolerance, engine, show, longest, counted, executor)
+        run = run_batch(
+            engine, members.system, members.states, members.parameters, members.units,
+            members.pace, times, tolerance, show, counted=counted, longest=longest,
+            executor=executor,
+        )  # fmt: skip
         compiling += run.compile_seconds
-        finished &= run.finished
-        steps += run.steps
-        longest_steps = np.maximum(longest_steps, run.longest)
+        steps[left] += run.steps
+        longest_steps[left] = np.maximum(longest_steps[left], run.longest * abs(times[-1]))
         place = np.searchsorted(np.abs(times), np.abs(local))
-        states[:, inside] = run.states[:, place]
-        if run.interrupted or run.failure or final or members.follow is None:
-            states[~finished] = np.nan
-            return BatchRows(
-                states, finished & final, steps, longest_steps, run.interrupted, compiling,
-                run.failure,
-            )  # fmt: skip
-        members = members.follow(run.states[:, -1])
-
-
-def _run_to_event(
-    members: Members,
-    times: np.ndarray,
-    tolerance: float,
-    engine: Engine,
-    show: Show,
-    longest: float,
-    counted: bool,
-    executor: Executor | None,
-) -> BatchRows:
-    """All members up to their next event."""
-    run = run_batch(
-        engine, members.system, members.states, members.parameters, members.units, members.pace,
-        times, tolerance, show, counted=counted, longest=longest, executor=executor,
-    )  # fmt: skip
+        states[np.ix_(left, inside)] = run.states[:, place]
+        ended = run.ends.stopped
+        later = replace(run.ends.of(ended), times=run.ends.times[ended] + members.begin)
+        ends.put(left[ended], later)
+        finished[left[ended]] = True
+        failure = run.failure
+        if failure is not None:
+            failure = replace(failure, members=left[failure.members])
+        if run.interrupted or failure or final or members.follow is None:
+            finished[left] |= run.finished & final
+            break
+        on = np.flatnonzero(run.finished & ~ended)
+        lasts = run.states[:, -1]
+        members, left, lasts = members.follow(lasts).of(on), left[on], lasts[on]
+        ended = _stopped_by_a_change(members)
+        if ended.any():
+            times = np.full(int(ended.sum()), members.begin)
+            ends.put(left[ended], Ends(np.zeros(len(times), dtype=int), times, lasts[ended]))
+            finished[left[ended]] = True
+            members, left = members.of(np.flatnonzero(~ended)), left[~ended]
+        if not len(left):
+            break
+    states[~finished] = np.nan
+    ends.put(~finished, Ends.none(int((~finished).sum()), size))
     return BatchRows(
-        run.states, run.finished, run.steps, run.longest * abs(times[-1]), run.interrupted,
-        run.compile_seconds, run.failure,
-    )  # fmt: skip
+        states, finished, ends, steps, longest_steps, run.interrupted, compiling, failure
+    )
+
+
+def _stopped_by_a_change(members: Members) -> np.ndarray:
+    """Which members a change at a time has carried beyond their stop, shape (number,)."""
+    system = members.system
+    if not (system.stops and len(members)):
+        return np.zeros(len(members), dtype=bool)
+    return np.any(system.stops_along(members.states.T, members.parameters.T) < 0, axis=0)

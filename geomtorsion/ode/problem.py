@@ -432,14 +432,36 @@ class ODE:
 
     # -- for the solver --------------------------------------------------------------------------
 
+    @property
+    def stop_texts(self) -> tuple[str, ...]:
+        """The condition that ends the motion, as text; empty without one."""
+        return () if self.rates.stop is None else (str(self.rates.stop),)
+
     def check_start(self) -> None:
         """Raise an error if a condition that ends the motion holds at the start."""
         room = self._room(0.0, self.start, self.parameters)
         if not room >= 0:
-            raise StartError(
-                f"expected stop above zero at the start, got {self.rates.stop} = {room:.6g}. The "
-                "motion ends where it decreases through zero, so start where it is positive."
-            )
+            raise self._stopped_at_once(room)
+
+    def _stopped_at_once(self, room: float, member: str = "") -> StartError:
+        """The error of a start at which the condition has fallen already."""
+        return StartError(
+            f"expected stop above zero at the start, got {self.rates.stop} = {room:.6g}{member}. "
+            "The motion ends where it decreases through zero, so start where it is positive."
+        )
+
+    def _check_members(
+        self, states: np.ndarray, parameters: Mapping[str, Real | np.ndarray]
+    ) -> None:
+        """As `check_start`, for each member."""
+        stop = self.rates.stop_graph
+        if stop is None:
+            return
+        numbers = [np.asarray(parameters[x], dtype=float) for x in self.rates.parameters]
+        room = np.broadcast_to(stop.numpy()(*states.T, *numbers, 0.0)[0], len(states))
+        bad = np.flatnonzero(~(room >= 0))
+        if len(bad):
+            raise self._stopped_at_once(float(room[bad[0]]), f" for member {bad[0]}")
 
     def _room(self, time: float, states: State, parameters: Mapping[str, Real]) -> float:
         """How far the motion is from where it stops; below zero it is there."""
@@ -799,6 +821,10 @@ class ODE:
 
     # -- many starts -----------------------------------------------------------------------------
 
+    def bundle(self, columns: Mapping[str, np.ndarray]) -> dict[str, object]:
+        """Arguments of `solve_many` for members that differ in some states and parameters."""
+        return {"starts": columns}
+
     def members(
         self, starts: object, velocities: object = None, frame_velocities: object = None
     ) -> Members:
@@ -808,18 +834,15 @@ class ODE:
                 "velocities: expected none for an ODE, which has only states. Give all states in "
                 "starts."
             )
-        if self.rates.stop is not None:
-            raise StartError(
-                "expected equations without When(...), because each such motion ends at its own "
-                "time. Solve them one by one, or omit it and use event_times."
-            )
         states, varied = constructor.start_columns(
             self.states, self.start, self.rates.parameters, starts
         )
         constructor.check_many_lengths(self.states, states, self.normalized)
         constructor.check_declared(self.rates.declared, varied)
         parameters: dict[str, Real | np.ndarray] = dict(self.parameters) | varied
-        return self._members(0.0, self.unit_rows(states), parameters, self.events)
+        states = self.unit_rows(states)
+        self._check_members(states, parameters)
+        return self._members(0.0, states, parameters, self.events)
 
     def _members(
         self,
@@ -881,8 +904,11 @@ class ODE:
     def read_members(
         self, members: Members, rows: Rows, times: np.ndarray
     ) -> dict[str, np.ndarray]:
-        """States and outputs by name, shapes (number, m) or (number, m, k)."""
-        number, m = len(members), len(times)
+        """States and outputs by name, shapes (number, m) or (number, m, k).
+
+        times: the same for all members, shape (m,), or of each, shape (number, m).
+        """
+        number, m = len(members), times.shape[-1]
         states = rows.states[:, -m:, : self.size]
         flat_states = states.reshape(number * m, self.size)
         with np.errstate(all="ignore"):
@@ -891,7 +917,7 @@ class ODE:
         table = {name: states[..., k] for k, name in enumerate(self.states)} | {"states": states}
         if not self.outputs:
             return table
-        at = np.tile(times, number)
+        at = np.broadcast_to(times, (number, m)).ravel()
         varied = {name: np.repeat(value, m) for name, value in members.varied.items()}
         values = self.term_graphs[0].numpy()(*self.arguments(at, flat_states, varied))
         for name, lines, several in _cut(self.outputs, values):

@@ -184,7 +184,9 @@ def _system(
     guards = [*(() if stop is None else (stop + TINY,)), *edges]
     guard = graph(arguments, guards, others) if guards else None
     rate_graph = graph(arguments, list(terms), others)
-    return System(names, others, rate_graph, groups, guard, None, (clock, CLOCK) if clock else None)
+    ticks = (clock, CLOCK) if clock else None
+    stops = () if stop is None else (0,)
+    return System(names, others, rate_graph, groups, guard, None, ticks, stops)
 
 
 def check_smooth(terms: Sequence[sp.Expr], where: Sequence[str]) -> None:

@@ -39,7 +39,7 @@ def crossings(
     place = np.flatnonzero(signs[:-1] != signs[1:])
     if direction:
         place = place[signs[place + 1] == direction]
-    return _bisected(function, times[place], times[place + 1], signs[place])
+    return bisected(function, times[place], times[place + 1], signs[place])
 
 
 def _with_valleys(
@@ -83,7 +83,7 @@ def _inserted(
     return np.insert(times, where, extra), np.insert(values, where, signs)
 
 
-def _bisected(function: Values, low: np.ndarray, high: np.ndarray, sign: np.ndarray) -> np.ndarray:
+def bisected(function: Values, low: np.ndarray, high: np.ndarray, sign: np.ndarray) -> np.ndarray:
     """The crossings between pairs of times, all at once."""
     if not len(low):
         return low
@@ -116,7 +116,7 @@ def crossing_beyond(function: Values, time: float, sign: float) -> float:
     place = np.flatnonzero(signs[:-1] > signs[1:])[:1]
     if signs[0] < 0 or not len(place):
         return time
-    return float(_bisected(function, times[place], times[place + 1], signs[place])[0])
+    return float(bisected(function, times[place], times[place + 1], signs[place])[0])
 
 
 def shares_left(here: np.ndarray, before: np.ndarray) -> list[float]:

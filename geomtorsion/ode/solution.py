@@ -97,6 +97,11 @@ class Problem(Protocol):
         """Name of the time in messages."""
         ...
 
+    @property
+    def stop_texts(self) -> tuple[str, ...]:
+        """The conditions that end the motion, as text."""
+        ...
+
     def check_start(self) -> None:
         """Refuse a start from which nothing moves on."""
         ...

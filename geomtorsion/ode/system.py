@@ -12,6 +12,7 @@ import numpy as np
 
 from geomtorsion.codegen import Graph
 from geomtorsion.errors import LimitError, StartError
+from geomtorsion.ode.ends import Ends
 from geomtorsion.ode.numbers import Real, divided, floats, multiplied
 from geomtorsion.ode.roundings import Changes
 from geomtorsion.support import checks
@@ -54,6 +55,8 @@ class System:
     end: the guard of the end of a chart, if `guard` belongs to its margin.
     clock: (state, unit) where a state is the time in such units; an engine may replace that
         state, which rounds at every step, by its own time.
+    stops: indices of those outputs of the guard that end a motion of a batch; at the others it
+        leaves the batch.
     """
 
     states: tuple[str, ...]
@@ -63,6 +66,7 @@ class System:
     guard: Graph | None = None
     end: Graph | None = None
     clock: tuple[str, int] | None = None
+    stops: tuple[int, ...] = ()
 
     def __getstate__(self) -> dict[str, object]:
         return only_fields(self)
@@ -181,6 +185,13 @@ class System:
         """The smallest output of the guard itself on arrays of states, shape (size, ...)."""
         return _least(self.guard, states, values)
 
+    def stops_along(self, states: np.ndarray, values: Sequence[float] | np.ndarray) -> np.ndarray:
+        """The outputs of the guard that end a motion on arrays of states, shape (stops, ...)."""
+        assert self.guard is not None
+        with np.errstate(all="ignore"):
+            outputs = self.guard.numpy()(*states, *values)
+        return np.broadcast_to(outputs, (self.guard.size, *states.shape[1:]))[list(self.stops)]
+
     @cached_property
     def hoisted(self) -> Hoisted:
         """The equations for an engine of series, with what makes all their numbers."""
@@ -201,7 +212,7 @@ class System:
     @cached_property
     def unguarded(self) -> System:
         """The same equations with nothing to watch."""
-        return self if self.guard is None else replace(self, guard=None, end=None)
+        return self if self.guard is None else replace(self, guard=None, end=None, stops=())
 
     @cached_property
     def to_the_end(self) -> System:
@@ -379,9 +390,12 @@ class Batch:
     counted: whether `steps` is requested.
     longest: no step is longer, in the units of `times`.
     result: states at the times, shape (number, m, size); at first not a number.
-    finished: members that came to the last time, shape (number,).
-    crossed: members whose guard fell through zero, shape (number,).
+    finished: members that came to the last time or were stopped, shape (number,).
+    crossed: members that have to leave the batch where their guard fell through zero, shape
+        (number,).
     steps: number of steps and the longest step as a part of the way, shape (2, number).
+    ends: members that were stopped, at times in units of `times`. An engine that does not know
+        stops marks these members as crossed.
     """
 
     system: System
@@ -397,6 +411,7 @@ class Batch:
     finished: np.ndarray
     crossed: np.ndarray
     steps: np.ndarray
+    ends: Ends
 
 
 class Engine(Protocol):
@@ -773,6 +788,8 @@ Watch: TypeAlias = Callable[[float], object]
 STANDSTILL = 1e-9
 # Steps between two looks at whether it does.
 STEPS_AT_ONCE = 2_000
+# Places looked at in each step for a guard that falls and rises again.
+PER_STEP = 8
 
 # Function of times that gives states, shape (m, size).
 Dense: TypeAlias = Callable[[np.ndarray], np.ndarray]

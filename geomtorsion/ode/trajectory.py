@@ -14,6 +14,7 @@ from geomtorsion.ode.numbers import PARTS, Real, floats
 from geomtorsion.ode.roots import crossing_beyond, crossings
 from geomtorsion.ode.roundings import Roundings
 from geomtorsion.ode.system import (
+    PER_STEP,
     STANDSTILL,
     Dense,
     Engine,
@@ -31,8 +32,6 @@ from geomtorsion.support.copies import only_fields
 State: TypeAlias = Sequence[Real] | np.ndarray
 # A motion with more events than this changes charts forever at an edge.
 MOST_STAGES = 10_000
-# Places looked at in each step for a guard that falls and rises again.
-PER_STEP = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,6 +203,12 @@ class Trajectory:
     def labels(self) -> tuple[str, ...]:
         """Labels of the segments, in order."""
         return tuple([segment.label for segment in self.segments])
+
+    def ending(self) -> Trajectory:
+        """The trajectory with its end as its only sample."""
+        last = self.segments[-1]
+        end = last.resampled(np.array([float(last.run.reached)]), last.last[None, :])
+        return replace(self, segments=(end,))
 
     def at(self, times: np.ndarray) -> list[tuple[Segment, np.ndarray, np.ndarray]]:
         """For each segment the states at the times within it, and their indices."""

@@ -19,7 +19,9 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.charges import draw_charge
     from geomtorsion.pictures.constraints import draw_constraints
     from geomtorsion.pictures.curve_files import curve_pictures
+    from geomtorsion.pictures.degrees_of_freedom import draw_degrees_of_freedom
     from geomtorsion.pictures.development import draw_development
+    from geomtorsion.pictures.end_maps import draw_ends
     from geomtorsion.pictures.fits import draw_fit
     from geomtorsion.pictures.gaps import draw_gap
     from geomtorsion.pictures.loops import draw_closure, draw_loop, draw_map
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.prices import draw_price
     from geomtorsion.pictures.report import write_report
     from geomtorsion.pictures.ringing import draw_ringing
+    from geomtorsion.pictures.shadow import draw_shadow
     from geomtorsion.pictures.solar_system import draw_post_newtonian
     from geomtorsion.pictures.solutions import draw_solution
     from geomtorsion.pictures.stress import draw_stress
@@ -46,8 +49,10 @@ _HOMES = {
     "draw_closed_orbit": "orbits",
     "draw_closure": "loops",
     "draw_constraints": "constraints",
+    "draw_degrees_of_freedom": "degrees_of_freedom",
     "draw_development": "development",
     "draw_dislocations": "network",
+    "draw_ends": "end_maps",
     "draw_fit": "fits",
     "draw_gap": "gaps",
     "draw_lines": "network",
@@ -59,6 +64,7 @@ _HOMES = {
     "draw_post_newtonian": "solar_system",
     "draw_price": "prices",
     "draw_ringing": "ringing",
+    "draw_shadow": "shadow",
     "draw_solution": "solutions",
     "draw_stress": "stress",
     "draw_survey": "measured",
@@ -75,8 +81,10 @@ __all__ = [
     "draw_closed_orbit",
     "draw_closure",
     "draw_constraints",
+    "draw_degrees_of_freedom",
     "draw_development",
     "draw_dislocations",
+    "draw_ends",
     "draw_fit",
     "draw_gap",
     "draw_lines",
@@ -88,6 +96,7 @@ __all__ = [
     "draw_post_newtonian",
     "draw_price",
     "draw_ringing",
+    "draw_shadow",
     "draw_solution",
     "draw_stress",
     "draw_survey",

@@ -199,7 +199,8 @@ class _Search:
             unknown, here = next_one
         raise ProofError(
             "Newton's method finds no closed orbit near the guess. Give a better start or period, "
-            "or another section."
+            "or another section; where orbits come in a family, list what stays constant in "
+            "conserved=[...]."
         )
 
     def _damped(

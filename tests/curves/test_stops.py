@@ -102,10 +102,51 @@ def test_velocities_only():
     assert abs(solution.frame_velocity[-1, 1]) < 1e-8
 
 
-def test_ensembles_have_common_times():
-    """solve_many refuses curves that each end at their own time."""
-    with pytest.raises(StartError, match=r"expected curves without stop=.*, got stop = r - 3"):
-        gt.solve_many(plunge(stop="r - 3"), [PLUNGE[0]], 5.0, velocities=[PLUNGE[1]])
+@every_engine
+@pytest.mark.parametrize("stop", ["r - 3", ["r - 1.7", "11 - r"], ["r - 2.5", "u4 + 0.1"]])
+def test_bundles_keep_their_own_ends(engine, stop):
+    """Curves from many starts end as each does by itself, also in another chart."""
+    velocities = [[1.3, -0.3, 0, 0.03], [1.3, 0.3, 0, 0.03], [1.4, -0.5, 0.01, 0.0]]
+    fall = plunge(stop=stop)
+    many = gt.solve_many(
+        fall, [PLUNGE[0]] * 3, [5.0, 15.0, 30.0], 1e-9, engine, velocities=velocities
+    )
+    for row, velocity in enumerate(velocities):
+        alone = gt.solve(fall.with_start(velocity=velocity), [5.0, 15.0, 30.0], 1e-9)
+        assert many.stopped_by[row] == alone.stopped_by
+        assert many.end.time[row] == pytest.approx(alone.times[-1], rel=1e-8)
+        if alone.charts == ("kerr",):
+            assert many.end.coordinates[row] == pytest.approx(alone.coordinates[-1], rel=1e-7)
+        else:
+            assert np.isfinite(many.end["r"][row]) or alone.charts[-1] == "ingoing"
+
+
+def test_a_bundle_refuses_a_start_beyond_its_stop():
+    """The error names the member and the condition."""
+    starts = [PLUNGE[0], [0, 2, math.pi / 2, 0]]
+    with pytest.raises(StartError, match=r"expected r - 3 above zero .* got -1 for member 1"):
+        gt.solve_many(plunge(stop="r - 3"), starts, 5.0, velocities=[PLUNGE[1]] * 2)
+
+
+def test_bundles_without_coordinates_and_with_constant_velocities():
+    """A bundle in a group stops as well; and so do straight lines, in closed form."""
+    top = gt.geodesic(
+        gt.spaces.load("so3").frame, frame_velocity=[0.1, 2, 0.1], metric=[1, 2, 3], stop="u2"
+    )
+    many = gt.solve_many(top, t=30.0, frame_velocities=[[0.1, 2, 0.1], [0.3, 1, 0.2]])
+    for row in range(2):
+        alone = gt.solve(
+            top.with_start(frame_velocity=many.members.varied["frame_velocity"][row].tolist()), 30.0
+        )
+        assert many.end.time[row] == pytest.approx(alone.times[-1], rel=1e-8)
+    x, y = sp.symbols("x y")
+    line = gt.geodesic(gt.Frame([x, y], [[1, 0], [0, 1]]), [0, 0], [1, 0], stop="1 - x")
+    speeds = np.array([[0.5, 1.0], [2.0, 3.0], [-1.0, 0.0]])
+    lines = gt.solve_many(line, t=[1.0, 3.0], velocities=speeds)
+    assert lines.times_at_stop[:2] == pytest.approx([2.0, 0.5], rel=1e-10)
+    assert lines.end["y"] == pytest.approx([2.0, 1.5, 0.0], rel=1e-10)
+    assert lines.end["x"] == pytest.approx([1.0, 1.0, -3.0], rel=1e-10)
+    assert lines["x"][0].tolist() == pytest.approx([0.5, np.nan], nan_ok=True)
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,7 @@ def charge(
             "-k",
             "--kind",
             metavar="NAME",
-            help="komar, teleparallel, varied, brown-york, adm, electric, or horizons.",
+            help="komar, noether, teleparallel, varied, brown-york, adm, electric, or horizons.",
         ),
     ] = "komar",
     killing: Annotated[
@@ -66,7 +66,7 @@ def charge(
     """Compute the mass, spin or charge inside a surface, or the horizons of a hole.
 
     The surface is where the first two coordinates are constant. Without --at and --set the result
-    is a formula. -L is L(T) of kind teleparallel, and L(R) of horizons.
+    is a formula. -L is L(T) of kind teleparallel, and L(R) of noether and horizons.
 
     \b
     Examples:

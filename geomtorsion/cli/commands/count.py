@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from geomtorsion.cli.options import Form, option
-from geomtorsion.cli.results import show_result
+from geomtorsion.cli.options import Form, directory, option
+from geomtorsion.cli.results import show_result, write_result
+from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working
 from geomtorsion.cli.theories import (
     ConstantsOption,
@@ -16,9 +18,10 @@ from geomtorsion.cli.theories import (
     invariants_of,
     theory_of,
 )
-from geomtorsion.cli.values import assigned
+from geomtorsion.cli.values import assigned, separated
 from geomtorsion.errors import ArgumentError
 from geomtorsion.gravity import perturbed
+from geomtorsion.gravity.charges.spheres import number
 
 # Names of connections in other commands -> the geometry that varies them.
 CONNECTIONS = {"cartan": "teleparallel", "levi-civita": "riemannian"}
@@ -39,13 +42,31 @@ def count(
     dimension: Annotated[int, typer.Option(metavar="N", help="Dimension: 2, 3 or 4.")] = 4,
     constants: ConstantsOption = "",
     invariant: InvariantOption = None,
-    scalars: Annotated[str, option(metavar="NAMES", text='Scalar fields, such as "phi chi".')] = "",
+    scalars: Annotated[
+        str,
+        option(
+            metavar="NAMES",
+            text='Scalar fields, such as "phi chi", or formulas near which a solution is searched: '
+            '"phi = log(1 + t)".',
+        ),
+    ] = "",
     vectors: Annotated[
         int, typer.Option(metavar="N", help="Number of vector fields A, with F2 and A_a.")
     ] = 0,
+    near: Annotated[
+        str | None,
+        option(
+            metavar="SPACE",
+            text="Space or tetrad file near which a solution is searched; without it flat space.",
+        ),
+    ] = None,
     values: Annotated[
         list[str] | None,
-        option("--set", metavar="NAME=VALUE", text="Value of a coupling. May be repeated."),
+        option(
+            "--set",
+            metavar="NAME=VALUE",
+            text="Value of a coupling, or of a parameter of --near. May be repeated.",
+        ),
     ] = None,
     order: Annotated[
         int | None, typer.Option(metavar="N", help="Highest order of the power series.")
@@ -54,29 +75,45 @@ def count(
     form: Annotated[
         Form, typer.Option("--format", help="text to read, json for programs.")
     ] = Form.text,
+    output: Annotated[
+        Path | None,
+        directory("Directory for count.json and count.png, created if missing."),
+    ] = None,
 ) -> None:
     """Count the degrees of freedom of a full nonlinear theory.
 
-    The count holds near one solution, which Newton's method finds from flat space; the answer is
-    "not settled" where it depends on the order of the power series, or where ranks are not clear.
+    The count holds near one solution, which Newton's method finds from flat space or --near; the
+    answer is "not settled" where it depends on the order of the power series, or where ranks are
+    not clear.
 
     \b
     Examples:
       geomtorsion count -L "R" -c levi-civita --dimension 3
       geomtorsion count -L "T + c*T**2" -c cartan --dimension 3
       geomtorsion count -L "-F2/4" -c flat --vectors 1
+      geomtorsion count -L "R" -c levi-civita --near schwarzschild --set M=1
     """
     if lagrangian is None:
         raise ArgumentError(
             "count: expected a Lagrangian, got none. Give -L 'T + c*T**2' -c cartan."
         )
     given = dict(assigned(one, "--set", "c=1") for one in values or ())
+    start = None
+    fields: str | dict[str, str] = scalars
+    if "=" in scalars:
+        fields = dict(assigned(x, "--scalars", "phi = log(1 + t)") for x in separated(scalars))
     with working(lagrangian):
+        if near is not None:
+            start = open_space(near).frame
+            own = {x.name for x in start.parameters} & given.keys()
+            put = {name: number(given.pop(name), f"--set {name}") for name in sorted(own)}
+            start = start.subs(put) if put else start
         answer = perturbed.degrees_of_freedom(
             theory_of(lagrangian),
             CONNECTIONS.get(connection, connection) if connection else None,
             dimension=dimension,
-            scalars=scalars,
+            near=start,
+            scalars=fields,
             vectors=vectors,
             parameters=given,
             constants=constants,
@@ -85,3 +122,4 @@ def count(
             seed=seed,
         )
     show_result(answer.to_json(), str(answer), form)
+    write_result(output, "count", answer.to_json(), answer.plot)

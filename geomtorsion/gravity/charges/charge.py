@@ -12,7 +12,7 @@ from geomtorsion.errors import GravityError
 from geomtorsion.geometry import Connection
 from geomtorsion.geometry.connections import ConnectionLike, FrameLike, as_frame
 from geomtorsion.gravity.charges.densities import KINDS, OUTSIDE, Request
-from geomtorsion.gravity.charges.spheres import integrated, number, sphere
+from geomtorsion.gravity.charges.spheres import divergence, integrated, number, sphere
 from geomtorsion.gravity.lagrangian import Lagrangian
 from geomtorsion.support import checks
 from geomtorsion.support.displays import Plot, drawn_by, figure_by
@@ -27,8 +27,12 @@ class Charge:
     value: a sympy expression where the integral has a closed form, otherwise a float.
     error: bound on the error of a float; 0 for a closed form.
     formula: the integral, in words. surface: where it is taken. outside: which side is outside.
-    conserved: whether the value is the same on every surface r = const; None where a number for r
-        was given or nothing is known.
+    conserved: whether the value is the same on every surface r = const; None if it is unknown.
+    source: the exact derivative of the integrand, a density in all coordinates of a slice: the
+        charges of two surfaces differ by its integral between them. 0 for a closed form, whose
+        charge is the same on any surface that can be moved there; None for "brown-york" and "adm".
+    leaks: flux density through the ends of the coordinates of the surface, by coordinate; empty
+        where the surface is closed for the integrand.
     assumed: assumptions, in words.
     """
 
@@ -40,6 +44,8 @@ class Charge:
     surface: str
     outside: str
     conserved: bool | None
+    source: sp.Expr | None
+    leaks: Mapping[sp.Symbol, sp.Expr]
     assumed: tuple[str, ...]
     radius: sp.Symbol
 
@@ -50,6 +56,18 @@ class Charge:
     def is_exact(self) -> bool:
         """Whether the value is a closed form."""
         return isinstance(self.value, sp.Expr)
+
+    @property
+    def is_closed(self) -> bool | None:
+        """Whether the integrand is closed, decided exactly; None where it is not a form."""
+        return None if self.source is None else self.source == 0
+
+    @property
+    def proved_by(self) -> str:
+        """How sure the value is, in words."""
+        if self.is_exact:
+            return "closed form, an exact integral by computer algebra"
+        return f"ball arithmetic: the charge is within {self.error:.1g} of the value"
 
     @property
     def symbols(self) -> frozenset[str]:
@@ -115,6 +133,10 @@ class Charge:
             "surface": self.surface,
             "outside": self.outside,
             "conserved": self.conserved,
+            "closed": self.is_closed,
+            "source": None if self.source is None else str(self.source),
+            "leaks": {str(q): str(x) for q, x in self.leaks.items()},
+            "proved_by": self.proved_by,
             "assumed": list(self.assumed),
         }
 
@@ -133,11 +155,27 @@ class Charge:
             f"{self.name} = {shown}" + f", {same}" * bool(same),
             f"  {self.kind}: {self.formula}",
             f"  on {self.surface}; outside: {self.outside}",
+            *self._sources,
+            f"  proved by: {self.proved_by}",
             *(f"  assumed: {one}" for one in self.assumed),
         ]
         return "\n".join(lines)
 
     __repr__ = __str__
+
+    @property
+    def _sources(self) -> list[str]:
+        """Where the flux of the integrand enters, in words."""
+        lines = [
+            f"  flux enters at the ends of {q}, where the frame is singular (a string): "
+            f"{checks.cut(str(x))} per angle and {self.radius}"
+            for q, x in self.leaks.items()
+        ]
+        if self.source == 0:
+            lines.append("  closed: the exact derivative of the integrand is zero")
+        elif self.source is not None:
+            lines.append(f"  source between surfaces: density {checks.cut(str(self.source))}")
+        return lines
 
 
 def charge(
@@ -160,6 +198,7 @@ def charge(
     Equation
     --------
     komar: M = -1/(8 pi) of *d xi, J = 1/(16 pi) of *d xi, closed where Ric(xi) = 0 [Komar1959]
+    noether: -1/(16 pi) of 2 P^abcd D_c xi_d - 4 xi_d D_c P^abcd, P = dL/dR_abcd [IyerWald1994]
     teleparallel: P_k = -1/(8 pi) of dL/dT^{ab}_k [Maluf1994], positive for L = T
     varied: dQ/dM of a Killing vector, in general relativity with Lambda [IyerWald1994]
     brown-york: E = 1/(8 pi) of k0 - k [BrownYork1993]
@@ -172,19 +211,21 @@ def charge(
     frame
         A frame, a space or its name; for teleparallel also a flat connection.
     kind
-        komar, teleparallel, varied, brown-york, adm or electric.
+        komar, noether, teleparallel, varied, brown-york, adm or electric.
     killing
-        Name of a coordinate, or components of a Killing vector, for komar and varied. Along the
-        surface it gives an angular momentum. The default is the first coordinate.
+        Name of a coordinate, or components xi^mu, shape (n,), of a Killing vector, for komar,
+        noether and varied. Along the surface it gives an angular momentum, of noether in every
+        theory L(R). The default is the first coordinate. A noether charge of the Killing vector
+        of a horizon is T S there, without the boundary term of a mass: M/2 for Schwarzschild.
     surface
         The two constant coordinates, time first: "t r", or with values, {"r": 10}. The default is
         the first two.
     parameters
         Numbers for the parameters of the frame.
     lagrangian
-        L(T) for teleparallel, the default is "T".
+        L(T) for teleparallel, the default is "T"; L(R) for noether, the default is "R".
     leg
-        Number of the leg k for teleparallel, 0 for the energy.
+        Number of the leg k for teleparallel, 0 for the energy; a and b are coordinates.
     potential
         A_mu, shape (n,), coordinate indices, for electric.
     vary
@@ -231,9 +272,10 @@ def charge(
             f"surface={{'{time}': 0, '{one.symbol}': 10}}."
         )
     exact, value, error = integrated(one, found)
-    conserved = None
+    source, leaks = divergence(one, density.current) if density.current else (None, {})
+    conserved = True if source == 0 and not leaks else None
     is_held = one.symbol in one.values
-    if exact is not None and not is_held and not density.at_infinity:
+    if conserved is None and exact is not None and not is_held and not density.at_infinity:
         conserved = sp.simplify(exact.diff(one.symbol)) == 0
     region = own.region.assumption
     return Charge(
@@ -245,6 +287,8 @@ def charge(
         surface=f"{one.symbol} to infinity" if density.at_infinity else str(one),
         outside=one.outside,
         conserved=conserved,
+        source=source,
+        leaks=leaks,
         assumed=(*one.assumed, *density.assumed, *([region] if region else [])),
         radius=one.symbol,
     )

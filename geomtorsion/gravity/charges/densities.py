@@ -15,6 +15,7 @@ from geomtorsion.exact import Element, parse_expression
 from geomtorsion.geometry import Connection, Form, Frame, Tensor, cartan, levi_civita, lie, surface
 from geomtorsion.gravity.charges.spheres import Sphere, number
 from geomtorsion.gravity.equations import equations
+from geomtorsion.gravity.fields import FrameFields
 from geomtorsion.gravity.inertial import inertial
 from geomtorsion.gravity.lagrangian import Lagrangian, known_as
 from geomtorsion.support import checks
@@ -42,14 +43,37 @@ class Density:
     """A density on a surface.
 
     expression: in the coordinates of the surface. name: of the charge. formula: in words.
+    current: k -> component (time, k) of the antisymmetric tensor density whose flux is the charge;
+        None for an integrand of another kind.
     at_infinity: whether the radius grows without bound. assumed: assumptions, in words.
     """
 
     expression: sp.Expr
     name: str
     formula: str
+    current: Callable[[int], Element] | None = None
     at_infinity: bool = False
     assumed: tuple[str, ...] = ()
+
+    @classmethod
+    def of_flux(
+        cls,
+        one: Sphere,
+        component: Callable[[int], Element],
+        factor: sp.Expr,
+        name: str,
+        formula: str,
+        assumed: tuple[str, ...] = (),
+    ) -> Density:
+        """The flux of an antisymmetric tensor: factor |g|^(1/2) F^{tr}; component: k -> F^{tk}."""
+        share = sp.Rational(factor * sp.pi)
+        rational = one.frame.field.rational(Fraction(int(share.p), int(share.q)))
+
+        def current(k: int) -> Element:
+            return one.volume * component(k) * rational
+
+        flux = one.put(current(one.radius).sympy) * one.outwards / sp.pi
+        return cls(flux, name, formula, current, assumed=assumed)
 
 
 def _killing(request: Request) -> Tensor:
@@ -84,10 +108,10 @@ def _kind(one: Sphere, xi: Tensor) -> tuple[str, bool]:
     return ("angular momentum" if inside else "mass"), inside
 
 
-def _derivative(one: Sphere, xi: Tensor) -> Element:
-    """(d xi)^{time radius}, twice the derivative D^t xi^r."""
-    raised = Form.of(xi.lowered()).d.tensor.raised()
-    return raised.components.get((one.time, one.radius))
+def _row(one: Sphere, tensor: Tensor) -> Callable[[int], Element]:
+    """k -> the component (time, k) of a tensor with two upper indices."""
+    get = tensor.components.get
+    return lambda k: get((one.time, k))
 
 
 def komar(request: Request, one: Sphere) -> Density:
@@ -108,9 +132,10 @@ def komar(request: Request, one: Sphere) -> Density:
             "with vary='M'."
         )
     factor = sp.Rational(1, 16) if inside else -sp.Rational(n - 2, 16 * (n - 3))
-    sign = one.signature
-    flux = one.flux(_derivative(one, xi)) * factor * sign / sp.pi
-    return Density(flux, name, f"{factor}/pi * surface integral of *d(xi)")
+    # (d xi)^{tk}, twice the derivative D^t xi^k.
+    row = _row(one, Form.of(xi.lowered()).d.tensor.raised())
+    formula = f"{factor}/pi * surface integral of *d(xi)"
+    return Density.of_flux(one, row, factor * one.signature / sp.pi, name, formula)
 
 
 def teleparallel(request: Request, one: Sphere) -> Density:
@@ -131,17 +156,79 @@ def teleparallel(request: Request, one: Sphere) -> Density:
     momentum = equations(connection, theory).P
     leg = checks.count(request.leg, "leg", GravityError, 0, request.frame.dimension - 1)
     legs = request.frame.legs.components.get
-    component = request.frame.field.sum(
-        [
-            (1, legs((one.time, i)), legs((one.radius, j)), value)
-            for (i, j, k), value in momentum.components.nonzero.items()
-            if k == leg
-        ]
-    )
-    flux = -one.flux(component) * one.signature / (8 * sp.pi)
+
+    def component(mu: int) -> Element:
+        return request.frame.field.sum(
+            [
+                (1, legs((one.time, i)), legs((mu, j)), value)
+                for (i, j, k), value in momentum.components.nonzero.items()
+                if k == leg
+            ]
+        )
+
     name = "energy" if leg == one.time else f"momentum along leg {leg}"
     formula = f"-1/(8*pi) * surface integral of dL/dT^(ab)_k, k = leg {leg}, a and b coordinates"
-    return Density(flux, name, f"{formula}, L = {theory.expression}", assumed=assumed)
+    factor = -one.signature / (8 * sp.pi)
+    formula = f"{formula}, L = {theory.expression}"
+    return Density.of_flux(one, component, factor, name, formula, assumed)
+
+
+def noether(request: Request, one: Sphere) -> Density:
+    """-1/(16 pi) |g|^(1/2) J^{tr}, with the Noether potential J^{ab} of a Killing vector xi.
+
+    J^{ab} = 2 P^{abcd} D_c xi_d - 4 xi_d D_c P^{abcd}, P = dL/dR_abcd with the symmetries of the
+    curvature, R = g^{ac} g^{bd} R_abcd [Iyer, Wald 1994]. Its divergence is L xi^a + 2 E^a_b xi^b.
+    """
+    xi = _killing(request)
+    inside = _kind(one, xi)[1]
+    theory = known_as(request.lagrangian or "R")
+    system = equations(levi_civita(request.frame), theory)
+    P = _with_symmetries(system.Z.raised(3))
+    connection, n = system.connections[0], range(request.frame.dimension)
+    # D_c xi_d and D_c P^{abcd}, along the legs.
+    slope = connection.covariant_derivative(xi.lowered()).in_frame().components
+    flow = FrameFields(connection).divergence(P, paired=True).components.get
+    low, legs = xi.lowered().in_frame().components, request.frame.legs.components.get
+    get = P.components.get
+
+    def along(a: int, b: int) -> Element:
+        """J^{ab}, a and b legs; the divergence is over the third slot, P^{abcd} = P^{cdab}."""
+        terms: list[Any] = [(2, get((a, b, c, d)), x) for (c, d), x in slope.nonzero.items()]
+        terms += [(-4, flow((d, a, b)), x) for (d,), x in low.nonzero.items()]
+        return request.frame.field.sum(terms)
+
+    pairs = {(i, j): along(i, j) for i in n for j in n if i != j}
+
+    def component(mu: int) -> Element:
+        terms = [(1, legs((one.time, i)), legs((mu, j)), x) for (i, j), x in pairs.items()]
+        return request.frame.field.sum(terms)
+
+    factor = one.signature * (1 if inside else -1) / (16 * sp.pi)
+    name = "angular momentum" if inside else "Noether charge"
+    formula = f"Noether charge of L = {theory.expression}, without boundary terms"
+    return Density.of_flux(one, component, factor, name, formula)
+
+
+def _with_symmetries(tensor: Tensor) -> Tensor:
+    """-dL/dR_abcd with the symmetries of the curvature and the sign of R = g^{ac} g^{bd} R_abcd."""
+    get = tensor.components.get
+    pairs = [(0, 1, 2, 3, 1), (1, 0, 2, 3, -1), (0, 1, 3, 2, -1), (1, 0, 3, 2, 1)]
+
+    def paired(index: tuple[int, ...]) -> list[Any]:
+        found: list[Any] = []
+        for *places, sign in pairs:
+            x = tuple(index[k] for k in places)
+            found += [(Fraction(-sign, 8), get(x)), (Fraction(-sign, 8), get((*x[2:], *x[:2])))]
+        return found
+
+    def rule(index: tuple[int, ...]) -> Element:
+        a, b, c, d = index
+        terms = [(Fraction(2, 3) * x, y) for x, y in paired(index)]
+        for other in ((a, c, d, b), (a, d, b, c)):
+            terms += [(-Fraction(1, 3) * x, y) for x, y in paired(other)]
+        return tensor.frame.field.sum(terms)
+
+    return Tensor(tensor.frame, "UUUU", rule)
 
 
 def electric(request: Request, one: Sphere) -> Density:
@@ -164,11 +251,9 @@ def electric(request: Request, one: Sphere) -> Density:
         for x in parts
     ]
     field = Form(frame, 1, dict(enumerate(read))).d.tensor.raised()
-    flux = one.flux(field.components.get((one.time, one.radius)))
-    return Density(
-        flux * one.signature / (4 * sp.pi), "electric charge",
-        "1/(4*pi) * surface integral of *F, F = dA",
-    )  # fmt: skip
+    formula = "1/(4*pi) * surface integral of *F, F = dA"
+    factor = one.signature / (4 * sp.pi)
+    return Density.of_flux(one, _row(one, field), factor, "electric charge", formula)
 
 
 def _parsed(text: str, names: dict[str, Any]) -> sp.Expr:
@@ -208,12 +293,14 @@ def varied(request: Request, one: Sphere) -> Density:
         terms.append((Fraction(1, 2), trace, dxi((k, m))))
         return terms
 
-    t, r = one.time, one.radius
-    component = field.sum([*half(t, r), *((-x[0], *x[1:]) for x in half(r, t))])
-    sign = -1 if inside else 1
-    flux = one.flux(component) * one.signature * sign / (16 * sp.pi)
+    t = one.time
+
+    def component(k: int) -> Element:
+        return field.sum([*half(t, k), *((-x[0], *x[1:]) for x in half(k, t))])
+
+    factor = one.signature * (-1 if inside else 1) / (16 * sp.pi)
     formula = "surface integral of the charge of dg, general relativity with Lambda"
-    return Density(flux, f"d({name})/d{parameter}", formula)
+    return Density.of_flux(one, component, factor, f"d({name})/d{parameter}", formula)
 
 
 def _parameter(frame: Frame, given: object) -> sp.Symbol:
@@ -365,6 +452,7 @@ def _at_infinity(density: sp.Expr, r: sp.Symbol) -> sp.Expr:
 
 KINDS: dict[str, Callable[[Request, Sphere], Density]] = {
     "komar": komar,
+    "noether": noether,
     "teleparallel": teleparallel,
     "varied": varied,
     "brown-york": brown_york,
@@ -372,4 +460,4 @@ KINDS: dict[str, Callable[[Request, Sphere], Density]] = {
     "electric": electric,
 }
 # Kinds whose surface must be outside of all horizons.
-OUTSIDE: Sequence[str] = ("komar", "teleparallel", "brown-york")
+OUTSIDE: Sequence[str] = ("komar", "noether", "teleparallel", "brown-york")

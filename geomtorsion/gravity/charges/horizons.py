@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any
 
 import sympy as sp
 from flint import arb
@@ -14,71 +14,18 @@ from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element
 from geomtorsion.geometry import levi_civita
 from geomtorsion.geometry.connections import FrameLike, as_frame
+from geomtorsion.gravity.charges.algebraic import Root, centre, real_roots
+from geomtorsion.gravity.charges.horizon import Horizon
 from geomtorsion.gravity.charges.spheres import Sphere, integrated, number, sphere
 from geomtorsion.gravity.equations import equations
 from geomtorsion.gravity.lagrangian import Lagrangian
 from geomtorsion.support import checks
-from geomtorsion.support.displays import drawn_by
-from geomtorsion.support.outgoing import number_text
 from geomtorsion.support.precision import CONSTANT_BITS, ball_precision
 
 # Two directions with rational sine and cosine, at which the surface gravity must agree.
 DIRECTIONS = ((4, 3, 5), (5, 12, 13))
 # The parameters that are eliminated first.
 MASSES = ("M", "m", "mu", "mass")
-
-
-@dataclass(frozen=True, repr=False)
-class Horizon:
-    """A Killing horizon where g^rr vanishes.
-
-    radius: its coordinate. relation: the parameter that is expressed by the radius, with its value;
-        empty for numbers.
-    area, angular_velocity, surface_gravity, temperature, entropy: expressions in the radius and
-        the other parameters, or floats; G = c = hbar = k = 1. An expression of surface gravity is
-        positive at the outer horizon of a hole and negative at inner and cosmological ones, a
-        float is its size.
-    error: bound on the relative errors of floats; 0 for expressions.
-    lagrangian: the theory of the entropy.
-    """
-
-    radius: sp.Expr | float
-    relation: Mapping[sp.Symbol, sp.Expr]
-    area: sp.Expr | float
-    angular_velocity: sp.Expr | float
-    surface_gravity: sp.Expr | float
-    temperature: sp.Expr | float
-    entropy: sp.Expr | float
-    error: float
-    lagrangian: str
-
-    _repr_html_ = drawn_by("charges", "horizon_html")
-    quantities: ClassVar[tuple[str, ...]] = (
-        "radius", "area", "angular_velocity", "surface_gravity", "temperature", "entropy",
-    )  # fmt: skip
-
-    def to_json(self) -> dict[str, Any]:
-        """The horizon as plain data; expressions as text."""
-        values = {name: getattr(self, name) for name in self.quantities}
-        plain = {k: x if isinstance(x, float) else str(x) for k, x in values.items()}
-        relation = {str(x): str(value) for x, value in self.relation.items()}
-        return {**plain, "relation": relation, "error": self.error, "lagrangian": self.lagrangian}
-
-    def __str__(self) -> str:
-        lines = [f"horizon at {self._shown(self.radius)}, entropy of L = {self.lagrangian}"]
-        lines += [f"  with {x} = {value}" for x, value in self.relation.items()]
-        lines += [
-            f"  {name.replace('_', ' ')} = {self._shown(getattr(self, name))}"
-            for name in self.quantities[1:]
-        ]
-        return "\n".join(lines)
-
-    __repr__ = __str__
-
-    def _shown(self, value: sp.Expr | float) -> str:
-        if isinstance(value, float):
-            return number_text(value, abs(value) * self.error)
-        return str(value)
 
 
 def horizons(
@@ -99,12 +46,14 @@ def horizons(
     Parameters
     ----------
     frame
-        A frame, a space or its name, in coordinates in which g^rr vanishes at the horizon.
+        A frame, a space or its name, in coordinates in which g^rr vanishes at the horizon, or the
+        lapse.
     lagrangian
         L(R), "R + c*R**2", "R + alpha*GB", as in `gravity.equations`.
     parameters
         Numbers for all parameters of frame and Lagrangian: the result then has one horizon for
-        each root, sorted. Without them it has one with one parameter expressed by the radius.
+        each root of an algebraic equation, sorted. Without them it has one with one parameter
+        expressed by the radius.
     surface, over
         As in `charge`.
 
@@ -145,38 +94,64 @@ def horizons(
         )
     hole = _Hole(one, system.Z.raised(3).components.get)
     text = str(system.lagrangian.expression)
-    if not given and symbols:
-        return (hole.formulas(hole.relation(), text),)
-    return hole.numbers(values, text)
+    if given or not symbols:
+        return hole.numbers(values, text)
+    if hole.condition == one.symbol:
+        return (hole.at_centre(text),)
+    relation = hole.relation()
+    if not relation:
+        raise GravityError(
+            f"parameters: expected numbers, because the radius of the horizon, a root of "
+            f"{checks.cut(str(hole.condition))}, determines no parameter, got none. Give "
+            f"parameters={{'{next(iter(symbols))}': 1}}."
+        )
+    return (hole.formulas(relation, text),)
 
 
 @dataclass(frozen=True)
 class _Hole:
-    """A family of surfaces around a hole, and dL/dR_abcd, slots UUUU."""
+    """A family of surfaces around a hole.
+
+    momentum: dL/dR_abcd, slots UUUU. root: the radius, where no parameter is expressed by it.
+    """
 
     sphere: Sphere
     momentum: Any
+    root: Root | None = None
 
     @property
     def condition(self) -> sp.Expr:
-        """A factor of g^rr that vanishes at the horizon, without angles."""
+        """Factors of g^rr that vanish at the horizon, without angles; or factors of the lapse.
+
+        Only the lapse vanishes where the radius is a distance, as in Rindler's coordinates.
+        """
         one = self.sphere
         around = {q for q, _, _ in one.ranges}
-        inverse = one.frame.inverse_metric.components.get((one.radius, one.radius)).sympy
-        above = sp.fraction(sp.together(inverse))[0]
+        inverse = one.frame.inverse_metric.components.get
+        t, r, q = one.time, one.radius, one.symbol
+        wholes = [self._factors(x) for x in (inverse((r, r)), inverse((t, t)).inverse())]
+        for whole in wholes:
+            own = [x for x in whole if x != q]
+            if own and not any(x.free_symbols & around for x in own):
+                return sp.Mul(*own)
+        # The radius is a factor of many metrics at their centre: it counts only without others.
+        if [q] in wholes:
+            return q
+        above = sp.fraction(sp.together(inverse((r, r)).sympy))[0]
+        raise GravityError(
+            f"frame: expected a factor of g^{2 * str(q)} or of the lapse that vanishes at a "
+            f"horizon, got {checks.cut(str(above))}. Use coordinates such as the ones of Boyer and "
+            "Lindquist; a space without horizon has no temperature."
+        )
+
+    def _factors(self, element: Element) -> list[sp.Expr]:
+        """Factors of a numerator that contain the radius."""
+        above = sp.fraction(sp.together(element.sympy))[0]
         parts = [part for part, _ in sp.factor_list(above)[1]]
-        parts = [x for x in parts if one.symbol in x.free_symbols and x != one.symbol]
-        own = [x for x in parts if not x.free_symbols & around]
-        if not own or len(own) < len(parts):
-            raise GravityError(
-                f"frame: expected a factor of g^{2 * str(one.symbol)} that vanishes at a horizon, "
-                f"got {checks.cut(str(above))}. Use coordinates such as the ones of Boyer and "
-                "Lindquist; a space without horizon has no temperature."
-            )
-        return sp.Mul(*own)
+        return [x for x in parts if self.sphere.symbol in x.free_symbols]
 
     def relation(self) -> dict[sp.Symbol, sp.Expr]:
-        """The first parameter that the radius of the horizon determines."""
+        """The first parameter that the radius of the horizon determines; empty if there is none."""
         one, condition = self.sphere, self.condition
         own = one.frame.parameters
         order = sorted(own, key=lambda x: (x.name not in MASSES, own.index(x)))
@@ -185,16 +160,18 @@ class _Hole:
                 continue
             # Formulas in a positive radius and positive parameters.
             positive = _positive(self.sphere, condition.free_symbols - {symbol})
-            roots = sp.solve(condition.xreplace(positive), symbol, dict=False)
+            roots = _solved(condition.xreplace(positive), symbol)
             if one.frame.region.sign(symbol) == 1:
                 roots = [x for x in roots if x.is_negative is not True]
             if len(roots) == 1:
                 back = {dummy: x for x, dummy in positive.items()}
                 return {symbol: sp.factor(roots[0].xreplace(back))}
-        raise GravityError(
-            "parameters: expected numbers, because no parameter is determined by the radius "
-            "of the horizon, got none. Give parameters={'M': 1}."
-        )
+        if condition.xreplace(_positive(one, condition.free_symbols)).is_nonzero:
+            raise GravityError(
+                f"frame: expected a horizon, got {checks.cut(str(condition))}, which has no root. "
+                "A space without horizon has no temperature."
+            )
+        return {}
 
     def formulas(self, put: Mapping[sp.Symbol, sp.Expr], text: str) -> Horizon:
         """All quantities in terms of the radius."""
@@ -225,6 +202,23 @@ class _Hole:
             error=0.0, lagrangian=text,
         )  # fmt: skip
 
+    def _roots(self, condition: sp.Expr) -> list[Root] | None:
+        """Positive radii at which a condition holds; others if there is none and the region has."""
+        one, r = self.sphere, self.sphere.symbol
+        if condition == r:
+            return [centre(r)]
+        positive = real_roots(condition, r, positive=True)
+        if positive or one.frame.region.sign(r) == 1:
+            return positive
+        return real_roots(condition, r, positive=False)
+
+    def at_centre(self, text: str) -> Horizon:
+        """All quantities at radius zero, as in Rindler's coordinates."""
+        r = self.sphere.symbol
+        one = replace(self, root=centre(r)).formulas({}, text)
+        values = {name: getattr(one, name).subs(r, 0) for name in one.quantities}
+        return replace(one, **values)
+
     def _turning(self, put: Mapping[sp.Symbol, sp.Expr]) -> tuple[sp.Expr, int | None]:
         """Angular velocity, and the coordinate of the angle; None for a hole that does not turn."""
         one, get = self.sphere, self.sphere.frame.metric.components.get
@@ -247,7 +241,11 @@ class _Hole:
             is_static = all(metric((t, k)).is_zero for k in others)
             square = metric((t, t)) if is_static else inverse((t, t)).inverse()
             square = square * -one.signature
-            if self._tidy(sp.simplify(self._at(square, put))) != 0:
+            if not self._vanishes(self._tidy(self._at(inverse((r, r)), put)), {}):
+                size = inverse((r, r)) * square.diff(q) ** 2 * square.inverse() * one.signature
+                size = self._root(self._at(size, put)) / 2
+                return self._constant(size, "surface gravity")
+            if not self._vanishes(self._tidy(sp.simplify(self._at(square, put))), {}):
                 raise GravityError(
                     f"frame: expected a horizon, got a throat: g^{2 * str(q)} vanishes where the "
                     "lapse does not. It has no temperature."
@@ -313,16 +311,33 @@ class _Hole:
         back = {dummy: x for x, dummy in positive.items()}
         values = {x: value.xreplace(positive) for x, value in put.items()}
         parts = sp.fraction(sp.together(expression))
-        above, below = (self._reduced(x.xreplace(values).xreplace(positive), back) for x in parts)
-        if not (above.is_rational_function() and below.is_rational_function()):
-            above, below = (sp.simplify(sp.expand(part)) for part in (above, below))
-        if sp.factor(below) == 0:
+        variable = next(iter(put), self.sphere.symbol)
+        while True:
+            above, below = (
+                self._reduced(x.xreplace(values).xreplace(positive), back) for x in parts
+            )
+            if not (above.is_rational_function() and below.is_rational_function()):
+                above, below = (sp.simplify(sp.expand(part)) for part in (above, below))
+            if not self._vanishes(below, back):
+                return sp.factor(above / below).xreplace(back)
+            if self._vanishes(above, back) and variable in parts[1].free_symbols:
+                # Roots leave common factors: the rule of L'Hopital.
+                parts = tuple(part.diff(variable) for part in parts)
+                continue
             raise GravityError(
                 "frame: expected quantities without poles at the horizon, got "
                 f"{checks.cut(str(expression))}. Use coordinates that are regular there, or a "
                 "metric without roots."
             )
-        return sp.factor(above / below).xreplace(back)
+
+    def _vanishes(self, expression: sp.Expr, back: Mapping[sp.Dummy, sp.Basic]) -> bool:
+        """Whether an expression is zero at the horizon."""
+        if self.root is None:
+            return sp.factor(expression) == 0
+        angles = [x for x, value in back.items() if isinstance(value, sp.sin | sp.cos)]
+        angles = [x for x in angles if expression.has(x)]
+        parts = sp.Poly(expression, *angles).coeffs() if angles else [expression]
+        return all(self.root.vanishes(x.xreplace(back)) for x in parts)
 
     @staticmethod
     def _reduced(part: sp.Expr, back: Mapping[sp.Dummy, sp.Basic]) -> sp.Expr:
@@ -360,7 +375,7 @@ class _Hole:
     def _constant(self, expression: sp.Expr, name: str) -> sp.Expr:
         """What does not depend on the direction."""
         found = [self._tidy(expression.subs(self._direction(x))) for x in DIRECTIONS]
-        if self._tidy(sp.simplify(found[0] - found[1])) != 0:
+        if not self._vanishes(self._tidy(sp.simplify(found[0] - found[1])), {}):
             raise GravityError(
                 f"frame: expected a horizon with one {name}, got one that depends on the "
                 "direction. The horizon is not where the coordinates put it."
@@ -376,34 +391,43 @@ class _Hole:
 
     def numbers(self, values: Mapping[sp.Symbol, sp.Expr], text: str) -> tuple[Horizon, ...]:
         """One horizon for each real root of g^rr that the formulas have."""
-        put = dict(values)
-        own = {x: put[x] for x in self.sphere.frame.parameters}
-        condition = self.condition
-        relation = self.relation() if own else {}
-        formula = self.formulas(relation, text)
-        r = self.sphere.symbol
-        polynomial = sp.fraction(sp.together(condition.xreplace(own)))[0]
-        if relation:
-            ((symbol, value),) = relation.items()
-            polynomial = sp.fraction(sp.together(value.xreplace(own) - own[symbol]))[0]
-        rational = polynomial.is_polynomial(r) and sp.Poly(polynomial, r).domain
-        if rational not in (sp.ZZ, sp.QQ):
+        own = {x: values[x] for x in self.sphere.frame.parameters}
+        condition = self.condition.xreplace(own)
+        is_centre = condition == self.sphere.symbol
+        relation = {} if is_centre or not own else self.relation()
+        ((symbol, value),) = relation.items() or ((None, condition),)
+        if symbol is not None:
+            condition = value.xreplace(own) - own[symbol]
+        roots = self._roots(condition)
+        if roots is None:
+            remedy = "Omit parameters for formulas in the radius"
+            if not relation:
+                remedy = "Other functions are not supported here"
             raise GravityError(
-                "parameters: expected a horizon at a root of a rational polynomial, got "
-                f"{checks.cut(str(polynomial))}. Omit parameters for formulas in the radius."
+                "parameters: expected a horizon at a root of an algebraic equation with rational "
+                f"numbers, got {checks.cut(str(condition))}. {remedy}."
             )
-        roots = sorted({x for x in sp.Poly(polynomial, r).real_roots() if x.evalf() > 0})
         if not roots:
             raise GravityError(
-                f"parameters: expected a horizon, got none: {polynomial} has no positive root. "
-                "Give other numbers."
+                f"parameters: expected a horizon, got none: {checks.cut(str(condition))} has no "
+                "root in the region of the frame. Give other numbers."
             )
+        names = {x: number for x, number in values.items() if x != symbol}
+        formula = self.formulas(relation, text) if relation else None
         found = []
         for root in roots:
-            names = {x: put[x] for x in put if x not in relation}
-            exprs = [getattr(formula, x).xreplace(names) for x in formula.quantities]
-            found.append(_evaluated(formula, r, root, exprs))
+            one = formula or replace(self, root=root).formulas({}, text)
+            exprs = [getattr(one, x).xreplace(names) for x in one.quantities]
+            found.append(_evaluated(one, root, exprs))
         return tuple(found)
+
+
+def _solved(condition: sp.Expr, symbol: sp.Symbol) -> list[sp.Expr]:
+    """Solutions for a parameter; none where sympy has no method."""
+    try:
+        return sp.solve(condition, symbol, dict=False)
+    except NotImplementedError:
+        return []
 
 
 def _positive(one: Sphere, symbols: set[sp.Basic]) -> dict[sp.Basic, sp.Dummy]:
@@ -412,29 +436,19 @@ def _positive(one: Sphere, symbols: set[sp.Basic]) -> dict[sp.Basic, sp.Dummy]:
     chosen = sorted((x for x in symbols if x not in around), key=str)
     known = set(one.frame.field.symbols)
     return {
-        x: sp.Dummy(str(x), positive=True)
-        for x in chosen
-        if x == one.symbol or (x in known and region.sign(x) == 1)
+        x: sp.Dummy(str(x), positive=True) for x in chosen if x in known and region.sign(x) == 1
     }
 
 
-def _root_ball(root: sp.Expr) -> arb:
-    """A real root of a polynomial as a ball."""
-    if not isinstance(root, sp.CRootOf):
-        return balls.exact_ball(root)
-    width = sp.Rational(1, 2**CONSTANT_BITS)
-    return balls.exact_ball(root.eval_rational(width)) + arb(0, balls.exact_ball(width))
-
-
-def _evaluated(formula: Horizon, r: sp.Symbol, root: sp.Expr, exprs: list[sp.Expr]) -> Horizon:
+def _evaluated(formula: Horizon, root: Root, exprs: list[sp.Expr]) -> Horizon:
     """The formulas at a root, in balls."""
-    code = balls.BallCode(graph([r.name], exprs, factor=False))
+    code = balls.BallCode(graph([root.symbol.name], exprs, factor=False))
     with ball_precision(CONSTANT_BITS):
-        found = code.real([_root_ball(root)])
+        found = code.real([root.ball])
         if not all(x.is_finite() for x in found):
             raise GravityError(
-                f"parameters: expected a regular horizon, got {r} = {float(root):.6g} without "
-                "finite values."
+                f"parameters: expected a regular horizon, got {root.symbol} = "
+                f"{float(root.value):.6g} without finite values."
             )
         values = [float(x.mid()) for x in found]
         errors = [

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -198,9 +198,11 @@ def _held(surface: object, symbols: Mapping[str, sp.Symbol]) -> dict[str, object
 
 def number(value: object, name: str) -> sp.Expr:
     """An exact real number from a number or text; a float is the shortest decimal that it has."""
-    read = checks.expression(
-        value, name, GravityError, read=lambda text: parse_expression(text, {}, where=name)
-    )
+
+    def decimal(text: str) -> sp.Expr:
+        return parse_expression(text, {}, where=name, decimals=True)
+
+    read = checks.expression(value, name, GravityError, read=decimal)
     if read.free_symbols or read.is_real is not True:
         checks.refuse(GravityError, name, "a real number", value)
     if read.is_Float:
@@ -261,6 +263,37 @@ def _check_closed(one: Sphere) -> None:
 def _is_short(q: sp.Symbol, low: sp.Expr, high: sp.Expr) -> bool:
     """Whether an angle around an axis runs less or more than once around."""
     return q.name in AROUND and high - low != 2 * sp.pi
+
+
+def divergence(
+    one: Sphere, current: Callable[[int], Element]
+) -> tuple[sp.Expr, dict[sp.Symbol, sp.Expr]]:
+    """The exact derivative of a flux inside its slice, and its flux through ends of coordinates.
+
+    dQ/dr is the integral of d_k F^{tk} and of what enters through the ends of each coordinate q of
+    the surface, F^{tq} at the lower end less F^{tq} at the upper one; current: k -> F^{tk}, a
+    tensor density.
+    """
+    frame, field = one.frame, one.frame.field
+    others = [k for k in range(frame.dimension) if k != one.time]
+    total = field.sum([(1, current(k).diff(frame.coordinates[k])) for k in others])
+    leaks = {}
+    for q, low, high in one.ranges:
+        flux = current(frame.coordinates.index(q))
+        if flux.is_zero or q not in flux.sympy.free_symbols:
+            continue
+        whole = one.put(flux.sympy)
+        ends = [_end(whole, q, end, side) for end, side in ((low, "+"), (high, "-"))]
+        if ends[0] != ends[1]:
+            leaks[q] = sp.factor(ends[0] - ends[1]) / sp.pi * one.outwards
+    value = sp.S.Zero if total.is_zero else one.put(total.sympy) * one.outwards / sp.pi
+    return value, leaks
+
+
+def _end(expression: sp.Expr, q: sp.Symbol, end: sp.Expr, side: str) -> sp.Expr:
+    """An expression at an end of a coordinate; its limit where it is not finite there."""
+    value = sp.simplify(expression.subs(q, end))
+    return sp.limit(expression, q, end, side) if value.has(sp.nan, sp.zoo, sp.oo) else value
 
 
 # -- integrals -------------------------------------------------------------------------------------

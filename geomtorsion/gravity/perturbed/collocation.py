@@ -117,6 +117,10 @@ class Dispersion:
         """w at z."""
         return z if self.mass2 == 0 else (z + acb(mpmath.mpmathify(self.mass2)) / z) / 2
 
+    def momentum(self, z: acb) -> acb:
+        """k at z."""
+        return z if self.mass2 == 0 else z - self.frequency(z)
+
     def leaves(self, z: complex) -> bool:
         """Whether the wave at z is not bound."""
         return abs(z) ** 2 > float(self.mass2)
@@ -269,7 +273,8 @@ def rough(radial: Radial) -> list[complex]:
             continue
         if -w.imag * float(hole.inner) > MOST:
             continue
-        if np.abs(first - z).min() < SHARED * abs(z):
+        # A grid also has false waves where k is almost 0.
+        if np.abs(first - z).min() < SHARED * abs(complex(radial.dispersion.momentum(acb(z)))):
             shared.append((-w.imag, z))
     return [z for _, z in sorted(shared, key=lambda one: one[0])]
 

@@ -6,16 +6,15 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import sympy as sp
 
 from geomtorsion.errors import GravityError
-from geomtorsion.exact import parse_expression
 from geomtorsion.geometry import Connection, Frame, Tensor
-from geomtorsion.geometry.numeric.numeric_field import NumericField
 from geomtorsion.geometry.numeric.power_series import PowerSeries
+from geomtorsion.gravity.charges.spheres import number
 from geomtorsion.gravity.equations import FieldEquations
 from geomtorsion.gravity.geometries import listed
 from geomtorsion.gravity.invariants import Invariant
@@ -24,16 +23,22 @@ from geomtorsion.gravity.matter import maxwell, scalar_field
 from geomtorsion.gravity.numeric.solution_jets import Jet, noise
 from geomtorsion.gravity.numeric.varied import Setting, varied
 from geomtorsion.gravity.perturbed.geometries import GEOMETRIES, OF_THEORY, names_of, theory_in
+from geomtorsion.gravity.perturbed.hilbert import confirmed, fitted, polynomial
+from geomtorsion.gravity.perturbed.trial_fields import (
+    moved,
+    named_fields,
+    start_coordinates,
+    trial,
+)
 from geomtorsion.gravity.vocabulary import declared_constants
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
+from geomtorsion.support.displays import Plot, figure_by
 from geomtorsion.support.exclusive import exclusive
 from geomtorsion.support.precision import HALF, PRINTED
 
 NAMES = ("flat", "riemannian", "teleparallel", "symmetric teleparallel", "poincare")
 COORDINATES = sp.symbols("t x y z")
-# Relative size of the random change of the start: larger ones end on other branches.
-SPREAD = 0.05
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -45,7 +50,8 @@ class DegreesOfFreedom:
     numbers: H(q), q = 0, 1, ...: Taylor coefficients of all fields up to order q that are free
         for nearby solutions. shorter: the same from series with one order less.
     gauge: pairs (number of gauge functions, derivatives with which they enter the fields).
-    place: order from which the differences agree; None where they do not.
+    place: order from which the numbers that are the same with one order less fit a phase space
+        and a gauge symmetry; None where they do not, or are too few for a check.
     gaps: smallest singular value that counts in a rank, and largest that does not.
     residual: largest coefficient of the equations on the solution.
     branch: names of the invariants of the Lagrangian whose gradient vanishes at the point of the
@@ -71,6 +77,8 @@ class DegreesOfFreedom:
     assumed: tuple[str, ...]
     fields: Mapping[str, np.ndarray]
 
+    plot: ClassVar[Plot] = figure_by("degrees_of_freedom", "draw_degrees_of_freedom")
+
     @cached_property
     def reduced(self) -> tuple[int, ...]:
         """H(q) less the coefficients of the gauge functions: the growth of the phase space."""
@@ -86,6 +94,25 @@ class DegreesOfFreedom:
         return tuple(np.diff(self.reduced, self.dimension - 1).tolist())
 
     @property
+    def confirmed(self) -> int:
+        """How many of the numbers, from q = 0 on, are the same with one order less."""
+        return confirmed(self.numbers, self.shorter)
+
+    def polynomial(self, orders: Iterable[int]) -> list[int]:
+        """The polynomial through `reduced` that fits from `place` on, at orders q.
+
+        Raises
+        ------
+        GravityError
+            No polynomial fits.
+        """
+        if self.place is None:
+            raise GravityError(f"polynomial: expected numbers that fit, got none: {self.reason}")
+        place, n = self.place, self.dimension
+        heads = [int(np.diff(self.reduced, k)[place]) for k in range(n)]
+        return [polynomial(heads, q - place) for q in orders]
+
+    @property
     def is_clear(self) -> bool:
         """Whether all ranks are sure: no singular value between rounding and half of the digits."""
         size = noise((max(self.numbers),))
@@ -93,13 +120,18 @@ class DegreesOfFreedom:
 
     @property
     def settled(self) -> bool:
-        """Whether the count is the same with one order less, all ranks are clear, and it fits."""
-        return self.place is not None and self.is_clear and self.residual < HALF
+        """Whether the count is the same with one order less, all ranks are clear, and it fits.
+
+        A phase space of an odd number of functions is not settled.
+        """
+        if self.place is None or self.differences[self.place] % 2:
+            return False
+        return self.is_clear and self.residual < HALF
 
     @property
     def number(self) -> Fraction | None:
         """Degrees of freedom: half the number of phase space functions; None where not settled."""
-        if not self.settled or self.place is None:
+        if self.place is None or not self.settled:
             return None
         return Fraction(self.differences[self.place], 2)
 
@@ -118,6 +150,9 @@ class DegreesOfFreedom:
                 f"ranks are not sure (singular values {self.gaps[0]:.0e} and {self.gaps[1]:.0e}). "
                 "Give another start: near=frame, another seed."
             )
+        if self.place is not None:
+            size = self.differences[self.place]
+            return f"the phase space has an odd number of functions, {size}. Give a higher order."
         names = ", ".join(self.branch)
         constant = f" The gradient of {names} vanishes on this solution." if names else ""
         return (
@@ -160,6 +195,7 @@ class DegreesOfFreedom:
             "shorter": list(self.shorter),
             "gauge": [list(x) for x in self.gauge],
             "differences": list(self.differences),
+            "confirmed": self.confirmed,
             "gaps": list(self.gaps),
             "residual": self.residual,
             "branch": list(self.branch),
@@ -214,7 +250,7 @@ def degrees_of_freedom(
         Values of the constants of the Lagrangian; others get a value, which `.assumed` lists.
     order
         Highest order of the power series; by default the dimension plus the order of the
-        equations. H only falls where it grows.
+        equations, and one more where the count is not settled. H only falls where it grows.
     seed
         Of the random change of the start: equal calls give equal answers.
 
@@ -245,7 +281,7 @@ def degrees_of_freedom(
     count = checks.count(vectors, "vectors", GravityError, 0, 4)
     coordinates = COORDINATES[:n]
     if isinstance(near, Frame):
-        coordinates = _checked(near, n)
+        coordinates = start_coordinates(near, n)
     elif near is not None:
         checks.instance(near, DegreesOfFreedom, "near", GravityError)
     kind = varied(name, n)
@@ -271,8 +307,9 @@ def degrees_of_freedom(
     values, assumed = _constants(setting, parameters)
     setting = replace(setting, constants=values)
     probe = PowerSeries(n, 4)
-    start = _start(setting, probe, near, formulas)
-    first = Jet(probe, _moved(start, probe, setting, seed), setting.residuals)
+    source = near.fields if isinstance(near, DegreesOfFreedom) else near
+    begun = trial(setting, probe, source, formulas)
+    first = Jet(probe, moved(begun, probe, setting, seed), setting.residuals)
     if first.is_empty:
         kept = np.abs(first.residual(0)).max(initial=0) > HALF
         came = "a number that is not zero" if kept else "zero for every field"
@@ -281,33 +318,53 @@ def degrees_of_freedom(
             "dimensions. Give a Lagrangian whose variation contains the fields."
         )
     highest = first.order
-    last = n + highest if order is None else checks.count(order, "order", GravityError, highest + 1)
-    series = PowerSeries(n, last)
-    fields = _start(setting, series, near, formulas)
-    if isinstance(near, DegreesOfFreedom):
-        solved, rest = Jet(series, fields, setting.residuals).solved()
-    else:
-        if near is not None:
-            # A symmetric start stays symmetric, on the branch of the frame.
-            fields = Jet(series, fields, setting.residuals).solved()[0].fields
-        moved = _moved(fields, series, setting, seed)
-        solved, rest = Jet(series, moved, setting.residuals).solved()
-    numbers, *gaps = solved.freedom(highest)
-    below = PowerSeries(n, last - 1)
-    cut_off = Jet(below, solved.fields[:, : below.size], setting.residuals)
-    shorter, *others = cut_off.freedom(highest)
-    gauge, place = _fit(numbers, shorter, name, kind.gauge, n, count)
-    branch, scalars_at = _branch(setting, solved)
+    orders = [n + highest, n + highest + 1]
+    if order is not None:
+        orders = [checks.count(order, "order", GravityError, highest + 1)]
     begin = "flat space" if near is None else "the start in near"
     assumed += [
         f"a point of one solution, from {begin} with the random change of seed {seed}",
         "ranks of matrices of doubles",
     ]
-    return DegreesOfFreedom(
-        str(theory.expression), name, n, last, tuple(numbers), tuple(shorter), gauge, place,
-        (min(gaps[0], others[0]), max(gaps[1], others[1])), rest, branch, scalars_at,
-        dict(values), tuple(assumed), _named(setting, solved.fields),
-    )  # fmt: skip
+
+    def counted(last: int) -> DegreesOfFreedom:
+        """The count with series of this order."""
+        series = PowerSeries(n, last)
+        solved, rest = _solution(setting, series, source, formulas, seed)
+        numbers, *gaps = solved.freedom(highest)
+        below = PowerSeries(n, last - 1)
+        cut_off = Jet(below, solved.fields[:, : below.size], setting.residuals)
+        shorter, *others = cut_off.freedom(highest)
+        gauge, place = fitted(numbers, shorter, name, kind.gauge, n, count)
+        branch, scalars_at = _branch(setting, solved)
+        return DegreesOfFreedom(
+            str(theory.expression), name, n, last, tuple(numbers), tuple(shorter), gauge, place,
+            (min(gaps[0], others[0]), max(gaps[1], others[1])), rest, branch, scalars_at,
+            dict(values), tuple(assumed), named_fields(setting, solved.fields),
+        )  # fmt: skip
+
+    answer = counted(orders[0])
+    for last in orders[1:]:
+        if answer.residual < HALF and not answer.settled:
+            answer = counted(last)
+    return answer
+
+
+def _solution(
+    setting: Setting,
+    series: PowerSeries,
+    near: Frame | Mapping[str, np.ndarray] | None,
+    formulas: Mapping[str, object],
+    seed: int,
+) -> tuple[Jet, float]:
+    """A solution near the start, and its largest residual."""
+    fields = trial(setting, series, near, formulas)
+    if near is None or isinstance(near, Frame):
+        if near is not None:
+            # A symmetric start stays symmetric, on the branch of the frame.
+            fields = Jet(series, fields, setting.residuals).solved()[0].fields
+        fields = moved(fields, series, setting, seed)
+    return Jet(series, fields, setting.residuals).solved()
 
 
 def _geometry(lagrangian: object, name: object) -> str:
@@ -322,163 +379,23 @@ def _geometry(lagrangian: object, name: object) -> str:
     return checks.choice(name, NAMES, "geometry", GravityError)
 
 
-def _checked(near: Frame, n: int) -> tuple[sp.Symbol, ...]:
-    """Coordinates of a frame that can be a start."""
-    if near.dimension != n:
-        raise GravityError(
-            f"near: expected a frame of {n} dimensions, got one of {near.dimension}. Give "
-            f"dimension={near.dimension}, or another frame."
-        )
-    signs = [near.eta[i, j] for i in range(n) for j in range(n)]
-    if signs != [0 if i != j else -1 if i == 0 else 1 for i in range(n) for j in range(n)]:
-        raise GravityError(
-            "near: expected a frame of signature -++..., got another signature. Order the legs "
-            "with the timelike one first."
-        )
-    if near.parameters:
-        raise GravityError(
-            f"near: expected a frame without parameters, got {', '.join(map(str, near.parameters))}"
-            ". Give them values: frame.subs({...})."
-        )
-    return near.coordinates
-
-
 def _constants(
     setting: Setting, parameters: Mapping[str, object] | None
 ) -> tuple[dict[str, float], list[str]]:
     """Values of the constants of the Lagrangian, and which of them were assumed."""
     given = checks.by_name(checks.table(parameters, "parameters"), "parameters", GravityError)
     flat = PowerSeries(setting.dimension, 0)
-    names = setting.theory(flat, _start(setting, flat, None, {}), moving=False).constants
+    names = setting.theory(flat, trial(setting, flat, None, {}), moving=False).constants
     for text in given:
         checks.known_name(text, names, "parameters", GravityError, expected="a constant of L")
     values, assumed = {}, []
     for k, text in enumerate(names):
         if text in given:
-            values[text] = checks.number(given[text], f"parameters: {text}", GravityError)
+            values[text] = float(number(given[text], f"parameters: {text}"))
         else:
             values[text] = float(Fraction(3 + 4 * k, 10))
             assumed.append(f"{text} = {values[text]:g}")
     return values, assumed
-
-
-def _labels(setting: Setting) -> list[str]:
-    """A name for each field, by which a later start finds it."""
-    labels = [f"e {i} {mu}" for i, mu in setting.kind.coframe]
-    labels += [f"w {a} {i} {j}" for a, i, j in setting.kind.turning]
-    labels += [f"scalar {k}" for k in range(setting.scalars)]
-    labels += [f"A {k} {mu}" for k in range(setting.vectors) for mu in range(setting.dimension)]
-    return labels
-
-
-def _named(setting: Setting, fields: np.ndarray) -> dict[str, np.ndarray]:
-    return dict(zip(_labels(setting), fields, strict=True))
-
-
-def _start(
-    setting: Setting, series: PowerSeries, near: object, formulas: Mapping[str, object]
-) -> np.ndarray:
-    """Coefficients of all fields at the start, without a random change."""
-    fields = np.zeros((setting.size, series.size))
-    for k, (i, mu) in enumerate(setting.kind.coframe):
-        fields[k, 0] = float(i == mu)
-    if isinstance(near, DegreesOfFreedom):
-        for k, label in enumerate(_labels(setting)):
-            row = near.fields.get(label, np.zeros(1))[: series.size]
-            fields[k, : len(row)] = row
-        return fields
-    point: dict[Any, Any] = dict.fromkeys(setting.coordinates, 0.0)
-    if isinstance(near, Frame):
-        point = {x: float(sp.Rational(str(near.sample_point[x]))) for x in near.coordinates}
-    variables = {
-        x.name: series.variable(mu, float(point[x])) for mu, x in enumerate(setting.coordinates)
-    }
-    field = NumericField(setting.coordinates, series, variables)
-    if isinstance(near, Frame) and setting.kind.coframe:
-        n = setting.dimension
-        every = [(i, mu) for i in range(n) for mu in range(n)]
-        rows = field.evaluated([near.coframe.element(*place) for place in every])
-        for place, value in zip(every, rows, strict=True):
-            if place in setting.kind.coframe:
-                fields[setting.kind.coframe.index(place)] = field.as_array(value).value
-            elif value.fraction != 0:
-                raise GravityError(
-                    f"near: expected a coframe with zeros above its diagonal, got "
-                    f"{near.coframe[place]} in row {place[0]}, column {place[1]}. Rotate the legs, "
-                    "or use the geometry teleparallel."
-                )
-    first = len(setting.kind.coframe) + len(setting.kind.turning)
-    names = {x.name: x for x in setting.coordinates}
-
-    def read(text: str) -> sp.Expr:
-        return parse_expression(text, names, where="scalars")
-
-    for k, (text, formula) in enumerate(formulas.items()):
-        if formula is not None:
-            where = f"scalars: {text}"
-            expression = checks.expression(formula, where, GravityError, read=read)
-            fields[first + k] = field.as_array(field.read(expression, where)).value
-    return fields
-
-
-def _moved(fields: np.ndarray, series: PowerSeries, setting: Setting, seed: int) -> np.ndarray:
-    """A start with a random change, smaller for higher orders; matter of size one."""
-    random = np.random.default_rng(checks.count(seed, "seed", GravityError))
-    change = (
-        SPREAD
-        * random.normal(size=(setting.size, 1 + series.size))
-        / 2.0 ** np.append(0, series.degrees)
-    )
-    result = fields + change[:, 1:]
-    first = len(setting.kind.coframe) + len(setting.kind.turning)
-    result[first:, 0] += change[first:, 0] / SPREAD
-    return result
-
-
-def _fit(
-    numbers: Sequence[int],
-    shorter: Sequence[int],
-    geometry: str,
-    gauge: tuple[tuple[int, int], ...],
-    n: int,
-    vectors: int,
-) -> tuple[tuple[tuple[int, int], ...], int | None]:
-    """The gauge symmetry that fits H, and the order from which the fit holds.
-
-    The fit starts at the last order whose numbers are the same with one order less, where a
-    known symmetry has as many functions of n variables.
-    """
-    known = _symmetries(geometry, gauge, n, vectors)
-    top = np.diff(numbers, n)
-    for place in range(len(top) - 1, -1, -1):
-        last = place + n
-        if last > len(shorter) or tuple(numbers[place:last]) != tuple(shorter[place:last]):
-            continue
-        functions = int(top[place])
-        if functions in known:
-            return known[functions], place
-    return gauge, None
-
-
-def _symmetries(
-    geometry: str, gauge: tuple[tuple[int, int], ...], n: int, vectors: int
-) -> dict[int, tuple[tuple[int, int], ...]]:
-    """Number of functions of n variables -> the gauge symmetries that have so many.
-
-    Diffeomorphisms change coframe and metric by first derivatives, rotations of a tetrad change it
-    without a derivative, and a gradient changes a vector field.
-    """
-    further: list[tuple[tuple[int, int], ...]] = [()]
-    if geometry == "teleparallel":
-        further.append(((n * (n - 1) // 2, 0),))
-    if geometry == "symmetric teleparallel":
-        further.append(((n, 1),))
-    table: dict[int, tuple[tuple[int, int], ...]] = {}
-    for extra in further:
-        for k in range(vectors + 1):
-            pairs = (*gauge, *extra, *(((k, 1),) if k else ()))
-            table.setdefault(sum(m for m, _ in pairs), pairs)
-    return table
 
 
 def _branch(setting: Setting, jet: Jet) -> tuple[tuple[str, ...], dict[str, float]]:

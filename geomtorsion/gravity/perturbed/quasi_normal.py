@@ -162,7 +162,8 @@ def ringing(
     parity
         "axial", "polar" or "both".
     modes
-        How many for each field and parity, those damped least.
+        How many for each field and parity, those damped least. The least damped wave of a field
+        with m M > 0.4 near its largest mass converges slowly and may be missing.
     digits
         Digits of each frequency.
     parameters

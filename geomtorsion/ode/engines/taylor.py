@@ -102,17 +102,6 @@ class Ready:
         self.integrator.pars[:] = self._columns[:, members]
 
 
-class Crossed:
-    """Callback of batches: notes the members whose guard has fallen through zero."""
-
-    def __init__(self) -> None:
-        self.members: set[int] = set()
-
-    def __call__(self, _: Any, __: Any, ___: Any, member: int) -> None:
-        """Note one member."""
-        self.members.add(member)
-
-
 _kept: OrderedDict[tuple[Any, ...], _Shared] = OrderedDict()
 _kept_lock = Lock()
 # Held while heyoka's own switch of the cache on the disk is changed.
@@ -251,10 +240,7 @@ def _integrator(
         with _disk_lock:
             _limit_disk_cache(hy.llvm_state)
         if guards:
-            crossed = Crossed()
-            options["nt_events"] = [
-                hy.nt_event_batch(guard, crossed, direction=falling) for guard in guards
-            ]
+            options["t_events"] = [hy.t_event_batch(guard, direction=falling) for guard in guards]
         return hy.taylor_adaptive_batch(
             equations,
             np.zeros((len(equations), width)),

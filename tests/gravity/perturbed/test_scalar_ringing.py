@@ -16,7 +16,12 @@ TETRAD = 0.373671684418042 - 0.088962315688936j
 
 @pytest.mark.parametrize(
     ("l", "mass2", "start"),
-    [(0, "1/400", 0.11 - 0.1j), (1, "1/100", 0.297 - 0.095j), (2, "1/4", 0.565 - 0.068j)],
+    [
+        (0, "1/400", 0.11 - 0.1j),
+        (1, "1/100", 0.297 - 0.095j),
+        (2, "1/6", 0.537 - 0.078j),
+        (2, "1/4", 0.565 - 0.068j),
+    ],
 )
 def test_a_test_field_with_a_mass(l: int, mass2: str, start: complex) -> None:  # noqa: E741
     """Leaver's series with the mass (Konoplya and Zhidenko 2005) gives the same frequency."""
