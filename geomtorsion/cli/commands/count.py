@@ -91,7 +91,6 @@ def count(
       geomtorsion count -L "R" -c levi-civita --dimension 3
       geomtorsion count -L "T + c*T**2" -c cartan --dimension 3
       geomtorsion count -L "-F2/4" -c flat --vectors 1
-      geomtorsion count -L "R" -c levi-civita --near schwarzschild --set M=1
     """
     if lagrangian is None:
         raise ArgumentError(
