@@ -79,6 +79,7 @@ LONG: dict[str, str] = {
     "geometry/forms.py": "the exterior calculus: a form, its algebra and its derivatives",
     "gravity/equations.py": "all that field equations can be asked; half is documentation",
     "geometry/frame.py": "all that a frame can be asked; two thirds are documentation",
+    "geometry/real_points.py": "real points: candidates, their walls, and which one is preferred",
     "geometry/components.py": "sparse arrays with their symmetries, products and inverses",
     "geometry/tensor.py": "all that a tensor can be asked; half is documentation",
     "scenes/scene.py": "a scene and its cost; half is documentation",
@@ -125,7 +126,7 @@ CEILINGS = {
 }
 # Lines of code below and above the wall, rounded up to five hundreds, without docstrings, comments
 # and blanks. A change that needs more raises a number and states in its commit what users get.
-BUDGET = {"below the wall": 52500, "above the wall": 57500}
+BUDGET = {"below the wall": 53000, "above the wall": 57500}
 # What a program that imports the package does not wait for.
 LATER = ("sympy", "flint", "mpmath", "numpy", "multiprocessing", "asyncio", "tomllib", "sqlite3")
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")

@@ -302,10 +302,13 @@ class Table:
             sizes = abs(np.log(abs(symbols))).max(axis=0, initial=0)
         worth = np.minimum(np.minimum(room, regular), 0.2) - 0.1 * sizes
 
-        opens = self._opens(function, np.flatnonzero(good), slice(len(entries), ends[-1]))
+        own, part = np.flatnonzero(good), slice(len(entries), ends[-1])
+        opens = self._opens(function, own, part, SCALES[1])
+        # Parameters with horizons, as a < M, where a formula has walls farther in.
+        bare = self._opens(function, own, part, 1 / SCALES[1]) * bool(points.parameters)
 
         def order(k: int) -> tuple[float, ...]:
-            return (negative[k], -opens[k], -worth[k], k)
+            return (negative[k], -opens[k], bare[k], -worth[k], k)
 
         ranked = [(key, sorted(some, key=order)) for key, some in members.items()]
         ranked.sort(key=lambda pair: (*pair[0][:2], negative[pair[1][0]], -len(pair[1])))
@@ -322,15 +325,17 @@ class Table:
         radicands = zip(positive, self._radicands, strict=True)
         return [*radicands, *zip(map(str, self._points.relations), self._related, strict=True)]
 
-    def _opens(self, function: Callable[[Array], Array], numbers: Array, walls: slice) -> Array:
-        """Along how many coordinates each candidate reaches far without meeting a wall."""
+    def _opens(
+        self, function: Callable[[Array], Array], numbers: Array, walls: slice, factor: float
+    ) -> Array:
+        """Along how many coordinates each candidate meets no wall, in steps of a factor."""
         opens, columns = np.zeros(self.size), self.values[:, numbers]
         with np.errstate(all="ignore"):
             here = np.sign(np.real(function(columns)[walls]))
             for k in range(len(self._points.coordinates)):
                 moved, is_open = columns.copy(), np.ones(len(numbers), dtype=bool)
                 for _ in SCALES:
-                    moved[k] *= SCALES[1]
+                    moved[k] *= factor
                     there = np.sign(np.real(function(moved)[walls]))
                     is_open &= np.all((there == here) | ~np.isfinite(there), axis=0)
                 opens[numbers] += is_open

@@ -242,13 +242,13 @@ def regions(frame: Frame) -> tuple[Region, ...]:
     order = [0, *(1 + k for group in table.groups for k in group.numbers)]
     split = [s for s in walls.source.parameters if s.is_positive is None and s.is_negative is None]
     rows = [walls.symbols.index(s) for s in split]
-    first: dict[tuple[int, ...], int] = {}
+    first: dict[tuple[tuple[int, ...], ...], int] = {}
     for k in order:
         key = tuple(map(int, signs[:, k])), tuple(map(int, np.sign(values[rows, k])))
         if all(key[0]):
-            first.setdefault(key[0], k)
+            first.setdefault(key, k)
     found = []
-    for key, k in list(first.items())[:MOST]:
+    for (key, _), k in list(first.items())[:MOST]:
         point = walls.first_point() if k == 0 else walls.candidates.exact(k - 1)
         found.append(_region(walls, point, np.array(key, dtype=int), values, signs))
     return tuple(found)

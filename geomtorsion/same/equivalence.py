@@ -1,33 +1,28 @@
-"""Equivalence: whether two frames, metrics or connections are one geometry in two disguises."""
+"""Equivalence: the verdict on two geometries, its reason, its certainty and matched points."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from itertools import islice, product
 from typing import SupportsFloat
 
 import numpy as np
 import sympy as sp
 
-from geomtorsion.errors import ArgumentError, CoordinateError, UndecidedError
-from geomtorsion.exact import Certainty, Element, unknown_functions
+from geomtorsion.errors import UndecidedError
+from geomtorsion.exact import Certainty, Element
 from geomtorsion.exact.element import PROVED, least_certain
-from geomtorsion.geometry import Connection, Frame
-from geomtorsion.geometry.connections import FrameLike, frame_of
 from geomtorsion.same.classification import signature
 from geomtorsion.same.coordinate_map import CoordinateMap
 from geomtorsion.same.invariants import Growth, Invariants
 from geomtorsion.same.matching import DIGITS, Match, Search, identity
 from geomtorsion.same.scalars import contradiction, is_excluded, scalars
-from geomtorsion.same.signs import mirror_images, opposite_signs
-from geomtorsion.support import checks
+from geomtorsion.same.signs import Contrast, mirror_images, opposite_signs
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.copies import content_hash, equal_content, only_fields
 from geomtorsion.support.displays import drawn_by
 from geomtorsion.support.exclusive import exclusive
 
-KEEPS = ("metric", "teleparallel", "legs")
 # Chance of error of a proof by resultants modulo a prime.
 RESULTANTS = Certainty(proved=False, error=1e-60)
 # Starts of the search for a point, and of that for a turn.
@@ -36,128 +31,19 @@ TRIES = 12
 AGREES = 10.0 ** (8 - DIGITS)
 
 
-@exclusive
-def same_geometry(
-    one: FrameLike | Connection,
-    two: FrameLike | Connection,
-    keep: str | None = None,
-    *,
-    orientation: bool = False,
-) -> Equivalence:
-    """Whether two frames, metrics or connections are one geometry in different coordinates.
+@dataclass(frozen=True)
+class Outcome:
+    """A verdict, its reason, its certainty, and the points at which it was found."""
 
-    The components of torsion and curvature and of their covariant derivatives, along legs, are all
-    the invariants there are. Exact ranks count the independent ones, order by order, until their
-    number stays [Cartan1946], [Karlhede1980]. A point of the second geometry is then searched at
-    which the invariants of a generic point of the first one recur; all of them are compared to 50
-    digits, up to the order after the last growth.
+    verdict: str
+    reason: str
+    certainty: Certainty
+    match: Match | None = None
 
-    Parameters
-    ----------
-    one, two
-        Frames, spaces or names of shipped ones; or two connections, which are compared together
-        with the metric.
-    keep
-        "metric": metrics, whose legs are free. "teleparallel": frames whose legs may differ by one
-        constant turn. "legs": frames, leg by leg in their order. None: "metric", or connections.
-    orientation
-        True: maps that exchange left and right do not count. Legs in their order are right-handed;
-        where the legs are complex or come from a metric, coordinates in their order are.
-
-    Returns
-    -------
-    Equivalence: "same" with the largest difference, "different" with its proof, or "undecided".
-    It is local: it holds near generic points, and not for the shape in the large. Formulas count
-    wherever they are regular, also beyond the stated domains.
-    Parameters of one name are one constant, to which a random rational value is given.
-
-    Raises
-    ------
-    ArgumentError
-        The arguments are of other kinds, or contain unknown functions such as a(t).
-
-    Examples
-    --------
-    >>> import sympy as sp
-    >>> from geomtorsion.geometry import Frame
-    >>> u, v = sp.symbols("u v", real=True)
-    >>> disguise = Frame.from_metric([u, v], [[4 / (1 + u**2 + v**2) ** 2, 0],
-    ...                                       [0, 4 / (1 + u**2 + v**2) ** 2]])
-    >>> sphere = Frame("theta phi", [[1, 0], [0, "sin(theta)"]], domain="0 < theta < pi")
-    >>> same_geometry(disguise, sphere).verdict
-    'same'
-    """
-    checks.flag(orientation, "orientation")
-    are_connections = [isinstance(x, Connection) for x in (one, two)]
-    if keep is None and any(are_connections):
-        if not all(are_connections):
-            raise ArgumentError(
-                "expected two frames or two connections, got one of each. Give both as "
-                "connections, such as gt.cartan(frame), or name the geometry: keep='metric'."
-            )
-        sides = [(x.frame, x) for x in (one, two) if isinstance(x, Connection)]
-        return _compared("connection", sides, orientation)
-    name = "metric" if keep is None else checks.choice(keep, KEEPS, "keep", ArgumentError)
-    frames = [frame_of(x, which) for x, which in ((one, "one"), (two, "two"))]
-    return _compared(name, [(frame, None) for frame in frames], orientation)
-
-
-def _compared(
-    keep: str, sides: Iterable[tuple[Frame, Connection | None]], orientation: bool
-) -> Equivalence:
-    """The verdict on two geometries."""
-    (one, first), (two, second) = sides
-    for frame in (one, two):
-        refuse_functions(frame)
-    assumptions = one.region.assumption, two.region.assumption
-    values = parameter_values(one, two)
-    if values:
-        own = [{k: v for k, v in values.items() if k in map(str, f.parameters)} for f in (one, two)]
-        one, two = (f.subs(v) if v else f for f, v in zip((one, two), own, strict=True))
-        first, second = (
-            c.subs(v) if c is not None and v else c
-            for c, v in zip((first, second), own, strict=True)
-        )
-    invariants = Invariants(one, keep, first)
-    equal = one == two and first == second
-    other = invariants if equal else Invariants(two, keep, second)
-    return Equivalence(invariants, other, orientation, values, assumptions)
-
-
-def refuse_functions(frame: Frame) -> None:
-    """Refuse a frame with unknown functions such as a(t)."""
-    functions = unknown_functions(x for matrix in frame.given.values() for x in matrix.values())
-    if functions:
-        raise ArgumentError(
-            f"expected a frame without unknown functions, got {functions[0]}. Give it a value, as "
-            f"in frame.subs({{{functions[0]}: ...}})."
-        )
-
-
-def parameter_values(one: Frame, two: Frame) -> dict[str, sp.Rational]:
-    """Generic rational values of all parameters, by name, that both regions allow."""
-    if not (one.parameters or two.parameters):
-        return {}
-    sides = (islice(frame.region.points(), TRIES) for frame in (one, two))
-    for first, second in product(*sides):
-        values = {str(x): second[x] for x in two.parameters}
-        values |= {str(x): first[x] for x in one.parameters}
-        if _has_points(two, values):
-            return values
-    names = ", ".join(dict.fromkeys(map(str, (*two.parameters, *one.parameters))))
-    raise ArgumentError(
-        f"expected parameters that both domains allow, found no values for {names}. Give them "
-        "values with frame.subs."
-    )
-
-
-def _has_points(frame: Frame, values: Mapping[str, sp.Rational]) -> bool:
-    """Whether the region of a frame has points at values of its parameters."""
-    own = {x: values[str(x)] for x in frame.parameters}
-    try:
-        return not own or bool(frame.subs(own).region.point)
-    except CoordinateError:
-        return False
+    @classmethod
+    def of(cls, contrast: Contrast) -> Outcome:
+        """The outcome of opposite signs."""
+        return cls("different", contrast.reason(), contrast.certainty)
 
 
 @exclusive
@@ -169,7 +55,9 @@ class Equivalence:
     orientation: whether left and right are kept apart.
     parameters: values that were given to parameters, by name.
     assumptions: the regions that were assumed for frames without a declared domain, in words.
-    near: coordinates of the second geometry from which the search for a point begins, if known.
+    near: coordinates of the second geometry to which the search for a point is limited, if known.
+    member: values of the parameters of a family at which it was compared, by name.
+    decided: the outcome, where it is about all members of a family.
     """
 
     one: Invariants
@@ -178,6 +66,8 @@ class Equivalence:
     parameters: Mapping[str, sp.Rational] = field(default_factory=dict)
     assumptions: tuple[str, str] = ("", "")
     near: np.ndarray | None = field(default=None, repr=False)
+    member: Mapping[str, sp.Expr] = field(default_factory=dict)
+    decided: Outcome | None = field(default=None, repr=False, compare=False)
 
     def __eq__(self, other: object) -> bool:
         return equal_content(self, other)
@@ -203,7 +93,7 @@ class Equivalence:
         """How sure the verdict is.
 
         "different" is proved, up to the chance of error of ranks modulo a prime, or rests on signs
-        that were read at some hundred points of both regions. "same" is proved
+        that are proved in both regions. "same" is proved
         where all invariants are constants that agree exactly; otherwise its error is the largest
         difference of invariants at the matched point, as two geometries that differ agree to so
         many digits only by accident.
@@ -235,6 +125,28 @@ class Equivalence:
         """The dimension of the turns at a generic point that no invariant fixes, for both."""
         return self.one.isotropy, self.two.isotropy
 
+    @property
+    def is_mirror_image(self) -> bool:
+        """Whether only a reflection, which does not count here, takes one into the other."""
+        if not self.orientation or self.verdict == "same":
+            return False
+        return replace(self, orientation=False).verdict == "same"
+
+    def swapped(self) -> Equivalence:
+        """The verdict on the second and the first geometry."""
+        outcome = None
+        if self.verdict == "same":
+            match = None if self.match is None else self.match.inverted()
+            outcome = replace(self._outcome, match=match)
+        return replace(
+            self,
+            one=self.two,
+            two=self.one,
+            assumptions=self.assumptions[::-1],
+            near=None,
+            decided=outcome,
+        )
+
     @cached_property
     def map(self) -> CoordinateMap:
         """The map from coordinates of the first geometry to coordinates of the second.
@@ -262,45 +174,50 @@ class Equivalence:
     # -- the verdict -----------------------------------------------------------------------------
 
     @cached_property
-    def _outcome(self) -> _Outcome:
+    def _outcome(self) -> Outcome:
         one, two = self.one, self.two
+        if self.decided is not None:
+            return self.decided
         if one is two:
-            return _Outcome("same", "both are given by equal formulas", PROVED, identity(one))
-        simple = self._simple_difference()
+            return Outcome("same", "both are given by equal formulas", PROVED, identity(one))
+        simple = self.simple_difference
         if simple is not None:
-            return _Outcome("different", simple, PROVED)
+            return Outcome("different", simple, PROVED)
         sure = least_certain([one.certainty, two.certainty])
         for which, inv in (("first", one), ("second", two)):
             if inv.certainty.error >= 1:
                 reason = f"whether invariants of the {which} geometry vanish cannot be decided"
-                return _Outcome("undecided", reason, inv.certainty)
+                return Outcome("undecided", reason, inv.certainty)
         if one.growth != two.growth:
-            return _Outcome("different", self._ranks(), sure)
+            return Outcome("different", self._ranks(), sure)
         first, second = scalars(one), scalars(two)
         proof = contradiction(one, two, first, second)
         if proof is not None:
-            return _Outcome("different", *proof)
+            return Outcome("different", *proof)
         opposite = opposite_signs(one, two, first, second)
         if opposite is not None:
-            return _Outcome("different", *opposite)
+            return Outcome.of(opposite)
         match = self._searched()
         if match is not None and match.difference < AGREES:
             exact = one.rank == 0 and one.keep in ("legs", "metric") and _are_equal(first, second)
             error = Certainty(proved=False, error=max(match.difference, 10.0**-DIGITS))
             certainty = sure if exact else least_certain([sure, error])
-            return _Outcome("same", "all invariants agree", certainty, match)
+            return Outcome("same", "all invariants agree", certainty, match)
         if is_excluded(one, two):
             reason = "no point of the second geometry has the invariants of a generic point"
-            return _Outcome("different", reason + " of the first", RESULTANTS)
-        if match is None and self.orientation:
+            return Outcome("different", reason + " of the first", RESULTANTS)
+        if self.orientation:
             mirror = replace(self, orientation=False)
             if mirror.verdict == "same":
-                proof = mirror_images(one, two)
-                if proof is not None:
-                    return _Outcome("different", *proof)
+                contrast = mirror_images(one, two)
+                if contrast is not None:
+                    return Outcome.of(contrast)
+                reason = "the same after a reflection only"
+                if is_excluded(one, two, proper=True):
+                    return Outcome("different", reason, RESULTANTS)
                 reason = "the same after a reflection, and no map without one was found"
-                return _Outcome("undecided", reason, UNKNOWN)
-        return _Outcome("undecided", self._unmatched(match), UNKNOWN, match)
+                return Outcome("undecided", reason, UNKNOWN)
+        return Outcome("undecided", self._unmatched(match), UNKNOWN, match)
 
     def _searched(self) -> Match | None:
         """The best match, from a generic point of either geometry.
@@ -317,11 +234,12 @@ class Equivalence:
             ).match()
             if match is not None and (best is None or match.difference < best.difference):
                 best = match.inverted() if other_way else match
-            if best is not None and best.difference < AGREES:
+            if self.near is not None or (best is not None and best.difference < AGREES):
                 break
         return best
 
-    def _simple_difference(self) -> str | None:
+    @property
+    def simple_difference(self) -> str | None:
         """A difference of dimension or signature, in words."""
         one, two = self.one.frame, self.two.frame
         if one.dimension != two.dimension:
@@ -367,17 +285,23 @@ class Equivalence:
     def compared(self) -> str:
         """The kind of geometry that was compared."""
         match = self.match if self.verdict == "same" else None
-        reflected = match is not None and match.reflects
+        either = "turn" if self.orientation else "turn or reflection"
+        change = either if match is None else "reflection" if match.reflects else "turn"
         return {
             "legs": "frames, leg by leg",
-            "teleparallel": f"frames up to one constant {'reflection' if reflected else 'turn'}",
+            "teleparallel": f"frames up to one constant {change}",
             "metric": "metrics",
             "connection": "metrics with connections",
         }[self.one.keep]
 
     def rows(self) -> dict[str, str]:
         """The printed lines, by name."""
-        rows = {"verdict": f"{self.verdict}: {self.reason}", "compared": self.compared}
+        values = ", ".join(f"{k} = {v}" for k, v in self.member.items())
+        with_values = f" for {values}" if values else ""
+        rows = {
+            "verdict": f"{self.verdict}{with_values}: {self.reason}",
+            "compared": self.compared,
+        }
         if self.verdict == "same" and self.difference is not None and not self.certainty.proved:
             rows["certainty"] = (
                 f"largest difference {self.difference:.0e} at a pair of generic points"
@@ -412,16 +336,6 @@ class Equivalence:
         return "\n".join([verdict, *(f"  {name}: {text}" for name, text in rest)])
 
     _repr_html_ = drawn_by("notebook_tables", "equivalence_html")
-
-
-@dataclass(frozen=True)
-class _Outcome:
-    """A verdict, its reason, its certainty, and the points at which it was found."""
-
-    verdict: str
-    reason: str
-    certainty: Certainty
-    match: Match | None = None
 
 
 def _are_equal(first: Mapping[str, Element], second: Mapping[str, Element]) -> bool:

@@ -8,24 +8,19 @@ from itertools import islice
 
 import mpmath
 import numpy as np
-import scipy  # loads its subpackages at first use
 import sympy as sp
 
 from geomtorsion.geometry import Frame
-from geomtorsion.same.demands import Demands, best_starts
+from geomtorsion.same.demands import ALIKE, Demands, best_starts, least_squares
 from geomtorsion.same.invariants import Invariants
 from geomtorsion.same.values import Array, Evaluation, Values, generators
 from geomtorsion.support.allowance import check_limits
 from geomtorsion.support.caching import cached_property
-from geomtorsion.support.precision import EPS, working_digits
+from geomtorsion.support.precision import working_digits
 
 # Digits to which invariants are compared, and those with which they are computed.
 DIGITS = 50
 WORKING = DIGITS + 15
-# Singular values that are zero up to the errors of floats, in units of the largest.
-ALIKE = 1e-6
-# Relative difference of invariants that is used for points where they are not finite.
-FAR = ALIKE**-0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,6 +173,7 @@ class Search:
         coordinates = self.two.frame.coordinates
         if self.near is not None and lies_in(self.two.frame, self.near):
             yield self.near
+            return
         points = islice(self.two.frame.region.points(), self.tries)
         plain = (np.array([float(point[q]) for q in coordinates]) for point in points)
         if not self.two.turns:
@@ -191,7 +187,7 @@ class Search:
             low, high = (ends[: len(coordinates)] for ends in self._bounds)
             for start in best_starts(demands, self.tries):
                 check_limits()
-                place = least_squares(demands.miss, start, bounds=(low, high))
+                place = demands.nearest(start, bounds=(low, high))
                 if place is not None:
                     yield place
 
@@ -242,6 +238,7 @@ class Search:
         with working_digits(WORKING):
             point = {q: mpmath.mpf(x) for q, x in zip(frame.coordinates, place, strict=True)}
             turning = None if turn is None else _orthogonal(turn, values.signs)
+            before = mpmath.inf
             for _ in range(16):
                 other = evaluation.at(point, WORKING)
                 if other is None or other.signs != values.signs:
@@ -251,6 +248,10 @@ class Search:
                 size = max((abs(x) for x in rest), default=mpmath.mpf(0))
                 if size < mpmath.mpf(10) ** (5 - WORKING):
                     break
+                if size > before / 10 and size > mpmath.mpf(10) ** -DIGITS:
+                    # A minimum that is not a zero.
+                    return Match(start, point, turning, float(size))
+                before = size
                 step = -inverse @ np.array([complex(x / size) for x in rest])
                 step = [mpmath.mpf(float(x.real)) * size for x in step]
                 for q, x in zip(frame.coordinates, step, strict=False):
@@ -287,32 +288,6 @@ def lies_in(frame: Frame, place: Array) -> bool:
     """Whether the region of a frame contains a point."""
     point = {q: sp.Float(float(x)) for q, x in zip(frame.coordinates, place, strict=True)}
     return all(relation.subs(point) != sp.false for relation in frame.region.relations)
-
-
-def least_squares(
-    miss: Callable[[Array], Array | None],
-    start: Array,
-    enough: float = 1e-14,
-    bounds: tuple[Array, Array] | None = None,
-) -> Array | None:
-    """A zero of a function near a start, within bounds; None if none was reached.
-
-    enough: the sum of squares at which it counts as a zero.
-    """
-    first = miss(start)
-    if first is None:
-        return None
-
-    def finite(x: Array) -> Array:
-        value = miss(x)
-        return np.full(len(first), FAR) if value is None else value
-
-    limits = (-np.inf, np.inf) if bounds is None else bounds
-    options = {"ftol": EPS, "xtol": EPS, "gtol": None, "x_scale": "jac", "max_nfev": 80}
-    with np.errstate(all="ignore"):
-        # Steps of length zero in directions without effect, as along symmetries.
-        result = scipy.optimize.least_squares(finite, start, "2-point", limits, **options)
-    return result.x if 2 * result.cost < enough else None
 
 
 def _slopes(miss: Callable[[Array], Array | None], x: Array) -> Array | None:

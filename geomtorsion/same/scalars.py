@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations_with_replacement
+from math import gcd
 
 import mpmath
 
@@ -26,7 +27,13 @@ def scalars(invariants: Invariants) -> dict[str, Element]:
     """Scalar invariants by name: components along fixed legs, otherwise contractions."""
     if not invariants.turns:
         return _components(invariants)
+    return {name: value for name, (value, _) in _weighted(invariants).items()}
+
+
+def _weighted(invariants: Invariants) -> dict[str, tuple[Element, int]]:
+    """Contractions by name, each with its power of 1/length."""
     tensors: dict[str, Tensor] = {}
+    weights: dict[str, int] = {}
     for tensor in invariants.start:
         symbol, rank = tensor.symbol.strip("\\"), len(tensor.slots)
         upper = tensor.raised()
@@ -36,10 +43,12 @@ def scalars(invariants: Invariants) -> dict[str, Element]:
             tensors["the curvature scalar"] = curvature.scalar
             tensors["Ric_ab Ric^ab"] = contract("ab,ab->", ricci, ricci.raised())
             tensors["R_abcd R^abcd"] = contract("abcd,abcd->", tensor, upper)
+            weights |= {"the curvature scalar": 2, "Ric_ab Ric^ab": 4, "R_abcd R^abcd": 4}
             continue
         for rule in CUBIC:
             first, second = rule.removesuffix("->").split(",")
             tensors[f"{symbol}_{first} {symbol}^{second}"] = contract(rule, tensor, upper)
+            weights[f"{symbol}_{first} {symbol}^{second}"] = 2
     values = {name: tensor.element() for name, tensor in tensors.items()}
     varying = [name for name, value in values.items() if not is_constant(invariants, value)][:3]
     bar = levi_civita(invariants.frame)
@@ -47,14 +56,18 @@ def scalars(invariants: Invariants) -> dict[str, Element]:
     for one, two in combinations_with_replacement(varying, 2):
         name = f"the product of the gradients of {one} and {two}"
         values[name] = contract("a,a->", slopes[one], slopes[two].raised()).element()
+        weights[name] = weights[one] + weights[two] + 2
     for name in varying:
         values[f"the Laplacian of {name}"] = bar.laplacian(tensors[name]).element()
+        weights[f"the Laplacian of {name}"] = weights[name] + 2
     if not varying:
         for tensor, slope in zip(invariants.start, invariants.order(1), strict=True):
             letters = "abcde"[: len(slope.slots)]
             square = contract(f"{letters},{letters}->", slope, slope.raised())
-            values[f"the square of the derivative of {tensor.symbol}"] = square.element()
-    return values
+            name = f"the square of the derivative of {tensor.symbol}"
+            values[name] = square.element()
+            weights[name] = 6 if len(tensor.slots) == 4 else 4
+    return {name: (value, weights[name]) for name, value in values.items()}
 
 
 def _components(invariants: Invariants) -> dict[str, Element]:
@@ -67,6 +80,37 @@ def _components(invariants: Invariants) -> dict[str, Element]:
                 along = "".join(f"E_{i + 1} " for i in index[:k])
                 values[f"{along}T_{places[:2]}^{places[2:]}"] = tensor.element(*index)
     return values
+
+
+def pseudoscalars(invariants: Invariants) -> Iterator[tuple[str, Element]]:
+    """Scalars of an odd number of volume forms."""
+    frame, n = invariants.frame, invariants.frame.dimension
+    letters = "abcdef"[:n]
+    plain = invariants.slot == "d"
+    volume = (frame.epsilon if plain else frame.epsilon.in_frame()).raised()
+    for tensor in invariants.start:
+        rank, symbol = len(tensor.slots), tensor.symbol
+        if rank == 3 and n == 3:
+            yield "the axial torsion", contract(f"{letters},{letters}->", volume, tensor).element()
+        elif rank == 3 and n == 4:
+            yield (
+                f"epsilon^abcd {symbol}_abe {symbol}_cd^e",
+                contract("abcd,abe,cde->", volume, tensor, tensor.raised(2)).element(),
+            )
+        elif rank == 4 and n == 3:
+            ricci = contract("abac->bc", tensor.raised(0))
+            slope = levi_civita(frame).covariant_derivative(ricci)
+            slope = slope.in_coordinates() if plain else slope.in_frame()
+            yield (
+                "epsilon^abc Ric_ad D_b Ric_c^d",
+                contract("abc,ad,bcd->", volume, ricci.raised(1), slope).element(),
+            )
+        elif rank == 4 and n == 4:
+            mixed = tensor.raised(2).raised(3)
+            yield (
+                f"epsilon^abcd {symbol}_abef {symbol}_cd^ef",
+                contract("abcd,abef,cdef->", volume, tensor, mixed).element(),
+            )
 
 
 def is_constant(invariants: Invariants, value: Element) -> bool:
@@ -102,10 +146,11 @@ def contradiction(
     return None
 
 
-def is_excluded(one: Invariants, two: Invariants) -> bool:
+def is_excluded(one: Invariants, two: Invariants, proper: bool = False) -> bool:
     """Whether no point has the scalars of a generic one, here or for a weaker `keep`.
 
-    Parameters of the second geometry may have any values.
+    Parameters of the second geometry may have any values. proper: scalars that a reflection
+    changes in sign count as well.
     """
     keeps = [one.keep]
     while keeps[-1] in WEAKER:
@@ -116,6 +161,11 @@ def is_excluded(one: Invariants, two: Invariants) -> bool:
         if keep != one.keep:
             sides = tuple(Invariants(x.frame, keep) for x in sides)
         first, second = map(scalars, sides)
+        if proper:
+            first, second = (
+                first | dict(pseudoscalars(sides[0])),
+                second | dict(pseudoscalars(sides[1])),
+            )
         varying = [k for k, x in first.items() if k in second and x.is_zero is False]
         varying = sorted(varying, key=lambda k: second[k].length)[:DEMANDS]
         symbols = (*two.frame.coordinates, *two.frame.parameters)
@@ -123,7 +173,23 @@ def is_excluded(one: Invariants, two: Invariants) -> bool:
             pairs = [first[k] for k in varying], [second[k] for k in varying]
             if can_agree(*pairs, symbols) is False:
                 return True
+            if two.frame.parameters and one.turns and not proper:
+                pairs = _ratios(sides[0], varying), _ratios(sides[1], varying)
+                if pairs[0] and can_agree(*pairs, symbols) is False:
+                    return True
     return False
+
+
+def _ratios(invariants: Invariants, names: Sequence[str]) -> list[Element]:
+    """Ratios of powers of scalars without a unit, which do not depend on the scale of a family."""
+    weighted = _weighted(invariants)
+    base, unit = weighted[names[0]]
+    result = []
+    for name in names[1:]:
+        value, weight = weighted[name]
+        shared = gcd(unit, weight)
+        result.append(value ** (unit // shared) / base ** (weight // shared))
+    return result
 
 
 def _text(value: Element, number: mpmath.mpf) -> str:

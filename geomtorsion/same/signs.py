@@ -2,42 +2,62 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 from geomtorsion.errors import LimitError
 from geomtorsion.exact import Certainty, Element
 from geomtorsion.exact.common_values import LONGEST
 from geomtorsion.exact.element import least_certain
-from geomtorsion.geometry import contract, levi_civita
+from geomtorsion.geometry import levi_civita
 from geomtorsion.same.invariants import Invariants
+from geomtorsion.same.scalars import pseudoscalars
+
+
+@dataclass(frozen=True)
+class Contrast:
+    """Why two geometries differ.
+
+    text: the reason, with {first} and {second} for the two geometries.
+    certainty: how sure it is.
+    """
+
+    text: str
+    certainty: Certainty
+
+    def reason(self, flipped: bool = False) -> str:
+        """The reason in words. flipped: the geometries are printed in the other order."""
+        names = ("second", "first") if flipped else ("first", "second")
+        return self.text.format(first=names[0], second=names[1])
 
 
 def opposite_signs(
     one: Invariants, two: Invariants, first: Mapping[str, Element], second: Mapping[str, Element]
-) -> tuple[str, Certainty] | None:
+) -> Contrast | None:
     """A scalar, or the energy of light-like matter, of opposite signs in the two regions."""
-    pairs = [(name, a, second[name]) for name, a in first.items()]
+    pairs = [(name, a, second[name]) for name, a in first.items() if name in second]
     energy, other = _null_energy(one), _null_energy(two)
     if energy is not None and other is not None:
         pairs.append(("the null energy R_ab k^a k^b", energy, other))
     return _opposite(pairs, one, two)
 
 
-def mirror_images(one: Invariants, two: Invariants) -> tuple[str, Certainty] | None:
+def mirror_images(one: Invariants, two: Invariants) -> Contrast | None:
     """A scalar that a reflection changes in sign, of opposite signs in the two regions."""
-    pairs = zip(_pseudoscalars(one), _pseudoscalars(two), strict=True)
+    pairs = zip(pseudoscalars(one), pseudoscalars(two), strict=True)
     return _opposite([(name, a, b) for (name, a), (_, b) in pairs], one, two)
 
 
 def _opposite(
     rows: list[tuple[str, Element, Element]], one: Invariants, two: Invariants
-) -> tuple[str, Certainty] | None:
+) -> Contrast | None:
     words = {1: "positive", -1: "negative"}
     for name, a, b in rows:
         left, right = _sign(one, a), _sign(two, b)
         if left is not None and right is not None and left * right < 0:
-            text = f"{name} is {words[left]} for the first and {words[right]} for the second"
-            return f"{text} geometry", least_certain([a.certainty, b.certainty])
+            kinds = words[left], words[right]
+            text = f"{name} is {kinds[0]} for the {{first}} and {kinds[1]} for the {{second}}"
+            return Contrast(f"{text} geometry", least_certain([a.certainty, b.certainty]))
     return None
 
 
@@ -66,26 +86,3 @@ def _null_energy(invariants: Invariants) -> Element | None:
         for j in range(i + 1)
     )
     return ricci(k, k) if all(x.is_zero is True for x in minors) else None
-
-
-def _pseudoscalars(invariants: Invariants) -> Iterator[tuple[str, Element]]:
-    """Scalars of an odd number of volume forms."""
-    frame, n = invariants.frame, invariants.frame.dimension
-    letters = "abcdef"[:n]
-    plain = invariants.slot == "d"
-    volume = (frame.epsilon if plain else frame.epsilon.in_frame()).raised()
-    for tensor in invariants.start:
-        rank, symbol = len(tensor.slots), tensor.symbol
-        if rank == 3 and n == 3:
-            yield "the axial torsion", contract(f"{letters},{letters}->", volume, tensor).element()
-        elif rank == 3 and n == 4:
-            yield (
-                f"epsilon^abcd {symbol}_abe {symbol}_cd^e",
-                contract("abcd,abe,cde->", volume, tensor, tensor.raised(2)).element(),
-            )
-        elif rank == 4 and n == 4:
-            mixed = tensor.raised(2).raised(3)
-            yield (
-                f"epsilon^abcd {symbol}_abef {symbol}_cd^ef",
-                contract("abcd,abef,cdef->", volume, tensor, mixed).element(),
-            )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import reduce
 from itertools import combinations
 
 import mpmath
@@ -61,9 +62,7 @@ class Values:
         for order, tensors in enumerate(self.orders):
             for place, tensor in enumerate(tensors):
                 rank = tensor.ndim
-                raised = tensor
-                for k in range(rank):
-                    raised = raised * eta.reshape([-1 if j == k else 1 for j in range(rank)])
+                raised = tensor * reduce(np.multiply.outer, [eta] * rank)
                 for k in range(rank):
                     others = [j for j in range(rank) if j != k]
                     # Both factors have the index k down.
@@ -96,10 +95,15 @@ class Values:
     @cached_property
     def scalars(self) -> Array:
         """Numbers that no turn changes: traces of products of the matrices."""
-        mixed = [m * np.array(self.signs) for m in self.matrices]
-        traces = [np.trace(m) for m in mixed]
-        traces += [np.trace(m @ k) for j, m in enumerate(mixed) for k in mixed[j:]]
-        return np.array([*traces, *(np.trace(m @ m @ m) for m in mixed)])
+        if not self.matrices:
+            return np.zeros(0)
+        mixed = np.stack(self.matrices) * np.array(self.signs)
+        count, flipped = len(mixed), np.swapaxes(mixed, 1, 2)
+        # tr(A B) is the product of A and of B transposed, as rows of numbers.
+        pairs = mixed.reshape(count, -1) @ flipped.reshape(count, -1).T
+        cubes = np.sum((mixed @ mixed) * flipped, axis=(1, 2))
+        traces = np.trace(mixed, axis1=1, axis2=2)
+        return np.concatenate([traces, pairs[np.triu_indices(count)], cubes])
 
     def scalar_weights(self, weights: Sequence[int]) -> Array:
         """Powers of 1/length of the scalars, from the powers of the tensors in order 0."""
@@ -230,6 +234,13 @@ class Evaluation:
 
     def _frame_basis(self, digits: int | None) -> tuple[tuple[int, ...], Array | None] | None:
         """An orthonormal basis of the frame: rows in terms of the legs; None: the legs."""
+        return self._float_basis if digits is None else self._basis_to(digits)
+
+    @cached_property
+    def _float_basis(self) -> tuple[tuple[int, ...], Array | None] | None:
+        return self._basis_to(None)
+
+    def _basis_to(self, digits: int | None) -> tuple[tuple[int, ...], Array | None] | None:
         eta = self.invariants.frame.eta.at({}, digits=digits)
         squares = [int(x) if x in (1, -1) else 0 for x in np.diag(eta)]
         if 0 in squares or np.any(eta != np.diag(np.diag(eta))):

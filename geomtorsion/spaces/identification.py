@@ -2,35 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cache
-from itertools import islice, product
-from math import prod
 
 import numpy as np
 import sympy as sp
 
-from geomtorsion.errors import ArgumentError, GeomtorsionError
+from geomtorsion.errors import ArgumentError
 from geomtorsion.exact import unknown_functions
 from geomtorsion.geometry import Frame
 from geomtorsion.geometry.connections import FrameLike, as_frame
-from geomtorsion.same import Classification, Equivalence, Invariants
-from geomtorsion.same.classification import classification, signature
-from geomtorsion.same.equivalence import KEEPS, TRIES, refuse_functions
-from geomtorsion.same.fitting import parameters_near
-from geomtorsion.same.scalars import is_excluded
+from geomtorsion.same import Classification, Equivalence
+from geomtorsion.same.classification import signature
+from geomtorsion.same.comparison import KEEPS, refuse_functions
+from geomtorsion.same.family import Query, Stratum, strata
 from geomtorsion.spaces.registry import CHARTS, names, shipped_space
 from geomtorsion.support import checks
 from geomtorsion.support.allowance import check_limits
 from geomtorsion.support.copies import content_hash, equal_content, only_fields
-
-# Parameters are looked for as a rational number times powers of the parameters of the frame.
-POWERS = (Fraction(0), Fraction(1), Fraction(-1), Fraction(2), Fraction(-2), Fraction(1, 2))
-# The largest denominator of that rational number; it must be met far more exactly than by chance.
-LARGEST = 1000
-CLOSE = 0.1 / LARGEST**2
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -166,21 +156,17 @@ def identify(frame: FrameLike, keep: str = "metric", *, every: bool = False) -> 
     minus, plus = signature(frame)
     negated = minus > plus
     frame = _negated(frame) if negated else frame
-    query = _Query.of(frame, name)
+    query = Query.of(frame, name)
     matches, undecided, special = list[Identified](), list[str](), list[str]()
-    general, limits = _candidates(query.classification, name)
-    for charts in general:
-        check_limits()
-        equal, is_open = query.compared(charts, every)
-        matches += equal
-        undecided += charts[:1] if is_open else []
-        if matches and not every:
-            break
-    for charts in () if matches else limits:
-        check_limits()
-        equal, is_open = query.compared(charts, every)
-        matches += equal
-        special += charts[:1] if is_open else []
+    general, limits, rest = _candidates(query.classification, name)
+    for stage, names_ in ((general, undecided), (limits, undecided), (rest, special)):
+        for charts, stratum in stage:
+            check_limits()
+            equal, is_open = _compared(query, charts, stratum, every)
+            matches += equal
+            names_ += [charts[0]] if is_open and charts[0] not in names_ else []
+            if matches and not every:
+                break
         if matches:
             break
     parts = tuple(matches), tuple(undecided), tuple(special)
@@ -204,24 +190,36 @@ def _negated(frame: Frame) -> Frame:
     )
 
 
+Candidate = tuple[tuple[str, ...], Stratum]
+
+
 def _candidates(
     own: Classification, keep: str
-) -> tuple[list[tuple[str, ...]], list[tuple[str, ...]]]:
-    """Spaces with the same properties, and spaces with special members that have them."""
-    general, limits = [], []
+) -> tuple[list[Candidate], list[Candidate], list[Candidate]]:
+    """Families with the same properties, limits with them, and those with special members only."""
+    general, limits, special = list[Candidate](), list[Candidate](), list[Candidate]()
     for charts in _groups(keep):
         frame = shipped_space(charts[0]).frame
         if frame.dimension != own.dimension or _has_functions(frame):
             continue
-        other = _classification(charts[0], keep)
+        whole = _whole(charts[0], keep)
         # In flat spaces only the legs depend on parameters.
-        if other.is_flat and keep == "metric" and frame.parameters:
+        if whole.classification.is_flat and keep == "metric" and frame.parameters:
             continue
-        if not own.excludes(other):
-            general.append(charts)
-        elif frame.parameters and own.may_be_special(other):
-            limits.append(charts)
-    return general, limits
+        if not own.excludes(whole.classification):
+            general.append((charts, whole))
+        if not frame.parameters or not own.may_be_special(whole.classification):
+            continue
+        for stratum in _strata(charts[0], keep):
+            other = stratum.classification
+            # A space of constant curvature is named by its properties.
+            if stratum.zeros and other.curvature is not None:
+                continue
+            if stratum.zeros and not own.excludes(other):
+                limits.append((charts, stratum))
+            elif own.may_be_special(other):
+                special.append((charts, stratum))
+    return general, limits, special
 
 
 def _groups(keep: str) -> list[tuple[str, ...]]:
@@ -237,144 +235,53 @@ def _has_functions(frame: Frame) -> bool:
 
 
 @cache
-def _classification(name: str, keep: str) -> Classification:
-    """The properties of a shipped space for general values of its parameters."""
-    return classification(Invariants(shipped_space(name).frame, keep))
+def _whole(name: str, keep: str) -> Stratum:
+    """A shipped space for general values of its parameters."""
+    frame = shipped_space(name).frame
+    return Stratum(frame, (), frame, keep)
 
 
-@dataclass(frozen=True)
-class _Query:
-    """The frame that is looked for, at generic values of its parameters.
+@cache
+def _strata(name: str, keep: str) -> tuple[Stratum, ...]:
+    """The general members of a shipped space, and its limits."""
+    return _whole(name, keep), *strata(shipped_space(name).frame, keep)[1:]
 
-    values: those values, by name.
-    """
 
-    one: Invariants
-    values: Mapping[str, sp.Rational]
-    classification: Classification
-    assumption: str
-
-    @classmethod
-    def of(cls, frame: Frame, keep: str) -> _Query:
-        """The query for a frame."""
-        point = frame.region.point
-        values = {str(x): point[x] for x in frame.parameters}
-        whole = Invariants(frame, keep)
-        one = Invariants(frame.subs(values), keep) if values else whole
-        return cls(one, values, classification(whole), frame.region.assumption)
-
-    def compared(self, charts: tuple[str, ...], every: bool) -> tuple[list[Identified], bool]:
-        """The first or every chart that is the same, and whether none is found or excluded."""
-        first = shipped_space(charts[0]).frame
-        if not first.parameters:
-            return self._verdicts(charts, {}, every)
-        two = Invariants(first, self.one.keep)
-        fitting = self._fitting(two)
+def _compared(
+    query: Query, charts: tuple[str, ...], stratum: Stratum, every: bool
+) -> tuple[list[Identified], bool]:
+    """The first or every chart that is the same, and whether none is found or excluded."""
+    if query.excluded(stratum) is not None:
+        return [], False
+    for number, (place, values, _) in enumerate(query.candidates(stratum)):
+        if values or not stratum.family.parameters:
+            same, is_open = _equal_charts(query, charts, values, every, place)
+            if same or not stratum.family.parameters:
+                return same, is_open
         # Most geometries that are the same fit at once; a proof that none does saves other starts.
-        for candidates in (islice(fitting, 1), fitting):
-            for place, values in candidates:
-                same, _ = self._verdicts(charts, values, every, place)
-                if same:
-                    return same, False
-            if is_excluded(self.one, two):
-                return [], False
-        return [], True
-
-    def _verdicts(
-        self,
-        charts: tuple[str, ...],
-        values: Mapping[str, sp.Expr],
-        every: bool,
-        place: np.ndarray | None = None,
-    ) -> tuple[list[Identified], bool]:
-        """The first or every chart that is the same geometry at values of its parameters."""
-        same, is_open = [], False
-        for name in sorted(charts, key=names().index):
-            space = shipped_space(name)
-            numbers = {
-                k: x.subs({own: self.values[own.name] for own in x.free_symbols})
-                for k, x in values.items()
-            }
-            try:
-                other = _member(space.frame, numbers)
-                two = Invariants(other, self.one.keep)
-                near = place if name == charts[0] else None
-                equivalence = Equivalence(
-                    self.one, two, False, self.values, (self.assumption, ""), near
-                )
-                verdict = equivalence.verdict
-            except GeomtorsionError:
-                # Values that the space does not allow.
-                continue
-            is_open = is_open or verdict == "undecided"
-            if verdict == "same":
-                texts = name, space.title, space.source
-                same.append(Identified(*texts, values, equivalence))
-                if not every:
-                    break
-        return same, is_open and not same
-
-    def _fitting(self, two: Invariants) -> Iterator[tuple[np.ndarray | None, dict[str, sp.Expr]]]:
-        """Coordinates and values of parameters at which the invariants of a point recur."""
-        tried = set[tuple[sp.Expr, ...]]()
-        # A few points, each from a few starts.
-        points = islice(self.one.frame.region.points(), TRIES // 4)
-        for number, start in enumerate(points):
-            for fit in parameters_near(self.one, start, two, TRIES // 3):
-                options = [list(islice(_expressions(x, self.values), 4)) for x in fit.values]
-                for chosen in product(*options):
-                    if chosen not in tried:
-                        tried.add(chosen)
-                        named = dict(zip(map(str, two.frame.parameters), chosen, strict=True))
-                        yield None if number else fit.place, named
+        if number == 0 and query.proof(stratum) is not None:
+            return [], False
+    return [], True
 
 
-def _member(frame: Frame, values: Mapping[str, sp.Expr]) -> Frame:
-    """The frame at values of its parameters, or its limit where a positive one is zero."""
-    zeros = {x: 0 for x in frame.parameters if values[str(x)] == 0 and x.is_zero is False}
-    if not zeros:
-        return frame.subs(values) if values else frame
-    n = range(frame.dimension)
-    relations = [relation.subs(zeros) for relation in frame.domain]
-    # Roots of squares take the signs that they have in the domain: sqrt(r**2) is r.
-    signs = {q: sp.Dummy(positive=True) for q in frame.coordinates if frame.region.sign(q) == 1}
-    back = {dummy: q for q, dummy in signs.items()}
-    rows = [
-        [sp.powdenest(frame.coframe[i, k].subs({**zeros, **signs})).subs(back) for k in n]
-        for i in n
-    ]
-    limit = Frame(
-        frame.coordinates,
-        rows,
-        [[frame.eta[i, k] for k in n] for i in n],
-        parameters=[x for x in frame.parameters if x not in zeros],
-        domain=[relation for relation in relations if relation != sp.true],
-        complex=frame.complex,
-    )
-    return limit.subs({str(x): values[str(x)] for x in limit.parameters})
-
-
-def _expressions(value: float, own: Mapping[str, sp.Rational]) -> Iterator[sp.Expr]:
-    """A float as a simple number times powers of parameters, the simplest first."""
-    if value == 0:
-        yield sp.Integer(0)
-    if not value or not np.isfinite(value):
-        return
-    simple = []
-    for powers in product(POWERS, repeat=len(own)):
-        factors = zip(own.values(), powers, strict=True)
-        size = prod(float(v) ** float(p) for v, p in factors)
-        for root in (1, 2):
-            ratio = Fraction((value / size) ** root).limit_denominator(LARGEST)
-            if ratio and abs(float(ratio) - (value / size) ** root) < CLOSE * abs(float(ratio)):
-                number = sp.Rational(ratio.numerator, ratio.denominator)
-                number = number if root == 1 else sp.sign(sp.Float(value)) * sp.sqrt(number)
-                monomial = sp.prod(
-                    sp.Symbol(k, positive=True) ** sp.Rational(p.numerator, p.denominator)
-                    for k, p in zip(own, powers, strict=True)
-                )
-                cost = ratio.numerator + ratio.denominator + 5 * sum(map(abs, powers)) + 9 * root
-                simple.append((cost, str(number * monomial), number * monomial))
+def _equal_charts(
+    query: Query,
+    charts: tuple[str, ...],
+    values: Mapping[str, sp.Expr],
+    every: bool,
+    place: np.ndarray | None,
+) -> tuple[list[Identified], bool]:
+    """The first or every chart that is the same geometry at values of its parameters."""
+    same, is_open = [], False
+    for name in sorted(charts, key=names().index):
+        space = shipped_space(name)
+        near = place if name == charts[0] else None
+        equivalence = query.equivalence(space.frame, values, near)
+        if equivalence is None:
+            continue
+        is_open = is_open or equivalence.verdict == "undecided"
+        if equivalence.verdict == "same":
+            same.append(Identified(name, space.title, space.source, values, equivalence))
+            if not every:
                 break
-    for _, _, expression in sorted(simple, key=lambda entry: entry[:2]):
-        yield expression
+    return same, is_open and not same

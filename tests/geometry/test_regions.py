@@ -285,6 +285,34 @@ def test_a_printed_frame_names_the_region_that_was_assumed():
         assert "assumed" not in str(frame) + frame._repr_html_()
 
 
+@pytest.mark.parametrize("order", ["a M Q", "M a Q", "Q a M"])
+def test_parameters_prefer_horizons(order):
+    """The metric of Kerr and Newman in letters is a black hole at its point."""
+    sigma, delta = "(r**2 + a**2*cos(theta)**2)", "(r**2 - 2*M*r + a**2 + Q**2)"
+    mixed = f"-a*(2*M*r - Q**2)*sin(theta)**2/{sigma}"
+    last = f"((r**2 + a**2)**2 - {delta}*a**2*sin(theta)**2)*sin(theta)**2/{sigma}"
+    rows = [
+        [f"-({delta} - a**2*sin(theta)**2)/{sigma}", 0, 0, mixed],
+        [0, f"{sigma}/{delta}", 0, 0],
+        [0, 0, sigma, 0],
+        [mixed, 0, 0, last],
+    ]
+    region = gt.Frame.from_metric("t r theta phi", rows, parameters=order).region
+    values = {str(s): x for s, x in region.point.items()}
+    assert values["M"] ** 2 > values["a"] ** 2 + values["Q"] ** 2
+    assert region.sign("r - M") == 1
+
+
+def test_a_universe_is_closed_first_and_open_next():
+    """The curvature of a typed universe has both signs, each with its own region."""
+    a = "a(t)**2"
+    entries = ["-1", f"{a}/(1 - k*r**2)", f"{a}*r**2", f"{a}*r**2*sin(theta)**2"]
+    rows = [[entries[i] if i == k else 0 for k in range(4)] for i in range(4)]
+    first, second, *_ = gt.Frame.from_metric("t r theta phi", rows, parameters="k").regions
+    assert str(first) == "k > 0, a(t) > 0, k*r**2 - 1 < 0, r > 0, 0 < theta < pi"
+    assert str(second) == "k < 0, a(t) > 0, r > 0, 0 < theta < pi"
+
+
 TYPED = ("t r theta phi", diagonal("sqrt(1-2*M/r)", "1/sqrt(1-2*M/r)", "r", "r*sin(theta)"))
 EXTERIOR = "M > 0, r > 2*M, 0 < theta, theta < pi"
 FREE = "(-u1**2 + u2**2 + u3**2 + u4**2)/2"

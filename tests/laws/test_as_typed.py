@@ -35,6 +35,8 @@ SHARP = (
     "one line",
     "sphere times a line",
     "Kasner",
+    "Taub, static walls",
+    "Goedel, Hawking and Ellis",
     "a plane wave",
     "Nil",
     "Fisher information of normal distributions",

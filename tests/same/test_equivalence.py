@@ -113,7 +113,7 @@ def test_parameters_of_one_name_are_one_constant():
     """The verdict holds for all values of a parameter, not only where it is one."""
     assert gt.same_geometry("schwarzschild", "schwarzschild_isotropic").verdict == "same"
     unit = space("s2", {"R": 1})
-    assert gt.same_geometry("s2", unit).verdict == "different"
+    assert gt.same_geometry(space("s2"), unit).verdict == "different"
     assert gt.same_geometry("s2", "s2").parameters.keys() == {"R"}
 
 
@@ -129,6 +129,32 @@ def test_orientation_counts_if_it_should():
     )
     assert "up to one constant turn" in str(gt.same_geometry("so3", "so3_zxz", "teleparallel"))
     assert gt.same_geometry("so3", "so3_quaternion", "teleparallel", orientation=True)
+
+
+def nil(sign: int) -> gt.Frame:
+    """The Heisenberg group, for each sign the mirror image of the other."""
+    return gt.Frame("x y z", [[1, 0, 0], [0, 1, 0], [0, f"{sign}*x", 1]])
+
+
+def bar(sign: int) -> gt.Frame:
+    """A crystal whose lattice turns along z, to the left or to the right."""
+    turn = [["cos(z)", f"{sign}*sin(z)", 0], [f"{-sign}*sin(z)", "cos(z)", 0], [0, 0, 1]]
+    return gt.Frame("x y z", turn)
+
+
+@pytest.mark.parametrize(("pair", "keep"), [(nil, "metric"), (bar, "teleparallel")])
+def test_mirror_images_differ_by_the_sign_of_a_scalar(pair, keep):
+    """A chiral pair is the same after a reflection, and different where left and right count."""
+    left, right = pair(1), pair(-1)
+    result = gt.same_geometry(left, right, keep)
+    assert result.verdict == "same"
+    assert result.match.reflects
+    assert "turn" not in result.compared
+    proper = gt.same_geometry(left, right, keep, orientation=True)
+    assert proper.verdict == "different"
+    assert "for the first and" in proper.reason
+    assert proper.certainty.proved
+    assert gt.same_geometry(left, pair(1), keep, orientation=True)
 
 
 def test_equal_formulas_are_the_same_at_once():
@@ -189,6 +215,8 @@ def test_static_walls_and_an_expanding_universe_differ():
     result = gt.same_geometry(walls, kasner)
     assert result.verdict == "different"
     assert "gradients" in result.reason
+    # Monomials in positive coordinates: the signs are proved for the whole regions.
+    assert result.certainty.error < 1e-50
 
 
 def test_connections_are_compared_with_their_metrics():

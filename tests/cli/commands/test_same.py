@@ -25,6 +25,14 @@ def test_different_spaces_end_with_1() -> None:
     assert done.stdout.startswith("different: T_12^3 is -1 for the first and 1 for the second")
 
 
+def test_a_file_is_a_member_of_a_family(tmp_path: Path) -> None:
+    """A sphere in a file is the shipped sphere for the radius that is printed."""
+    file = tmp_path / "disguise.toml"
+    file.write_text(SPHERE)
+    text = run("same", str(file), "s2").stdout
+    assert text.startswith("same for R = l: all invariants agree\n")
+
+
 def test_a_file_is_identified(tmp_path: Path) -> None:
     """The sphere in stereographic coordinates, with its radius."""
     file = tmp_path / "disguise.toml"
