@@ -34,22 +34,33 @@ NEAR, STEPS = 0.1, 30
 HALVINGS = 8
 
 
-def rough(radial: Radial) -> list[complex]:
-    """Numbers z of waves in doubles that two grids share, those damped least first."""
+def _shared(radial: Radial) -> np.ndarray:
+    """Rows of w and k, in doubles, that two grids share.
+
+    A grid also has false waves, many of them where k is almost 0.
+    """
     first, second = (_eigenvalues(radial.matrices(count)) for count in ROUGH)
-    hole, shared = radial.hole, []
-    for z in map(complex, second):
-        if z == 0 or not radial.dispersion.leaves(z):
+    rows = []
+    for z in second[second != 0]:
+        w, k = complex(radial.dispersion.frequency(acb(z))), radial.dispersion.momentum(acb(z))
+        if np.abs(first - z).min() < SHARED * abs(complex(k)):
+            rows.append((w, complex(k)))
+    return np.array(rows, complex).reshape(-1, 2)
+
+
+def rough(radial: Radial) -> list[complex]:
+    """Numbers z of waves that two rough grids share, those damped least first."""
+    hole, waves = radial.hole, []
+    for w, k in _shared(radial):
+        z = complex(w if radial.dispersion.mass2 == 0 else w + k)
+        if not radial.dispersion.leaves(z):
             continue
-        w = complex(radial.dispersion.frequency(acb(z)))
         if w.real * hole.duration < SLOWEST or w.imag >= 0:
             continue
         if -w.imag * float(hole.inner) > MOST:
             continue
-        # A grid also has false waves where k is almost 0.
-        if np.abs(first - z).min() < SHARED * abs(complex(radial.dispersion.momentum(acb(z)))):
-            shared.append((-w.imag, z))
-    return [z for _, z in sorted(shared, key=lambda one: one[0])]
+        waves.append((-w.imag, z))
+    return [z for _, z in sorted(waves, key=lambda one: one[0])]
 
 
 def _eigenvalues(matrices: Sequence[acb_mat]) -> np.ndarray:
@@ -107,7 +118,7 @@ def frequencies(radial: Radial, modes: int, digits: int) -> list[tuple[acb, floa
         _check_damping(radial, complex(result[0][0]))
     for w in followed or ():
         if _before(acb(w), last) and all(_size(acb(w) - x) > SHARED * abs(w) for x, _ in result):
-            raise _missing(result, f"none near {_text(acb(w))}, where it is by its growing mass")
+            raise _missing(result, f"none near {_text(acb(w))}, to which a mode leads from m = 0")
     return result
 
 
@@ -131,7 +142,7 @@ def _missing(result: Sequence[tuple[acb, float]], cause: str) -> AccuracyError:
 def _check_damping(radial: Radial, least: complex) -> None:
     """Refuse a mode damped least that is an overtone by its damping.
 
-    Waves of the light ring have the damping (2 n + 1) times that of the first mode.
+    The overtone n of waves near the light ring is damped 2 n + 1 times as fast as the first mode.
     """
     damping = radial.hole.damping
     if -least.imag > 2 * damping:
@@ -192,32 +203,26 @@ def _ends(
             )
         mass2 = (part + step) * full
         if mass2 not in spectra:
-            spectra[mass2] = _spectrum(radial.with_mass(mass2))
+            spectra[mass2] = _shared(radial.with_mass(mass2))
         ahead = [p + float(step) * s for p, s in zip(points, slopes, strict=True)]
         moved = [q for one in ahead if (q := _match(spectra[mass2], one)) is not None]
         if len(moved) < len(ahead):
             step /= 2
             continue
-        # A wave with a growing amplitude is no mode.
+        # A mode does not grow.
         pairs = [(p, q) for p, q in zip(points, moved, strict=True) if q[0].imag < 0]
         slopes = [(q - p) / float(step) for p, q in pairs]
         points, part, step = [q for _, q in pairs], part + step, 2 * step
     return [complex(w) for w, _ in points]
 
 
-def _spectrum(radial: Radial) -> np.ndarray:
-    """Rows of w and k on a rough grid."""
-    values = _eigenvalues(radial.matrices(ROUGH[0]))
-    values = values[values != 0]
-    w = (values + float(radial.dispersion.mass2) / values) / 2
-    return np.stack([w, values - w], axis=1)
-
-
 def _match(spectrum: np.ndarray, ahead: np.ndarray) -> np.ndarray | None:
     """The row near a prediction; None where another is less than three times as far."""
+    if len(spectrum) == 0:
+        return None
     distances = np.abs(spectrum - ahead).sum(axis=1)
-    first, second = np.argsort(distances)[:2]
-    return spectrum[first] if 3 * distances[first] < distances[second] else None
+    others = np.delete(distances, distances.argmin())
+    return spectrum[distances.argmin()] if (others > 3 * distances.min()).all() else None
 
 
 # -- on finer grids --------------------------------------------------------------------------------

@@ -66,6 +66,11 @@ def test_a_mode_that_is_almost_undamped() -> None:
     assert 0 < modes[1].real - modes[0].real < 0.02
 
 
+def test_a_large_l() -> None:
+    (mode,) = perturbed.ringing("-X/2", "schwarzschild", l=10, digits=5, parameters=MASS).modes
+    assert abs(mode.omega - schwarzschild(10, 2.02 - 0.096j)) < 1e-9 + mode.error
+
+
 def test_overtones_of_a_heavy_field_are_in_order() -> None:
     first, second = heavy(2, "1/2", 2)
     assert abs(first.frequency - heavy(2, "1/2")[0].frequency) < first.error
@@ -104,7 +109,7 @@ def test_a_first_mode_without_mass_that_the_coarse_grids_miss(
 def test_a_less_damped_wave_that_does_not_settle(
     monkeypatch: pytest.MonkeyPatch, false: complex
 ) -> None:
-    """A rough frequency that is lost on finer grids is no reason to return the others."""
+    """A rough frequency is lost on finer grids: the others are not returned."""
     found = frequencies.rough
     monkeypatch.setattr(frequencies, "rough", lambda radial: [false, *found(radial)])
     with pytest.raises(AccuracyError, match="did not settle"):
@@ -112,7 +117,7 @@ def test_a_less_damped_wave_that_does_not_settle(
 
 
 def test_a_less_damped_wave_that_stalls(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The first mode, with changes that do not decrease, is no reason to return its overtone."""
+    """The changes of the first mode do not decrease: its overtone is not returned."""
     refine = frequencies.Candidate.refine
 
     def noisy(one: frequencies.Candidate, matrices: object) -> None:
