@@ -3,23 +3,19 @@
 The wave leaves into the hole and outwards. Its two factors are taken out, so that the rest is a
 smooth function of x = (1/r_h - 1/r)/(1/r_h - 1/r_out), a polynomial through nodes between 0 and 1.
 The radial equations at the nodes are a matrix of polynomials in the frequency, or in w + k for a
-field with a mass far away, k^2 = w^2 - m^2. A coarse grid in doubles gives rough frequencies.
-Newton's iteration in many digits gives the others, on finer and finer grids.
+field with a mass far away, k^2 = w^2 - m^2.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mpmath
-import numpy as np
-import scipy  # loads its parts on first use
 import sympy as sp
-from flint import acb, acb_mat, arb, arb_mat, ctx
+from flint import acb, acb_mat, arb, arb_mat
 
-from geomtorsion.errors import AccuracyError
 from geomtorsion.support.caching import cached_property
 
 R = sp.Symbol("r", positive=True)
@@ -29,18 +25,9 @@ Coefficients = Mapping[tuple[int, int], sp.Expr]
 Row = Sequence[Coefficients]
 # Power of w and of k -> coefficient, a function of r.
 Series = Mapping[tuple[int, int], sp.Expr]
-Factor = Callable[[mpmath.mpf], mpmath.mpc]
-# Numbers of nodes: of the rough frequencies, and of the finer grids with their step.
-ROUGH = (30, 38)
-FIRST, STEP, LAST = 44, 12, 128
-# Frequencies that are looked for: oscillations and damping in units of 1/duration of the hole, and
-# the largest damping in units of 1/r_h.
-SLOWEST, LEAST, MOST = 0.02, 0.004, 4.0
-HEAVY = " A wave of a field with a large mass may have no such frequency."
-# Relative distance in which two rough grids share a frequency.
-SHARED = 1e-2
-# Relative distance from a rough frequency that the iteration may go, and the steps it may take.
-NEAR, STEPS = 0.1, 30
+Factor = Callable[[mpmath.mpc], mpmath.mpc]
+# Places at which the light ring is looked for.
+NODES = 64
 
 
 @dataclass(frozen=True)
@@ -80,6 +67,23 @@ class Hole:
         return {(1, 0): -near / f, (0, 1): far, (0, -1): far * pull / R}
 
     @cached_property
+    def damping(self) -> float:
+        """The damping of short waves at the light ring, the peak of V = f/area_radius^2.
+
+        sqrt(-V''/(8 V)) with derivatives by the tortoise radius [Schutz, Will 1985].
+        """
+        potential = self.f / self.area_radius**2
+        slope = sp.diff(potential, R)
+        nodes = grid(NODES)[0]
+        radii = [self.radius(acb(x)).real for x in nodes]
+        values = [sp.lambdify(R, potential, "mpmath")(r) for r in radii]
+        peak = min(max(values.index(max(values)), 1), NODES - 2)
+        near = radii[peak - 1], radii[peak + 1]
+        ring = mpmath.findroot(sp.lambdify(R, slope, "mpmath"), near, solver="anderson")
+        bend = (self.f / self.stretch) ** 2 * sp.diff(slope, R) / potential
+        return math.sqrt(-float(sp.lambdify(R, bend, "mpmath")(ring)) / 8)
+
+    @cached_property
     def duration(self) -> float:
         """The time of the slowest waves: r_h, or 1/(2 kappa) between two horizons if longer.
 
@@ -90,10 +94,10 @@ class Hole:
         gravity = (sp.diff(self.f, R) / self.stretch).subs(R, self.inner)
         return float(max(self.inner, 1 / gravity))
 
-    def radius(self, x: arb) -> mpmath.mpf:
+    def radius(self, x: acb) -> mpmath.mpc:
         """r at a place."""
         inner, width = mpmath.mpmathify(1 / self.inner), mpmath.mpmathify(self._width)
-        return 1 / (inner - _mpf(x) * width)
+        return 1 / (inner - mpmath.mpc(_mpf(x.real), _mpf(x.imag)) * width)
 
 
 @dataclass(frozen=True)
@@ -143,6 +147,13 @@ class Radial:
         """w and k far away."""
         return Dispersion(self.mass2 if self.hole.outer == sp.oo else sp.S.Zero)
 
+    def with_mass(self, mass2: sp.Expr) -> Radial:
+        """The equation of one field, as a field with another mass obeys it."""
+        ((wave,),) = self.rows
+        change = (mass2 - self.mass2) * self.hole.f * wave[2, 0]
+        value = sp.cancel(wave.get((0, 0), sp.S.Zero) + change)
+        return replace(self, rows=[[{**wave, (0, 0): value}]], mass2=mass2)
+
     @cached_property
     def _pieces(self) -> list[list[list[tuple[dict[int, mpmath.mpf], int, Factor]]]]:
         """For each row and field: powers of z, order of d/dx, and its factor as a function of r."""
@@ -185,9 +196,29 @@ class Radial:
             pieces.append(line)
         return pieces
 
+    def _path(
+        self, nodes: Sequence[arb], first: arb_mat, second: arb_mat
+    ) -> tuple[list[acb], acb_mat, acb_mat]:
+        """Places, and d/dx and its square on them; where space is flat far away, at complex r.
+
+        x = s + i s (1 - s) turns r by 45 degrees far away, where the wave that leaves differs by
+        a power of e from the one that comes in, also for k = -i |k| of a heavy field.
+        """
+        bend = acb(0, 1) if self.hole.outer == sp.oo else acb(0)
+        places = [s + bend * s * (1 - s) for s in nodes]
+        slopes = [1 + bend * (1 - 2 * s) for s in nodes]
+        n = len(nodes)
+        once = acb_mat(n, n, [first[i, j] / slopes[i] for i in range(n) for j in range(n)])
+        twice = [
+            (second[i, j] + 2 * bend * once[i, j]) / slopes[i] ** 2
+            for i in range(n)
+            for j in range(n)
+        ]
+        return places, once, acb_mat(n, n, twice)
+
     def matrices(self, count: int) -> list[acb_mat]:
         """Matrices of the powers of z on a grid with this number of nodes."""
-        nodes, *operators = grid(count)
+        nodes, *operators = self._path(*grid(count))
         radii = [self.hole.radius(x) for x in nodes]
         n = len(self.scales) * count
         highest = max(
@@ -259,177 +290,3 @@ def grid(count: int) -> tuple[list[arb], arb_mat, arb_mat]:
         for j in others:
             slopes[i, j], second[i, j] = row[j], bent[j]
     return nodes, slopes, second
-
-
-def rough(radial: Radial) -> list[complex]:
-    """Numbers z of waves in doubles that two grids share, those damped least first."""
-    first, second = (_eigenvalues(radial.matrices(count)) for count in ROUGH)
-    hole, shared = radial.hole, []
-    for z in map(complex, second):
-        if z == 0 or not radial.dispersion.leaves(z):
-            continue
-        w = complex(radial.dispersion.frequency(acb(z)))
-        if min(w.real / SLOWEST, -w.imag / LEAST) * hole.duration < 1:
-            continue
-        if -w.imag * float(hole.inner) > MOST:
-            continue
-        # A grid also has false waves where k is almost 0.
-        if np.abs(first - z).min() < SHARED * abs(complex(radial.dispersion.momentum(acb(z)))):
-            shared.append((-w.imag, z))
-    return [z for _, z in sorted(shared, key=lambda one: one[0])]
-
-
-def _eigenvalues(matrices: Sequence[acb_mat]) -> np.ndarray:
-    """Finite eigenvalues of a matrix of polynomials, by its companion."""
-    parts = [np.array([[complex(x) for x in row] for row in m.tolist()]) for m in matrices]
-    degree, n = len(parts) - 1, len(parts[0])
-    left = np.zeros((degree * n, degree * n), complex)
-    right = np.eye(degree * n, dtype=complex)
-    for k in range(degree - 1):
-        left[k * n : (k + 1) * n, (k + 1) * n : (k + 2) * n] = np.eye(n)
-    for k in range(degree):
-        left[(degree - 1) * n :, k * n : (k + 1) * n] = -parts[k]
-    right[(degree - 1) * n :, (degree - 1) * n :] = parts[degree]
-    values = scipy.linalg.eigvals(left, right)
-    return values[np.isfinite(values)]
-
-
-@dataclass(eq=False)
-class Candidate:
-    """A rough frequency on its way to digits.
-
-    z: see Dispersion. changes: of the frequency by each finer grid; None before the first grid.
-    alive: False once the iteration has left its neighbourhood.
-    """
-
-    dispersion: Dispersion
-    z: acb
-    changes: list[float] | None = None
-    alive: bool = True
-
-    @property
-    def frequency(self) -> acb:
-        """w at z."""
-        return self.dispersion.frequency(self.z)
-
-    @property
-    def error(self) -> float:
-        """Twice the larger change by the last two refinements: one may be small by chance."""
-        return 2 * max(self.changes[-2:]) if self.changes and len(self.changes) > 1 else math.inf
-
-    @property
-    def stalled(self) -> bool:
-        """Whether the last finer grid changed it no less than the grid before."""
-        last = (self.changes or [])[-2:]
-        return len(last) > 1 and last[1] >= last[0]
-
-    def settled(self, tolerance: float) -> bool:
-        """Whether its relative error is within a tolerance."""
-        return self.error < tolerance * _size(self.frequency)
-
-    def refine(self, matrices: Sequence[acb_mat]) -> None:
-        """Follow it to the next grid."""
-        before, value = self.frequency, _newton(matrices, self.z)
-        if value is None:
-            self.alive = False
-            return
-        self.z = value
-        if self.changes is None:
-            # The value before was rough.
-            self.changes = []
-            return
-        self.changes.append(_size(self.frequency - before))
-
-
-def frequencies(radial: Radial, modes: int, digits: int) -> list[tuple[acb, float]]:
-    """Frequencies with their errors, those damped least first.
-
-    Raises
-    ------
-    AccuracyError
-        The digits are not reached, or there are fewer modes.
-    """
-    with mpmath.workdps(digits + 30), ctx.workdps(digits + 30):
-        candidates = [Candidate(radial.dispersion, acb(z)) for z in rough(radial)]
-    tolerance, distinct = 10.0**-digits, list[tuple[acb, float]]()
-    for count in range(FIRST, LAST + 1, STEP):
-        # A finer grid loses more digits.
-        work = digits + 30 + count // 2
-        with mpmath.workdps(work), ctx.workdps(work):
-            active = _refined(candidates, radial.matrices(count), modes, tolerance)
-            settled = [one for one in active if one.settled(tolerance)]
-            distinct = _distinct([(one.frequency, one.error) for one in settled])
-        if len(distinct) >= modes and all(one in settled or one.stalled for one in active):
-            return distinct[:modes]
-        candidates = [one for one in candidates if one.alive]
-        if len(settled) == len(candidates):
-            break
-    left = [one.changes[-1] for one in candidates if one.changes and not one.settled(tolerance)]
-    others = ", ".join(f"{x:.0e}" for x in left[:modes]) or "nothing"
-    raise AccuracyError(
-        f"ringing: expected {modes} frequencies with {digits} digits, got {len(distinct)}; the "
-        f"finest grid changed others by {others}. "
-        "Request fewer digits or modes."
-    )
-
-
-def _refined(
-    candidates: Sequence[Candidate], matrices: Sequence[acb_mat], modes: int, tolerance: float
-) -> list[Candidate]:
-    """Those damped least, refined; more than modes where one stalls or occurs twice."""
-    active: list[Candidate] = []
-    values: list[tuple[acb, float]] = []
-    for one in candidates:
-        # Rough frequencies damped almost alike have no order.
-        last = active[-1].frequency if active else acb(0)
-        beyond = float((last - one.frequency).imag.mid()) > SHARED * _size(last)
-        if len(values) >= modes and beyond:
-            break
-        if not one.settled(tolerance):
-            one.refine(matrices)
-        if one.alive:
-            active.append(one)
-            if not one.stalled:
-                values = _distinct([*values, (one.frequency, min(one.error, 1e-2 * tolerance))])
-    return active
-
-
-def _size(value: acb) -> float:
-    return float(abs(value).mid())
-
-
-def _distinct(values: Sequence[tuple[acb, float]]) -> list[tuple[acb, float]]:
-    """Frequencies that differ, those damped least first."""
-    kept: list[tuple[acb, float]] = []
-    for value, error in sorted(values, key=lambda one: -float(one[0].imag.mid())):
-        if all(_size(value - other) > 100 * (error + e) for other, e in kept):
-            kept.append((value, error))
-    return kept
-
-
-def _newton(matrices: Sequence[acb_mat], start: acb) -> acb | None:
-    """The eigenvalue near a start; None where the iteration leaves its neighbourhood.
-
-    Each step squares the error, so that twice the digits are right behind the last one.
-    """
-    w, n = start, matrices[0].nrows()
-    vector = acb_mat(n, 1, [acb(1)] * n)
-    for number in range(STEPS):
-        whole, slope = matrices[0], matrices[0] * acb(0)
-        for k, matrix in enumerate(matrices[1:], 1):
-            whole = whole + matrix * w**k
-            slope = slope + matrix * (k * w ** (k - 1))
-        try:
-            moved = whole.solve(slope * vector, algorithm="approx")
-        except ZeroDivisionError:
-            return w
-        peak = max(range(n), key=lambda k: _size(moved[k, 0]))
-        step = (vector[peak, 0] / moved[peak, 0]).mid()
-        vector = acb_mat(n, 1, [(moved[k, 0] / moved[peak, 0]).mid() for k in range(n)])
-        w = (w - step).mid()
-        if _size(w - start) > NEAR * _size(start):
-            return None
-        # The first step has no direction yet: it is small near an eigenvalue, and inaccurate.
-        if number and _size(step) < 10.0 ** (-ctx.dps / 4):
-            return w
-    return None

@@ -73,6 +73,9 @@ class Theory:
             A constant has no number.
         """
         expression = element.sympy.subs(DIRECTION)
+        if expression.has(THETA):
+            # Legendre's polynomials from l = 10 contain multiples of the angle.
+            expression = sp.expand_trig(element.sympy).subs(DIRECTION)
         named = {x: self.values[x.name] for x in expression.free_symbols if x.name in self.values}
         value = sp.cancel(sp.together(expression.xreplace(named)))
         for symbol in sorted(value.free_symbols - {R}, key=str):

@@ -17,7 +17,8 @@ from geomtorsion.exact import parse_expression
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.gravity.lagrangian import Lagrangian, known_as, names
 from geomtorsion.gravity.matter import MatterField
-from geomtorsion.gravity.perturbed.collocation import Hole, R, frequencies
+from geomtorsion.gravity.perturbed.collocation import Hole, R
+from geomtorsion.gravity.perturbed.frequencies import frequencies
 from geomtorsion.gravity.perturbed.geometries import theory_in
 from geomtorsion.gravity.perturbed.hole_waves import SYSTEMS, Theory
 from geomtorsion.gravity.perturbed.static_holes import chart_of, fields_of
@@ -162,8 +163,9 @@ def ringing(
     parity
         "axial", "polar" or "both".
     modes
-        How many for each field and parity, those damped least. The least damped wave of a field
-        with m M > 0.4 near its largest mass converges slowly and may be missing.
+        How many for each field and parity, those damped least. A field with a mass is followed
+        from m = 0: a mode whose damping has decreased to 0 on the way exists no longer, and the
+        next overtone is first [Ohashi, Sakagami 2004]. A mode that is missing is an error.
     digits
         Digits of each frequency.
     parameters
@@ -181,7 +183,7 @@ def ringing(
         The frame is of another form or not a solution, the waves need more than two derivatives,
         or a scalar does not decouple.
     AccuracyError
-        The digits are not reached.
+        The digits are not reached, or a mode that is damped less is missing or did not settle.
 
     Examples
     --------
