@@ -100,6 +100,12 @@ def values() -> dict[str, Callable[[], Any]]:
         "Stiff": gt.Stiff,
         "Surface": lambda: gt.surface(so3, ["phi1", "phi2"]),
         "Symmetries": lambda: gt.symmetries(s2),
+        "EndMap": lambda: gt.end_map(
+            gt.ODE.of({"z": "v", "v": "-10"}, [1, 0], events=[gt.When("z")]),
+            {"z": [1, 2], "v": [0, 1]},
+            3.0,
+        ),
+        "Shadow": lambda: gt.shadow("schwarzschild", [0, 10, 1.5, 0], parameters={"M": 1}),
         "Taylor": gt.Taylor,
         "Variation": lambda: gt.variation(so3),
         "When": lambda: gt.When("x"),

@@ -113,8 +113,9 @@ CEILINGS = {
     # One: how far a mark of missing values is from all other values.
     # Three: the size of changes of a motion on the way, and two rules for when to make them.
     # Seven: where rays of a camera end, how far they are followed, and the stripes of its sky.
+    # One: when steps pass over narrow changes of rates, which more digits do not show.
     # One more: the places among which the light ring of a hole is found.
-    "tuned constants": 200,
+    "tuned constants": 201,
     # Two more than before: converters of arguments are three files by kind instead of one of 1,000.
     # Two more: kinetic metrics and forces are files of their own.
     # One more: squares that roots hide in circular functions.

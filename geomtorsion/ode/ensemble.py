@@ -34,7 +34,7 @@ from geomtorsion.ode.numbers import (
     one_time_only,
 )
 from geomtorsion.ode.singles import followed, listed, unfinished_text
-from geomtorsion.ode.solve import batch_engine
+from geomtorsion.ode.solve import STOP, batch_engine
 from geomtorsion.ode.system import Show, checked_engine
 from geomtorsion.ode.trajectory import Trajectory
 from geomtorsion.ode.writing import pandas_table
@@ -277,7 +277,11 @@ class Ensemble:
 
 
 @argument_hints(
-    method="engine=RungeKutta()", rtol="accuracy=1e-8", atol="accuracy=1e-8", tol="accuracy=1e-8"
+    method="engine=RungeKutta()",
+    rtol="accuracy=1e-8",
+    atol="accuracy=1e-8",
+    tol="accuracy=1e-8",
+    stop=STOP,
 )
 def solve_many(
     problem: Any,

@@ -49,6 +49,12 @@ from geomtorsion.support.progress import reports
 Progress: TypeAlias = Callable[[float], object]
 # Accuracy of a solution for which none is requested.
 ACCURACY = 1e-10
+# Where an engine of more digits leaves more than this part of the error, steps may pass over narrow
+# changes of the rates; then the way is cut into so many times more parts.
+NO_HELP = 0.1
+FINE = (8, 64)
+# Where an end belongs that is given to a solver.
+STOP = "stop= of gt.geodesic or gt.autoparallel, or events=[gt.When(...)] of gt.ODE.of"
 
 
 @argument_hints(
@@ -56,6 +62,7 @@ ACCURACY = 1e-10
     rtol="accuracy=1e-8",
     atol="accuracy=1e-8",
     tol="accuracy=1e-8",
+    stop=STOP,
     t_span="t",
     t_eval="t",
 )
@@ -202,6 +209,8 @@ def _solved(
         result = _followed(asked, runs, growth, amplified)
         growth, amplified = result.growth, result.amplified
         names.append(candidate.name)
+        if max(accuracy, NO_HELP * best) < result.error < math.inf:
+            result = _in_short_steps(asked, runs) or result
         best = min(best, result.error)
         if result.answer.reason == AT_A_POLE and not last:
             # More digits may separate the state from the pole.
@@ -243,7 +252,8 @@ class _Runs:
     """What runs of one engine have in common.
 
     grid: the times of the samples; cuts: times at which runs end and continue.
-    last: whether no more precise engine follows.
+    last: whether no more precise engine follows. fineness: of the parts of the way that the finer
+        run does not pass over in one step.
     """
 
     problem: Problem
@@ -254,6 +264,7 @@ class _Runs:
     kept: Checkpoint | None
     report: Report | None
     last: bool = True
+    fineness: int = 1
 
     @property
     def limit(self) -> float:
@@ -262,7 +273,7 @@ class _Runs:
         A comparison of the answer with an integral of its rates would need fewer operations, but in
         NumPy it takes longer than so many short steps in compiled code.
         """
-        return GOLDEN * abs(float(self.grid[-1])) / PARTS or math.inf
+        return GOLDEN * abs(float(self.grid[-1])) / (PARTS * self.fineness) or math.inf
 
     def verified(self, runs: list[Trajectory], growth: float, amplified: float) -> Verified:
         """The answer with its error; all runs are added to those given."""
@@ -276,7 +287,8 @@ class _Runs:
     @property
     def parts(self) -> tuple[float, ...]:
         """Times at which the way is divided into equal parts."""
-        return tuple(float(self.grid[-1]) * (k / PARTS) for k in range(1, PARTS))
+        number = PARTS * self.fineness
+        return tuple(float(self.grid[-1]) * (k / number) for k in range(1, number))
 
     def run(
         self,
@@ -350,6 +362,16 @@ def _followed(
         result = replace(asked, cuts=asked.parts).verified(runs, growth, result.amplified)
     answer = ended_at_poles(result.answer)
     return result if answer is result.answer else result._replace(answer=answer, error=math.inf)
+
+
+def _in_short_steps(asked: _Runs, runs: list[Trajectory]) -> Verified | None:
+    """The answer in short steps, if it is good enough; more digits only make steps longer."""
+    for fineness in FINE:
+        short = replace(asked, fineness=fineness)
+        result = replace(short, cuts=short.parts).verified(runs, 0.0, math.nan)
+        if result.error <= asked.accuracy:
+            return result
+    return None
 
 
 def _solution(

@@ -93,6 +93,7 @@ def _draw_sky(axes: Axes, image: ShadowImage) -> None:
     colours[image.undecided] = (0.8, 0.1, 0.1)
     reach = np.tan(image.field / 2)
     axes.imshow(colours, extent=(-reach, reach, -reach, reach), interpolation="nearest")
+    axes.set_title("captured: black; sky: stripes of 30 degrees", fontsize=11)
     _labelled(axes)
 
 

@@ -20,7 +20,7 @@ def only_fields(self: Any) -> dict[str, Any]:
     --------
     >>> from geomtorsion.ode import ODE
     >>> sorted(only_fields(ODE.of({"x": "-x"}, [1]).system))
-    ['clock', 'end', 'groups', 'guard', 'parameters', 'rates', 'states']
+    ['clock', 'end', 'groups', 'guard', 'parameters', 'rates', 'states', 'stops']
     """
     found = {item.name: getattr(self, item.name) for item in fields(self)}
     filled = [name for name, kept in found.items() if name[0] == "_" and isinstance(kept, dict)]

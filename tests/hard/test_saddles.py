@@ -88,3 +88,16 @@ def test_an_amplification_beyond_all_digits_is_refused(engine):
     problem = ODE.of({"x": "v", "v": "-sin(x)"}, [math.pi, 0.0])
     with pytest.raises(AccuracyError, match="gets to"):
         gt.solve(problem, 80.0, 1e-3, engine)
+
+
+@needs_heyoka
+@pytest.mark.parametrize(("width", "accuracy"), [(0.01, 1e-4), (0.01, 1e-6), (0.003, 1e-6)])
+def test_a_bump_that_steps_pass_over(width, accuracy):
+    """A potential with a bump narrower than a step: shorter steps, not more digits."""
+    force = f"-(z - 4) + (z - 5)/(50*{width}**2)*exp(-((z - 5)/{width})**2)"
+    problem = ODE.of({"z": "v", "v": force}, {"z": 2.5, "v": 0})
+    solution = gt.solve(problem, 20.0, accuracy)
+    start = problem.first_stage(53, 0.0)
+    truth = integrate(start, solution.times, 1e-14, Taylor(), longest=1e-4)
+    assert difference(problem, solution.trajectory, truth) <= solution.error <= accuracy
+    assert solution.engine in ("Taylor", "Taylor(64)")

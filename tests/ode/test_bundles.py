@@ -2,12 +2,13 @@
 
 import csv
 from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
 import numpy as np
 import pytest
 
 import geomtorsion as gt
-from geomtorsion.errors import AccuracyError, StartError
+from geomtorsion.errors import AccuracyError, ArgumentError, StartError
 from tests.ode.engines import every_engine
 
 HEIGHTS = np.array([5.0, 20.0, 45.0, 80.0])
@@ -140,3 +141,12 @@ def test_the_table_of_the_ends(tmp_path):
     assert [float(row["t"]) for row in rows] == many.end.time.tolist()
     assert [float(row["v"]) for row in rows] == many.end["v"].tolist()
     assert list(rows[0]) == ["member", "finished", "error", "stopped_by", "t", "z", "v", "energy"]
+
+
+def test_an_end_given_to_the_solver_is_answered_with_its_place():
+    """Ends belong to the problem."""
+    fall = gt.ODE.of({"z": "v", "v": "-10"}, {"z": 1, "v": 0})
+    unknown: Any = {"stop": "z"}
+    for solver in (gt.solve, gt.solve_many):
+        with pytest.raises(ArgumentError, match=r"events=\[gt\.When"):
+            solver(fall, t=3.0, **unknown)
