@@ -40,10 +40,12 @@ def test_regular_holes() -> None:
     """Bardeen (1968) and Hayward (2006): mass over radius, and kappa = f'/2."""
     g, el = sp.symbols("g l", positive=True)
     (hole,) = gravity.horizons(static(REGULAR, "M g"))
-    assert equal(*hole.relation.values(), (r**2 + g**2) ** sp.Rational(3, 2) / (2 * r**2))
+    (mass,) = hole.relation.values()
+    assert equal(mass, (r**2 + g**2) ** sp.Rational(3, 2) / (2 * r**2))
     assert equal(hole.surface_gravity, SLOPE / (r**2 + g**2))
     (hole,) = gravity.horizons(static("1 - 2*M*r**2/(r**3 + 2*M*l**2)", "M l"))
-    assert equal(*hole.relation.values(), r**3 / (2 * (r**2 - el**2)))
+    (mass,) = hole.relation.values()
+    assert equal(mass, r**3 / (2 * (r**2 - el**2)))
     assert equal(hole.surface_gravity, (r**2 - 3 * el**2) / (2 * r**3))
 
 

@@ -8,6 +8,7 @@ import sympy as sp
 import geomtorsion as gt
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.gravity import perturbed
+from geomtorsion.gravity.matter import MatterField
 from tests.gravity.perturbed.leaver import reissner_nordstrom, schwarzschild
 
 t, r, theta, phi, M, Q = sp.symbols("t r theta phi M Q")
@@ -35,7 +36,7 @@ def charged() -> gt.Frame:
     ],
 )
 def test_charged_holes_ring_as_published(
-    matter: object,
+    matter: MatterField,
     l: int,  # noqa: E741
     parity: str,
     published: list[tuple[int, complex]],
