@@ -160,13 +160,17 @@ class Checkpoint:
         perturbation: float,
         longest: float,
         roundings: Roundings | None,
+        fineness: int = 1,
     ) -> Runner:
-        """A function that computes the parts of one run, or reads them from the file."""
+        """A function that computes the parts of one run, or reads them from the file.
+
+        fineness: so many times shorter are the parts.
+        """
 
         pattern = 0 if roundings is None else roundings.pattern
 
         def run(k: int, stage: Stage, times: np.ndarray) -> Run:
-            name = part_name(engine, tolerance, perturbation, k, pattern)
+            name = part_name(engine, tolerance, perturbation, k, pattern, fineness)
             result = self.known(name, engine, stage, times)
             if result is None:
                 result = run_stage(
@@ -179,10 +183,19 @@ class Checkpoint:
 
 
 def part_name(
-    engine: Engine, tolerance: float, perturbation: float, k: int, pattern: int = 0
+    engine: Engine,
+    tolerance: float,
+    perturbation: float,
+    k: int,
+    pattern: int = 0,
+    fineness: int = 1,
 ) -> str:
-    """The name of a part of a run; pattern: of the signs of changes on the way."""
+    """The name of a part of a run.
+
+    pattern: of the signs of changes on the way; fineness: of the parts, in which they are shorter.
+    """
     number = f"{k}/{pattern}" if pattern else f"{k}"
+    number = f"{number} of {fineness}" if fineness > 1 else number
     return f"{engine.name} {tolerance!r} {perturbation!r} {number}"
 
 

@@ -321,7 +321,8 @@ class _Runs:
                 cuts=() if answer and self.kept is None and not pattern else self.cuts,
                 roundings=roundings,
                 longest=longest,
-                runner=self.kept and self.kept.runner(engine, tolerance, moved, longest, roundings),
+                runner=self.kept
+                and self.kept.runner(engine, tolerance, moved, longest, roundings, self.fineness),
                 watch=self.report and self.report.next_run(),
             )
         except WorkLimitError as limit:

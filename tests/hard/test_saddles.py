@@ -9,6 +9,7 @@ import pytest
 import geomtorsion as gt
 from geomtorsion.errors import AccuracyError
 from geomtorsion.ode import ODE, RungeKutta, Taylor, integrate
+from geomtorsion.ode.checkpoint import part_name
 from geomtorsion.ode.error_estimate import difference
 from tests.ode.engines import needs_heyoka
 
@@ -101,3 +102,19 @@ def test_a_bump_that_steps_pass_over(width, accuracy):
     truth = integrate(start, solution.times, 1e-14, Taylor(), longest=1e-4)
     assert difference(problem, solution.trajectory, truth) <= solution.error <= accuracy
     assert solution.engine in ("Taylor", "Taylor(64)")
+
+
+@needs_heyoka
+def test_a_bump_with_a_checkpoint(tmp_path):
+    """Shorter parts have names of their own in the file; the result has the same bits."""
+    names = {part_name(Taylor(), 1e-9, 0.0, 3, fineness=n) for n in (1, 8, 64)}
+    assert len(names) == 3
+    force = "-(z - 4) + 200*(z - 5)*exp(-(100*(z - 5))**2)"
+    problem = ODE.of({"z": "v", "v": force}, {"z": 2.5, "v": 0})
+    file = tmp_path / "part.npz"
+    one, again = (gt.solve(problem, 20.0, 1e-4, checkpoint=file) for _ in range(2))
+    assert one.error <= 1e-4
+    assert np.array_equal(one.states, again.states)
+    start = problem.first_stage(53, 0.0)
+    truth = integrate(start, one.times, 1e-14, Taylor(), longest=1e-4)
+    assert difference(problem, one.trajectory, truth) <= one.error
