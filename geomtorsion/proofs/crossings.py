@@ -20,21 +20,20 @@ from geomtorsion.proofs.closing import as_ode, sections_of
 from geomtorsion.proofs.courses import exact_time
 from geomtorsion.proofs.events import Fall
 from geomtorsion.proofs.motions import MOST_STEPS, Box, Leg, RefusalError, follow
-from geomtorsion.proofs.orbits import packed, unpacked
+from geomtorsion.proofs.packing import WithBalls
 from geomtorsion.proofs.prove import ALWAYS, certain_digits, checked_balls
 from geomtorsion.proofs.series import BallSystem
 from geomtorsion.proofs.sets import LohnerSet
 from geomtorsion.proofs.steps import Method
 from geomtorsion.proofs.wanted import MOST_BITS, SPARE, log2
 from geomtorsion.support import checks
-from geomtorsion.support.copies import only_fields
 from geomtorsion.support.exclusive import exclusive
 from geomtorsion.support.precision import ball_precision, series_length
 
 
 @exclusive
 @dataclass(frozen=True, eq=False, repr=False)
-class Crossing:
+class Crossing(WithBalls):
     """Proved crossing of a surface: the image of a start under a Poincare map.
 
     problem: the equations.
@@ -57,13 +56,6 @@ class Crossing:
     steps: int
     seconds: float
     assumes: tuple[str, ...]
-
-    def __getstate__(self) -> dict[str, object]:
-        return {name: packed(value) for name, value in only_fields(self).items()}
-
-    def __setstate__(self, state: Mapping[str, Any]) -> None:
-        for name, value in state.items():
-            object.__setattr__(self, name, unpacked(value))
 
     def __getitem__(self, name: str) -> arb:
         """The ball of a state at the crossing."""

@@ -10,10 +10,10 @@ from flint import acb, arb
 
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.ode import ODE, Solution, solve
+from geomtorsion.proofs.packing import WithBalls
 from geomtorsion.proofs.prove import certain_digits
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
-from geomtorsion.support.copies import only_fields
 from geomtorsion.support.displays import Plot, drawn_by, figure_by
 from geomtorsion.support.exclusive import exclusive
 from geomtorsion.support.precision import ball_precision
@@ -21,7 +21,7 @@ from geomtorsion.support.precision import ball_precision
 
 @exclusive
 @dataclass(frozen=True, eq=False, repr=False)
-class ClosedOrbit:
+class ClosedOrbit(WithBalls):
     """Theorem: the box contains the start of exactly one closed orbit.
 
     problem: the equations, from the middle of the start.
@@ -52,13 +52,6 @@ class ClosedOrbit:
     steps: int
     seconds: float
     assumes: tuple[str, ...]
-
-    def __getstate__(self) -> dict[str, object]:
-        return {name: packed(value) for name, value in only_fields(self).items()}
-
-    def __setstate__(self, state: Mapping[str, Any]) -> None:
-        for name, value in state.items():
-            object.__setattr__(self, name, unpacked(value))
 
     def __getitem__(self, name: str) -> arb:
         """The ball of a state at the start."""
@@ -118,39 +111,3 @@ class ClosedOrbit:
 def _complex(x: acb, digits: int) -> str:
     parts = [certain_digits(part, digits) for part in (x.real, x.imag)]
     return parts[0] if x.imag.is_zero() else f"{parts[0]} + {parts[1]} i"
-
-
-def packed(value: Any) -> Any:
-    """Balls of FLINT, which cannot be pickled, as exact numbers."""
-    if isinstance(value, arb):
-        (m, e), (r, s) = value.mid().man_exp(), value.rad().man_exp()
-        return _Packed((int(m), int(e), int(r), int(s)))
-    if isinstance(value, acb):
-        return _Packed((*packed(value.real), *packed(value.imag)))
-    if isinstance(value, Mapping):
-        return {name: packed(x) for name, x in value.items()}
-    if type(value) is tuple:
-        return tuple(packed(x) for x in value)
-    return value
-
-
-class _Packed(tuple[int, ...]):
-    """The numbers of one ball."""
-
-    __slots__ = ()
-
-
-def unpacked(value: Any) -> Any:
-    """The balls again."""
-    if isinstance(value, _Packed):
-        parts = [_ball(*value[k : k + 4]) for k in range(0, len(value), 4)]
-        return parts[0] if len(parts) == 1 else acb(*parts)
-    if isinstance(value, dict):
-        return {name: unpacked(x) for name, x in value.items()}
-    if type(value) is tuple:
-        return tuple(unpacked(x) for x in value)
-    return value
-
-
-def _ball(mantissa: int, exponent: int, radius: int, power: int) -> arb:
-    return arb((mantissa, exponent), (radius, power))

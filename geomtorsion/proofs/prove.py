@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import flint
 import numpy as np
@@ -18,11 +18,11 @@ from geomtorsion.ode import Solution
 from geomtorsion.ode.derivatives import checked_by, derivative_name
 from geomtorsion.proofs.developments import proved_development
 from geomtorsion.proofs.loops import proved_integrals
+from geomtorsion.proofs.packing import WithBalls
 from geomtorsion.proofs.solutions import SolutionTask
 from geomtorsion.proofs.wanted import Wanted, upper_float
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
-from geomtorsion.support.copies import only_fields
 from geomtorsion.support.displays import drawn_by
 from geomtorsion.support.exclusive import exclusive
 from geomtorsion.support.precision import EXACT_BITS, ball_precision, series_length
@@ -37,7 +37,7 @@ ALWAYS = (
 
 @exclusive
 @dataclass(frozen=True, eq=False, repr=False)
-class Proof:
+class Proof(WithBalls):
     """Balls that contain the true value of a result.
 
     result: the result that was proved.
@@ -64,16 +64,6 @@ class Proof:
     steps: int
     seconds: float
     assumes: tuple[str, ...]
-
-    def __getstate__(self) -> dict[str, object]:
-        # Balls of FLINT cannot be pickled.
-        plain: dict[str, object] = {"balls": _each(self.balls, _plain)}
-        return {**only_fields(self), **plain}
-
-    def __setstate__(self, state: Mapping[str, Any]) -> None:
-        for name, value in state.items():
-            read = _each(value, lambda parts: arb(*parts)) if name == "balls" else value
-            object.__setattr__(self, name, read)
 
     @cached_property
     def values(self) -> Any:
@@ -182,24 +172,6 @@ def _relative(row: Sequence[arb]) -> arb:
     for ball in row:
         radius, size = radius.max(ball.rad()), size.max(ball.abs_lower())
     return radius / size if size > 0 else radius
-
-
-class _Plain(NamedTuple):
-    """A ball as mantissas and exponents of its midpoint and its radius, exactly."""
-
-    middle: tuple[int, int]
-    radius: tuple[int, int]
-
-
-def _plain(ball: arb) -> _Plain:
-    (m, e), (r, s) = ball.mid().man_exp(), ball.rad().man_exp()
-    return _Plain((int(m), int(e)), (int(r), int(s)))
-
-
-def _each(balls: Sequence[Any], read: Callable[[Any], Any]) -> tuple[Any, ...]:
-    """Balls, or rows of them, one by one."""
-    is_row = [isinstance(x, tuple) and not isinstance(x, _Plain) for x in balls]
-    return tuple(_each(x, read) if row else read(x) for x, row in zip(balls, is_row, strict=True))
 
 
 def certain_digits(ball: arb, digits: int) -> str:
