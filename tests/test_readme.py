@@ -123,6 +123,13 @@ def test_commands_run(command, tmp_path, monkeypatch):
         page = ROOT / "examples" / "site" / "tutorials" / "universe.md"
         [text] = blocks("toml", page.read_text("utf-8"))
         Path("cosmology.toml").write_text(text, "utf-8")
+    if "my-tetrad.toml" in command:
+        Path("my-tetrad.toml").write_text(geomtorsion.spaces.load("s2").frame.to_toml(), "utf-8")
+    if "slice.npz" in command:
+        flat = np.broadcast_to(np.eye(3)[:, :, None, None, None], (3, 3, 9, 9, 9))
+        x = np.linspace(0, 1, 9)
+        still = np.zeros_like(flat)
+        np.savez("slice.npz", metric=flat, extrinsic_curvature=still, axis_x=x, axis_y=x, axis_z=x)
     if "chains.data" in command:
         DislocationNetwork.of_arrays(rings(20, seed=6)).save("chains.data")
     if "track.csv" in command:
