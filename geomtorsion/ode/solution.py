@@ -594,6 +594,27 @@ class Solution:
             return self.error
         return max(least, error)
 
+    def resolves(self, name: str) -> bool:
+        """Whether what a name gives is more than zero and rounding noise.
+
+        The runs that are compared agree in noise in no digit.
+
+        Raises
+        ------
+        UnknownNameError
+            nothing has this name.
+
+        Examples
+        --------
+        >>> from geomtorsion.ode import ODE, solve
+        >>> rest = solve(ODE.of({"x": "-x", "y": "0"}, [1, 0]), 10.0)
+        >>> rest.resolves("x"), rest.resolves("y")
+        (True, False)
+        """
+        here = self[name]
+        size = float(np.abs(here).max(initial=0.0))
+        return size > 0 and self._apart(here, lambda one: one[name]) <= UNALIKE * size
+
     @property
     def reference(self) -> Trajectory | None:
         """The finer run with which it was compared."""
