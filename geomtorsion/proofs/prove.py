@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
 import flint
@@ -14,7 +14,7 @@ from flint import arb
 
 from geomtorsion.errors import ArgumentError, ProofError, StartError, TimeError, UnknownNameError
 from geomtorsion.loops import BurgersVector, Development
-from geomtorsion.ode import Solution
+from geomtorsion.ode import Solution, solution
 from geomtorsion.ode.derivatives import checked_by, derivative_name
 from geomtorsion.proofs.developments import proved_development
 from geomtorsion.proofs.loops import proved_integrals
@@ -43,7 +43,8 @@ class Proof(WithBalls):
     result: the result that was proved.
     balls: the components of a Burgers vector; for a development the components of burgers, then the
         rows of the rotation; for a solution one tuple for each of its times: the states, then their
-        derivatives by the first name, by the second, ...
+        derivatives by the first name, by the second, ... `solve(problem, 1.0)` reports 65 times,
+        and its error covers all of them; `at(1.0)` has the requested one.
     names: names of the balls, or of the states and derivatives at each time.
     charts: for a solution the chart of its states at each time.
     digits: number of requested digits.
@@ -51,6 +52,7 @@ class Proof(WithBalls):
     holds: True: the result is within its error; False: it is not; None: the balls do not decide.
     bits, steps, seconds: the precision, the steps (arcs of a loop), and the time that it took.
     assumes: assumptions of the proof.
+    start, parameters, derivatives: as given to `prove`.
     """
 
     result: Result
@@ -64,6 +66,9 @@ class Proof(WithBalls):
     steps: int
     seconds: float
     assumes: tuple[str, ...]
+    start: Any = None
+    parameters: Mapping[str, Any] | None = None
+    derivatives: tuple[str, ...] = ()
 
     @cached_property
     def values(self) -> Any:
@@ -102,22 +107,39 @@ class Proof(WithBalls):
         )
 
     def at(self, time: object) -> Mapping[str, arb]:
-        """The balls at one of the times of a solution by name.
+        """The balls at any time of a solution by name, in the chart of the solution there.
+
+        A time between the times of the solution needs a proof of its own, from the start to there.
 
         Raises
         ------
         TimeError
-            The time is not one of the times of a solution.
+            The time is outside of the solution, or this is no proof of a solution.
+        ProofError
+            Nothing is proved at this time.
+
+        Examples
+        --------
+        >>> from geomtorsion.ode import ODE, solve
+        >>> proof = prove(solve(ODE.of({"x": "v", "v": "-x"}, [1, 0]), [1.0]))
+        >>> print(proof.at(0.5)["x"].str(15, radius=False))
+        0.877582561890373
         """
-        times = self.result.times.tolist() if isinstance(self.result, Solution) else []
-        if time not in times:
-            shown = f"one of the {len(times)} proved times" if times else "a proof of a solution"
+        number = checks.real(time)
+        if not isinstance(self.result, Solution) or number is None:
+            shown = "one number" if isinstance(self.result, Solution) else "a proof of a solution"
             raise TimeError(
-                f"time: expected {shown}, got {checks.shown(time)}. Solve with this time among the "
-                "times, and prove that solution."
+                f"time: expected {shown}, got {checks.shown(time)}. Read other proofs by name."
             )
-        k = times.index(time)
-        return dict(zip(self.names[k], self.balls[k], strict=True))
+        times = self.result.times.tolist()
+        if number in times:
+            k = times.index(number)
+            return dict(zip(self.names[k], self.balls[k], strict=True))
+        between = prove(
+            solution.read_at(self.result, number), self.digits, start=self.start,
+            parameters=self.parameters, derivatives=self.derivatives,
+        )  # fmt: skip
+        return dict(zip(between.names[-1], between.balls[-1], strict=True))
 
     def _floats(self, read: Callable[[arb], float]) -> Any:
         with ball_precision(self.bits):
@@ -279,7 +301,8 @@ def prove(
     assumes = ALWAYS
     if start is not None or changed:
         assumes = (*assumes, "start or parameters are in the given balls")
-    return proof(seconds, assumes)
+    made = proof(seconds, assumes)
+    return replace(made, start=start_balls, parameters=changed or None, derivatives=by)
 
 
 Made = Callable[[float, tuple[str, ...]], Proof]
