@@ -13,10 +13,11 @@ import numpy as np
 from flint import arb
 
 from geomtorsion.errors import ArgumentError, ProofError, StartError, TimeError, UnknownNameError
-from geomtorsion.loops import BurgersVector, Development
+from geomtorsion.loops import BurgersVector, Development, HasInterpolant
 from geomtorsion.ode import Solution, solution
 from geomtorsion.ode.derivatives import checked_by, derivative_name
 from geomtorsion.proofs.developments import proved_development
+from geomtorsion.proofs.interpolants import proved_interpolant
 from geomtorsion.proofs.loops import proved_integrals
 from geomtorsion.proofs.packing import WithBalls
 from geomtorsion.proofs.solutions import SolutionTask
@@ -27,7 +28,7 @@ from geomtorsion.support.displays import drawn_by
 from geomtorsion.support.exclusive import exclusive
 from geomtorsion.support.precision import EXACT_BITS, ball_precision, series_length
 
-Result: TypeAlias = BurgersVector | Development | Solution
+Result: TypeAlias = BurgersVector | Development | Solution | HasInterpolant
 ALWAYS = (
     "components that a zero test dropped vanish, with the certainty of that test",
     "floats are the dyadic numbers that they are; fractions, text and expressions are exact",
@@ -172,7 +173,7 @@ class Proof(WithBalls):
 
     def __str__(self) -> str:
         verdict = {True: "holds", False: "does NOT hold", None: "is not decided"}[self.holds]
-        reported = self.result.error
+        reported, subject = self._reported
         place = ""
         if isinstance(self.result, Solution):
             place = f" at {self.result.problem.time_name} = {float(self.result.times[-1]):.6g}"
@@ -180,9 +181,17 @@ class Proof(WithBalls):
             [
                 f"proved{place}, {self.digits} digits, {self.bits} bits, {self.seconds:.3g} s:",
                 *(f"  {line}" for line in self.lines()),
-                f"  the reported error {reported:.2g} {verdict}: proved {self.error:.2g}",
+                f"  the reported {subject} {reported:.2g} {verdict}: proved {self.error:.2g}",
+                *(f"  {text}" for text in self.assumes if text not in ALWAYS),
             ]
         )
+
+    @property
+    def _reported(self) -> tuple[float, str]:
+        """The error that was judged, and its name."""
+        if isinstance(self.result, HasInterpolant):
+            return self.result.systematic["quadrature"], "error of the integral"
+        return self.result.error, "error"
 
     __repr__ = __str__
     _repr_html_ = drawn_by("notebook_pictures", "proof_html")
@@ -235,7 +244,9 @@ def prove(
     Parameters
     ----------
     result
-        A BurgersVector, a Development, or a Solution: its states at all of its times.
+        A BurgersVector, a Development, or a Solution: its states at all of its times. The Burgers
+        vector of a SampledFrame is proved for its interpolant, polynomials with exact coefficients;
+        noise and the field between the nodes are not part of the theorem.
     digits
         How many digits of the largest component, or of each group of states, from 1 to 1000. More
         are used where the reported error could not be judged otherwise.
@@ -288,6 +299,10 @@ def prove(
             proof = _solution(result, digits, start_balls, changed, by)
         elif start_balls is not None:
             raise ArgumentError("start: expected nothing for a loop, which has none. Drop it.")
+        elif changed and isinstance(result, HasInterpolant):
+            raise ArgumentError("parameters: expected nothing for data, which have none. Drop it.")
+        elif isinstance(result, HasInterpolant):
+            proof = _data(result, digits)
         elif isinstance(result, BurgersVector):
             proof = _burgers(result, digits, changed)
         elif isinstance(result, Development):
@@ -393,6 +408,32 @@ def _burgers(result: BurgersVector, digits: int, changed: Mapping[str, Any]) -> 
     return lambda seconds, assumes: Proof(
         result, totals.balls, names, (), digits, bound, holds, totals.bits, totals.arcs, seconds,
         assumes,
+    )  # fmt: skip
+
+
+def _data(result: HasInterpolant, digits: int) -> Made:
+    """Burgers vector of a grid: of its interpolant, without noise and what is between the nodes."""
+    field = result.interpolant
+    if field is None:
+        raise ProofError(
+            "expected b of the values of a grid, got b of a source without an interpolant, such as "
+            "an orientation map or a displacement, which is a sum of steps. Use a SampledFrame."
+        )
+    with ball_precision(EXACT_BITS):
+        value = [arb(x) for x in result.vector.tolist()]
+        error = arb(result.systematic["quadrature"])
+    accuracy = Wanted.of(digits, error, max((abs(x) for x in value), key=float))
+    totals = proved_interpolant(field, accuracy)
+    with ball_precision(EXACT_BITS):
+        gap = _largest(totals.balls, value)
+        bound, holds = upper_float(gap), _verdict(gap, error)
+    about = (
+        f"b is that of the interpolant of order {field.order} through the values at the nodes; "
+        "noise and the field between the nodes are not judged"
+    )
+    return lambda seconds, assumes: Proof(
+        result, totals.balls, result.components, (), digits, bound, holds, totals.bits,
+        totals.arcs, seconds, (about, *assumes),
     )  # fmt: skip
 
 
