@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -64,13 +65,24 @@ class Interpolant:
 
 @runtime_checkable
 class HasInterpolant(Protocol):
-    """A Burgers vector of data.
+    """A Burgers vector of data."""
 
-    vector: b^i; components: names of its entries; interpolant: which it integrates, or None.
-    systematic: name of each error other than noise -> bound.
-    """
+    @property
+    def vector(self) -> np.ndarray:
+        """b^i, shape (n,)."""
+        ...
 
-    vector: np.ndarray
-    components: tuple[str, ...]
-    systematic: Any
-    interpolant: Interpolant | None
+    @property
+    def components(self) -> tuple[str, ...]:
+        """Names of the entries of `vector`."""
+        ...
+
+    @property
+    def systematic(self) -> Mapping[str, float]:
+        """Name of each error other than noise -> bound."""
+        ...
+
+    @property
+    def interpolant(self) -> Interpolant | None:
+        """The polynomials that it integrates; None for a source without them."""
+        ...

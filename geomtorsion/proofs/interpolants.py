@@ -10,6 +10,7 @@ import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import reduce
+from sys import float_info
 
 import numpy as np
 from flint import acb, arb, fmpq
@@ -28,8 +29,8 @@ _UNDECIDED = (
     "the loop touches a line of nodes, or almost: whether it crosses it is not decided. Move the "
     "loop by a part of the spacing."
 )
-# Bits in which squares and sums of a few floats are exact, so that touching a line is decided.
-EXACT_SUMS = 4500
+# Squares of floats and their sums are exact in so many bits, so that touching a line is decided.
+EXACT_SUMS = 2 * (float_info.max_exp - float_info.min_exp + 2 * float_info.mant_dig)
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,9 +163,9 @@ def _places(field: Interpolant, point: Sequence[acb]) -> list[acb]:
 
 
 def _cells(field: Interpolant, path: BallArc, begin: arb, end: arb) -> list[_Cell]:
-    """The polynomial that holds between two cuts, or those of both sides of an undecided line.
+    """The polynomial at the point halfway between two cuts.
 
-    It is that of the point halfway. On both sides of a line they agree on the line.
+    Where its side of a line is undecided, both polynomials, which agree on the line.
     """
     middle = path.places((begin + end) / 2)
     options = []

@@ -12,10 +12,16 @@ import flint
 import numpy as np
 from flint import arb
 
-from geomtorsion.errors import ArgumentError, ProofError, StartError, TimeError, UnknownNameError
+from geomtorsion.errors import ArgumentError, ProofError, TimeError, UnknownNameError
 from geomtorsion.loops import BurgersVector, Development, HasInterpolant
 from geomtorsion.ode import Solution, solution
-from geomtorsion.ode.derivatives import checked_by, derivative_name
+from geomtorsion.ode.derivatives import derivative_name
+from geomtorsion.proofs.arguments import (
+    checked_balls,
+    checked_derivatives,
+    checked_start,
+    refuse_unknown,
+)
 from geomtorsion.proofs.developments import proved_development
 from geomtorsion.proofs.interpolants import proved_interpolant
 from geomtorsion.proofs.loops import proved_integrals
@@ -115,7 +121,7 @@ class Proof(WithBalls):
         Raises
         ------
         TimeError
-            The time is outside of the solution, or this is no proof of a solution.
+            The time is outside of the solution, or the proof is about another result.
         ProofError
             Nothing is proved at this time.
 
@@ -291,8 +297,8 @@ def prove(
     began = time.perf_counter()
     checks.count(digits, "digits", ArgumentError, 1, 1000)
     changed = checked_balls(parameters, "parameters")
-    by = _checked_derivatives(result, derivatives)
-    start_balls = _checked_start(start)
+    by = checked_derivatives(result, derivatives)
+    start_balls = checked_start(start)
     # The precision of FLINT belongs to the process: no other thread may set it meanwhile.
     with ball_precision(EXACT_BITS), series_length(flint.ctx.cap):
         if isinstance(result, Solution):
@@ -323,61 +329,6 @@ def prove(
 Made = Callable[[float, tuple[str, ...]], Proof]
 
 
-def checked_balls(values: object, subject: str) -> dict[str, Any]:
-    """Numbers or finite balls by name.
-
-    Raises
-    ------
-    ArgumentError
-        one is neither.
-    """
-    if values is None:
-        return {}
-    table = checks.by_name(values, subject, ArgumentError)
-    return {name: _checked_ball(value, f"{subject}: {name}") for name, value in table.items()}
-
-
-def _checked_ball(value: object, subject: str) -> Any:
-    if isinstance(value, arb):
-        if not value.is_finite():
-            raise ArgumentError(f"{subject}: expected a finite ball, got {value}. Give another.")
-        return value
-    return checks.exact_number(value, subject, ArgumentError)
-
-
-def _checked_derivatives(result: object, derivatives: object) -> tuple[str, ...]:
-    """Names by which derivatives of a solution are taken."""
-    if not checks.entries(derivatives, "derivatives", StartError):
-        return ()
-    if not isinstance(result, Solution):
-        raise ArgumentError(
-            "derivatives: expected nothing except for a solution, got "
-            f"{checks.shown(derivatives)} for a {type(result).__name__}. Drop them."
-        )
-    problem = result.problem
-    if getattr(problem, "carried", None) is not None:
-        raise StartError(
-            "derivatives: expected a curve without vectors carried along, got one with them. Solve "
-            "it without them."
-        )
-    return checked_by(derivatives, tuple(getattr(problem, "variables", {})), "derivatives")
-
-
-def _checked_start(start: object) -> Any:
-    if start is None:
-        return None
-    if isinstance(start, Mapping):
-        return checked_balls(start, "start")
-    return tuple(
-        _checked_ball(x, f"start[{k}]") for k, x in enumerate(checks.entries(start, "start"))
-    )
-
-
-def _refuse_unknown(names: Mapping[str, Any], known: Mapping[str, Any]) -> None:
-    for name in names:
-        checks.known_name(name, known, "parameters", UnknownNameError, expected="a parameter")
-
-
 def _verdict(gap: arb, error: arb) -> bool | None:
     """Whether a gap is within an error; None where the ball does not decide."""
     if gap <= error:
@@ -392,7 +343,7 @@ def _burgers(result: BurgersVector, digits: int, changed: Mapping[str, Any]) -> 
             "expected a real frame, got a complex one, for which integrals are not proved. Use a "
             "real frame."
         )
-    _refuse_unknown(changed, result.parameters)
+    refuse_unknown(changed, result.parameters)
     parameters = {**result.parameters, **changed}
     with ball_precision(EXACT_BITS):
         unit = arb(result.size) ** result.power
@@ -412,7 +363,7 @@ def _burgers(result: BurgersVector, digits: int, changed: Mapping[str, Any]) -> 
 
 
 def _data(result: HasInterpolant, digits: int) -> Made:
-    """Burgers vector of a grid: of its interpolant, without noise and what is between the nodes."""
+    """Burgers vector of the interpolant of a grid."""
     field = result.interpolant
     if field is None:
         raise ProofError(
@@ -428,7 +379,7 @@ def _data(result: HasInterpolant, digits: int) -> Made:
         gap = _largest(totals.balls, value)
         bound, holds = upper_float(gap), _verdict(gap, error)
     about = (
-        f"b is that of the interpolant of order {field.order} through the values at the nodes; "
+        f"b belongs to the interpolant of order {field.order} through the values at the nodes; "
         "noise and the field between the nodes are not judged"
     )
     return lambda seconds, assumes: Proof(
@@ -452,7 +403,7 @@ def _development(result: Development, digits: int, changed: Mapping[str, Any]) -
             "expected a real frame, got a complex one, for which developments are not proved. Use "
             "a real frame."
         )
-    _refuse_unknown(changed, result.parameters)
+    refuse_unknown(changed, result.parameters)
     parameters = {**result.parameters, **changed}
     with ball_precision(EXACT_BITS):
         burgers = [arb(x) for x in result.burgers.tolist()]
@@ -484,7 +435,7 @@ def _development(result: Development, digits: int, changed: Mapping[str, Any]) -
 def _solution(
     result: Solution, digits: int, start: Any, changed: Mapping[str, Any], by: tuple[str, ...]
 ) -> Made:
-    _refuse_unknown(changed, getattr(result.problem, "parameters", {}))
+    refuse_unknown(changed, getattr(result.problem, "parameters", {}))
     task = SolutionTask.of(result, start, changed, by)
     with ball_precision(EXACT_BITS):
         error = arb(result.error) if math.isfinite(result.error) else arb.pos_inf()

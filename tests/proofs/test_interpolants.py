@@ -1,5 +1,7 @@
 """Burgers vectors of data: the proof contains the exact integral of the interpolant."""
 
+# pyright: reportArgumentType=false
+
 import pickle
 import random
 from fractions import Fraction
@@ -136,7 +138,7 @@ def test_three_dimensions():
 
 
 def test_words_and_copies():
-    """The result says what is proved, and a copy by pickle says the same."""
+    """The text names the interpolant, also for a copy by pickle."""
     grid = SampledFrame([np.arange(6.0)] * 2, np.random.default_rng(1).normal(size=(2, 2, 6, 6)))
     b = grid.burgers(gt.Loop.circle([2.5, 2.4], 1.3))
     proof = gt.prove(pickle.loads(pickle.dumps(b)))

@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 
 from geomtorsion.errors import GridError
-from geomtorsion.loops import Cochain, EdgeIntegrals, Interpolant, Loop
+from geomtorsion.loops import Cochain, EdgeIntegrals, Loop
 from geomtorsion.materials.burgers import PLANE, Burgers, Section
 from geomtorsion.materials.detours import detour_of
 from geomtorsion.materials.fields import cells, holes
 from geomtorsion.materials.fields.circuits import (
     Measured,
     edge_cochain,
+    interpolant_of,
     sampled_burgers,
     sampled_edges,
     unexplained,
@@ -487,16 +488,8 @@ class SampledFrame(Samples):
             section=section,
             length_unit=self.unit,
             detour=detour,
-            interpolant=self._interpolant(loop),
+            interpolant=interpolant_of(self, loop),
         )
-
-    def _interpolant(self, loop: Loop) -> Interpolant | None:
-        """The polynomials that a loop integrates; None where it sums jumps of a displacement."""
-        if self.displacement is not None:
-            return None
-        grid, origin = self._grid, tuple(float(axis[0]) for axis in self.axes)
-        values = self.coframe[:, : self.dimension]
-        return Interpolant(loop, origin, grid.steps, grid.periodic, values, grid.known, self.order)
 
     def _measured(self, loop: Loop) -> Measured:
         """b of a loop that touches no hole, with its covariance and its systematic errors."""

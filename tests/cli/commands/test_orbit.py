@@ -88,6 +88,6 @@ def test_the_equator_of_an_ellipsoid(file):
     ('rates = {x = "-x"}\n', [], "start: expected a table, got none"),
 ])  # fmt: skip
 def test_refusals(file, text, options, words):
-    """Each refusal names what is wrong, on one line."""
+    """Each refusal names the wrong option or key, on one line."""
     done = run("orbit", file(text), "--period", "6.5", *options, code=2)
     assert words in " ".join(done.stderr.split())
