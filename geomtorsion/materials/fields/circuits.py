@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy  # loads its subpackages at first use
 
-from geomtorsion.loops import Arc, Cochain, Complex, EdgeIntegrals, Interpolant, Loop, Part
+from geomtorsion.loops import Arc, Cochain, Complex, EdgeIntegrals, Loop, Part
 from geomtorsion.loops.quadrature import ROUNDING
 from geomtorsion.materials.fields.grid import ORDERS, Grid
 from geomtorsion.materials.fields.noise import Noise, along
@@ -18,8 +18,6 @@ from geomtorsion.support.precision import CALCULATED
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
-
-    from geomtorsion.materials.fields.samples import Samples
 
 
 # Gauss points on each piece of an arc, enough for the highest order of interpolation.
@@ -110,16 +108,6 @@ def sampled_burgers(field: Field, loop: Loop) -> Measured:
     quadrature = float(np.abs(fine - coarse).max()) + ROUNDING * field.size * loop.size
     interpolation = safety * float(difference.max())
     return fine, covariance, {"interpolation": interpolation, "quadrature": quadrature}
-
-
-def interpolant_of(samples: Samples, loop: Loop) -> Interpolant | None:
-    """The polynomials that a loop integrates; None where it sums jumps of a displacement."""
-    if samples.displacement is not None:
-        return None
-    grid = Grid(tuple(samples.axes), tuple(samples.names), samples.periodic, samples.mask)
-    origin = tuple(float(axis[0]) for axis in samples.axes)
-    values = samples.coframe[:, : samples.dimension]
-    return Interpolant(loop, origin, grid.steps, grid.periodic, values, grid.known, samples.order)
 
 
 def unexplained(difference: np.ndarray, variance: np.ndarray) -> np.ndarray:

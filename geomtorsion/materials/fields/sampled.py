@@ -16,7 +16,6 @@ from geomtorsion.materials.fields import cells, holes
 from geomtorsion.materials.fields.circuits import (
     Measured,
     edge_cochain,
-    interpolant_of,
     sampled_burgers,
     sampled_edges,
     unexplained,
@@ -29,6 +28,7 @@ from geomtorsion.materials.fields.displaced import (
     displaced_edges,
     displaced_torsion,
 )
+from geomtorsion.materials.fields.exact_interpolants import interpolant_of
 from geomtorsion.materials.fields.grid import two_axes
 from geomtorsion.materials.fields.grid_geometry import at_two_steps
 from geomtorsion.materials.fields.holes import Hole
