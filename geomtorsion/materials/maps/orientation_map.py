@@ -159,6 +159,7 @@ class OrientationMap:
         path: str | Path,
         *,
         laue: Mapping[int, str] | None = None,
+        columns: Mapping[str, int | str] | None = None,
         axes: Sequence[Sequence[float]] | np.ndarray | None = None,
         threshold: float = 5.0,
         sigma: float | Sequence[float] | None = None,
@@ -182,6 +183,9 @@ class OrientationMap:
         laue
             Number of a phase (0: all other phases) -> name of its Laue group, if the file has a
             wrong one or none.
+        columns
+            Tables (.txt, .csv, .ang): quantity (phi1, Phi, phi2, x, y, phase) -> name or number
+            (from 0) of its column, such as {"phi1 (rad)": 0}. Other columns count by their names.
         axes
             Rotation from the axes of the map (x along rows, y along columns) to the axes of the
             Euler angles, shape (3, 3); by default these are the same. Instruments use different
@@ -197,7 +201,7 @@ class OrientationMap:
             message names file, line and remedy.
         """
         path = checks.file_name(path)
-        file = read_map_file(path, laue)
+        file = read_map_file(path, laue, columns)
         if not (file.phase > 0).any():
             raise FileFormatError(
                 f"{path.name}: expected pixels with an orientation, got phase 0 (not indexed) for "
