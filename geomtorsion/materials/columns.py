@@ -18,8 +18,6 @@ UNIT = re.compile(r"\s*[\[(]\s*([^\])]*)[\])]")
 COMMENTS = ("#", "%", "*", "//", "!")
 # Signs between fields; blanks are tried last, because they may surround other signs.
 SPLITS = (",", ";", "\t", None)
-# Rows in which names or the first numbers are searched.
-HEADER = 1000
 
 
 @dataclass(frozen=True)
@@ -62,7 +60,7 @@ def names_from(row: int, words: Sequence[str], split: str | None) -> Names:
 
 def candidates(lines: Sequence[str]) -> Iterator[Names]:
     """Names in each row above the numbers, for each sign that may separate them."""
-    for k, line in enumerate(lines[:HEADER]):
+    for k, line in enumerate(lines):
         row = line.strip().lstrip("".join(COMMENTS)).strip()
         for split in SPLITS:
             if row and (split is None or split in row):
@@ -99,14 +97,9 @@ def table_names(
     FileFormatError
         There are no numbers, or a named column is missing.
     """
-    first = next(
-        ((k, *shape) for k, line in enumerate(lines[:HEADER]) if (shape := numbers_in(line))), None
-    )
+    first = next(((k, *shape) for k, line in enumerate(lines) if (shape := numbers_in(line))), None)
     if first is None:
-        raise FileFormatError(
-            f"{path}: expected rows of numbers, got none in the first {HEADER:,} lines. Is this a "
-            "table?"
-        )
+        raise FileFormatError(f"{path}: expected rows of numbers, got none. Is this a table?")
     row, split, width = first
     fitting = [names for names in candidates(lines[:row]) if len(names.words) == width]
     wanted = [word for word in columns.values() if isinstance(word, str)]
@@ -210,5 +203,5 @@ def other_reader(lines: Sequence[str], own: str) -> str:
     for names in candidates(lines):
         for what, reader, words in _READERS:
             if own not in reader and set(words) & set(names.plain):
-                return f"The columns are those of {what}: use {reader}. "
+                return f"These columns belong to {what}: use {reader}. "
     return ""

@@ -282,7 +282,7 @@ def open_in_blocks(
 def kind_of(path: Path, columns: Mapping[str, int | str] | None = None) -> Kind:
     """Kind of data in a file, by its ending; by its content where kinds share an ending.
 
-    columns: those of a table that the user names.
+    columns: columns of a table, as named by the user.
     """
     readers = [reader for reader in READERS if reader.suffix == ending(path)]
     kinds = [reader.kind for reader in readers]

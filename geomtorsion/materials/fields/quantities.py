@@ -175,7 +175,7 @@ def _strained(path: Path, columns: Mapping[str, np.ndarray]) -> np.ndarray:
         elif axes == "xy" and "theta" in columns:
             rotation["wxy"] = -columns["theta"]
         else:
-            remedy = "A strain without the rotation is no frame. "
+            remedy = "A strain needs the rotation to give a frame. "
             _require(path, f"w{i}{j}", columns, remedy)
     rows = []
     for i in axes:

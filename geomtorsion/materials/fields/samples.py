@@ -198,7 +198,7 @@ class Samples:
             contains a core, or noise has changed a value; the corners of such cells become holes.
         height
             Third coordinate of the nodes of a surface in space, of the shape of the grid of two
-            axes, for a displacement with three rows. The frame is then that of the deformed
+            axes, for a displacement with three rows. The frame then belongs to the deformed
             surface, with the third row d (height + u^3); jumps count without the height.
         options
             mask, periodic, unit, vector_unit, as for `SampledFrame`; sigma: of u at each node,

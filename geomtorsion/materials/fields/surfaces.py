@@ -19,7 +19,7 @@ def over_two_axes(points: PointValues) -> PointValues:
     metric, and its integral around a circuit is the Burgers vector in space. The third row is
     d (z + w). Other points are returned unchanged: a plane, or a volume.
 
-    Points lie on a surface if neighbours over the two axes are mostly less far apart along the
+    It is a surface if neighbours over the two axes are mostly less far apart along the
     third axis than along these two.
     """
     if len(points.places) != 3 or points.form != "displacement" or len(points.values) != 3:

@@ -149,7 +149,7 @@ def _chosen(path: Path, lines: Sequence[str], columns: Mapping[str, int | str]) 
             f"columns: expected the columns of x and y, got {cut(', '.join(named))} for "
             f"{path.name}. Add them."
         )
-    # The quantities that the user names decide what is read; names in the file add the others.
+    # Quantities named by the user decide the form; names in the file add the others.
     form = form_of(axes | named) or form_of(places)
     if form is None:
         raise GridError(

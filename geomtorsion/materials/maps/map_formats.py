@@ -79,7 +79,7 @@ def read_map_file(
     Raises
     ------
     OrientationError
-        A column is not in the file, or the file is no table.
+        A column is not in the file, or the file is not a table.
     FileFormatError
         The file is truncated, or has wrong columns, mixed steps or an unknown phase; the message
         names file, line and remedy.

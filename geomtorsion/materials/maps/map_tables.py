@@ -161,7 +161,7 @@ class _Header:
 
 
 def _header(lines: Sequence[str]) -> _Header | None:
-    """The header of a table whose names are those of a map; None for any other table."""
+    """The header of a table with the names of a map; None for any other table."""
     for names in candidates(lines):
         places = _places(names)
         if set(_NEEDED) <= set(places):

@@ -17,7 +17,8 @@ NONE: dict[str, int | str] = {}
 
 def table(path: Path, head: str, *columns: np.ndarray, split: str = ",") -> Path:
     """A table with a row of names, or without one."""
-    rows = [split.join(map(repr, row)) for row in zip(*(c.ravel().tolist() for c in columns))]
+    points = np.stack([column.ravel() for column in columns], axis=1)
+    rows = [split.join(map(repr, point)) for point in points.tolist()]
     path.write_text("\n".join([*head.splitlines(), *rows]) + "\n", "utf-8")
     return path
 
@@ -66,7 +67,7 @@ def test_strain_in_space_of_a_plane_map(tmp_path: Path):
     names = "e11,e12,e13,e22,e23,e33,w12,w13,w23".split(",")
     values = [0.001 * (k + 1) * X for k in range(9)]
     frame = gt.SampledFrame.read(table(tmp_path / "a.csv", f"x,y,{','.join(names)}", X, Y, *values))
-    e, at = dict(zip(names, values)), (3, 2)
+    e, at = dict(zip(names, values, strict=False)), (3, 2)
     beta = frame.coframe[(..., *at)] - np.eye(3)
     assert beta[0, 2] == pytest.approx(e["e13"][at] + e["w13"][at])
     assert beta[2, 1] == pytest.approx(e["e23"][at] - e["w23"][at])
@@ -74,10 +75,10 @@ def test_strain_in_space_of_a_plane_map(tmp_path: Path):
 
 HEAD = "a,b,c,d"
 REFUSED = [
-    ("x,y,exx,eyy", NONE, "expected a column wxy.*A strain without the rotation is no frame"),
+    ("x,y,exx,eyy", NONE, "expected a column wxy.*A strain needs the rotation"),
     ("x,y,exx,wxy", NONE, "expected a column exy"),
     (HEAD, NONE, "or give their numbers|or name them"),
-    ("phi1,Phi,phi2,x", NONE, r"those of an orientation map: use OrientationMap\.read"),
+    ("phi1,Phi,phi2,x", NONE, r"These columns belong to an orientation map: use OrientationMap\.read"),
     (HEAD, {"x": 9, "y": 1, "u": 2}, "x: expected the name of a column in a.csv or a number from"),
     (HEAD, {"x": -1, "y": 1, "u": 2}, "a number from 0 to 3, got -1"),
     (HEAD, {"x": "a", "y": "bb", "u": 2}, "expected a column 'bb'.*got columns a, b, c, d"),
@@ -169,7 +170,7 @@ def test_a_surface_in_space_with_a_dislocation(tmp_path: Path, normal: str):
     assert b.unit == "mm"
 
 
-def test_points_in_a_volume_are_no_surface(tmp_path: Path):
+def test_points_in_a_volume_are_not_a_surface(tmp_path: Path):
     """Tracked particles and full grids in space remain in space."""
     points = np.random.default_rng(1).uniform(-3, 3, (3, 300))
     path = table(tmp_path / "a.csv", "x,y,z,u,v,w", *points, *(0.01 * points))
