@@ -78,7 +78,7 @@ REFUSED = [
     ("x,y,exx,eyy", NONE, "expected a column wxy.*A strain needs the rotation"),
     ("x,y,exx,wxy", NONE, "expected a column exy"),
     (HEAD, NONE, "or give their numbers|or name them"),
-    ("phi1,Phi,phi2,x", NONE, r"These columns belong to an orientation map: use OrientationMap\.read"),
+    ("phi1,Phi,phi2,x", NONE, r"belong to an orientation map: use OrientationMap\.read"),
     (HEAD, {"x": 9, "y": 1, "u": 2}, "x: expected the name of a column in a.csv or a number from"),
     (HEAD, {"x": -1, "y": 1, "u": 2}, "a number from 0 to 3, got -1"),
     (HEAD, {"x": "a", "y": "bb", "u": 2}, "expected a column 'bb'.*got columns a, b, c, d"),
