@@ -11,6 +11,7 @@ from geomtorsion.cli.loops import LoopFiles, files_of_loops, named_loop
 from geomtorsion.cli.measured_sources import Reading, identity_frame, opened
 from geomtorsion.cli.options import (
     Form,
+    MeasuredColumns,
     MeasuredFile,
     MeasuredLaue,
     MeasuredMissing,
@@ -45,6 +46,7 @@ def circuit(
     threshold: MeasuredThreshold = None,
     order: MeasuredOrder = None,
     missing: MeasuredMissing = None,
+    columns: MeasuredColumns = None,
     laue: MeasuredLaue = None,
     slip: MeasuredSlip = None,
     pixel: MeasuredPixel = None,
@@ -80,7 +82,16 @@ def circuit(
       geomtorsion circuit distortion.npz --sigma 0.001 --loops loops.json --format json
     """
     reading = Reading(
-        sigma, threshold, order, tuple(laue or ()), slip, pixel, spots, resolution, missing or ()
+        sigma,
+        threshold,
+        order,
+        tuple(laue or ()),
+        slip,
+        pixel,
+        spots,
+        resolution,
+        missing or (),
+        columns,
     )
     with working(Path(source).name):
         field = opened(source, reading)
