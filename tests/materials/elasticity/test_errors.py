@@ -62,7 +62,7 @@ def coverage(field: NyeField) -> np.ndarray:
 
 @pytest.mark.parametrize("sigma", [1e-6, 5e-6, 2e-5, 1e-4, 5e-4, 2e-3])
 def test_errors_hold_for_two_edges(sigma):
-    """68 percent of the stresses lie within one error and 95 percent within two."""
+    """One error covers 68 percent of the stresses, and two errors cover 95 percent."""
     shares = np.mean(
         [coverage(NyeField.of_frame(measured(sigma, k)).padded(26).balanced()) for k in (0, 1)],
         axis=0,
@@ -238,13 +238,13 @@ def test_incompatibility_and_gnd_density_cover_their_noise():
     [
         (lambda: NyeField(np.zeros((3, 3, 8, 8, 1)), OPEN, sigma=-1.0), GridError, "sigma"),
         (lambda: NyeField(np.zeros((3, 3, 8, 8, 1)), OPEN, sigma=np.nan), GridError, "sigma"),
-        (lambda: NyeField(np.zeros((3, 3, 8, 8, 1)), OPEN, sigma=[1.0, 2.0]), GridError, "shape"),
+        (lambda: NyeField(np.zeros((3, 3, 8, 8, 1)), OPEN, sigma=np.ones(2)), GridError, "shape"),
         (lambda: TRUTH.errors_at([[0, 0]]), GridError, "points"),
         (lambda: TRUTH.forces_on(DislocationNetwork.of_arrays(LineArrays(
             [[0, 0, 0], [1, 0, 0]], [[0, 1], [1, 0]], [[1, 0]] * 2))), NetworkError, "got 2"),
     ],
 )  # fmt: skip
 def test_refusals(call, error, words):
-    """Noise that is no standard deviation, and lines or points of another dimension."""
+    """Noise that is not a standard deviation, and lines or points of another dimension."""
     with pytest.raises(error, match=words):
         call()
