@@ -10,15 +10,23 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from geomtorsion.cli.measured_sources import sigma_of
-from geomtorsion.cli.options import Form, MeasuredSigma, argument, directory, option
+from geomtorsion.cli.measured_sources import Reading, opened, sigma_of
+from geomtorsion.cli.options import (
+    Form,
+    MeasuredColumns,
+    MeasuredSigma,
+    argument,
+    directory,
+    option,
+)
 from geomtorsion.cli.results import say_on_error
 from geomtorsion.cli.terminal import wrapped
 from geomtorsion.errors import FileFormatError, GeomtorsionError, GridError, NetworkError
+from geomtorsion.materials import Source
 from geomtorsion.materials.elasticity import ElasticConstants, NyeField, Stresses, stresses
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.lines import DislocationNetwork
-from geomtorsion.materials.readers import is_source, open_source
+from geomtorsion.materials.readers import is_source
 from geomtorsion.pictures.stress import COMPONENTS, draw_stress
 from geomtorsion.pictures.style import can_draw, save
 from geomtorsion.support.checks import choice, shown
@@ -71,6 +79,7 @@ def stress(
         option(metavar="N", text="Maps with open ends: nodes of perfect crystal around them."),
     ] = None,
     sigma: MeasuredSigma = None,
+    columns: MeasuredColumns = None,
     convention: Annotated[
         str | None,
         option(
@@ -106,7 +115,7 @@ def stress(
     constants = ElasticConstants.of_text(elastic)
     choice(component, COMPONENTS, "--component", GridError)
     with bar(f"{file.name}: reading", 3) as show:
-        source = _opened(file, padding, sigma)
+        source = _opened(file, padding, Reading(sigma, columns=columns))
         sign = convention or ("Hirth-Lothe" if ending(file) == ".data" else "SF/RH")
         if show is not None:
             show(1, f"{file.name}: stress")
@@ -140,26 +149,29 @@ def _typed(error: GeomtorsionError) -> GeomtorsionError:
 
 
 def _opened(
-    file: Path, padding: int | None, sigma: str | None
+    file: Path, padding: int | None, reading: Reading
 ) -> DislocationNetwork | SampledFrame | NyeField:
     """The source in a file, by its ending and content."""
     if not is_source(file):
+        if reading.columns is not None:
+            raise GridError("--columns: expected a table, got a network. Omit it.")
         if padding is not None:
             raise GridError("--padding: expected a field with open ends, got a network. Omit it.")
-        if sigma is not None:
+        if reading.sigma is not None:
             raise GridError("--sigma: expected a measured field, got a network. Omit it.")
         return DislocationNetwork.read(file)
-    noise = None if sigma is None else sigma_of(sigma)
+    field: Source | NyeField
     if NyeField.is_in(file):
         field = NyeField.read(file)
+        noise = None if reading.sigma is None else sigma_of(reading.sigma)
         if isinstance(noise, str):
             raise GridError(
-                "--sigma: expected a number for a Nye field, got estimate. Its noise cannot be "
-                "separated from its lines."
+                "--sigma: expected a number for a Nye field, got estimate. Give the standard "
+                "deviation of its values."
             )
         field = field if noise is None else replace(field, sigma=noise)
     else:
-        field = open_source(file, sigma=noise)
+        field = opened(str(file), reading)
     if not isinstance(field, SampledFrame | NyeField):
         raise FileFormatError(
             f"{file.name}: expected a network, a coframe on a grid or a Nye field, got "
