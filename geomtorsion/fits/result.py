@@ -16,8 +16,8 @@ from geomtorsion.support.copies import content_hash, equal_content, only_fields
 from geomtorsion.support.displays import Plot, drawn_by, figure_by
 from geomtorsion.support.outgoing import number_text
 
-# By custom of physics, what Gaussian noise gives less often than residuals of this many sigma, above
-# or below, is not ascribed to chance.
+# By custom of physics, what Gaussian noise gives less often than a residual of this many sigma is
+# not ascribed to chance.
 FAR = 5.0
 SURPRISE = math.erfc(FAR / math.sqrt(2))
 
