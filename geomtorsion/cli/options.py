@@ -297,7 +297,9 @@ Settings = Annotated[
 # -- solver and output of a scene -----------------------------------------------------------------
 
 EngineName = Annotated[str, typer.Option(metavar="NAME", help="auto, taylor, rungekutta or stiff.")]
-Pictures = Annotated[PictureFormat, typer.Option("--pictures", help="Format of the pictures.")]
+Pictures = Annotated[
+    PictureFormat, typer.Option("--picture-format", help="Format of the pictures.")
+]
 Shown = Annotated[
     Form, typer.Option("--format", help="text to read, json for programs; --json for short.")
 ]
@@ -325,7 +327,7 @@ def say_files(paths: Iterable[Path], form: Form, *, drawn: bool) -> None:
     for path in paths:
         typer.echo(f"wrote {path}", err=aside)
     if not drawn:
-        typer.echo(f"No picture: {NO_PICTURES}", err=aside)
+        typer.echo(f"No pictures: {NO_PICTURES}", err=aside)
 
 
 def say_written(paths: Iterable[Path]) -> None:

@@ -311,7 +311,7 @@ def from_contortion(frame: FrameLike, contortion: arguments.Cube) -> Connection:
     return Connection(frame, coefficients, "connection from contortion", "metric")
 
 
-def from_torsion(frame: FrameLike, torsion: arguments.Cube) -> Connection:
+def from_torsion(frame: FrameLike, torsion: arguments.Cube | Torsion) -> Connection:
     """The one metric connection that has a given torsion S_ab^c = (Gamma_ab^c - Gamma_ba^c)/2.
 
     Equation
@@ -356,7 +356,7 @@ def from_torsion(frame: FrameLike, torsion: arguments.Cube) -> Connection:
 
 
 def from_nonmetricity(
-    frame: FrameLike, nonmetricity: arguments.Cube, torsion: arguments.Cube | None = None
+    frame: FrameLike, nonmetricity: arguments.Cube, torsion: arguments.Cube | Torsion | None = None
 ) -> Connection:
     """The one connection that has a given nonmetricity Q_abc = D_a g_bc and a given torsion.
 
