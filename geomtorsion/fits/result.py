@@ -14,7 +14,7 @@ from geomtorsion.fits.data import Data
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.copies import content_hash, equal_content, only_fields
 from geomtorsion.support.displays import Plot, drawn_by, figure_by
-from geomtorsion.support.outgoing import number_text
+from geomtorsion.support.outgoing import measured_text
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +119,7 @@ class Fit:
         for name, value in self.values.items():
             error = self.errors[name]
             if math.isfinite(error):
-                lines.append(f"{name} = {number_text(value, error / 10)} +- {error:.2g}")
+                lines.append(f"{name} = {measured_text(value, error)}")
             else:
                 lines.append(f"{name} = {value:.6g}, not determined")
         lines.append(
