@@ -18,6 +18,9 @@ from typing import TYPE_CHECKING, Any
 
 from geomtorsion import errors
 from geomtorsion.errors import GeomtorsionError
+from geomtorsion.support.higher import register
+
+register(lambda module: import_module(f"geomtorsion.{module}"))
 
 if TYPE_CHECKING:
     __version__: str
