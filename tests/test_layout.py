@@ -118,7 +118,8 @@ CEILINGS = {
     # One more: the places among which the light ring of a hole is found.
     # One more: the random fields from which errors of stresses come.
     # One more: how many sigma are no longer ascribed to chance.
-    "tuned constants": 203,
+    # One more: the share of a number below which its error is a power of ten.
+    "tuned constants": 204,
     # Two more than before: converters of arguments are three files by kind instead of one of 1,000.
     # Two more: kinetic metrics and forces are files of their own.
     # One more: squares that roots hide in circular functions.

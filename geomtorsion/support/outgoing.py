@@ -141,8 +141,9 @@ def _rounded(value: float, error: float) -> tuple[str, str]:
     places = max(0, 1 - math.floor(math.log10(float(f"{error:.1e}"))))
     if error < _MANY * abs(value) or error < _MANY:
         return number_text(value, error), f" +- {size_text(error)}"
-    # Never -0.
-    return f"{round(value, places) + 0.0:.{places}f}", f" +- {error:.{places}f}"
+    number = f"{value:.{places}f}"
+    number = number if float(number) else number.lstrip("-")
+    return number, f" +- {error:.{places}f}"
 
 
 def count_text(number: int, noun: str) -> str:

@@ -117,7 +117,7 @@ def test_refused_circuits_are_drawn():
     assert "Dashed" in both.texts[0].get_text()
 
 
-def test_the_caption_names_only_what_is_drawn():
+def test_the_caption_names_only_visible_things():
     """Arrows are named where there are arrows; white is the level itself."""
     with_arrows = draw_survey((wall(2.0, (20, 30), 0.5, sigma=0.01)).burgers_map(4))
     text = " ".join(with_arrows.texts[0].get_text().split())
