@@ -152,6 +152,7 @@ if TYPE_CHECKING:
         SavedSolution,
         Solution,
         Stiff,
+        Table,
         Taylor,
         When,
         end_map,
@@ -206,7 +207,7 @@ _LATER = {
     ),
     "ode": (
         "At", "EndMap", "Ensemble", "Engine", "ODE", "RungeKutta", "SavedSolution", "Solution",
-        "Stiff", "Taylor", "When", "end_map", "solve", "solve_many",
+        "Stiff", "Table", "Taylor", "When", "end_map", "solve", "solve_many",
     ),
     "curves": (
         "Atlas", "Chart", "CurveProblem", "LogMap", "Shadow", "TransitionMap", "autoparallel",
@@ -331,6 +332,7 @@ __all__ = [
     "Stresses",
     "Surface",
     "Symmetries",
+    "Table",
     "Taylor",
     "Tensor",
     "Torsion",
