@@ -233,7 +233,9 @@ class Switching:
         values = tuple(parameters[x] for x in self.rates.parameters)
         if values not in self._knots:
             levels = self.numbers(parameters)
-            rows = [(levels[k], k) for k, x in enumerate(self.surfaces) if x.term == self.time]
+            rows = [
+                (float(levels[k]), k) for k, x in enumerate(self.surfaces) if x.term == self.time
+            ]
             self._knots[values] = sorted(rows)
         return self._knots[values]
 
