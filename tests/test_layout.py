@@ -123,7 +123,8 @@ CEILINGS = {
     # Two more: what rates divide by, and whether a motion ends where that vanishes.
     # Four of them find the region in which the motion starts.
     # One: changes on the way, which show what a motion makes of roundings.
-    "files of a first motion": 55,
+    # One more: changes at conditions, whose times are compared.
+    "files of a first motion": 56,
     # The first root that is read asks for a sign, and the sign for the region of the frame.
     "frames of a first motion": 44,
 }
