@@ -9,7 +9,7 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Centre:
-    """The regular solution of equations whose start lies beside a pole, such as r = 0 in a star.
+    """The regular solution of equations that start beside a pole, such as r = 0 in a star.
 
     origin: the value of the variable at the pole, an exact number.
     place: the parameter that is the value of the variable at time zero.

@@ -81,7 +81,7 @@ class ODE:
     name: used in tables and files.
     maker: what made the equations and can omit effects from them, or None; it does not count in
         comparisons.
-    centre: where the rates have a pole beside which the start lies, for `prove`, or None.
+    centre: the pole of the rates beside which they start, for `prove`, or None.
 
     Examples
     --------

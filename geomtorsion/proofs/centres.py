@@ -30,8 +30,6 @@ from geomtorsion.support.precision import ball_precision, series_length
 # Disks that are tried, in distances between the pole and the start; the series converges to about
 # seven of them.
 DISKS = (4.0, 3.0, 2.0, 1.5)
-# How often a bound of the rest is doubled until it holds.
-MOST_WIDTHS = 12
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +49,7 @@ class RegularStart:
     def of(cls, problem: ODE, parameters: Mapping[str, Any]) -> RegularStart | None:
         """The regular solution of a problem; None where it has none that is known exactly.
 
-        parameters: numbers or balls that replace those of the problem.
+        parameters: numbers or balls instead of parameters of the problem.
         """
         centre, rates = problem.centre, problem.rates
         if centre is None or not set(rates.states) <= set(centre.values):
@@ -150,7 +148,8 @@ class RegularStart:
         defects = [(upper(x) + speed).upper() for x, speed in zip(values, speeds, strict=True)]
         slopes = BallCode(self._slopes)
         widths = [(2 * x / (order + 1)).upper() for x in defects]
-        for _ in range(MOST_WIDTHS):
+        while True:
+            # Wider boxes end where the rates are not finite, or where no rest is so small.
             wide = [x + acb(w * ball, w * ball) for x, w in zip(boxes, widths, strict=True)]
             flat = slopes.complex([*wide, *numbers, disk], analytic=True)
             if not all(x.is_finite() for x in (*flat, *values)):
@@ -171,7 +170,6 @@ class RegularStart:
             if all(x <= w for x, w in zip(tried, widths, strict=True)):
                 return tried
             widths = [(2 * w).max(2 * x).upper() for x, w in zip(tried, widths, strict=True)]
-        return None
 
 
 def _exact(value: Any) -> sp.Expr:

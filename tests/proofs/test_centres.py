@@ -1,6 +1,6 @@
 """Regular solutions at a pole of the rates: the start, and motions from there, in closed form."""
 
-# pyright: reportArgumentType=false
+# pyright: reportArgumentType=false, reportOptionalMemberAccess=false
 
 from dataclasses import replace
 
