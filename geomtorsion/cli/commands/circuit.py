@@ -54,6 +54,10 @@ def circuit(
     pixel: MeasuredPixel = None,
     spots: MeasuredSpots = None,
     resolution: MeasuredResolution = None,
+    proved: Annotated[
+        bool,
+        typer.Option("--proved", help="Grids: prove the integral of the interpolant."),
+    ] = False,
     form: Annotated[
         Form, typer.Option("--format", help="text to read, json for programs.")
     ] = Form.text,
@@ -76,6 +80,7 @@ def circuit(
     Examples:
       geomtorsion circuit map.ctf --loop "circle 20,30:8" -o out
       geomtorsion circuit lattice.tif --pixel 0.032nm --loop "circle 4,4:2.5"
+      geomtorsion circuit distortion.npz --loop "circle 0,0:1" --proved
       geomtorsion circuit distortion.npz --sigma 0.001 --loops loops.json --format json
     """
     reading = Reading(
@@ -108,4 +113,4 @@ def circuit(
         raise typer.BadParameter(
             "expected a circuit, got none. Use --loop 'circle 20,30:8' or --loops FILE."
         )
-    show_burgers(field, circuits, output, plain=form is Form.json)
+    show_burgers(field, circuits, output, plain=form is Form.json, proved=proved)
