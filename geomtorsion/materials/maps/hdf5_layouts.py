@@ -11,8 +11,10 @@ import numpy as np
 
 from geomtorsion.materials.maps.map_files import ANG_LAUE
 from geomtorsion.materials.maps.map_phases import LAUE_NUMBERS
+from geomtorsion.support.hdf5 import Item, is_data_set, is_group
 
-RADIAN, DEGREE = 1.0, np.pi / 180
+# Units of angles, in radians.
+ANGLES = {"rad": 1.0, "deg": np.pi / 180}
 
 
 @dataclass(frozen=True)
@@ -35,16 +37,16 @@ class Layout:
 
 # To add a program, add a line here. The first that fits counts.
 LAYOUTS = (
-    Layout("Oxford", "x cells", RADIAN, horizontal="y"),
-    Layout("EMsoft", "dictionaryeulerangles", RADIAN, has_y=False),
-    Layout("EMsoft", "emsoft", RADIAN, has_y=False),
-    Layout("EMsoft", "emebsd", RADIAN, has_y=False),
-    Layout("EDAX", "edax", RADIAN),
-    Layout("EDAX", "tsl", RADIAN),
-    Layout("Bruker", "bruker", DEGREE),
-    Layout("orix", "orix", RADIAN, offset=1),
-    Layout("kikuchipy", "kikuchipy", RADIAN, offset=1),
-    Layout("DREAM.3D", "crystalstructures", RADIAN),
+    Layout("Oxford", "x cells", ANGLES["rad"], horizontal="y"),
+    Layout("EMsoft", "dictionaryeulerangles", ANGLES["rad"], has_y=False),
+    Layout("EMsoft", "emsoft", ANGLES["rad"], has_y=False),
+    Layout("EMsoft", "emebsd", ANGLES["rad"], has_y=False),
+    Layout("EDAX", "edax", ANGLES["rad"]),
+    Layout("EDAX", "tsl", ANGLES["rad"]),
+    Layout("Bruker", "bruker", ANGLES["deg"]),
+    Layout("orix", "orix", ANGLES["rad"], offset=1),
+    Layout("kikuchipy", "kikuchipy", ANGLES["rad"], offset=1),
+    Layout("DREAM.3D", "crystalstructures", ANGLES["rad"]),
 )
 UNKNOWN = Layout("unknown", "", None)
 
@@ -94,17 +96,17 @@ def plain(name: str) -> str:
     return re.sub(r"[\s_\-]+", "", name).lower()
 
 
-def data_sets(group: Any, h5py: Any, depth: int = 8) -> Iterator[Any]:
+def data_sets(group: Item, depth: int = 8) -> Iterator[Item]:
     """Data sets below a group, first the direct ones."""
     inner = []
     for key in group:
         item = group.get(key)
-        if isinstance(item, h5py.Dataset):
+        if is_data_set(item):
             yield item
-        elif isinstance(item, h5py.Group) and depth:
+        elif is_group(item) and depth:
             inner.append(item)
     for item in inner:
-        yield from data_sets(item, h5py, depth - 1)
+        yield from data_sets(item, depth - 1)
 
 
 def last(name: str) -> str:
@@ -112,43 +114,43 @@ def last(name: str) -> str:
     return plain(name.rsplit("/", 1)[-1])
 
 
-def layout_of(file: Any, group: Any, h5py: Any) -> Layout:
+def layout_of(file: Item, group: Item) -> Layout:
     """The layout of the program that wrote a file."""
     makers = [text_of(file[key]) for key in file if plain(key) == "manufacturer"]
     makers += [str(value) for key, value in file.attrs.items() if plain(key) == "manufacturer"]
-    around = {last(one.name) for one in data_sets(group.parent, h5py, 3)}
+    around = {last(one.name) for one in data_sets(group.parent, 3)}
     for layout in LAYOUTS:
         if plain(layout.maker) in around or any(layout.maker in text.lower() for text in makers):
             return layout
     return UNKNOWN
 
 
-def text_of(item: Any) -> str:
+def text_of(item: Item) -> str:
     """A text in a data set; empty for anything else."""
     value = item[()] if hasattr(item, "dtype") and item.size == 1 else b""
     value = np.ravel(value)[0] if np.size(value) else b""
     return value.decode("utf-8", "replace").strip() if isinstance(value, bytes) else str(value)
 
 
-def header_of(group: Any, h5py: Any) -> dict[str, Any]:
+def header_of(group: Item) -> dict[str, Any]:
     """Numbers and texts about the grid of a map, by quantity."""
     places = [group.parent[key] for key in group.parent if plain(key) == "header"] + [group.parent]
     found: dict[str, Any] = {}
     for place in places:
         for key, item in place.items():
             for quantity, names in HEADER.items():
-                if plain(key) in names and isinstance(item, h5py.Dataset) and item.size == 1:
+                if plain(key) in names and is_data_set(item) and item.size == 1:
                     found.setdefault(quantity, np.ravel(item[()])[0])
-    shape = _geometry(group, h5py)
+    shape = _geometry(group)
     return found | shape
 
 
-def _geometry(group: Any, h5py: Any) -> dict[str, Any]:
+def _geometry(group: Item) -> dict[str, Any]:
     """Grid of an image geometry of DREAM.3D: numbers of cells and steps along x, y and z."""
     parent = group.parent
     values: dict[str, Any] = {plain(key).strip("_"): value for key, value in parent.attrs.items()}
     for key in parent:
-        if plain(key) in ("simplgeometry", "geometry") and isinstance(parent[key], h5py.Group):
+        if plain(key) in ("simplgeometry", "geometry") and is_group(parent[key]):
             values |= {plain(name): item[()] for name, item in parent[key].items()}
     size, steps = (np.ravel(values.get(name, ())) for name in ("dimensions", "spacing"))
     if len(size) != 3 or len(steps) != 3:
@@ -168,27 +170,27 @@ class Described:
     lattice: tuple[list[float], list[float]]
 
 
-def phases_of(group: Any, layout: Layout, h5py: Any) -> list[Described]:
+def phases_of(group: Item, layout: Layout) -> list[Described]:
     """Phases that the header of a map, or the ensembles of DREAM.3D, describe."""
     found: list[Described] = []
     parent = group.parent
     for place in [parent[key] for key in parent if plain(key) == "header"] + [parent]:
         for key in place:
-            if plain(key) in ("phases", "phase") and isinstance(place[key], h5py.Group):
+            if plain(key) in ("phases", "phase") and is_group(place[key]):
                 for number, entry in place[key].items():
-                    if re.fullmatch(r"\d{1,4}", number) and isinstance(entry, h5py.Group):
-                        found.append(_described(int(number) + layout.offset, entry, h5py))
+                    if re.fullmatch(r"\d{1,4}", number) and is_group(entry):
+                        found.append(_described(int(number) + layout.offset, entry))
                 return sorted(found, key=lambda one: one.number)
     for key in parent:
         if plain(key) in ("cellensembledata", "ensembledata"):
-            return list(_ensembles(parent[key], h5py))
+            return list(_ensembles(parent[key]))
     return found
 
 
-def _described(number: int, entry: Any, h5py: Any) -> Described:
+def _described(number: int, entry: Item) -> Described:
     """A phase from the data sets of its group."""
-    items: dict[str, Any] = {}
-    for item in data_sets(entry, h5py):
+    items: dict[str, Item] = {}
+    for item in data_sets(entry):
         items.setdefault(last(item.name), item)
     name = next((text_of(items[key]) for key in _NAMES if key in items), "") or f"phase {number}"
     cell: list[float] = []
@@ -202,7 +204,7 @@ def _described(number: int, entry: Any, h5py: Any) -> Described:
     return Described(number, name, _laue(items), _cell(cell))
 
 
-def _numbers(item: Any) -> list[float]:
+def _numbers(item: Item | None) -> list[float]:
     """Finite numbers in a data set; none for anything else."""
     if item is None or item.dtype.kind not in "fiu" or item.size > 6:
         return []
@@ -219,7 +221,7 @@ def _cell(values: list[float]) -> tuple[list[float], list[float]]:
     return lengths, angles
 
 
-def _laue(items: dict[str, Any]) -> str | None:
+def _laue(items: dict[str, Item]) -> str | None:
     """Laue group from its number, a space group, a point group or a symmetry of EDAX."""
     if "lauegroup" in items and (numbers := _numbers(items["lauegroup"])):
         return LAUE_NUMBERS.get(numbers[0])
@@ -241,9 +243,9 @@ def _laue(items: dict[str, Any]) -> str | None:
     return None
 
 
-def _ensembles(group: Any, h5py: Any) -> Iterator[Described]:
+def _ensembles(group: Item) -> Iterator[Described]:
     """Phases of DREAM.3D, one for each entry but the first, which is for points without one."""
-    items = {plain(key): item for key, item in group.items() if isinstance(item, h5py.Dataset)}
+    items = {plain(key): item for key, item in group.items() if is_data_set(item)}
     if "crystalstructures" not in items or items["crystalstructures"].size > 1000:
         return
     structures = np.ravel(items["crystalstructures"][()]).tolist()

@@ -20,9 +20,8 @@ from geomtorsion.errors import (
 )
 from geomtorsion.materials.columns import UNIT
 from geomtorsion.materials.maps.hdf5_layouts import (
-    DEGREE,
+    ANGLES,
     QUANTITIES,
-    RADIAN,
     Layout,
     data_sets,
     header_of,
@@ -38,15 +37,15 @@ from geomtorsion.materials.maps.results import UNITS
 from geomtorsion.support import checks
 from geomtorsion.support.checks import LARGEST_ARRAYS, cut, shown
 from geomtorsion.support.files import BOUNDS
-from geomtorsion.support.hdf5 import check_hdf5
+from geomtorsion.support.hdf5 import Item, check_hdf5, is_data_set, is_group
 
 _ANGLES = ("phi1", "Phi", "phi2")
 # Quantities that together give the angles.
 _ALL = (set(_ANGLES), {"dictionary", "matches"})
 # Units of angles in names and attributes.
 _UNITS = {
-    **dict.fromkeys(("rad", "radian", "radians"), RADIAN),
-    **dict.fromkeys(("deg", "degree", "degrees", "°"), DEGREE),
+    **dict.fromkeys(("rad", "radian", "radians"), ANGLES["rad"]),
+    **dict.fromkeys(("deg", "degree", "degrees", "°"), ANGLES["deg"]),
 }
 
 
@@ -59,8 +58,8 @@ class _Scan:
     """
 
     name: str
-    group: Any
-    sets: Mapping[str, Any]
+    group: Item
+    sets: Mapping[str, Item]
     units: Mapping[str, str]
     plane: int | None = None
     level: float | None = None
@@ -75,8 +74,8 @@ def read_hdf5_map(
     """Read a map from an HDF5 file with data sets of angles, positions and phases.
 
     It knows the layouts of Oxford (.h5oina), EDAX (.oh5, .h5), Bruker, EMsoft, orix, kikuchipy and
-    DREAM.3D (see `hdf5_layouts`), and others if their data sets have usual names. Positions are in um
-    unless the file names another unit.
+    DREAM.3D (see `hdf5_layouts`), and others if their data sets have usual names. Positions are in
+    um unless the file names another unit.
 
     Parameters
     ----------
@@ -110,16 +109,16 @@ def read_hdf5_map(
     check_hdf5(path, h5py)
     try:
         with h5py.File(path, "r") as file:
-            scans = _scans(path, file, h5py) if not columns else _chosen(path, file, columns, h5py)
+            scans = _scans(path, file) if not columns else _chosen(path, file, columns)
             if not scans:
                 raise FileFormatError(
                     f"{path.name}: expected data sets phi1, Phi, phi2 or Euler of a map, "
                     f"or coframe of a field, got "
-                    f'{_listed(file, h5py)}. Name them: columns={{"euler": '
+                    f'{_listed(file)}. Name them: columns={{"euler": '
                     '"path", "x": "path", "y": "path"} (--columns euler=path,...).'
                 )
             scan = _part(path, scans, part)
-            points = _points(path, file, scan, laue, h5py)
+            points = _points(path, file, scan, laue)
     except GeomtorsionError:
         raise
     except Exception as error:  # noqa: BLE001
@@ -132,49 +131,49 @@ def read_hdf5_map(
     return gridded(points)
 
 
-def _listed(file: Any, h5py: Any) -> str:
+def _listed(file: Item) -> str:
     """The data sets of a file with their shapes, in words."""
     texts = [
         f"{one.name.lstrip('/')} {'x'.join(map(str, one.shape or ())) or 'scalar'}"
-        for one in data_sets(file, h5py)
+        for one in data_sets(file)
     ]
     return cut(", ".join(texts), 1000) or "no data sets"
 
 
-def _quantities(group: Any, h5py: Any) -> dict[str, Any]:
+def _quantities(group: Item) -> dict[str, Item]:
     """The data set of each quantity in a group; the first of several names counts."""
     items = {last(key): group.get(key) for key in group}
     found = {}
     for quantity, names in QUANTITIES.items():
         for name in names:
             item = items.get(name)
-            if item is not None and isinstance(item, h5py.Dataset) and item.shape is not None:
+            if item is not None and is_data_set(item) and item.shape is not None:
                 found[quantity] = item
                 break
     return found
 
 
-def _groups(group: Any, h5py: Any, depth: int) -> list[Any]:
+def _groups(group: Item, depth: int) -> list[Item]:
     """A group and all groups below it."""
     found = [group]
     for key in group if depth else ():
         item = group.get(key)
-        if isinstance(item, h5py.Group):
-            found += _groups(item, h5py, depth - 1)
+        if is_group(item):
+            found += _groups(item, depth - 1)
     return found
 
 
-def _scans(path: Path, file: Any, h5py: Any) -> list[_Scan]:
+def _scans(path: Path, file: Item) -> list[_Scan]:
     """The maps of a file, one for each group with angles, and for each plane of a volume."""
     scans: list[_Scan] = []
-    for group in _groups(file, h5py, BOUNDS.groups):
-        sets = _quantities(group, h5py)
+    for group in _groups(file, BOUNDS.groups):
+        sets = _quantities(group)
         if "euler" in sets and (sets["euler"].ndim < 2 or sets["euler"].shape[-1] != 3):
             del sets["euler"]
         if "euler" not in sets and not any(keys <= set(sets) for keys in _ALL):
             continue
         name = group.name.strip("/")
-        planes = int(header_of(group, h5py).get("planes", 1))
+        planes = int(header_of(group).get("planes", 1))
         levels = _levels(sets)
         if planes > 1:
             scans += (_Scan(f"{name} plane {k}", group, sets, {}, k) for k in range(planes))
@@ -185,7 +184,7 @@ def _scans(path: Path, file: Any, h5py: Any) -> list[_Scan]:
     return scans
 
 
-def _levels(sets: Mapping[str, Any]) -> list[float]:
+def _levels(sets: Mapping[str, Item]) -> list[float]:
     """Different z of the points of a map; none if z is not a number for each point."""
     angles = sets.get("euler", sets.get("phi1"))
     if "z" not in sets or angles is None or sets["z"].size != angles.shape[0]:
@@ -195,9 +194,9 @@ def _levels(sets: Mapping[str, Any]) -> list[float]:
     return np.unique(np.asarray(sets["z"][()], dtype=float)).tolist()
 
 
-def _chosen(path: Path, file: Any, columns: Mapping[str, int | str], h5py: Any) -> list[_Scan]:
+def _chosen(path: Path, file: Item, columns: Mapping[str, int | str]) -> list[_Scan]:
     """The map with data sets that the user names; others of its group count by their names."""
-    every = {one.name.strip("/"): one for one in data_sets(file, h5py)}
+    every = {one.name.strip("/"): one for one in data_sets(file)}
     sets, units = {}, {}
     for key, name in columns.items():
         quantity = UNIT.sub("", key)
@@ -208,7 +207,7 @@ def _chosen(path: Path, file: Any, columns: Mapping[str, int | str], h5py: Any) 
             raise OrientationError(
                 f"columns: {quantity}: expected the path of one data set in {path.name}, got "
                 f"{shown(name)}, which {'fits several' if ends else 'is not in it'}. It holds "
-                f"{_listed(file, h5py)}."
+                f"{_listed(file)}."
             )
         sets[quantity] = every[ends[0]]
     angle = sets.get("euler", sets.get("phi1"))
@@ -218,7 +217,7 @@ def _chosen(path: Path, file: Any, columns: Mapping[str, int | str], h5py: Any) 
             "data sets of the angles."
         )
     group = angle.parent
-    others = _quantities(group, h5py)
+    others = _quantities(group)
     if "euler" in sets:
         others = {key: one for key, one in others.items() if key not in _ANGLES}
     else:
@@ -270,9 +269,9 @@ class _Values:
         return self(key).ravel()
 
 
-def _points(path: Path, file: Any, scan: _Scan, laue: Mapping[int, str], h5py: Any) -> MapPoints:
+def _points(path: Path, file: Item, scan: _Scan, laue: Mapping[int, str]) -> MapPoints:
     """The points of a map."""
-    layout, header = layout_of(file, scan.group, h5py), header_of(scan.group, h5py)
+    layout, header = layout_of(file, scan.group), header_of(scan.group)
     planes = 1 if scan.plane is None else int(header["planes"])
     size = sum(8 * prod(one.shape) for one in scan.sets.values()) // planes
     if size > LARGEST_ARRAYS:
@@ -301,7 +300,7 @@ def _points(path: Path, file: Any, scan: _Scan, laue: Mapping[int, str], h5py: A
         one.number: described(
             where, one.number, one.name, one.laue, laue, one.lattice, layout.horizontal
         )
-        for one in phases_of(scan.group, layout, h5py)
+        for one in phases_of(scan.group, layout)
     }
     phase = np.where(indexed, 1.0, 0.0)
     if "phase" in scan.sets:
@@ -324,7 +323,7 @@ def _euler(path: Path, scan: _Scan, layout: Layout, values: _Values) -> tuple[np
         # EMsoft stores a dictionary, and the best entries for each point, from 1.
         matches = scan.sets["matches"]
         best = matches[:, 0] if matches.ndim > 1 else matches[()]
-        return values("dictionary", 3)[np.asarray(best, dtype=int) - 1], DEGREE
+        return values("dictionary", 3)[np.asarray(best, dtype=int) - 1], ANGLES["deg"]
     if "euler" in scan.sets:
         euler = values("euler", 3)
     else:
@@ -362,7 +361,7 @@ def _angle(path: Path, scan: _Scan, layout: Layout, euler: np.ndarray) -> float:
     if layout.angle is not None:
         return layout.angle
     if len(euler) and np.abs(euler).max() > 4 * np.pi:
-        return DEGREE
+        return ANGLES["deg"]
     raise OrientationError(
         f"columns: {key}: expected the unit of the angles in {path.name}, got none in a file of an "
         f'unknown program. Write columns={{"{key} (deg)": "..."}} or "{key} (rad)" '
