@@ -20,6 +20,7 @@ from tests.source import (
     is_exported,
     looked_for,
     name_of,
+    named_modules,
     package_imports,
     part_of,
     questions_of_class,
@@ -162,7 +163,7 @@ def test_no_arrow_points_up():
     wrong = [
         f"{name_of(file)} imports {name[0]}"
         for file in FILES
-        for name in imported_names(looked_for(file))
+        for name in (*imported_names(looked_for(file)), *named_modules(tree_of(file)))
         if part_of(file) != "__init__" and upward(part_of(file), name[0])
     ]
     assert not wrong
@@ -174,6 +175,8 @@ def test_an_upward_arrow_would_be_found():
     assert upward("geometry", "cli")
     assert upward("ode", "curves")
     assert not upward("cli", "exact")
+    text = 'import_module("geomtorsion.spaces"), import_module(f"geomtorsion.pictures.{name}")'
+    assert list(named_modules(ast.parse(text))) == [("spaces",), ("pictures",)]
     with pytest.raises(AssertionError, match="is not in FLOORS"):
         floor_of("cellar")
 
