@@ -263,7 +263,7 @@ def _contents(
 ) -> Contents:
     """Contents from the arrays and the texts of a file."""
     axes = [arrays[name] for name in names]
-    return Contents(axes, arrays[key], names, key == "distortion", _options(path, arrays, said))
+    return Contents(axes, arrays[key], names, key == "distortion", grid_options(path, arrays, said))
 
 
 def _classic(path: Path) -> Contents:
@@ -300,7 +300,7 @@ def _classic(path: Path) -> Contents:
     return _contents(path, key, names, arrays, texts)
 
 
-def _options(path: Path, arrays: Mapping[str, np.ndarray], texts: Any) -> dict[str, Any]:
+def grid_options(path: Path, arrays: Mapping[str, np.ndarray], texts: Any) -> dict[str, Any]:
     """Options of the contents: noise, holes, periods and texts."""
     options: dict[str, Any] = {key: texts[key] for key in TEXTS if key in texts}
     options |= _known(path, arrays)
@@ -358,11 +358,28 @@ def _texts(contents: Contents) -> dict[str, str]:
 
 def read_hdf5(path: Path) -> Contents:
     """Read data sets coframe (or distortion), axis_x, ... and sigma; texts are attributes."""
+
+    def wanted(names: Sequence[str]) -> list[str]:
+        return [key_of(path, names), *NOISE, MASK]
+
+    axes, names, arrays, texts = read_data_sets(path, wanted)
+    key = key_of(path, arrays)
+    options = grid_options(path, arrays, texts)
+    return Contents(axes, arrays[key], names, key == "distortion", options)
+
+
+def read_data_sets(
+    path: Path, wanted: Callable[[Sequence[str]], Sequence[str]]
+) -> tuple[list[np.ndarray], tuple[str, ...], dict[str, np.ndarray], dict[str, Any]]:
+    """Axes and their names, data sets and attributes of an HDF5 file of a grid.
+
+    wanted: the names of the data sets to read, from all names in the file; absent ones are omitted.
+    """
     h5py = module("h5py", path)
 
-    def load() -> Contents:
+    def load() -> tuple[list[str], dict[str, np.ndarray], dict[str, Any]]:
         names = check_hdf5(path, h5py)
-        key = key_of(path, names)
+        chosen = wanted(names)
         with h5py.File(path, "r") as file:
             texts = {str(name): _text(value) for name, value in file.attrs.items()}
             axes = [name.removeprefix("axis_") for name in names if name.startswith("axis_")]
@@ -381,15 +398,13 @@ def read_hdf5(path: Path) -> Contents:
                         f"{path}: expected a data set axis_{cut(name)}, got none. Write the file "
                         "again."
                     )
-            keys = (key, *NOISE, MASK, *(f"axis_{name}" for name in axes))
+            keys = (*chosen, *(f"axis_{name}" for name in axes))
             sets = {name: _data_set(h5py, file, name, path) for name in keys if name in names}
             check_room(path, {name: data_set.shape for name, data_set in sets.items()})
-            arrays = {name: data_set[...] for name, data_set in sets.items()}
-        options = _options(path, arrays, texts)
-        lines = [arrays[f"axis_{name}"] for name in axes]
-        return Contents(lines, arrays[key], tuple(axes), key == "distortion", options)
+            return axes, {name: data_set[...] for name, data_set in sets.items()}, texts
 
-    return guarded(path, load)
+    axes, arrays, texts = guarded(path, load)
+    return [arrays[f"axis_{name}"] for name in axes], tuple(axes), arrays, texts
 
 
 def _text(value: Any) -> Any:
