@@ -9,14 +9,16 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from geomtorsion.cli.options import Form, argument, directory, option
+from geomtorsion.cli.measured_sources import Reading, opened
+from geomtorsion.cli.options import Form, MeasuredColumns, argument, directory, option
 from geomtorsion.cli.results import say_on_error
 from geomtorsion.cli.terminal import wrapped
 from geomtorsion.errors import FileFormatError, GeomtorsionError, GridError, NetworkError
+from geomtorsion.materials import Source
 from geomtorsion.materials.elasticity import ElasticConstants, NyeField, Stresses, stresses
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.lines import DislocationNetwork
-from geomtorsion.materials.readers import is_source, open_source
+from geomtorsion.materials.readers import is_source
 from geomtorsion.pictures.stress import COMPONENTS, draw_stress
 from geomtorsion.pictures.style import can_draw, save
 from geomtorsion.support.checks import choice, shown
@@ -68,6 +70,7 @@ def stress(
         int | None,
         option(metavar="N", text="Maps with open ends: nodes of perfect crystal around them."),
     ] = None,
+    columns: MeasuredColumns = None,
     convention: Annotated[
         str | None,
         option(
@@ -102,7 +105,7 @@ def stress(
     constants = ElasticConstants.of_text(elastic)
     choice(component, COMPONENTS, "--component", GridError)
     with bar(f"{file.name}: reading", 3) as show:
-        source = _opened(file, padding)
+        source = _opened(file, padding, columns)
         sign = convention or ("Hirth-Lothe" if ending(file) == ".data" else "SF/RH")
         if show is not None:
             show(1, f"{file.name}: stress")
@@ -130,13 +133,20 @@ def _typed(error: GeomtorsionError) -> GeomtorsionError:
     return type(error)(message)
 
 
-def _opened(file: Path, padding: int | None) -> DislocationNetwork | SampledFrame | NyeField:
+def _opened(
+    file: Path, padding: int | None, columns: str | None
+) -> DislocationNetwork | SampledFrame | NyeField:
     """The source in a file, by its ending and content."""
     if not is_source(file):
+        if columns is not None:
+            raise GridError("--columns: expected a table, got a network. Omit it.")
         if padding is not None:
             raise GridError("--padding: expected a field with open ends, got a network. Omit it.")
         return DislocationNetwork.read(file)
-    field = NyeField.read(file) if NyeField.is_in(file) else open_source(file)
+    if NyeField.is_in(file):
+        field: Source | NyeField = NyeField.read(file)
+    else:
+        field = opened(str(file), Reading(columns=columns))
     if not isinstance(field, SampledFrame | NyeField):
         raise FileFormatError(
             f"{file.name}: expected a network, a coframe on a grid or a Nye field, got "
