@@ -15,7 +15,8 @@ from geomtorsion.gravity.initial_data.sampled_constraints import (
     sampled_constraints,
 )
 from geomtorsion.materials.fields import SampledFrame
-from geomtorsion.materials.fields.grid_files import grid_options, read_arrays, read_data_sets
+from geomtorsion.materials.fields.data_sets import read_data_sets
+from geomtorsion.materials.fields.grid_files import grid_options, read_arrays
 from geomtorsion.support import checks
 from geomtorsion.support.files import ending
 from geomtorsion.support.npz import ArrayForm, text_of
