@@ -45,7 +45,8 @@ def __getattr__(name: str) -> object:
     if name == "first_motion":
         return import_module("geomtorsion.spaces.first_motion")
     if name not in _LATER:
-        raise AttributeError(f"module 'geomtorsion.spaces' has no attribute {name!r}")
+        hint = ". Did you mean gt.spaces.names()?" if name in ("list", "all") else ""
+        raise AttributeError(f"module 'geomtorsion.spaces' has no attribute {name!r}{hint}")
     return getattr(import_module(f"geomtorsion.spaces.{_LATER[name]}"), name)
 
 
