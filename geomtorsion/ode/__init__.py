@@ -10,6 +10,7 @@ from geomtorsion.ode import (
     solution,
     writing,
 )
+from geomtorsion.ode.centre import Centre
 from geomtorsion.ode.checkpoint import Checkpoint
 from geomtorsion.ode.derivatives import EventDerivative
 from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
@@ -29,6 +30,7 @@ from geomtorsion.ode.trajectory import Segment, Stage, Trajectory, integrate
 __all__ = [
     "ODE",
     "At",
+    "Centre",
     "Checkpoint",
     "Cost",
     "EndMap",
@@ -63,3 +65,8 @@ __all__ = [
     "solve_many",
     "writing",
 ]
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return [*__all__]
