@@ -110,7 +110,7 @@ def read(
     )
 
 
-def numbers_in(event: At) -> dict[str, Any]:
+def numbers_in(event: At) -> dict[str, Real]:
     """The changes of an event that are numbers."""
     return {name: x for name, x in event.changes.items() if not isinstance(x, sp.Expr)}
 
@@ -268,7 +268,7 @@ def _read_terms(
     terms: Mapping[str, object],
     what: str,
     symbols: Mapping[str, sp.Symbol],
-    functions: Mapping[str, Any],
+    functions: Mapping[str, type[sp.Function]],
 ) -> dict[str, Terms]:
     """Expressions, or tuples of them."""
     expressions: dict[str, Terms] = {}

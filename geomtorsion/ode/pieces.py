@@ -127,7 +127,7 @@ def without_piecewise(expr: sp.Expr, where: str) -> sp.Expr:
     return without_piecewise(expr, where)
 
 
-def _nested(rows: list[Any], where: str) -> sp.Expr:
+def _nested(rows: list[tuple[sp.Expr, sp.Basic]], where: str) -> sp.Expr:
     """Rows (expression, condition), of which the first holds whose condition does."""
     if not rows:
         raise ExpressionError(
@@ -140,7 +140,7 @@ def _nested(rows: list[Any], where: str) -> sp.Expr:
     return _chosen(condition, branch, _nested(rest, where), where)
 
 
-def _chosen(condition: Any, yes: sp.Expr, no: sp.Expr, where: str) -> sp.Expr:
+def _chosen(condition: sp.Basic, yes: sp.Expr, no: sp.Expr, where: str) -> sp.Expr:
     """One expression where a condition holds, and another elsewhere."""
     if condition == True:  # noqa: E712
         return yes

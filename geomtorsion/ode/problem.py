@@ -1033,7 +1033,7 @@ class ODE:
         return table
 
 
-def _expressions(changes: Mapping[str, Any]) -> list[sp.Expr]:
+def _expressions(changes: Mapping[str, object]) -> list[sp.Expr]:
     """The changes that are expressions."""
     return [x for x in changes.values() if isinstance(x, sp.Expr)]
 

@@ -52,7 +52,7 @@ def expression(
     symbols: Mapping[str, sp.Symbol],
     *,
     smooth: bool = True,
-    functions: Mapping[str, Any] | None = None,
+    functions: Mapping[str, type[sp.Function]] | None = None,
 ) -> sp.Expr:
     """Text, a sympy expression, an exact element or a number, over the known symbols.
 
