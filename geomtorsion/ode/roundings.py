@@ -36,15 +36,19 @@ class Roundings:
 
 
 class Changes:
-    """Changes that one run makes."""
+    """Changes that one run makes.
+
+    left: steps to the next change. Who calls `made` when it is 0 counts it down after each step, by
+        `due` or, where calls are many, by hand.
+    """
 
     def __init__(self, part: float, every: int, passed: int, first: int, clock: int | None) -> None:
         self._part, self._every, self._first, self._clock = part, every, first, clock
         self._place = passed // every
         while self._step(self._place) < passed:
             self._place += 1
-        # Steps to the next change: calls are many.
-        self._left = self._step(self._place) - passed + 1
+        self._at = self._step(self._place)
+        self.left: int = self._at - passed + 1
         self._parts: list[np.ndarray] = []
         self._moved = False
 
@@ -54,26 +58,17 @@ class Changes:
 
     def due(self) -> bool:
         """Count a step; whether the state is changed after it."""
-        self._left -= 1
-        if self._left:
-            return False
-        self._left = self._step(self._place + 1) - self._step(self._place)
-        self._place += 1
-        return True
+        self.left -= 1
+        return not self.left
 
     def made(self, state: np.ndarray, start: np.ndarray) -> np.ndarray:
         """The changed state; a component that is as at the start has not been rounded: it stays."""
+        self._place += 1
+        before, self._at = self._at, self._step(self._place)
+        self.left = self._at - before
         place = self._place % PLACES
         if not self._parts or not place:
-            numbers = random_parts(self._first + self._place - place, len(state))
-            parts = self._part * numbers
-            if self._clock is not None:
-                parts[:, self._clock] = 0.0
-            if state.dtype != parts.dtype:
-                kind = state.dtype.type
-                rows = [[kind(x) for x in row] for row in parts.tolist()]
-                parts = np.array(rows, dtype=state.dtype)
-            self._parts = list(parts)
+            self._parts = self._signs(place, state)
         change = self._parts[place] * state
         if not self._moved:
             # Later each component has been rounded, even one that comes back.
@@ -82,6 +77,18 @@ class Changes:
             change[same] = 0.0
         change += state
         return change
+
+    def _signs(self, place: int, state: np.ndarray) -> list[np.ndarray]:
+        """Relative changes at all places, in the type of the state."""
+        numbers = random_parts(self._first + self._place - place, len(state))
+        parts = self._part * numbers
+        if self._clock is not None:
+            parts[:, self._clock] = 0.0
+        if state.dtype != parts.dtype:
+            kind = state.dtype.type
+            rows = [[kind(x) for x in row] for row in parts.tolist()]
+            parts = np.array(rows, dtype=state.dtype)
+        return list(parts)
 
 
 @lru_cache(maxsize=64)

@@ -427,7 +427,7 @@ class Taylor:
             if longest != math.inf:
                 step["max_delta_t"] = self.number(longest)
             if changes is not None:
-                step["callback"] = _changing(changes, start)
+                step["callback"] = _changing(changes, integrator.state, start)
             states, outcome, steps, longest, reason = self._propagated(
                 integrator, grid, watch, room, refuse, step
             )
@@ -542,13 +542,17 @@ def _place(integrator: Any, at: Any, state: np.ndarray) -> None:
         integrator.reset_cooldowns()
 
 
-def _changing(changes: Changes, start: np.ndarray) -> Callable[[Any], bool]:
-    """A callback that changes the state after some steps; called after each, so it is short."""
-    due, made = changes.due, changes.made
+def _changing(changes: Changes, state: np.ndarray, start: np.ndarray) -> Callable[[Any], bool]:
+    """A callback that changes the state after some steps; called after each, so it is short.
 
-    def change(integrator: Any) -> bool:
-        if due():
-            integrator.state[:] = made(integrator.state, start)
+    state: of the integrator; to ask it for a view takes as long as to change one.
+    """
+    made = changes.made
+
+    def change(_integrator: Any) -> bool:
+        changes.left -= 1
+        if not changes.left:
+            state[:] = made(state, start)
         return True
 
     return change
