@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -47,9 +48,8 @@ class Changes:
         self._place = passed // every
         while self._step(self._place) < passed:
             self._place += 1
-        self._at = self._step(self._place)
-        self.left: int = self._at - passed + 1
-        self._parts: list[np.ndarray] = []
+        self.left: int = self._step(self._place) - passed + 1
+        self._next: list[tuple[int, np.ndarray]] = []
         self._moved = False
 
     def _step(self, place: int) -> int:
@@ -63,13 +63,10 @@ class Changes:
 
     def made(self, state: np.ndarray, start: np.ndarray) -> np.ndarray:
         """The changed state; a component that is as at the start has not been rounded: it stays."""
-        self._place += 1
-        before, self._at = self._at, self._step(self._place)
-        self.left = self._at - before
-        place = self._place % PLACES
-        if not self._parts or not place:
-            self._parts = self._signs(place, state)
-        change = self._parts[place] * state
+        if not self._next:
+            self._next = self._block(state)
+        self.left, parts = self._next.pop()
+        change = parts * state
         if not self._moved:
             # Later each component has been rounded, even one that comes back.
             same = state == start
@@ -78,17 +75,21 @@ class Changes:
         change += state
         return change
 
-    def _signs(self, place: int, state: np.ndarray) -> list[np.ndarray]:
-        """Relative changes at all places, in the type of the state."""
-        numbers = random_parts(self._first + self._place - place, len(state))
-        parts = self._part * numbers
+    def _block(self, state: np.ndarray) -> list[tuple[int, np.ndarray]]:
+        """Steps to the next change and relative changes now, the last place of a block first."""
+        place = (self._place + 1) % PLACES
+        first = self._place + 1 - place
+        steps = [self._step(k) for k in range(self._place, first + PLACES)]
+        self._place = first + PLACES - 1
+        parts = self._part * random_parts(self._first + first, len(state))
         if self._clock is not None:
             parts[:, self._clock] = 0.0
         if state.dtype != parts.dtype:
             kind = state.dtype.type
             rows = [[kind(x) for x in row] for row in parts.tolist()]
             parts = np.array(rows, dtype=state.dtype)
-        return list(parts)
+        waits = [after - before for before, after in pairwise(steps)]
+        return list(zip(waits, parts[place:], strict=True))[::-1]
 
 
 @lru_cache(maxsize=64)
