@@ -86,7 +86,6 @@ if TYPE_CHECKING:
     from geomtorsion.geometry.numpy_functions import (
         numpy_function,
     )
-    from geomtorsion.gravity import Symmetries, killing_equations, symmetries
     from geomtorsion.loops import (
         AffineMap,
         BurgersMap,
@@ -170,7 +169,10 @@ if TYPE_CHECKING:
         CoordinateMap,
         Equivalence,
         MappedPoint,
+        Symmetries,
+        killing_equations,
         same_geometry,
+        symmetries,
     )
     from geomtorsion.scenes import (
         Body,
@@ -214,7 +216,6 @@ _LATER = {
         "log_map", "parallel_transport", "shadow", "spinning",
     ),
     "rigid": ("FreeTop", "free_top"),
-    "gravity": ("Symmetries", "killing_equations", "symmetries"),
     "loops": (
         "AffineMap", "BurgersMap", "BurgersVector", "Cochain", "Complex", "Defect", "Development",
         "Diffusion", "EdgeList", "EnclosedDefect", "ExactBurgersVector", "Loop", "Network",
@@ -231,7 +232,10 @@ _LATER = {
     "materials.maps": ("Circuit", "OrientationMap", "Phase"),
     "materials.images": ("LatticeBurgers", "LatticeImage", "LatticePhases"),
     "proofs": ("ClosedOrbit", "Crossing", "Proof", "closed_orbit", "poincare", "prove"),
-    "same": ("CoordinateMap", "Equivalence", "MappedPoint", "same_geometry"),
+    "same": (
+        "CoordinateMap", "Equivalence", "MappedPoint", "Symmetries", "killing_equations",
+        "same_geometry", "symmetries",
+    ),
     "spaces.kerr_orbits": ("Frequencies", "KerrOrbit", "kerr_orbit"),
     "fits": ("Fit", "fit", "fit_frame", "fit_loops"),
     "prices": ("EffectBudget", "PriceList", "PriceRow", "called_for", "price"),

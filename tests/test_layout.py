@@ -115,7 +115,8 @@ CEILINGS = {
     # Seven: where rays of a camera end, how far they are followed, and the stripes of its sky.
     # One: when steps pass over narrow changes of rates, which more digits do not show.
     # One more: the places among which the light ring of a hole is found.
-    "tuned constants": 201,
+    # One more: the random fields from which errors of stresses come.
+    "tuned constants": 202,
     # Two more than before: converters of arguments are three files by kind instead of one of 1,000.
     # Two more: kinetic metrics and forces are files of their own.
     # One more: squares that roots hide in circular functions.
@@ -128,7 +129,7 @@ CEILINGS = {
 }
 # Lines of code below and above the wall, rounded up to five hundreds, without docstrings, comments
 # and blanks. A change that needs more raises a number and states in its commit what users get.
-BUDGET = {"below the wall": 53000, "above the wall": 57500}
+BUDGET = {"below the wall": 54000, "above the wall": 57500}
 # What a program that imports the package does not wait for.
 LATER = ("sympy", "flint", "mpmath", "numpy", "multiprocessing", "asyncio", "tomllib", "sqlite3")
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")
@@ -322,6 +323,7 @@ DRAWN_ELSEWHERE = {
     "materials/crystals/frames.py": "atoms that represent all of a specimen",
     "materials/crystals/local_frames.py": "disturbed neighbours, from which a bound follows",
     "materials/crystals/triangulation.py": "small moves that make a triangulation unique",
+    "materials/elasticity/stress_errors.py": "random noise of measured data, by a seed",
     "materials/fields/scattered.py": "points in examples",
     "materials/lines/circuit.py": "the apex of a cone over a circuit",
     "scenes/to_ode.py": "states of a body, at which a rate vanishes",

@@ -17,7 +17,6 @@ from geomtorsion.gravity.invariance import (
     invariant_torsion,
 )
 from geomtorsion.gravity.invariants import Invariant, invariant, invariants
-from geomtorsion.gravity.killing_yano import killing_yano
 from geomtorsion.gravity.lagrangian import Lagrangian, names
 from geomtorsion.gravity.matter import maxwell, scalar_field
 from geomtorsion.gravity.model import Model, read_model
@@ -25,8 +24,6 @@ from geomtorsion.gravity.newman_penrose import NewmanPenrose, newman_penrose
 from geomtorsion.gravity.reduction import Reduction
 from geomtorsion.gravity.solving import solve
 from geomtorsion.gravity.statistical import statistical
-from geomtorsion.gravity.symmetry import Symmetries, killing_equations, symmetries
-from geomtorsion.gravity.symmetry_integration import IntegratedSymmetry
 from geomtorsion.gravity.theories import (
     einstein_cartan,
     f_of,
@@ -40,6 +37,13 @@ from geomtorsion.gravity.theories import (
 )
 from geomtorsion.gravity.theory_files import read_theory
 from geomtorsion.gravity.translations import Translation, translations
+from geomtorsion.same import (
+    IntegratedSymmetry,
+    Symmetries,
+    killing_equations,
+    killing_yano,
+    symmetries,
+)
 
 __all__ = [
     "Charge",

@@ -702,6 +702,27 @@ def _sampled(trajectory: Trajectory, times: np.ndarray) -> Trajectory:
     return Trajectory(trajectory.engine, trajectory.tolerance, tuple(segments), "done")
 
 
+def read_at(solution: Solution, time: float) -> Solution:
+    """The motion up to one time, which is its only sample, read from the dense output.
+
+    Raises
+    ------
+    TimeError
+        The time is outside of the solution.
+    """
+    solution.at(time)
+    path, scaled = solution.trajectory, time * solution.problem.time_unit
+    ((last, states, _),) = path.at(np.array([scaled]))
+    segments = []
+    for segment in path.segments:
+        if segment is last:
+            segments.append(segment.resampled(np.array([scaled]), states))
+            break
+        segments.append(segment.resampled(segment.times[:0], segment.states[:0]))
+    sampled = Trajectory(path.engine, path.tolerance, tuple(segments), "done")
+    return replace(solution, times=np.array([time]), trajectory=sampled, comparisons=())
+
+
 def _stretches(solution: Solution) -> list[np.ndarray]:
     """Times close enough to see each crossing, for each stretch in which nothing jumps."""
     unit, breaks = solution.problem.time_unit, solution.problem.breaks()

@@ -12,9 +12,9 @@ from geomtorsion.errors import ArgumentError
 from geomtorsion.exact import Echelon, Element, vanishing_sums
 from geomtorsion.geometry import Form, Frame, Tensor, levi_civita
 from geomtorsion.geometry.connections import FrameLike, as_frame
-from geomtorsion.gravity.symmetry import symmetries
-from geomtorsion.gravity.symmetry_products import products
-from geomtorsion.gravity.symmetry_search import independent
+from geomtorsion.same.symmetry.symmetries import symmetries
+from geomtorsion.same.symmetry.symmetry_products import products
+from geomtorsion.same.symmetry.symmetry_search import independent
 from geomtorsion.support import checks
 from geomtorsion.support.exclusive import exclusive
 
@@ -44,7 +44,7 @@ def killing_yano(frame: FrameLike, degree: int = 2) -> tuple[Form, ...]:
 
     Examples
     --------
-    >>> from geomtorsion.gravity import killing_yano
+    >>> from geomtorsion.same import killing_yano
     >>> killing_yano("schwarzschild")
     (r**3*sin(theta) dtheta ^ dphi,)
     """
