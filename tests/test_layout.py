@@ -116,7 +116,8 @@ CEILINGS = {
     # One: when steps pass over narrow changes of rates, which more digits do not show.
     # One more: the places among which the light ring of a hole is found.
     # One more: the random fields from which errors of stresses come.
-    "tuned constants": 202,
+    # One: after how many steps a run has optimised code, which takes long to compile.
+    "tuned constants": 203,
     # Two more than before: converters of arguments are three files by kind instead of one of 1,000.
     # Two more: kinetic metrics and forces are files of their own.
     # One more: squares that roots hide in circular functions.

@@ -56,7 +56,7 @@ def test_optimised_code_solves(precision, tmp_path):
 
 
 def test_repeated_runs_have_equal_bits():
-    """Of each kind of code; both kinds agree within the error."""
+    """Two runs of one kind of code are equal; both kinds agree within the error."""
     plain, fast = (
         [solve(ORBIT, 30.0, 1e-11, Taylor(optimised=kind)) for _ in range(2)]
         for kind in (False, True)
@@ -85,7 +85,7 @@ def test_a_long_run_is_optimised_on_the_way():
 
 @pytest.mark.parametrize("portions", [1, 2])
 def test_values_between_samples_of_a_long_run(portions, monkeypatch):
-    """The steps between samples are those of the run, on both sides of the change of code."""
+    """Between samples the run is followed again, on both sides of the change of code."""
     monkeypatch.setattr(taylor, "LONG", portions)
     end = 2.5 * STEPS_AT_ONCE
     solution = solve(SWING, np.linspace(0, end, 5), 1e-9, Taylor())

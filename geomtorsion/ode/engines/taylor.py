@@ -161,7 +161,7 @@ def _compiled(
     width: motions side by side in one batch; 0: one motion.
     number: makes numbers of the precision.
     backward: whether times run down, which changes what falls.
-    optimised: whether the code of one motion is optimised; that of a batch is.
+    optimised: whether the code of one motion is optimised; the code of a batch always is.
     """
     began = time.perf_counter()
     backward = backward and system.guard is not None
