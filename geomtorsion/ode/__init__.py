@@ -61,3 +61,8 @@ __all__ = [
     "solve_many",
     "writing",
 ]
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return [*__all__]
