@@ -41,7 +41,9 @@ def star(
     mass: Annotated[
         float | None, option("--mass", metavar="M", text="Show the stable star of this mass.")
     ] = None,
-    accuracy: Annotated[float, typer.Option(metavar="X", help="Relative error of each solution.")] = 1e-9,
+    accuracy: Annotated[
+        float, typer.Option(metavar="X", help="Relative error of each solution.")
+    ] = 1e-9,
     form: Annotated[
         Form, typer.Option("--format", help="text to read, json for programs.")
     ] = Form.text,
