@@ -20,6 +20,7 @@ from tests.source import (
     is_exported,
     looked_for,
     name_of,
+    named_modules,
     package_imports,
     part_of,
     questions_of_class,
@@ -115,7 +116,9 @@ CEILINGS = {
     # Seven: where rays of a camera end, how far they are followed, and the stripes of its sky.
     # One: when steps pass over narrow changes of rates, which more digits do not show.
     # One more: the places among which the light ring of a hole is found.
-    "tuned constants": 201,
+    # One more: the random fields from which errors of stresses come.
+    # One more: how many sigma are no longer ascribed to chance.
+    "tuned constants": 203,
     # Two more than before: converters of arguments are three files by kind instead of one of 1,000.
     # Two more: kinetic metrics and forces are files of their own.
     # One more: squares that roots hide in circular functions.
@@ -128,7 +131,7 @@ CEILINGS = {
 }
 # Lines of code below and above the wall, rounded up to five hundreds, without docstrings, comments
 # and blanks. A change that needs more raises a number and states in its commit what users get.
-BUDGET = {"below the wall": 53000, "above the wall": 58500}
+BUDGET = {"below the wall": 54000, "above the wall": 59000}
 # What a program that imports the package does not wait for.
 LATER = ("sympy", "flint", "mpmath", "numpy", "multiprocessing", "asyncio", "tomllib", "sqlite3")
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")
@@ -160,7 +163,7 @@ def test_no_arrow_points_up():
     wrong = [
         f"{name_of(file)} imports {name[0]}"
         for file in FILES
-        for name in imported_names(looked_for(file))
+        for name in (*imported_names(looked_for(file)), *named_modules(tree_of(file)))
         if part_of(file) != "__init__" and upward(part_of(file), name[0])
     ]
     assert not wrong
@@ -172,6 +175,8 @@ def test_an_upward_arrow_would_be_found():
     assert upward("geometry", "cli")
     assert upward("ode", "curves")
     assert not upward("cli", "exact")
+    text = 'import_module("geomtorsion.spaces"), import_module(f"geomtorsion.pictures.{name}")'
+    assert list(named_modules(ast.parse(text))) == [("spaces",), ("pictures",)]
     with pytest.raises(AssertionError, match="is not in FLOORS"):
         floor_of("cellar")
 
@@ -322,6 +327,7 @@ DRAWN_ELSEWHERE = {
     "materials/crystals/frames.py": "atoms that represent all of a specimen",
     "materials/crystals/local_frames.py": "disturbed neighbours, from which a bound follows",
     "materials/crystals/triangulation.py": "small moves that make a triangulation unique",
+    "materials/elasticity/stress_errors.py": "random noise of measured data, by a seed",
     "materials/fields/scattered.py": "points in examples",
     "materials/lines/circuit.py": "the apex of a cone over a circuit",
     "scenes/to_ode.py": "states of a body, at which a rate vanishes",

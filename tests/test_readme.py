@@ -132,6 +132,9 @@ def test_commands_run(command, tmp_path, monkeypatch):
         np.savez("slice.npz", metric=flat, extrinsic_curvature=still, axis_x=x, axis_y=x, axis_z=x)
     if "chains.data" in command:
         DislocationNetwork.of_arrays(rings(20, seed=6)).save("chains.data")
+    if "oscillator.toml" in command:
+        text = 'rates = {x = "v", v = "(1-x**2)*v-x"}\nstart = {x = 2, v = 0}\n'
+        Path("oscillator.toml").write_text(text, "utf-8")
     if "track.csv" in command:
         rows = "\n".join(f"{t},{1.5 + t / 100},{0.5 * t}" for t in range(1, 5))
         Path("track.csv").write_text(f"t,theta,phi\n{rows}\n", "utf-8")

@@ -33,6 +33,7 @@ class Commands(LazyGroup):
         "report": "Write a page with the geometry, motions and a loop of a space.",
         "shadow": "Compute the shadow of a black hole in the light that reaches a camera.",
         "curve": "Follow the straightest and the shortest path from one start.",
+        "orbit": "Find a closed orbit, and prove that it exists with its period and stability.",
         "fit": "Fit parameters and the start of a motion to recorded data.",
         "price": "Measure what digits and certainty cost, of a motion, a loop or a scene.",
         "burgers": "Compute the Burgers vectors of loops: the gaps by which they fail to close.",
@@ -68,7 +69,7 @@ class Commands(LazyGroup):
             "report",
             "paper",
         ),
-        "Motions": ("curve", "shadow", "fit", "run", "scenes", "price"),
+        "Motions": ("curve", "orbit", "shadow", "fit", "run", "scenes", "price"),
         "Defects and data": ("burgers", "circuit", "map", "crystal", "network", "stress"),
         "Teaching": ("lab", "exercises"),
     }  # fmt: skip

@@ -25,7 +25,7 @@ from geomtorsion.support.files import UNSIGNED, plain_float
 
 # Options that begin messages of the library, without the dashes of the command line.
 OPTIONS = tuple(
-    "sigma threshold order missing laue slip size plane spots resolution blocks steps "
+    "sigma threshold order missing columns laue slip size plane spots resolution blocks steps "
     "workers".split()
 )
 _SIZE = re.compile(rf"({UNSIGNED})\s*([^0-9.].*)?")
@@ -44,6 +44,7 @@ class Reading:
     spots: str | None = None
     resolution: float | None = None
     missing: Sequence[float] = ()
+    columns: str | None = None
 
     @property
     def given(self) -> dict[str, object]:
@@ -71,6 +72,7 @@ def opened(source: str, reading: Reading) -> Source:
             spots=None if reading.spots is None else _spots(reading.spots),
             resolution=reading.resolution,
             missing=reading.missing or None,
+            columns=None if reading.columns is None else columns_of(reading.columns),
         )
     except (GridError, OrientationError, ImageError) as error:
         raise dashed(error) from None
@@ -79,6 +81,21 @@ def opened(source: str, reading: Reading) -> Source:
 def dashed(error: GeomtorsionError) -> GeomtorsionError:
     """The same error; if it begins with the name of an option, the option as typed."""
     return type(error)(f"--{error}") if str(error).startswith(OPTIONS) else error
+
+
+def columns_of(text: str) -> dict[str, int | str]:
+    """Columns of a table by quantity, from QUANTITY=COLUMN,...; a column of digits is a number."""
+    columns: dict[str, int | str] = {}
+    for part in text.split(","):
+        key, equals, column = (word.strip() for word in part.partition("="))
+        if not (key and equals and column) or key in columns:
+            raise GridError(
+                f"--columns: expected QUANTITY=COLUMN,..., each quantity once, got {shown(text)}. "
+                "Write --columns x=0,y=1,exx=strain_xx; columns count from 0."
+            )
+        is_number = column.isdecimal() and column.isascii() and len(column) < 10
+        columns[key] = int(column) if is_number else column
+    return columns
 
 
 def _pixel(text: str) -> tuple[float, str]:

@@ -182,6 +182,14 @@ MeasuredMissing = Annotated[
     list[float] | None,
     option("--missing", metavar="X", text="Grids: a value that means no data: --missing=-9999"),
 ]
+MeasuredColumns = Annotated[
+    str | None,
+    option(
+        "--columns",
+        metavar="Q=COLUMN,...",
+        text="Tables: name or number, from 0, of the column of a quantity: x=0,y=1,exx=strain_xx",
+    ),
+]
 
 MeasuredSlip = Annotated[
     str | None,

@@ -18,6 +18,7 @@ from geomtorsion.materials import Burgers, Source, Survey
 from geomtorsion.materials.burgers import Json
 from geomtorsion.pictures.measured import draw_circuits, draw_survey
 from geomtorsion.pictures.style import can_draw, save
+from geomtorsion.proofs import prove
 from geomtorsion.support.files import make_folder, write_text
 from geomtorsion.support.progress import bar
 
@@ -26,12 +27,13 @@ if TYPE_CHECKING:
 
 
 def burgers_of(
-    source: Source, loops: Sequence[Loop], *, raises: bool = True
+    source: Source, loops: Sequence[Loop], *, raises: bool = True, proved: bool = False
 ) -> tuple[list[Json], list[Burgers], bool]:
     """Burgers vectors of circuits as plain data, the circuits that did not fail, and whether all
     circuits were computed.
 
     raises: whether the failure of a single circuit raises an error instead of being a result.
+    proved: whether the integrals are proved, where the source has an interpolant.
     """
     results: list[Json] = []
     vectors: list[Burgers] = []
@@ -44,6 +46,7 @@ def burgers_of(
                     show(k / len(loops), loop.name)
                 try:
                     b = source.burgers(loop)
+                    proof = {"proof": prove(b).to_json()} if proved else {}
                 except GeomtorsionError as error:
                     if raises and len(loops) == 1:
                         raise
@@ -51,7 +54,7 @@ def burgers_of(
                     results.append({"loop": loop.name, "failed": str(error), "kind": kind})
                     continue
                 vectors.append(b)
-                results.append(b.to_json())
+                results.append(b.to_json() | proof)
         except KeyboardInterrupt:
             return results, vectors, False
     return results, vectors, True
@@ -84,13 +87,13 @@ def write_result(
 
 
 def show_burgers(
-    source: Source, loops: Sequence[Loop], output: Path | None, *, plain: bool
+    source: Source, loops: Sequence[Loop], output: Path | None, *, plain: bool, proved: bool
 ) -> None:
     """Compute, show and write the Burgers vectors of circuits.
 
-    plain: JSON on standard output rather than words.
+    plain: JSON on standard output rather than words. proved: whether integrals are proved.
     """
-    results, vectors, complete = burgers_of(source, loops)
+    results, vectors, complete = burgers_of(source, loops, proved=proved)
     document = {"about": list(source.description), "complete": complete, "results": results}
     if plain:
         typer.echo(json.dumps(document, indent=2))
@@ -169,6 +172,8 @@ def explain(result: Json) -> None:
     much = "without noise" if significance is None else f"{significance:.3g} times its errors"
     verdict = "more than noise explains" if result["significant"] else "it may be noise"
     typer.echo(f"  significance: {much}: {verdict}")
+    if "proof" in result:
+        typer.echo("\n".join(wrapped(f"  {line}") for line in result["proof"]["text"].splitlines()))
 
 
 def _row(numbers: Sequence[float]) -> str:

@@ -861,16 +861,17 @@ def checked_parameters(
 
 
 def in_order(values: object, names: Sequence[str], what: str) -> object:
-    """The values of a mapping {name or symbol: number} in the order of the names; lists as given.
+    """Values with names (a mapping, a Series) in the order of the names; lists as given.
 
     Raises
     ------
     StartError
         A name is unknown or has no value.
     """
-    if not isinstance(values, Mapping):
+    named = checks.labelled(values)
+    if named is None:
         return values
-    by_name = checks.known_keys(values, names, what, StartError)
+    by_name = checks.known_keys(named, names, what, StartError)
     checks.check_values(names, by_name, what, StartError, "Add it.")
     return [by_name[name] for name in names]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import mpmath
@@ -449,7 +449,15 @@ def start_lists(
     lists = {"starts": starts, "velocities": velocities, "frame_velocities": frame_velocities}
     if velocities is not None and frame_velocities is not None:
         raise StartError("expected velocities or frame_velocities, got both. Give one of them.")
-    arrays = {key: _rows(value, n, key) for key, value in lists.items() if value is not None}
+    legs = velocity_names(problem.frame)
+    own = dict(zip(problem.coordinates, problem.start or (), strict=False))
+    own |= dict(zip(legs, problem.frame_velocity, strict=True))
+    names = {"starts": problem.coordinates, "velocities": problem.coordinates}
+    arrays = {
+        key: _rows(_by_rows(value, names.get(key, legs), own, key), n, key)
+        for key, value in lists.items()
+        if value is not None
+    }
     if not arrays:
         raise StartError(
             "expected starts, velocities or frame_velocities, got none. Give one row per motion."
@@ -478,6 +486,22 @@ def start_lists(
     point = dict(zip(chart.names, place.T, strict=True))
     numbers = {key: float(value) for key, value in problem.parameters.items()}
     return place, chart.coframe.applied(point | numbers, arrays["velocities"].T).T
+
+
+def _by_rows(values: object, names: Sequence[str], own: Mapping[str, Real], what: str) -> object:
+    """Columns with names (a mapping, a table) as rows; missing ones have the own values."""
+    labelled = checks.labelled(values)
+    if labelled is None:
+        return values
+    columns = checks.known_keys(labelled, names, what, StartError)
+    if what != "velocities":
+        columns = {name: float(own[name]) for name in names if name in own} | columns
+    checks.check_values(names, columns, what, StartError, "Add it.")
+    try:
+        return np.column_stack(np.broadcast_arrays(*(np.atleast_1d(columns[x]) for x in names)))
+    except ValueError:
+        lengths = {name: np.shape(column) for name, column in columns.items()}
+        raise ShapeError(f"{what}: expected lists of equal length, got {lengths}.") from None
 
 
 def _rows(values: object, n: int, what: str) -> np.ndarray:

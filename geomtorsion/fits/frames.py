@@ -9,7 +9,7 @@ import numpy as np
 from geomtorsion.codegen import graph
 from geomtorsion.errors import ShapeError, SingularPointError, StartError
 from geomtorsion.fits.data import Data
-from geomtorsion.fits.least_squares import Prediction, least_squares
+from geomtorsion.fits.least_squares import Bounds, Prediction, least_squares
 from geomtorsion.fits.result import Fit
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.ode.derivatives import checked_by
@@ -25,6 +25,8 @@ def fit_frame(
     free: Sequence[str],
     *,
     parameters: Mapping[str, float],
+    bounds: Bounds | None = None,
+    loss: str = "linear",
 ) -> Fit:
     """Fit parameters of a frame to its coframe, measured at points: 1 + distortion of a crystal.
 
@@ -45,6 +47,8 @@ def fit_frame(
         names of the parameters to fit.
     parameters
         name -> number: the first guess, and the fixed values of the others.
+    bounds, loss
+        as in `fit`.
 
     Raises
     ------
@@ -97,7 +101,7 @@ def fit_frame(
         slopes = data.slopes("coframe", columns)
         return Prediction(data.compared("coframe", predicted), slopes, EPS, frame)
 
-    return least_squares(model, {name: numbers[name] for name in names}, data)
+    return least_squares(model, {name: numbers[name] for name in names}, data, bounds, loss)
 
 
 def _rows(values: object, shape: tuple[int, int, int], what: str) -> np.ndarray:

@@ -10,9 +10,11 @@ from typing import TypeAlias
 import numpy as np
 import scipy  # loads its parts on first use
 
-from geomtorsion.errors import AccuracyError, GeomtorsionError, StartError
+from geomtorsion.errors import AccuracyError, GeomtorsionError, StartError, UnknownNameError
 from geomtorsion.fits.data import Data
+from geomtorsion.fits.losses import Loss, loss_of, variance_factor
 from geomtorsion.fits.result import Direction, Fit
+from geomtorsion.support import checks
 from geomtorsion.support.precision import EPS
 
 # chi^2 changes by less than this part in the last step: far less than one, which is one sigma.
@@ -35,6 +37,8 @@ class Prediction:
     source: object
 
 
+# Name -> lower and upper bound; None for none.
+Bounds: TypeAlias = Mapping[str, tuple[float | None, float | None]]
 Model: TypeAlias = Callable[[Mapping[str, float]], Prediction]
 
 
@@ -66,7 +70,13 @@ class _Trials:
             return np.full_like(self.last[1].residuals, np.inf)
 
 
-def least_squares(model: Model, first: Mapping[str, float], data: Data) -> Fit:
+def least_squares(
+    model: Model,
+    first: Mapping[str, float],
+    data: Data,
+    bounds: Bounds | None = None,
+    loss: str = "linear",
+) -> Fit:
     """The fit of a model, from a first guess.
 
     A trust region in scaled parameters, as Levenberg and Marquardt proposed, with exact slopes
@@ -75,10 +85,12 @@ def least_squares(model: Model, first: Mapping[str, float], data: Data) -> Fit:
     Raises
     ------
     StartError
-        There are fewer data than parameters.
+        There are fewer data than parameters, or a first guess is outside of its bounds.
     AccuracyError
         It does not converge.
     """
+    counted = loss_of(loss)
+    limits = _limits(bounds, first)
     names, start = tuple(first), np.array(list(first.values()), dtype=float)
     count = sum(int(here.sum()) for here in data.present.values())
     if count < len(names):
@@ -93,7 +105,7 @@ def least_squares(model: Model, first: Mapping[str, float], data: Data) -> Fit:
     result = scipy.optimize.least_squares(
         lambda x: np.concatenate((trials.residuals(x), held)), start,
         lambda x: _Spectrum(trials.at(x)).slopes, method="trf", x_scale="jac",
-        ftol=CONVERGED, xtol=CONVERGED, gtol=None,
+        bounds=limits, loss=counted, ftol=CONVERGED, xtol=CONVERGED, gtol=None,
     )  # fmt: skip
     if result.status <= 0:
         raise AccuracyError(
@@ -102,19 +114,51 @@ def least_squares(model: Model, first: Mapping[str, float], data: Data) -> Fit:
         )
     best = trials.at(result.x)
     covariance, directions = _covariance(names, best)
-    curved = _curved(trials, names, result.x, best)
+    factor = variance_factor(counted, best.residuals, len(names) - len(directions))
+    at_bounds = {
+        name: float(limits[max(side, 0)][k])
+        for k, (name, side) in enumerate(zip(names, result.active_mask.tolist(), strict=True))
+        if side
+    }
+    # A step of one sigma may leave the bounds.
+    curved = None if at_bounds else _curved(trials, names, result.x, best, counted, factor)
     return Fit(
         values=dict(zip(names, result.x.tolist(), strict=True)),
-        covariance=covariance,
+        covariance=factor * covariance,
         chi2=float(best.residuals @ best.residuals),
         degrees=count - len(names) + len(directions),
         residuals=data.laid_out(-best.residuals),
         data=data,
         undetermined=directions,
         curved=curved,
+        at_bounds=at_bounds,
+        loss=loss,
         solves=trials.count,
         source=best.source,
     )
+
+
+def _limits(bounds: Bounds | None, first: Mapping[str, float]) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper bounds of all free parameters, shape (k,) each."""
+    low, high = np.full(len(first), -np.inf), np.full(len(first), np.inf)
+    table = checks.known_keys(bounds or {}, first, "bounds", UnknownNameError)
+    for name, pair in table.items():
+        subject, wanted = f"bounds of {name}", "a lower and an upper bound"
+        sides = checks.entries(pair, subject, StartError, 2, expected=wanted)
+        one, two = (
+            default if side is None else checks.real(side)
+            for side, default in zip(sides, (-np.inf, np.inf), strict=True)
+        )
+        if one is None or two is None:
+            checks.refuse(StartError, subject, wanted, pair, "Give numbers, or None.")
+        if not one <= first[name] <= two or one == two:
+            raise StartError(
+                f"{subject}: expected {one:g} < {two:g} around the first guess {first[name]:g}. "
+                "Change the bounds or the guess."
+            )
+        k = list(first).index(name)
+        low[k], high[k] = one, two
+    return low, high
 
 
 class _Spectrum:
@@ -141,7 +185,8 @@ class _Spectrum:
         A search that may move along an undetermined direction goes there without end.
         """
         clear = np.where(self.clear, self.singular, 0.0)
-        held = np.where(self.clear, 0.0, self.singular[0])
+        # Where nothing is determined at all, one holds as well as any size.
+        held = np.where(self.clear, 0.0, self.singular[0] or 1.0)
         rows = self.rows * self.scales
         return np.concatenate(((self.left * clear) @ rows, held[:, None] * rows))
 
@@ -166,17 +211,24 @@ def _covariance(names: Sequence[str], best: Prediction) -> tuple[np.ndarray, tup
 
 
 def _curved(
-    trials: _Trials, names: Sequence[str], values: np.ndarray, best: Prediction
+    trials: _Trials,
+    names: Sequence[str],
+    values: np.ndarray,
+    best: Prediction,
+    loss: Loss,
+    factor: float,
 ) -> Direction | None:
     """The least certain direction, if a step of one sigma along it is not as slopes predict."""
     spectrum = _Spectrum(best)
     last = int(spectrum.clear.sum()) - 1
     if last < 0:
         return None
-    step = spectrum.rows[last] / spectrum.singular[last] / spectrum.scales
+    step = spectrum.rows[last] / spectrum.singular[last] / spectrum.scales * math.sqrt(factor)
+    here, first, second = loss(best.residuals**2)
+    expected = factor * float(np.mean(first + 2 * second * best.residuals**2))
     for sign in (1.0, -1.0):
-        residuals = trials.residuals(values + sign * step)
-        rise = float(residuals @ residuals - best.residuals @ best.residuals)
+        there = loss(trials.residuals(values + sign * step) ** 2)[0]
+        rise = float((there - here).sum()) / expected
         # One where the prediction is linear; errors are sigmas where it is not far from one.
         if not 0.5 < rise < 2:
             return Direction({n: x for n, x in zip(names, step.tolist(), strict=True) if x})

@@ -8,7 +8,7 @@ import numpy as np
 
 from geomtorsion.errors import AccuracyError, ShapeError, StartError
 from geomtorsion.fits.data import Data, Noise
-from geomtorsion.fits.least_squares import Prediction, least_squares
+from geomtorsion.fits.least_squares import Bounds, Prediction, least_squares
 from geomtorsion.fits.result import Fit
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.loops import Loop, burgers_derivatives, burgers_vector
@@ -25,6 +25,8 @@ def fit_loops(
     free: Sequence[str],
     *,
     parameters: Mapping[str, float],
+    bounds: Bounds | None = None,
+    loss: str = "linear",
     accuracy: float = 1e-10,
 ) -> Fit:
     """Fit parameters of a frame to measured Burgers vectors of circuits.
@@ -45,6 +47,8 @@ def fit_loops(
         names of the parameters to fit.
     parameters
         name -> number: the first guess, and the fixed values of the others.
+    bounds, loss
+        as in `fit`.
     accuracy
         relative error of each Burgers vector and of its derivatives.
 
@@ -100,4 +104,4 @@ def fit_loops(
         predicted = np.array([b.vector for b in results])
         return Prediction(data.compared("b", predicted), data.slopes("b", columns), relative, frame)
 
-    return least_squares(model, {name: numbers[name] for name in names}, data)
+    return least_squares(model, {name: numbers[name] for name in names}, data, bounds, loss)

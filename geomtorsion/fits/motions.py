@@ -8,8 +8,8 @@ import numpy as np
 
 from geomtorsion.curves import CurveProblem
 from geomtorsion.errors import AccuracyError, ShapeError, StartError, TimeError
-from geomtorsion.fits.data import Data, Noise
-from geomtorsion.fits.least_squares import Prediction, least_squares
+from geomtorsion.fits.data import Data, Noise, Table
+from geomtorsion.fits.least_squares import Bounds, Prediction, least_squares
 from geomtorsion.fits.result import Fit
 from geomtorsion.ode import ODE, Engine, Solution, solve
 from geomtorsion.ode.derivatives import checked_by, derivative_name
@@ -19,14 +19,16 @@ from geomtorsion.support import checks
 from geomtorsion.support.hints import argument_hints
 
 
-@argument_hints(p0="problem.with_values({name: guess})", bounds="problem.with_values(...)")
+@argument_hints(p0="problem.with_values({name: guess})")
 def fit(
     problem: ODE | CurveProblem,
     times: object,
-    data: Mapping[str, object],
+    data: Mapping[str, object] | Table,
     sigma: Noise,
     free: Sequence[str],
     *,
+    bounds: Bounds | None = None,
+    loss: str = "linear",
     accuracy: float = 1e-10,
     engine: Engine | None = None,
 ) -> Fit:
@@ -41,14 +43,22 @@ def fit(
     problem
         from `geodesic`, `autoparallel` or `ODE.of`; its own values are the first guess.
     times
-        of the data, shape (m,), from t = 0 on.
+        of the data, shape (m,), from t = 0 on; or the name of a column or the index of a table.
     data
         name -> values, shape (m,) (or (m, k) for an output that is a vector): coordinates and
-        frame velocities of a curve; states and outputs of an ODE. NaN if missing.
+        frame velocities of a curve; states and outputs of an ODE. NaN if missing. Also a pandas
+        DataFrame or an xarray Dataset with such columns.
     sigma
         standard deviation of the noise: a number, or name -> number or array like the data.
+        None: columns sigma_NAME of the data.
     free
         names of `problem.variables` to fit. All others are held fixed.
+    bounds
+        name -> (lowest, highest) value of a free parameter; None for no bound.
+    loss
+        "soft_l1", "huber" or "cauchy" instead of squares ("linear"): residuals beyond one sigma
+        count less, as in `scipy.optimize.least_squares`. Errors are then estimated from the
+        residuals themselves (P. J. Huber, Robust Statistics, 1981, section 7.6).
     accuracy, engine
         of each solve; see `solve`.
 
@@ -61,7 +71,8 @@ def fit(
     UnknownNameError
         a name of data or parameters is unknown.
     ShapeError, StartError, TimeError
-        arrays do not fit together, sigma is not positive, or there are fewer data than parameters.
+        arrays do not fit together, sigma is not positive, a first guess is outside of its bounds,
+        or there are fewer data than parameters.
     AccuracyError
         the fit does not converge, or numerical errors are not small against sigma.
 
@@ -82,6 +93,8 @@ def fit(
             "fit: expected a problem (geodesic, autoparallel, ...) or an ODE, got "
             f"{checks.shown(problem)}."
         )
+    if isinstance(times, str):
+        times, data = Data.column(data, times)
     names = checked_by(free, tuple(problem.variables), "free")
     at = checks.array(times, "times", TimeError, shape=(None,), shape_error=ShapeError)
     if not len(at):
@@ -96,7 +109,7 @@ def fit(
         residuals, slopes = [], []
         for name, noise in measured.sigma.items():
             _check_error(solution, name, float(noise.min(initial=np.inf)))
-            columns = [solution[derivative_name(name, by)] for by in names]
+            columns = [_column(solution, derivative_name(name, by)) for by in names]
             prediction, *columns = (x.astype(float)[rows] for x in (solution[name], *columns))
             residuals.append(measured.compared(name, prediction))
             slopes.append(measured.slopes(name, columns))
@@ -104,7 +117,14 @@ def fit(
             np.concatenate(residuals), np.concatenate(slopes), solution.error, solution
         )
 
-    return least_squares(model, {name: float(problem.variables[name]) for name in names}, measured)
+    first = {name: float(problem.variables[name]) for name in names}
+    return least_squares(model, first, measured, bounds, loss)
+
+
+def _column(solution: Solution, name: str) -> np.ndarray:
+    """A derivative; zero where it is only rounding noise, which determines nothing."""
+    column = solution[name]
+    return column if solution.resolves(name) else np.zeros_like(column)
 
 
 def quantities(problem: ODE | CurveProblem) -> tuple[str, ...]:

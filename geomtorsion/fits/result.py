@@ -16,6 +16,11 @@ from geomtorsion.support.copies import content_hash, equal_content, only_fields
 from geomtorsion.support.displays import Plot, drawn_by, figure_by
 from geomtorsion.support.outgoing import number_text
 
+# By custom of physics, what Gaussian noise gives less often than a residual of this many sigma is
+# not ascribed to chance.
+FAR = 5.0
+SURPRISE = math.erfc(FAR / math.sqrt(2))
+
 
 @dataclass(frozen=True, eq=False)
 class Direction:
@@ -54,6 +59,8 @@ class Fit:
     undetermined: joint changes of parameters that change no prediction.
     curved: a joint change by one sigma that changes chi^2 by less than half of one or by more than
         two: the errors are not standard deviations along it. None if chi^2 rises as it should.
+    at_bounds: name -> bound of each value that a bound stops.
+    loss: how residuals count, see `fit`; "linear" is least squares.
     solves: how often the model was computed.
     source: the model at the best values, such as a `Solution` with derivatives.
     """
@@ -66,6 +73,8 @@ class Fit:
     data: Data
     undetermined: tuple[Direction, ...]
     curved: Direction | None
+    at_bounds: Mapping[str, float]
+    loss: str
     solves: int
     source: Any = field(compare=False)  # users know which model they fitted
 
@@ -104,9 +113,16 @@ class Fit:
         """What restricts the use of the errors, in words."""
         lines = [
             f"the data do not determine {' and '.join(x.changes)}: to change {x} changes nothing "
-            "measured. Fix one of them."
+            f"measured. Fix {'one of them' if len(x.changes) > 1 else 'it'}."
             for x in self.undetermined
         ]
+        lines += [
+            f"{name} is at its bound {bound:.6g}: errors are those without the bound. Widen it, or "
+            f"fix {name}."
+            for name, bound in self.at_bounds.items()
+        ]
+        if self.loss == "linear" and self.chance < SURPRISE:
+            lines.append(f"chi^2 is too large for chance. {self._largest}")
         if self.curved is not None:
             lines.append(
                 f"errors are not sigmas: chi^2 does not rise by 1 where one changes {self.curved}. "
@@ -114,18 +130,34 @@ class Fit:
             )
         return tuple(lines)
 
+    @property
+    def _largest(self) -> str:
+        """The largest residual, with what to do about it."""
+        sizes = {name: np.nan_to_num(np.abs(x)) for name, x in self.residuals.items()}
+        name = max(sizes, key=lambda one: sizes[one].max(initial=0.0))
+        place = np.unravel_index(int(sizes[name].argmax()), sizes[name].shape)
+        return (
+            f"The largest residual is {sizes[name][place]:.3g} sigma, {name} at "
+            f"{self.data.at[place[0]]:.6g}. Check this number, sigma and the model; "
+            'loss="soft_l1" gives single outliers less weight.'
+        )
+
     def __str__(self) -> str:
         lines = []
         for name, value in self.values.items():
             error = self.errors[name]
             if math.isfinite(error):
-                lines.append(f"{name} = {number_text(value, error / 10)} +- {error:.2g}")
+                # A value below its error has one digit.
+                shown = number_text(value, min(error, abs(value) or error) / 10)
+                lines.append(f"{name} = {shown} +- {error:.2g}")
             else:
-                lines.append(f"{name} = {value:.6g}, not determined")
-        lines.append(
-            f"chi^2 = {self.chi2:.4g} of {self.degrees} degrees of freedom "
-            f"(chance {self.chance:.2g})"
-        )
+                lines.append(f"{name} = {value:.6g}, undetermined")
+        far = sum(int((np.abs(x) > FAR).sum()) for x in self.residuals.values())
+        comment = f"chance {self.chance:.2g}"
+        if self.loss != "linear":
+            # Other losses are for data whose noise is not Gaussian.
+            comment = f"loss {self.loss}; beyond {FAR:g} sigma: {far}"
+        lines.append(f"chi^2 = {self.chi2:.4g} of {self.degrees} degrees of freedom ({comment})")
         return "\n".join([*lines, *(f"warning: {text}" for text in self.warnings)])
 
     __repr__ = __str__
@@ -141,6 +173,8 @@ class Fit:
             "covariance": [[_finite(x) for x in row] for row in rows],
             "chi2": self.chi2,
             "degrees": self.degrees,
+            "loss": self.loss,
+            "at_bounds": dict(self.at_bounds),
             "chance": _finite(self.chance),
             "solves": self.solves,
             "warnings": list(self.warnings),

@@ -65,6 +65,11 @@ def multiple(tensor: Tensor, factor: Tensor | Scalar) -> Tensor:
                 "indices. Write contract('ab,bc->ac', s, t), or s @ t."
             )
         factor = _own_element(tensor, factor)
+    elif not (isinstance(factor, Element) or _is_scalar(factor)):
+        raise TensorIndexError(
+            f"{tensor.label}: expected a number or an expression as a factor, got "
+            f"{checks.shown(factor)}. For products of matrices write sympy.Matrix(tensor)."
+        )
     (scale,) = tensor.frame.read([("factor", factor)])
     get = tensor.components.get
 

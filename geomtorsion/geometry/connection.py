@@ -28,7 +28,7 @@ from geomtorsion.geometry.holonomy import HolonomyAlgebra, holonomy
 from geomtorsion.geometry.homes import over_frame
 from geomtorsion.geometry.notation import ComponentTable, Names, Where
 from geomtorsion.geometry.parts import nonmetricity_parts
-from geomtorsion.geometry.substitution import Values
+from geomtorsion.geometry.substitution import Replaced, Value, replacements
 from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.checks import instance
@@ -53,6 +53,8 @@ HALF = Fraction(1, 2)
     T="connection.torsion.T",
     S="connection.torsion.S",
     metric="connection.frame.metric",
+    christoffel="connection.coefficients",
+    gamma="connection.coefficients",
 )
 @exclusive
 @dataclass(frozen=True, eq=False, repr=False)
@@ -462,7 +464,7 @@ class Connection:
         """
         return integrability.parallel_volume(self.coefficients, self.kind != "general")
 
-    def subs(self, values: Values) -> Connection:
+    def subs(self, values: Replaced, value: Value | None = None) -> Connection:
         """The connection with values for parameters and unknown functions (see Frame.subs).
 
         Examples
@@ -474,6 +476,7 @@ class Connection:
         >>> cartan(cone).subs({k: 2}) is cartan(cone.subs({k: 2}))
         True
         """
+        values = replacements(values, value)
         if self.maker is not None:
             return self.maker(self.frame.subs(values))
         coefficients = self.coefficients.subs(values)

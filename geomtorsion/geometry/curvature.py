@@ -21,7 +21,7 @@ from geomtorsion.geometry.components import (
 from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.frame_matrices import is_dense
 from geomtorsion.geometry.parts import curvature_parts
-from geomtorsion.geometry.substitution import Values
+from geomtorsion.geometry.substitution import Replaced, Value
 from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.geometry.torsion import scalar_of
 from geomtorsion.support.caching import cached_property
@@ -277,9 +277,9 @@ class Curvature:
         """Whether the curvature vanishes; None if that cannot be decided."""
         return self.lower.is_zero if self._is_riemannian else self.riemann.is_zero
 
-    def subs(self, values: Values) -> Curvature:
+    def subs(self, values: Replaced, value: Value | None = None) -> Curvature:
         """The curvature with values for parameters and unknown functions (see Frame.subs)."""
-        return self.connection.subs(values).curvature
+        return self.connection.subs(values, value).curvature
 
     def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.connection,)

@@ -26,7 +26,7 @@ from geomtorsion.geometry.frame_text import toml_text
 from geomtorsion.geometry.from_arrays import tensor_from_array
 from geomtorsion.geometry.real_points import RationalPoint
 from geomtorsion.geometry.regions import Region, regions
-from geomtorsion.geometry.substitution import Values
+from geomtorsion.geometry.substitution import Replaced, Value, replacements
 from geomtorsion.geometry.tensor import Scalar, Tensor
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
@@ -49,6 +49,9 @@ Plain = tuple[str, validation.Matrix] | tuple[Callable[..., "Frame"], tuple[obje
     riemann="gt.levi_civita(frame).curvature.riemann",
     connection="gt.cartan(frame)",
     christoffel="gt.levi_civita(frame)",
+    e="frame.coframe",
+    g="frame.metric",
+    plot="frame.metric.plot(at={...})",
     tetrad="frame.coframe",
     vielbein="frame.coframe",
 )
@@ -495,7 +498,7 @@ class Frame:
 
     # -- other values ---------------------------------------------------------------------------
 
-    def subs(self, values: Values) -> Frame:
+    def subs(self, values: Replaced, value: Value | None = None) -> Frame:
         """The frame with values for parameters, and expressions for unknown functions.
 
         All replacements are simultaneous, and all later results are as exact as before. Equal
@@ -506,6 +509,7 @@ class Frame:
         values
             {parameter: number or constant expression}, {a(t): expression of t}; names and text do
             as well: {"M": "m1 + 1"}, where names that the frame does not know become parameters.
+            Also a list of pairs, or one parameter followed by its value, as in sympy.
 
         Raises
         ------
@@ -524,10 +528,10 @@ class Frame:
         >>> import sympy as sp
         >>> r, phi, k = sp.symbols("r phi k", positive=True)
         >>> cone = Frame([r, phi], [[1, 0], [0, k * r]])
-        >>> cone.subs({k: sp.Rational(1, 2)}).metric[1, 1], cone.subs({"k": 1}).parameters
+        >>> cone.subs(k, sp.Rational(1, 2)).metric[1, 1], cone.subs({"k": 1}).parameters
         (r**2/4, ())
         """
-        put = substitution.substitution(values, self.coordinates, self.field)
+        put = substitution.substitution(replacements(values, value), self.coordinates, self.field)
         return constructors.substituted(self, put)
 
     def conformal(self, factor: object) -> Frame:

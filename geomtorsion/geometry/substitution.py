@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import cast
 
 import sympy as sp
 from sympy.core.function import AppliedUndef, UndefinedFunction
@@ -18,6 +19,8 @@ from geomtorsion.support import checks
 
 Value = sp.Expr | float | str
 Values = Mapping[sp.Expr, Value] | Mapping[str, Value]
+# Also as sympy's `subs` takes them: pairs, or one name before its value.
+Replaced = Values | Sequence[tuple[sp.Expr | str, Value]] | sp.Expr | UndefinedFunction | str
 INFINITE = (sp.oo, -sp.oo, sp.zoo, sp.nan)
 _BY_NAME = {"oo": sp.oo, "+oo": sp.oo, "-oo": -sp.oo}
 _SIDES: Mapping[object, tuple[int, ...]] = {None: (1, -1), "+": (1,), "-": (-1,)}
@@ -70,6 +73,23 @@ class Substitution:
         pairs = [f"{symbol} = {value}" for symbol, value in self.symbols.items()]
         pairs += [f"{f}({v.signature}) = {v.expr}" for f, v in self.functions.items()]
         return ", ".join(pairs)
+
+
+def replacements(values: Replaced, value: Value | None = None) -> Values:
+    """Values by name, from a mapping, a list of pairs, or one name and its value.
+
+    Examples
+    --------
+    >>> replacements("M", 2), replacements([("M", 2), ("a", 0)])
+    ({'M': 2}, {'M': 2, 'a': 0})
+    """
+    if value is not None:
+        return {cast("str", values): value}
+    if isinstance(values, list | tuple) and all(
+        isinstance(pair, list | tuple) and len(pair) == 2 for pair in values
+    ):
+        return cast("Values", dict(values))
+    return cast("Values", values)
 
 
 def _is_derivative(expression: sp.Basic) -> bool:
@@ -149,7 +169,8 @@ def _parameter(
     if symbol in coordinates:
         raise CoordinateError(
             f"values: expected parameters and functions, got the coordinate {symbol}. For values "
-            f"at a point use tensor.at(...), for a limit tensor.limit({symbol}, ...)."
+            f"at a point use tensor.at(...), for exact ones tensor.to_sympy().subs({symbol}, ...), "
+            f"for a limit tensor.limit({symbol}, ...)."
         )
     if symbol not in parameters:
         others = [one.name for one in parameters if one.name != symbol.name]

@@ -17,7 +17,13 @@ from geomtorsion.geometry import arithmetic, evaluation, indexing, notation
 from geomtorsion.geometry.components import Components, Index, Symmetry, change_slot, effective
 from geomtorsion.geometry.index_types import EXCHANGES, KINDS, moved
 from geomtorsion.geometry.notation import ComponentTable, Names, Where
-from geomtorsion.geometry.substitution import Value, Values, approaches, substitution
+from geomtorsion.geometry.substitution import (
+    Replaced,
+    Value,
+    approaches,
+    replacements,
+    substitution,
+)
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.displays import Plot, drawn_by, figure_by
@@ -38,8 +44,15 @@ Source = Components | Mapping[Index, Scalar] | Callable[[Index], Element]
 
 
 @attribute_hints(
-    doit="tensor.simplify()", T="sympy.Matrix(tensor).T", trace="sympy.Matrix(tensor).trace()"
-)
+    doit="tensor.simplify()", T="sympy.Matrix(tensor).T", trace="sympy.Matrix(tensor).trace()",
+    applyfunc="tensor.to_sympy().applyfunc(f)", rank="ndim", item="tensor[()]",
+    has="tensor.free_symbols", atoms="tensor.free_symbols", expand="tensor.simplify()",
+    factor="tensor.simplify()", transpose="sympy.Matrix(tensor).T",
+    rewrite="tensor.to_sympy().applyfunc(f)", as_matrix="sympy.Matrix(tensor)",
+    to_matrix="sympy.Matrix(tensor)", to_numpy="numpy.array(tensor)",
+    is_symmetric="sympy.Matrix(tensor).is_symmetric()",
+    eigenvals="sympy.Matrix(tensor).eigenvals()",
+)  # fmt: skip
 @exclusive
 @dataclass(frozen=True, eq=False, repr=False)
 class Tensor:
@@ -513,7 +526,7 @@ class Tensor:
 
     # -- other values and points ---------------------------------------------------------------
 
-    def subs(self, values: Values) -> Tensor:
+    def subs(self, values: Replaced, value: Value | None = None) -> Tensor:
         """The tensor with values for parameters and unknown functions, over `frame.subs(values)`.
 
         Examples
@@ -524,6 +537,7 @@ class Tensor:
         >>> Frame([r, phi], [[1, 0], [0, k * r]]).metric.subs({k: 2}).nonzero()
         {(0, 0): 1, (1, 1): 4*r**2}
         """
+        values = replacements(values, value)
         frame = self.frame.subs(values)
         put = substitution(values, self.frame.coordinates, self.frame.field)
         return self._mapped(put.value, frame)

@@ -12,7 +12,7 @@ from geomtorsion.geometry.components import Index, alternating, antisymmetric, s
 from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.from_arrays import tensor_from_array
 from geomtorsion.geometry.parts import torsion_parts
-from geomtorsion.geometry.substitution import Values
+from geomtorsion.geometry.substitution import Replaced, Value
 from geomtorsion.geometry.tensor import Scalar, Tensor
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.displays import drawn_by
@@ -244,9 +244,9 @@ class Torsion:
             velocity = tensor_from_array(frame, "u", velocity, "velocity")
         return contract("abc,a,b->c", self.force_coefficients, velocity, velocity)
 
-    def subs(self, values: Values) -> Torsion:
+    def subs(self, values: Replaced, value: Value | None = None) -> Torsion:
         """The torsion with values for parameters and unknown functions (see Frame.subs)."""
-        return self.connection.subs(values).torsion
+        return self.connection.subs(values, value).torsion
 
     def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.connection,)

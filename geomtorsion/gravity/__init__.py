@@ -17,7 +17,6 @@ from geomtorsion.gravity.invariance import (
     invariant_torsion,
 )
 from geomtorsion.gravity.invariants import Invariant, invariant, invariants
-from geomtorsion.gravity.killing_yano import killing_yano
 from geomtorsion.gravity.lagrangian import Lagrangian, names
 from geomtorsion.gravity.matter import maxwell, scalar_field
 from geomtorsion.gravity.model import Model, read_model
@@ -34,8 +33,6 @@ from geomtorsion.gravity.stars.family import Family, family
 from geomtorsion.gravity.stars.matter_tables import equation_of_state
 from geomtorsion.gravity.stars.star import Star, star
 from geomtorsion.gravity.statistical import statistical
-from geomtorsion.gravity.symmetry import Symmetries, killing_equations, symmetries
-from geomtorsion.gravity.symmetry_integration import IntegratedSymmetry
 from geomtorsion.gravity.theories import (
     einstein_cartan,
     f_of,
@@ -49,6 +46,13 @@ from geomtorsion.gravity.theories import (
 )
 from geomtorsion.gravity.theory_files import read_theory
 from geomtorsion.gravity.translations import Translation, translations
+from geomtorsion.same import (
+    IntegratedSymmetry,
+    Symmetries,
+    killing_equations,
+    killing_yano,
+    symmetries,
+)
 
 __all__ = [
     "Charge",

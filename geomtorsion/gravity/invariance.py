@@ -24,8 +24,7 @@ from geomtorsion.geometry import (
 )
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.gravity.fields import Index
-from geomtorsion.gravity.symmetry import Symmetries, symmetries
-from geomtorsion.gravity.symmetry_products import factors as functions_of_coordinates
+from geomtorsion.same import Symmetries, functions_of_coordinates, symmetries
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.exclusive import exclusive

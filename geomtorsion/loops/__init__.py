@@ -27,6 +27,7 @@ from geomtorsion.loops.exact_integral import ExactBurgersVector, exact_burgers_v
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.frame_vector import VectorSum
 from geomtorsion.loops.hodograph import Hodograph, hodograph, outline
+from geomtorsion.loops.interpolants import HasInterpolant, Interpolant
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.maps import BurgersMap, burgers_map, burgers_vectors
 from geomtorsion.loops.network import Network
@@ -56,7 +57,9 @@ __all__ = [
     "EnsembleMean",
     "ExactBurgersVector",
     "HasBurgers",
+    "HasInterpolant",
     "Hodograph",
+    "Interpolant",
     "InvariantMeasure",
     "Loop",
     "Network",
@@ -95,3 +98,8 @@ __all__ = [
     "spanning_forest",
     "validation",
 ]
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return [*__all__]

@@ -26,6 +26,7 @@ from geomtorsion.loops.quadrature import PIECE
 from geomtorsion.support import checks
 from geomtorsion.support.displays import Plot, drawn_by, figure_by
 from geomtorsion.support.executors import Executor, checked_executor, each_done
+from geomtorsion.support.hints import attribute_hints
 from geomtorsion.support.progress import PATIENCE, bar
 
 # Loops that are treated together: so many that the points of each need a few pieces.
@@ -35,6 +36,9 @@ TOGETHER = PIECE // 32
 FIRST, FIRST_ON_SIDE = ClosedCurve.first // 2, Square.first // 2
 
 
+@attribute_hints(
+    shape="map.areas.shape", to_pandas="pandas.DataFrame(map.vectors.T)", b="map.vectors"
+)
 @dataclass(frozen=True, eq=False, repr=False)
 class BurgersMap:
     """Burgers vectors of many loops of one shape in parallel planes.
@@ -83,6 +87,10 @@ class BurgersMap:
 
     _repr_html_ = drawn_by("notebook_pictures", "map_html")
     plot: ClassVar[Plot] = figure_by("loops", "draw_map")
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
+        """The vectors, shape (n, *shape)."""
+        return np.array(self.vectors, dtype=dtype)
 
     def __repr__(self) -> str:
         text = f"BurgersMap({self.done} of {self.areas.size} loops, {self.seconds:.2g} s"

@@ -10,6 +10,7 @@ import numpy as np
 import scipy  # loads its subpackages at first use
 
 from geomtorsion.conventions import Signed
+from geomtorsion.loops import Interpolant
 from geomtorsion.materials.detours import Detour
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.precision import CALCULATED
@@ -64,6 +65,7 @@ class Burgers(Signed):
     arrow: b along the axes of that plane, shape (2,); None where b has no such direction.
     section: plane of the circuit. components: names of the entries of `vector`.
     detour: how the circuit goes around missing nodes; None where it meets none.
+    interpolant: of a grid, for `prove`, which integrates it exactly; None for other sources.
 
     Examples
     --------
@@ -87,6 +89,7 @@ class Burgers(Signed):
     components: tuple[str, ...] = ()
     length_unit: str = ""
     detour: Detour | None = None
+    interpolant: Interpolant | None = field(default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         """Set a missing covariance to zero, and number components without names."""

@@ -15,6 +15,7 @@ from geomtorsion.errors import (
     ImageError,
     OrientationError,
 )
+from geomtorsion.materials.columns import UNIT
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.fields.blocked_fields import (
     BlockedField,
@@ -22,10 +23,12 @@ from geomtorsion.materials.fields.blocked_fields import (
     frame_in_blocks,
 )
 from geomtorsion.materials.fields.grid_files import FORMATS as GRIDS
+from geomtorsion.materials.fields.quantities import quantity
 from geomtorsion.materials.images import LatticeImage, LatticePhases
 from geomtorsion.materials.images.image_files import KINDS as IMAGES
 from geomtorsion.materials.maps import OrientationMap
 from geomtorsion.materials.maps.map_formats import FORMATS as MAPS
+from geomtorsion.materials.maps.map_tables import map_quantity
 from geomtorsion.materials.source import Source
 from geomtorsion.support import checks
 from geomtorsion.support.checks import shown
@@ -70,9 +73,10 @@ def _read_grid(
     sigma: float | str | None = None,
     order: int = 4,
     missing: object = None,
+    columns: Mapping[str, int | str] | None = None,
 ) -> SampledFrame:
     """A sampled frame; its noise is estimated unless the file or the caller states it."""
-    frame = SampledFrame.read(path, order, missing=missing)
+    frame = SampledFrame.read(path, order, missing=missing, columns=columns)
     if sigma is None and frame.sigma is None:
         sigma = "estimate"
     return frame if sigma is None else replace(frame, sigma=sigma)
@@ -101,12 +105,16 @@ def _read_image(
 
 
 GRID = Kind(
-    "a sampled frame", "sampled frames", ("sigma", "order", "missing"), GridError, _read_grid
+    "a sampled frame",
+    "sampled frames",
+    ("sigma", "order", "missing", "columns"),
+    GridError,
+    _read_grid,
 )
 MAP = Kind(
     "an orientation map",
     f"orientation maps ({', '.join(end for end in MAPS if end not in GRIDS)})",
-    ("threshold", "laue", "sigma", "slip"), OrientationError, _read_map,
+    ("threshold", "laue", "sigma", "slip", "columns"), OrientationError, _read_map,
 )  # fmt: skip
 IMAGE = Kind(
     "an image", f"lattice images ({', '.join(IMAGES)})", ("pixel", "spots", "resolution"),
@@ -167,6 +175,7 @@ def open_source(
     spots: Sequence[Sequence[float]] | None = None,
     resolution: float | None = None,
     missing: object = None,
+    columns: Mapping[str, int | str] | None = None,
 ) -> Source:
     """Read the sampled frame, orientation map or lattice image in a file.
 
@@ -189,6 +198,9 @@ def open_source(
         Images: see `LatticeImage.phases`.
     missing
         Sampled frames: values that mean "no data", see `SampledFrame.read`.
+    columns
+        Tables: quantity -> name or number of its column, see `SampledFrame.read` and
+        `OrientationMap.read`. Columns of angles (phi1) make it an orientation map.
 
     Raises
     ------
@@ -215,10 +227,11 @@ def open_source(
             "in blocks: geomtorsion map FILE -o DIR. For single circuits, save the array by "
             "SampledFrame.save."
         )
-    kind = kind_of(path)
+    kind = kind_of(path, columns)
     options = {
         "sigma": sigma, "threshold": threshold, "order": order, "laue": laue or None, "slip": slip,
         "pixel": pixel, "spots": spots, "resolution": resolution, "missing": missing,
+        "columns": columns,
     }  # fmt: skip
     arguments = {name: value for name, value in options.items() if value is not None}
     for name in arguments:
@@ -266,10 +279,19 @@ def open_in_blocks(
     return frame_in_blocks(source, path.name)
 
 
-def kind_of(path: Path) -> Kind:
-    """Kind of data in a file, by its ending; by its content where kinds share an ending."""
+def kind_of(path: Path, columns: Mapping[str, int | str] | None = None) -> Kind:
+    """Kind of data in a file, by its ending; by its content where kinds share an ending.
+
+    columns: columns of a table, as named by the user.
+    """
     readers = [reader for reader in READERS if reader.suffix == ending(path)]
     kinds = [reader.kind for reader in readers]
+    if columns and GRID in kinds and MAP in kinds:
+        names = [UNIT.sub("", key) for key in columns if isinstance(key, str)]
+        if any(map_quantity(name) == "phi1" for name in names):
+            return MAP
+        if any(quantity(name) not in (None, *"xyz") for name in names):
+            return GRID
     if GRID in kinds and MAP in kinds and path.is_file():
         tests = [reader.seems for reader in readers if reader.seems is not None]
         kinds.remove(GRID if _seems(path, tests) else MAP)

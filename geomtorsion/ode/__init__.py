@@ -14,6 +14,7 @@ from geomtorsion.ode.checkpoint import Checkpoint
 from geomtorsion.ode.derivatives import EventDerivative
 from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
 from geomtorsion.ode.ensemble import Ensemble, solve_many
+from geomtorsion.ode.equation_files import is_equation_file, read_equations
 from geomtorsion.ode.fates import EndMap, end_map
 from geomtorsion.ode.files import SavedSolution
 from geomtorsion.ode.moment import Moment
@@ -51,10 +52,17 @@ __all__ = [
     "engines",
     "error_estimate",
     "integrate",
+    "is_equation_file",
     "newton",
     "numbers",
+    "read_equations",
     "solution",
     "solve",
     "solve_many",
     "writing",
 ]
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return [*__all__]

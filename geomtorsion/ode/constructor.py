@@ -201,12 +201,13 @@ def start_numbers(
     states: Sequence[str], start: object, known: Sequence[Real] | None = None
 ) -> tuple[Real, ...]:
     """A number for each state; a mapping may change some of the known numbers."""
-    if isinstance(start, Mapping):
-        start = checks.by_name(start, "start", StartError)
-        for name in start:
+    labelled = checks.labelled(start)
+    if labelled is not None:
+        named = checks.by_name(labelled, "start", StartError)
+        for name in named:
             checks.known_name(name, states, "start", UnknownNameError, expected="a state")
         table = dict(zip(states, known, strict=True)) if known is not None else {}
-        table |= {name: number(value, f"start of {name}") for name, value in start.items()}
+        table |= {name: number(value, f"start of {name}") for name, value in named.items()}
         checks.check_values(states, table, "start", StartError, "Give a number for each state.")
         return tuple(table[name] for name in states)
     try:
@@ -297,14 +298,15 @@ def start_columns(
     states: Sequence[str], start: Sequence[Real], parameters: Sequence[str], starts: object
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """States of members (number, size), and those parameters that are given: (number,)."""
-    if not isinstance(starts, Mapping):
+    named = checks.labelled(starts)
+    if named is None:
         rows = _array("starts", starts)
         if rows.ndim != 2 or rows.shape[1] != len(states) or not len(rows):
             raise ShapeError(f"starts: expected shape (number, {len(states)}), got {rows.shape}.")
         return rows, {}
     names = (*states, *parameters)
     arrays = {}
-    for name, values in checks.by_name(starts, "starts", StartError).items():
+    for name, values in checks.by_name(named, "starts", StartError).items():
         kind = "a state or a parameter"
         checks.known_name(name, names, "starts", UnknownNameError, expected=kind)
         arrays[name] = _array(f"starts of {name}", values)

@@ -162,7 +162,7 @@ TIMES = "a number or a list of numbers"
 
 def checked_times(t: object) -> tuple[np.ndarray, np.ndarray]:
     """Times to report, and the grid from 0 through them; text with a unit is in seconds."""
-    if isinstance(t, str):
+    if isinstance(t, str | list | tuple):
         t = in_unit(t, "s", "t", TimeError)
     single = checks.real(t)
     if single is not None:

@@ -3,7 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, ItemsView, Iterator, KeysView, Mapping, Sequence
+from collections.abc import (
+    Callable,
+    Collection,
+    ItemsView,
+    Iterator,
+    KeysView,
+    Mapping,
+    Sequence,
+    ValuesView,
+)
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
@@ -174,7 +183,13 @@ class Problem(Protocol):
 
 
 @attribute_hints(
-    t="solution.times", y="solution.states", sol="solution.at", success="solution.complete"
+    t="solution.times",
+    y="solution.states",
+    sol="solution.at",
+    success="solution.complete",
+    to_numpy="numpy.array(solution)",
+    to_dict="dict(solution)",
+    to_dataframe="to_pandas",
 )
 @dataclass(frozen=True, eq=False)
 class Solution:
@@ -299,11 +314,15 @@ class Solution:
 
     def keys(self) -> KeysView[str]:
         """Names of the states, coordinates, velocities and outputs."""
-        return self.moment.keys()
+        return dict.fromkeys(self.moment).keys()
+
+    def values(self) -> ValuesView[np.ndarray]:
+        """The values of each name, in the order of `keys`."""
+        return dict(self.moment).values()
 
     def items(self) -> ItemsView[str, np.ndarray]:
         """Pairs of a name and its values."""
-        return self.moment.items()
+        return dict(self.moment).items()
 
     def __len__(self) -> int:
         """The number of names."""
@@ -575,6 +594,27 @@ class Solution:
             return self.error
         return max(least, error)
 
+    def resolves(self, name: str) -> bool:
+        """Whether what a name gives is more than zero and rounding noise.
+
+        The runs that are compared agree in noise in no digit.
+
+        Raises
+        ------
+        UnknownNameError
+            nothing has this name.
+
+        Examples
+        --------
+        >>> from geomtorsion.ode import ODE, solve
+        >>> rest = solve(ODE.of({"x": "-x", "y": "0"}, [1, 0]), 10.0)
+        >>> rest.resolves("x"), rest.resolves("y")
+        (True, False)
+        """
+        here = self[name]
+        size = float(np.abs(here).max(initial=0.0))
+        return size > 0 and self._apart(here, lambda one: one[name]) <= UNALIKE * size
+
     @property
     def reference(self) -> Trajectory | None:
         """The finer run with which it was compared."""
@@ -700,6 +740,27 @@ def _sampled(trajectory: Trajectory, times: np.ndarray) -> Trajectory:
     for segment, states, index in trajectory.at(order):
         segments.append(segment.resampled(order[index], states))
     return Trajectory(trajectory.engine, trajectory.tolerance, tuple(segments), "done")
+
+
+def read_at(solution: Solution, time: float) -> Solution:
+    """The motion up to one time, which is its only sample, read from the dense output.
+
+    Raises
+    ------
+    TimeError
+        The time is outside of the solution.
+    """
+    solution.at(time)
+    path, scaled = solution.trajectory, time * solution.problem.time_unit
+    ((last, states, _),) = path.at(np.array([scaled]))
+    segments = []
+    for segment in path.segments:
+        if segment is last:
+            segments.append(segment.resampled(np.array([scaled]), states))
+            break
+        segments.append(segment.resampled(segment.times[:0], segment.states[:0]))
+    sampled = Trajectory(path.engine, path.tolerance, tuple(segments), "done")
+    return replace(solution, times=np.array([time]), trajectory=sampled, comparisons=())
 
 
 def _stretches(solution: Solution) -> list[np.ndarray]:

@@ -142,5 +142,5 @@ def _caption(result: Stresses, axis: str, places: np.ndarray) -> list[str]:
     at = f"Layer {axis} = {float(places.mean()):.4g}{length}. "
     if result.cell.shape[NAMES.index(axis)] == 1:
         at = f"Nothing depends on {axis}. "
-    error = f"Largest stress {result.largest:.3g}{unit}, error of the grid {result.error:.1g}{unit}"
+    error = f"Largest stress {result.largest:.3g}{unit}, error {result.error:.1g}{unit}"
     return [at + error + ".", *result.corrections]

@@ -16,12 +16,13 @@ from geomtorsion.codegen import graph
 from geomtorsion.codegen.balls import BallCode, exact_ball
 from geomtorsion.errors import ArgumentError, ProofError, UnknownNameError
 from geomtorsion.ode import ODE
+from geomtorsion.proofs.arguments import checked_balls
 from geomtorsion.proofs.closing import as_ode, sections_of
 from geomtorsion.proofs.courses import exact_time
 from geomtorsion.proofs.events import Fall
 from geomtorsion.proofs.motions import MOST_STEPS, Box, Leg, RefusalError, follow
 from geomtorsion.proofs.packing import WithBalls
-from geomtorsion.proofs.prove import ALWAYS, certain_digits, checked_balls
+from geomtorsion.proofs.prove import ALWAYS, certain_digits
 from geomtorsion.proofs.series import BallSystem
 from geomtorsion.proofs.sets import LohnerSet
 from geomtorsion.proofs.steps import Method

@@ -80,8 +80,20 @@ class ClosedOrbit(WithBalls):
             ]
 
     def to_json(self) -> dict[str, Any]:
-        """The theorem as a JSON-ready mapping: values with their certain digits, as text."""
+        """The theorem as a JSON-ready mapping: values with their certain digits, as text.
+
+        box: the middle and half the side of each, as exact text "mantissa*2^exponent".
+        """
+        with ball_precision(self.bits):
+            box = {**self.box, "period": self.period_box}
+            numbers = {
+                "start": {name: certain_digits(x, self.digits) for name, x in self.start.items()},
+                "period": certain_digits(self.period, self.digits),
+                "multipliers": [_complex(x, self.digits) for x in self.multipliers],
+                "box": {name: [_exact(x.mid()), _exact(x.rad())] for name, x in box.items()},
+            }
         return {
+            **numbers,
             "values": self.lines(),
             "stability": self.stability,
             "trivial": self.trivial,
@@ -91,6 +103,15 @@ class ClosedOrbit(WithBalls):
             "assumes": list(self.assumes),
             "text": str(self),
         }
+
+    def theorem(self) -> list[str]:
+        """The theorem in full: the exact box, and each assumption, one per line."""
+        lines = ["exactly one closed orbit starts in the box"]
+        with ball_precision(self.bits):
+            for name, x in {**self.box, "period": self.period_box}.items():
+                half = (x.rad() * arb(1.006)).str(3, radius=False)
+                lines.append(f"  {name} = {x.mid().str(self.digits, radius=False)} +- {half}")
+        return [*lines, *(f"  assumed: {text}" for text in self.assumes)]
 
     def __str__(self) -> str:
         radius = max(float(x.rad()) for x in self.box.values())
@@ -106,6 +127,12 @@ class ClosedOrbit(WithBalls):
     __repr__ = __str__
     _repr_html_ = drawn_by("notebook_pictures", "proof_html")
     plot: ClassVar[Plot] = figure_by("orbits", "draw_closed_orbit")
+
+
+def _exact(x: arb) -> str:
+    """A dyadic number as text."""
+    mantissa, exponent = x.man_exp()
+    return f"{mantissa}*2^{exponent}"
 
 
 def _complex(x: acb, digits: int) -> str:

@@ -71,31 +71,56 @@ def arcs_of(part: Part) -> Iterator[BallArc]:
     ProofError
         an arc is of a kind that is not known here.
     """
-    given_centre, given_size = part.given or (part.centre, part.size)
-    centre, size = [exact_ball(x) for x in given_centre], exact_ball(given_size)
     cubics = [arc for arc in part.arcs if isinstance(arc, Cubic)]
     if len(cubics) == len(part.arcs):
-        yield from _spline(cubics, centre, size)
+        yield from _spline(cubics, *_frame_of(part))
         return
     for arc in part.arcs:
-        yield _arc(arc, centre, size)
+        yield arc_in_balls(arc, part)
 
 
-def _arc(arc: Arc, centre: Balls, size: arb) -> BallArc:
+def _frame_of(part: Part) -> tuple[list[arb], arb]:
+    """Centre and size of a part."""
+    centre, size = part.given or (part.centre, part.size)
+    return [exact_ball(x) for x in centre], exact_ball(size)
+
+
+def ellipse_vectors(arc: Ellipse, part: Part) -> tuple[list[arb], list[arb], list[arb]]:
+    """Centre, and the vectors u and v of centre + u cos(2 pi s) + v sin(2 pi s)."""
+    centre, size = _frame_of(part)
+    pair = (arc.first, arc.second) if arc.meant is None else arc.meant(read=dyadic_number)
+    first, second = ([size * exact_ball(x) for x in vector] for vector in pair)
+    return centre, first, second
+
+
+def segment_ends(arc: Segment, part: Part) -> tuple[list[arb], list[arb]]:
+    """Both ends of a straight arc."""
+    centre, size = _frame_of(part)
+    points = arc.held or arc.given
+    if points is not None:
+        start, end = ([exact_ball(x) for x in point] for point in points)
+        return start, end
+    start, end = (
+        [c + size * exact_ball(x) for c, x in zip(centre, point, strict=True)]
+        for point in (arc.start, arc.end)
+    )
+    return start, end
+
+
+def arc_in_balls(arc: Arc, part: Part) -> BallArc:
+    """One arc of a part.
+
+    Raises
+    ------
+    ProofError
+        the arc is of a kind that is not known here.
+    """
     if isinstance(arc, Ellipse):
-        pair = (arc.first, arc.second) if arc.meant is None else arc.meant(read=dyadic_number)
-        first, second = ([size * exact_ball(x) for x in vector] for vector in pair)
-        return _ellipse(centre, first, second)
+        return _ellipse(*ellipse_vectors(arc, part))
     if isinstance(arc, Segment):
-        points = arc.held or arc.given
-        if points is not None:
-            start, end = ([exact_ball(x) for x in point] for point in points)
-        else:
-            start, end = (
-                [c + size * exact_ball(x) for c, x in zip(centre, point, strict=True)]
-                for point in (arc.start, arc.end)
-            )
+        start, end = segment_ends(arc, part)
         return _polynomials([(b - a, a) for a, b in zip(start, end, strict=True)])
+    centre, size = _frame_of(part)
     if isinstance(arc, Curve):
         low, width = arc.start, arc.end - arc.start
         middle, scale = _named("c", centre), _named("r", [size])

@@ -5,18 +5,25 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
 import flint
 import numpy as np
 from flint import arb
 
-from geomtorsion.errors import ArgumentError, ProofError, StartError, TimeError, UnknownNameError
-from geomtorsion.loops import BurgersVector, Development
-from geomtorsion.ode import Solution
-from geomtorsion.ode.derivatives import checked_by, derivative_name
+from geomtorsion.errors import ArgumentError, ProofError, TimeError, UnknownNameError
+from geomtorsion.loops import BurgersVector, Development, HasInterpolant
+from geomtorsion.ode import Solution, solution
+from geomtorsion.ode.derivatives import derivative_name
+from geomtorsion.proofs.arguments import (
+    checked_balls,
+    checked_derivatives,
+    checked_start,
+    refuse_unknown,
+)
 from geomtorsion.proofs.developments import proved_development
+from geomtorsion.proofs.interpolants import proved_interpolant
 from geomtorsion.proofs.loops import proved_integrals
 from geomtorsion.proofs.packing import WithBalls
 from geomtorsion.proofs.solutions import SolutionTask
@@ -27,7 +34,7 @@ from geomtorsion.support.displays import drawn_by
 from geomtorsion.support.exclusive import exclusive
 from geomtorsion.support.precision import EXACT_BITS, ball_precision, series_length
 
-Result: TypeAlias = BurgersVector | Development | Solution
+Result: TypeAlias = BurgersVector | Development | Solution | HasInterpolant
 ALWAYS = (
     "components that a zero test dropped vanish, with the certainty of that test",
     "floats are the dyadic numbers that they are; fractions, text and expressions are exact",
@@ -43,7 +50,8 @@ class Proof(WithBalls):
     result: the result that was proved.
     balls: the components of a Burgers vector; for a development the components of burgers, then the
         rows of the rotation; for a solution one tuple for each of its times: the states, then their
-        derivatives by the first name, by the second, ...
+        derivatives by the first name, by the second, ... `solve(problem, 1.0)` reports 65 times,
+        and its error covers all of them; `at(1.0)` has the requested one.
     names: names of the balls, or of the states and derivatives at each time.
     charts: for a solution the chart of its states at each time.
     digits: number of requested digits.
@@ -51,6 +59,7 @@ class Proof(WithBalls):
     holds: True: the result is within its error; False: it is not; None: the balls do not decide.
     bits, steps, seconds: the precision, the steps (arcs of a loop), and the time that it took.
     assumes: assumptions of the proof.
+    start, parameters, derivatives: as given to `prove`.
     """
 
     result: Result
@@ -64,6 +73,9 @@ class Proof(WithBalls):
     steps: int
     seconds: float
     assumes: tuple[str, ...]
+    start: Any = None
+    parameters: Mapping[str, Any] | None = None
+    derivatives: tuple[str, ...] = ()
 
     @cached_property
     def values(self) -> Any:
@@ -102,22 +114,39 @@ class Proof(WithBalls):
         )
 
     def at(self, time: object) -> Mapping[str, arb]:
-        """The balls at one of the times of a solution by name.
+        """The balls at any time of a solution by name, in the chart of the solution there.
+
+        A time between the times of the solution needs a proof of its own, from the start to there.
 
         Raises
         ------
         TimeError
-            The time is not one of the times of a solution.
+            The time is outside of the solution, or the proof is about another result.
+        ProofError
+            Nothing is proved at this time.
+
+        Examples
+        --------
+        >>> from geomtorsion.ode import ODE, solve
+        >>> proof = prove(solve(ODE.of({"x": "v", "v": "-x"}, [1, 0]), [1.0]))
+        >>> print(proof.at(0.5)["x"].str(15, radius=False))
+        0.877582561890373
         """
-        times = self.result.times.tolist() if isinstance(self.result, Solution) else []
-        if time not in times:
-            shown = f"one of the {len(times)} proved times" if times else "a proof of a solution"
+        number = checks.real(time)
+        if not isinstance(self.result, Solution) or number is None:
+            shown = "one number" if isinstance(self.result, Solution) else "a proof of a solution"
             raise TimeError(
-                f"time: expected {shown}, got {checks.shown(time)}. Solve with this time among the "
-                "times, and prove that solution."
+                f"time: expected {shown}, got {checks.shown(time)}. Read other proofs by name."
             )
-        k = times.index(time)
-        return dict(zip(self.names[k], self.balls[k], strict=True))
+        times = self.result.times.tolist()
+        if number in times:
+            k = times.index(number)
+            return dict(zip(self.names[k], self.balls[k], strict=True))
+        between = prove(
+            solution.read_at(self.result, number), self.digits, start=self.start,
+            parameters=self.parameters, derivatives=self.derivatives,
+        )  # fmt: skip
+        return dict(zip(between.names[-1], between.balls[-1], strict=True))
 
     def _floats(self, read: Callable[[arb], float]) -> Any:
         with ball_precision(self.bits):
@@ -150,7 +179,7 @@ class Proof(WithBalls):
 
     def __str__(self) -> str:
         verdict = {True: "holds", False: "does NOT hold", None: "is not decided"}[self.holds]
-        reported = self.result.error
+        reported, subject = self._reported
         place = ""
         if isinstance(self.result, Solution):
             place = f" at {self.result.problem.time_name} = {float(self.result.times[-1]):.6g}"
@@ -158,9 +187,17 @@ class Proof(WithBalls):
             [
                 f"proved{place}, {self.digits} digits, {self.bits} bits, {self.seconds:.3g} s:",
                 *(f"  {line}" for line in self.lines()),
-                f"  the reported error {reported:.2g} {verdict}: proved {self.error:.2g}",
+                f"  the reported {subject} {reported:.2g} {verdict}: proved {self.error:.2g}",
+                *(f"  {text}" for text in self.assumes if text not in ALWAYS),
             ]
         )
+
+    @property
+    def _reported(self) -> tuple[float, str]:
+        """The error that was judged, and its name."""
+        if isinstance(self.result, HasInterpolant):
+            return self.result.systematic["quadrature"], "error of the integral"
+        return self.result.error, "error"
 
     __repr__ = __str__
     _repr_html_ = drawn_by("notebook_pictures", "proof_html")
@@ -213,7 +250,9 @@ def prove(
     Parameters
     ----------
     result
-        A BurgersVector, a Development, or a Solution: its states at all of its times.
+        A BurgersVector, a Development, or a Solution: its states at all of its times. The Burgers
+        vector of a SampledFrame is proved for its interpolant, polynomials with exact coefficients;
+        noise and the field between the nodes are not part of the theorem.
     digits
         How many digits of the largest component, or of each group of states, from 1 to 1000. More
         are used where the reported error could not be judged otherwise.
@@ -258,14 +297,18 @@ def prove(
     began = time.perf_counter()
     checks.count(digits, "digits", ArgumentError, 1, 1000)
     changed = checked_balls(parameters, "parameters")
-    by = _checked_derivatives(result, derivatives)
-    start_balls = _checked_start(start)
+    by = checked_derivatives(result, derivatives)
+    start_balls = checked_start(start)
     # The precision of FLINT belongs to the process: no other thread may set it meanwhile.
     with ball_precision(EXACT_BITS), series_length(flint.ctx.cap):
         if isinstance(result, Solution):
             proof = _solution(result, digits, start_balls, changed, by)
         elif start_balls is not None:
             raise ArgumentError("start: expected nothing for a loop, which has none. Drop it.")
+        elif changed and isinstance(result, HasInterpolant):
+            raise ArgumentError("parameters: expected nothing for data, which have none. Drop it.")
+        elif isinstance(result, HasInterpolant):
+            proof = _data(result, digits)
         elif isinstance(result, BurgersVector):
             proof = _burgers(result, digits, changed)
         elif isinstance(result, Development):
@@ -279,65 +322,11 @@ def prove(
     assumes = ALWAYS
     if start is not None or changed:
         assumes = (*assumes, "start or parameters are in the given balls")
-    return proof(seconds, assumes)
+    made = proof(seconds, assumes)
+    return replace(made, start=start_balls, parameters=changed or None, derivatives=by)
 
 
 Made = Callable[[float, tuple[str, ...]], Proof]
-
-
-def checked_balls(values: object, subject: str) -> dict[str, Any]:
-    """Numbers or finite balls by name.
-
-    Raises
-    ------
-    ArgumentError
-        one is neither.
-    """
-    if values is None:
-        return {}
-    table = checks.by_name(values, subject, ArgumentError)
-    return {name: _checked_ball(value, f"{subject}: {name}") for name, value in table.items()}
-
-
-def _checked_ball(value: object, subject: str) -> Any:
-    if isinstance(value, arb):
-        if not value.is_finite():
-            raise ArgumentError(f"{subject}: expected a finite ball, got {value}. Give another.")
-        return value
-    return checks.exact_number(value, subject, ArgumentError)
-
-
-def _checked_derivatives(result: object, derivatives: object) -> tuple[str, ...]:
-    """Names by which derivatives of a solution are taken."""
-    if not checks.entries(derivatives, "derivatives", StartError):
-        return ()
-    if not isinstance(result, Solution):
-        raise ArgumentError(
-            "derivatives: expected nothing except for a solution, got "
-            f"{checks.shown(derivatives)} for a {type(result).__name__}. Drop them."
-        )
-    problem = result.problem
-    if getattr(problem, "carried", None) is not None:
-        raise StartError(
-            "derivatives: expected a curve without vectors carried along, got one with them. Solve "
-            "it without them."
-        )
-    return checked_by(derivatives, tuple(getattr(problem, "variables", {})), "derivatives")
-
-
-def _checked_start(start: object) -> Any:
-    if start is None:
-        return None
-    if isinstance(start, Mapping):
-        return checked_balls(start, "start")
-    return tuple(
-        _checked_ball(x, f"start[{k}]") for k, x in enumerate(checks.entries(start, "start"))
-    )
-
-
-def _refuse_unknown(names: Mapping[str, Any], known: Mapping[str, Any]) -> None:
-    for name in names:
-        checks.known_name(name, known, "parameters", UnknownNameError, expected="a parameter")
 
 
 def _verdict(gap: arb, error: arb) -> bool | None:
@@ -354,7 +343,7 @@ def _burgers(result: BurgersVector, digits: int, changed: Mapping[str, Any]) -> 
             "expected a real frame, got a complex one, for which integrals are not proved. Use a "
             "real frame."
         )
-    _refuse_unknown(changed, result.parameters)
+    refuse_unknown(changed, result.parameters)
     parameters = {**result.parameters, **changed}
     with ball_precision(EXACT_BITS):
         unit = arb(result.size) ** result.power
@@ -373,6 +362,32 @@ def _burgers(result: BurgersVector, digits: int, changed: Mapping[str, Any]) -> 
     )  # fmt: skip
 
 
+def _data(result: HasInterpolant, digits: int) -> Made:
+    """Burgers vector of the interpolant of a grid."""
+    field = result.interpolant
+    if field is None:
+        raise ProofError(
+            "expected b of the values of a grid, got b of a source without an interpolant, such as "
+            "an orientation map or a displacement, which is a sum of steps. Use a SampledFrame."
+        )
+    with ball_precision(EXACT_BITS):
+        value = [arb(x) for x in result.vector.tolist()]
+        error = arb(result.systematic["quadrature"])
+    accuracy = Wanted.of(digits, error, max((abs(x) for x in value), key=float))
+    totals = proved_interpolant(field, accuracy)
+    with ball_precision(EXACT_BITS):
+        gap = _largest(totals.balls, value)
+        bound, holds = upper_float(gap), _verdict(gap, error)
+    about = (
+        f"b belongs to the interpolant of order {field.order} through the values at the nodes; "
+        "noise and the field between the nodes are not judged"
+    )
+    return lambda seconds, assumes: Proof(
+        result, totals.balls, result.components, (), digits, bound, holds, totals.bits,
+        totals.arcs, seconds, (about, *assumes),
+    )  # fmt: skip
+
+
 def _largest(balls: Sequence[arb], values: Sequence[arb]) -> arb:
     """The largest difference."""
     largest = arb(0)
@@ -388,7 +403,7 @@ def _development(result: Development, digits: int, changed: Mapping[str, Any]) -
             "expected a real frame, got a complex one, for which developments are not proved. Use "
             "a real frame."
         )
-    _refuse_unknown(changed, result.parameters)
+    refuse_unknown(changed, result.parameters)
     parameters = {**result.parameters, **changed}
     with ball_precision(EXACT_BITS):
         burgers = [arb(x) for x in result.burgers.tolist()]
@@ -420,7 +435,7 @@ def _development(result: Development, digits: int, changed: Mapping[str, Any]) -
 def _solution(
     result: Solution, digits: int, start: Any, changed: Mapping[str, Any], by: tuple[str, ...]
 ) -> Made:
-    _refuse_unknown(changed, getattr(result.problem, "parameters", {}))
+    refuse_unknown(changed, getattr(result.problem, "parameters", {}))
     task = SolutionTask.of(result, start, changed, by)
     with ball_precision(EXACT_BITS):
         error = arb(result.error) if math.isfinite(result.error) else arb.pos_inf()

@@ -10,7 +10,7 @@ import sympy as sp
 
 from geomtorsion.geometry import Curvature, Frame, Tensor, levi_civita
 from geomtorsion.geometry.connections import FrameLike, frame_of
-from geomtorsion.same.invariants import Growth, Invariants
+from geomtorsion.same.invariants import Growth, Invariants, refuse_functions
 from geomtorsion.same.petrov import petrov_type
 from geomtorsion.same.products import Factor, factors
 from geomtorsion.same.scalars import is_constant
@@ -148,13 +148,20 @@ def classified(frame: FrameLike, keep: str = "metric") -> Classification:
     keep
         "metric", "teleparallel" or "legs", as in `same_geometry`.
 
+    Raises
+    ------
+    ArgumentError
+        The frame has unknown functions such as a(t).
+
     Examples
     --------
     >>> from geomtorsion.geometry import Frame
     >>> print(classified(Frame("m s", [["1/s", 0], [0, "sqrt(2)/s"]])))
     constant curvature -1/2, 3 symmetries
     """
-    return classification(Invariants(frame_of(frame), keep))
+    one = frame_of(frame)
+    refuse_functions(one)
+    return classification(Invariants(one, keep))
 
 
 def classification(invariants: Invariants) -> Classification:

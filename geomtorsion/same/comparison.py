@@ -8,12 +8,11 @@ from itertools import islice, product
 import sympy as sp
 
 from geomtorsion.errors import ArgumentError, CoordinateError
-from geomtorsion.exact import unknown_functions
 from geomtorsion.geometry import Connection, Frame
 from geomtorsion.geometry.connections import FrameLike, frame_of
 from geomtorsion.same.equivalence import TRIES, Equivalence
 from geomtorsion.same.family import member_of
-from geomtorsion.same.invariants import Invariants
+from geomtorsion.same.invariants import Invariants, refuse_functions
 from geomtorsion.support import checks
 from geomtorsion.support.exclusive import exclusive
 
@@ -118,16 +117,6 @@ def _compared(
     equal = one == two and first == second
     other = invariants if equal else Invariants(two, keep, second)
     return Equivalence(invariants, other, orientation, values, assumptions)
-
-
-def refuse_functions(frame: Frame) -> None:
-    """Refuse a frame with unknown functions such as a(t)."""
-    functions = unknown_functions(x for matrix in frame.given.values() for x in matrix.values())
-    if functions:
-        raise ArgumentError(
-            f"expected a frame without unknown functions, got {functions[0]}. Give it a value, as "
-            f"in frame.subs({{{functions[0]}: ...}})."
-        )
 
 
 def parameter_values(one: Frame, two: Frame) -> dict[str, sp.Rational]:

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations, product
 
-from geomtorsion.exact import Certainty, Echelon, Element
+from geomtorsion.errors import ArgumentError
+from geomtorsion.exact import Certainty, Echelon, Element, unknown_functions
 from geomtorsion.exact.element import least_certain
 from geomtorsion.geometry import Connection, Frame, Tensor, cartan, levi_civita
 from geomtorsion.support.caching import cached_property
@@ -217,3 +218,13 @@ def representatives(tensor: Tensor) -> Iterator[Index]:
     for index in product(range(tensor.frame.dimension), repeat=len(tensor.slots)):
         if tensor.components.representative(index) == (1, index):
             yield index
+
+
+def refuse_functions(frame: Frame) -> None:
+    """Refuse a frame with unknown functions such as a(t)."""
+    functions = unknown_functions(x for matrix in frame.given.values() for x in matrix.values())
+    if functions:
+        raise ArgumentError(
+            f"expected a frame without unknown functions, got {functions[0]}. Give it a value, as "
+            f"in frame.subs({{{functions[0]}: ...}})."
+        )

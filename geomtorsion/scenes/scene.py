@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
-from geomtorsion.errors import GeomtorsionError, SceneError, UnknownNameError
+from geomtorsion.errors import GeomtorsionError, SceneError, TimeError, UnknownNameError
+from geomtorsion.exact.units import in_unit
 from geomtorsion.ode import solve
 from geomtorsion.ode.numbers import check_memory, checked_accuracy, checked_times
 from geomtorsion.prices import EffectBudget, Offer, Request, called_for
@@ -177,7 +178,7 @@ class Scene:
         calls for them: see `magnitudes` for their numbers and `called_for` for the choice.
     start: its initial state.
     watch: names of the quantities to report, see `geomtorsion.scenes.observables`.
-    t: last time (s), or all times at which to report, from 0 on.
+    t: last time (s, or text such as "3 min"), or all times at which to report, from 0 on.
     accuracy: largest error of the states, relative to their size.
     name, title: for lists and tables.
     samples: number of times to report if t is one number.
@@ -228,6 +229,7 @@ class Scene:
         remedy = "Write State(omega=(0, 0, 1))."
         checks.instance(self.start, State, "start", SceneError, remedy=remedy)
         object.__setattr__(self, "accuracy", checked_accuracy(self.accuracy))
+        object.__setattr__(self, "t", in_unit(self.t, "s", "t", TimeError))
         checked_times(self.t)
         if isinstance(self.t, Iterable) and checks.real(self.t) is None:
             object.__setattr__(self, "t", tuple(float(x) for x in self.t))

@@ -11,24 +11,29 @@ from geomtorsion.spaces.space import KnownAnswer, Space
 if TYPE_CHECKING:
     from geomtorsion.spaces import first_motion
     from geomtorsion.spaces.identification import Identification, Identified, identify
+    from geomtorsion.spaces.kerr_orbits import Frequencies, KerrOrbit, kerr_orbit
     from geomtorsion.spaces.pair import Pair, pair_problems, refuse_unknown_functions, solve_pair
 
 # Names imported on first use: loading a space needs no motions and no comparison.
 _LATER = {
     "Pair": "pair", "pair_problems": "pair", "refuse_unknown_functions": "pair",
     "solve_pair": "pair", "Identification": "identification", "Identified": "identification",
-    "identify": "identification",
+    "identify": "identification", "Frequencies": "kerr_orbits", "KerrOrbit": "kerr_orbits",
+    "kerr_orbit": "kerr_orbits",
 }  # fmt: skip
 
 __all__ = [
+    "Frequencies",
     "Identification",
     "Identified",
+    "KerrOrbit",
     "KnownAnswer",
     "Pair",
     "Space",
     "disagreements",
     "first_motion",
     "identify",
+    "kerr_orbit",
     "load",
     "names",
     "pair_problems",
@@ -45,7 +50,8 @@ def __getattr__(name: str) -> object:
     if name == "first_motion":
         return import_module("geomtorsion.spaces.first_motion")
     if name not in _LATER:
-        raise AttributeError(f"module 'geomtorsion.spaces' has no attribute {name!r}")
+        hint = ". Did you mean gt.spaces.names()?" if name in ("list", "all") else ""
+        raise AttributeError(f"module 'geomtorsion.spaces' has no attribute {name!r}{hint}")
     return getattr(import_module(f"geomtorsion.spaces.{_LATER[name]}"), name)
 
 

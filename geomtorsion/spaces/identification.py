@@ -15,8 +15,9 @@ from geomtorsion.geometry import Frame
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.same import Classification, Equivalence
 from geomtorsion.same.classification import signature
-from geomtorsion.same.comparison import KEEPS, refuse_functions
+from geomtorsion.same.comparison import KEEPS
 from geomtorsion.same.family import Query, Stratum, strata
+from geomtorsion.same.invariants import refuse_functions
 from geomtorsion.spaces.registry import CHARTS, names, shipped_space
 from geomtorsion.support import checks
 from geomtorsion.support.allowance import check_limits

@@ -92,8 +92,9 @@ class FirstMotion:
 
 
 @attribute_hints(
-    metric="space.frame.metric", coframe="space.frame.coframe", torsion="gt.cartan(space).torsion"
-)
+    metric="space.frame.metric", coframe="space.frame.coframe", torsion="gt.cartan(space).torsion",
+    parameters="space.frame.parameters", coordinates="space.frame.coordinates",
+)  # fmt: skip
 @dataclass(frozen=True, eq=False, repr=False)
 class Space:
     """Space from the library or a file: a frame with its description, source and known results.

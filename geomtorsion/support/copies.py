@@ -55,7 +55,11 @@ def content_hash(self: Any) -> int:
 def comparable(value: Any) -> Any:
     """A value that `==` compares as a whole and that has a hash."""
     if isinstance(value, np.ndarray):
-        return value.shape, tuple(value.ravel().tolist())
+        entries = value.ravel().tolist()
+        if value.dtype.kind in "fc" and np.isnan(value).any():
+            # A missing number equals a missing number.
+            entries = [None if x != x else x for x in entries]
+        return value.shape, tuple(entries)
     if isinstance(value, Mapping):
         # The order of the names does not count.
         pairs = [(key, comparable(entry)) for key, entry in value.items()]

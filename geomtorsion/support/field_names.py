@@ -15,6 +15,8 @@ LIKE = {
     "vierbein": "gt.Frame(coordinates, coframe)",
     "coframe": "frame.coframe",
     "space": "gt.spaces.load(name)",
+    "load": "gt.spaces.load(name), or gt.read(file)",
+    "list": "gt.spaces.names()",
     "torsion": "gt.cartan(frame).torsion",
     "contorsion": "gt.cartan(frame).contortion",
     "contortion": "gt.cartan(frame).contortion",

@@ -143,6 +143,95 @@ def test_trials_without_a_motion():
     assert fit["k"] == pytest.approx(0.1, abs=1e-6)
 
 
+def outlying(seed: int) -> np.ndarray:
+    """Positions of the oscillator with k = 4, a tenth of them with a hundred times the noise."""
+    draws = np.random.default_rng(seed)
+    wild = draws.random(len(TIMES)) < 0.1
+    return noisy(seed) + wild * draws.normal(size=len(TIMES))
+
+
+def test_a_robust_loss_survives_outliers():
+    """Over 30 seeds with outliers, deviations in units of the errors have mean square near one."""
+    pulls = []
+    for seed in range(30):
+        loss = ("soft_l1", "huber", "cauchy")[seed % 3]
+        fit = gt.fit(SWING, TIMES, {"x": outlying(seed)}, 0.01, ["k"], loss=loss, accuracy=1e-8)
+        pulls.append((fit["k"] - 4) / fit.errors["k"])
+    # Thirty squares have a standard deviation of a quarter of their mean, more with outliers.
+    assert np.sqrt(np.mean(np.square(pulls))) == pytest.approx(1, abs=0.35)
+
+
+def test_a_point_far_off_is_reported():
+    """A datum 150 sigma off: a warning names it; a robust fit has the value without it."""
+    data = noisy(0)
+    data[7] += 1.5
+    fit = gt.fit(SWING, TIMES, {"x": data}, 0.01, ["k"])
+    (warning,) = fit.warnings
+    assert f"sigma, x at {TIMES[7]:.6g}" in warning
+    assert "too large for chance" in warning
+    robust = gt.fit(SWING, TIMES, {"x": data}, 0.01, ["k"], loss="soft_l1")
+    without = np.where(np.arange(40) == 7, np.nan, data)
+    clean = gt.fit(SWING, TIMES, {"x": without}, 0.01, ["k"])
+    assert abs(robust["k"] - clean["k"]) < clean.errors["k"]
+    assert abs(fit["k"] - clean["k"]) > 5 * clean.errors["k"]
+    assert not robust.warnings
+    assert "(loss soft_l1; beyond 5 sigma: 1)" in str(robust)
+
+
+def test_losses_agree_where_there_is_no_outlier():
+    """Squares and soft_l1 of small residuals are equal to first order."""
+    exact = {"x": np.cos(2 * TIMES)}
+    values = [gt.fit(SWING, TIMES, exact, 1.0, ["k"], loss=x)["k"] for x in ("linear", "soft_l1")]
+    assert values == pytest.approx([4, 4], rel=1e-7)
+
+
+def test_a_parameter_that_changes_nothing_keeps_its_value():
+    """The radius of a sphere does not change its geodesics; only rounding noise depends on it."""
+    curve = gt.geodesic("s2", [1, 0], [0, 1], parameters={"R": 1})
+    for engine in (None, gt.RungeKutta()):
+        fit = gt.fit(curve, [0, 1, 2], {"theta": [1, 1.2, 1.6]}, 0.1, ["R"], engine=engine)
+        assert str(fit).startswith("R = 1, undetermined")
+        assert "Fix it" in fit.warnings[0]
+        both = gt.fit(curve, [0, 1, 2], {"theta": [1, 1.2, 1.6]}, 0.1, ["R", "phi'"], engine=engine)
+        assert both["R"] == 1
+        assert np.isinf(both.errors["R"])
+        assert np.isfinite(both.errors["phi'"])
+
+
+def test_bounds_stop_a_value():
+    """Bounds that contain the answer change nothing; another one is reported."""
+    data = {"x": noisy(1)}
+    free = gt.fit(SWING, TIMES, data, 0.01, ["k"])
+    wide = gt.fit(SWING, TIMES, data, 0.01, ["k"], bounds={"k": (3, 5)})
+    assert wide["k"] == pytest.approx(free["k"], rel=1e-6)
+    assert not wide.warnings
+    stopped = gt.fit(SWING, TIMES, data, 0.01, ["k"], bounds={"k": (None, 3.95)})
+    assert stopped["k"] == pytest.approx(3.95, rel=1e-6)
+    assert stopped.at_bounds == {"k": 3.95}
+    assert "k is at its bound 3.95" in stopped.warnings[0]
+
+
+def test_tables_of_pandas_and_xarray():
+    """Columns by name: the time as a column or an index, the noise as columns, missing numbers."""
+    pandas = pytest.importorskip("pandas")
+    x = noisy(1)
+    x[[3, 4]] = np.nan
+    sigma = np.where(np.isnan(x), np.nan, 0.01)
+    expected = gt.fit(SWING, TIMES, {"x": x}, 0.01, ["k"])
+    table = pandas.DataFrame({"t": TIMES, "x": x, "sigma_x": sigma})
+    marked = table.astype({"x": "Float64"})
+    for data in (table, marked, table.set_index("t"), table.to_records(index=False)):
+        assert gt.fit(SWING, "t", data, None, ["k"]) == expected
+    assert gt.fit(SWING, table["t"], table[["x"]], 0.01, ["k"]) == expected
+    xarray = pytest.importorskip("xarray")
+    data = xarray.Dataset({"x": ("t", x)}, coords={"t": TIMES})
+    assert gt.fit(SWING, "t", data, 0.01, ["k"]) == expected
+    truth = gt.solve(SWING.with_values({"k": 4.0}), TIMES)
+    for data in (truth.to_pandas(), truth.to_xarray()):
+        assert gt.fit(SWING, "t", data[["t", "x"]], 0.01, ["k"])["k"] == pytest.approx(4)
+    assert gt.fit(SWING, truth.times, truth, 0.01, ["k"])["k"] == pytest.approx(4)
+
+
 def test_equal_calls_give_equal_bits():
     """Values and covariance, on a second call."""
     one, two = (gt.fit(SWING, TIMES, {"x": noisy(1)}, 0.01, ["k", "x"]) for _ in range(2))
@@ -171,6 +260,13 @@ REFUSALS = [
     (lambda: gt.fit(SWING, [], X, 1, ["k"]), TimeError, "got none"),
     (lambda: gt.fit(SWING, [1], {"x": [1]}, 1, ["k", "x"]), StartError, "Free fewer"),
     (lambda: gt.fit(SWING, TIMES, X, 1e-12, ["k"], accuracy=1e-6), AccuracyError, "Give accuracy"),
+    (lambda: gt.fit(SWING, "t", X, 1, ["k"]), UnknownNameError, "The columns are x"),
+    (lambda: gt.fit(SWING, TIMES, X, None, ["k"]), StartError, "Give sigma, or a column sigma_x"),
+    (lambda: gt.fit(SWING, TIMES, X, 1, ["k"], loss="l2"), StartError, "soft_l1, huber, cauchy"),
+    (lambda: gt.fit(SWING, TIMES, X, 1, ["k"], bounds={"q": (0, 1)}), UnknownNameError, "'q'"),
+    (lambda: gt.fit(SWING, TIMES, X, 1, ["k"], bounds={"k": 3}), StartError, "got 3"),
+    (lambda: gt.fit(SWING, TIMES, X, 1, ["k"], bounds={"k": (5, 6)}), StartError, "first guess"),
+    (lambda: gt.fit(SWING, TIMES, X, 1, ["k"], bounds={"k": ("a", 6)}), StartError, "or None"),
     (lambda: gt.fit("kerr", TIMES, X, 1, ["M"]), StartError, "expected a problem"),
 ]
 

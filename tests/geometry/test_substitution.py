@@ -160,7 +160,8 @@ def test_a_root_that_becomes_a_square_is_reported():
         ({"b(r)": 2}, UnknownNameError, "expected an unknown function of this tensor, got 'b'"),
         ({"k": None}, ArgumentError, "None"),
         ({"k": 0.5}, ExpressionError, "^the value of 'k': 0.5.* exactly, for example 1/2$"),
-        ([("k", 1)], GeomtorsionError, "values"),
+        ([("k", 1, 2)], GeomtorsionError, "values"),
+        (["k"], GeomtorsionError, "values"),
         ({"k": 0}, gt.errors.CoframeError, "singular"),
     ],
 )  # fmt: skip

@@ -161,6 +161,32 @@ def test_at_a_stop():
     assert proof["dz_dv"][-1].overlaps(arb(2))
 
 
+@pytest.mark.parametrize("time", [0.0, 0.3, 0.5, 0.99, 1.0])
+def test_any_time_of_a_solution(time):
+    """x'' = -x from a ball: cos t (1 +- 1e-6), with its derivative, at and between the times."""
+    spring = gt.ODE.of({"x": "v", "v": "-x"}, [1, 0])
+    start = {"x": arb(1, 1e-6)}
+    proof = gt.prove(gt.solve(spring, [0.5, 1.0]), start=start, derivatives=["x"])
+    balls = proof.at(time)
+    with ball_precision(100):
+        for x in (arb(1), arb(1) + arb(1e-6).lower(), arb(1) - arb(1e-6).lower()):
+            assert balls["x"].overlaps(x * arb(time).cos())
+        assert balls["dv_dx"].overlaps(-arb(time).sin())
+        assert balls["x"].rad() < 2e-6
+    assert gt.prove(gt.solve(spring, 1.0)).at(1.0).keys() == {"x", "v"}
+
+
+@pytest.mark.parametrize("time", [0.05, 0.77])
+def test_any_time_of_a_curve_in_another_chart(time):
+    """A great circle over the pole of a sphere: x = sin(0.3 - t) cos(0.2)."""
+    curve = gt.geodesic("s2", [0.3, 0.2], frame_velocity=[-1, 0], parameters={"R": 1})
+    balls = gt.prove(gt.solve(curve, 1.0)).at(time)
+    with ball_precision(100):
+        # The other chart measures the angle from the x axis.
+        x = (arb(0.3) - arb(time)).sin() * arb(0.2).cos()
+        assert balls["theta_x"].cos().overlaps(x)
+
+
 def test_balls_by_name():
     """Balls of one name at all times, of one time under all names, and of a loop."""
     solution = gt.solve(gt.ODE.of(SWING, [1, 0]), [0.5, 1.0])
@@ -171,7 +197,8 @@ def test_balls_by_name():
     loop = gt.prove(gt.burgers_vector(SO3, gt.Loop.circle([0.3, 1, 0.2], 0.1)))
     assert loop["b1"] is loop.balls[0]
     refused = [
-        (lambda: proof["y"], UnknownNameError), (lambda: proof.at(0.7), TimeError),
+        (lambda: proof["y"], UnknownNameError), (lambda: proof.at(1.1), TimeError),
+        (lambda: proof.at(-0.1), TimeError), (lambda: proof.at([0.5]), TimeError),
         (lambda: loop.at(0.0), TimeError), (lambda: loop["x"], UnknownNameError),
         (lambda: gt.prove(solution, derivatives=["k"]), UnknownNameError),
         (lambda: gt.prove(solution, derivatives=["x", "x"]), StartError),

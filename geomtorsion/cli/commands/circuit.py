@@ -11,6 +11,7 @@ from geomtorsion.cli.loops import LoopFiles, files_of_loops, named_loop
 from geomtorsion.cli.measured_sources import Reading, identity_frame, opened
 from geomtorsion.cli.options import (
     Form,
+    MeasuredColumns,
     MeasuredFile,
     MeasuredLaue,
     MeasuredMissing,
@@ -45,11 +46,16 @@ def circuit(
     threshold: MeasuredThreshold = None,
     order: MeasuredOrder = None,
     missing: MeasuredMissing = None,
+    columns: MeasuredColumns = None,
     laue: MeasuredLaue = None,
     slip: MeasuredSlip = None,
     pixel: MeasuredPixel = None,
     spots: MeasuredSpots = None,
     resolution: MeasuredResolution = None,
+    proved: Annotated[
+        bool,
+        typer.Option("--proved", help="Grids: prove the integral of the interpolant."),
+    ] = False,
     form: Annotated[
         Form, typer.Option("--format", help="text to read, json for programs.")
     ] = Form.text,
@@ -72,10 +78,20 @@ def circuit(
     Examples:
       geomtorsion circuit map.ctf --loop "circle 20,30:8" -o out
       geomtorsion circuit lattice.tif --pixel 0.032nm --loop "circle 4,4:2.5"
+      geomtorsion circuit distortion.npz --loop "circle 0,0:1" --proved
       geomtorsion circuit distortion.npz --sigma 0.001 --loops loops.json --format json
     """
     reading = Reading(
-        sigma, threshold, order, tuple(laue or ()), slip, pixel, spots, resolution, missing or ()
+        sigma,
+        threshold,
+        order,
+        tuple(laue or ()),
+        slip,
+        pixel,
+        spots,
+        resolution,
+        missing or (),
+        columns,
     )
     with working(Path(source).name):
         field = opened(source, reading)
@@ -94,4 +110,4 @@ def circuit(
         raise typer.BadParameter(
             "expected a circuit, got none. Use --loop 'circle 20,30:8' or --loops FILE."
         )
-    show_burgers(field, circuits, output, plain=form is Form.json)
+    show_burgers(field, circuits, output, plain=form is Form.json, proved=proved)

@@ -31,9 +31,16 @@ from geomtorsion.cli.options import (
 )
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working
-from geomtorsion.cli.values import engine_of, named_numbers, number, start_lines, start_options
-from geomtorsion.errors import FileFormatError
-from geomtorsion.fits import Fit
+from geomtorsion.cli.values import (
+    engine_of,
+    named_numbers,
+    number,
+    parts,
+    start_lines,
+    start_options,
+)
+from geomtorsion.errors import FileFormatError, StartError
+from geomtorsion.fits import NOISE, Fit
 from geomtorsion.fits import fit as fitted
 from geomtorsion.pictures.style import can_draw, save
 from geomtorsion.spaces import pair_problems
@@ -42,14 +49,21 @@ from geomtorsion.support.files import read_text, write_texts
 from geomtorsion.support.outgoing import csv_cell
 from geomtorsion.support.text_rows import lines_of, number_table
 
-NOISE = "sigma_"
-
 
 class Curve(StrEnum):
     """The motion that is fitted."""
 
     geodesic = "geodesic"
     autoparallel = "autoparallel"
+
+
+class LossName(StrEnum):
+    """How residuals count."""
+
+    linear = "linear"
+    soft_l1 = "soft_l1"
+    huber = "huber"
+    cauchy = "cauchy"
 
 
 def fit(
@@ -81,6 +95,17 @@ def fit(
     moments: Moments = None,
     force: Force = None,
     potential: Potential = None,
+    bounds: Annotated[
+        list[str] | None,
+        option(
+            metavar="NAME=LOW:HIGH,...",
+            text="Bounds of free numbers; an empty side is none. May be repeated.",
+        ),
+    ] = None,
+    loss: Annotated[
+        LossName,
+        typer.Option(help="How residuals count; all but linear give single outliers less weight."),
+    ] = LossName.linear,
     accuracy: Annotated[
         float, typer.Option(metavar="X", help="Largest relative error of each solve.")
     ] = 1e-10,
@@ -99,11 +124,13 @@ def fit(
     Examples:
       geomtorsion fit kerr orbit.csv --free M,a,r --sigma r=1e-3,phi=1e-4 --set M=1,a=0.5 \\
         --start 0,10,1.2,0 --velocity 1.2,0,0.012,0.034
-      geomtorsion fit s2 track.csv --free "R,theta,phi'" -o fit
+      geomtorsion fit s2 track.csv --free "R,theta,phi'" --start 1,0 --velocity 0,1 -o fit
     """
     space = open_space(source)
-    times, values, noise = read_table(data)
+    times, values = read_table(data)
+    noise: dict[str, float] | None = None
     if sigma is not None:
+        values = {k: x for k, x in values.items() if not k.startswith(NOISE)}
         noise = _noise(sigma, list(values))
     with working(space.name):
         options = start_options(
@@ -113,8 +140,9 @@ def fit(
         problem = problems[curve.value]
         names = [name.strip() for name in free.split(",")]
         result = fitted(
-            problem, times, values, noise, names, accuracy=accuracy, engine=engine_of(engine)
-        )
+            problem, times, values, noise, names, bounds=_bounds(bounds), loss=loss.value,
+            accuracy=accuracy, engine=engine_of(engine),
+        )  # fmt: skip
     typer.echo("\n".join(["first guess", *start_lines(problem, chosen), "", str(result)]))
     if output is not None:
         say_written(_write(result, output))
@@ -126,8 +154,25 @@ def fit(
             typer.echo(f"No picture: {NO_PICTURES}")
 
 
-def read_table(path: Path) -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, np.ndarray]]:
-    """Times, and data and noise by name, from a table with a header.
+def _bounds(texts: list[str] | None) -> dict[str, tuple[float | None, float | None]] | None:
+    """Bounds of each name, from NAME=LOW:HIGH."""
+    table: dict[str, tuple[float | None, float | None]] = {}
+    for part in parts(",".join(texts or ())):
+        name, _, pair = part.partition("=")
+        low, colon, high = pair.partition(":")
+        if not colon:
+            raise StartError(
+                f"bounds: expected NAME=LOW:HIGH, got {shown(part)}. Write M=0:2, or M=0: for a "
+                "lower bound only."
+            )
+        what = f"bound of {name.strip()}"
+        sides = [number(side, what) if side.strip() else None for side in (low, high)]
+        table[name.strip()] = (sides[0], sides[1])
+    return table or None
+
+
+def read_table(path: Path) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Times, and all other columns by name, from a table with a header.
 
     Raises
     ------
@@ -149,11 +194,7 @@ def read_table(path: Path) -> tuple[np.ndarray, dict[str, np.ndarray], dict[str,
             f"{path}: column {header[0]}: expected a number in each row, got an empty field. "
             "Delete the row."
         )
-    columns = dict(zip(header[1:], table[:, 1:].T, strict=True))
-    noise = {name.removeprefix(NOISE): x for name, x in columns.items() if name.startswith(NOISE)}
-    # Where no number was measured none is needed for its noise.
-    noise = {name: np.where(np.isnan(x), 1.0, x) for name, x in noise.items()}
-    return table[:, 0], {k: x for k, x in columns.items() if not k.startswith(NOISE)}, noise
+    return table[:, 0], dict(zip(header[1:], table[:, 1:].T, strict=True))
 
 
 def _noise(text: str, names: list[str]) -> dict[str, float]:

@@ -13,6 +13,7 @@ from geomtorsion.cli.exits import ExitCode, resumable
 from geomtorsion.cli.loops import typed_loop
 from geomtorsion.cli.measured_sources import Reading, dashed, identity_frame, opened, sigma_of
 from geomtorsion.cli.options import (
+    MeasuredColumns,
     MeasuredFile,
     MeasuredLaue,
     MeasuredMissing,
@@ -65,6 +66,7 @@ def map(
     threshold: MeasuredThreshold = None,
     order: MeasuredOrder = None,
     missing: MeasuredMissing = None,
+    columns: MeasuredColumns = None,
     laue: MeasuredLaue = None,
     slip: MeasuredSlip = None,
     pixel: MeasuredPixel = None,
@@ -119,7 +121,16 @@ def map(
       geomtorsion map field.zarr --steps 0.5,0.5 --unit um --workers 2 -o field-map
     """
     reading = Reading(
-        sigma, threshold, order, tuple(laue or ()), slip, pixel, spots, resolution, missing or ()
+        sigma,
+        threshold,
+        order,
+        tuple(laue or ()),
+        slip,
+        pixel,
+        spots,
+        resolution,
+        missing or (),
+        columns,
     )
     path = Path(source)
     if blocks is not None or resume or is_array(path):

@@ -3,20 +3,30 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 import typer
 
-from geomtorsion.cli.options import Form, argument, directory, option
+from geomtorsion.cli.measured_sources import Reading, opened, sigma_of
+from geomtorsion.cli.options import (
+    Form,
+    MeasuredColumns,
+    MeasuredSigma,
+    argument,
+    directory,
+    option,
+)
 from geomtorsion.cli.results import say_on_error
 from geomtorsion.cli.terminal import wrapped
 from geomtorsion.errors import FileFormatError, GeomtorsionError, GridError, NetworkError
+from geomtorsion.materials import Source
 from geomtorsion.materials.elasticity import ElasticConstants, NyeField, Stresses, stresses
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.lines import DislocationNetwork
-from geomtorsion.materials.readers import is_source, open_source
+from geomtorsion.materials.readers import is_source
 from geomtorsion.pictures.stress import COMPONENTS, draw_stress
 from geomtorsion.pictures.style import can_draw, save
 from geomtorsion.support.checks import choice, shown
@@ -68,6 +78,8 @@ def stress(
         int | None,
         option(metavar="N", text="Maps with open ends: nodes of perfect crystal around them."),
     ] = None,
+    sigma: MeasuredSigma = None,
+    columns: MeasuredColumns = None,
     convention: Annotated[
         str | None,
         option(
@@ -97,12 +109,13 @@ def stress(
     \b
     Examples:
       geomtorsion stress chains.data --elastic "cubic 168.4 121.4 75.4 GPa" --balance -o out
-      geomtorsion stress nye.npz --elastic "isotropic 80 0.3 GPa" --padding 32 --balance
+      geomtorsion stress nye.npz --elastic "isotropic 80 0.3 GPa" --sigma 1e-3 --balance
+      geomtorsion stress map.csv --elastic "isotropic 80 0.3 GPa" --padding 32 --balance
     """
     constants = ElasticConstants.of_text(elastic)
     choice(component, COMPONENTS, "--component", GridError)
     with bar(f"{file.name}: reading", 3) as show:
-        source = _opened(file, padding)
+        source = _opened(file, padding, Reading(sigma, columns=columns))
         sign = convention or ("Hirth-Lothe" if ending(file) == ".data" else "SF/RH")
         if show is not None:
             show(1, f"{file.name}: stress")
@@ -115,8 +128,13 @@ def stress(
             raise _typed(error) from None
         document = {"file": file.name, **_summary(result)}
         if show is not None:
-            show(2, f"{file.name}: error, from another grid")
+            show(2, f"{file.name}: errors")
+        errors = result.errors
+        causes = {"noise": errors.noise, "grid": errors.grid, "outside": errors.outside}
         document |= {"error": result.error, "energy_error": result.energy_error}
+        document["largest_errors"] = {
+            k: float(np.nanmax(x, initial=0.0)) for k, x in causes.items()
+        }
     typer.echo(json.dumps(document, indent=2)) if form is Form.json else _explain(document)
     if output is not None:
         _save(result, document, component, output)
@@ -130,13 +148,30 @@ def _typed(error: GeomtorsionError) -> GeomtorsionError:
     return type(error)(message)
 
 
-def _opened(file: Path, padding: int | None) -> DislocationNetwork | SampledFrame | NyeField:
+def _opened(
+    file: Path, padding: int | None, reading: Reading
+) -> DislocationNetwork | SampledFrame | NyeField:
     """The source in a file, by its ending and content."""
     if not is_source(file):
+        if reading.columns is not None:
+            raise GridError("--columns: expected a table, got a network. Omit it.")
         if padding is not None:
             raise GridError("--padding: expected a field with open ends, got a network. Omit it.")
+        if reading.sigma is not None:
+            raise GridError("--sigma: expected a measured field, got a network. Omit it.")
         return DislocationNetwork.read(file)
-    field = NyeField.read(file) if NyeField.is_in(file) else open_source(file)
+    field: Source | NyeField
+    if NyeField.is_in(file):
+        field = NyeField.read(file)
+        noise = None if reading.sigma is None else sigma_of(reading.sigma)
+        if isinstance(noise, str):
+            raise GridError(
+                "--sigma: expected a number for a Nye field, got estimate. Give the standard "
+                "deviation of its values."
+            )
+        field = field if noise is None else replace(field, sigma=noise)
+    else:
+        field = opened(str(file), reading)
     if not isinstance(field, SampledFrame | NyeField):
         raise FileFormatError(
             f"{file.name}: expected a network, a coframe on a grid or a Nye field, got "
@@ -187,11 +222,13 @@ def _explain(document: dict[str, Any]) -> None:
     gauge = f", gauge length {document['gauge']:.6g}" if document["gauge"] else ""
     typer.secho(document["file"], bold=True)
     largest, error = document["largest_stress"], document["error"]
+    parts = {k: x for k, x in document["largest_errors"].items() if x}
+    causes = f" ({', '.join(f'{k} {x:.1g}' for k, x in parts.items())})" if len(parts) > 1 else ""
     means = f"xx {xx:.4g}, yy {yy:.4g}, zz {zz:.4g}, yz {yz:.4g}, xz {xz:.4g}, xy {xy:.4g}{unit}"
     for line in (
         document["source"],
         f"{nodes} nodes, core {document['core']:.6g}{gauge}, b as in {document['convention']}",
-        f"largest stress {largest:.6g}{unit}, error of the grid {error:.1g}{unit}",
+        f"largest stress {largest:.6g}{unit}, error {error:.1g}{unit}{causes}",
         f"root mean square: {means}",
         f"energy {document['energy']:.6g}{energy}, error {document['energy_error']:.1g}",
         *document["corrections"],

@@ -3,6 +3,7 @@
 from geomtorsion.materials.elasticity.cell import Cell
 from geomtorsion.materials.elasticity.constants import ElasticConstants
 from geomtorsion.materials.elasticity.nye_field import NyeField
+from geomtorsion.materials.elasticity.stress_errors import StressErrors
 from geomtorsion.materials.elasticity.stresses import Stresses, stresses
 
-__all__ = ["Cell", "ElasticConstants", "NyeField", "Stresses", "stresses"]
+__all__ = ["Cell", "ElasticConstants", "NyeField", "StressErrors", "Stresses", "stresses"]

@@ -2,25 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 
 from geomtorsion.conventions import burgers as in_convention
-from geomtorsion.errors import ArgumentError, GridError, MissingExtraError, NetworkError
+from geomtorsion.errors import ArgumentError, GridError, NetworkError
 from geomtorsion.materials.elasticity.cell import Cell
 from geomtorsion.materials.elasticity.constants import ElasticConstants
 from geomtorsion.materials.elasticity.nye_field import NyeField
+from geomtorsion.materials.elasticity.readings import Reading, forces, mean_stresses
+from geomtorsion.materials.elasticity.stress_errors import Spread, StressErrors
+from geomtorsion.materials.elasticity.stress_files import stress_dataset, vtk_bytes
 from geomtorsion.materials.elasticity.torsion import TorsionModes, of_frame, of_network, of_nye
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.lines import DislocationNetwork
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
-from geomtorsion.support.checks import shown
 from geomtorsion.support.displays import Plot, drawn_by, figure_by
 from geomtorsion.support.files import ending, written
 
@@ -160,19 +162,11 @@ class Stresses:
 
     def _means(self, starts: np.ndarray, steps: np.ndarray, width: float) -> np.ndarray:
         """Mean stress along pieces, spread by a Gaussian, shape (3, 3, pieces)."""
-        waves = self._waves
-        k2 = (self.cell.vectors(waves) ** 2).sum(axis=1)
-        weights = self.cell.weights(waves) * np.exp(-k2 * width**2 / 2)
-        modes = weights[:, None] * self._stress_modes.reshape(-1, 9)
-        total = np.empty((len(starts), 9))
-        for block, means in self.cell.pieces(starts, steps, waves):
-            total[block] = (means.conj() @ modes).real
-        return total.reshape(-1, 3, 3).transpose(1, 2, 0) + self.mean_stress[..., None]
+        return self._reader(starts, steps, width)(self.cell, self._waves, self._modes)
 
-    @property
-    def _stress_modes(self) -> np.ndarray:
-        """Modes of the stress, shape (modes, 3, 3)."""
-        return np.tensordot(self._modes, self.constants.tensor, ([1, 2], [2, 3]))
+    def _reader(self, starts: np.ndarray, steps: np.ndarray, width: float) -> Reading:
+        """Computes the mean stress along pieces from modes of the distortion."""
+        return mean_stresses(self.constants, self.mean_stress, starts, steps, width)
 
     # -- numbers ----------------------------------------------------------------------------------
 
@@ -214,46 +208,136 @@ class Stresses:
         if not isinstance(self.source, DislocationNetwork):
             raise NetworkError(
                 "forces: expected a DislocationNetwork as source of the stresses, got "
-                f"{type(self.source).__name__}. Forces act on lines; use .at(points) for stresses."
+                f"{type(self.source).__name__}. Give the lines: .forces_on(network)."
             )
-        lines = self.source.arrays
+        return self._force_reader(self.source)(self.cell, self._waves, self._modes)
+
+    def forces_on(self, network: DislocationNetwork) -> tuple[np.ndarray, np.ndarray]:
+        """Peach-Koehler force per length on lines in this stress, and its error.
+
+        Parameters
+        ----------
+        network
+            Lines in the coordinates of the cell, with b in the `convention` of the source.
+
+        Returns
+        -------
+        Two arrays of shape (pieces, 3), in the order of `network.arrays`; stress times length. The
+        errors contain noise, grid and outside as `errors`, and are NaN outside of a map.
+
+        Raises
+        ------
+        NetworkError
+            b does not have three components.
+
+        Examples
+        --------
+        >>> from geomtorsion.materials.lines import Box, LineArrays
+        >>> alpha = np.zeros((3, 3, 16, 16, 1))
+        >>> alpha[0, 2, 8, 8] = 0.01
+        >>> box = Box.of_bounds([0, 0, 0], [16, 16, 1], (False, False, True))
+        >>> measured = NyeField(alpha, box, sigma=1e-4).padded(16).balanced()
+        >>> found = stresses(measured, ElasticConstants.isotropic(80, 0.3), core=1.0)
+        >>> line = LineArrays([[8, 4, 0]], [[0, 0]], [[1, 0, 0]], box, images=[[0, 0, 1]])
+        >>> force, error = found.forces_on(DislocationNetwork.of_arrays(line))
+        >>> force.round(3)[0, 1].tolist(), error.round(3)[0, 1].tolist()
+        (-0.053, 0.005)
+        """
+        checks.instance(network, DislocationNetwork, "network")
+        lines = network.arrays
+        if len(lines.pairs) and lines.burgers.shape[1] != 3:
+            raise NetworkError(
+                f"burgers: expected three components, got {lines.burgers.shape[1]}. Give b in the "
+                "coordinates of the nodes."
+            )
+        read = self._force_reader(network)
+        pulls = read(self.cell, self._waves, self._modes)
+        if self._spread is None:
+            sizes = np.abs(lines.burgers).sum(axis=1, keepdims=True)
+            return pulls, np.repeat(self.error * math.sqrt(2) * sizes, 3, axis=1)
         starts = lines.positions[lines.pairs[:, 0]]
-        mean = self._means(starts, lines.steps, self.core)
-        b = self._torsion.sign * lines.burgers
-        pull = np.einsum("ijn,nj->ni", mean, b)
-        # A piece without length has no sense, and no force.
-        lengths = np.where(lines.lengths > 0, lines.lengths, 1.0)
-        return np.cross(pull, lines.steps / lengths[:, None])
+        inside = [self._spread.is_measured(x) for x in (starts, starts + lines.steps)]
+        return pulls, self._spread.errors(read, np.all(inside, axis=0)[:, None]).total
+
+    def _force_reader(self, network: DislocationNetwork) -> Reading:
+        """Computes forces on the pieces of lines from modes of the distortion."""
+        lines = network.arrays
+        mean = self._reader(lines.positions[lines.pairs[:, 0]], lines.steps, self.core)
+        return forces(mean, lines, self._torsion.sign)
+
+    # -- errors -----------------------------------------------------------------------------------
 
     @cached_property
     def _rest(self) -> tuple[float, float]:
-        """Largest stress and energy of the waves that a finer grid adds, or of the finer half."""
-        if self._torsion.is_refinable:
-            lowest = tuple((n - 1) // 2 for n in self.cell.shape)
-            # Three halves of the nodes, and the first wave of directions with one node.
-            cell = Cell(self.cell.box, tuple(n + max(2, n // 2) for n in self.cell.shape))
-        else:
-            lowest = tuple(n // 4 for n in self.cell.shape)
-            cell = self.cell
+        """Largest stress and energy of the waves of lines that a finer grid adds."""
+        lowest = tuple((n - 1) // 2 for n in self.cell.shape)
+        # Three halves of the nodes, and the first wave of directions with one node.
+        cell = Cell(self.cell.box, tuple(n + max(2, n // 2) for n in self.cell.shape))
         waves = cell.waves(lowest)
         modes = self._relaxed(self._torsion.modes(cell, waves), cell, waves)
         stress = self.constants.stress(cell.field(modes, waves))
         return float(np.abs(stress).max(initial=0.0)), self._energy(modes, cell, waves)
 
     @property
-    def error(self) -> float:
-        """The largest error of a stress component at any node, from another grid.
+    def _spread(self) -> Spread | None:
+        """How results change with measured data; None for lines."""
+        if isinstance(self.source, DislocationNetwork):
+            return None
+        return Spread(
+            self.source, self._torsion, self._relaxed, self.cell, self._waves, self._modes
+        )
 
-        Lines: the stress that a grid with three halves of the nodes adds. Measured fields, which
-        have no finer grid: the stress of waves shorter than four steps, so that their noise
-        counts. Neither contains the error of the elastic model or of the core.
+    @cached_property
+    def errors(self) -> StressErrors:
+        """Errors of each stress component at the nodes, shape (3, 3, N_1, N_2, N_3), by causes.
+
+        noise: sigma of the data through the linear map from distortion to stress. It is the root
+        mean square over random fields with the covariance of the data, from a fixed seed. grid:
+        differences of another order, or the stress of waves shorter than four steps. outside: the
+        crystal around a map is unknown. It is taken as perfect; the change with the width of
+        `NyeField.padded` estimates the error, but dislocations outside of the map are not in it.
+
+        For lines it is the stress that a grid with three halves of the nodes adds. The errors of
+        the elastic model and of the core are not included.
+
+        Examples
+        --------
+        >>> from geomtorsion.materials.lines import Box
+        >>> alpha = np.zeros((3, 3, 16, 16, 1))
+        >>> alpha[0, 2, 7:9, 7:9] = 0.01
+        >>> box = Box.of_bounds([0, 0, 0], [16, 16, 1], (False, False, True))
+        >>> field = NyeField(alpha, box, sigma=1e-3).padded(16).balanced()
+        >>> stresses(field, ElasticConstants.isotropic(80, 0.3, unit="GPa")).errors
+        StressErrors(...)
         """
-        return self._rest[0]
+        if self._spread is None:
+            return StressErrors.of_grid(np.full(self.stress.shape, self._rest[0]), self.unit)
+        return self._spread.at_nodes(self.constants)
 
-    @property
+    def errors_at(self, points: Sequence[Sequence[float]] | np.ndarray) -> StressErrors:
+        """Errors of `at(points)`, shape (3, 3, points); NaN outside of a map."""
+        places = checks.array(points, "points", GridError, shape=(None, 3))
+        checks.measured(places, "points", GridError)
+        if self._spread is None:
+            return StressErrors.of_grid(np.full((3, 3, len(places)), self._rest[0]), self.unit)
+        reading = self._reader(places, np.zeros_like(places), 0.0)
+        return self._spread.errors(reading, self._spread.is_measured(places), self.unit)
+
+    @cached_property
+    def error(self) -> float:
+        """The largest of `errors.total`: one standard error of a stress component at any node."""
+        return float(np.nanmax(self.errors.total, initial=0.0))
+
+    @cached_property
     def energy_error(self) -> float:
-        """The energy of the waves that make up `error`."""
-        return self._rest[1]
+        """Error of the energy from the same causes as `error`."""
+        if self._spread is None:
+            return self._rest[1]
+
+        def read(cell: Cell, waves: np.ndarray, modes: np.ndarray) -> np.ndarray:
+            return np.array(self._energy(modes, cell, waves))
+
+        return float(self._spread.errors(read).total)
 
     # -- units and files --------------------------------------------------------------------------
 
@@ -411,46 +495,3 @@ def stresses(
                 f"{checks.shown(source)}."
             )
     return Stresses(source, constants, cell, torsion.core, length, load, convention, texts, torsion)
-
-
-def stress_dataset(
-    cell: Cell, fields: Mapping[str, np.ndarray], remarks: Mapping[str, object]
-) -> Any:  # xarray is not a dependency
-    """Tensors of shape (3, 3, grid...) by name over the axes of a cell; remarks are attributes."""
-    if not cell.is_along_axes:
-        raise GridError(
-            "to_xarray: expected a cell along the coordinates, got the edges "
-            f"{shown(np.asarray(cell.box.vectors).tolist())}. Save it as .vtk, or use .stress."
-        )
-    try:
-        xarray = import_module("xarray")
-    except ImportError:
-        raise MissingExtraError(
-            "to_xarray needs xarray, which is not installed. Run `pip install "
-            "'geomtorsion[files]'`."
-        ) from None
-    names = list("xyz")
-    variables = {name: (["i", "j", *names], values) for name, values in fields.items()}
-    coordinates = dict(zip(names, cell.axes, strict=True)) | {"i": names, "j": names}
-    return xarray.Dataset(variables, coords=coordinates, attrs=dict(remarks))
-
-
-def vtk_bytes(cell: Cell, mises: np.ndarray, fields: Mapping[str, np.ndarray]) -> bytes:
-    """A legacy VTK file with von Mises' stress and tensors at the nodes of a cell."""
-    nodes = cell.shape
-    count = int(np.prod(nodes))
-    parts = [
-        b"# vtk DataFile Version 3.0\nstress by geomtorsion\nBINARY\nDATASET STRUCTURED_GRID\n",
-        b"DIMENSIONS %d %d %d\nPOINTS %d double\n" % (*nodes, count),
-        _numbers(cell.points()),
-        b"\nPOINT_DATA %d\nSCALARS mises double 1\nLOOKUP_TABLE default\n" % count,
-        _numbers(mises[None]),
-    ]
-    for name, values in fields.items():
-        parts += [b"\nTENSORS %b double\n" % name.encode(), _numbers(values.reshape(9, *nodes))]
-    return b"".join(parts) + b"\n"
-
-
-def _numbers(values: np.ndarray) -> bytes:
-    """Components of each node, the first axis of the grid fastest, as VTK orders them."""
-    return values.transpose(3, 2, 1, 0).astype(">f8").tobytes()

@@ -37,11 +37,6 @@ class TorsionModes:
     lines: LineArrays | None = None
     core: float = 0.0
 
-    @property
-    def is_refinable(self) -> bool:
-        """Whether a finer grid knows more."""
-        return self.lines is not None
-
     def modes(self, cell: Cell, waves: np.ndarray) -> np.ndarray:
         """Modes of a distortion with this torsion, shape (modes, 3, 3)."""
         k = cell.vectors(waves)

@@ -87,7 +87,12 @@ class Displacement:
 
 
 def displacement_of(
-    values: np.ndarray, grid: Grid, order: int, branch: object, variances: np.ndarray | None = None
+    values: np.ndarray,
+    grid: Grid,
+    order: int,
+    branch: object,
+    variances: np.ndarray | None = None,
+    height: np.ndarray | None = None,
 ) -> Displacement:
     """A displacement with its jumps, and its derivatives without the jumps.
 
@@ -96,7 +101,8 @@ def displacement_of(
 
     branch: the lattice vectors by which the displacement may jump, shape (k, rows), or one length
     for all directions; "find" searches for them; None means a displacement without jumps.
-    variances: of the values from noise, shape (rows, grid...).
+    variances: of the values from noise, shape (rows, grid...). height: of a surface in space, shape
+    of the grid, which is added to the third row once the jumps of the displacement are known.
     """
     rows, d = values.shape[0], grid.dimension
     steps = [differences(values, 1 + k, grid.periodic[k]) for k in range(d)]
@@ -124,6 +130,9 @@ def displacement_of(
         )
         jumps, inverse = Jumps.declared(np.zeros((0, rows))), np.zeros((0, rows))
         times = [x[:0] for x in times]
+    if height is not None:
+        values = raised(values, height)
+        steps = [differences(values, 1 + k, grid.periodic[k]) for k in range(d)]
     steps = [step - jumps.sums(number) for step, number in zip(steps, times, strict=True)]
     holes = grid.holes.copy()
     for _, corners in _open_cells(times, grid):
@@ -141,6 +150,30 @@ def displacement_of(
     return Displacement(
         values, branch, coframe, sigma, jumps, tuple(times), tuple(chances), variances, source
     )
+
+
+def raised(values: np.ndarray, height: np.ndarray) -> np.ndarray:
+    """Displacement with the height of a surface over its plane added to the third row."""
+    return np.concatenate([values[:2], values[2:] + height])
+
+
+def checked_height(height: object, values: np.ndarray) -> np.ndarray | None:
+    """Height of a surface at the nodes of a displacement in space, shape (3, grid...); or None.
+
+    Raises
+    ------
+    GridError
+        The displacement has not three rows over two axes, or the height has another shape.
+    """
+    if height is None:
+        return None
+    heights = numbers(height, "height")
+    if len(values) != 3 or heights.shape != values.shape[1:]:
+        raise GridError(
+            f"height: expected shape {values.shape[1:]} and a displacement with 3 components, got "
+            f"{heights.shape} and {len(values)} components. Give the third coordinate of each node."
+        )
+    return heights
 
 
 def _listed(vectors: np.ndarray, times: list[np.ndarray]) -> str:

@@ -24,12 +24,13 @@ from geomtorsion.materials.fields.contents import (
     module,
     periodic_names,
 )
-from geomtorsion.materials.fields.displaced_points import DisplacedPoints
 from geomtorsion.materials.fields.displacement import FIND
-from geomtorsion.materials.fields.displacement_tables import (
-    holds_displacement,
-    read_displacement,
+from geomtorsion.materials.fields.point_values import PointValues
+from geomtorsion.materials.fields.surfaces import over_two_axes
+from geomtorsion.materials.fields.value_tables import (
+    holds_values,
     read_points,
+    read_values,
     refuse_writing,
 )
 from geomtorsion.support import checks
@@ -58,12 +59,16 @@ FORMS = {
 NOISE = ("sigma", "covariance")
 # The array that marks unknown nodes, besides NaN.
 MASK = "mask"
+# File endings of tables.
+TABLES = (".csv", ".txt", ".dat")
 # NetCDF attributes that mark packed numbers or missing values.
 PACKED = ("scale_factor", "add_offset", "_FillValue", "missing_value")
 
 
-def read_grid(path: Path) -> Contents:
+def read_grid(path: Path, columns: Mapping[str, int | str] | None = None) -> Contents:
     """Read a sampled frame in the format of the file ending.
+
+    columns: of a table, see `value_tables.read_points`.
 
     .npz: an array `coframe` or `distortion` of shape (rows, d, N_1, ..., N_d), and one array
     `axis_x`, `axis_y`, ... for each axis, in the order of `names` (or of the arrays in the file).
@@ -76,8 +81,9 @@ def read_grid(path: Path) -> Contents:
     .nc: a variable `coframe` or `distortion` with dimensions (row, column, x, y, ...) and a
     coordinate variable for each dimension of the grid.
 
-    .csv: see `tables.read_csv`. .vtk, .vtu: see `tables.read_vtk` (extra `files`). These may also
-    hold a displacement: a table of DICe, VIC or DaVis, or a mesh of finite elements.
+    .csv, .txt, .dat: see `tables.read_csv`. .vtk, .vtu: see `tables.read_vtk` (extra `files`).
+    These may also hold a displacement: a table of DICe, VIC or DaVis, or a mesh of finite elements;
+    a table also strain and rotation, see `value_tables.read_points`.
 
     All formats may hold sigma, units, periods and a source. .npz, .h5 and .nc may hold a covariance
     instead of sigma, and a mask, which is 1 at unknown nodes.
@@ -97,13 +103,20 @@ def read_grid(path: Path) -> Contents:
             f"{path}: expected a name ending in .npz or .nc (or {', '.join(OTHERS)}), got "
             f"{path.suffix!r}. For arrays in memory use SampledFrame(axes, coframe)."
         )
+    if columns:
+        if FORMATS[kind].read is not _table:
+            raise GridError(
+                f"columns: expected a table ({', '.join(TABLES)}), got {path.name}, whose arrays "
+                "have names. Omit columns."
+            )
+        return read_values(path, columns)
     return FORMATS[kind].read(path)
 
 
-def read_scattered(path: Path) -> DisplacedPoints:
-    """Read a displacement at scattered points.
+def read_scattered(path: Path, columns: Mapping[str, int | str] | None = None) -> PointValues:
+    """Read a field at scattered points; points on a surface in space are over two of its axes.
 
-    .csv, .txt, .dat: a table, see `displacement_tables.read_points`. .vtk, .vtu: a mesh of finite
+    .csv, .txt, .dat: a table, see `value_tables.read_points`. .vtk, .vtu: a mesh of finite
     elements, see `tables.read_mesh` (extra `files`).
 
     Raises
@@ -115,16 +128,19 @@ def read_scattered(path: Path) -> DisplacedPoints:
     """
     if not path.is_file():
         raise FileFormatError(f"{path}: there is no such file.")
-    readers: dict[str, Callable[[Path], DisplacedPoints]] = {
-        **dict.fromkeys((".csv", ".txt", ".dat"), read_points),
-        **dict.fromkeys((".vtk", ".vtu"), tables.read_mesh),
-    }
-    if ending(path) not in readers:
+    meshes = (".vtk", ".vtu")
+    if ending(path) not in (*TABLES, *meshes):
         raise FileFormatError(
-            f"{path}: expected a name ending in {', '.join(readers)}, got {path.suffix!r}. For "
-            "arrays in memory use ScatteredFrame.from_displacement."
+            f"{path}: expected a name ending in {', '.join((*TABLES, *meshes))}, got "
+            f"{path.suffix!r}. For arrays in memory use ScatteredFrame.from_displacement."
         )
-    return readers[ending(path)](path)
+    if ending(path) in meshes and columns:
+        raise GridError(
+            f"columns: expected a table ({', '.join(TABLES)}), got the mesh {path.name}. Omit "
+            "columns."
+        )
+    points = tables.read_mesh(path) if ending(path) in meshes else read_points(path, columns)
+    return over_two_axes(points)
 
 
 def save_grid(path: Path, contents: Contents) -> None:
@@ -460,9 +476,10 @@ class GridFormat:
     begins: tuple[bytes, ...] = ()
 
 
-def _csv(path: Path) -> Contents:
-    """Read a coframe, a distortion or a displacement, depending on the row of names."""
-    return read_displacement(path) if holds_displacement(path) else tables.read_csv(path)
+def _table(path: Path) -> Contents:
+    """Read a coframe, a distortion, a displacement or a strain, depending on the row of names."""
+    own = tables.holds_coframe(path) or (ending(path) == ".csv" and not holds_values(path))
+    return tables.read_csv(path) if own else read_values(path)
 
 
 _NETCDF = GridFormat(read_netcdf, write_netcdf, (b"CDF\x01", b"CDF\x02", HDF5))
@@ -472,8 +489,8 @@ FORMATS: dict[str, GridFormat] = {
     ".nc": _NETCDF, ".cdf": _NETCDF, ".netcdf": _NETCDF,
     ".h5": GridFormat(read_hdf5, write_hdf5, (HDF5,)),
     ".hdf5": GridFormat(read_hdf5, write_hdf5, (HDF5,)),
-    ".csv": GridFormat(_csv, tables.write_csv),
-    **dict.fromkeys((".txt", ".dat"), GridFormat(read_displacement, refuse_writing)),
+    ".csv": GridFormat(_table, tables.write_csv),
+    **dict.fromkeys((".txt", ".dat"), GridFormat(_table, refuse_writing)),
     ".vtk": GridFormat(tables.read_vtk, tables.write_vtk, (b"# vtk DataFile",)),
     ".vtu": GridFormat(tables.read_vtk, tables.write_vtk),
 }  # fmt: skip

@@ -66,6 +66,28 @@ class Noise:
         key = (row, column, row, column)
         return np.broadcast_to(self.terms.get(key, np.zeros((1,) * len(shape))), shape)
 
+    def draw(self, shape: tuple[int, ...], rng: np.random.Generator) -> np.ndarray:
+        """Random values with these covariances and mean zero, shape (rows, columns, grid...)."""
+        rows, columns = shape[:2]
+        terms = {key: c for key, c in self.terms.items() if max(key[1], key[3]) < columns}
+        signs = rng.choice([-1.0, 1.0], shape)
+        if all((i, k) == (j, m) for i, k, j, m in terms):
+            values = np.zeros(shape)
+            for (i, k, _, _), variance in terms.items():
+                values[i, k] = np.sqrt(variance) * signs[i, k]
+            return values
+        table = np.zeros(
+            (rows, columns) * 2 + np.broadcast_shapes(*(c.shape for c in terms.values()))
+        )
+        for key, c in terms.items():
+            table[key] = c
+        n = rows * columns
+        squares, axes = np.linalg.eigh(np.moveaxis(table.reshape(n, n, -1), -1, 0))
+        root = (axes * np.sqrt(np.maximum(squares, 0))[:, None, :]) @ axes.swapaxes(1, 2)
+        return np.einsum(
+            "ikjm...,jm...->ik...", np.moveaxis(root, 0, -1).reshape(table.shape), signs
+        )
+
     def in_a_row(self) -> Noise:
         """The same noise for a flat list of nodes."""
         return Noise(self.rows, {pair: c.ravel() for pair, c in self.terms.items()})

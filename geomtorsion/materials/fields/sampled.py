@@ -28,6 +28,7 @@ from geomtorsion.materials.fields.displaced import (
     displaced_edges,
     displaced_torsion,
 )
+from geomtorsion.materials.fields.exact_interpolants import interpolant_of
 from geomtorsion.materials.fields.grid import two_axes
 from geomtorsion.materials.fields.grid_geometry import at_two_steps
 from geomtorsion.materials.fields.holes import Hole
@@ -487,6 +488,7 @@ class SampledFrame(Samples):
             section=section,
             length_unit=self.unit,
             detour=detour,
+            interpolant=interpolant_of(self, loop),
         )
 
     def _measured(self, loop: Loop) -> Measured:

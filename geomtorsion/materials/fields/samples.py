@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -12,9 +12,10 @@ import numpy as np
 
 from geomtorsion.errors import LONGEST_SHOWN, FileFormatError, GridError
 from geomtorsion.loops import Parameters, forms
+from geomtorsion.materials.columns import checked_columns
 from geomtorsion.materials.fields.circuits import Field
 from geomtorsion.materials.fields.contents import TEXTS, Contents
-from geomtorsion.materials.fields.displacement import Displacement, displacement_of
+from geomtorsion.materials.fields.displacement import Displacement, checked_height, displacement_of
 from geomtorsion.materials.fields.grid import (
     REGULAR,
     Grid,
@@ -34,6 +35,7 @@ from geomtorsion.materials.fields.grid_files import holds_covariance, read_grid,
 from geomtorsion.materials.fields.holes import Hole, holes_of
 from geomtorsion.materials.fields.missing import with_holes
 from geomtorsion.materials.fields.noise import Noise, estimated, noise_of, sigma_of
+from geomtorsion.materials.fields.quantities import QUANTITIES, quantity
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.files import written
@@ -173,6 +175,7 @@ class Samples:
         | float
         | str
         | None = None,
+        height: np.ndarray | None = None,
         **options: Any,
     ) -> Self:
         """Samples of displacements u^i at the nodes, shape (rows, N_1, ..., N_d), which may jump.
@@ -193,6 +196,10 @@ class Samples:
             and `source` lists them. Slip bands can have the same pattern; the values do not
             distinguish them from jumps. If the jumps around a cell do not add up to zero, the cell
             contains a core, or noise has changed a value; the corners of such cells become holes.
+        height
+            Third coordinate of the nodes of a surface in space, of the shape of the grid of two
+            axes, for a displacement with three rows. The frame then belongs to the deformed
+            surface, with the third row d (height + u^3); jumps count without the height.
         options
             mask, periodic, unit, vector_unit, as for `SampledFrame`; sigma: of u at each node,
             one number, an array of the shape of the grid, or "estimate". Noise changes b only if it
@@ -218,7 +225,10 @@ class Samples:
                 f"{values.shape}."
             )
         check_order(order)
+        heights = checked_height(height, values)
         mask = mask_of(options.pop("mask", None), shape) | np.isnan(values).any(axis=0)
+        if heights is not None:
+            mask |= np.isnan(heights)
         sigma = options.pop("sigma", None)
         blank = cls(lines, np.zeros((1, len(lines), *shape)), order, names, mask=mask, **options)
         variances = None
@@ -226,7 +236,7 @@ class Samples:
             sigmas = _of_displacement(sigma, values, blank._grid)
             variances = np.broadcast_to(sigmas, values.shape) ** 2
         masked_values = np.where(mask, np.nan, values)
-        sampled_u = displacement_of(masked_values, blank._grid, order, branch, variances)
+        sampled_u = displacement_of(masked_values, blank._grid, order, branch, variances, heights)
         options |= {"source": sampled_u.source, "displacement": sampled_u, "sigma": sampled_u.sigma}
         return cls(lines, sampled_u.coframe, order, names, **options)
 
@@ -265,11 +275,21 @@ class Samples:
         return cls.from_distortion(axes, values, order, names, **options)
 
     @classmethod
-    def read(cls, path: str | Path, order: int = 4, *, missing: object = None) -> Self:
+    def read(
+        cls,
+        path: str | Path,
+        order: int = 4,
+        *,
+        missing: object = None,
+        columns: Mapping[str, int | str] | None = None,
+    ) -> Self:
         """Read an .npz, .nc, .csv, .h5, .vtk or .vtu file (contents: `grid_files.read_grid`).
 
         A .csv, .txt or .dat file with columns x, y, u, v, or from DaVis, DICe or VIC, is a
-        displacement, as is a .vtk or .vtu file with point data displacement, u or U.
+        displacement, as is a .vtk or .vtu file with point data displacement, u or U. Columns exx,
+        exy, eyy and wxy (or theta = w_yx, positive counter-clockwise) are a strain and a rotation,
+        w_xy = (d_y u_x - d_x u_y) / 2, in radians unless the name has a unit such as (deg).
+        Displacements at points (x, y, z) of a surface in space give the frame of this surface.
 
         Parameters
         ----------
@@ -277,6 +297,10 @@ class Samples:
             Values that mean "no data", such as -9999; words such as NA and NaN always do. Without
             it a value that all failed nodes share, and that is much farther from the others than
             these are from each other, is treated so. `source` reports how many nodes are missing.
+        columns
+            Tables: quantity -> name or number (from 0) of its column, such as {"x": 0, "y": 1,
+            "exx": "strain_xx"}. Quantities are x, y, z; u, v, w; exx, exy, eyy, gxy (2 exy), wxy,
+            theta; e_0_0, ...; beta_0_0, .... Other columns count by their names.
 
         Raises
         ------
@@ -284,10 +308,11 @@ class Samples:
             The file is missing, truncated or malformed, lacks an array, or does not hold a regular
             grid of finite numbers.
         GridError
-            The order is invalid.
+            The order is invalid, or a column is not in the table.
         """
         check_order(order)
-        contents = read_grid(checks.file_name(path))
+        chosen = checked_columns(columns, quantity, GridError, QUANTITIES)
+        contents = read_grid(checks.file_name(path), chosen)
         grid = tuple(len(axis) for axis in contents.axes)
         values, report = with_holes(contents.values, grid, missing)
         make: Any = cls.from_distortion if contents.is_distortion else cls
@@ -297,9 +322,10 @@ class Samples:
             frame = make(contents.axes, values, order, contents.names, **contents.options)
         except GridError as error:
             raise FileFormatError(f"{path}: {error}") from None
-        if not report:
-            return frame
-        return replace(frame, source="; ".join(filter(None, (frame.source, report))))
+        # A displacement replaces the source of the file by its jumps.
+        origin = contents.options.get("source", "") if contents.is_displacement else ""
+        texts = [text for text in (frame.source, origin, report) if text]
+        return frame if texts == [frame.source] else replace(frame, source="; ".join(texts))
 
     def save(self, path: str | Path) -> None:
         """Write a file that `read` reads back, in the format of the file ending.

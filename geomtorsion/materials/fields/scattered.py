@@ -15,12 +15,14 @@ from geomtorsion.errors import GridError
 from geomtorsion.loops import Cochain, Loop
 from geomtorsion.loops.quadrature import ROUNDING
 from geomtorsion.materials.burgers import PLANE, Burgers, Section
+from geomtorsion.materials.columns import checked_columns
 from geomtorsion.materials.fields.circuits import unexplained
-from geomtorsion.materials.fields.displacement import lattice_vectors
+from geomtorsion.materials.fields.displacement import checked_height, raised
 from geomtorsion.materials.fields.grid import numbers, two_axes
 from geomtorsion.materials.fields.grid_files import read_scattered
 from geomtorsion.materials.fields.missing import with_holes
-from geomtorsion.materials.fields.noise import EdgeNoise, JumpNoise, NodeNoise, chances_of, noise_of
+from geomtorsion.materials.fields.noise import EdgeNoise, NodeNoise, noise_of
+from geomtorsion.materials.fields.quantities import QUANTITIES, quantity
 from geomtorsion.materials.fields.samples import strain_and_rotation
 from geomtorsion.materials.fields.scattered_values import (
     check_finite,
@@ -29,6 +31,7 @@ from geomtorsion.materials.fields.scattered_values import (
     estimated_noise,
     mesh_of,
     row_of_points,
+    without_jumps,
 )
 from geomtorsion.materials.fields.triangulation import Triangulation
 from geomtorsion.materials.source import Backdrop
@@ -174,16 +177,27 @@ class ScatteredFrame:
 
     @classmethod
     def read(
-        cls, path: str | Path, *, branch: Any = None, missing: object = None, **options: Any
+        cls,
+        path: str | Path,
+        *,
+        missing: object = None,
+        columns: Mapping[str, int | str] | None = None,
+        **options: Any,
     ) -> Self:
-        """Frame from the displacement in a table or a mesh; see `grid_files.read_scattered`.
+        """Frame from the values in a table or a mesh; see `grid_files.read_scattered`.
 
-        branch, options: as for `from_displacement`. missing: as for `SampledFrame.read`."""
-        points = read_scattered(checks.file_name(path))
-        values, report = with_holes(points.values, points.values.shape[1:], missing)
+        options: as for `from_displacement`, such as branch, or for `from_distortion`, by the
+        columns. missing, columns: as for `SampledFrame.read`. `source` names the axes of the
+        frame of a surface in space."""
+        chosen = checked_columns(columns, quantity, GridError, QUANTITIES)
+        points = read_scattered(checks.file_name(path), chosen)
+        values, report = with_holes(points.values, points.values.shape[-1:], missing)
         places = np.column_stack([*points.places.values()])
-        texts = {"source": report, **points.options}
-        return cls.from_displacement(places, values, branch=branch, **texts | options)
+        texts = {**points.options, "source": "; ".join(filter(None, (points.source, report)))}
+        if points.height is not None:
+            options["height"] = points.height
+        make = getattr(cls, f"from_{points.form}")
+        return make(places, values, **{key: text for key, text in texts.items() if text} | options)
 
     @classmethod
     def from_displacement(
@@ -193,6 +207,7 @@ class ScatteredFrame:
         *,
         branch: Any = None,
         sigma: Any = None,
+        height: np.ndarray | None = None,
         **options: Any,
     ) -> Self:
         """Frame from displacements u^i at the points, shape (rows, N), with jumps.
@@ -210,6 +225,8 @@ class ScatteredFrame:
             it shifts a difference beyond half of a lattice vector. `noise` contains the chances of
             such errors. It is somewhat too large, because wrong jumps on both sides of a point
             cancel.
+        height
+            Third coordinate of points of a surface, see `SampledFrame.from_displacement`.
         options
             mask, longest, boundary, unit, vector_unit, source.
 
@@ -229,32 +246,15 @@ class ScatteredFrame:
             raise GridError(
                 f"displacement: expected shape (rows, {len(places)}), got {values.shape}."
             )
-        mesh, texts = mesh_of(places, np.asarray(np.isnan(values).any(axis=0)), options)
+        heights = checked_height(height, values)
+        raised_values = values if heights is None else raised(values, heights)
+        mesh, texts = mesh_of(places, np.asarray(np.isnan(raised_values).any(axis=0)), options)
         check_finite(values[:, None], "displacement", mesh)
-        a, b = mesh.complex.pairs.T
+        rows, d, (a, b) = len(values), mesh.dimension, mesh.complex.pairs.T
         steps = (values[:, b] - values[:, a]).T
-        rows, d = len(values), mesh.dimension
-        noise, origin = None, ""
-        if branch is not None:
-            vectors = lattice_vectors(branch, rows)
-            inverse = np.linalg.pinv(vectors)
-            times = np.rint(steps @ inverse)
-            rest = steps @ inverse - times
-            steps = steps - times @ vectors
-            if sigma is not None:
-                grid = row_of_points(~np.isin(np.arange(len(places)), mesh.inner))
-                how = ""
-                if isinstance(sigma, str) and sigma == "estimate":
-                    # Points next to a cut are far from any plane, but few, so that medians ignore
-                    # them.
-                    sigma, _, how = estimated_noise(mesh, values[:, None], sigma, None)
-                *_, point_noise, origin = noise_of(sigma, None, values[:, None], grid)
-                origin = how or origin
-                assert point_noise is not None
-                variances = np.array([point_noise.at_nodes(i, 0, grid.shape) for i in range(rows)])
-                width = np.sqrt((variances[:, a] + variances[:, b]).T @ inverse**2)
-                noise = JumpNoise(chances_of(rest, width), vectors)
+        steps, noise, origin = without_jumps(mesh, values, steps, branch, sigma)
         steps = steps + mesh.steps @ np.eye(rows, d).T
+        steps[:, 2:] += 0.0 if heights is None else (heights[b] - heights[a])[:, None]
         errors = ROUNDING * np.abs(steps).max(axis=1, initial=0.0)
         cochain = Cochain(mesh.complex, steps, errors)
         return cls(mesh, cochain, np.zeros_like(steps), noise, 0, **texts, sigma_source=origin)

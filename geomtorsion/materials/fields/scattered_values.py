@@ -8,8 +8,15 @@ import numpy as np
 import scipy  # loads its subpackages at first use
 
 from geomtorsion.errors import LONGEST_SHOWN, GridError
+from geomtorsion.materials.fields.displacement import lattice_vectors
 from geomtorsion.materials.fields.grid import Grid, mask_of
-from geomtorsion.materials.fields.noise import robust_covariance, spread
+from geomtorsion.materials.fields.noise import (
+    JumpNoise,
+    chances_of,
+    noise_of,
+    robust_covariance,
+    spread,
+)
 from geomtorsion.materials.fields.triangulation import Triangulation, checked_polygons
 from geomtorsion.support import checks
 
@@ -92,3 +99,31 @@ def estimated_noise(
     if covariance is None:
         return np.array([spread(row) for row in rows]).reshape(values.shape[:2]), None, origin
     return sigma, robust_covariance(rows), origin
+
+
+def without_jumps(
+    mesh: Triangulation, values: np.ndarray, steps: np.ndarray, branch: Any, sigma: Any
+) -> tuple[np.ndarray, JumpNoise | None, str]:
+    """Differences of a displacement along edges minus their jumps, their noise, and its origin."""
+    rows, (a, b) = len(values), mesh.complex.pairs.T
+    noise, origin = None, ""
+    if branch is not None:
+        vectors = lattice_vectors(branch, rows)
+        inverse = np.linalg.pinv(vectors)
+        times = np.rint(steps @ inverse)
+        rest = steps @ inverse - times
+        steps = steps - times @ vectors
+        if sigma is not None:
+            grid = row_of_points(~np.isin(np.arange(values.shape[1]), mesh.inner))
+            how = ""
+            if isinstance(sigma, str) and sigma == "estimate":
+                # Points next to a cut are far from any plane, but few, so that medians ignore
+                # them.
+                sigma, _, how = estimated_noise(mesh, values[:, None], sigma, None)
+            *_, point_noise, origin = noise_of(sigma, None, values[:, None], grid)
+            origin = how or origin
+            assert point_noise is not None
+            variances = np.array([point_noise.at_nodes(i, 0, grid.shape) for i in range(rows)])
+            width = np.sqrt((variances[:, a] + variances[:, b]).T @ inverse**2)
+            noise = JumpNoise(chances_of(rest, width), vectors)
+    return steps, noise, origin

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from geomtorsion.errors import LONGEST_SHOWN, FileFormatError, GridError
+from geomtorsion.materials.columns import other_reader
 from geomtorsion.materials.fields.contents import (
     TEXTS,
     Contents,
@@ -18,20 +19,28 @@ from geomtorsion.materials.fields.contents import (
     module,
     periodic_names,
 )
-from geomtorsion.materials.fields.displaced_points import (
-    DisplacedPoints,
+from geomtorsion.materials.fields.point_values import (
+    PointValues,
     check_filled,
     displacement_in,
     nodes_of,
 )
 from geomtorsion.support.checks import cut
-from geomtorsion.support.files import read_text
+from geomtorsion.support.files import BOUNDS, opened, read_text
 from geomtorsion.support.npz import LARGEST_ARRAYS
 from geomtorsion.support.outgoing import one_line, quiet_libraries
 from geomtorsion.support.text_rows import number_table
 
 _COLUMN = re.compile(r"(e|beta|sigma)_([0-9])_([0-9])")
 _SAID = re.compile(r"#\s*(unit|vector_unit|source|signature|periodic)\s*:\s*(.*)")
+
+
+def holds_coframe(path: Path) -> bool:
+    """Whether a text file begins like a table of a coframe or a distortion with commas."""
+    with opened(path) as file:
+        text = file.read(BOUNDS.beginning).decode("utf-8-sig", "replace")
+    rows = (row for row in text.splitlines() if row.strip() and not row.startswith("#"))
+    return any(_COLUMN.fullmatch(name.strip()) for name in next(rows, "").split(","))
 
 
 def read_csv(path: Path) -> Contents:
@@ -77,7 +86,9 @@ def _header(path: Path, header: Sequence[str], line: int) -> tuple[list[str], st
         raise FileFormatError(
             f"{path}: line {line}: expected different names of columns, first the axes, then "
             "e_0_0, e_0_1, ... or beta_0_0, ... (or x, y, u, v of a displacement), got "
-            f"{cut(', '.join(header))}. Rename the columns."
+            f"{cut(', '.join(header))}. {other_reader([','.join(header)], 'SampledFrame.read')}"
+            'Rename the columns, or name them: columns={"x": 0, "y": 1, "u": 2, "v": 3} '
+            "(--columns x=0,y=1,u=2,v=3)."
         )
     return axes, "e" if "e" in kinds else "beta"
 
@@ -184,7 +195,7 @@ def read_vtk(path: Path) -> Contents:
     return _gridded(path, places, chosen, kind, options, where)
 
 
-def read_mesh(path: Path) -> DisplacedPoints:
+def read_mesh(path: Path) -> PointValues:
     """Read the displacement at the points of a mesh of finite elements, by meshio.
 
     It is a vector named displacement, u, U or DISP, or columns such as ux, uy, with any case of
@@ -206,7 +217,7 @@ def read_mesh(path: Path) -> DisplacedPoints:
 
 def _displaced(
     points: np.ndarray, data: Mapping[str, np.ndarray], texts: Mapping[str, str]
-) -> DisplacedPoints:
+) -> PointValues:
     """Points of a mesh with a displacement."""
     values = displacement_in(data)
     assert values is not None
@@ -214,9 +225,7 @@ def _displaced(
     if len(values) > len(places) == 2 and not values[2].any():
         values = values[:2]
     where = [f"point {k}" for k in range(len(points))]
-    return DisplacedPoints(
-        places, values, where, texts.get("unit", ""), texts.get("vector_unit", "")
-    )
+    return PointValues(places, values, where, texts.get("unit", ""), texts.get("vector_unit", ""))
 
 
 def _places(points: np.ndarray, names: str) -> tuple[list[str], dict[str, np.ndarray]]:

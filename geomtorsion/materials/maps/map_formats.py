@@ -6,12 +6,18 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from geomtorsion.errors import FileFormatError
+from geomtorsion.errors import FileFormatError, OrientationError
+from geomtorsion.materials.columns import checked_columns
 from geomtorsion.materials.maps.channel5 import read_channel5
 from geomtorsion.materials.maps.map_files import CTF, read_text_map
 from geomtorsion.materials.maps.map_hdf5 import read_h5oina, read_orix
 from geomtorsion.materials.maps.map_points import MapFile
-from geomtorsion.materials.maps.map_tables import read_map_table, seems_table
+from geomtorsion.materials.maps.map_tables import (
+    QUANTITIES,
+    map_quantity,
+    read_map_table,
+    seems_table,
+)
 from geomtorsion.support.files import ending
 from geomtorsion.support.hdf5 import HDF5
 
@@ -55,15 +61,25 @@ FORMATS: dict[str, MapFormat] = {
     ".csv": MapFormat(read_map_table, seems_table),
 }
 
+# File endings of tables, whose columns the user may name.
+TABLES = (".txt", ".csv", ".ang")
 
-def read_map_file(path: str | Path, laue: Mapping[int, str] | None = None) -> MapFile:
+
+def read_map_file(
+    path: str | Path,
+    laue: Mapping[int, str] | None = None,
+    columns: Mapping[str, int | str] | None = None,
+) -> MapFile:
     """Read an orientation map from a file in the format of its file ending.
 
     laue: number of a phase (0: all other phases) -> name of its Laue group, which overrides the
     group in the file.
+    columns: quantity (phi1, Phi, phi2, x, y, phase) -> column of a table.
 
     Raises
     ------
+    OrientationError
+        A column is not in the file, or the file is not a table.
     FileFormatError
         The file is truncated, or has wrong columns, mixed steps or an unknown phase; the message
         names file, line and remedy.
@@ -75,4 +91,12 @@ def read_map_file(path: str | Path, laue: Mapping[int, str] | None = None) -> Ma
             f"{path.name}: expected the name of a map to end in one of {', '.join(FORMATS)}, got "
             f"{suffix or 'no ending'!r}. Export the map as .ctf or .ang."
         )
-    return FORMATS[suffix].read(path, laue)
+    chosen = checked_columns(columns, map_quantity, OrientationError, QUANTITIES)
+    if not chosen:
+        return FORMATS[suffix].read(path, laue)
+    if suffix not in TABLES:
+        raise OrientationError(
+            f"columns: expected a table ({', '.join(TABLES)}), got {path.name}, whose columns are "
+            "fixed. Omit columns."
+        )
+    return read_map_table(path, laue, chosen)

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from geomtorsion.errors import FileFormatError
+from geomtorsion.errors import FileFormatError, OrientationError
+from geomtorsion.materials.columns import (
+    Names,
+    candidates,
+    chosen_columns,
+    other_reader,
+    table_names,
+)
 from geomtorsion.materials.maps.map_phases import check_laue, described
 from geomtorsion.materials.maps.map_points import MapFile, MapPoints, gridded
 from geomtorsion.support import checks
@@ -16,18 +23,35 @@ from geomtorsion.support.checks import LARGEST_ARRAYS, cut, shown
 from geomtorsion.support.files import BOUNDS, finite_number, read_text
 from geomtorsion.support.text_rows import lines_of, number_table
 
-# Name of a column in other programs, in lower case without units -> its name here.
+# Name of a column in other programs, in lower case without units -> its quantity.
 _NAMES = {
-    "phi1": "phi1", "euler1": "phi1", "e1": "phi1", "phi_1": "phi1", "φ1": "phi1",
-    "phi": "Phi", "euler2": "Phi", "e2": "Phi", "φ": "Phi", "ϕ": "Phi",
-    "phi2": "phi2", "euler3": "phi2", "e3": "phi2", "phi_2": "phi2", "φ2": "phi2",
-    "phase": "phase", "phaseid": "phase", "phase_id": "phase", "phaseindex": "phase",
-    "x": "x", "y": "y",
+    **dict.fromkeys(
+        ("phi1", "phi_1", "phi 1", "φ1", "euler1", "euler 1", "euler_1", "euler angle 1", "e1",
+         "euler phi1", "eulerphi1", "ea1"), "phi1"),
+    **dict.fromkeys(
+        ("phi", "φ", "ϕ", "euler2", "euler 2", "euler_2", "euler angle 2", "e2", "euler phi",
+         "eulerphi", "ea2"), "Phi"),
+    **dict.fromkeys(
+        ("phi2", "phi_2", "phi 2", "φ2", "euler3", "euler 3", "euler_3", "euler angle 3", "e3",
+         "euler phi2", "eulerphi2", "ea3"), "phi2"),
+    **dict.fromkeys(
+        ("phase", "phaseid", "phase_id", "phase id", "phaseindex", "phase index"), "phase"),
+    **dict.fromkeys(("x", "x position", "x_position", "xpos", "x_pos"), "x"),
+    **dict.fromkeys(("y", "y position", "y_position", "ypos", "y_pos"), "y"),
 }  # fmt: skip
 _NEEDED = ("phi1", "Phi", "phi2", "x", "y")
-_MARKS = "#%"
-# A unit after a name: phi1(deg), x [um].
-_UNIT = re.compile(r"[\[(]\s*([^\])]*)[\])]")
+QUANTITIES = "phi1, Phi, phi2, x, y, phase"
+
+
+def map_quantity(word: str) -> str | None:
+    """The quantity in a column of this name, or None.
+
+    Examples
+    --------
+    >>> map_quantity("Euler2"), map_quantity("PhaseID"), map_quantity("MAD")
+    ('Phi', 'phase', None)
+    """
+    return _NAMES.get(word.strip().lower())
 
 
 def seems_table(content: bytes) -> bool:
@@ -36,7 +60,11 @@ def seems_table(content: bytes) -> bool:
     return _header(text.splitlines()) is not None
 
 
-def read_map_table(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
+def read_map_table(
+    path: Path,
+    given: Mapping[int, str] | None = None,
+    columns: Mapping[str, int | str] | None = None,
+) -> MapFile:
     """Read a table with a row of column names, in any order; unknown columns are ignored.
 
     The names are in the first row, or in the last row of comments (#, %), separated by blanks,
@@ -44,33 +72,38 @@ def read_map_table(path: Path, given: Mapping[int, str] | None = None) -> MapFil
     are in um. Without a phase column, or if all phases are 0, all points have phase 1. A table
     contains no symmetry: give `laue`.
 
+    columns: name or number, from 0, of the column of a quantity; without names, all of them.
+
     Raises
     ------
     FileFormatError
         A column is missing, a row has another length, or the symmetry of a phase is not given.
+    OrientationError
+        A chosen column is not in the table.
     """
     laue = checks.table(given, "laue", FileFormatError)
     text = read_text(path, LARGEST_ARRAYS, otherwise="latin-1")
     lines = lines_of(text)
-    header = _header(lines)
+    header = _chosen(path, lines, columns) if columns else _header(lines)
     if header is None:
         first = next((line for line in lines if line.strip()), "")
         raise FileFormatError(
             f"{path.name}: expected a row of names {', '.join(_NEEDED)} and phase, got "
-            f"{shown(cut(first.strip(), 80))}. Write these names above their columns, or export "
-            "the map as .ctf or .ang."
+            f"{shown(cut(first.strip(), 80))}. {other_reader(lines, 'OrientationMap.read')}Write "
+            'these names above their columns, or give their numbers: columns={"phi1": 0, ...} '
+            "(--columns phi1=0,...)."
         )
-    start, names, split, is_radian = header
+    start, split, width, is_radian = header.row, header.split, header.width, header.is_radian
     indices = [k for k in range(start + 1, len(lines)) if lines[k].strip(" \t,;")]
     rows = [lines[k] for k in indices]
-    columns = {name: k for k, name in reversed(list(enumerate(names)))}
-    words = [columns[name] for name in ("phase",) if name in columns]
+    places = header.places
+    words = [places[name] for name in ("phase",) if name in places]
     table, phases_there = number_table(
-        path.name, [k + 1 for k in indices], rows, len(names), [columns[n] for n in _NEEDED],
+        path.name, [k + 1 for k in indices], rows, width, [places[n] for n in _NEEDED],
         words, split=split,
     )  # fmt: skip
-    columns = dict(zip(_NEEDED, table.T, strict=True))
-    euler = np.stack([columns[name] for name in ("phi1", "Phi", "phi2")], axis=1)
+    by_name = dict(zip(_NEEDED, table.T, strict=True))
+    euler = np.stack([by_name[name] for name in ("phi1", "Phi", "phi2")], axis=1)
     indexed = np.asarray(np.isfinite(euler).all(axis=1))
     euler = np.where(indexed[:, None], euler if is_radian else np.radians(euler), 0.0)
     far = (np.abs(euler) > 4 * np.pi + 1e-3).any(axis=1)
@@ -98,7 +131,7 @@ def read_map_table(path: Path, given: Mapping[int, str] | None = None) -> MapFil
         )
     phases = {int(n): described(path.name, int(n), f"phase {n:g}", None, laue) for n in numbers}
     check_laue(path.name, laue, phases)
-    x, y = columns["x"], columns["y"]
+    x, y = by_name["x"], by_name["y"]
     bad = ~(np.isfinite(x) & np.isfinite(y))
     if bad.any():
         raise FileFormatError(
@@ -113,32 +146,52 @@ def read_map_table(path: Path, given: Mapping[int, str] | None = None) -> MapFil
     )  # fmt: skip
 
 
-Header = tuple[int, list[str], str | None, bool]
+@dataclass(frozen=True)
+class _Header:
+    """The header of a map: its row of names, the column of each quantity, and the unit of angles.
+
+    width: number of columns.
+    """
+
+    row: int
+    split: str | None
+    width: int
+    places: Mapping[str, int]
+    is_radian: bool
 
 
-def _header(lines: Sequence[str]) -> Header | None:
-    """Row of the names, the names, the separator (None: blanks), whether angles are in radians."""
-    for k, line in enumerate(lines[:1000]):
-        row = line.strip().lstrip(_MARKS).strip()
-        if not row:
-            continue
-        # Tabs and blanks may be mixed, so that blanks are tried after tabs.
-        for split in (mark for mark in (",", ";", "\t", None) if mark is None or mark in row):
-            words = _words(row, split)
-            names = [_NAMES.get(_UNIT.sub("", word).strip().lower(), word) for word in words]
-            if set(_NEEDED) <= set(names):
-                units = {unit[1].lower() for word in words for unit in _UNIT.finditer(word)}
-                text = " ".join([*lines[:k], row]).lower()
-                is_radian = bool({"rad", "radian", "radians"} & units) or "radian" in text
-                return k, names, split, is_radian
-        if not line.strip().startswith(tuple(_MARKS)) and k:
-            return None
+def _header(lines: Sequence[str]) -> _Header | None:
+    """The header of a table with the names of a map; None for any other table."""
+    for names in candidates(lines):
+        places = _places(names)
+        if set(_NEEDED) <= set(places):
+            return _with_unit(lines, names, places)
     return None
 
 
-def _words(row: str, split: str | None) -> list[str]:
-    """Names of the columns in a row; split: the separator, None for blanks."""
-    if split is None:
-        # A blank may separate a unit from its name.
-        row = _UNIT.sub(lambda one: f"({one[1]})", re.sub(r"\s+([\[(])", r"\1", row))
-    return [word.strip().strip("\"'") for word in row.split(split)]
+def _places(names: Names) -> dict[str, int]:
+    """Number of the column of each quantity; the first name of a quantity counts."""
+    found = [(map_quantity(word), k) for k, word in enumerate(names.words)]
+    return {key: k for key, k in reversed(found) if key is not None}
+
+
+def _with_unit(lines: Sequence[str], names: Names, places: Mapping[str, int]) -> _Header:
+    """The header, with the unit of angles that the names or the lines above them state."""
+    units = {names.units[places[key]].lower() for key in ("phi1", "Phi", "phi2")}
+    text = " ".join(lines[: names.row + 1]).lower()
+    is_radian = bool({"rad", "radian", "radians"} & units) or "radian" in text
+    return _Header(names.row, names.split, len(names.words), places, is_radian)
+
+
+def _chosen(path: Path, lines: Sequence[str], columns: Mapping[str, int | str]) -> _Header:
+    """The header of a table with columns that the user names."""
+    names = table_names(path, lines, columns, OrientationError)
+    named, names = chosen_columns(path, names, columns, OrientationError)
+    places = _places(names) | named
+    lacking = [key for key in _NEEDED if key not in places]
+    if lacking:
+        raise OrientationError(
+            f"columns: expected columns of {', '.join(_NEEDED)}, got no {', '.join(lacking)} for "
+            f"{path.name}. Add them."
+        )
+    return _with_unit(lines, names, places)

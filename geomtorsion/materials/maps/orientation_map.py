@@ -159,29 +159,29 @@ class OrientationMap:
         path: str | Path,
         *,
         laue: Mapping[int, str] | None = None,
+        columns: Mapping[str, int | str] | None = None,
         axes: Sequence[Sequence[float]] | np.ndarray | None = None,
         threshold: float = 5.0,
         sigma: float | Sequence[float] | None = None,
         slip: str = "",
     ) -> OrientationMap:
-        """Read a .ctf, .ang, .cpr or .h5oina file, a text table, or HDF5 by orix; lengths in um.
+        """Read a .ctf, .ang, .cpr or .h5oina file, a text table, or HDF5; lengths in um.
 
-        A .cpr file needs its .crc file in the same folder; .h5oina needs h5py. A table (.txt, .csv)
-        has a row of column names: phi1, Phi, phi2, x, y and optionally phase. Its angles are in
-        degrees unless a name has the unit (rad), and it needs `laue`. If a header and the positions
-        of the points disagree, the positions decide.
+        A .cpr file needs its .crc file in the same folder. A table (.txt, .csv) has a row of names:
+        phi1, Phi, phi2, x, y and optionally phase. Its angles are in degrees unless a name has the
+        unit (rad), and it needs `laue`. Positions decide if a header disagrees with them.
 
         Euler angles are in degrees in .ctf files and in radians in .ang files, as instruments write
-        them. Small angles in the wrong unit look like grains that are hardly rotated. If a map from
-        your own program shows one grain, or noise, instead of several grains, check the unit.
-        Angles of more than two turns are refused. `from_euler` accepts an array of angles in
-        degrees.
+        them. If a map shows one grain, or noise, instead of several grains, check the unit. Angles
+        of more than two turns are refused.
 
         Parameters
         ----------
         laue
-            Number of a phase (0: all other phases) -> name of its Laue group, if the file has a
-            wrong one or none.
+            Number of a phase (0: all others) -> its Laue group, if not correct in the file.
+        columns
+            Tables (.txt, .csv, .ang): quantity (phi1, Phi, phi2, x, y, phase) -> name or number
+            of its column, such as {"phi1 (rad)": 0}; other columns count by their names.
         axes
             Rotation from the axes of the map (x along rows, y along columns) to the axes of the
             Euler angles, shape (3, 3); by default these are the same. Instruments use different
@@ -197,7 +197,7 @@ class OrientationMap:
             message names file, line and remedy.
         """
         path = checks.file_name(path)
-        file = read_map_file(path, laue)
+        file = read_map_file(path, laue, columns)
         if not (file.phase > 0).any():
             raise FileFormatError(
                 f"{path.name}: expected pixels with an orientation, got phase 0 (not indexed) for "

@@ -88,10 +88,8 @@ def numbers(
     """
     wrong = shape_error or error
     several = expected or (f"a list of {wanted} numbers" if wanted else "a list of numbers")
-    if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
-        refuse(wrong, subject, several, values, remedy)
     try:
-        listed = tuple(values)
+        listed = tuple(entries(values, subject, wrong, expected=several, remedy=remedy))
     except TypeError:
         # An array without axes looks like a list, but has no entries.
         refuse(wrong, subject, several, values, remedy)

@@ -127,12 +127,38 @@ def known_keys(
     >>> known_keys({sp.Symbol("M"): 1}, ["M", "a"], "parameters", StartError)
     {'M': 1}
     """
-    if not isinstance(values, Mapping):
+    named = labelled(values)
+    if named is None:
         refuse(error, subject, "names with values", values)
     words = list(known)
-    for key in values:
+    for key in named:
         known_name(key, words, subject, error, expected=expected)
-    return by_name(values, subject, error)
+    return by_name(named, subject, error)
+
+
+def labelled(values: object) -> dict[Any, Any] | None:
+    """Values that have names, by name: a mapping, a pandas Series or table, a record; else None.
+
+    Lists, arrays, and a Series without names are not labelled.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> labelled({"r": 1}), labelled([1])
+    ({'r': 1}, None)
+    >>> labelled(np.array([(1, 2)], dtype=[("r", int), ("phi", int)]))["phi"]
+    array([2])
+    """
+    if isinstance(values, Mapping):
+        return dict(values)
+    # pandas and xarray are optional: tables are recognised by their keys.
+    table: Any = values
+    names = getattr(getattr(table, "dtype", None), "names", None)
+    if names is None and hasattr(type(table), "keys"):
+        names = list(table.keys())
+    if not names or not all(isinstance(name, str) for name in names):
+        return None
+    return {name: table[name] for name in names}
 
 
 def table(values: object, subject: str, error: ErrorClass = ArgumentError) -> dict[Any, Any]:
@@ -145,9 +171,10 @@ def table(values: object, subject: str, error: ErrorClass = ArgumentError) -> di
     """
     if values is None:
         return {}
-    if isinstance(values, Mapping):
-        return dict(values)
-    refuse(error, subject, "names with values", values)
+    named = labelled(values)
+    if named is None:
+        refuse(error, subject, "names with values", values)
+    return named
 
 
 def by_name(values: object, subject: str, error: ErrorClass = ArgumentError) -> dict[str, Any]:

@@ -44,6 +44,18 @@ def test_a_grid(tmp_path) -> None:
     assert "b = (7.06858) nm" in said
 
 
+def test_a_proved_circuit(tmp_path) -> None:
+    """The proof of a grid in JSON and in words; an orientation map has no interpolant."""
+    path = str(grid(tmp_path))
+    (found,) = data(path, "--loop", "circle 2,3:1.5", "--proved")["results"]
+    assert "7.068583470577" in found["proof"]["values"][0]
+    assert "interpolant" in found["proof"]["assumes"][0]
+    said = run(path, "--loop", "circle 2,3:1.5", "--proved").stdout
+    assert "proved, 15 digits" in said
+    refused = run(wall_file(tmp_path), "--loop", "plaquette 1,1:4,3", "--proved", code=2).stderr
+    assert "without an interpolant" in " ".join(refused.split())
+
+
 def test_an_orientation_map(tmp_path) -> None:
     """A circuit around a tilt wall: b/L = 2 sin(theta/2), in crystal and specimen axes."""
     path = wall_file(tmp_path)

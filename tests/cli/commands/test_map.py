@@ -287,3 +287,39 @@ def test_circuits_around_missing_nodes_are_counted_and_described(tmp_path):
     text = " ".join(done.stdout.split())
     assert "24 of them around missing nodes" in text
     assert "the circuit goes around 1 missing node, up to 0.0354 away" in text
+
+
+COLUMNS = "x=0,y=b,exx (%)=2,exy=3,eyy=4,theta=turn"
+
+
+def strains(folder, head="a,b,c,d,e,turn"):
+    """A table of strain with names that no reader knows: exx = 0.01 y, in percent."""
+    rows = [f"{i},{j},{1.0 * j},0,0,0" for i in range(9) for j in range(9)]
+    (folder / "strain.txt").write_text("\n".join([*head.splitlines(), *rows]))
+    return str(folder / "strain.txt")
+
+
+def test_columns_of_a_table(tmp_path):
+    """The torsion is d_y exx = 0.01 everywhere, with and without a row of names."""
+    for head, columns in (("a,b,c,d,e,turn", COLUMNS), ("", COLUMNS.replace("turn", "5"))):
+        path = strains(tmp_path, head)
+        columns = columns if head else columns.replace("y=b", "y=1")
+        run(path, "--columns", columns, "--size", "2", "-o", str(tmp_path / "o"))
+        found = json.loads((tmp_path / "o/map.json").read_text())
+        assert found["largest"] == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize(
+    ("columns", "words"),
+    [
+        ("x", "--columns: expected QUANTITY=COLUMN"),
+        ("x=0,x=1", "each quantity once"),
+        ("x=0,y=1", "--columns: expected columns of a displacement"),
+        ("x=0,y=1,u=2,v=nothing", "--columns: expected a column 'nothing'"),
+        ("q=1", "--columns: expected a quantity"),
+    ],
+)
+def test_refused_columns(tmp_path, columns, words):
+    """The option is named as typed."""
+    said = run(strains(tmp_path), "--columns", columns, "-o", str(tmp_path / "o"), code=2)
+    assert words in " ".join(said.stderr.split())

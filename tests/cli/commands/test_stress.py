@@ -97,3 +97,9 @@ def test_an_orientation_map_is_refused_with_a_remedy() -> None:
     file = str(real("ebsd/si_wafer.ctf"))
     said = run(file, "--elastic", "isotropic 80 0.3", code=2).stderr
     assert "NyeField.of_frame(map.frame(0))" in " ".join(said.split())
+
+
+def test_columns_are_for_tables(chains: Path) -> None:
+    """A network has no columns; the message names the option."""
+    said = run(str(chains), "--elastic", COPPER, "--columns", "x=0", code=2)
+    assert "--columns: expected a table, got a network" in said.stderr

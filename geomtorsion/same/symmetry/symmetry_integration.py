@@ -11,8 +11,8 @@ import sympy as sp
 from geomtorsion.errors import SingularPointError
 from geomtorsion.exact import Reduced
 from geomtorsion.geometry import Frame
-from geomtorsion.gravity.symmetry_conditions import Conditions
 from geomtorsion.ode import ODE, solve
+from geomtorsion.same.symmetry.symmetry_conditions import Conditions
 from geomtorsion.support.caching import cached_property
 
 
@@ -35,7 +35,7 @@ class IntegratedSymmetry:
     --------
     >>> import sympy as sp
     >>> from geomtorsion.geometry import Frame
-    >>> from geomtorsion.gravity import symmetries
+    >>> from geomtorsion.same import symmetries
     >>> u, v = sp.symbols("u v", positive=True)
     >>> plane = Frame([u, v], sp.eye(2) * 5 * (u**2 + v**2) ** 2)  # x + i y = (u + i v)**5
     >>> shift = symmetries(plane).vectors[2]

@@ -10,7 +10,7 @@ from itertools import combinations
 from geomtorsion.errors import UndecidedError
 from geomtorsion.exact import Element, Reduced, Specialization, reduced
 from geomtorsion.geometry import Brackets, LieAlgebra, Tensor, levi_civita
-from geomtorsion.gravity.symmetry_conditions import Conditions
+from geomtorsion.same.symmetry.symmetry_conditions import Conditions
 
 Row = list[Element]
 

@@ -1,4 +1,4 @@
-"""Displaced points: a displacement at points of a file, on a grid or scattered."""
+"""Point values: a field at the points of a file, on a grid or scattered."""
 
 from __future__ import annotations
 
@@ -13,32 +13,22 @@ import numpy as np
 from geomtorsion.errors import FileFormatError, GridError, LimitError
 from geomtorsion.materials.fields.contents import Contents
 from geomtorsion.materials.fields.grid import regular_axis
+from geomtorsion.materials.fields.quantities import COMPONENTS
 from geomtorsion.support.npz import most_unpacked
 
-# Names of the columns of other programs, in lower case: coordinates, components of a displacement,
-# and columns that are negative where a correlation failed (DICe, VIC).
-AXES = (
-    ("x", "coordinate_x", "x_coordinate", "x-coordinate", "pos_x", "x0"),
-    ("y", "coordinate_y", "y_coordinate", "y-coordinate", "pos_y", "y0"),
-    ("z", "coordinate_z", "z_coordinate", "z-coordinate", "pos_z", "z0"),
-)
-COMPONENTS = (
-    ("u", "ux", "u_x", "vx", "dx", "disp_x", "x-displacement", "displacement_x", "u1", "d1"),
-    ("v", "uy", "u_y", "vy", "dy", "disp_y", "y-displacement", "displacement_y", "u2", "d2"),
-    ("w", "uz", "u_z", "vz", "dz", "disp_z", "z-displacement", "displacement_z", "u3", "d3"),
-)
-FAILED = ("sigma",)
 # Names of vectors in the results of finite elements, in lower case.
 VECTORS = ("displacement", "displacements", "disp", "u", "d", "nodal displacement")
 
 
 @dataclass(frozen=True, eq=False)
-class DisplacedPoints:
-    """A displacement at points of a file.
+class PointValues:
+    """A field at points of a file.
 
-    places: name of each axis -> coordinates, shape (n,). values: components, shape (rows, n), NaN
-    where nothing is known. where: line or number of each point, for messages. unit, vector_unit:
-    of coordinates and displacement.
+    places: name of each axis -> coordinates, shape (n,). values: displacement, shape (rows, n), or
+    coframe or distortion, shape (rows, columns, n); NaN where nothing is known. where: line or
+    number of each point, for messages. unit, vector_unit: of coordinates and displacement. form:
+    displacement, coframe or distortion. source: origin of the values, in words. height: of a
+    surface over its two axes, shape (n,).
     """
 
     places: Mapping[str, np.ndarray]
@@ -46,15 +36,20 @@ class DisplacedPoints:
     where: Sequence[str]
     unit: str = ""
     vector_unit: str = ""
+    form: str = "displacement"
+    source: str = ""
+    height: np.ndarray | None = None
 
     @property
     def options(self) -> dict[str, Any]:
-        """Units that the file states."""
-        texts = (("unit", self.unit), ("vector_unit", self.vector_unit))
+        """Units that the file states, and the origin of the values."""
+        texts = (
+            ("unit", self.unit), ("vector_unit", self.vector_unit), ("source", self.source)
+        )  # fmt: skip
         return {key: text for key, text in texts if text}
 
     def gridded(self, path: Path) -> Contents:
-        """The displacement at the nodes of a grid; nodes without a point are holes.
+        """The values at the nodes of a grid; nodes without a point are holes.
 
         Raises
         ------
@@ -62,12 +57,19 @@ class DisplacedPoints:
             The points are not a regular grid.
         """
         axes, flat = nodes_of(path, self.places, self.where)
-        shape = tuple(len(axis) for axis in axes)
-        check_filled(path, len(self.values), shape)
-        values = np.full((len(self.values), int(np.prod(shape))), np.nan)
-        values[:, flat] = self.values
-        names = tuple(self.places)
-        return Contents(axes, values.reshape(-1, *shape), names, False, self.options, True)
+        shape, rows = tuple(len(axis) for axis in axes), self.values.shape[:-1]
+        check_filled(path, math.prod(rows), shape)
+        values = np.full((*rows, math.prod(shape)), np.nan)
+        values[..., flat] = self.values
+        options = self.options
+        if self.height is not None:
+            options["height"] = np.full(math.prod(shape), np.nan)
+            options["height"][flat] = self.height
+            options["height"] = options["height"].reshape(shape)
+        return Contents(
+            axes, values.reshape(*rows, *shape), tuple(self.places), self.form == "distortion",
+            options, self.form == "displacement",
+        )  # fmt: skip
 
 
 def displacement_in(data: Mapping[str, np.ndarray]) -> np.ndarray | None:
@@ -105,7 +107,7 @@ def nodes_of(
             axes.append(regular_axis(axis, name))
         except GridError as error:
             raise FileFormatError(
-                f"{path}: the nodes are not on a regular grid: {error} For a displacement at "
+                f"{path}: the nodes are not on a regular grid: {error} For values at "
                 "scattered points use ScatteredFrame.read."
             ) from None
         index.append(inverse)

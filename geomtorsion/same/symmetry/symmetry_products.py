@@ -9,7 +9,7 @@ import sympy as sp
 
 from geomtorsion.exact import Element, Specialization, limits, reduced
 from geomtorsion.geometry import Frame
-from geomtorsion.gravity.symmetry_algebra import AtPoint
+from geomtorsion.same.symmetry.symmetry_algebra import AtPoint
 
 # More unknowns than these take minutes; then the vectors are integrated.
 MOST_UNKNOWNS = limits.MOST_AT_ONCE // 2
@@ -26,7 +26,7 @@ def products(frame: Frame, lists: Lists, degree: int, constants: bool) -> list[s
     degree: how many functions of one other coordinate are multiplied.
     constants: whether each is multiplied by each parameter, and by its inverse.
     """
-    own = [*factors(frame, lists, degree).values(), _mixed_roots(frame)]
+    own = [*functions_of_coordinates(frame, lists, degree).values(), _mixed_roots(frame)]
     if constants:
         own.append([sp.S.One, *(c for one in frame.parameters for c in (one, 1 / one))])
     if frame.dimension * prod(map(len, own)) > MOST_UNKNOWNS:
@@ -34,7 +34,7 @@ def products(frame: Frame, lists: Lists, degree: int, constants: bool) -> list[s
     return list(dict.fromkeys(sp.Mul(*one) for one in product(*own)))
 
 
-def factors(frame: Frame, lists: Lists, degree: int) -> Lists:
+def functions_of_coordinates(frame: Frame, lists: Lists, degree: int) -> Lists:
     """The functions of each coordinate that are multiplied."""
     return {q: lists.get(q) or _functions(frame, q, degree) for q in frame.coordinates}
 

@@ -22,11 +22,11 @@ from geomtorsion.geometry import (
 )
 from geomtorsion.geometry.assumption import assumption_of
 from geomtorsion.geometry.connections import FrameLike, as_frame
-from geomtorsion.gravity.symmetry_algebra import AtPoint, points
-from geomtorsion.gravity.symmetry_conditions import Conditions, difference, representatives
-from geomtorsion.gravity.symmetry_integration import IntegratedSymmetry
-from geomtorsion.gravity.symmetry_products import factors, products, waves
-from geomtorsion.gravity.symmetry_search import killing_vectors
+from geomtorsion.same.symmetry.symmetry_algebra import AtPoint, points
+from geomtorsion.same.symmetry.symmetry_conditions import Conditions, difference, representatives
+from geomtorsion.same.symmetry.symmetry_integration import IntegratedSymmetry
+from geomtorsion.same.symmetry.symmetry_products import functions_of_coordinates, products, waves
+from geomtorsion.same.symmetry.symmetry_search import killing_vectors
 from geomtorsion.support import checks
 from geomtorsion.support.displays import drawn_by
 from geomtorsion.support.exclusive import exclusive
@@ -68,7 +68,7 @@ def symmetries(frame: FrameLike, keep: str | Connection = "metric") -> Symmetrie
     --------
     >>> import sympy as sp
     >>> from geomtorsion.geometry import Frame
-    >>> from geomtorsion.gravity import symmetries
+    >>> from geomtorsion.same import symmetries
     >>> r, phi = sp.symbols("r phi", positive=True)
     >>> plane = Frame([r, phi], [[1, 0], [0, r]])
     >>> print(symmetries(plane))
@@ -115,7 +115,7 @@ def killing_equations(frame: FrameLike) -> tuple[sp.Eq, ...]:
     --------
     >>> import sympy as sp
     >>> from geomtorsion.geometry import Frame
-    >>> from geomtorsion.gravity import killing_equations
+    >>> from geomtorsion.same import killing_equations
     >>> r, phi = sp.symbols("r phi", positive=True)
     >>> for one in killing_equations(Frame([r, phi], [[1, 0], [0, r]])):
     ...     print(one.lhs)
@@ -290,7 +290,7 @@ class Symmetries:
     @property
     def ansatz(self) -> str:
         """The components that were searched for vectors."""
-        lists = factors(self.frame, self.waves, 1)
+        lists = functions_of_coordinates(self.frame, self.waves, 1)
         text = "; ".join(f"{q}: {', '.join(map(str, every))}" for q, every in lists.items())
         return (
             "components along coordinates or legs, sums of products with one factor or two of "

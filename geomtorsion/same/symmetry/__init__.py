@@ -1,0 +1,1 @@
+"""Symmetries of a frame: Killing vectors, their algebra, and Killing-Yano forms."""
