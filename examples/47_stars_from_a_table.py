@@ -43,7 +43,7 @@ def main(arguments: list[str] | None = None) -> None:
     print(usual)
     print(f"deformability {usual.deformability:.5g}, I = {usual.moment_of_inertia:.6g} in km^2")
     mass, radius = PUBLISHED[options.matter]
-    # The published numbers are those of the tabulated matter, to which the pieces are a fit.
+    # The published numbers belong to tables, to which the pieces are a fit.
     assert abs(stars.heaviest.mass / mass - 1) < 0.015
     assert abs(usual.radius / radius - 1) < 0.015
 

@@ -45,13 +45,11 @@ def test_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_a_frame_of_ones_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The throat of a wormhole, sin(chi) = b/sqrt(b^2 + l^2), from conditions on the command line."""
+    """The throat of a wormhole, sin(chi) = b/sqrt(b^2 + l^2), from options."""
     monkeypatch.chdir(tmp_path)
     Path("wormhole.toml").write_text(WORMHOLE)
     camera = ("--camera", "0,3,pi/2,0", "--dark", "l + 10", "--sky", "10 - l")
-    shown = running.run(
-        "shadow", "wormhole.toml", *camera, "--directions", "2", "--format", "json"
-    )
+    shown = running.run("shadow", "wormhole.toml", *camera, "--directions", "2", "--format", "json")
     assert json.loads(shown.stdout)["radii"][0] == pytest.approx(
         math.asin(1 / math.sqrt(10)), abs=1e-6
     )
