@@ -21,6 +21,7 @@ from geomtorsion.cli.options import (
     MeasuredPixel,
     MeasuredResolution,
     MeasuredSigma,
+    MeasuredSlice,
     MeasuredSlip,
     MeasuredSpots,
     MeasuredThreshold,
@@ -67,6 +68,7 @@ def map(
     order: MeasuredOrder = None,
     missing: MeasuredMissing = None,
     columns: MeasuredColumns = None,
+    slice: MeasuredSlice = None,
     laue: MeasuredLaue = None,
     slip: MeasuredSlip = None,
     pixel: MeasuredPixel = None,
@@ -131,6 +133,7 @@ def map(
         resolution,
         missing or (),
         columns,
+        slice,
     )
     path = Path(source)
     if blocks is not None or resume or is_array(path):
