@@ -32,7 +32,7 @@ def test_one_star() -> None:
 
 def test_a_family_and_its_files(table: str) -> None:
     """A table of the stars, the heaviest one and a figure."""
-    centres = ("--density", "1e-3,3e-3,6e-3")
+    centres = ("--density", "1e-3,4e-3,9e-3")
     shown = running.run("star", table, *centres, "-o", "stars")
     assert "heaviest: mass 1.637" in shown.stdout
     files = {path.name for path in Path("stars").iterdir()}
@@ -47,7 +47,7 @@ def test_a_family_and_its_files(table: str) -> None:
 
 def test_a_star_of_a_mass(table: str) -> None:
     """The star of Font et al. (2002) by its mass."""
-    centres = ("--density", "1e-3,3e-3,6e-3")
+    centres = ("--density", "1e-3,4e-3,9e-3")
     shown = running.run("star", table, *centres, "--mass", "1.4", "--format", "json")
     assert json.loads(shown.stdout)["radius"] == pytest.approx(9.586, abs=2e-3)
 
