@@ -51,7 +51,7 @@ def draw_stars(stars: Family | Star) -> Figure:
 def _draw_family(left: Axes, right: Axes, stars: Family) -> None:
     """Mass over radius; the Love number, or the mass over the density at the centre."""
     scale = stars.matter.scale
-    heaviest = stars.heaviest
+    heaviest = stars.peak
     last = int(np.argmax(stars["mass"])) + 1
     parts = [(slice(0, last), "-", "stable")]
     if last < len(stars):

@@ -59,12 +59,27 @@ class Family:
     def __len__(self) -> int:
         return len(self.stars)
 
-    @cached_property
-    def heaviest(self) -> Star | None:
-        """The star of the largest mass, beyond which stars are unstable; None without one.
+    @property
+    def heaviest(self) -> Star:
+        """The star of the largest mass, beyond which stars are unstable.
 
         The error of its mass counts how closely the maximum is found.
+
+        Raises
+        ------
+        GravityError
+            the first or the last star of the family is the heaviest.
         """
+        if self.peak is None:
+            raise GravityError(
+                f"heaviest: expected a largest mass between the {len(self)} stars, got one at the "
+                "end of the family. Give other densities."
+            )
+        return self.peak
+
+    @cached_property
+    def peak(self) -> Star | None:
+        """As `heaviest`, or None."""
         k = int(np.argmax(self["mass"]))
         if not 0 < k < len(self.stars) - 1:
             return None
@@ -92,7 +107,7 @@ class Family:
         """
         wanted = checks.positive(mass, "mass", GravityError)
         masses, last = self["mass"], int(np.argmax(self["mass"]))
-        heaviest = self.heaviest
+        heaviest = self.peak
         ends = [math.log(x) for x in self._etas[: last + 1]]
         values = masses[: last + 1].tolist()
         if heaviest is not None and heaviest.mass > values[-1]:
@@ -131,7 +146,7 @@ class Family:
 
     def to_json(self) -> dict[str, Any]:
         """Numbers of the stars, and the heaviest one, as plain data."""
-        heaviest = self.heaviest
+        heaviest = self.peak
         return {
             "matter": self.matter.name,
             "units": self.matter.units,
@@ -145,7 +160,7 @@ class Family:
         return f"{len(self)} stars of {self.matter.name}: mass from {low:.6g} to {high:.6g}{unit}"
 
     def __str__(self) -> str:
-        heaviest = self.heaviest
+        heaviest = self.peak
         if heaviest is None:
             return f"{self!r}\nno heaviest star between the densities of the family"
         error = heaviest.errors["mass"]

@@ -31,9 +31,8 @@ class Star:
 
     matter: its equation of state. density, pressure: at the centre, in the units of the matter.
     mass, radius: as seen from outside, and the circumference of the surface over 2 pi.
-    love_number: k2 of a static tide. moment_of_inertia: of a slow rotation, mass times radius
-    squared. Both are None for equations other than general relativity.
-    errors: name -> estimate of the error of each of these numbers.
+    response: Love number and moment of inertia by name, empty for equations other than general
+    relativity. errors: name -> estimate of the error of each of these numbers.
     solution: over the depth, from the centre to the surface, with G = c = 1.
     """
 
@@ -42,8 +41,7 @@ class Star:
     pressure: float
     mass: float
     radius: float
-    love_number: float | None
-    moment_of_inertia: float | None
+    response: Mapping[str, float]
     errors: Mapping[str, float]
     solution: Solution
 
@@ -53,25 +51,54 @@ class Star:
         return self.mass * self.matter.scale.mass / self.radius
 
     @property
-    def deformability(self) -> float | None:
-        """The dimensionless tidal deformability 2 k2/3 (R/M)^5."""
-        k2 = self.love_number
-        return None if k2 is None else 2 / 3 * k2 / self.compactness**5
+    def love_number(self) -> float:
+        """The Love number k2 of a static tide.
+
+        Raises
+        ------
+        GravityError
+            the equations are not those of `star` for an equation of state.
+        """
+        return self._answer("love_number")
+
+    @property
+    def moment_of_inertia(self) -> float:
+        """The moment of inertia of a slow rotation, mass times the square of a length.
+
+        Raises
+        ------
+        GravityError
+            as for `love_number`.
+        """
+        return self._answer("moment_of_inertia")
+
+    @property
+    def deformability(self) -> float:
+        """The dimensionless tidal deformability 2 k2/3 (R/M)^5.
+
+        Raises
+        ------
+        GravityError
+            as for `love_number`.
+        """
+        return 2 / 3 * self.love_number / self.compactness**5
+
+    def _answer(self, name: str) -> float:
+        if name not in self.response:
+            raise GravityError(
+                f"{name}: expected a star of general relativity, got one of other field equations, "
+                "whose field outside of the star is not solved. Give the equation of state to star."
+            )
+        return self.response[name]
 
     @property
     def numbers(self) -> dict[str, float]:
         """All numbers of the star by name, for tables."""
-        every = {
-            "density": self.density,
-            "pressure": self.pressure,
-            "mass": self.mass,
-            "radius": self.radius,
-            "compactness": self.compactness,
-            "love_number": self.love_number,
-            "deformability": self.deformability,
-            "moment_of_inertia": self.moment_of_inertia,
-        }
-        return {name: value for name, value in every.items() if value is not None}
+        names = ("density", "pressure", "mass", "radius", "compactness")
+        table = {name: float(getattr(self, name)) for name in names}
+        if self.response:
+            table |= {**self.response, "deformability": self.deformability}
+        return table
 
     def to_json(self) -> dict[str, Any]:
         """Numbers and errors as plain data."""
@@ -83,7 +110,7 @@ class Star:
             f"mass {self.mass:.8g} {scale.mass_word}".rstrip(),
             f"radius {self.radius:.8g} {scale.length_word}".rstrip(),
         ]
-        if self.love_number is not None:
+        if self.response:
             words.append(f"k2 {self.love_number:.6g}")
         return f"star of {self.matter.name}: {', '.join(words)}"
 
@@ -189,13 +216,14 @@ def _read(structure: Structure, solution: Solution, eta: float) -> Star:
     share["r"] += layer / radius
     share = {name: float(x) for name, x in share.items()}
     errors = {"mass": (share["m"] + layer / radius) * abs(mass), "radius": share["r"] * radius}
-    k2 = inertia = None
+    response: dict[str, float] = {}
     if structure.tides:
         k2, errors["love_number"] = _love_number(last, share)
         inertia, errors["moment_of_inertia"] = (x / scale.mass for x in _inertia(last, share))
+        response = {"love_number": k2, "moment_of_inertia": inertia}
     pressure, density = matter.values(eta)
     centre = density / scale.density, pressure / scale.pressure
-    return Star(matter, *centre, mass, radius, k2, inertia, errors, solution)
+    return Star(matter, *centre, mass, radius, response, errors, solution)
 
 
 def _love_number(last: Mapping[str, float], share: Mapping[str, float]) -> tuple[float, float]:
