@@ -126,13 +126,14 @@ CEILINGS = {
     # Two more: what rates divide by, and whether a motion ends where that vanishes.
     # Four of them find the region in which the motion starts.
     # One: changes on the way, which show what a motion makes of roundings.
-    "files of a first motion": 55,
+    # One more: changes at conditions, whose times are compared.
+    "files of a first motion": 56,
     # The first root that is read asks for a sign, and the sign for the region of the frame.
     "frames of a first motion": 44,
 }
 # Lines of code below and above the wall, rounded up to five hundreds, without docstrings, comments
 # and blanks. A change that needs more raises a number and states in its commit what users get.
-BUDGET = {"below the wall": 54000, "above the wall": 60500}
+BUDGET = {"below the wall": 55500, "above the wall": 60500}
 # What a program that imports the package does not wait for.
 LATER = ("sympy", "flint", "mpmath", "numpy", "multiprocessing", "asyncio", "tomllib", "sqlite3")
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")

@@ -80,14 +80,11 @@ def ode_of(selection: StateSelection, start: State, correct: Assembly, name: str
     }
     parts = [part for key, part in assembly.parts.items() if key in selection.effects]
     stops = [part.stop for part in parts if part.stop is not None]
-    if len(stops) > 1:
-        raise SceneError("expected one effect that stops the motion, got two. Keep one of them.")
     events: list[At | When] = []
     for part in parts:
         # Times are numbers of any kind; `ODE.of` checks them.
         events += [At(time, changes) for time, changes in part.switches]  # type: ignore[arg-type]
-    if stops:
-        events.append(When(assembly.constrained(stops[0]).xreplace(chosen)))
+    events += [When(assembly.constrained(stop).xreplace(chosen)) for stop in stops]
     numbers, parameters = start_of(selection, start), parameters_of(selection, start)
     form = _Form(
         *_laws(selection, correct),
