@@ -57,7 +57,7 @@ class Star:
         Raises
         ------
         GravityError
-            the equations are not those of `star` for an equation of state.
+            the theory is not general relativity.
         """
         return self._answer("love_number")
 
