@@ -190,6 +190,10 @@ MeasuredColumns = Annotated[
         text="Tables: name or number, from 0, of the column of a quantity: x=0,y=1,exx=strain_xx",
     ),
 ]
+MeasuredSlice = Annotated[
+    str | None,
+    option("--slice", metavar="N", text="HDF5: number, from 0, or name of one of several maps."),
+]
 
 MeasuredSlip = Annotated[
     str | None,

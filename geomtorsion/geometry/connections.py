@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from importlib import import_module
 from itertools import product
 from typing import Protocol, TypeAlias, runtime_checkable
 
@@ -20,6 +19,7 @@ from geomtorsion.geometry.homes import at_home, over_frame
 from geomtorsion.geometry.tensor import Scalar, Source, Tensor
 from geomtorsion.geometry.torsion import Torsion
 from geomtorsion.support import arguments, checks
+from geomtorsion.support.higher import higher
 
 HALF = Fraction(1, 2)
 
@@ -108,11 +108,10 @@ def _instance(value: object, name: str, error: type[GeomtorsionError]) -> Frame:
 def _named(value: object) -> object:
     """The shipped space for its name; every other value as it is.
 
-    The package of spaces is named, not imported, as `displays.drawn_by` names pictures: spaces
-    are made of frames, and only a text that a user typed leads from here to them.
+    Spaces are made of frames; only a text that a user typed leads from here to them.
     """
     if isinstance(value, str):
-        return import_module("geomtorsion.spaces").shipped_space(value)
+        return higher("spaces").shipped_space(value)
     return value
 
 

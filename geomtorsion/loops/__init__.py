@@ -98,3 +98,8 @@ __all__ = [
     "spanning_forest",
     "validation",
 ]
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return [*__all__]

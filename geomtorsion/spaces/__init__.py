@@ -11,24 +11,29 @@ from geomtorsion.spaces.space import KnownAnswer, Space
 if TYPE_CHECKING:
     from geomtorsion.spaces import first_motion
     from geomtorsion.spaces.identification import Identification, Identified, identify
+    from geomtorsion.spaces.kerr_orbits import Frequencies, KerrOrbit, kerr_orbit
     from geomtorsion.spaces.pair import Pair, pair_problems, refuse_unknown_functions, solve_pair
 
 # Names imported on first use: loading a space needs no motions and no comparison.
 _LATER = {
     "Pair": "pair", "pair_problems": "pair", "refuse_unknown_functions": "pair",
     "solve_pair": "pair", "Identification": "identification", "Identified": "identification",
-    "identify": "identification",
+    "identify": "identification", "Frequencies": "kerr_orbits", "KerrOrbit": "kerr_orbits",
+    "kerr_orbit": "kerr_orbits",
 }  # fmt: skip
 
 __all__ = [
+    "Frequencies",
     "Identification",
     "Identified",
+    "KerrOrbit",
     "KnownAnswer",
     "Pair",
     "Space",
     "disagreements",
     "first_motion",
     "identify",
+    "kerr_orbit",
     "load",
     "names",
     "pair_problems",

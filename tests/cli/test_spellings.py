@@ -45,8 +45,8 @@ LINES = [
 
 
 @pytest.mark.parametrize("line", LINES)
-def test_json_is_printed_alone(line: str, tmp_path) -> None:
-    """--json prints one JSON document, as --format json does, and words go elsewhere."""
+def test_json_is_all_that_is_printed(line: str, tmp_path) -> None:
+    """--json prints one JSON document, as --format json does, and no other text."""
     file = tmp_path / "track.csv"
     file.write_text("t,theta\n0.5,1.05\n1,1.2\n")
     words = line.replace("FILE", str(file)).split()

@@ -18,14 +18,14 @@ ORBITS = [(0.9, 6, 0.3, 0.5), (0.998, 2.5, 0.4, 0.9), (0.5, 10, 0.6, -0.7), (0.0
 
 def test_published_constants():
     """E, L and Q of a = 0.9, p = 10, e = 0.1 at 60 degrees, to the last digit of a double."""
-    orbit = gt.kerr_orbit(0.9, 10, 0.1, math.cos(math.pi / 3))
+    orbit = gt.spaces.kerr_orbit(0.9, 10, 0.1, math.cos(math.pi / 3))
     found = (orbit.energy, orbit.angular_momentum, orbit.carter)
     assert found == pytest.approx(PUBLISHED_CONSTANTS, rel=ROUNDED)
 
 
 def test_published_frequencies():
     """Omega of a = 0.9, p = 6, e = 0.3 in the equator."""
-    found = gt.kerr_orbit(0.9, 6, 0.3, 1).frequencies
+    found = gt.spaces.kerr_orbit(0.9, 6, 0.3, 1).frequencies
     assert (found.radial, found.polar, found.azimuthal) == pytest.approx(
         PUBLISHED_FREQUENCIES, rel=ROUNDED
     )
@@ -35,7 +35,7 @@ def test_published_frequencies():
 @pytest.mark.parametrize("x", [1, 0.3, 0, -1])
 def test_circles_without_spin(r, x):
     """Omega = r^(-3/2), radial r^-2 sqrt(r - 6): Schwarzschild's, at any inclination."""
-    orbit = gt.kerr_orbit(0, r, 0, x)
+    orbit = gt.spaces.kerr_orbit(0, r, 0, x)
     found = orbit.frequencies
     assert found.radial == pytest.approx(math.sqrt(r - 6) / r**2, rel=ROUNDED)
     assert found.polar == pytest.approx(r**-1.5, rel=ROUNDED)
@@ -47,7 +47,7 @@ def test_circles_without_spin(r, x):
 @pytest.mark.parametrize("a", [0.3, 0.95])
 def test_circles_in_the_equator(a, sense):
     """Omega = +-1 / (r^(3/2) +- a) [Bardeen, Press, Teukolsky 1972]; both senses."""
-    found = gt.kerr_orbit(a, 12, 0, sense).frequencies
+    found = gt.spaces.kerr_orbit(a, 12, 0, sense).frequencies
     assert found.azimuthal == pytest.approx(sense / (12**1.5 + sense * a), rel=ROUNDED)
     radial = 1 - 6 / 12 + sense * 8 * a / 12**1.5 - 3 * a**2 / 144
     assert found.radial == pytest.approx(abs(found.azimuthal) * math.sqrt(radial), rel=1e-13)
@@ -56,7 +56,7 @@ def test_circles_in_the_equator(a, sense):
 @pytest.mark.parametrize("shape", ORBITS)
 def test_the_orbit_in_mino_time_is_the_geodesic(shape):
     """The curve of gt.geodesic, solved in proper time, agrees with Mino's equations."""
-    orbit = gt.kerr_orbit(*shape)
+    orbit = gt.spaces.kerr_orbit(*shape)
     mino = gt.solve(orbit.mino(), 3 * 2 * math.pi / orbit.mino_frequencies.radial)
     curve = gt.solve(orbit.geodesic(), float(mino["tau"][-1]))
     expected = [float(mino[name][-1]) for name in ("t", "r", "theta", "phi")]
@@ -72,7 +72,7 @@ def test_the_orbit_in_mino_time_is_the_geodesic(shape):
 @pytest.mark.parametrize("shape", ORBITS)
 def test_frequencies_of_a_long_integration(shape):
     """Means over a few hundred radial periods agree as well as their length allows."""
-    orbit = gt.kerr_orbit(*shape)
+    orbit = gt.spaces.kerr_orbit(*shape)
     slow, fast = orbit.mino_frequencies, orbit.frequencies
     turns = 300
     end = turns * 2 * math.pi / slow.radial
@@ -95,7 +95,7 @@ def test_through_the_equator_and_over_the_poles():
         ((0.9, 6, 0.3, 1), (0.9, 6, 0.3, 1 - 1e-15)),
         ((0, 9, 0.2, 0.4), (1e-12, 9, 0.2, 0.4)),
     ]:
-        one, two = (gt.kerr_orbit(*x).frequencies for x in (shape, beside))
+        one, two = (gt.spaces.kerr_orbit(*x).frequencies for x in (shape, beside))
         for name in ("radial", "polar", "azimuthal"):
             assert getattr(one, name) == pytest.approx(getattr(two, name), rel=1e-8)
 
@@ -112,14 +112,14 @@ def test_frequency_beside_the_separatrix(distance):
         modulus = (r1 - r2) * r3 / ((r1 - r3) * r2)
         speed = mpmath.sqrt((1 - square) * (r1 - r3) * r2)
         exact = float(mpmath.pi * speed / (2 * mpmath.ellipk(modulus)))
-    assert gt.kerr_orbit(0, p, e).mino_frequencies.radial == pytest.approx(exact, rel=1e-12)
+    assert gt.spaces.kerr_orbit(0, p, e).mino_frequencies.radial == pytest.approx(exact, rel=1e-12)
 
 
 @pytest.mark.parametrize("x", [1, 0.3, 0, -1])
 @pytest.mark.parametrize("e", [0, 0.3, 0.9])
 def test_separatrix_without_spin(e, x):
     """p = 6 + 2 e at any inclination."""
-    assert gt.kerr_orbit(0, 20, e, x).separatrix == pytest.approx(6 + 2 * e, rel=ROUNDED)
+    assert gt.spaces.kerr_orbit(0, 20, e, x).separatrix == pytest.approx(6 + 2 * e, rel=ROUNDED)
 
 
 @pytest.mark.parametrize("sense", [1, -1])
@@ -127,7 +127,7 @@ def test_separatrix_without_spin(e, x):
 @pytest.mark.parametrize("a", [1e-3, 0.5, 0.95])
 def test_separatrix_in_the_equator(a, e, sense):
     """The polynomial of degree four in p; for circles the radius of Bardeen, Press, Teukolsky."""
-    orbit = gt.kerr_orbit(a, 20, e, sense)
+    orbit = gt.spaces.kerr_orbit(a, 20, e, sense)
     with mpmath.workdps(40):
         p, spin, shape = mpmath.mpf(orbit.separatrix), mpmath.mpf(a), mpmath.mpf(e)
         plain = spin**2 * (3 - shape) * (1 + shape) + p * (6 + 2 * shape - p)
@@ -141,22 +141,22 @@ def test_separatrix_in_the_equator(a, e, sense):
         assert abs(gap) <= ROUNDED * slope * p
     for side, bound in ((1 + 1e-9, True), (1 - 1e-9, False)):
         if bound:
-            assert gt.kerr_orbit(a, orbit.separatrix * side, e, sense).energy < 1
+            assert gt.spaces.kerr_orbit(a, orbit.separatrix * side, e, sense).energy < 1
         else:
             with pytest.raises(StartError, match="inside the separatrix"):
-                gt.kerr_orbit(a, orbit.separatrix * side, e, sense)
+                gt.spaces.kerr_orbit(a, orbit.separatrix * side, e, sense)
 
 
 def test_a_negative_spin_turns_the_sense():
     """a < 0 is the orbit of -a against the spin."""
-    assert gt.kerr_orbit(-0.9, 12, 0.2, 0.5) == gt.kerr_orbit(0.9, 12, 0.2, -0.5)
-    polar = [gt.kerr_orbit(a, 12, 0.2, 0).frequencies.azimuthal for a in (-0.9, 0.9)]
+    assert gt.spaces.kerr_orbit(-0.9, 12, 0.2, 0.5) == gt.spaces.kerr_orbit(0.9, 12, 0.2, -0.5)
+    polar = [gt.spaces.kerr_orbit(a, 12, 0.2, 0).frequencies.azimuthal for a in (-0.9, 0.9)]
     assert polar[0] == polar[1]
 
 
 def test_constants_agree_with_the_curve():
     """E, L and Carter's constant agree with the frame velocities of the geodesic."""
-    orbit = gt.kerr_orbit(0.9, 6, 0.3, 0.5)
+    orbit = gt.spaces.kerr_orbit(0.9, 6, 0.3, 0.5)
     a, r = orbit.a, orbit.radii[1]
     u = orbit.geodesic().frame_velocity
     assert -(u[0] ** 2) + u[1] ** 2 + u[2] ** 2 + u[3] ** 2 == pytest.approx(-1, abs=ROUNDED)
@@ -183,5 +183,5 @@ def test_constants_agree_with_the_curve():
 def test_refusals(shape, words):
     """Shapes without a stable bound orbit are refused."""
     with pytest.raises(StartError, match=words):
-        gt.kerr_orbit(*shape)
-    assert gt.kerr_orbit(0, 7.01, 0.5, 1).energy < 1
+        gt.spaces.kerr_orbit(*shape)
+    assert gt.spaces.kerr_orbit(0, 7.01, 0.5, 1).energy < 1

@@ -22,6 +22,7 @@ from geomtorsion.cli.options import (
     MeasuredPixel,
     MeasuredResolution,
     MeasuredSigma,
+    MeasuredSlice,
     MeasuredSlip,
     MeasuredSpots,
     MeasuredThreshold,
@@ -69,6 +70,7 @@ def map(
     order: MeasuredOrder = None,
     missing: MeasuredMissing = None,
     columns: MeasuredColumns = None,
+    slice: MeasuredSlice = None,
     laue: MeasuredLaue = None,
     slip: MeasuredSlip = None,
     pixel: MeasuredPixel = None,
@@ -133,6 +135,7 @@ def map(
         resolution,
         missing or (),
         columns,
+        slice,
     )
     path = Path(source)
     if blocks is not None or resume or is_array(path):

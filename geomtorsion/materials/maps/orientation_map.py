@@ -160,6 +160,7 @@ class OrientationMap:
         *,
         laue: Mapping[int, str] | None = None,
         columns: Mapping[str, int | str] | None = None,
+        slice: int | str | None = None,
         axes: Sequence[Sequence[float]] | np.ndarray | None = None,
         threshold: float = 5.0,
         sigma: float | Sequence[float] | None = None,
@@ -169,24 +170,23 @@ class OrientationMap:
 
         A .cpr file needs its .crc file in the same folder. A table (.txt, .csv) has a row of names:
         phi1, Phi, phi2, x, y and optionally phase. Its angles are in degrees unless a name has the
-        unit (rad), and it needs `laue`. Positions decide if a header disagrees with them.
-
-        Euler angles are in degrees in .ctf files and in radians in .ang files, as instruments write
-        them. If a map shows one grain, or noise, instead of several grains, check the unit. Angles
-        of more than two turns are refused.
+        unit (rad), and it needs `laue`. HDF5 needs h5py. Positions decide if a header disagrees
+        with them. Angles are in degrees in .ctf files and in radians in .ang files, as instruments
+        write them. If a map shows one grain, or noise, instead of several, check the unit.
 
         Parameters
         ----------
         laue
             Number of a phase (0: all others) -> its Laue group, if not correct in the file.
         columns
-            Tables (.txt, .csv, .ang): quantity (phi1, Phi, phi2, x, y, phase) -> name or number
-            of its column, such as {"phi1 (rad)": 0}; other columns count by their names.
+            Tables: quantity (phi1, Phi, phi2, x, y, phase) -> name or number of its column, such as
+            {"phi1 (rad)": 0}. HDF5: -> path of its data set; euler for all angles.
+        slice
+            Number or name of one of several maps in an HDF5 file.
         axes
             Rotation from the axes of the map (x along rows, y along columns) to the axes of the
-            Euler angles, shape (3, 3); by default these are the same. Instruments use different
-            axes. The rotation changes b in specimen axes and the directions of the steps in the
-            crystal.
+            Euler angles, shape (3, 3); by default these are the same, but not for all instruments.
+            It changes b in specimen axes and the directions of the steps in the crystal.
         threshold, sigma, slip
             As for the class.
 
@@ -197,7 +197,7 @@ class OrientationMap:
             message names file, line and remedy.
         """
         path = checks.file_name(path)
-        file = read_map_file(path, laue, columns)
+        file = read_map_file(path, laue, columns, slice)
         if not (file.phase > 0).any():
             raise FileFormatError(
                 f"{path.name}: expected pixels with an orientation, got phase 0 (not indexed) for "
