@@ -10,6 +10,7 @@ from geomtorsion.ode import (
     solution,
     writing,
 )
+from geomtorsion.ode.centre import Centre
 from geomtorsion.ode.checkpoint import Checkpoint
 from geomtorsion.ode.derivatives import EventDerivative
 from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
@@ -28,6 +29,7 @@ from geomtorsion.ode.trajectory import Segment, Stage, Trajectory, integrate
 __all__ = [
     "ODE",
     "At",
+    "Centre",
     "Checkpoint",
     "Cost",
     "EndMap",

@@ -16,6 +16,7 @@ import sympy as sp
 from geomtorsion.codegen import Graph, graph
 from geomtorsion.errors import ExpressionError, StartError, StuckError, UnknownNameError
 from geomtorsion.ode import constructor
+from geomtorsion.ode.centre import Centre
 from geomtorsion.ode.derivatives import Motion, term_slopes
 from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.members import Members, Rows
@@ -80,6 +81,7 @@ class ODE:
     name: used in tables and files.
     maker: what made the equations and can omit effects from them, or None; it does not count in
         comparisons.
+    centre: the pole of the rates beside which they start, for `prove`, or None.
 
     Examples
     --------
@@ -102,6 +104,7 @@ class ODE:
     normalized: tuple[tuple[str, ...], ...] = ()
     name: str = ""
     maker: Maker | None = field(default=None, compare=False, repr=False)
+    centre: Centre | None = field(default=None, compare=False, repr=False)
     _stages: dict[tuple[int, float], Stage] = field(default_factory=dict, repr=False, init=False)
 
     def __eq__(self, other: object) -> bool:
@@ -259,7 +262,9 @@ class ODE:
             timed = constructor.timed_events((*self.states, *self.rates.parameters), events)
         for values in (numbers, *(event.changes for event in timed)):
             constructor.check_declared(self.rates.declared, values)
-        problem = replace(self, start=new_start, parameters=numbers, events=timed)
+        # Other numbers have another series at a pole.
+        centre = self.centre if start is None and parameters is None else None
+        problem = replace(self, start=new_start, parameters=numbers, events=timed, centre=centre)
         problem.check_lengths()
         # Outputs and invariants are the same expressions: their code is made once.
         if "term_graphs" in vars(self):
@@ -320,7 +325,7 @@ class ODE:
         """
         fields = self.rates, self.start, self.parameters, self.outputs, self.events
         parts = Motion(*fields, tuple(self.variables)).derivatives(by)
-        return replace(self, **parts, maker=None)
+        return replace(self, **parts, maker=None, centre=None)
 
     @property
     def effects(self) -> Mapping[str, str]:
@@ -899,7 +904,7 @@ class ODE:
             name: float(value[k]) for name, value in members.varied.items()
         }
         start = tuple(members.states[k, : self.size].tolist())
-        return replace(self, start=start, parameters=table)
+        return replace(self, start=start, parameters=table, centre=None)
 
     def read_members(
         self, members: Members, rows: Rows, times: np.ndarray

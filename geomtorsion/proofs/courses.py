@@ -14,8 +14,10 @@ from flint import arb, fmpq
 
 from geomtorsion.codegen import Graph, rational
 from geomtorsion.codegen.balls import BallCode, exact_ball
+from geomtorsion.errors import ProofError
 from geomtorsion.ode import ODE
 from geomtorsion.ode.rates import CLOCK
+from geomtorsion.proofs.centres import RegularStart
 from geomtorsion.proofs.events import Fall
 from geomtorsion.proofs.motions import Leg, RefusalError
 from geomtorsion.proofs.series import BallSystem
@@ -109,9 +111,12 @@ class OdeCourse:
         """Changes at the beginning of a stretch, lengths of one, and the clock."""
         rates, size = self.problem.rates, self.problem.size
         start_values = self.start or self.problem.start
-        boxes = (
-            [exact_ball(x) for x in start_values] if before is None else before.whole.hull[:size]
-        )
+        if before is None and self.regular is not None:
+            boxes = self._regular_boxes(self.regular, stretch.begin)
+        elif before is None:
+            boxes = [exact_ball(x) for x in start_values]
+        else:
+            boxes = before.whole.hull[:size]
         changed: set[str] = set()
         for event in self.problem.events:
             if exact_time(event.time) == stretch.begin:
@@ -132,6 +137,24 @@ class OdeCourse:
         if before is not None and not changed and not self._varied:
             return before, leg
         return Position(self._set(stretch, before, boxes, changed)), leg
+
+    @cached_property
+    def regular(self) -> RegularStart | None:
+        """The regular solution at a pole beside which the motion starts, or None."""
+        if self.start or self.problem.centre is None:
+            return None
+        return RegularStart.of(self.problem, self.parameters)
+
+    def _regular_boxes(self, regular: RegularStart, time: fmpq) -> list[arb]:
+        """States at the start, by a series from the pole."""
+        if self.by:
+            raise RefusalError(
+                "derivatives from a pole of the rates are not proved", time, "Omit derivatives."
+            )
+        try:
+            return regular.boxes()
+        except ProofError as error:
+            raise RefusalError(str(error), time) from None
 
     # -- derivatives -------------------------------------------------------------------------------
 
@@ -239,6 +262,24 @@ class OdeCourse:
     def names(self, label: str) -> tuple[str, ...]:
         """The states."""
         return self.problem.states
+
+    def outputs(self, time: arb, when: fmpq, box: Sequence[arb]) -> dict[str, Any]:
+        """Outputs at a time, from the states there; tuples for vectors.
+
+        when: about this time, at which parameters have their values.
+        """
+        problem = self.problem
+        if not problem.outputs:
+            return {}
+        values, table = self._values(when), {}
+        given = [exact_ball(values[name]) for name in problem.rates.parameters]
+        flat = BallCode(problem.term_graphs[0]).real([*box[: problem.size], *given, time])
+        for name, terms in problem.outputs.items():
+            if isinstance(terms, tuple):
+                table[name], flat = tuple(flat[: len(terms)]), flat[len(terms) :]
+            else:
+                table[name], flat = flat[0], flat[1:]
+        return table
 
     def shown(self, label: str, box: Sequence[arb]) -> list[arb]:
         """The states without the clock."""

@@ -18,7 +18,9 @@ from geomtorsion.pictures.constraints import draw_constraints
 def constraints(
     file: Annotated[
         Path,
-        argument("FILE", "An .npz file with metric, extrinsic_curvature and axis_x, axis_y, ..."),
+        argument(
+            "FILE", "An .npz or .h5 file with metric, extrinsic_curvature and axis_x, axis_y, ..."
+        ),
     ],
     order: Annotated[
         int, typer.Option("--order", metavar="N", help="Order of differences: 2, 4, 6 or 8.")
@@ -42,7 +44,7 @@ def constraints(
     \\b
     Examples:
       geomtorsion constraints slice.npz
-      geomtorsion constraints slice.npz --order 6 -o out
+      geomtorsion constraints slice.h5 --order 6 -o out
     """
     with working(file.name):
         data = gravity.read_slice(file, order)

@@ -16,12 +16,13 @@ class Root:
     """An algebraic number, the value of a symbol.
 
     symbol: the symbol. value: a rational number, radicals, or a `CRootOf`. polynomial: its minimal
-    polynomial.
+    polynomial. assumed: none, because all roots are known.
     """
 
     symbol: sp.Symbol
     value: sp.Expr
     polynomial: sp.Poly
+    assumed: tuple[str, ...] = ()
 
     @property
     def ball(self) -> arb:
@@ -30,6 +31,10 @@ class Root:
             return balls.exact_ball(self.value)
         width = sp.Rational(1, 2**CONSTANT_BITS)
         return balls.exact_ball(self.value.eval_rational(width)) + arb(0, balls.exact_ball(width))
+
+    def remainder(self, expression: sp.Expr) -> sp.Expr:
+        """A polynomial in the symbol, without multiples of the one that vanishes."""
+        return sp.rem(expression, self.polynomial.as_expr(), self.symbol)
 
     def vanishes(self, expression: sp.Expr) -> bool:
         """Whether an expression in the symbol vanishes at the root.

@@ -23,7 +23,7 @@ class Horizon:
         positive at the outer horizon of a hole and negative at inner and cosmological ones, a
         float is its size.
     error: bound on the relative errors of floats; 0 for expressions.
-    lagrangian: the theory of the entropy.
+    lagrangian: the theory of the entropy. assumed: assumptions, in words.
     """
 
     radius: sp.Expr | float
@@ -35,6 +35,7 @@ class Horizon:
     entropy: sp.Expr | float
     error: float
     lagrangian: str
+    assumed: tuple[str, ...] = ()
 
     _repr_html_ = drawn_by("charges", "horizon_html")
     quantities: ClassVar[tuple[str, ...]] = (
@@ -46,7 +47,13 @@ class Horizon:
         values = {name: getattr(self, name) for name in self.quantities}
         plain = {k: x if isinstance(x, float) else str(x) for k, x in values.items()}
         relation = {str(x): str(value) for x, value in self.relation.items()}
-        return {**plain, "relation": relation, "error": self.error, "lagrangian": self.lagrangian}
+        return {
+            **plain,
+            "relation": relation,
+            "error": self.error,
+            "lagrangian": self.lagrangian,
+            "assumed": list(self.assumed),
+        }
 
     def __str__(self) -> str:
         lines = [f"horizon at {self._shown(self.radius)}, entropy of L = {self.lagrangian}"]
@@ -55,6 +62,7 @@ class Horizon:
             f"  {name.replace('_', ' ')} = {self._shown(getattr(self, name))}"
             for name in self.quantities[1:]
         ]
+        lines += [f"  assumed: {one}" for one in self.assumed]
         return "\n".join(lines)
 
     __repr__ = __str__

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,8 +15,9 @@ from geomtorsion.exact import Element
 from geomtorsion.geometry import levi_civita
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.gravity.charges.algebraic import Root, centre, real_roots
+from geomtorsion.gravity.charges.enclosed_roots import EnclosedRoot, enclosed_roots
 from geomtorsion.gravity.charges.horizon import Horizon
-from geomtorsion.gravity.charges.spheres import Sphere, integrated, number, sphere
+from geomtorsion.gravity.charges.spheres import Sphere, number, reduced, sphere
 from geomtorsion.gravity.equations import equations
 from geomtorsion.gravity.lagrangian import Lagrangian
 from geomtorsion.support import checks
@@ -52,8 +53,9 @@ def horizons(
         L(R), "R + c*R**2", "R + alpha*GB", as in `gravity.equations`.
     parameters
         Numbers for all parameters of frame and Lagrangian: the result then has one horizon for
-        each root of an algebraic equation, sorted. Without them it has one with one parameter
-        expressed by the radius.
+        each positive root, sorted. Roots of functions that are not algebraic are searched between
+        2^-45 and 2^45, and are proved to be all of them there. Without numbers it has one horizon
+        with one parameter expressed by the radius.
     surface, over
         As in `charge`.
 
@@ -95,7 +97,15 @@ def horizons(
     hole = _Hole(one, system.Z.raised(3).components.get)
     text = str(system.lagrangian.expression)
     if given or not symbols:
-        return hole.numbers(values, text)
+        inside = {x: values[x] for x in own.parameters}
+        is_centre = hole.condition.xreplace(inside) == one.symbol
+        relation = {} if is_centre or not inside else hole.relation()
+        if inside and not is_centre and not relation:
+            # No parameter is a formula in the radius: the frame takes its numbers.
+            one = sphere(own.subs(inside), surface, over, None, 1)
+            system = equations(levi_civita(one.frame), system.lagrangian)
+            hole = _Hole(one, system.Z.raised(3).components.get)
+        return hole.numbers(values, relation, text)
     if hole.condition == one.symbol:
         return (hole.at_centre(text),)
     relation = hole.relation()
@@ -117,7 +127,7 @@ class _Hole:
 
     sphere: Sphere
     momentum: Any
-    root: Root | None = None
+    root: Root | EnclosedRoot | None = None
 
     @property
     def condition(self) -> sp.Expr:
@@ -189,8 +199,10 @@ class _Hole:
             [self._at(frame.metric.components.get((i, j)), put) for j in others] for i in others
         ]
         density = self._root(sp.factor(sp.Matrix(metric).det()))
-        area, entropy = (integrated(one, x)[0] for x in (density, density * weight / 8))
-        if area is None or entropy is None:
+        (area, open_area), (entropy, open_entropy) = (
+            reduced(one, x) for x in (density, density * weight / 8)
+        )
+        if open_area or open_entropy:
             raise GravityError(
                 "frame: expected a horizon whose area has a closed form, got none. Use another "
                 "coordinate."
@@ -199,18 +211,26 @@ class _Hole:
         return Horizon(
             radius=one.symbol, relation=dict(put), area=area, angular_velocity=velocity,
             surface_gravity=kappa, temperature=sp.factor(kappa / (2 * sp.pi)), entropy=entropy,
-            error=0.0, lagrangian=text,
+            error=0.0, lagrangian=text, assumed=self._assumed,
         )  # fmt: skip
 
-    def _roots(self, condition: sp.Expr) -> list[Root] | None:
+    @property
+    def _assumed(self) -> tuple[str, ...]:
+        """Assumptions about the surface, the region of the frame and the root, in words."""
+        one, region = self.sphere, self.sphere.frame.region.assumption
+        return (*one.assumed, *([region] if region else []))
+
+    def _roots(self, condition: sp.Expr) -> Sequence[Root | EnclosedRoot]:
         """Positive radii at which a condition holds; others if there is none and the region has."""
         one, r = self.sphere, self.sphere.symbol
         if condition == r:
             return [centre(r)]
         positive = real_roots(condition, r, positive=True)
+        if positive is None:
+            return enclosed_roots(condition, r)
         if positive or one.frame.region.sign(r) == 1:
             return positive
-        return real_roots(condition, r, positive=False)
+        return real_roots(condition, r, positive=False) or []
 
     def at_centre(self, text: str) -> Horizon:
         """All quantities at radius zero, as in Rindler's coordinates."""
@@ -339,16 +359,25 @@ class _Hole:
         parts = sp.Poly(expression, *angles).coeffs() if angles else [expression]
         return all(self.root.vanishes(x.xreplace(back)) for x in parts)
 
-    @staticmethod
-    def _reduced(part: sp.Expr, back: Mapping[sp.Dummy, sp.Basic]) -> sp.Expr:
-        """A quotient whose polynomials contain no even power of a cosine."""
+    def _reduced(self, part: sp.Expr, back: Mapping[sp.Dummy, sp.Basic]) -> sp.Expr:
+        """A quotient of polynomials without even powers of a cosine, reduced at the root."""
         sines = {x.args[0]: dummy for dummy, x in back.items() if isinstance(x, sp.sin)}
         for c, x in back.items():
             if isinstance(x, sp.cos) and part.has(c) and part.is_rational_function(c):
                 above, below = sp.fraction(sp.together(part))
                 square = c**2 + sines[x.args[0]] ** 2 - 1
                 part = sp.rem(above, square, c) / sp.rem(below, square, c)
-        return part
+        if self.root is None:
+            return part
+        # Multiples of what vanishes at the root are zero.
+        parts = [x.xreplace(back) for x in sp.fraction(sp.together(part))]
+        try:
+            above, below = (self.root.remainder(x) for x in parts)
+        except sp.PolynomialError:
+            return part
+        if below == 0:
+            return part
+        return (above / below).xreplace({x: dummy for dummy, x in back.items()})
 
     def _root(self, expression: sp.Expr) -> sp.Expr:
         """The root of an expression, even powers taken out with the sign of the region."""
@@ -389,24 +418,19 @@ class _Hole:
             put |= {sp.sin(q): sp.Rational(s, one), sp.cos(q): sp.Rational(c, one)}
         return put
 
-    def numbers(self, values: Mapping[sp.Symbol, sp.Expr], text: str) -> tuple[Horizon, ...]:
+    def numbers(
+        self,
+        values: Mapping[sp.Symbol, sp.Expr],
+        relation: Mapping[sp.Symbol, sp.Expr],
+        text: str,
+    ) -> tuple[Horizon, ...]:
         """One horizon for each real root of g^rr that the formulas have."""
         own = {x: values[x] for x in self.sphere.frame.parameters}
         condition = self.condition.xreplace(own)
-        is_centre = condition == self.sphere.symbol
-        relation = {} if is_centre or not own else self.relation()
         ((symbol, value),) = relation.items() or ((None, condition),)
         if symbol is not None:
             condition = value.xreplace(own) - own[symbol]
         roots = self._roots(condition)
-        if roots is None:
-            remedy = "Omit parameters for formulas in the radius"
-            if not relation:
-                remedy = "Other functions are not supported here"
-            raise GravityError(
-                "parameters: expected a horizon at a root of an algebraic equation with rational "
-                f"numbers, got {checks.cut(str(condition))}. {remedy}."
-            )
         if not roots:
             raise GravityError(
                 f"parameters: expected a horizon, got none: {checks.cut(str(condition))} has no "
@@ -440,7 +464,7 @@ def _positive(one: Sphere, symbols: set[sp.Basic]) -> dict[sp.Basic, sp.Dummy]:
     }
 
 
-def _evaluated(formula: Horizon, root: Root, exprs: list[sp.Expr]) -> Horizon:
+def _evaluated(formula: Horizon, root: Root | EnclosedRoot, exprs: list[sp.Expr]) -> Horizon:
     """The formulas at a root, in balls."""
     code = balls.BallCode(graph([root.symbol.name], exprs, factor=False))
     with ball_precision(CONSTANT_BITS):
@@ -458,4 +482,5 @@ def _evaluated(formula: Horizon, root: Root, exprs: list[sp.Expr]) -> Horizon:
     named = dict(zip(formula.quantities, values, strict=True))
     named["surface_gravity"] = abs(named["surface_gravity"])
     named["temperature"] = abs(named["temperature"])
-    return replace(formula, relation={}, error=max(errors), **named)
+    assumed = (*formula.assumed, *root.assumed)
+    return replace(formula, relation={}, error=max(errors), assumed=assumed, **named)

@@ -309,15 +309,9 @@ def integrated(one: Sphere, density: sp.Expr) -> tuple[sp.Expr | None, float, fl
     AccuracyError
         There is no enclosure of the integral.
     """
-    left = density
-    for q, low, high in reversed(one.ranges):
-        exact = _exact(one, left, q, low, high)
-        if exact is None:
-            break
-        left = exact
-    else:
+    left, rest = reduced(one, density)
+    if not rest:
         return left, float("nan"), 0.0
-    rest = one.ranges[: [q for q, _, _ in one.ranges].index(q) + 1]
     free = sorted(left.free_symbols - {x for x, _, _ in rest}, key=str)
     if free:
         raise GravityError(
@@ -325,6 +319,18 @@ def integrated(one: Sphere, density: sp.Expr) -> tuple[sp.Expr | None, float, fl
             f"for {free[0]}. Give surface={{'{one.symbol}': 10}} and parameters={{...}}."
         )
     return (None, *_number(left, rest))
+
+
+def reduced(
+    one: Sphere, density: sp.Expr
+) -> tuple[sp.Expr, tuple[tuple[sp.Symbol, sp.Expr, sp.Expr], ...]]:
+    """A density after its integrals in closed form, and the ranges that are left."""
+    for k in reversed(range(len(one.ranges))):
+        exact = _exact(one, density, *one.ranges[k])
+        if exact is None:
+            return density, one.ranges[: k + 1]
+        density = exact
+    return density, ()
 
 
 def _exact(

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import overload
 
+import sympy as sp
+
 from geomtorsion.errors import ArgumentError, GravityError, MetricError, ShapeError
 from geomtorsion.exact import Element
 from geomtorsion.geometry import Frame, Surface, Tensor, symmetric
@@ -84,9 +86,10 @@ def constraints(
         nodes are excised.
     extrinsic_curvature
         K_ij in coordinates, shape (d, d), of expressions, or an array (d, d, N_1, ..., N_d). The
-        default is zero (time symmetry); a surface has its own.
+        default is zero (time symmetry), as 0 is; a surface has its own.
     density, momentum
-        rho and j_i, an expression and d expressions, or arrays (N_1, ...) and (d, N_1, ...).
+        rho and j_i, an expression and d expressions; on a grid arrays (N_1, ...) and
+        (d, N_1, ...), or a number and d numbers for the same value at all nodes.
     cosmological_constant
         Lambda; a number for data on a grid.
 
@@ -144,9 +147,9 @@ def constraints(
         )
     n = frame.dimension
     rho, flux = None, None
-    if density is not None:
+    if not _is_zero(density):
         (rho,) = frame.read([("density", density)])
-    if momentum is not None:
+    if not _is_zero(momentum):
         rows = checks.entries(momentum, "momentum", ShapeError)
         checks.check_one_each(rows, n, "coordinates", "momentum", ShapeError)
         read = frame.read([(f"momentum[{i}]", x) for i, x in enumerate(rows)])
@@ -156,10 +159,15 @@ def constraints(
     return Constraints(frame, H, M)
 
 
+def _is_zero(values: object) -> bool:
+    """Whether values are omitted, or the number zero instead of components."""
+    return values is None or (isinstance(values, int | float | sp.Number) and values == 0)
+
+
 def _given(frame: Frame, rows: object) -> Tensor:
     """K_ij from a matrix of expressions, or zero."""
     n = frame.dimension
-    if rows is None:
+    if _is_zero(rows):
         return Tensor(frame, "dd", {}, symmetric(2), "K")
     if isinstance(rows, Tensor):
         rows = rows.tolist()

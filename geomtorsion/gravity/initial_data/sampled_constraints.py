@@ -81,6 +81,18 @@ class Residual:
         return _rms(ratio[self._counted])
 
     @cached_property
+    def visible(self) -> float:
+        """Smallest relative size of wrong data that show: there `mismatch` reaches 1.
+
+        It is for a wrong constraint that is the same share of the scale at all counted nodes.
+        Where it is 1 or more, the grid is too coarse to test anything. 0 if the scale vanishes.
+        """
+        tested = self._counted & (self.scale > 0)
+        if not tested.any():
+            return 0.0
+        return 1 / _rms(self.scale[tested] / self.error[tested])
+
+    @cached_property
     def order(self) -> float:
         """Power of the step with which the root mean square falls, from twice the step.
 
@@ -113,6 +125,7 @@ class Residual:
             "largest": self.largest,
             "place": self.place,
             "mismatch": self.mismatch,
+            "visible": self.visible,
             "order": None if math.isnan(self.order) else self.order,
             "unit": self.unit,
             "nodes": int(np.isfinite(self.size).sum()),
@@ -145,9 +158,16 @@ class SampledConstraints:
     residuals: Mapping[str, Residual]
 
     @property
-    def is_solution(self) -> bool:
-        """Whether both constraints vanish within their errors (root mean square)."""
-        return all(one.mismatch <= 1 for one in self.residuals.values())
+    def is_solution(self) -> bool | None:
+        """Whether both constraints vanish within their errors (root mean square).
+
+        None where the errors are as large as the terms that cancel: the grid is too coarse. True
+        does not exclude wrong data whose relative size is below `visible` of the residuals.
+        """
+        parts = self.residuals.values()
+        if any(one.mismatch > 1 for one in parts):
+            return False
+        return None if any(one.visible >= 1 for one in parts) else True
 
     def to_json(self) -> dict[str, Any]:
         """Norms of both constraints as plain data."""
@@ -157,11 +177,17 @@ class SampledConstraints:
 
     def __repr__(self) -> str:
         known = int(np.isfinite(self.residuals["hamiltonian"].size).sum())
-        verdict = (
-            "both vanish within the error of the grid"
-            if self.is_solution
-            else "they do not vanish within the error of the grid"
-        )
+        shares = [
+            f"{one.visible:.1g} ({name})" for name, one in self.residuals.items() if one.visible
+        ]
+        verdict = {
+            True: "both vanish within the error of the grid",
+            False: "they do not vanish within the error of the grid",
+            None: "not decided, the grid is too coarse: its error is as large as the terms that "
+            "cancel",
+        }[self.is_solution]
+        if self.is_solution and shares:
+            verdict += f"; wrong data show from a relative size of {', '.join(shares)}"
         lines = [f"constraints at {known:,} nodes: {verdict}"]
         return "\n  ".join([*lines, *(repr(one) for one in self.residuals.values())])
 
@@ -180,9 +206,9 @@ def sampled_constraints(
             f"{frame.signature}. Give the metric of the coordinates of space."
         )
     d, shape = frame.dimension, tuple(len(axis) for axis in frame.axes)
-    K = _array(extrinsic_curvature, (d, d, *shape), "extrinsic_curvature")
-    rho = _array(energy, shape, "density")
-    flux = _array(momentum, (d, *shape), "momentum")
+    K = _array(extrinsic_curvature, (d, d), shape, "extrinsic_curvature")
+    rho = _array(energy, (), shape, "density")
+    flux = _array(momentum, (d,), shape, "momentum")
     value = checks.number(constant, "cosmological_constant", GridError)
     away = np.abs(K - np.swapaxes(K, 0, 1))
     if not np.nanmax(away, initial=0.0) <= REGULAR * np.nanmax(np.abs(K), initial=0.0):
@@ -240,16 +266,24 @@ def sampled_constraints(
     return SampledConstraints(frame, H, M, residuals)
 
 
-def _array(values: object, shape: tuple[int, ...], name: str) -> np.ndarray:
-    """Values at the nodes; zeros for None."""
+def _array(
+    values: object, indices: tuple[int, ...], grid: tuple[int, ...], name: str
+) -> np.ndarray:
+    """Values at the nodes, from an array or from the same value at all nodes; zeros for None."""
+    shape = (*indices, *grid)
     if values is None:
         return np.zeros(shape)
     array = checks.array(values, name, GridError, infinite=None)
     if np.isinf(array).any():
         raise GridError(f"{name}: expected finite values or NaN, got infinity. Mask those nodes.")
+    if array.ndim == 0 and not array:
+        return np.zeros(shape)
+    if array.shape == indices:
+        return np.broadcast_to(array.reshape(indices + (1,) * len(grid)), shape).copy()
     if array.shape != shape:
         raise GridError(
-            f"{name}: expected shape {shape}, indices first and then the grid, got {array.shape}."
+            f"{name}: expected shape {shape}, indices first and then the grid, or {indices} for "
+            f"the same value at all nodes, got {array.shape}."
         )
     return array
 

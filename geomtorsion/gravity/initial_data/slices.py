@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,8 +15,10 @@ from geomtorsion.gravity.initial_data.sampled_constraints import (
     sampled_constraints,
 )
 from geomtorsion.materials.fields import SampledFrame
-from geomtorsion.materials.fields.grid_files import read_arrays
+from geomtorsion.materials.fields.data_sets import read_data_sets
+from geomtorsion.materials.fields.grid_files import grid_options, read_arrays
 from geomtorsion.support import checks
+from geomtorsion.support.files import ending
 from geomtorsion.support.npz import ArrayForm, text_of
 
 FORMS = {
@@ -30,6 +33,9 @@ FORMS = {
     "unit": ArrayForm((), "U", optional=True),
     "source": ArrayForm((), "U", optional=True),
 }
+# Arrays beside the metric, in the order of the fields of a slice.
+FIELDS = ("extrinsic_curvature", "density", "momentum")
+TEXTS = ("unit", "source")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -53,17 +59,19 @@ class Slice:
         )  # fmt: skip
 
     def __repr__(self) -> str:
-        names = ("extrinsic_curvature", "density", "momentum")
-        given = [name for name in names if getattr(self, name) is not None]
+        given = [name for name in FIELDS if getattr(self, name) is not None]
         return f"Slice({self.frame}{', with ' if given else ''}{', '.join(given)})"
 
 
 def read_slice(path: str | Path, order: int = 4) -> Slice:
-    """Read initial data from an .npz file of arrays.
+    """Read initial data from an .npz or .h5 file of arrays.
 
     metric of shape (d, d, N_1, ..., N_d) and one array axis_x, axis_y, ... for each axis, in the
     order of `names` or of the arrays in the file. Optional arrays are extrinsic_curvature, density
-    and momentum, mask (1 or True at excised nodes), periodic, and the texts unit and source.
+    and momentum, mask (1 or True at excised nodes), periodic, and the texts unit and source. In an
+    HDF5 file (.h5, .hdf5; extra `files`) the arrays are data sets, and names, periodic, unit and
+    source are attributes; names and periodic list axes, "x y z". Sizes are checked before memory is
+    allocated.
 
     order: of differences in the spacing, 2, 4, 6 or 8.
 
@@ -71,6 +79,10 @@ def read_slice(path: str | Path, order: int = 4) -> Slice:
     ------
     FileFormatError
         The file is missing or damaged, lacks an array, or does not hold a regular grid.
+    LimitError
+        An array declares an impossible size.
+    MissingExtraError
+        h5py is not installed.
     GridError
         The order is not 2, 4, 6 or 8.
 
@@ -87,19 +99,46 @@ def read_slice(path: str | Path, order: int = 4) -> Slice:
     """
     file = checks.file_name(path)
     checks.choice(order, (2, 4, 6, 8), "order", GridError)
-    if file.suffix.lower() != ".npz":
+    readers = {".npz": _npz, ".h5": _hdf5, ".hdf5": _hdf5}
+    if (end := ending(file)) not in readers:
         raise FileFormatError(
-            f"{file}: expected a name ending in .npz, got {file.suffix!r}. Save the arrays by "
-            "numpy.savez."
+            f"{file}: expected a name ending in .npz or .h5, got {file.suffix!r}. Save the arrays "
+            "by numpy.savez or h5py."
         )
-    axes, names, arrays = read_arrays(file, FORMS)
-    options: dict[str, Any] = {k: text_of(arrays[k]) for k in ("unit", "source") if k in arrays}
-    options |= {k: arrays[k] for k in ("periodic",) if k in arrays}
-    if "mask" in arrays:
-        options["mask"] = arrays["mask"] != 0
+    axes, names, arrays, options = readers[end](file)
     try:
         frame = SampledFrame.from_metric(axes, arrays["metric"], order, names, **options)
     except GridError as error:
         raise FileFormatError(f"{file}: {error}") from None
-    fields = ("extrinsic_curvature", "density", "momentum")
-    return Slice(frame, *(arrays.get(name) for name in fields))
+    return Slice(frame, *(arrays.get(name) for name in FIELDS))
+
+
+# Axes, their names, arrays, and options of the frame.
+_Contents = tuple[list[np.ndarray], tuple[str, ...], dict[str, np.ndarray], dict[str, Any]]
+
+
+def _npz(file: Path) -> _Contents:
+    """Read an NPZ file."""
+    axes, names, arrays = read_arrays(file, FORMS)
+    options: dict[str, Any] = {k: text_of(arrays[k]) for k in TEXTS if k in arrays}
+    options |= {k: arrays[k] for k in ("periodic",) if k in arrays}
+    if "mask" in arrays:
+        options["mask"] = arrays["mask"] != 0
+    return axes, names, arrays, options
+
+
+def _hdf5(file: Path) -> _Contents:
+    """Read an HDF5 file."""
+
+    def wanted(names: Sequence[str]) -> tuple[str, ...]:
+        if "metric" not in names:
+            raise FileFormatError(
+                f"{file}: expected a data set metric, got {checks.shown(list(names))}. Write the "
+                "metric of the slice under this name."
+            )
+        return ("metric", *FIELDS, "mask")
+
+    axes, names, arrays, texts = read_data_sets(file, wanted)
+    options = grid_options(file, arrays, texts)
+    own = (*TEXTS, "periodic", "mask")
+    return axes, names, arrays, {k: options[k] for k in own if k in options}

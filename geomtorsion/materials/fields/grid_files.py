@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
@@ -24,6 +23,7 @@ from geomtorsion.materials.fields.contents import (
     module,
     periodic_names,
 )
+from geomtorsion.materials.fields.data_sets import read_data_sets
 from geomtorsion.materials.fields.displacement import FIND
 from geomtorsion.materials.fields.point_values import PointValues
 from geomtorsion.materials.fields.surfaces import over_two_axes
@@ -33,7 +33,6 @@ from geomtorsion.materials.fields.value_tables import (
     read_values,
     refuse_writing,
 )
-from geomtorsion.support import checks
 from geomtorsion.support.checks import cut, shown, unmasked
 from geomtorsion.support.files import ending
 from geomtorsion.support.hdf5 import HDF5, check_hdf5
@@ -61,8 +60,6 @@ NOISE = ("sigma", "covariance")
 MASK = "mask"
 # File endings of tables.
 TABLES = (".csv", ".txt", ".dat")
-# NetCDF attributes that mark packed numbers or missing values.
-PACKED = ("scale_factor", "add_offset", "_FillValue", "missing_value")
 
 
 def read_grid(path: Path, columns: Mapping[str, int | str] | None = None) -> Contents:
@@ -279,7 +276,7 @@ def _contents(
 ) -> Contents:
     """Contents from the arrays and the texts of a file."""
     axes = [arrays[name] for name in names]
-    return Contents(axes, arrays[key], names, key == "distortion", _options(path, arrays, said))
+    return Contents(axes, arrays[key], names, key == "distortion", grid_options(path, arrays, said))
 
 
 def _classic(path: Path) -> Contents:
@@ -316,7 +313,7 @@ def _classic(path: Path) -> Contents:
     return _contents(path, key, names, arrays, texts)
 
 
-def _options(path: Path, arrays: Mapping[str, np.ndarray], texts: Any) -> dict[str, Any]:
+def grid_options(path: Path, arrays: Mapping[str, np.ndarray], texts: Any) -> dict[str, Any]:
     """Options of the contents: noise, holes, periods and texts."""
     options: dict[str, Any] = {key: texts[key] for key in TEXTS if key in texts}
     options |= _known(path, arrays)
@@ -374,77 +371,9 @@ def _texts(contents: Contents) -> dict[str, str]:
 
 def read_hdf5(path: Path) -> Contents:
     """Read data sets coframe (or distortion), axis_x, ... and sigma; texts are attributes."""
-    h5py = module("h5py", path)
-
-    def load() -> Contents:
-        names = check_hdf5(path, h5py)
-        key = key_of(path, names)
-        with h5py.File(path, "r") as file:
-            texts = {str(name): _text(value) for name, value in file.attrs.items()}
-            axes = [name.removeprefix("axis_") for name in names if name.startswith("axis_")]
-            if "names" in texts:
-                axes = checks.text(texts["names"], f"{path}: names", FileFormatError).split()
-            elif axes != list("xyz")[: len(axes)]:
-                # HDF5 lists data sets alphabetically, not in the order of the axes.
-                raise FileFormatError(
-                    f"{path}: names: expected the order of the axes {', '.join(axes)}, got none. "
-                    f"Add it as an attribute of the file, such as names = {' '.join(axes)!r}."
-                )
-            check_distinct(path, axes)
-            for name in axes:
-                if f"axis_{name}" not in names:
-                    raise FileFormatError(
-                        f"{path}: expected a data set axis_{cut(name)}, got none. Write the file "
-                        "again."
-                    )
-            keys = (key, *NOISE, MASK, *(f"axis_{name}" for name in axes))
-            sets = {name: _data_set(h5py, file, name, path) for name in keys if name in names}
-            check_room(path, {name: data_set.shape for name, data_set in sets.items()})
-            arrays = {name: data_set[...] for name, data_set in sets.items()}
-        options = _options(path, arrays, texts)
-        lines = [arrays[f"axis_{name}"] for name in axes]
-        return Contents(lines, arrays[key], tuple(axes), key == "distortion", options)
-
-    return guarded(path, load)
-
-
-def _text(value: Any) -> Any:
-    """A text, which HDF5 may hold as bytes or as a list of words; other values unchanged."""
-    if isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype.kind in "OSU":
-        words = [_text(word) for word in value.tolist()]
-        return " ".join(words) if all(isinstance(word, str) for word in words) else value
-    return value.decode("utf-8", "replace") if isinstance(value, bytes) else value
-
-
-def _data_set(h5py: Any, file: Any, name: str, path: Path) -> Any:
-    """A data set of numbers, without links, missing parts or packed values."""
-    link = file.get(name, getlink=True)
-    if not isinstance(link, h5py.HardLink) or not isinstance(file[name], h5py.Dataset):
-        raise FileFormatError(
-            f"{path}: {name}: expected a data set of this file, got a link or a group. Copy the "
-            "data set into the file."
-        )
-    array = file[name]
-    if array.shape is None or array.dtype.kind not in "fiub":
-        raise FileFormatError(
-            f"{path}: {name}: expected real numbers, got "
-            f"{'nothing' if array.shape is None else array.dtype}."
-        )
-    # Parts that were never written would be read as zeros.
-    parts = math.prod(-(-n // m) for n, m in zip(array.shape, array.chunks or (), strict=False))
-    written = array.id.get_num_chunks() if array.chunks else bool(array.id.get_storage_size())
-    if written < parts and array.size:
-        raise FileFormatError(
-            f"{path}: {name}: expected {parts:,} written parts, got {int(written):,}. Write the "
-            "file again."
-        )
-    packed = [key for key in PACKED if key in array.attrs and not np.isnan(array.attrs[key]).all()]
-    if packed:
-        raise FileFormatError(
-            f"{path}: {name}: expected plain numbers, got {', '.join(packed)}, which only NetCDF "
-            "files define. Write the numbers unpacked with nan for missing ones, or save as .nc."
-        )
-    return array
+    axes, names, arrays, texts = read_data_sets(path, lambda x: [key_of(path, x), *NOISE, MASK])
+    key, options = key_of(path, arrays), grid_options(path, arrays, texts)
+    return Contents(axes, arrays[key], names, key == "distortion", options)
 
 
 def write_hdf5(path: Path, contents: Contents) -> None:
