@@ -119,7 +119,8 @@ CEILINGS = {
     # One more: the random fields from which errors of stresses come.
     # One more: the disks on which the tail of a series at a pole is bounded.
     # One more: how many sigma are no longer ascribed to chance.
-    "tuned constants": 204,
+    # Two more: the fewest atoms of a grain in a plane, and the atoms around each that are compared.
+    "tuned constants": 206,
     # Two more than before: converters of arguments are three files by kind instead of one of 1,000.
     # Two more: kinetic metrics and forces are files of their own.
     # One more: squares that roots hide in circular functions.
