@@ -344,7 +344,7 @@ class PlaneCrystal:
         whole = np.rint(np.linalg.det(cell))
         # Adjugate: whole numbers, so that the division is exact.
         adjugate = np.array([[cell[1, 1], -cell[0, 1]], [-cell[1, 0], cell[0, 0]]])
-        at_rim = self._rim[atoms].any(axis=1)
+        at_rim: np.ndarray = np.any(self._rim[atoms], axis=1)
         for k in range(count):
             mine = group == k
             total = b[mine].sum(axis=0)
