@@ -1,5 +1,8 @@
 """Public calls that are refused: name -> call. Class and text of each error are frozen."""
 
+# Calls that a checker of types refuses as well.
+# pyright: reportArgumentType=false
+
 from __future__ import annotations
 
 from collections.abc import Callable
