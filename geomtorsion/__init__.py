@@ -130,6 +130,7 @@ if TYPE_CHECKING:
         RungeKutta,
         SavedSolution,
         Stiff,
+        Table,
         Taylor,
         When,
         end_map,
@@ -168,8 +169,8 @@ _LATER = {
     "geometry.numpy_functions": ("numpy_function",),
     "action": ("conserved_quantities", "equations_of_motion", "linearized", "variation"),
     "ode": (
-        "At", "ODE", "RungeKutta", "SavedSolution", "Stiff", "Taylor", "When", "end_map", "solve",
-        "solve_many",
+        "At", "ODE", "RungeKutta", "SavedSolution", "Stiff", "Table", "Taylor", "When", "end_map",
+        "solve", "solve_many",
     ),
     "curves": (
         "Atlas", "Chart", "autoparallel", "distance_apart", "exponential_map", "geodesic",
@@ -265,6 +266,7 @@ __all__ = [
     "Scene",
     "State",
     "Stiff",
+    "Table",
     "Taylor",
     "Tensor",
     "When",

@@ -106,6 +106,7 @@ def values() -> dict[str, Callable[[], Any]]:
             3.0,
         ),
         "Shadow": lambda: gt.shadow("schwarzschild", [0, 10, 1.5, 0], parameters={"M": 1}),
+        "Table": lambda: gt.Table.of([(0, 1), (1, 3)]),
         "Taylor": gt.Taylor,
         "Variation": lambda: gt.variation(so3),
         "When": lambda: gt.When("x"),

@@ -23,6 +23,7 @@ from geomtorsion.ode.problem import ODE
 from geomtorsion.ode.solution import Cost, Solution
 from geomtorsion.ode.solve import solve
 from geomtorsion.ode.system import Run, WorkLimitError
+from geomtorsion.ode.tables import Table
 from geomtorsion.ode.terms import At, When
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory, integrate
 
@@ -44,6 +45,7 @@ __all__ = [
     "Solution",
     "Stage",
     "Stiff",
+    "Table",
     "Taylor",
     "Trajectory",
     "When",

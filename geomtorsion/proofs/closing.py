@@ -44,7 +44,8 @@ def as_ode(problem: object) -> ODE:
         It is neither an ODE nor a curve with a start, or its equations change or depend on time.
     """
     if isinstance(problem, ODE):
-        if problem.events or problem.normalized or problem.rates.stop is not None:
+        changes = problem.events or problem.is_switched or problem.rates.stops
+        if changes or problem.normalized:
             raise ArgumentError(
                 "problem: expected equations without events and without states of length one, got "
                 f"{problem}. Restrict it to other states, problem.restricted([...]), or write it "

@@ -253,7 +253,7 @@ class OdeCourse:
         room = fall.value(boxes)
         if not room > 0 and not (is_start and room >= 0):
             raise RefusalError(
-                f"the stop {self.problem.rates.stop} is {float(room.mid()):.6g}, or this is not "
+                f"the stop {self.problem.stop_texts[0]} is {float(room.mid()):.6g}, or this is not "
                 "proved",
                 time,
                 "Start where it is above zero.",

@@ -363,6 +363,12 @@ def course_of(
 ) -> Course:
     """The course of a problem; by: names by which derivatives are taken."""
     if isinstance(problem, ODE):
+        if problem.is_switched or len(problem.rates.stops) > 1:
+            raise ArgumentError(
+                "expected equations that change at fixed times only and have at most one stop, got "
+                f"{problem}, which has pieces, tables, conditions with changes, or several stops. "
+                "Prove each part by itself, from where the part before it ends."
+            )
         start_balls = _start(problem.states, problem.start, start)
         return OdeCourse(problem, backwards, start_balls, dict(parameters or {}), by)
     if isinstance(problem, CurveProblem):
