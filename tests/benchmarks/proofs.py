@@ -16,6 +16,7 @@ import sympy as sp
 import geomtorsion as gt
 from geomtorsion import gravity
 from geomtorsion.materials.fields import SampledFrame
+from geomtorsion.ode import Solution
 
 SWING = gt.ODE.of({"x": "v", "v": "-sin(x)"}, [1, 0], invariants={"E": "v**2/2-cos(x)"})
 LORENZ = gt.ODE.of({"x": "10*(y-x)", "y": "x*(28-z)-y", "z": "x*y-8*z/3"}, [-13.7, -19.5, 27])
@@ -23,7 +24,7 @@ ROESSLER = gt.ODE.of({"x": "-y-z", "y": "x+y/5", "z": "1/5+z*(x-57/10)"}, [0, -6
 CYCLE = gt.ODE.of({"x": "v", "v": "(1-x**2)*v-x"}, [2, 0])
 
 
-def star() -> gt.Solution:
+def star() -> Solution:
     """A polytrope p = 100 q^2 in general relativity, to its surface."""
     t, r, theta, phi = sp.symbols("t r theta phi")
     a, b = (sp.Function(name)(r) for name in "AB")
