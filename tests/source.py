@@ -86,7 +86,7 @@ def imported_names(nodes: Nodes) -> Iterator[tuple[str, ...]]:
 
 
 def named_modules(tree: ast.AST) -> Iterator[tuple[str, ...]]:
-    """Parts of each name in `import_module("geomtorsion. ...")`, up to what is computed."""
+    """Parts of each name in `import_module("geomtorsion. ...")`, up to the first computed one."""
     for node in ast.walk(tree):
         if not (isinstance(node, ast.Call) and node.args):
             continue

@@ -84,7 +84,7 @@ def fit(
     >>> swing = ODE.of({"x": "v", "v": "-k*x"}, [1, 0], parameters={"k": 3.9})
     >>> result = fit(swing, times, {"x": np.cos(2 * times) + 0.01 * noise}, 0.01, ["k", "x"])
     >>> print(result)
-    k = 4.0013 +- 0.003
+    k = 4.0013 +- 0.0030
     x = 1.0016 +- 0.0019
     chi^2 = 38 of 48 degrees of freedom (chance 0.85)
     """

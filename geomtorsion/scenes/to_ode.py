@@ -341,8 +341,10 @@ def is_constant(assembly: Assembly, quantity: sp.Expr) -> bool:
     # Digits show nothing new about a rate that vanishes for all values of the parameters.
     exactly = not _vanishes(quantity, rates)
     chance = Random(20)
-    # One place could be a zero of the rate by accident, three are none.
-    return all(_is_zero(quantity, rates, values, chance, exactly=exactly) for _ in range(3))
+    # One place could be a zero of the rate by accident, three are none. A rate that vanishes for
+    # all values needs one, at which it has a value.
+    places = range(3 if exactly else 1)
+    return all(_is_zero(quantity, rates, values, chance, exactly=exactly) for _ in places)
 
 
 # A state and its rate.

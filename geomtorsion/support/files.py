@@ -717,7 +717,7 @@ def _wanted(value: Any, form: Any) -> str:
 
 
 def _first(reasons: Iterable[str]) -> str:
-    """The first reason that says something, or nothing."""
+    """The first reason that is not empty, or an empty one."""
     return next((reason for reason in reasons if reason), "")
 
 

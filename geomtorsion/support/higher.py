@@ -16,7 +16,7 @@ def register(module: Callable[[str], ModuleType]) -> None:
 def higher(module: str) -> ModuleType:
     """A module of a higher layer, such as "pictures.notebook_tables" or "spaces".
 
-    Only the name of a shipped space in place of a frame, and the drawing of a value, lead upwards.
+    Only the name of a shipped space given as a frame, and the drawing of a value, lead upwards.
     The layers themselves import downwards only.
 
     Examples
