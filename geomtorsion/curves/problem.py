@@ -31,6 +31,7 @@ from geomtorsion.curves.to_ode import ode_of
 from geomtorsion.curves.transported import Carried, Derivatives, carrying
 from geomtorsion.errors import (
     AccuracyError,
+    ArgumentError,
     BranchError,
     ChartEdgeError,
     ExpressionError,
@@ -171,7 +172,15 @@ class CurveProblem:
         >>> round(float(solve(pushed, 3.0)["x"][-1]), 9)
         7.0
         """
-        return ode_of(self, events, tables, time)
+        if self.start is None or self.carried:
+            raise ArgumentError(
+                "expected a curve with a start and without vectors carried along, got "
+                f"{checks.shown(self)}. Give its start, or solve the curve itself."
+            )
+        equations = self.equations()
+        start = dict(zip(self.coordinates, self.start, strict=True))
+        speeds = dict(zip(equations.velocities, self.frame_velocity, strict=True))
+        return ode_of(equations, start, speeds, self.parameters, events, tables, time)
 
     def chart(self, name: str) -> Chart:
         """A chart of the atlas, with the edges of a law that has its own."""

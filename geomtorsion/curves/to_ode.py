@@ -3,45 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING
+from typing import Any
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from geomtorsion.curves.equations import Equations
 from geomtorsion.curves.forces import TIMES
-from geomtorsion.errors import ArgumentError
 from geomtorsion.ode.constructor import table_functions
+from geomtorsion.ode.numbers import Real
 from geomtorsion.ode.pieces import FUNCTIONS
 from geomtorsion.ode.problem import ODE
 from geomtorsion.ode.terms import At, When
-from geomtorsion.support import checks
-
-if TYPE_CHECKING:
-    from geomtorsion.curves.problem import CurveProblem
 
 
 def ode_of(
-    problem: CurveProblem,
+    equations: Equations,
+    start: Mapping[str, Real],
+    speeds: Mapping[str, Real],
+    parameters: Mapping[str, Any],
     events: Iterable[At | When] = (),
     tables: Mapping[str, object] | None = None,
     time: str = "",
 ) -> ODE:
-    """The equations of a curve in its home chart; see `CurveProblem.to_ode`."""
-    if problem.start is None or problem.carried:
-        raise ArgumentError(
-            "expected a curve with a start and without vectors carried along, got "
-            f"{checks.shown(problem)}. Give its start, or solve the curve itself."
-        )
-    equations = problem.equations()
+    """The equations of a curve as an ODE; see `CurveProblem.to_ode`.
+
+    start, speeds: coordinate or frame velocity -> its number at the start.
+    """
     functions = {**FUNCTIONS, **table_functions(tables, {})}
-    parameters = {**problem.parameters}
     rates = {name: _read(rate, functions) for name, rate in equations.expressions.items()}
-    start = dict(zip(problem.coordinates, problem.start, strict=True))
-    speeds = dict(zip(equations.velocities, problem.frame_velocity, strict=True))
     if equations.moves:
-        start |= speeds
+        start = {**start, **speeds}
     else:
-        parameters |= speeds
+        parameters = {**parameters, **speeds}
         for name in speeds:
             rates.pop(name, None)
     invariants = {

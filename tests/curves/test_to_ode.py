@@ -13,7 +13,7 @@ PLANE = gt.Frame("x y", [[1, 0], [0, 1]], name="plane")
 
 
 def test_a_free_line_is_the_same_motion():
-    """Without forces the equations are those of a straight line."""
+    """Without forces the motion is a straight line."""
     free = gt.geodesic(PLANE, [1, 2], [3, -1])
     solution = gt.solve(free.to_ode(), 2.0)
     assert [solution["x"][-1], solution["y"][-1]] == pytest.approx([7, 0], abs=1e-12)

@@ -45,7 +45,7 @@ def test_a_torque_in_pieces_turns_a_body():
 
 
 def test_an_energy_that_changes_late_is_not_taken_for_conserved():
-    """A torque that acts from t = 2 only changes the energy, which is no invariant."""
+    """A torque that acts late changes the energy, which is not an invariant."""
     scene = spun(moment=(0, 0, "pieces(t, 0, 2, 1)"))
     assert "energy" not in scene.ode.invariants
     assert scene.run()["omega"][-1] == pytest.approx([0, 0, 4 / 3], rel=1e-9)
