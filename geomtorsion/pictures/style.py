@@ -304,7 +304,7 @@ def visible(values: ArrayLike) -> np.ndarray:
 def plot_sizes(
     axes: Axes, places: ArrayLike, values: ArrayLike, stroke: Mapping[str, Any], label: str
 ) -> bool:
-    """Plot sizes on a logarithmic axis; what is exactly zero is named in the legend, not drawn.
+    """Plot sizes on a logarithmic axis; exact zeros are named in the legend, not drawn.
 
     Returns
     -------

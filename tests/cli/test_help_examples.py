@@ -21,7 +21,7 @@ FOREIGN = re.compile(r"\b(my-|answers|loops\.json|sheets|moodle|nbgrader|export|
 
 
 def commands(group: Any, context: Any, name: str = "") -> Iterator[tuple[str, Any]]:
-    """Names of all commands with their parsers, those of groups included."""
+    """Names of all commands with their parsers, also inside of groups."""
     for word in group.list_commands(context):
         command = group.get_command(context, word)
         path = f"{name} {word}".strip()
@@ -33,7 +33,7 @@ def commands(group: Any, context: Any, name: str = "") -> Iterator[tuple[str, An
 
 def examples() -> dict[str, Any]:
     """Line of each example -> the command that it names."""
-    group = typer.main.get_command(app)
+    group: Any = typer.main.get_command(app)
     context = group.make_context("geomtorsion", [], resilient_parsing=True)
     table = dict(commands(group, context))
     found = {}
