@@ -32,6 +32,7 @@ from geomtorsion.materials.maps.map_tables import map_quantity
 from geomtorsion.materials.source import Source
 from geomtorsion.support import checks
 from geomtorsion.support.checks import shown
+from geomtorsion.support.file_kinds import naming_other_kinds
 from geomtorsion.support.files import BOUNDS, ending, opened
 from geomtorsion.support.hdf5 import HDF5, check_hdf5
 from geomtorsion.support.npz import mapped_npy
@@ -163,6 +164,7 @@ def is_array(path: Path) -> bool:
         return False
 
 
+@naming_other_kinds("a field, a map or an image")
 def open_source(
     path: str | Path,
     *,
