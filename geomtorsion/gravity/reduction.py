@@ -242,11 +242,12 @@ class Reduction:
         *,
         near: Mapping[str, object] | None = None,
         origin: object = 0,
+        reach: sp.Expr | None = None,
     ) -> tuple[sp.Expr, dict[str, sp.Expr]]:
         """The value of the variable where numbers start, and all states there.
 
         It is the origin, unless the equations have a pole there: then a power series leads a small
-        way from it. Arguments as for `complete`.
+        way from it, at most the reach if one is given. Other arguments as for `complete`.
 
         Raises
         ------
@@ -255,7 +256,7 @@ class Reduction:
         """
         known, values, guesses, place, centre = self._read(start, parameters, near, origin)
         if centre is not None:
-            return centre.beside(values, known, guesses)
+            return centre.beside(values, known, guesses, reach)
         return place, self.complete(start, parameters, near=near, origin=origin)
 
     def _read(
