@@ -13,6 +13,7 @@ __all__ = [
     "displays",
     "exclusive",
     "executors",
+    "file_kinds",
     "files",
     "hdf5",
     "hints",

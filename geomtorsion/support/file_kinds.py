@@ -133,7 +133,7 @@ def kind_of(start: bytes) -> FileKind | None:
 def other_kinds(path: Path, expected: str) -> Iterator[None]:
     """Errors of a reader name the kind of a file that holds something else.
 
-    expected: what is read, as in `FileKind.readers`.
+    expected: content that the reader takes, as in `FileKind.readers`.
     """
     try:
         yield
@@ -150,7 +150,7 @@ def other_kinds(path: Path, expected: str) -> Iterator[None]:
 
 
 def naming_other_kinds(expected: str) -> Callable[[Read], Read]:
-    """A decorator: the errors of a reader of a path are those of `other_kinds`."""
+    """A decorator for readers of a path, whose errors name other kinds as in `other_kinds`."""
 
     def decorate(read: Read) -> Read:
         @functools.wraps(read)

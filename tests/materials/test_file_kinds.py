@@ -1,4 +1,4 @@
-"""Files of another kind: messages name the kind by its content and say what to do."""
+"""Files of another kind: messages name the kind by its content, and the remedy."""
 
 import io
 import struct
