@@ -191,7 +191,7 @@ def test_many_holes_on_a_circuit_count_once_each():
     x, y = np.meshgrid(*axes, indexing="ij")
     mask = np.zeros((41, 41), dtype=bool)
     nodes = [(30, 20), (20, 30), (10, 20), (20, 10), (20, 20)]
-    mask[tuple(np.transpose(nodes))] = True
+    mask[tuple(np.array(nodes).T)] = True
     frame = SampledFrame(axes, np.array([[-y, x]]) / 2, mask=mask)
     # A square through four of the five missing nodes.
     square = Loop.polygon([[10, 10], [30, 10], [30, 30], [10, 30]])
