@@ -52,7 +52,7 @@ class KerrOrbit:
     radii: roots r1 >= r2 > r3 >= r4 of the radial equation; the orbit is between r2 and r1. For
         scattering r1 is negative, or infinite if e = 1, and the orbit is beyond r2.
     reduced: L / x, which is finite for polar orbits also.
-    room: r2 - r3, which vanishes at the separatrix.
+    `room`: r2 - r3, which vanishes at the separatrix.
     remark: how a negative spin was read, or "".
 
     Examples
