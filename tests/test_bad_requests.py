@@ -1,5 +1,8 @@
 """Bad requests: names, indices, contractions, points and shapes that do not fit are refused."""
 
+# Calls that a checker of types refuses as well.
+# pyright: reportArgumentType=false
+
 from typing import Any
 
 import numpy as np

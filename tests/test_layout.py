@@ -120,8 +120,9 @@ CEILINGS = {
     # One: after how many steps a run has optimised code, which takes long to compile.
     # One more: the disks on which the tail of a series at a pole is bounded.
     # One more: how many sigma are no longer ascribed to chance.
+    # Two more: the fewest atoms of a grain in a plane, and the atoms around each that are compared.
     # One more: the share of a number below which its error is a power of ten.
-    "tuned constants": 206,
+    "tuned constants": 208,
     # Two more than before: converters of arguments are three files by kind instead of one of 1,000.
     # Two more: kinetic metrics and forces are files of their own.
     # One more: squares that roots hide in circular functions.
@@ -135,7 +136,7 @@ CEILINGS = {
 }
 # Lines of code below and above the wall, rounded up to five hundreds, without docstrings, comments
 # and blanks. A change that needs more raises a number and states in its commit what users get.
-BUDGET = {"below the wall": 55500, "above the wall": 60500}
+BUDGET = {"below the wall": 56000, "above the wall": 60500}
 # What a program that imports the package does not wait for.
 LATER = ("sympy", "flint", "mpmath", "numpy", "multiprocessing", "asyncio", "tomllib", "sqlite3")
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")

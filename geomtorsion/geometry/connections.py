@@ -18,7 +18,7 @@ from geomtorsion.geometry.from_arrays import tensor_from_array
 from geomtorsion.geometry.homes import at_home, over_frame
 from geomtorsion.geometry.tensor import Scalar, Source, Tensor
 from geomtorsion.geometry.torsion import Torsion
-from geomtorsion.support import checks
+from geomtorsion.support import arguments, checks
 from geomtorsion.support.higher import higher
 
 HALF = Fraction(1, 2)
@@ -180,7 +180,7 @@ def _levi_civita(frame: Frame) -> Connection:
     return Connection(frame, coefficients, "Levi-Civita connection", "levi-civita", levi_civita)
 
 
-def from_coefficients(frame: FrameLike, coefficients: object) -> Connection:
+def from_coefficients(frame: FrameLike, coefficients: arguments.Cube) -> Connection:
     """Connection from any coefficients Gamma_ab^c: torsion, curvature and nonmetricity at once.
 
     Parameters
@@ -211,7 +211,7 @@ def from_coefficients(frame: FrameLike, coefficients: object) -> Connection:
     return Connection(frame, _coefficients(frame, tensor.components, "\\Gamma", "connection"))
 
 
-def from_spin_connection(frame: FrameLike, omega: object) -> Connection:
+def from_spin_connection(frame: FrameLike, omega: arguments.Cube) -> Connection:
     """Connection from its spin connection omega_ai^j: D_a E_i = omega_ai^j E_j.
 
     Equation
@@ -272,7 +272,7 @@ def _direction_first(frame: Frame, omega: Tensor) -> Tensor:
     return _given(frame, omega, "dDU", "spin connection")
 
 
-def from_contortion(frame: FrameLike, contortion: object) -> Connection:
+def from_contortion(frame: FrameLike, contortion: arguments.Cube) -> Connection:
     """Metric connection from its contortion: Gamma_ab^c = Gamma_bar_ab^c + K_ab^c.
 
     Parameters
@@ -310,7 +310,7 @@ def from_contortion(frame: FrameLike, contortion: object) -> Connection:
     return Connection(frame, coefficients, "connection from contortion", "metric")
 
 
-def from_torsion(frame: FrameLike, torsion: object) -> Connection:
+def from_torsion(frame: FrameLike, torsion: arguments.Cube | Torsion) -> Connection:
     """The one metric connection that has a given torsion S_ab^c = (Gamma_ab^c - Gamma_ba^c)/2.
 
     Equation
@@ -354,7 +354,9 @@ def from_torsion(frame: FrameLike, torsion: object) -> Connection:
     return Connection(frame, coefficients, "connection from torsion", "metric")
 
 
-def from_nonmetricity(frame: FrameLike, nonmetricity: object, torsion: object = None) -> Connection:
+def from_nonmetricity(
+    frame: FrameLike, nonmetricity: arguments.Cube, torsion: arguments.Cube | Torsion | None = None
+) -> Connection:
     """The one connection that has a given nonmetricity Q_abc = D_a g_bc and a given torsion.
 
     Equation

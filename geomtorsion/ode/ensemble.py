@@ -39,6 +39,7 @@ from geomtorsion.ode.system import Show, checked_engine
 from geomtorsion.ode.trajectory import Trajectory
 from geomtorsion.ode.writing import pandas_table
 from geomtorsion.support import checks
+from geomtorsion.support.arguments import Starts, Times
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.copies import only_fields
 from geomtorsion.support.csv_table import write_csv
@@ -285,13 +286,13 @@ class Ensemble:
 )
 def solve_many(
     problem: Any,
-    starts: object = None,
-    t: object = None,
+    starts: Starts | None = None,
+    t: Times | None = None,
     accuracy: float = 1e-10,
     engine: Engine | None = None,
     *,
-    velocities: object = None,
-    frame_velocities: object = None,
+    velocities: Starts | None = None,
+    frame_velocities: Starts | None = None,
     check: int | None = None,
     progress: bool | None = None,
     executor: Executor | None = None,

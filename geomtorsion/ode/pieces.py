@@ -127,6 +127,33 @@ def without_piecewise(expr: sp.Expr, where: str) -> sp.Expr:
     return without_piecewise(expr, where)
 
 
+def without_kinks(expr: sp.Expr) -> sp.Expr:
+    """Abs, sign, Max, Min and Heaviside as `pieces`.
+
+    Examples
+    --------
+    >>> x = sp.Symbol("x", real=True)
+    >>> without_kinks(-sp.sign(x - 1) * sp.Abs(x))
+    -pieces(x, -x, 0, x)*pieces(x, -1, 1, 1)
+    """
+    if not expr.has(sp.Abs, sp.sign, sp.Max, sp.Min, sp.Heaviside):
+        return expr
+    args = [without_kinks(part) for part in expr.args]
+    if isinstance(expr, sp.Abs):
+        return _merged(args[0], -args[0], args[0])
+    if isinstance(expr, sp.sign):
+        return _merged(args[0], sp.S.NegativeOne, sp.S.One)
+    if isinstance(expr, sp.Heaviside):
+        return _merged(args[0], sp.S.Zero, sp.S.One)
+    if isinstance(expr, sp.Max | sp.Min):
+        first, *others = args
+        for other in others:
+            below, above = (other, first) if isinstance(expr, sp.Max) else (first, other)
+            first = _merged(first - other, below, above)
+        return first
+    return expr.func(*args)
+
+
 def _nested(rows: list[tuple[sp.Expr, sp.Basic]], where: str) -> sp.Expr:
     """Rows (expression, condition), of which the first holds whose condition does."""
     if not rows:
@@ -167,7 +194,19 @@ def _chosen(condition: sp.Basic, yes: sp.Expr, no: sp.Expr, where: str) -> sp.Ex
 
 
 def _merged(gap: sp.Expr, below: sp.Expr, above: sp.Expr) -> sp.Expr:
-    """`below` where a gap is negative, `above` elsewhere; levels of one term are put together."""
+    """`below` where a gap is negative, `above` elsewhere; levels of one term are put together.
+
+    A gap by pieces itself is compared piece by piece.
+    """
+    for inner in sorted(gap.atoms(pieces), key=sp.default_sort_key):
+        if not has_pieces((inner.term, *inner.levels)):
+            cases = [
+                _merged(*(x.xreplace({inner: branch}) for x in (gap, below, above)))
+                for branch in inner.branches
+            ]
+            return joined(inner.term, inner.levels, cases)
+    if gap.is_number:
+        return below if gap < 0 else above
     constant, term = gap.as_coeff_Add()
     factor, term = term.as_coeff_Mul()
     if factor < 0:

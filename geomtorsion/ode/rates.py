@@ -13,7 +13,7 @@ from geomtorsion.codegen import Graph, graph
 from geomtorsion.errors import ExpressionError
 from geomtorsion.ode.pieces import BranchedGraph, term_graph
 from geomtorsion.ode.system import System
-from geomtorsion.ode.terms import KINKED
+from geomtorsion.ode.terms import KINKED, STEPS
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.copies import content, content_hash, only_fields
 from geomtorsion.support.precision import EPS
@@ -199,10 +199,10 @@ def check_smooth(terms: Sequence[sp.Expr], where: Sequence[str]) -> None:
     """Refuse functions with kinks or jumps."""
     for term, place in zip(terms, where, strict=True):
         for part in sp.preorder_traversal(term):
-            if type(part).__name__ in KINKED:
+            if type(part).__name__ in {**KINKED, **STEPS}:
                 raise ExpressionError(
                     f"{place}: {part} is not smooth. Write the expression of one side (and stop or "
-                    "switch where it ends), or a smooth one such as sqrt(x**2 + s**2) for Abs(x)."
+                    "switch where it ends), or pieces(x, a, 1, b) for a below x = 1 and b above."
                 )
 
 

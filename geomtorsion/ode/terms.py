@@ -13,14 +13,15 @@ from geomtorsion.errors import ExpressionError, StartError
 from geomtorsion.exact import parse_expression
 from geomtorsion.exact.element import Element
 from geomtorsion.ode.numbers import Real
-from geomtorsion.ode.pieces import FUNCTIONS, without_piecewise
+from geomtorsion.ode.pieces import FUNCTIONS, without_kinks, without_piecewise
 from geomtorsion.support import checks
 
 # An output is one expression, or several that make a vector.
 Terms: TypeAlias = sp.Expr | tuple[sp.Expr, ...]
-# Functions that outputs may contain, but rates may not.
-KINKED = {name: getattr(sp, name) for name in ("Abs", "sign", "Max", "Min", "floor", "ceiling")}
-KINKED["abs"] = sp.Abs
+# Functions with kinks or jumps: pieces in rates and conditions. Only outputs may have steps as well.
+KINKED = {name: getattr(sp, name) for name in ("Abs", "sign", "Max", "Min", "Heaviside")}
+KINKED |= {"abs": sp.Abs, "max": sp.Max, "min": sp.Min}
+STEPS = {name: getattr(sp, name) for name in ("floor", "ceiling")}
 
 
 def symbol_table(names: Iterable[str]) -> dict[str, sp.Symbol]:
@@ -56,7 +57,8 @@ def expression(
 ) -> sp.Expr:
     """Text, a sympy expression, an exact element or a number, over the known symbols.
 
-    smooth: whether Abs, sign, Max, Min, floor and ceiling are refused in text.
+    smooth: whether Abs, sign, Max, Min and Heaviside become `pieces`, and floor and ceiling are
+        refused in text.
     functions: further functions by name.
 
     Raises
@@ -65,12 +67,14 @@ def expression(
         it is none of these, not finite, or contains a name that is not known.
     """
     if isinstance(entry, str):
-        functions = {**FUNCTIONS, **({} if smooth else KINKED), **(functions or {})}
-        return parse_expression(entry, symbols, functions, where=where, decimals=True)
+        functions = {**FUNCTIONS, **KINKED, **({} if smooth else STEPS), **(functions or {})}
+        parsed = parse_expression(entry, symbols, functions, where=where, decimals=True)
+        return without_kinks(parsed) if smooth else parsed
     if isinstance(entry, Element):
         entry = entry.sympy
     if isinstance(entry, sp.Expr):
-        return without_piecewise(_renamed(entry, where, symbols), where)
+        whole = without_piecewise(_renamed(entry, where, symbols), where)
+        return without_kinks(whole) if smooth else whole
     fraction = checks.fraction(entry)
     if fraction is None:
         raise ExpressionError(

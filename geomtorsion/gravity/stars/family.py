@@ -203,7 +203,7 @@ def family(
     >>> from geomtorsion.gravity.stars.equation_of_state import polytropes
     >>> stars = family(polytropes(100, [2]), [1e-3, 4e-3, 9e-3])
     >>> stars
-    3 stars of polytrope with exponent 2: mass from 1.17084 to 1.63638
+    3 stars of polytrope with exponent 2: mass from 1.21955 to 1.63685
     >>> round(stars.heaviest.mass, 4)
     1.6373
     """

@@ -16,6 +16,7 @@ from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.fields.circuits import unexplained
 from geomtorsion.materials.maps.circuits import Circuit, circuit_of
 from geomtorsion.materials.maps.curvature import Curvature, curvature_of
+from geomtorsion.materials.maps.grain_frames import frame_of_grain
 from geomtorsion.materials.maps.lattice_edges import (
     GrainMap,
     estimated_covariance,
@@ -315,7 +316,8 @@ class OrientationMap:
 
         A node is [column, row]; pixels of other grains are holes. The rows of the coframe are
         crystal axes. Its sigma is the noise of the phase, averaged over the axes and assumed
-        independent in each component.
+        independent in each component. The coframe of a hexagonal grid is interpolated along its
+        rows, to columns halfway between even and odd rows.
 
         Parameters
         ----------
@@ -327,7 +329,7 @@ class OrientationMap:
         Raises
         ------
         OrientationError
-            There is no such grain, or the grid is hexagonal.
+            There is no such grain.
 
         Examples
         --------
@@ -338,24 +340,10 @@ class OrientationMap:
         (np.float64(0.001745), np.float64(0.001745))
         """
         number = checks.count(grain, "grain", OrientationError, 0, self.grains.count - 1)
-        if self.shift:
-            raise OrientationError(
-                "expected a map on a square grid for a sampled frame, got a hexagonal grid. Use "
-                ".burgers, or export the map on a square grid."
-            )
         mine = self.grain == number
-        steps = self.steps
-        axes = [step * np.arange(n) for step, n in zip(steps, self.shape[::-1], strict=True)]
         covariance = self.noise[int(self.phase[mine][0])]
-        return SampledFrame(
-            axes,
-            self.coframe.transpose(2, 3, 1, 0),
-            order,
-            ("x", "y"),
-            mask=~mine.T,
-            sigma=float(np.sqrt(np.trace(covariance) / 3)),
-            unit=self.unit,
-        )
+        sigma = float(np.sqrt(np.trace(covariance) / 3))
+        return frame_of_grain(self.coframe, mine, self.steps, self.shift, order, sigma, self.unit)
 
     # -- circuits ---------------------------------------------------------------------------------
 
