@@ -114,7 +114,7 @@ def test_two_falls_in_one_step(engine):
 
 def test_any_number_of_workers_gives_the_same_bits():
     """Stops, times and states."""
-    starts = {"z": np.linspace(1.0, 80.0, 4000)}
+    starts = {"z": np.linspace(1.0, 80.0, 800)}
     plain = gt.solve_many(stone(), starts, [1.0, 2.0, 3.0])
     for workers in (1, 3):
         with ThreadPoolExecutor(workers) as pool:
