@@ -48,7 +48,8 @@ def as_ode(problem: object) -> ODE:
         if changes or problem.normalized:
             raise ArgumentError(
                 "problem: expected equations without events and without states of length one, got "
-                f"{problem}. Write it without them."
+                f"{problem}. Restrict it to other states, problem.restricted([...]), or write it "
+                "without them."
             )
         if problem.rates.has_clock:
             raise ArgumentError(
@@ -67,29 +68,7 @@ def as_ode(problem: object) -> ODE:
             "problem: expected a law without the curve parameter, got one with it. Make the phase "
             "of the force a coordinate."
         )
-    parameters: dict[str, Any] = {**problem.parameters}
-    rates: dict[str, Any] = dict(equations.expressions)
-    start = dict(zip(problem.coordinates, problem.start, strict=True))
-    speeds = dict(zip(equations.velocities, problem.frame_velocity, strict=True))
-    if equations.moves:
-        start |= speeds
-    else:
-        parameters |= speeds
-        for name in speeds:
-            rates.pop(name, None)
-    used = {s.name for x in rates.values() for s in x.free_symbols}
-    invariants = {
-        name.replace(" ", "_"): sp.Add(
-            *(sp.Mul(_real(c.sympy), *map(real, names)) for c, names in products)
-        )
-        for name, products in equations.invariants.items()
-    }
-    used |= {s.name for x in invariants.values() for s in x.free_symbols}
-    return ODE.of(
-        rates, {name: start[name] for name in rates},
-        parameters={name: x for name, x in parameters.items() if name in used},
-        invariants=invariants, time="curve_parameter",
-    )  # fmt: skip
+    return problem.to_ode(time="curve_parameter")
 
 
 def density_of(problem: object) -> sp.Expr:
@@ -246,8 +225,16 @@ class Closing:
             return
         rates = self.problem.rates.expressions
         image = {real(x): 2 * value - real(x) for x, value in self.mirrored.items()}
+        loose = {name for name, x in self.shift.items() if x is None}
+        both = sorted(loose & self.mirrored.keys())
+        if both:
+            raise ArgumentError(
+                f"symmetry: expected states that return, got {both[0]}, which need not return. "
+                "Drop it from symmetry."
+            )
         for name, rate in rates.items():
-            sign = -1 if name in self.mirrored else 1
+            # A state that need not return grows by the same amount in both halves.
+            sign = -1 if name in self.mirrored or name in loose else 1
             if not vanishes(rate.xreplace(image) + sign * rate):
                 raise ArgumentError(
                     "symmetry: expected states whose change of sign reverses the motion, got "
