@@ -12,10 +12,12 @@ from typing import Any, Protocol
 
 from flint import arb, fmpq
 
-from geomtorsion.codegen import Graph, rational
+from geomtorsion.codegen import Graph, graph, rational
 from geomtorsion.codegen.balls import BallCode, exact_ball
 from geomtorsion.errors import ProofError
 from geomtorsion.ode import ODE
+from geomtorsion.ode.pieces import has_pieces
+from geomtorsion.ode.problem import flat
 from geomtorsion.ode.rates import CLOCK
 from geomtorsion.proofs.centres import RegularStart
 from geomtorsion.proofs.events import Fall
@@ -234,6 +236,8 @@ class OdeCourse:
             self.problem.system, numbers, backwards=self.backwards, varied=self._varied
         )
         term, fall = rates.stop_graph, None
+        if term is not None and not isinstance(term, Graph):
+            raise RefusalError("a stop given by pieces is not proved", stretch.begin)
         if term is not None:
             fall = Fall(system, term, rates.states, given, CLOCK if rates.has_clock else None)
         return Leg(system, stretch.begin, stretch.end, stretch.samples, fall)
@@ -264,22 +268,30 @@ class OdeCourse:
         return self.problem.states
 
     def outputs(self, time: arb, when: fmpq, box: Sequence[arb]) -> dict[str, Any]:
-        """Outputs at a time, from the states there; tuples for vectors.
+        """Smooth outputs at a time, from the states there; tuples for vectors.
 
         when: about this time, at which parameters have their values.
         """
-        problem = self.problem
-        if not problem.outputs:
+        terms, code = self._outputs
+        if not terms:
             return {}
         values, table = self._values(when), {}
-        given = [exact_ball(values[name]) for name in problem.rates.parameters]
-        flat = BallCode(problem.term_graphs[0]).real([*box[: problem.size], *given, time])
-        for name, terms in problem.outputs.items():
-            if isinstance(terms, tuple):
-                table[name], flat = tuple(flat[: len(terms)]), flat[len(terms) :]
+        given = [exact_ball(values[name]) for name in self.problem.rates.parameters]
+        row = code.real([*box[: self.problem.size], *given, time])
+        for name, term in terms.items():
+            if isinstance(term, tuple):
+                table[name], row = tuple(row[: len(term)]), row[len(term) :]
             else:
-                table[name], flat = flat[0], flat[1:]
+                table[name], row = row[0], row[1:]
         return table
+
+    @cached_property
+    def _outputs(self) -> tuple[dict[str, Any], BallCode]:
+        """Outputs without pieces, whose values in balls are known, and their code."""
+        every = {name: flat({name: term}) for name, term in self.problem.outputs.items()}
+        smooth = {name: row for name, row in every.items() if not has_pieces(row)}
+        terms = {name: self.problem.outputs[name] for name in smooth}
+        return terms, BallCode(graph(self.problem.rates.names, flat(terms), factor=False))
 
     def shown(self, label: str, box: Sequence[arb]) -> list[arb]:
         """The states without the clock."""
