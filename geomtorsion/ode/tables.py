@@ -132,11 +132,13 @@ class Table:
         class Rows(sp.Function):
             """The table of rows."""
 
-            nargs = 1
-
             @classmethod
-            def eval(cls, place: sp.Expr) -> sp.Expr:
-                return self(place)
+            def eval(cls, *places: sp.Expr) -> sp.Expr:
+                if len(places) != 1:
+                    raise ExpressionError(
+                        f"table: expected one argument, got {len(places)}. Write F(t)."
+                    )
+                return self(places[0])
 
         return Rows
 
