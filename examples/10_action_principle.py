@@ -19,7 +19,7 @@ import geomtorsion as gt
 U = sp.symbols("u1 u2 u3")
 
 
-def top(moments: list[Fraction]) -> dict[str, gt.EquationsOfMotion]:
+def top(moments: list[Fraction]) -> dict[str, gt.action.EquationsOfMotion]:
     """The equations of a free top from each of the three variations."""
     frame = gt.spaces.load("so3").frame  # u = body components of the angular velocity
     energy = sum(sp.Rational(i) * u**2 for i, u in zip(moments, U, strict=True)) / 2
@@ -27,7 +27,7 @@ def top(moments: list[Fraction]) -> dict[str, gt.EquationsOfMotion]:
     return {name: gt.equations_of_motion(frame, energy, principle=name) for name in names}
 
 
-def sleigh() -> gt.EquationsOfMotion:
+def sleigh() -> gt.action.EquationsOfMotion:
     """Chaplygin's sleigh: a blade that cannot slip sideways, with the mass ahead of it."""
     x, y, heading = sp.symbols("x y heading", real=True)
     c, s = sp.cos(heading), sp.sin(heading)
@@ -75,7 +75,7 @@ def main(arguments: list[str] | None = None) -> None:
     assert np.ptp(values["right"]) < 1e-7 * max(1.0, abs(values["right"][0]))
 
     # Known: the free top in Jacobi's elliptic functions.
-    closed = gt.free_top([float(i) for i in options.moments], options.spin)
+    closed = gt.rigid.free_top([float(i) for i in options.moments], options.spin)
     gap = np.abs(solved["right"].states[:, 3:] - closed.omega(solved["right"].times)).max()
     print(f"\nlargest distance from the elliptic functions: {gap:.1e}")
     assert gap < 1e-7

@@ -45,7 +45,7 @@ def main(arguments: list[str] | None = None) -> None:
     )
     print(f"\n{scene.selection}\n")
     closed = scene.run()
-    top = gt.free_top(moments, start)
+    top = gt.rigid.free_top(moments, start)
     flow = gt.ODE.of(
         {"a": "(2-3)/1*b*c", "b": "(3-1)/2*c*a", "c": "(1-2)/3*a*b"},
         dict(zip("abc", start, strict=True)),

@@ -18,7 +18,7 @@ import geomtorsion as gt
 from geomtorsion.errors import SingularPointError
 
 
-def show(title: str, proof: gt.Proof) -> None:
+def show(title: str, proof: gt.proofs.Proof) -> None:
     """Print the certain digits with the estimated and the proved error."""
     print(f"\n{title}\n{proof}")
     assert proof.holds

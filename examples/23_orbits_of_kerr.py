@@ -34,11 +34,11 @@ def main(arguments: list[str] | None = None) -> None:
         print(f"    {name}: {value}")
     assert "killing tensor 1" in found, "Carter's constant"
 
-    known = gt.kerr_orbit(0.9, 6, 0.3, 1).frequencies
+    known = gt.spaces.kerr_orbit(0.9, 6, 0.3, 1).frequencies
     pairs = zip((known.radial, known.polar, known.azimuthal), PUBLISHED, strict=True)
     assert max(abs(one - two) for one, two in pairs) < 1e-15
 
-    orbit = gt.kerr_orbit(*options.shape)
+    orbit = gt.spaces.kerr_orbit(*options.shape)
     print(f"\nE = {orbit.energy:.9f}, L = {orbit.angular_momentum:.9f}, Q = {orbit.carter:.9f}")
     for one in (orbit.mino_frequencies, orbit.proper_frequencies, orbit.frequencies):
         print(

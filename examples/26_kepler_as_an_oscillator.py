@@ -40,7 +40,7 @@ def oscillator(place: list[float], velocity: list[float]) -> gt.ODE:
     return gt.ODE.of(rates, start, parameters={"E": float(energy)}, time="s")
 
 
-def places(solution: gt.Solution) -> np.ndarray:
+def places(solution: gt.ode.Solution) -> np.ndarray:
     """Points in space of a solution, shape (m, 3)."""
     q = np.stack([solution[f"q{k}"] for k in (1, 2, 3, 4)], axis=1)
     assert SPACE.embedding is not None

@@ -34,7 +34,7 @@ def total_error(scene: gt.Scene, part: gt.Scene, accuracy: float) -> float:
     return float(max(sizes))
 
 
-def satellite() -> gt.Solution:
+def satellite() -> gt.ode.Solution:
     """A satellite of a flattened planet, with a moon far away and a trace of air."""
     attraction = {"centre": "-1/r", "flattening": "-1/(2000 r^3)", "moon": "-r^2/10^8"}
     flat = gt.levi_civita("flat_polar")
@@ -43,7 +43,7 @@ def satellite() -> gt.Solution:
     return gt.solve(orbit, 10)
 
 
-def universe() -> gt.Solution:
+def universe() -> gt.ode.Solution:
     """Dust and a little radiation, in a theory with a weak square of the curvature."""
     a = sp.Function("a")(sp.Symbol("t"))
     frame = gt.Frame("t x y z", sp.diag(1, a, a, a), "-+++")

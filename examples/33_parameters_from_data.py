@@ -25,14 +25,14 @@ ATTITUDE, TURN = ("q0", "q1", "q2", "q3"), ("w1", "w2", "w3")
 
 
 def noisy(
-    problem: gt.CurveProblem | gt.ODE, times: np.ndarray, sigma: dict[str, float], seed: int
+    problem: gt.curves.CurveProblem | gt.ODE, times: np.ndarray, sigma: dict[str, float], seed: int
 ) -> dict[str, np.ndarray]:
     """Recorded quantities of a motion: exact numbers and Gaussian noise."""
     draws, solution = np.random.default_rng(seed), gt.solve(problem, times, 1e-11)
     return {name: solution[name] + x * draws.normal(size=len(times)) for name, x in sigma.items()}
 
 
-def mass_and_spin(seed: int) -> gt.Fit:
+def mass_and_spin(seed: int) -> gt.fits.Fit:
     """Mass and spin of a black hole, from radius and angle of one orbit."""
     times, sigma = np.linspace(5, 300, 60), {"r": 1e-3, "phi": 1e-4}
     data = noisy(ORBIT, times, sigma, seed)
@@ -54,7 +54,7 @@ def free_top() -> gt.ODE:
     )
 
 
-def moments(seed: int) -> tuple[gt.Fit, gt.Fit]:
+def moments(seed: int) -> tuple[gt.fits.Fit, gt.fits.Fit]:
     """Moments of a top, from its recorded attitude: all three moments, then two of them."""
     times, sigma = np.linspace(0.2, 12, 60), dict.fromkeys(ATTITUDE, 1e-3)
     data = noisy(free_top(), times, sigma, seed)
@@ -63,7 +63,7 @@ def moments(seed: int) -> tuple[gt.Fit, gt.Fit]:
     return every, gt.fit(guess, times, data, 1e-3, ["I2", "I3", *TURN])
 
 
-def check(fit: gt.Fit, truth: Mapping[str, Any]) -> None:
+def check(fit: gt.fits.Fit, truth: Mapping[str, Any]) -> None:
     """Each value is within five of its errors of the truth."""
     for name, value in fit.values.items():
         assert abs(value - truth[name]) < 5 * fit.errors[name], name

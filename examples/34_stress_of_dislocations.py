@@ -70,7 +70,7 @@ def square(edge: float) -> gt.DislocationNetwork:
     )
 
 
-def relax_a_loop() -> gt.Stresses:
+def relax_a_loop() -> gt.materials.elasticity.Stresses:
     """Energy, forces and circuits of a loop in copper, each checked against another."""
     found, up, down = (gt.stresses(square(edge), COPPER, shape=40) for edge in (12, 12.05, 11.95))
     print(f"loop: {found}")

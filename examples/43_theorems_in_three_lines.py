@@ -22,7 +22,7 @@ VAN_DER_POL = gt.ODE.of({"x": "v", "v": "(1-x**2)*v-x"}, [2, 0])
 LORENZ = gt.ODE.of({"x": "10*(y-x)", "y": "x*(28-z)-y", "z": "x*y-8*z/3"}, [-13.7, -19.5, 27])
 
 
-def equator() -> gt.CurveProblem:
+def equator() -> gt.curves.CurveProblem:
     """A geodesic near the equator of an ellipsoid with the axes 1, 1, 3."""
     theta, phi = sp.symbols("theta phi", real=True)
     meridian = sp.sqrt(sp.cos(theta) ** 2 + 9 * sp.sin(theta) ** 2)

@@ -16,7 +16,7 @@ import sympy as sp
 import geomtorsion as gt
 
 
-def kerr(spin: float, distance: float) -> gt.Shadow:
+def kerr(spin: float, distance: float) -> gt.curves.Shadow:
     """The shadow of a hole of mass 1, seen from its equator."""
     camera = [0, distance, np.pi / 2, 0]
     return gt.shadow("kerr", camera, parameters={"M": 1, "a": spin})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -15,13 +16,18 @@ from geomtorsion import exercises, scenes, spaces
 from geomtorsion.scenes import effects
 from geomtorsion.teaching.exercises.exports.tasks import tasks
 from tests.canary import Case
+from tests.golden import record
 
+# Public names of packages that were at the top level until 0.3.0.
+MOVED: dict[str, str] = record.read(record.MOVED_FILE)
 X, Y = sp.symbols("x y")
 PLANE = gt.Frame([X, Y], [[1, 0], [0, 1 + X**2]], name="bent")
 FLAT = gt.Frame("t x y z", sp.eye(4), signature=(-1, 1, 1, 1))
 FALL = gt.ODE.of({"z": "v", "v": "-10"}, [1, 0], events=[gt.When("z")])
 CORE = gt.Frame("x y", [["1", "0"], ["b*y", "1"]], parameters="b")
-CRYSTAL = gt.parallel_screws([(0, 0)], [1])
+CRYSTAL = gt.loops.parallel_screws([(0, 0)], [1])
+SCREW = gt.loops.parallel_screws([(0, 0)], [sp.Symbol("b")])
+LINE = gt.loops.Defect((0, 0, 0), (0, 1))
 CARTAN, RIEMANN = gt.cartan(PLANE), gt.levi_civita(PLANE)
 PLANE_METRIC = gt.numpy_function([PLANE.metric.element(1, 1)], [X, Y])
 CIRCLE = gt.Loop.circle([0, 0], 1)
@@ -51,7 +57,7 @@ TRIANGLE = nx.Graph()
 for _k, _place in enumerate([(0, 0), (1, 0), (0, 1)]):
     TRIANGLE.add_node(_k, position=_place)
 nx.add_cycle(TRIANGLE, range(3))
-NETWORK = gt.Network(PLANE, TRIANGLE)
+NETWORK = gt.loops.Network(PLANE, TRIANGLE)
 TRIANGLE_FILE = str(Path(__file__).parent / "data" / "triangle.data")
 RING = gt.LineArrays(
     [[1, 1, 2], [3, 1, 2], [2, 3, 2]], [[0, 1], [1, 2], [2, 0]], [[0, 0, 1]] * 3,
@@ -81,7 +87,9 @@ def _of(name: str, call: Callable[..., Any], /, **arguments: Any) -> Case:
 
 
 def _public(name: str, /, **arguments: Any) -> Case:
-    return Case(name, getattr(gt, name), arguments)
+    home = MOVED.get(name)
+    package = gt if home is None else import_module(f"geomtorsion.{home}")
+    return Case(name, getattr(package, name), arguments)
 
 
 def gravity_functions() -> list[Case]:
@@ -306,7 +314,7 @@ def public_functions() -> list[Case]:
         _public("find_defects", frame=CRYSTAL),
         _public(
             "enclosed_defects", frame=CRYSTAL, loop=ROUND, parameters={},
-            defects=[gt.Defect((0, 0, 0), (0, 1))], connection=None,
+            defects=[gt.loops.Defect((0, 0, 0), (0, 1))], connection=None,
         ),
         _public(
             "parallel_dislocations", positions=[(0, 0), (1, 0)], burgers=[(0, 0, 1), (1, 0, 0)],
@@ -315,7 +323,7 @@ def public_functions() -> list[Case]:
         _public("parallel_edges", positions=[(0, 0)], burgers=[(1, 0)]),
         _public("parallel_screws", positions=[(0, 0)], burgers=[1]),
         _of(
-            "Defect", lambda **given: gt.Defect(**given).place({}), point=(0, 0, 1),
+            "Defect", lambda **given: gt.loops.Defect(**given).place({}), point=(0, 0, 1),
             across=(0, 1), name="axis", source="declared", names=("x", "y", "z"), free=(2,),
         ),
         _public("Network", frame=PLANE, graph=TRIANGLE, position="position", accuracy=1e-6),
@@ -424,11 +432,11 @@ def public_methods() -> list[Case]:
         _of("Loop.then", CIRCLE.then, other=CIRCLE),
         _of("Loop.points", CIRCLE.points, count=10),
         _of("Loop.winding", CIRCLE.winding, axis=[0, 0], plane=(0, 1)),
-        _of("Defect.place", gt.Defect((0, X, 0), (0, 1)).place, parameters={"x": 1}),
-        _of("Defect.winding", gt.Defect((0, 0, 0), (0, 1)).winding, loop=ROUND, parameters={}),
+        _of("Defect.place", gt.loops.Defect((0, X, 0), (0, 1)).place, parameters={"x": 1}),
+        _of("Defect.winding", LINE.winding, loop=ROUND, parameters={}),
         _of(
             "burgers_vector with a parameter",
-            gt.burgers_vector, frame=gt.parallel_screws([(0, 0)], [sp.Symbol("b")]), loop=ROUND,
+            gt.burgers_vector, frame=SCREW, loop=ROUND,
             accuracy=1e-6, parameters={"b": 1},
         ),
         _of("BurgersVector.in_coordinates", gt.burgers_vector(PLANE, CIRCLE).in_coordinates,
@@ -551,7 +559,7 @@ def public_methods() -> list[Case]:
             "solve_many of an ODE", gt.solve_many, problem=ODE, starts=[[1, 0], [2, 0]], t=0.5,
             accuracy=1e-6, engine=QUICK, check=1,
         ),
-        _of("FreeTop.omega", gt.free_top((1, 2, 3), (1, 2, 3)).omega, times=[0, 1]),
+        _of("FreeTop.omega", gt.rigid.free_top((1, 2, 3), (1, 2, 3)).omega, times=[0, 1]),
         _of("SceneResult.at", RESULT.at, time=0.25),
         _of("Scene.with_values", SCENE.with_values, changes={"start.omega[0]": 2.0}),
         _of("Scene.sweep", SCENE.sweep, varied={"start.omega[0]": [1.0, 2.0]},
@@ -561,7 +569,7 @@ def public_methods() -> list[Case]:
             keeps_frame=True,
         ),
         _of(
-            "TransitionMap", gt.TransitionMap, source="a", target="b", coordinates=(X, Y),
+            "TransitionMap", gt.curves.TransitionMap, source="a", target="b", coordinates=(X, Y),
             expressions=(X, Y), parameters=(), angles=(), sample={X: 1, Y: 1},
         ),
         _of(

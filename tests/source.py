@@ -85,6 +85,22 @@ def imported_names(nodes: Nodes) -> Iterator[tuple[str, ...]]:
                 yield tuple(rest)
 
 
+def named_modules(tree: ast.AST) -> Iterator[tuple[str, ...]]:
+    """Parts of each name in `import_module("geomtorsion. ...")`, up to the first computed one."""
+    for node in ast.walk(tree):
+        if not (isinstance(node, ast.Call) and node.args):
+            continue
+        if ast.unparse(node.func).rpartition(".")[2] not in ("import_module", "__import__"):
+            continue
+        first = node.args[0]
+        if isinstance(first, ast.JoinedStr) and first.values:
+            first = first.values[0]
+        if isinstance(first, ast.Constant) and isinstance(first.value, str):
+            head, *rest = first.value.removesuffix(".").split(".")
+            if head == "geomtorsion" and rest:
+                yield tuple(rest)
+
+
 def imported_file(name: tuple[str, ...]) -> Path:
     """The file that defines a dotted name: a module, or the __init__ of a package."""
     for count in range(len(name), 0, -1):

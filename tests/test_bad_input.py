@@ -1,5 +1,8 @@
 """Bad input: each is refused with an error that names entry, reason and remedy."""
 
+# Calls that a checker of types refuses as well.
+# pyright: reportArgumentType=false
+
 import re
 
 import numpy as np

@@ -1,5 +1,8 @@
 """Bad requests: names, indices, contractions, points and shapes that do not fit are refused."""
 
+# Calls that a checker of types refuses as well.
+# pyright: reportArgumentType=false
+
 from typing import Any
 
 import numpy as np
@@ -84,7 +87,7 @@ TIMES: list[Any] = ["abc", [0.1, "x"], 1j, [[1, 2], [3]], True, object(), MASKED
 def test_invalid_times_are_refused(times: Any):
     """Closed forms and results of scenes refuse wrong times, also masked ones, with a TimeError."""
     with pytest.raises(TimeError):
-        gt.free_top((1, 2, 3), (0.1, 1, 0.2)).omega(times)
+        gt.rigid.free_top((1, 2, 3), (0.1, 1, 0.2)).omega(times)
     body = gt.Body(mass=1.0, moments=(1, 1, 0.5))
     result = gt.Scene(body, start=gt.State(omega=(0.1, 0, 20)), watch=["omega"], t=1).run()
     with pytest.raises(TimeError):
@@ -94,7 +97,9 @@ def test_invalid_times_are_refused(times: Any):
 def test_invalid_positions_are_refused():
     """Text is refused as a position of a network without a graph."""
     places: Any = [["a", 0], [1, 0]]
-    network = gt.Network(gt.Frame([x, y], UNIT), gt.EdgeList(places, np.array([[0, 1]])))
+    network = gt.loops.Network(
+        gt.Frame([x, y], UNIT), gt.loops.EdgeList(places, np.array([[0, 1]]))
+    )
     with pytest.raises(NetworkError, match="positions: expected an array of real numbers"):
         _ = network.cycle_count
 

@@ -20,6 +20,7 @@ from tests.source import (
     is_exported,
     looked_for,
     name_of,
+    named_modules,
     package_imports,
     part_of,
     questions_of_class,
@@ -116,21 +117,26 @@ CEILINGS = {
     # One: when steps pass over narrow changes of rates, which more digits do not show.
     # One more: the places among which the light ring of a hole is found.
     # One more: the random fields from which errors of stresses come.
+    # One: after how many steps a run has optimised code, which takes long to compile.
+    # One more: the disks on which the tail of a series at a pole is bounded.
     # One more: how many sigma are no longer ascribed to chance.
-    "tuned constants": 203,
+    # Two more: the fewest atoms of a grain in a plane, and the atoms around each that are compared.
+    # One more: the share of a number below which its error is a power of ten.
+    "tuned constants": 208,
     # Two more than before: converters of arguments are three files by kind instead of one of 1,000.
     # Two more: kinetic metrics and forces are files of their own.
     # One more: squares that roots hide in circular functions.
     # Two more: what rates divide by, and whether a motion ends where that vanishes.
     # Four of them find the region in which the motion starts.
     # One: changes on the way, which show what a motion makes of roundings.
-    "files of a first motion": 55,
+    # One more: changes at conditions, whose times are compared.
+    "files of a first motion": 56,
     # The first root that is read asks for a sign, and the sign for the region of the frame.
     "frames of a first motion": 44,
 }
 # Lines of code below and above the wall, rounded up to five hundreds, without docstrings, comments
 # and blanks. A change that needs more raises a number and states in its commit what users get.
-BUDGET = {"below the wall": 54000, "above the wall": 58000}
+BUDGET = {"below the wall": 56000, "above the wall": 60500}
 # What a program that imports the package does not wait for.
 LATER = ("sympy", "flint", "mpmath", "numpy", "multiprocessing", "asyncio", "tomllib", "sqlite3")
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")
@@ -162,7 +168,7 @@ def test_no_arrow_points_up():
     wrong = [
         f"{name_of(file)} imports {name[0]}"
         for file in FILES
-        for name in imported_names(looked_for(file))
+        for name in (*imported_names(looked_for(file)), *named_modules(tree_of(file)))
         if part_of(file) != "__init__" and upward(part_of(file), name[0])
     ]
     assert not wrong
@@ -174,6 +180,8 @@ def test_an_upward_arrow_would_be_found():
     assert upward("geometry", "cli")
     assert upward("ode", "curves")
     assert not upward("cli", "exact")
+    text = 'import_module("geomtorsion.spaces"), import_module(f"geomtorsion.pictures.{name}")'
+    assert list(named_modules(ast.parse(text))) == [("spaces",), ("pictures",)]
     with pytest.raises(AssertionError, match="is not in FLOORS"):
         floor_of("cellar")
 

@@ -36,7 +36,7 @@ NINTH = gt.Frame("x y", [[sp.Rational(1, 9), 0], [0, 1]])
 LOOP = gt.Loop.circle([0.3, 1.0, 0.2], 0.1)
 
 
-def burgers() -> gt.BurgersVector:
+def burgers() -> gt.loops.BurgersVector:
     """A Burgers vector, computed over a frame of its own."""
     return gt.burgers_vector(load("so3").frame, LOOP)
 

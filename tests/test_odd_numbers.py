@@ -36,13 +36,13 @@ SWING = ODE.of({"x": "v", "v": "-x"}, [1, 0])
 SOLVED = solve(gt.geodesic(SPHERE, [1, 0.3], frame_velocity=[0.2, 0.3], parameters={"R": 1}), 1.0)
 
 
-def circle(**changed: Any) -> gt.Solution:
+def circle(**changed: Any) -> gt.ode.Solution:
     """A short geodesic of the sphere."""
     given: dict[str, Any] = {"frame_velocity": [0.2, 0.3], "parameters": {"R": 1}} | changed
     return solve(gt.geodesic(SPHERE, given.pop("start", [1, 0.3]), **given), 1.0)
 
 
-def equations(rates: Any, start: Any = (1,), **given: Any) -> gt.Solution:
+def equations(rates: Any, start: Any = (1,), **given: Any) -> gt.ode.Solution:
     """A solution of one equation for x."""
     return solve(ODE.of({"x": rates}, list(start), **given), 1.0)
 
@@ -97,7 +97,7 @@ def test_an_odd_value_is_used_or_refused(name: str) -> None:
     for value in ODD:
         try:
             found = CALLS[name](value)
-            if isinstance(found, gt.Solution):
+            if isinstance(found, gt.ode.Solution):
                 values = list(found.moment.values.values())
             elif isinstance(found, gt.scenes.SceneResult):
                 values = list(found.values.values())
@@ -106,7 +106,7 @@ def test_an_odd_value_is_used_or_refused(name: str) -> None:
         except GeomtorsionError:
             continue
         assert all(np.isfinite(array.astype(float)).all() for array in values)
-        if isinstance(found, gt.Solution):
+        if isinstance(found, gt.ode.Solution):
             assert found.error <= found.accuracy
 
 

@@ -46,9 +46,9 @@ frame.metric.raised("a")  # mistake
 PLANTED = {k for k, line in enumerate(CLIENT.splitlines(), 1) if line.endswith("# mistake")}
 
 
-def lines_found(checker, tmp_path):
+def lines_found(checker, tmp_path, client=CLIENT):
     """Numbers of the lines in which a checker reports errors."""
-    (tmp_path / "client.py").write_text(CLIENT, "utf-8")
+    (tmp_path / "client.py").write_text(client, "utf-8")
     options = {
         "mypy": ["--strict", "--cache-dir", str(tmp_path / "cache"), "client.py"],
         "pyright": ["--pythonpath", sys.executable, "client.py"],
@@ -71,6 +71,15 @@ def test_planted_mistakes(checker, tmp_path):
     pytest.importorskip(checker)
     assert len(PLANTED) == 12
     assert lines_found(checker, tmp_path) == PLANTED
+
+
+def test_wrong_calls_are_refused_and_right_ones_pass(tmp_path):
+    """A checker refuses each line that is marked as wrong, and no other line."""
+    pytest.importorskip("pyright")
+    client = (ROOT / "tests" / "data" / "typed_client.txt").read_text("utf-8")
+    wrong = {k for k, line in enumerate(client.splitlines(), 1) if line.endswith("# wrong")}
+    assert len(wrong) >= 30
+    assert lines_found("pyright", tmp_path, client) == wrong
 
 
 def test_the_package_is_marked_as_typed():

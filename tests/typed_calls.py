@@ -37,7 +37,7 @@ def calls(row: Typed, folder: Path) -> Iterator[tuple[str, Callable[[], object]]
     moved = [x + SHORT * abs(x) * (k + 1) / n for k, x in enumerate(point)]
 
     yield "identities", lambda: gt.identities(connection)
-    yield "Killing equations", lambda: gt.killing_equations(frame)
+    yield "Killing equations", lambda: gt.same.killing_equations(frame)
     yield "torsion", lambda: gt.cartan(frame).torsion.T.at(frame.region.point)
     yield "curvature", lambda: connection.curvature.scalar.at(frame.region.point)
     yield "Kretschmann scalar", lambda: connection.curvature.kretschmann.at(frame.region.point)
@@ -84,11 +84,11 @@ def calls(row: Typed, folder: Path) -> Iterator[tuple[str, Callable[[], object]]
     )
     yield "logarithm", lambda: gt.log_map(connection, point, moved, **at)
     yield "linearized", lambda: gt.linearized(frame, kinetic(frame), at=frame.region.point)
-    yield "defects", lambda: gt.find_defects(frame)
+    yield "defects", lambda: gt.loops.find_defects(frame)
     yield "tetrad file", lambda: round_trip(frame, folder)
     if n > 1:
         loop = gt.Loop.circle(point, SHORT * abs(point[1]))
-        yield "enclosed defects", lambda: gt.enclosed_defects(frame, loop, **at)
+        yield "enclosed defects", lambda: gt.loops.enclosed_defects(frame, loop, **at)
         yield "Killing-Yano forms", lambda: gt.gravity.killing_yano(frame)
         rows = [[x, y] for x, y in zip(point[:2], moved[:2], strict=True)]
         yield "Burgers map", lambda: gt.burgers_map(frame, rows, at=point, **at)

@@ -49,7 +49,7 @@ def main(arguments: list[str] | None = None) -> None:
     rates = burning * np.exp(1j * r * np.maximum(t - 3, 0))
     gap = np.abs(result["omega"][:, 0] + 1j * result["omega"][:, 1] - rates).max()
 
-    def off_course(run: gt.SceneResult) -> float:
+    def off_course(run: gt.scenes.SceneResult) -> float:
         """Degrees between where it was aimed and where it has got to."""
         aim = np.array([math.sin(math.radians(30)), 0, math.cos(math.radians(30))])
         place = run["position"][-1]

@@ -38,7 +38,7 @@ def main(arguments: list[str] | None = None) -> None:
         shown = "".join(f"{'(' + ', '.join(f'{x:.4f}' for x in row) + ')':>34}" for row in rows)
         print(f"{naive.times[k]:>8.2f}{shown}")
 
-    def change(run: gt.SceneResult, name: str) -> float:
+    def change(run: gt.scenes.SceneResult, name: str) -> float:
         """Largest change of a quantity, relative to its size at the start."""
         values = run[name].reshape(len(run.times), -1)
         moved = np.linalg.norm(values - values[0], axis=1)

@@ -20,3 +20,8 @@ __all__ = [
     "linearized",
     "variation",
 ]
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return [*__all__]

@@ -56,7 +56,7 @@ class Gap:
         meanings = dict(zip(symbols_of(self.frame).velocities, velocities, strict=True))
         meanings |= dict(zip(self.images, varied, strict=True))
         rates = [rate.xreplace(meanings) for rate in self.rates]
-        stop = motion.rates.stop
+        ends = [When(stop) for stop in motion.rates.stops]
         return ODE.of(
             {**motion.rates.expressions, **dict(zip(gaps, rates, strict=True))},
             {**dict(zip(motion.states, motion.start, strict=True)), **dict.fromkeys(gaps, 0)},
@@ -69,7 +69,7 @@ class Gap:
                 "moved": [shift.xreplace(meanings) for shift in self.shifts],
             },
             time=motion.time_name,
-            events=[*motion.events, *([] if stop is None else [When(stop)])],
+            events=[*motion.events, *motion.switches, *ends],
             normalized=motion.normalized,
             name=f"gap beside {motion.name or 'a path'}",
         )

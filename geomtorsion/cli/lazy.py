@@ -112,7 +112,27 @@ def _command(function: Callable[..., object], settings: dict[str, Any] | None) -
     """The command made from a function, with options and help from its signature."""
     single = typer.Typer(**SETTINGS)
     single.command(context_settings=settings)(function)
-    return get_command(single)
+    return _spelled(get_command(single))
+
+
+def _spelled(command: Any) -> Any:
+    """A command whose options have all spellings that options of their kind have elsewhere."""
+    for parameter in command.params:
+        if "--set" in parameter.opts and "--parameters" not in parameter.opts:
+            parameter.opts.append("--parameters")
+    # An answer to an exercise may begin with -h, so that its command has no such option.
+    spellings = {"-h": "--help"}
+    if any("--format" in parameter.opts for parameter in command.params):
+        spellings["--json"] = "--format=json"
+    read = command.parse_args
+
+    def parse_args(ctx: Any, args: list[str]) -> list[str]:
+        own = args.index("--") if "--" in args else len(args)
+        arguments: list[str] = read(ctx, [spellings.get(x, x) for x in args[:own]] + args[own:])
+        return arguments
+
+    command.parse_args = parse_args
+    return command
 
 
 def _limits(

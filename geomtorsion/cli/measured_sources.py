@@ -25,8 +25,8 @@ from geomtorsion.support.files import UNSIGNED, plain_float
 
 # Options that begin messages of the library, without the dashes of the command line.
 OPTIONS = tuple(
-    "sigma threshold order missing columns laue slip size plane spots resolution blocks steps "
-    "workers".split()
+    "sigma threshold order missing columns slice laue slip size plane spots resolution blocks "
+    "steps workers".split()
 )
 _SIZE = re.compile(rf"({UNSIGNED})\s*([^0-9.].*)?")
 
@@ -45,6 +45,7 @@ class Reading:
     resolution: float | None = None
     missing: Sequence[float] = ()
     columns: str | None = None
+    slice: str | None = None
 
     @property
     def given(self) -> dict[str, object]:
@@ -73,6 +74,7 @@ def opened(source: str, reading: Reading) -> Source:
             resolution=reading.resolution,
             missing=reading.missing or None,
             columns=None if reading.columns is None else columns_of(reading.columns),
+            slice=None if reading.slice is None else _number_or_name(reading.slice),
         )
     except (GridError, OrientationError, ImageError) as error:
         raise dashed(error) from None
@@ -93,9 +95,13 @@ def columns_of(text: str) -> dict[str, int | str]:
                 f"--columns: expected QUANTITY=COLUMN,..., each quantity once, got {shown(text)}. "
                 "Write --columns x=0,y=1,exx=strain_xx; columns count from 0."
             )
-        is_number = column.isdecimal() and column.isascii() and len(column) < 10
-        columns[key] = int(column) if is_number else column
+        columns[key] = _number_or_name(column)
     return columns
+
+
+def _number_or_name(text: str) -> int | str:
+    """A whole number from a text of digits, or the text."""
+    return int(text) if text.isdecimal() and text.isascii() and len(text) < 10 else text
 
 
 def _pixel(text: str) -> tuple[float, str]:

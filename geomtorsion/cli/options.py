@@ -190,6 +190,10 @@ MeasuredColumns = Annotated[
         text="Tables: name or number, from 0, of the column of a quantity: x=0,y=1,exx=strain_xx",
     ),
 ]
+MeasuredSlice = Annotated[
+    str | None,
+    option("--slice", metavar="N", text="HDF5: number, from 0, or name of one of several maps."),
+]
 
 MeasuredSlip = Annotated[
     str | None,
@@ -297,7 +301,12 @@ Settings = Annotated[
 # -- solver and output of a scene -----------------------------------------------------------------
 
 EngineName = Annotated[str, typer.Option(metavar="NAME", help="auto, taylor, rungekutta or stiff.")]
-Pictures = Annotated[PictureFormat, typer.Option("--format", help="Format of the pictures.")]
+Pictures = Annotated[
+    PictureFormat, typer.Option("--picture-format", help="Format of the pictures.")
+]
+Shown = Annotated[
+    Form, typer.Option("--format", help="text to read, json for programs; --json for short.")
+]
 
 Proved = Annotated[
     bool,
@@ -314,6 +323,15 @@ Seed = Annotated[
 # -- files ----------------------------------------------------------------------------------------
 
 NO_PICTURES = "matplotlib is not installed. Run `pip install 'geomtorsion[plots]'`."
+
+
+def say_files(paths: Iterable[Path], form: Form, *, drawn: bool) -> None:
+    """One line for each file that was written; beside JSON on the stream of errors."""
+    aside = form is Form.json
+    for path in paths:
+        typer.echo(f"wrote {path}", err=aside)
+    if not drawn:
+        typer.echo(f"No pictures: {NO_PICTURES}", err=aside)
 
 
 def say_written(paths: Iterable[Path]) -> None:

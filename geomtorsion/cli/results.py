@@ -20,6 +20,7 @@ from geomtorsion.pictures.measured import draw_circuits, draw_survey
 from geomtorsion.pictures.style import can_draw, save
 from geomtorsion.proofs import prove
 from geomtorsion.support.files import make_folder, write_text
+from geomtorsion.support.outgoing import count_text, measured_text
 from geomtorsion.support.progress import bar
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ def burgers_of(
     vectors: list[Burgers] = []
     if not loops:
         return results, vectors, True
-    with bar(f"{len(loops)} circuits") as show:
+    with bar(count_text(len(loops), "circuit")) as show:
         try:
             for k, loop in enumerate(loops):
                 if show is not None:
@@ -142,11 +143,15 @@ def explain(result: Json) -> None:
             f"changed it is {result['chance']:.1g}"
         )
     where = " in crystal axes" if "specimen" in result else ""
-    typer.echo(f"  b = ({_row(result['vector'])}){unit}{where}, |b| = {result['magnitude']:.6g}")
+    size = measured_text(result["magnitude"], result["error"], result["vector_unit"])
+    b = measured_text(result["vector"], result["errors"], result["vector_unit"])
+    typer.echo(wrapped(f"  b = {b}{where}, |b| = {size}"))
     if "specimen" in result:
-        typer.echo(f"  b = ({_row(result['specimen'])}){unit} in specimen axes")
+        b = measured_text(result["specimen"], result["specimen_errors"], result["vector_unit"])
+        typer.echo(f"  b = {b} in specimen axes")
     if "lattice" in result:
-        typer.echo(f"  b = ({_row(result['lattice'])}) lattice vectors a, b, c")
+        b = measured_text(result["lattice"], result["lattice_errors"])
+        typer.echo(f"  b = {b} lattice vectors a, b, c")
     for one in result.get("slip", ()):
         per = f"per {result['unit']}^2"
         typer.echo(
@@ -156,10 +161,10 @@ def explain(result: Json) -> None:
         typer.echo(f"  in grain {result['grain']}, {result['phase']}, {result['steps']} steps")
     if result.get("detour"):
         detour, per = result["detour"], f" {result['unit']}" if result["unit"] else ""
-        count = len(detour["nodes"])
+        around = count_text(len(detour["nodes"]), "missing node")
         typer.echo(
             wrapped(
-                f"  the circuit goes around {count} missing node{'s' * (count != 1)}, up to "
+                f"  the circuit goes around {around}, up to "
                 f"{detour['distance']:.3g}{per} away; its area changes by {detour['change']:.3g}, "
                 f"its error by {detour['error']:.2g}"
             )
@@ -201,7 +206,7 @@ def survey_lines(survey: Survey, found: Json | None = None) -> list[str]:
     """A survey in words; found: its numbers, if they belong to a larger survey."""
     found = found or survey.summary()
     missing = found["circuits"] - found["known"]
-    lines = [f"{found['known']:,} circuits of {survey.extent}"]
+    lines = [f"{count_text(found['known'], 'circuit')} of {survey.extent}"]
     if found.get("detoured"):
         lines[0] += f", {found['detoured']:,} of them around missing nodes"
     if missing:

@@ -43,3 +43,8 @@ __all__ = [
     "shadow",
     "spinning",
 ]
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return [*__all__]

@@ -639,8 +639,18 @@ class Atlas:
 
         A chart is skipped if the motion is much faster in it than in another chart far from its
         edge: behind a horizon, ingoing coordinates run away from outgoing motions, and outgoing
-        ones from infalling motions.
+        ones from infalling motions. A motion that starts in the first chart, far from its edge,
+        stays there: other charts are not made.
         """
+        numbers = {key: float(value) for key, value in parameters.items()}
+
+        def distance_in(name: str, there: MovingPoint) -> float:
+            chart = self.chart(name)
+            place = dict(zip(chart.names, map(float, there.coordinates), strict=True))
+            return chart.distance(place | numbers)
+
+        if starting and source == charts[0] and distance_in(source, point) >= 2 * GAIN:
+            return source
         best, score = None, 0.0
         far: list[tuple[str, float]] = []
         for name in charts:
@@ -652,10 +662,7 @@ class Atlas:
                 continue
             if not there.has_value:
                 continue
-            chart = self.chart(name)
-            place = dict(zip(chart.names, map(float, there.coordinates), strict=True))
-            numbers = {key: float(value) for key, value in parameters.items()}
-            distance = chart.distance(place | numbers)
+            distance = distance_in(name, there)
             if distance >= 2 * GAIN:
                 far.append((name, math.hypot(*map(float, there.velocities))))
             if distance > score:

@@ -27,7 +27,7 @@ from geomtorsion.curves.problem import (
     checked_start,
     frame_velocities,
 )
-from geomtorsion.curves.stops import read_stops
+from geomtorsion.curves.stops import Stops, read_stops
 from geomtorsion.curves.transported import Deviation, TransportedVectors
 from geomtorsion.errors import MetricError, ShapeError, StartError
 from geomtorsion.exact.reading import checked
@@ -42,7 +42,7 @@ from geomtorsion.geometry.connections import (
 from geomtorsion.geometry.derived import derived
 from geomtorsion.geometry.homes import over_frame
 from geomtorsion.ode.numbers import Numbers, Real, checked_numbers, floats
-from geomtorsion.support import checks
+from geomtorsion.support import arguments, checks
 from geomtorsion.support.hints import argument_hints
 from geomtorsion.support.precision import CALCULATED
 
@@ -57,9 +57,9 @@ def autoparallel(
     parameters: Mapping[Any, Any] | None = None,
     causal: str | None = None,
     atlas: Atlas | None = None,
-    stop: object = None,
-    force: object = None,
-    potential: object = None,
+    stop: Stops | None = None,
+    force: arguments.Forces | None = None,
+    potential: arguments.Entry | None = None,
 ) -> CurveProblem:
     """Straightest line: its velocity is transported parallel along itself.
 
@@ -163,9 +163,9 @@ def geodesic(
     parameters: Mapping[Any, Any] | None = None,
     causal: str | None = None,
     atlas: Atlas | None = None,
-    stop: object = None,
-    force: object = None,
-    potential: object = None,
+    stop: Stops | None = None,
+    force: arguments.Forces | None = None,
+    potential: arguments.Entry | None = None,
 ) -> CurveProblem:
     """A shortest line for the metric of the frame, or for a kinetic metric G_ij e^i e^j.
 

@@ -160,13 +160,12 @@ class CurveProblem:
             bound = self.law.needs_chart or (self.carried and not self.carried.any_chart)
             if name != self.atlas.home and bound:
                 continue
-            chart = self.chart(name)
             stated = all(
                 in_chart(stop, self.atlas, name, velocity_names(self.frame)) is not None
                 for stop in self.stops
             )
             if name == self.atlas.home or (
-                stated and (not self.law.needs_frame or chart.keeps_frame)
+                stated and (not self.law.needs_frame or self.chart(name).keeps_frame)
             ):
                 charts.append(name)
         return tuple(charts) or (self.atlas.home,)

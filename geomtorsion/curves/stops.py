@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 import sympy as sp
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from geomtorsion.ode.system import System
     from geomtorsion.ode.trajectory import State
 
+Stops: TypeAlias = "str | sp.Basic | When | Sequence[str | sp.Basic | When]"
 # Functions without a jump: with any other one a condition may fall where the motion does not.
 _STEADY = (sp.sin, sp.cos, sp.exp, sp.sinh, sp.cosh)
 

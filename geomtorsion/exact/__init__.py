@@ -47,3 +47,8 @@ __all__ = [
     "vanishes",
     "vanishing_sums",
 ]
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return [*__all__]

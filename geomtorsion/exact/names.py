@@ -53,6 +53,7 @@ NOT_SMOOTH: MappingProxyType[str, str] = MappingProxyType(
     dict.fromkeys(("sign", "Max", "Min", "max", "min"), _SIGN)
     | dict.fromkeys(
         ("floor", "ceiling", "round", "Piecewise", "Heaviside", "DiracDelta", "Mod"),
-        "Write the smooth expression of one region, and name the region as the domain.",
+        "Write the smooth expression of one region, and name the region as the domain. In gt.ODE.of"
+        " write pieces(x, a, 1, b) for a below x = 1 and b above.",
     )
 )

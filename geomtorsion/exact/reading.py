@@ -45,7 +45,7 @@ _NOT_SMOOTH = (
 _OPERATIONS = frozenset((sympy.Add, sympy.Mul, sympy.Pow))
 _INFINITE = frozenset((sympy.oo, -sympy.oo, sympy.zoo, sympy.nan))
 _REMEDIES = {
-    "Piecewise": "give one frame for each piece",
+    "Piecewise": "give the expression of one piece at a time; gt.ODE.of takes all pieces of a rate",
 }
 
 

@@ -7,3 +7,8 @@ from geomtorsion.fits.motions import fit
 from geomtorsion.fits.result import Direction, Fit
 
 __all__ = ["NOISE", "Data", "Direction", "Fit", "fit", "fit_frame", "fit_loops"]
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return [*__all__]

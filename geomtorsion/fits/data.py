@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -15,16 +15,6 @@ from geomtorsion.support.copies import content_hash, equal_content
 # One number for all data of a quantity, or one for each; None: columns sigma_NAME of the data.
 Noise: TypeAlias = "float | Sequence[float] | np.ndarray | Mapping[str, object] | None"
 NOISE = "sigma_"
-
-
-class Table(Protocol):
-    """A table with named columns, such as a DataFrame or a Dataset."""
-
-    def keys(self) -> Iterable[Any]:
-        """Names of the columns."""
-        ...
-
-    def __getitem__(self, name: Any, /) -> Any: ...
 
 
 @dataclass(frozen=True, eq=False)

@@ -66,7 +66,7 @@ def fit_frame(
     >>> measured = [[[1.1, 0], [0, 1]], [[1.21, 0], [0, 1]]]
     >>> points = [[0, 1], [0, 2]]
     >>> print(fit_frame(stretched, points, measured, 0.01, ["s"], parameters={"s": 0}))
-    s = 0.104 +- 0.0045
+    s = 0.1040 +- 0.0045
     chi^2 = 0.2 of 7 degrees of freedom (chance 1)
     """
     frame = as_frame(frame)

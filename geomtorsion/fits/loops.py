@@ -66,7 +66,7 @@ def fit_loops(
     >>> circles = [Loop.circle([0, 0, 0], r) for r in (1, 2)]
     >>> measured = [[0, 0, 2.9], [0, 0, 3.2]]
     >>> print(fit_loops(screw, circles, measured, 0.1, ["b"], parameters={"b": 1}))
-    b = 3.05 +- 0.071
+    b = 3.050 +- 0.071
     chi^2 = 4.5 of 5 degrees of freedom (chance 0.48)
     """
     frame = as_frame(frame)

@@ -8,22 +8,22 @@ import numpy as np
 
 from geomtorsion.curves import CurveProblem
 from geomtorsion.errors import AccuracyError, ShapeError, StartError, TimeError
-from geomtorsion.fits.data import Data, Noise, Table
+from geomtorsion.fits.data import Data, Noise
 from geomtorsion.fits.least_squares import Bounds, Prediction, least_squares
 from geomtorsion.fits.result import Fit
 from geomtorsion.ode import ODE, Engine, Solution, solve
 from geomtorsion.ode.derivatives import checked_by, derivative_name
 from geomtorsion.ode.error_estimate import AIM
 from geomtorsion.ode.numbers import checked_accuracy
-from geomtorsion.support import checks
+from geomtorsion.support import arguments, checks
 from geomtorsion.support.hints import argument_hints
 
 
 @argument_hints(p0="problem.with_values({name: guess})")
 def fit(
     problem: ODE | CurveProblem,
-    times: object,
-    data: Mapping[str, object] | Table,
+    times: arguments.Times,
+    data: arguments.Labelled,
     sigma: Noise,
     free: Sequence[str],
     *,
@@ -84,7 +84,7 @@ def fit(
     >>> swing = ODE.of({"x": "v", "v": "-k*x"}, [1, 0], parameters={"k": 3.9})
     >>> result = fit(swing, times, {"x": np.cos(2 * times) + 0.01 * noise}, 0.01, ["k", "x"])
     >>> print(result)
-    k = 4.0013 +- 0.003
+    k = 4.0013 +- 0.0030
     x = 1.0016 +- 0.0019
     chi^2 = 38 of 48 degrees of freedom (chance 0.85)
     """

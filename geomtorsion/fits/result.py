@@ -14,7 +14,7 @@ from geomtorsion.fits.data import Data
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.copies import content_hash, equal_content, only_fields
 from geomtorsion.support.displays import Plot, drawn_by, figure_by
-from geomtorsion.support.outgoing import number_text
+from geomtorsion.support.outgoing import measured_text
 
 # By custom of physics, what Gaussian noise gives less often than a residual of this many sigma is
 # not ascribed to chance.
@@ -147,9 +147,7 @@ class Fit:
         for name, value in self.values.items():
             error = self.errors[name]
             if math.isfinite(error):
-                # A value below its error has one digit.
-                shown = number_text(value, min(error, abs(value) or error) / 10)
-                lines.append(f"{name} = {shown} +- {error:.2g}")
+                lines.append(f"{name} = {measured_text(value, error)}")
             else:
                 lines.append(f"{name} = {value:.6g}, undetermined")
         far = sum(int((np.abs(x) > FAR).sum()) for x in self.residuals.values())

@@ -88,3 +88,8 @@ __all__ = [
     "symmetric",
     "validation",
 ]
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return [*__all__]

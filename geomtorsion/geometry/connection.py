@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, overload
 
 import numpy as np
 
@@ -37,11 +37,12 @@ from geomtorsion.support.exclusive import exclusive
 from geomtorsion.support.hints import attribute_hints
 
 if TYPE_CHECKING:
+    import sympy as sp
     from numpy.typing import DTypeLike
 
     from geomtorsion.geometry.curvature import Curvature
     from geomtorsion.geometry.forms import Form
-    from geomtorsion.geometry.indexing import One
+    from geomtorsion.geometry.indexing import One, Place
     from geomtorsion.geometry.torsion import Torsion
 
 HALF = Fraction(1, 2)
@@ -99,6 +100,10 @@ class Connection:
             object.__setattr__(self, "frame", read.frame)
             object.__setattr__(self, "coefficients", read.coefficients)
 
+    @overload
+    def __getitem__(self, index: tuple[Place, ...]) -> sp.Expr: ...
+    @overload
+    def __getitem__(self, index: One | tuple[One, ...]) -> Any: ...
     def __getitem__(self, index: One | tuple[One, ...]) -> Any:
         """Gamma_ab^c as a sympy expression, or an array of coefficients (see Tensor)."""
         return self.coefficients[index]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from importlib import import_module
 from itertools import product
 from typing import Protocol, TypeAlias, runtime_checkable
 
@@ -19,7 +18,8 @@ from geomtorsion.geometry.from_arrays import tensor_from_array
 from geomtorsion.geometry.homes import at_home, over_frame
 from geomtorsion.geometry.tensor import Scalar, Source, Tensor
 from geomtorsion.geometry.torsion import Torsion
-from geomtorsion.support import checks
+from geomtorsion.support import arguments, checks
+from geomtorsion.support.higher import higher
 
 HALF = Fraction(1, 2)
 
@@ -108,11 +108,10 @@ def _instance(value: object, name: str, error: type[GeomtorsionError]) -> Frame:
 def _named(value: object) -> object:
     """The shipped space for its name; every other value as it is.
 
-    The package of spaces is named, not imported, as `displays.drawn_by` names pictures: spaces
-    are made of frames, and only a text that a user typed leads from here to them.
+    Spaces are made of frames; only a text that a user typed leads from here to them.
     """
     if isinstance(value, str):
-        return import_module("geomtorsion.spaces").shipped_space(value)
+        return higher("spaces").shipped_space(value)
     return value
 
 
@@ -181,7 +180,7 @@ def _levi_civita(frame: Frame) -> Connection:
     return Connection(frame, coefficients, "Levi-Civita connection", "levi-civita", levi_civita)
 
 
-def from_coefficients(frame: FrameLike, coefficients: object) -> Connection:
+def from_coefficients(frame: FrameLike, coefficients: arguments.Cube) -> Connection:
     """Connection from any coefficients Gamma_ab^c: torsion, curvature and nonmetricity at once.
 
     Parameters
@@ -212,7 +211,7 @@ def from_coefficients(frame: FrameLike, coefficients: object) -> Connection:
     return Connection(frame, _coefficients(frame, tensor.components, "\\Gamma", "connection"))
 
 
-def from_spin_connection(frame: FrameLike, omega: object) -> Connection:
+def from_spin_connection(frame: FrameLike, omega: arguments.Cube) -> Connection:
     """Connection from its spin connection omega_ai^j: D_a E_i = omega_ai^j E_j.
 
     Equation
@@ -273,7 +272,7 @@ def _direction_first(frame: Frame, omega: Tensor) -> Tensor:
     return _given(frame, omega, "dDU", "spin connection")
 
 
-def from_contortion(frame: FrameLike, contortion: object) -> Connection:
+def from_contortion(frame: FrameLike, contortion: arguments.Cube) -> Connection:
     """Metric connection from its contortion: Gamma_ab^c = Gamma_bar_ab^c + K_ab^c.
 
     Parameters
@@ -311,7 +310,7 @@ def from_contortion(frame: FrameLike, contortion: object) -> Connection:
     return Connection(frame, coefficients, "connection from contortion", "metric")
 
 
-def from_torsion(frame: FrameLike, torsion: object) -> Connection:
+def from_torsion(frame: FrameLike, torsion: arguments.Cube | Torsion) -> Connection:
     """The one metric connection that has a given torsion S_ab^c = (Gamma_ab^c - Gamma_ba^c)/2.
 
     Equation
@@ -355,7 +354,9 @@ def from_torsion(frame: FrameLike, torsion: object) -> Connection:
     return Connection(frame, coefficients, "connection from torsion", "metric")
 
 
-def from_nonmetricity(frame: FrameLike, nonmetricity: object, torsion: object = None) -> Connection:
+def from_nonmetricity(
+    frame: FrameLike, nonmetricity: arguments.Cube, torsion: arguments.Cube | Torsion | None = None
+) -> Connection:
     """The one connection that has a given nonmetricity Q_abc = D_a g_bc and a given torsion.
 
     Equation

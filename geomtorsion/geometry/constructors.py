@@ -16,6 +16,7 @@ from geomtorsion.geometry.derived import derived
 from geomtorsion.geometry.groups import invariant_coframe
 from geomtorsion.geometry.orthonormalize import orthonormal_rows, requested_signs
 from geomtorsion.geometry.substitution import INFINITE, Substitution
+from geomtorsion.support import arguments
 
 if TYPE_CHECKING:
     from geomtorsion.exact.generators import Names
@@ -169,7 +170,7 @@ def from_structure_constants(
     cls: type[Frame],
     constants: object,
     coordinates: validation.Coordinates | None = None,
-    signature: object = None,
+    signature: arguments.Signature | None = None,
     name: str | None = None,
 ) -> Frame:
     """See Frame.from_structure_constants."""

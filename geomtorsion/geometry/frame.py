@@ -27,8 +27,8 @@ from geomtorsion.geometry.from_arrays import tensor_from_array
 from geomtorsion.geometry.real_points import RationalPoint
 from geomtorsion.geometry.regions import Region, regions
 from geomtorsion.geometry.substitution import Replaced, Value, replacements
-from geomtorsion.geometry.tensor import Scalar, Tensor
-from geomtorsion.support import checks
+from geomtorsion.geometry.tensor import Tensor
+from geomtorsion.support import arguments, checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.displays import drawn_by
 from geomtorsion.support.exclusive import exclusive, unlocked
@@ -117,11 +117,11 @@ class Frame:
     @exclusive
     def __init__(
         self,
-        coordinates: validation.Coordinates,
-        coframe: object,
-        signature: object = None,
-        parameters: Sequence[sp.Symbol] | None = None,
-        domain: object = None,
+        coordinates: arguments.Coordinates,
+        coframe: arguments.Matrix,
+        signature: arguments.Signature | None = None,
+        parameters: arguments.Parameters | None = None,
+        domain: arguments.Domain | None = None,
         complex: bool = False,
         name: str | None = None,
         branches: Mapping[sp.Expr, sp.Expr] | None = None,
@@ -171,11 +171,11 @@ class Frame:
     @classmethod
     def from_frame(
         cls,
-        coordinates: validation.Coordinates,
-        legs: object,
-        signature: object = None,
-        parameters: Sequence[sp.Symbol] | None = None,
-        domain: object = None,
+        coordinates: arguments.Coordinates,
+        legs: arguments.Matrix,
+        signature: arguments.Signature | None = None,
+        parameters: arguments.Parameters | None = None,
+        domain: arguments.Domain | None = None,
         complex: bool = False,
         name: str | None = None,
         branches: Mapping[sp.Expr, sp.Expr] | None = None,
@@ -197,11 +197,11 @@ class Frame:
     @classmethod
     def from_metric(
         cls,
-        coordinates: validation.Coordinates,
-        metric: object,
-        signature: object = None,
-        parameters: Sequence[sp.Symbol] | None = None,
-        domain: object = None,
+        coordinates: arguments.Coordinates,
+        metric: arguments.Matrix,
+        signature: arguments.Signature | None = None,
+        parameters: arguments.Parameters | None = None,
+        domain: arguments.Domain | None = None,
         name: str | None = None,
         branches: Mapping[sp.Expr, sp.Expr] | None = None,
     ) -> Frame:
@@ -231,9 +231,9 @@ class Frame:
     @classmethod
     def from_structure_constants(
         cls,
-        constants: object,
-        coordinates: validation.Coordinates | None = None,
-        signature: object = None,
+        constants: arguments.Cube | Mapping[tuple[int, int, int], arguments.Entry],
+        coordinates: arguments.Coordinates | None = None,
+        signature: arguments.Signature | None = None,
         name: str | None = None,
     ) -> Frame:
         """Left-invariant frame of the Lie group with given structure constants.
@@ -347,7 +347,7 @@ class Frame:
 
     def scalar(
         self,
-        value: Scalar | Callable[[], Element],
+        value: arguments.Entry | Callable[[], Element],
         symbol: str = "f",
         name: str = "scalar",
     ) -> Tensor:
@@ -386,7 +386,7 @@ class Frame:
 
         return Tensor(self, "d" * n, rule, alternating(n), "\\epsilon", "volume form")
 
-    def vector(self, components: object) -> Tensor:
+    def vector(self, components: arguments.Vector) -> Tensor:
         """A vector field v^a from its components in the coordinate basis, slot u.
 
         Examples
@@ -534,7 +534,7 @@ class Frame:
         put = substitution.substitution(replacements(values, value), self.coordinates, self.field)
         return constructors.substituted(self, put)
 
-    def conformal(self, factor: object) -> Frame:
+    def conformal(self, factor: arguments.Entry) -> Frame:
         """The frame with every one-form multiplied by a function; the metric gets its square.
 
         factor: an expression or text in the coordinates and parameters of the frame; new names

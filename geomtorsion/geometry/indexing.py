@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     from geomtorsion.geometry.tensor import Tensor
 
     # A number (from the end where it is negative), a coordinate or its name, or a slice.
-    One: TypeAlias = SupportsIndex | str | sp.Symbol | slice | EllipsisType
+    Place: TypeAlias = SupportsIndex | str | sp.Symbol
+    One: TypeAlias = Place | slice | EllipsisType
 
 
 def chosen(tensor: Tensor, index: One | tuple[One, ...]) -> Any:

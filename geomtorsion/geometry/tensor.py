@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, ClassVar, SupportsIndex, cast
+from typing import TYPE_CHECKING, Any, ClassVar, SupportsIndex, cast, overload
 
 import sympy as sp
 
@@ -127,6 +127,10 @@ class Tensor:
         # A zero that is not proved carries the chance that it is wrong.
         return self.components.zeros.get(place, self.components.get(place))
 
+    @overload
+    def __getitem__(self, index: tuple[indexing.Place, ...]) -> sp.Expr: ...
+    @overload
+    def __getitem__(self, index: indexing.One | tuple[indexing.One, ...]) -> Any: ...
     def __getitem__(self, index: indexing.One | tuple[indexing.One, ...]) -> Any:
         """One component as a sympy expression, or with slices or fewer indices an array of them.
 

@@ -23,6 +23,15 @@ from geomtorsion.gravity.model import Model, read_model
 from geomtorsion.gravity.newman_penrose import NewmanPenrose, newman_penrose
 from geomtorsion.gravity.reduction import Reduction
 from geomtorsion.gravity.solving import solve
+from geomtorsion.gravity.stars.equation_of_state import (
+    EquationOfState,
+    energy_polytrope,
+    incompressible,
+    polytropes,
+)
+from geomtorsion.gravity.stars.family import Family, family
+from geomtorsion.gravity.stars.matter_tables import equation_of_state
+from geomtorsion.gravity.stars.star import Star, star
 from geomtorsion.gravity.statistical import statistical
 from geomtorsion.gravity.theories import (
     einstein_cartan,
@@ -49,6 +58,8 @@ from geomtorsion.same import (
 __all__ = [
     "Charge",
     "Constraints",
+    "EquationOfState",
+    "Family",
     "FieldEquations",
     "Horizon",
     "IntegratedSymmetry",
@@ -60,19 +71,24 @@ __all__ = [
     "SampledConstraints",
     "Shooting",
     "Slice",
+    "Star",
     "Symmetries",
     "Translation",
     "charge",
     "constraints",
     "einstein_cartan",
+    "energy_polytrope",
+    "equation_of_state",
     "equations",
     "f_of",
+    "family",
     "fluid",
     "gauss_bonnet",
     "general_relativity",
     "holst",
     "horizons",
     "hypermomentum",
+    "incompressible",
     "inertial",
     "invariant",
     "invariant_coframe",
@@ -88,12 +104,14 @@ __all__ = [
     "newman_penrose",
     "perturbed",
     "poincare",
+    "polytropes",
     "read_model",
     "read_slice",
     "read_theory",
     "scalar_field",
     "shoot",
     "solve",
+    "star",
     "statistical",
     "stegr",
     "symmetries",

@@ -21,7 +21,7 @@ from geomtorsion.ode.error_estimate import AIM
 from geomtorsion.ode.newton import SHOTS, Hit, Newton, tried
 from geomtorsion.ode.numbers import checked_accuracy
 from geomtorsion.support import checks
-from geomtorsion.support.outgoing import number_text, size_text
+from geomtorsion.support.outgoing import measured_text, size_text
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -46,7 +46,7 @@ class Shooting:
 
     def __str__(self) -> str:
         lines = [
-            f"{name} = {number_text(value, self.errors[name])} +- {size_text(self.errors[name])}"
+            f"{name} = {measured_text(value, self.errors[name])}"
             for name, value in self.values.items()
         ]
         for name, miss in self.misses.items():

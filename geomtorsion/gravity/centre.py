@@ -135,8 +135,9 @@ class Centre:
         start: Mapping[str, sp.Expr],
         numbers: Mapping[str, sp.Expr],
         near: Mapping[str, sp.Expr],
+        reach: sp.Expr | None = None,
     ) -> tuple[sp.Expr, dict[str, sp.Expr]]:
-        """A place beside the point, and the states there, by power series."""
+        """A place beside the point, and the states there, by power series; at most at a reach."""
         exact = self._exact(start, numbers, near)
         values = dict[str, arb]()
         # Each order may cost some bits.
@@ -144,6 +145,7 @@ class Centre:
             with ball_precision(bits), working_precision(bits):
                 series = self._series(exact, numbers, near, _LAST)
                 way = _way([[row.get(k, arb(0)) for k in range(_LAST + 1)] for row in series.rows])
+                way = way if reach is None else min(way, reach)
                 here = balls.exact_ball(way)
                 values = {
                     name: series.derivative(i, order, here)

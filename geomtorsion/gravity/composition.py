@@ -111,7 +111,10 @@ class Composition:
         ode = self.reduction.ode(
             full, self.parameters, origin=place, outputs=self.outputs, events=self.events
         )
-        return replace(ode, maker=self)
+        centre = self.reduction.centre(
+            self.start, self.parameters, near=self.near, origin=self.origin
+        )
+        return replace(ode, maker=self, centre=centre)
 
     def without(self, ode: ODE, effects: frozenset[str]) -> ODE:
         """The equations of the theory without some terms and sources.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from os import PathLike
 
 import sympy as sp
 
@@ -14,6 +15,8 @@ from geomtorsion.geometry import Connection, Frame, Tensor, antisymmetric, at_ho
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.gravity.fields import HALF, FrameFields, Index, Terms
 from geomtorsion.gravity.lagrangian import scalar_of
+from geomtorsion.gravity.stars.equation_of_state import ETA, EquationOfState
+from geomtorsion.gravity.stars.matter_tables import equation_of_state
 from geomtorsion.support import checks
 
 
@@ -24,6 +27,7 @@ class Fluid:
     density, pressure: scalars.
     velocity: u^i with u_i u^i = 1 or -1.
     spin: s_ij antisymmetric with s_ij u^j = 0, or None.
+    matter: the equation of state by which density and pressure depend on one variable, or None.
 
     Equation
     --------
@@ -35,6 +39,7 @@ class Fluid:
     pressure: sp.Expr | str
     velocity: Sequence[sp.Expr | str]
     spin: Sequence[Sequence[sp.Expr | str]] | Tensor | None = None
+    matter: EquationOfState | None = None
 
     def check(self, frame: Frame) -> None:
         """Refuse a velocity that is not normalised and a spin that is not transverse."""
@@ -111,16 +116,54 @@ class Fluid:
 
 
 def fluid(
-    density: sp.Expr | str, pressure: sp.Expr | str, velocity: Sequence[sp.Expr | str]
+    density: sp.Expr | str | None = None,
+    pressure: sp.Expr | str | None = None,
+    velocity: Sequence[sp.Expr | str] = (1, 0, 0, 0),
+    *,
+    p: EquationOfState | str | PathLike[str] | Sequence[Sequence[float]] | None = None,
 ) -> Fluid:
     """A perfect fluid as a source; the velocity u^i has components in the frame.
+
+    Parameters
+    ----------
+    density, pressure
+        Scalars; both, or neither if the fluid has an equation of state.
+    velocity
+        u^i; by default at rest in the first leg.
+    p
+        Equation of state instead of density and pressure, or a table or a name as
+        `equation_of_state` takes it. Both become functions of an unknown function eta(r), and
+        `star` and `family` solve the equations.
+
+    Raises
+    ------
+    GravityError
+        density and pressure are missing, or given beside an equation of state.
 
     Examples
     --------
     >>> fluid("rho", 0, [1, 0, 0, 0]).pressure
     0
+    >>> fluid(p="SLy").matter
+    SLy: 7 pieces
     """
-    return Fluid(density, pressure, velocity)
+    if p is None:
+        if density is None or pressure is None:
+            raise GravityError(
+                "fluid: expected a density and a pressure, or an equation of state p, got "
+                f"{'none' if density is None and pressure is None else 'one of them'}. Give "
+                'gravity.fluid("rho(r)", "p(r)"), or gravity.fluid(p="table.csv").'
+            )
+        return Fluid(density, pressure, velocity)
+    if density is not None or pressure is not None:
+        raise GravityError(
+            "fluid: expected an equation of state, or a density and a pressure, got both. Omit one."
+        )
+    matter = equation_of_state(p)
+    # As text, so that the function is read with the coordinate r of the frame.
+    at = {ETA: sp.Function("eta")(sp.Symbol("r"))}
+    density, pressure = (str(x.xreplace(at)) for x in (matter.density, matter.pressure))
+    return Fluid(density, pressure, velocity, matter=matter)
 
 
 def weyssenhoff(

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations_with_replacement as repeated
 from itertools import product
+from typing import cast
 
 import sympy as sp
 
@@ -25,7 +26,7 @@ from geomtorsion.geometry import (
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.gravity.fields import Index
 from geomtorsion.same import Symmetries, functions_of_coordinates, symmetries
-from geomtorsion.support import checks
+from geomtorsion.support import arguments, checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.exclusive import exclusive
 
@@ -158,7 +159,7 @@ def _action(frame: FrameLike, vectors: Vectors) -> Action:
 def _vector(frame: Frame, one: object) -> Tensor:
     """A vector, slot u."""
     if not isinstance(one, Tensor):
-        return frame.vector(one)
+        return frame.vector(cast(arguments.Vector, one))
     home = at_home(frame, one)
     if home is None or len(home.slots) != 1:
         raise GravityError(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -18,6 +18,7 @@ from geomtorsion.gravity.elimination import Eliminated
 from geomtorsion.gravity.jets import Jets
 from geomtorsion.gravity.starts import completed, numbers_of
 from geomtorsion.ode import ODE, At, When
+from geomtorsion.ode import Centre as StartCentre
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.displays import latex_of
@@ -241,11 +242,12 @@ class Reduction:
         *,
         near: Mapping[str, object] | None = None,
         origin: object = 0,
+        reach: sp.Expr | None = None,
     ) -> tuple[sp.Expr, dict[str, sp.Expr]]:
         """The value of the variable where numbers start, and all states there.
 
         It is the origin, unless the equations have a pole there: then a power series leads a small
-        way from it. Arguments as for `complete`.
+        way from it, at most the reach if one is given. Other arguments as for `complete`.
 
         Raises
         ------
@@ -254,7 +256,7 @@ class Reduction:
         """
         known, values, guesses, place, centre = self._read(start, parameters, near, origin)
         if centre is not None:
-            return centre.beside(values, known, guesses)
+            return centre.beside(values, known, guesses, reach)
         return place, self.complete(start, parameters, near=near, origin=origin)
 
     def _read(
@@ -318,6 +320,7 @@ class Reduction:
             as for `complete` and `begin`.
         """
         place, full = self.begin(start, parameters, near=near, origin=origin)
+        centre = self.centre(start, parameters, near=near, origin=origin)
         rates, invariants, time = self.rates, self.invariants, self.variable
         every = {**self.outputs, **self.read(outputs or {}, "output")}
         numbers: dict[str, object] = {x: (parameters or {})[x] for x in self.parameters}
@@ -329,7 +332,7 @@ class Reduction:
             numbers[self.place_name] = place
             rates, invariants = self._moved(rates, here), self._moved(invariants, here)
             every = {**self._moved(every, here), self.variable: here}
-        return ODE.of(
+        ode = ODE.of(
             rates,
             full,
             parameters=numbers,
@@ -338,6 +341,24 @@ class Reduction:
             time=time,
             events=events,
         )
+        return ode if centre is None else replace(ode, centre=centre)
+
+    def centre(
+        self,
+        start: Mapping[str, object],
+        parameters: Mapping[str, object] | None = None,
+        *,
+        near: Mapping[str, object] | None = None,
+        origin: object = 0,
+    ) -> StartCentre | None:
+        """The point where a regular solution begins, with its values there, as `prove` needs it.
+
+        None where the equations have no pole at the origin. Arguments as for `complete`.
+        """
+        known, values, guesses, place, centre = self._read(start, parameters, near, origin)
+        if centre is None:
+            return None
+        return StartCentre(place, self.place_name, centre.states(values, known, guesses))
 
     @property
     def place_name(self) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -82,6 +83,8 @@ def solve(
         checks.known_name(variable, [equations.variable], "variable", GravityError)
         place, full = equations.begin(start, parameters, near=near, origin=origin)
         ode = equations.ode(full, parameters, origin=place, outputs=outputs, events=events)
+        centre = equations.centre(start, parameters, near=near, origin=origin)
+        ode = replace(ode, centre=centre)
     else:
         name = checks.known_name(
             variable, [x.name for x in equations.frame.coordinates], "variable", GravityError

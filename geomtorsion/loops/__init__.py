@@ -21,6 +21,10 @@ from geomtorsion.loops.defect_lines import (
 )
 from geomtorsion.loops.defects import Defect, EnclosedDefect, enclosed_defects, find_defects
 from geomtorsion.loops.development import Development, develop
+from geomtorsion.loops.development_slopes import (
+    DevelopmentDerivative,
+    development_derivatives,
+)
 from geomtorsion.loops.edges import EdgeIntegrals, EdgeList
 from geomtorsion.loops.exact_circle import exact_circle
 from geomtorsion.loops.exact_integral import ExactBurgersVector, exact_burgers_vector
@@ -50,6 +54,7 @@ __all__ = [
     "Defect",
     "DevelopedPath",
     "Development",
+    "DevelopmentDerivative",
     "Diffusion",
     "EdgeIntegrals",
     "EdgeList",
@@ -79,6 +84,7 @@ __all__ = [
     "develop_path",
     "develop_period",
     "developed_path",
+    "development_derivatives",
     "diffusion",
     "dispiration",
     "enclosed_defects",
@@ -98,3 +104,8 @@ __all__ = [
     "spanning_forest",
     "validation",
 ]
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return [*__all__]

@@ -29,6 +29,7 @@ from geomtorsion.loops.arcs import Parameters, exact_number
 from geomtorsion.loops.forms import refuse_unknown
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
+from geomtorsion.support.outgoing import measured_text
 
 HALF = Fraction(1, 2)
 REMEDY = "Ask for fewer members, or average runs with different seeds."
@@ -80,7 +81,7 @@ class EnsembleMean:
     Examples
     --------
     >>> EnsembleMean(0.5, 0.003, 0.004)
-    EnsembleMean(0.5, error=0.005: noise 0.003, steps 0.004)
+    EnsembleMean(0.5000 +- 0.0050: noise 0.003, steps 0.004)
     """
 
     value: float
@@ -94,7 +95,7 @@ class EnsembleMean:
 
     def __repr__(self) -> str:
         return (
-            f"EnsembleMean({self.value:.6g}, error={self.error:.2g}: noise {self.noise:.2g}, "
+            f"EnsembleMean({measured_text(self.value, self.error)}: noise {self.noise:.2g}, "
             f"steps {self.step_error:.2g})"
         )
 

@@ -28,7 +28,7 @@ from geomtorsion.loops.validation import check_accuracy
 from geomtorsion.loops.values import with_numbers
 from geomtorsion.support.displays import Plot, drawn_by, figure_by
 from geomtorsion.support.hints import argument_hints, attribute_hints
-from geomtorsion.support.outgoing import size_text
+from geomtorsion.support.outgoing import measured_text
 
 
 def along_line(form: AffineForm, part: Part, accuracy: float) -> Transported:
@@ -199,7 +199,7 @@ class Development:
     def __repr__(self) -> str:
         inside = f", encloses {len(self.enclosed)} defect(s)" if self.enclosed else ""
         return (
-            f"Development(burgers={self.burgers.tolist()} +- {size_text(self.error)}, "
+            f"Development(b = {measured_text(self.burgers.tolist(), self.error)}, "
             f"turn={float(abs(self.motion.turn).max()):.3g}, route={self.route!r}{inside})"
         )
 

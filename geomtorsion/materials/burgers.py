@@ -13,6 +13,7 @@ from geomtorsion.conventions import Signed
 from geomtorsion.loops import Interpolant
 from geomtorsion.materials.detours import Detour
 from geomtorsion.support.caching import cached_property
+from geomtorsion.support.outgoing import measured_text
 from geomtorsion.support.precision import CALCULATED
 
 # The accepted share of false alarms: circuits without torsion whose noise looks significant.
@@ -70,8 +71,10 @@ class Burgers(Signed):
     Examples
     --------
     >>> b = Burgers(np.array([3.0, 4.0]), "nm", np.diag([0.04, 0.05]), {"interpolation": 0.4})
-    >>> b, b.magnitude, round(b.noise, 3), round(b.error, 3), b.is_significant
-    (Burgers([3, 4] nm, error=0.5: noise 0.3, interpolation 0.4), 5.0, 0.3, 0.5, True)
+    >>> b
+    Burgers((3.00 +- 0.45, 4.00 +- 0.46) nm, error 0.5: noise 0.3, interpolation 0.4)
+    >>> b.magnitude, round(b.noise, 3), round(b.error, 3), b.is_significant
+    (5.0, 0.3, 0.5, True)
     """
 
     vector: np.ndarray
@@ -117,6 +120,16 @@ class Burgers(Signed):
         return float(np.sqrt((self.sigmas**2).sum()))
 
     @property
+    def errors(self) -> np.ndarray:
+        """Error of each component, noise and systematic errors in quadrature, shape (n,)."""
+        return np.hypot(self.sigmas, self.systematic_error)
+
+    @property
+    def text(self) -> str:
+        """The vector with its errors, rounded by them, and its unit."""
+        return measured_text(self.vector.tolist(), self.errors.tolist(), self.unit)
+
+    @property
     def systematic_error(self) -> float:
         """Sum of all errors other than noise, for the largest component, in `unit`."""
         return sum(self.systematic.values())
@@ -160,8 +173,10 @@ class Burgers(Signed):
             "loop": self.name,
             "vector": self.vector.tolist(),
             "components": list(self.components),
+            "errors": self.errors.tolist(),
             "magnitude": self.magnitude,
             "noise": self.noise,
+            "error": self.error,
             "grid_error": self.systematic_error,
             "significance": self.significance if finite else None,
             "significant": self.is_significant,
@@ -173,13 +188,11 @@ class Burgers(Signed):
         }
 
     def __repr__(self) -> str:
-        unit = f" {self.unit}" if self.unit else ""
         parts = {"noise": self.noise} | dict(self.systematic)
         errors = ", ".join(f"{name} {size:.2g}" for name, size in parts.items() if size)
-        shown = ", ".join(f"{x:.6g}" for x in self.vector.tolist())
         counted = f" = {self.whole.tolist()} in lattice vectors" if self.whole.size else ""
-        error_text = f", error={self.error:.2g}: {errors}" if errors else ""
-        return f"{type(self).__name__}([{shown}]{unit}{counted}{error_text})"
+        error_text = f", error {self.error:.2g}: {errors}" if errors else ""
+        return f"{type(self).__name__}({self.text}{counted}{error_text})"
 
 
 def numbered(rows: int) -> tuple[str, ...]:

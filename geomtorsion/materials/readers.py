@@ -114,7 +114,7 @@ GRID = Kind(
 MAP = Kind(
     "an orientation map",
     f"orientation maps ({', '.join(end for end in MAPS if end not in GRIDS)})",
-    ("threshold", "laue", "sigma", "slip", "columns"), OrientationError, _read_map,
+    ("threshold", "laue", "sigma", "slip", "columns", "slice"), OrientationError, _read_map,
 )  # fmt: skip
 IMAGE = Kind(
     "an image", f"lattice images ({', '.join(IMAGES)})", ("pixel", "spots", "resolution"),
@@ -176,6 +176,7 @@ def open_source(
     resolution: float | None = None,
     missing: object = None,
     columns: Mapping[str, int | str] | None = None,
+    slice: int | str | None = None,
 ) -> Source:
     """Read the sampled frame, orientation map or lattice image in a file.
 
@@ -201,6 +202,8 @@ def open_source(
     columns
         Tables: quantity -> name or number of its column, see `SampledFrame.read` and
         `OrientationMap.read`. Columns of angles (phi1) make it an orientation map.
+    slice
+        Orientation maps in HDF5: number or name of one of several maps.
 
     Raises
     ------
@@ -231,7 +234,7 @@ def open_source(
     options = {
         "sigma": sigma, "threshold": threshold, "order": order, "laue": laue or None, "slip": slip,
         "pixel": pixel, "spots": spots, "resolution": resolution, "missing": missing,
-        "columns": columns,
+        "columns": columns, "slice": slice,
     }  # fmt: skip
     arguments = {name: value for name, value in options.items() if value is not None}
     for name in arguments:

@@ -10,6 +10,7 @@ from geomtorsion.ode import (
     solution,
     writing,
 )
+from geomtorsion.ode.centre import Centre
 from geomtorsion.ode.checkpoint import Checkpoint
 from geomtorsion.ode.derivatives import EventDerivative
 from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
@@ -22,12 +23,14 @@ from geomtorsion.ode.problem import ODE
 from geomtorsion.ode.solution import Cost, Solution
 from geomtorsion.ode.solve import solve
 from geomtorsion.ode.system import Run, WorkLimitError
+from geomtorsion.ode.tables import Table
 from geomtorsion.ode.terms import At, When
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory, integrate
 
 __all__ = [
     "ODE",
     "At",
+    "Centre",
     "Checkpoint",
     "Cost",
     "EndMap",
@@ -42,6 +45,7 @@ __all__ = [
     "Solution",
     "Stage",
     "Stiff",
+    "Table",
     "Taylor",
     "Trajectory",
     "When",
@@ -61,3 +65,8 @@ __all__ = [
     "solve_many",
     "writing",
 ]
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return [*__all__]

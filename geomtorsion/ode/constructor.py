@@ -13,12 +13,14 @@ from geomtorsion.errors import ExpressionError, ShapeError, StartError, TimeErro
 from geomtorsion.exact import Element
 from geomtorsion.ode.numbers import Numbers, Real
 from geomtorsion.ode.rates import Rates, default_groups
+from geomtorsion.ode.tables import Table
 from geomtorsion.ode.terms import At, Terms, When, expression, number, symbol_table
 from geomtorsion.support import checks
 from geomtorsion.support.precision import PRINTED
 
 Given = tuple[
     Rates, tuple[Real, ...], dict[str, Real], dict[str, Terms], dict[str, Terms], tuple[At, ...],
+    tuple[When, ...], tuple[str, ...],
 ]  # fmt: skip
 
 
@@ -32,8 +34,9 @@ def read(
     events: Iterable[At | When],
     norm_groups: Sequence[Sequence[str]] | None,
     normalized: Sequence[Sequence[str]],
+    tables: Mapping[str, object] | None,
 ) -> Given:
-    """Rates, start, parameters, invariants, outputs and timed events; see `ODE.of`."""
+    """Rates, start, parameters, invariants, outputs, timed events and conditions; see `ODE.of`."""
     source = rates
     if not isinstance(rates, Mapping):
         rates = getattr(source, "rates", None)
@@ -56,10 +59,21 @@ def read(
     )
     _check_names(states, tuple(numbers), time)
     symbols = symbol_table((*states, *numbers, time))
-    expressions = {key: expression(x, f"rate of {key}", symbols) for key, x in rates.items()}
+    functions = table_functions(tables, symbols)
+    expressions = {
+        key: expression(x, f"rate of {key}", symbols, functions=functions)
+        for key, x in rates.items()
+    }
     listed = list(events)
-    stop = _stop([event for event in listed if isinstance(event, When)], symbols)
-    read_outputs = _read_terms(outputs, "output", symbols)
+    conditions = [event for event in listed if isinstance(event, When)]
+    changing = [event for event in conditions if event.changes]
+    stops = tuple(
+        expression(event.falls, "stop", symbols, functions=functions)
+        for event in conditions
+        if not event.changes
+    )
+    switches = tuple(_switch(event, (*states, *numbers), symbols) for event in changing)
+    read_outputs = _read_terms(outputs, "output", symbols, functions)
     for key in read_outputs:
         if key in symbols:
             raise ExpressionError(
@@ -67,21 +81,100 @@ def read(
                 "time. Rename the output."
             )
     groups = _group_list(states, norm_groups, normalized)
-    stops = [event.falls for event in listed if isinstance(event, When)]
-    read_invariants = _read_terms(invariants, "invariant", symbols)
+    read_invariants = _read_terms(invariants, "invariant", symbols, functions)
     terms = (rates, invariants, outputs)
-    declared = _declared([*(x for each in terms for x in each.values()), *stops], numbers)
-    timed = timed_events((*states, *numbers), [x for x in listed if not isinstance(x, When)])
-    for values in (numbers, *(event.changes for event in timed)):
+    falls = [event.falls for event in conditions]
+    declared = _declared([*(x for each in terms for x in each.values()), *falls], numbers)
+    timed = timed_events(
+        (*states, *numbers), [x for x in listed if not isinstance(x, When)], symbols
+    )
+    for values in (numbers, *map(numbers_in, timed)):
         check_declared(declared, values)
+    numbers_at_start = start_numbers(states, start)
+    # A parameter that a condition or an expression changes is a state that rests in between.
+    resting = resting_names(timed, switches, numbers)
+    expressions |= dict.fromkeys(resting, sp.S.Zero)
+    numbers_at_start += tuple(numbers.pop(name) for name in resting)
+    groups += default_groups(resting)
+    for event in timed:
+        _check_time(event, numbers)
     return (
-        Rates(expressions, tuple(numbers), time, stop, groups, declared),
-        start_numbers(states, start),
+        Rates(expressions, tuple(numbers), time, stops, groups, declared),
+        numbers_at_start,
         numbers,
         read_invariants,
         read_outputs,
         timed,
+        switches,
+        resting,
     )
+
+
+def numbers_in(event: At) -> dict[str, Real]:
+    """The changes of an event that are numbers."""
+    return {name: x for name, x in event.changes.items() if not isinstance(x, sp.Expr)}
+
+
+def table_functions(
+    tables: Mapping[str, object] | None, symbols: Mapping[str, sp.Symbol]
+) -> dict[str, type[sp.Function]]:
+    """Functions of sympy for tables by name."""
+    functions: dict[str, type[sp.Function]] = {}
+    for name, table in checks.by_name(tables or {}, "tables", ExpressionError).items():
+        if name in symbols or not name.isidentifier():
+            raise ExpressionError(
+                f"tables: expected a name that nothing else has, got {checks.shown(name)}. Rename "
+                "the table."
+            )
+        functions[name] = checks.instance(table, Table, f"tables: {name}", ExpressionError).function
+    return functions
+
+
+def resting_names(
+    timed: Iterable[At], switches: Iterable[When], parameters: Iterable[str]
+) -> tuple[str, ...]:
+    """Parameters whose changes depend on the motion."""
+    names = [name for switch in switches for name in switch.changes]
+    names += [x for one in timed for x, y in one.changes.items() if isinstance(y, sp.Expr)]
+    return tuple(name for name in parameters if name in names)
+
+
+def _switch(event: When, names: Sequence[str], symbols: Mapping[str, sp.Symbol]) -> When:
+    """A condition with changes, as expressions and numbers."""
+    subject = f"When({checks.shown(event.falls)})"
+    changes = _changes(event.changes, subject, names, symbols)
+    return When(expression(event.falls, "event", symbols), changes)
+
+
+def _changes(
+    changes: object, subject: str, names: Sequence[str], symbols: Mapping[str, sp.Symbol]
+) -> dict[str, Any]:
+    """New values of states and parameters: numbers, or expressions in the values before."""
+    if not isinstance(changes, Mapping):
+        raise ExpressionError(
+            f"{subject}: expected changes {{name: value}}, got {checks.shown(changes)}."
+        )
+    read: dict[str, Any] = {}
+    for name, value in checks.by_name(changes, subject, StartError).items():
+        kind = "a parameter or a state"
+        checks.known_name(name, names, subject, UnknownNameError, expected=kind)
+        term: Any = value
+        if isinstance(value, str | sp.Expr | Element):
+            term = expression(value, f"{name} in {subject}", symbols)
+        depends = isinstance(term, sp.Expr) and bool(term.free_symbols)
+        read[name] = term if depends else number(value, f"{name} in {subject}")
+    return read
+
+
+def _check_time(event: At, parameters: Mapping[str, object]) -> None:
+    """Refuse the time of a change that depends on more than parameters."""
+    if isinstance(event.time, sp.Expr):
+        for symbol in event.time.free_symbols:
+            if symbol.name not in parameters:
+                raise TimeError(
+                    f"event: expected a time in the parameters, got {event.time}, in which "
+                    f"{symbol.name} changes during the motion. Write a condition: When(...)."
+                )
 
 
 def named(name: str | sp.Symbol) -> str:
@@ -158,15 +251,6 @@ def check_declared(declared: Iterable[sp.Symbol], values: Mapping[str, object]) 
             checks.check_declared(symbol, entry)
 
 
-def _stop(found: list[When], symbols: Mapping[str, sp.Symbol]) -> sp.Expr | None:
-    """The expression at whose fall the motion ends."""
-    if len(found) > 1:
-        raise ExpressionError(
-            f"events: expected at most one When(...), got {len(found)}. Keep one of them."
-        )
-    return expression(found[0].falls, "stop", symbols) if found else None
-
-
 def term(outputs: Mapping[str, Terms], names: Sequence[str], entry: object) -> sp.Expr:
     """One output, or an expression over states, parameters and time."""
     if isinstance(entry, str) and entry in outputs:
@@ -181,19 +265,22 @@ def term(outputs: Mapping[str, Terms], names: Sequence[str], entry: object) -> s
 
 
 def _read_terms(
-    terms: Mapping[str, object], what: str, symbols: Mapping[str, sp.Symbol]
+    terms: Mapping[str, object],
+    what: str,
+    symbols: Mapping[str, sp.Symbol],
+    functions: Mapping[str, type[sp.Function]],
 ) -> dict[str, Terms]:
     """Expressions, or tuples of them."""
     expressions: dict[str, Terms] = {}
     for key, value in terms.items():
         where = f"{what} {key}"
         if isinstance(value, list | tuple):
-            parts = [
-                expression(x, f"{where}[{k}]", symbols, smooth=False) for k, x in enumerate(value)
-            ]
-            expressions[key] = tuple(parts)
+            expressions[key] = tuple(
+                expression(x, f"{where}[{k}]", symbols, smooth=False, functions=functions)
+                for k, x in enumerate(value)
+            )
         else:
-            expressions[key] = expression(value, where, symbols, smooth=False)
+            expressions[key] = expression(value, where, symbols, smooth=False, functions=functions)
     return expressions
 
 
@@ -233,29 +320,41 @@ def parameter_numbers(names: Sequence[str], parameters: Mapping[str, object]) ->
     return {name: number(value, name) for name, value in parameters.items()}
 
 
-def timed_events(names: Sequence[str], events: Iterable[object]) -> tuple[At, ...]:
-    """Changes in order of time, joined if they have the same time."""
-    table: dict[float, dict[str, Real]] = {}
+def timed_events(
+    names: Sequence[str],
+    events: Iterable[object],
+    symbols: Mapping[str, sp.Symbol] | None = None,
+) -> tuple[At, ...]:
+    """Changes in order of time, joined if they have the same time; then those at expressions.
+
+    symbols: what changes may depend on.
+    """
+    table: dict[float, dict[str, Any]] = {}
+    later: list[At] = []
+    symbols = symbol_table(names) if symbols is None else symbols
     for entry in events:
         if not isinstance(entry, At) or not isinstance(entry.changes, Mapping):
             raise TimeError(
                 f"event: expected At(time, {{name: value}}) or When(expression), got "
                 f"{checks.shown(entry)}."
             )
-        at = checks.real(entry.time)
+        at: Any = checks.real(entry.time)
+        if at is None and isinstance(entry.time, str | sp.Expr | Element):
+            read = expression(entry.time, "time of an event", symbols)
+            at = read if read.free_symbols else float(read)
         if at is None:
             raise TimeError(
                 f"event: expected At(time, {{name: value}}), got {checks.shown(entry)}."
             )
+        if isinstance(at, sp.Expr):
+            later.append(At(at, _changes(entry.changes, f"event at t = {at}", names, symbols)))
+            continue
         if not (math.isfinite(at) and at >= 0):
             raise TimeError(f"event: expected a time of 0 or later, got t = {at}.")
-        subject, kind = f"event at t = {at:.6g}", "a parameter or a state"
-        changes = checks.by_name(entry.changes, subject, StartError)
-        for name in changes:
-            checks.known_name(name, names, subject, UnknownNameError, expected=kind)
-        new = {x: number(value, f"{x} at t = {at:.6g}") for x, value in changes.items()}
+        new = _changes(entry.changes, f"event at t = {at:.6g}", names, symbols)
         table.setdefault(at, {}).update(new)
-    return tuple(At(at, changes) for at, changes in sorted(table.items(), key=lambda x: x[0]))
+    timed = [At(at, changes) for at, changes in sorted(table.items(), key=lambda x: x[0])]
+    return (*timed, *later)
 
 
 def _group_list(

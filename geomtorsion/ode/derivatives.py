@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from geomtorsion.codegen import Graph, graph
 from geomtorsion.errors import ExpressionError, StartError, UnknownNameError
 from geomtorsion.ode.numbers import Real
 from geomtorsion.ode.rates import Rates
@@ -161,10 +162,10 @@ class Motion:
             outputs |= column.outputs()
             events = tuple(column.event(event) for event in events)
         wide = Rates(
-            expressions, tuple(parameters), rates.time, rates.stop, tuple(groups), rates.declared
+            expressions, tuple(parameters), rates.time, rates.stops, tuple(groups), rates.declared
         )
         fields = {"rates": wide, "start": tuple(start), "parameters": parameters}
-        return {**fields, "outputs": outputs, "events": events}
+        return {**fields, "outputs": outputs, "events": events, "varied": words}
 
     def _check_new(self, columns: Sequence[_Column]) -> None:
         """Refuse a derivative whose name is taken, as on a second call."""
@@ -221,10 +222,136 @@ class _Column:
         return table
 
     def event(self, event: At) -> At:
-        """The event with what it does to derivatives: a state with a new value has none."""
+        """The event with what it does to derivatives: a state with a new number has none."""
         more: dict[str, Real] = {
-            self.name(name): 0 for name in event.changes if name in self.problem.rates.states
+            self.name(name): 0
+            for name, change in event.changes.items()
+            if name in self.problem.rates.states and not isinstance(change, sp.Expr)
         }
         if self.switch and self.by in event.changes:
             more[self.switch] = 0
         return At(event.time, {**event.changes, **more})
+
+
+def along(term: sp.Expr, rates: Mapping[str, sp.Expr], time: sp.Symbol) -> sp.Expr:
+    """Rate of an expression along a motion: from the rates of the states, and the time.
+
+    Examples
+    --------
+    >>> x, t = sp.symbols("x t", real=True)
+    >>> along(t * x**2, {"x": -x}, t)
+    -2*t*x**2 + x**2
+    """
+    total = sp.diff(term, time)
+    for name, rate in rates.items():
+        slope = sp.diff(term, sp.Symbol(name, real=True))
+        if slope != 0:
+            total += slope * rate
+    return total
+
+
+@dataclass(frozen=True, eq=False)
+class Jump:
+    """What a change does to states and parameters, and to the derivatives of the states.
+
+    Equation
+    --------
+    dx+/dp = dR/dp + (R' - f+) dt/dp with x+ = R(x-, p, t), R' along the motion before it, and
+    dt/dp = -(dg/dp)/g' where g falls through zero (the saltation matrix); or the derivative of the
+    time of the change.
+
+    names: of states, parameters and the time. size: number of states without derivatives.
+    fixed: name -> its new number. changed_names, changes: new values that depend on the motion.
+    slopes: graph of all derivatives, over names and the rates of the states before and after.
+    """
+
+    names: tuple[str, ...]
+    states: tuple[str, ...]
+    size: int
+    fixed: Mapping[str, Real]
+    changed_names: tuple[str, ...]
+    changes: Graph
+    slopes: Graph | None
+
+    @classmethod
+    def of(
+        cls,
+        rates: Rates,
+        varied: Sequence[str],
+        changes: Mapping[str, Any],
+        term: sp.Expr | None,
+        level: sp.Expr | None,
+    ) -> Jump:
+        """Changes where a term reaches a level; without a term, the level is their time."""
+        size = len(rates.states) // (1 + len(varied))
+        own, derived = rates.states[:size], {*rates.states[size:]}
+        changes = {name: x for name, x in changes.items() if name not in derived}
+        moving = {name: x for name, x in changes.items() if isinstance(x, sp.Expr)}
+        fixed = {name: x for name, x in changes.items() if name not in moving}
+        made = graph(rates.names, list(moving.values()), factor=False)
+        slopes = _slopes(rates, varied, own, changes, term, level) if varied else None
+        return cls(rates.names, rates.states, size, fixed, tuple(moving), made, slopes)
+
+    def changed(
+        self, states: Sequence[Real], parameters: dict[str, Real], arguments: list[Real], bits: int
+    ) -> tuple[list[Real], dict[str, Real]]:
+        """New states and parameters, from all values just before."""
+        new = dict(self.fixed)
+        if self.changed_names:
+            new |= zip(self.changed_names, self.changes.exactly(arguments, bits), strict=True)
+        rows = [new.get(name, x) for name, x in zip(self.states, states, strict=True)]
+        return rows, parameters | {name: x for name, x in new.items() if name in parameters}
+
+    def derivatives(
+        self,
+        states: Sequence[Real],
+        arguments: list[Real],
+        before: Sequence[Real],
+        after: Sequence[Real],
+        bits: int,
+    ) -> list[Real]:
+        """New states with the derivatives behind the change.
+
+        before, after: rates of the states on both sides, shape (size,).
+        """
+        assert self.slopes is not None
+        slopes = self.slopes.exactly([*arguments, *before, *after], bits)
+        return [*states[: self.size], *slopes]
+
+
+def _slopes(
+    rates: Rates,
+    varied: Sequence[str],
+    own: Sequence[str],
+    changes: Mapping[str, Any],
+    term: sp.Expr | None,
+    level: sp.Expr | None,
+) -> Graph:
+    """Derivatives of all states behind a change, column after column."""
+    time = sp.Symbol(rates.time, real=True)
+    before = {name: sp.Symbol(f"before {name}", real=True) for name in own}
+    after = {name: sp.Symbol(f"after {name}", real=True) for name in own}
+    rows = []
+    for by in varied:
+        across = {
+            sp.Symbol(name, real=True): sp.Symbol(derivative_name(name, by), real=True)
+            for name in own
+        }
+        if by in rates.parameters:
+            switch = f"acts_{by}"
+            acts = sp.Symbol(switch, real=True) if switch in rates.parameters else sp.S.One
+            across[sp.Symbol(by, real=True)] = acts
+        shift: sp.Expr = sp.S.Zero
+        if level is not None:
+            shift = derivative(level, across, "the time of a change")
+        if term is not None:
+            gap = derivative(term, across, "a condition") - shift
+            shift = -gap / along(term, before, time)
+        for name in own:
+            new = changes.get(name, sp.Symbol(name, real=True))
+            if not isinstance(new, sp.Expr):
+                new = sp.S.Zero
+            moved = derivative(new, across, f"the change of {name}")
+            rows.append(moved + (along(new, before, time) - after[name]) * shift)
+    names = (*rates.names, *(f"before {x}" for x in own), *(f"after {x}" for x in own))
+    return graph(names, rows, factor=False)

@@ -39,6 +39,7 @@ from geomtorsion.ode.system import Show, checked_engine
 from geomtorsion.ode.trajectory import Trajectory
 from geomtorsion.ode.writing import pandas_table
 from geomtorsion.support import checks
+from geomtorsion.support.arguments import Starts, Times
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.copies import only_fields
 from geomtorsion.support.csv_table import write_csv
@@ -285,13 +286,13 @@ class Ensemble:
 )
 def solve_many(
     problem: Any,
-    starts: object = None,
-    t: object = None,
+    starts: Starts | None = None,
+    t: Times | None = None,
     accuracy: float = 1e-10,
     engine: Engine | None = None,
     *,
-    velocities: object = None,
-    frame_velocities: object = None,
+    velocities: Starts | None = None,
+    frame_velocities: Starts | None = None,
     check: int | None = None,
     progress: bool | None = None,
     executor: Executor | None = None,
@@ -443,7 +444,7 @@ class _Job:
         Members that are not verified run at the finest tolerance that those needed which are.
         """
         try:
-            if batch_method(self.engine) is None:
+            if batch_method(self.engine) is None or self.members.are_separate:
                 # One by one all members are verified.
                 some = np.arange(len(self.members))
                 self.tolerance = self.engine.first(AIM * self.accuracy)
@@ -608,10 +609,12 @@ class _Job:
             self.ends.times[k] = answer.reached / unit
         if set(answer.labels) == {self.members.label} and unit == self.members.units[k]:
             size = self.states.shape[2]
-            states = np.concatenate([segment.states for segment in answer.segments])
-            self.states[k, : len(states)] = states[:, :size]
+            blocks = [segment.states for segment in answer.segments]
+            width = min(size, *(block.shape[1] for block in blocks))
+            states = np.concatenate([block[:, :width] for block in blocks])
+            self.states[k, : len(states), :width] = states
             if answer.outcome == "stopped":
-                self.ends.states[k] = answer.segments[-1].last[:size]
+                self.ends.states[k, :width] = answer.segments[-1].last[:width]
         else:
             self.trajectories[k] = answer
 

@@ -26,6 +26,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from geomtorsion.ode.changes import changes_before, time_gaps
 from geomtorsion.ode.numbers import floats
 from geomtorsion.ode.system import Engine, columns
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory
@@ -265,10 +266,10 @@ def difference(
         return math.inf
     if not count and not stopped:
         return math.inf
-    worst = 0.0
+    worst = time_gaps(one, two)
     if stopped:
         gap = abs(float(one.segments[-1].run.reached - two.segments[-1].run.reached))
-        worst = gap / abs(one.reached) if gap else 0.0
+        worst = max(worst, gap / abs(one.reached)) if gap else worst
     for pair in _pairs(problem, one, two, stopped):
         worst = max(worst, pair.largest(one))
     if math.isfinite(worst):
@@ -407,6 +408,10 @@ def _size_between(one: Trajectory, label: str, group: Sequence[int]) -> float:
 def _pairs(problem: Comparable, one: Trajectory, two: Trajectory, stopped: bool) -> Iterator[_Pair]:
     """Samples that both reached, one pair of arrays for each set of coordinates of the first."""
     mine, others = _samples(one, stopped), _samples(two, stopped)
+    # Between a change in one motion and the same change in the other, states cannot be compared:
+    # the difference of the times counts instead.
+    before = [changes_before(x)[: min(one.count, two.count)] for x in (one, two)]
+    beside = np.flatnonzero(before[0] != before[1])
     for label in dict.fromkeys(one.labels):
         parts, first, second = [], [], []
         for place, segment, states in mine:
@@ -417,6 +422,10 @@ def _pairs(problem: Comparable, one: Trajectory, two: Trajectory, stopped: bool)
             if there is None:
                 # The other trajectory ended earlier.
                 continue
+            inside = beside[(beside >= max(place, 0)) & (beside < place + len(there))]
+            if place >= 0 and len(inside):
+                there = there.copy()
+                there[inside - place] = rows[inside - place]
             parts.append((place, segment, len(there)))
             first.append(rows[: len(there)])
             second.append(there)

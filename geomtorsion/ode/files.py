@@ -42,8 +42,11 @@ _PROBLEM = {
     "invariants": _TERMS,
     "outputs": _TERMS,
     "time": str,
-    "events": [[(float, {str: str})]],
-    "stop": (str, None),
+    "events": [[((float, str), {str: str})]],
+    "stop": (str, [str], None),
+    "switches?": [[(str, {str: str})]],
+    "resting?": [str],
+    "varied?": [str],
     "norm_groups": [[str]],
     "normalized": [[str]],
     "name": str,
@@ -198,11 +201,11 @@ class SavedSolution(Mapping[str, np.ndarray]):
 
 def _problem(data: Mapping[str, Any]) -> ODE:
     """The equations that were described; nothing in the text is run."""
-    events: list[At | When] = [
-        At(at, {name: _value(x) for name, x in changes.items()}) for at, changes in data["events"]
-    ]
-    if data["stop"] is not None:
-        events.append(When(str(data["stop"])))
+    events: list[At | When] = [At(at, _changes(changes)) for at, changes in data["events"]]
+    events += [When(falls, _changes(changes)) for falls, changes in data.get("switches", [])]
+    stops = data["stop"]
+    if stops is not None:
+        events += [When(stop) for stop in (stops if isinstance(stops, list) else [stops])]
     problem = ODE.of(
         data["rates"],
         [_value(x) for x in data["start"]],
@@ -218,7 +221,19 @@ def _problem(data: Mapping[str, Any]) -> ODE:
     # The text of a symbol does not contain its assumptions.
     declared = declared_symbols(data.get("declared", {}))
     check_declared(declared, problem.parameters)
-    return replace(problem, rates=replace(problem.rates, declared=declared))
+    varied = tuple(data.get("varied", ()))
+    if varied and len(problem.states) % (1 + len(varied)):
+        raise ValueError("varied does not fit the states")
+    resting = tuple(data.get("resting", ()))
+    if not {*resting} <= {*problem.states}:
+        raise ValueError("resting names other states")
+    rates = replace(problem.rates, declared=declared)
+    return replace(problem, rates=rates, varied=varied, resting=resting)
+
+
+def _changes(table: Mapping[str, Any]) -> dict[str, Any]:
+    """New values by name: numbers, or expressions."""
+    return {name: _value(x) for name, x in table.items()}
 
 
 def _check_times(times: np.ndarray, grid: np.ndarray) -> None:
@@ -251,5 +266,7 @@ def _value(text: Any) -> Any:
         raise FileFormatError(f"{shown(text)}: expected a number as text.")
     if text.startswith("f"):
         return float.fromhex(text[1:])
+    if text.startswith("= "):
+        return text[2:]
     # Only as `number_text` writes it: an exponent could ask for a number of any length.
     return Fraction(text) if _RATIONAL.fullmatch(text) else text

@@ -30,6 +30,7 @@ class Members:
     follow: (states, shape (number, size)) -> the members after that.
     label: name of the coordinates.
     varied: parameter -> its value for each member, for those that differ.
+    are_separate: whether they have to be followed one by one.
     """
 
     system: System
@@ -43,6 +44,7 @@ class Members:
     follow: Callable[[np.ndarray], Members] | None = None
     label: str = ""
     varied: Mapping[str, np.ndarray] = field(default_factory=dict)
+    are_separate: bool = False
 
     def __getstate__(self) -> Mapping[str, object]:
         # The next stage was determined when they were run.

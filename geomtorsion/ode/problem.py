@@ -16,13 +16,18 @@ import sympy as sp
 from geomtorsion.codegen import Graph, graph
 from geomtorsion.errors import ExpressionError, StartError, StuckError, UnknownNameError
 from geomtorsion.ode import constructor
+from geomtorsion.ode.centre import Centre
+from geomtorsion.ode.changes import change_times
 from geomtorsion.ode.derivatives import Motion, term_slopes
 from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment, Term
 from geomtorsion.ode.numbers import Numbers, Real, floats, mpf, perturbed
+from geomtorsion.ode.pieces import BranchedGraph, has_pieces, term_graph
 from geomtorsion.ode.rates import CLOCK, Rates, names_in
 from geomtorsion.ode.roots import shares_left
+from geomtorsion.ode.stages import Stages
+from geomtorsion.ode.switching import Switching, moments
 from geomtorsion.ode.system import System
 from geomtorsion.ode.terms import At, Terms, When
 from geomtorsion.ode.trajectory import Event, Segment, Stage, State, Trajectory
@@ -75,11 +80,15 @@ class ODE:
     start: numbers in the order of the states, at t = 0.
     parameters: name -> number, the initial values.
     invariants, outputs: name -> expression, or expressions that make a vector.
-    events: changes at fixed times, in order of time.
+    events: changes at times; first those at numbers, in order.
     normalized: groups of states that form a unit vector, such as the four of a quaternion.
     name: used in tables and files.
+    switches: conditions with changes.
+    resting: states that are parameters between such changes.
+    varied: names by which the last states are derivatives; see `with_derivatives`.
     maker: what made the equations and can omit effects from them, or None; it does not count in
         comparisons.
+    centre: the pole of the rates beside which they start, for `prove`, or None.
 
     Examples
     --------
@@ -101,7 +110,11 @@ class ODE:
     events: tuple[At, ...] = ()
     normalized: tuple[tuple[str, ...], ...] = ()
     name: str = ""
+    switches: tuple[When, ...] = ()
+    resting: tuple[str, ...] = ()
+    varied: tuple[str, ...] = ()
     maker: Maker | None = field(default=None, compare=False, repr=False)
+    centre: Centre | None = field(default=None, compare=False, repr=False)
     _stages: dict[tuple[int, float], Stage] = field(default_factory=dict, repr=False, init=False)
 
     def __eq__(self, other: object) -> bool:
@@ -132,6 +145,7 @@ class ODE:
         norm_groups: Sequence[Sequence[str]] | None = None,
         normalized: Sequence[Sequence[str]] = (),
         name: str = "",
+        tables: Mapping[str, object] | None = None,
     ) -> ODE:
         """Equations from what users give, checked once; names may be symbols of sympy.
 
@@ -140,6 +154,8 @@ class ODE:
         rates
             state -> expression (text, sympy, exact element or number) over states, parameters
             and the time; or an object with such `rates`, and `invariants` if it knows some.
+            pieces(x, a, 1, b) is a for x < 1 and b from there on, with more levels as needed;
+            sympy's Piecewise is read in the same way. The solver restarts at each level.
         start
             state -> number at t = 0, or numbers in the order of the rates.
         parameters
@@ -154,7 +170,8 @@ class ODE:
         events
             `At(time, {name: value})`: from exactly this time on a parameter has a new value, or a
             state starts from a new one. `When(expression)`: where it falls through zero the
-            motion ends; at most one of these.
+            motion ends; `When(expression, {name: value})`: there it changes. Values and times may
+            be expressions. A parameter whose change depends on the motion becomes a state.
         norm_groups
             groups of states whose errors are measured against their common size; by default
             those whose names differ in a number or in x, y, z at the end.
@@ -162,6 +179,8 @@ class ODE:
             groups of states of length one together, such as a quaternion: their length is kept.
         name
             what it is called.
+        tables
+            name -> `Table`, a function in all expressions: {"F": table} and "F(t)/m".
 
         Raises
         ------
@@ -192,9 +211,11 @@ class ODE:
             norm_groups = [[constructor.named(x) for x in group] for group in norm_groups]
         try:
             fields = constructor.read(
-                rates, start, parameters, invariants, outputs, time, events, norm_groups, normalized
-            )
-            problem = cls(*fields, tuple(tuple(group) for group in normalized), name)
+                rates, start, parameters, invariants, outputs, time, events, norm_groups,
+                normalized, tables,
+            )  # fmt: skip
+            groups = tuple(tuple(group) for group in normalized)
+            problem = cls(*fields[:6], groups, name, *fields[6:])
             problem.check_lengths()
             # Made now, so that what cannot be compiled is reported here.
             _ = problem.system
@@ -222,8 +243,29 @@ class ODE:
 
     @property
     def system(self) -> System:
-        """The system for engines: the states, and a clock if the rates depend on time."""
-        return self.rates.system
+        """The system for engines: the states, and a clock if the rates depend on time.
+
+        If the equations change on the way, the first of their systems.
+        """
+        return self.first_stage(53, 0.0).system if self.is_switched else self.rates.system
+
+    @cached_property
+    def is_switched(self) -> bool:
+        """Whether the equations change at levels of terms, or at times that parameters shift."""
+        expressions = any(
+            isinstance(x, sp.Expr) for one in self.events for x in (one.time, *one.changes.values())
+        )
+        terms = (*self.rates.expressions.values(), *self.rates.stops)
+        return bool(self.switches) or expressions or has_pieces(terms)
+
+    @cached_property
+    def _switching(self) -> Switching:
+        return Switching(self)
+
+    @cached_property
+    def timed(self) -> list[tuple[At, int]]:
+        """Events with numbers for their times, in order, each with its place in `events`."""
+        return moments(self.events, self.parameters)
 
     # -- variants --------------------------------------------------------------------------------
 
@@ -254,12 +296,18 @@ class ODE:
         if start is not None:
             new_start = constructor.start_numbers(self.states, start, self.start)
         if parameters is not None:
-            numbers |= constructor.parameter_numbers(self.rates.parameters, parameters)
+            table = checks.by_name(parameters, "parameters", StartError)
+            resting = {name: x for name, x in table.items() if name in self.resting}
+            new_start = constructor.start_numbers(self.states, resting, new_start)
+            table = {name: x for name, x in table.items() if name not in resting}
+            numbers |= constructor.parameter_numbers(self.rates.parameters, table)
         if events is not None:
             timed = constructor.timed_events((*self.states, *self.rates.parameters), events)
-        for values in (numbers, *(event.changes for event in timed)):
+        for values in (numbers, *map(constructor.numbers_in, timed)):
             constructor.check_declared(self.rates.declared, values)
-        problem = replace(self, start=new_start, parameters=numbers, events=timed)
+        # Other numbers have another series at a pole.
+        centre = self.centre if start is None and parameters is None else None
+        problem = replace(self, start=new_start, parameters=numbers, events=timed, centre=centre)
         problem.check_lengths()
         # Outputs and invariants are the same expressions: their code is made once.
         if "term_graphs" in vars(self):
@@ -320,7 +368,7 @@ class ODE:
         """
         fields = self.rates, self.start, self.parameters, self.outputs, self.events
         parts = Motion(*fields, tuple(self.variables)).derivatives(by)
-        return replace(self, **parts, maker=None)
+        return replace(self, **parts, maker=None, centre=None)
 
     @property
     def effects(self) -> Mapping[str, str]:
@@ -377,7 +425,10 @@ class ODE:
         every |= {name: [sp.Symbol(name, real=True)] for name in self.states}
         listed = checks.entries(names, "names", UnknownNameError)
         words = [checks.known_name(name, every, "names", UnknownNameError) for name in listed]
-        needed = self.rates.needed_by((x for word in words for x in every[word]), self.normalized)
+        falls = [x for one in self.switches for x in (one.falls, *_expressions(one.changes))]
+        moved = [x for one in self.events for x in _expressions(one.changes)]
+        asked = [x for word in words for x in every[word]]
+        needed = self.rates.needed_by([*asked, *falls, *moved], self.normalized)
         if len(needed) == self.size:
             return self
 
@@ -387,6 +438,10 @@ class ODE:
         lost = {*self.states} - needed
         changes = [{k: x for k, x in one.changes.items() if k not in lost} for one in self.events]
         events = zip(self.events, changes, strict=True)
+        switches = tuple(
+            replace(one, changes={k: x for k, x in one.changes.items() if k not in lost})
+            for one in self.switches
+        )
         pairs = zip(self.states, self.start, strict=True)
         return replace(
             self,
@@ -395,6 +450,8 @@ class ODE:
             invariants=remaining(self.invariants),
             outputs=remaining(self.outputs),
             events=tuple(replace(one, changes=rest) for one, rest in events if rest),
+            switches=tuple(one for one in switches if one.changes),
+            resting=tuple(x for x in self.resting if x in needed),
             normalized=tuple(group for group in self.normalized if not lost & {*group}),
             maker=None,
         )
@@ -434,19 +491,21 @@ class ODE:
 
     @property
     def stop_texts(self) -> tuple[str, ...]:
-        """The condition that ends the motion, as text; empty without one."""
-        return () if self.rates.stop is None else (str(self.rates.stop),)
+        """The conditions that end the motion, as text."""
+        return tuple(map(str, self.rates.stops))
 
     def check_start(self) -> None:
         """Raise an error if a condition that ends the motion holds at the start."""
-        room = self._room(0.0, self.start, self.parameters)
-        if not room >= 0:
-            raise self._stopped_at_once(room)
+        for stop, room in self._rooms(0.0, self.start, self.parameters).items():
+            if not room >= 0:
+                raise self._stopped_at_once(stop, room)
+        if self.is_switched:
+            self.first_stage(53, 0.0)
 
-    def _stopped_at_once(self, room: float, member: str = "") -> StartError:
-        """The error of a start at which the condition has fallen already."""
+    def _stopped_at_once(self, stop: str, room: float, member: str = "") -> StartError:
+        """The error of a start at which a condition has fallen already."""
         return StartError(
-            f"expected stop above zero at the start, got {self.rates.stop} = {room:.6g}{member}. "
+            f"expected stop above zero at the start, got {stop} = {room:.6g}{member}. "
             "The motion ends where it decreases through zero, so start where it is positive."
         )
 
@@ -458,25 +517,30 @@ class ODE:
         if stop is None:
             return
         numbers = [np.asarray(parameters[x], dtype=float) for x in self.rates.parameters]
-        room = np.broadcast_to(stop.numpy()(*states.T, *numbers, 0.0)[0], len(states))
-        bad = np.flatnonzero(~(room >= 0))
-        if len(bad):
-            raise self._stopped_at_once(float(room[bad[0]]), f" for member {bad[0]}")
+        rooms = stop.numpy()(*states.T, *numbers, 0.0)
+        for text, row in zip(self.stop_texts, rooms, strict=True):
+            room = np.broadcast_to(row, len(states))
+            bad = np.flatnonzero(~(room >= 0))
+            if len(bad):
+                raise self._stopped_at_once(text, float(room[bad[0]]), f" for member {bad[0]}")
 
-    def _room(self, time: float, states: State, parameters: Mapping[str, Real]) -> float:
-        """How far the motion is from where it stops; below zero it is there."""
+    def _rooms(
+        self, time: float, states: State, parameters: Mapping[str, Real]
+    ) -> dict[str, float]:
+        """How far the motion is from each of its stops; below zero it is there."""
         stop = self.rates.stop_graph
         if stop is None:
-            return math.inf
+            return {}
         values = [*states, *(parameters[name] for name in self.rates.parameters), time]
-        return float(stop.numpy()(*[float(x) for x in values])[0])
+        rooms = stop.numpy()(*[float(x) for x in values]).tolist()
+        return dict(zip(self.stop_texts, rooms, strict=True))
 
     def _ending(
         self, parameters: Mapping[str, Real], start: list[float], time: float, state: State
     ) -> tuple[str, str]:
         """How the motion ends: where it stops, or where a function in its equations ends."""
-        if not self.rates.edges:
-            return "stopped", str(self.rates.stop)
+        if not self.rates.edges and len(self.rates.stops) == 1:
+            return "stopped", self.stop_texts[0]
         guard = self.rates.guard_graph
         numbers = [float(parameters[name]) for name in self.rates.parameters]
         rows = [[*[float(x) for x in row[: self.size]], *numbers, time] for row in (state, start)]
@@ -488,16 +552,19 @@ class ODE:
             with suppress(ZeroDivisionError):
                 here = np.array([float(abs(x)) for x in guard.exactly(rows[0])])
         shares = shares_left(here, there)
-        if self.rates.stop is not None:
-            room, *shares = shares
+        stops = len(self.rates.stops)
+        if stops:
+            rooms, shares = shares[:stops], shares[stops:]
             # A stop that vanishes where a function in it ends does so as a power of the edge.
-            if room <= math.sqrt(min(shares)):
-                return "stopped", str(self.rates.stop)
+            if min(rooms) <= math.sqrt(min(shares, default=1.0)):
+                return "stopped", self.stop_texts[int(np.argmin(rooms))]
         return "stuck", list(self.rates.edges.values())[int(np.argmin(shares))]
 
     def first_stage(self, precision: int, perturbation: float) -> Stage:
         """The motion from t = 0 on; perturbation: the part by which its numbers are changed."""
         key = precision, perturbation
+        if self.is_switched and key not in self._stages:
+            self._stages[key] = Stages(self._switching, precision, perturbation).first()
         if key not in self._stages:
             # A change at t = 0 comes before anything else.
             now = [event for event in self.events if event.time == 0]
@@ -521,8 +588,7 @@ class ODE:
         perturbation: float,
     ) -> Stage:
         """The stage from a time on, with the event that ends it."""
-        for places in self._unit_places:
-            _normalize(start, places, precision)
+        start = self.normalized_state(start, precision)
         numbers: Sequence[Real] | np.ndarray = self.run_numbers(parameters)
         if perturbation:
             numbers = perturbed(numbers, perturbation, precision, all_of_them=False)
@@ -535,18 +601,28 @@ class ODE:
         events = [] if self.system.guard is None else [Event(None, None, ending)]
         if later:
             follow = self._follower(parameters, later, precision, perturbation)
-            events.append(Event(later[0].time, follow, self._jumped_beyond))
+            beyond = partial(self._jumped_beyond, dict(parameters), later[0])
+            events.append(Event(later[0].time, follow, beyond))
         groups = self.system.groups[:-1] if self.rates.has_clock else self.system.groups
-        normalizer = partial(self._normalized, precision=precision) if self._unit_places else None
         return Stage(
-            "", self.system, states, numbers, begin, tuple(events), groups=groups, kept=normalizer
-        )
+            "", self.system, states, numbers, begin, tuple(events), groups=groups,
+            kept=self.normalizer(precision),
+        )  # fmt: skip
 
-    def _normalized(self, state: State, precision: int) -> State:
-        """A state of the system with its normalized groups rescaled to length one."""
+    def normalized_state(self, state: Sequence[Real], precision: int) -> list[Real]:
+        """A state with its normalized groups rescaled to length one."""
         values = list(state)
         for places in self._unit_places:
             _normalize(values, places, precision)
+        return values
+
+    def normalizer(self, precision: int) -> Callable[[State], State] | None:
+        """What `Stage.kept` does to states of the system."""
+        return partial(self._normalized, precision=precision) if self._unit_places else None
+
+    def _normalized(self, state: State, precision: int) -> State:
+        """A state of the system with its normalized groups rescaled to length one."""
+        values = self.normalized_state(list(state), precision)
         return np.array(values, dtype=float) if precision == 53 else values
 
     def _follower(
@@ -562,15 +638,20 @@ class ODE:
 
         def follow(_: float, state: State) -> Stage | None:
             start = self._jumped(list(state[: self.size]), event)
-            if self._room(event.time, start, changed) < 0:
+            if min(self._rooms(event.time, start, changed).values(), default=0.0) < 0:
                 return None
             return self._stage(event.time, start, changed, rest, precision, perturbation)
 
         return follow
 
-    def _jumped_beyond(self, _: float, state: State) -> tuple[str, str]:
-        """How the motion ends where a change at a time carries it beyond its stop."""
-        return "stopped", str(self.rates.stop)
+    def _jumped_beyond(
+        self, parameters: Mapping[str, Real], event: At, _: float, state: State
+    ) -> tuple[str, str]:
+        """How the motion ends where a change at a time carries it beyond a stop."""
+        changed = {**parameters, **self._parameter_changes(event)}
+        start = self._jumped(list(state[: self.size]), event)
+        rooms = self._rooms(event.time, start, changed)
+        return "stopped", min(rooms, key=lambda text: rooms[text], default="")
 
     def _parameter_changes(self, event: At) -> dict[str, Real]:
         return {name: x for name, x in event.changes.items() if name in self.rates.parameters}
@@ -656,18 +737,24 @@ class ODE:
                 column = float(column)
             for event in self.events:
                 if name in event.changes and len(times):
-                    after = times >= event.time
+                    after = times >= self._times_of(event, numbers)
                     if after.any():
                         column = np.where(after, float(event.changes[name]), column)
             values.append(column)
         return [*values, times]
 
+    def _times_of(self, event: At, numbers: Mapping[str, Any]) -> Any:
+        """The time of an event, or the times for arrays of parameters."""
+        if not isinstance(event.time, sp.Expr):
+            return event.time
+        given = [np.asarray(numbers[x], dtype=float) for x in self.rates.parameters]
+        return graph(self.rates.parameters, [event.time], factor=False).numpy()(*given)[0]
+
     @cached_property
-    def term_graphs(self) -> tuple[Graph, Graph]:
+    def term_graphs(self) -> tuple[Graph | BranchedGraph, Graph | BranchedGraph]:
         """Outputs and invariants over states, parameters and time."""
         first, second = (
-            graph(self.rates.names, flat(terms), factor=False)
-            for terms in (self.outputs, self.invariants)
+            term_graph(self.rates.names, flat(terms)) for terms in (self.outputs, self.invariants)
         )
         return first, second
 
@@ -691,7 +778,7 @@ class ODE:
         engine, columns = Taylor(bits), []
         for time, row in zip(times.tolist(), states, strict=True):
             table = dict(self.parameters)
-            for event in self.events:
+            for event, _ in self.timed:
                 if time >= event.time:
                     table |= self._parameter_changes(event)
             values = [*row, *(table[name] for name in self.rates.parameters), time]
@@ -709,19 +796,23 @@ class ODE:
             return {}
         pairs = [(one.times, self.rows(one, one.states, "")) for one in trajectory.segments]
         times, states = (np.concatenate([pair[k] for pair in pairs]) for k in range(2))
-        return self.changes(times.astype(float), np.asarray(states).astype(float))
+        jumps = change_times(trajectory)
+        return self.changes(times.astype(float), np.asarray(states).astype(float), jumps)
 
-    def changes(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
+    def changes(
+        self, times: np.ndarray, states: np.ndarray, jumps: Sequence[float] = ()
+    ) -> dict[str, np.ndarray]:
         """Change of each invariant since the start, shape (m,).
 
         Relative to the size of its terms, or to its change where states changed by their whole
         size, if that is larger. So errors of states explain at most as large a change. After an
-        event the count restarts, because a push may change an invariant.
+        event the count restarts, because a push may change an invariant; jumps: further times at
+        which it restarts.
         """
         if not self.invariants or not len(times):
             return {}
         # Times need not begin with the start, changes do.
-        moments = [event.time for event in self.events]
+        moments = sorted([*(event.time for event, _ in self.timed), *jumps])
         before = int(times[0] != 0 and 0 not in moments)
         at = np.concatenate(([0.0] * before, times))
         start = np.array([[float(x) for x in self.start]] * before).reshape(before, self.size)
@@ -752,7 +843,7 @@ class ODE:
     def term(self, term: object) -> Term:
         """A function of moments for an output, or an expression over what may occur."""
         read = constructor.term(self.outputs, self.rates.names, term)
-        function = graph(self.rates.names, [read], factor=False).numpy()
+        function = term_graph(self.rates.names, [read]).numpy()
 
         def values(moment: Moment) -> np.ndarray:
             return function(*self.arguments(moment.time, moment["states"]))[0]
@@ -764,17 +855,18 @@ class ODE:
         read = constructor.term(self.outputs, self.rates.names, term)
         rates, names = self.rates.expressions, self.rates.names
         terms = term_slopes(read, rates, by, self.rates.time, self.rates.parameters)
-        function = graph(names, list(terms), factor=False).numpy()
+        function = term_graph(names, list(terms)).numpy()
         across, along = function(*self.arguments(moment.time, moment["states"]))
         return across, along
 
     def breaks(self) -> tuple[float, ...]:
         """Times at which something may jump."""
-        return tuple(event.time for event in self.events)
+        return tuple(event.time for event, _ in self.timed)
 
     def described(self) -> dict[str, Any]:
         """The equations as plain text, and numbers as text, for files."""
-        events = [[event.time, numbers_text(event.changes)] for event in self.events]
+        events = [[_time_text(one.time), numbers_text(one.changes)] for one in self.events]
+        switches = [[term_text(one.falls), numbers_text(one.changes)] for one in self.switches]
         declared = constructor.declarations(self.rates.declared)
         return {
             "rates": {name: term_text(rate) for name, rate in self.rates.expressions.items()},
@@ -784,11 +876,14 @@ class ODE:
             "outputs": {name: terms_text(term) for name, term in self.outputs.items()},
             "time": self.rates.time,
             "events": events,
-            "stop": None if self.rates.stop is None else term_text(self.rates.stop),
+            "stop": _stop_texts(self.rates.stops),
             "norm_groups": [list(group) for group in self.rates.norm_groups],
             "normalized": [list(group) for group in self.normalized],
             "name": self.name,
             **({"declared": declared} if declared else {}),
+            **({"switches": switches} if switches else {}),
+            **({"resting": list(self.resting)} if self.resting else {}),
+            **({"varied": list(self.varied)} if self.varied else {}),
         }
 
     def columns(self, moment: Moment) -> dict[str, np.ndarray]:
@@ -842,7 +937,20 @@ class ODE:
         parameters: dict[str, Real | np.ndarray] = dict(self.parameters) | varied
         states = self.unit_rows(states)
         self._check_members(states, parameters)
+        if self.is_switched:
+            return self._separate_members(states, varied)
         return self._members(0.0, states, parameters, self.events)
+
+    def _separate_members(self, states: np.ndarray, varied: dict[str, np.ndarray]) -> Members:
+        """Members whose equations change at different times, followed one by one."""
+        number, system = len(states), self.system
+        wide = np.zeros((number, system.size))
+        wide[:, : self.size] = states
+        numbers = np.zeros((number, len(system.parameters)))
+        return Members(
+            system, system.groups, wide, numbers, np.ones(number), np.abs(wide).sum(axis=1), 0.0,
+            None, None, varied=varied, are_separate=True,
+        )  # fmt: skip
 
     def _members(
         self,
@@ -899,7 +1007,7 @@ class ODE:
             name: float(value[k]) for name, value in members.varied.items()
         }
         start = tuple(members.states[k, : self.size].tolist())
-        return replace(self, start=start, parameters=table)
+        return replace(self, start=start, parameters=table, centre=None)
 
     def read_members(
         self, members: Members, rows: Rows, times: np.ndarray
@@ -923,6 +1031,22 @@ class ODE:
         for name, lines, several in _cut(self.outputs, values):
             table[name] = lines.T.reshape(number, m, -1) if several else lines[0].reshape(number, m)
         return table
+
+
+def _expressions(changes: Mapping[str, object]) -> list[sp.Expr]:
+    """The changes that are expressions."""
+    return [x for x in changes.values() if isinstance(x, sp.Expr)]
+
+
+def _time_text(time: Any) -> float | str:
+    """The time of an event for files: a number, or an expression."""
+    return term_text(time) if isinstance(time, sp.Expr) else time
+
+
+def _stop_texts(stops: Sequence[sp.Expr]) -> str | list[str] | None:
+    """Stops for files: one text, as files have always held it, or several."""
+    texts = [term_text(stop) for stop in stops]
+    return (texts[0] if len(texts) == 1 else texts) if texts else None
 
 
 def flat(terms: Mapping[str, Terms]) -> list[sp.Expr]:

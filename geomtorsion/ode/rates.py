@@ -11,8 +11,9 @@ import sympy as sp
 
 from geomtorsion.codegen import Graph, graph
 from geomtorsion.errors import ExpressionError
+from geomtorsion.ode.pieces import BranchedGraph, term_graph
 from geomtorsion.ode.system import System
-from geomtorsion.ode.terms import KINKED
+from geomtorsion.ode.terms import KINKED, STEPS
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.copies import content, content_hash, only_fields
 from geomtorsion.support.precision import EPS
@@ -41,17 +42,21 @@ class Rates:
     expressions: state -> sympy expression over states, parameters and time.
     parameters: names of the numbers that may be chosen for each run.
     time: the symbol of the time.
-    stop: the motion stops when this expression falls to zero, or None.
+    stops: the motion stops when one of these expressions falls to zero.
     norm_groups: groups of states whose errors are measured against their common size.
     declared: the parameters of the input, with their assumptions.
+    guards: expressions that are positive up to the next change of the equations.
+    is_clocked: whether the time is a state although no rate depends on it.
     """
 
     expressions: Mapping[str, sp.Expr]
     parameters: tuple[str, ...]
     time: str
-    stop: sp.Expr | None
+    stops: tuple[sp.Expr, ...]
     norm_groups: tuple[tuple[str, ...], ...]
     declared: tuple[sp.Symbol, ...] = ()
+    guards: tuple[sp.Expr, ...] = ()
+    is_clocked: bool = False
 
     def __eq__(self, other: object) -> bool:
         # The order of the states is the order of the start.
@@ -77,30 +82,32 @@ class Rates:
     @cached_property
     def has_clock(self) -> bool:
         """Whether the equations depend on time, which is then one more state."""
-        terms = [*self.expressions.values(), *([] if self.stop is None else [self.stop])]
-        return any(symbol.name == self.time for term in terms for symbol in term.free_symbols)
+        terms = [*self.expressions.values(), *self.stops, *self.guards]
+        depends = any(symbol.name == self.time for term in terms for symbol in term.free_symbols)
+        return self.is_clocked or depends
 
     @cached_property
     def _folding(
         self,
-    ) -> tuple[_Folding, tuple[sp.Expr, ...], sp.Expr | None, tuple[sp.Expr, ...]]:
+    ) -> tuple[_Folding, tuple[sp.Expr, ...], tuple[sp.Expr, ...], tuple[sp.Expr, ...]]:
         names = (*self.states, self.time)
         folding = _Folding(sp.Symbol(name, real=True) for name in names)
         time = sp.Symbol(self.time, real=True)
         ticks = {time: CLOCK * time}
         rates = tuple(folding.folded(x.xreplace(ticks)) for x in self.expressions.values())
-        stop = None if self.stop is None else folding.folded(self.stop.xreplace(ticks))
+        watched = (*self.stops, *self.guards)
+        watched = tuple(folding.folded(x.xreplace(ticks)) for x in watched)
         edges = tuple(folding.folded(x.xreplace(ticks)) for x in self.edges)
-        return folding, rates, stop, edges
+        return folding, rates, watched, edges
 
     @cached_property
     def system(self) -> System:
         """The equations for an engine; equal ones share it."""
-        _, rates, stop, edges = self._folding
+        _, rates, watched, edges = self._folding
         index = {name: k for k, name in enumerate(self.states)}
         groups = tuple(tuple(index[name] for name in group) for group in self.norm_groups)
         clock = self.time if self.has_clock else ""
-        return _system(self.states, rates, stop, edges, groups, clock)
+        return _system(self.states, rates, watched, edges, groups, clock, len(self.stops))
 
     @cached_property
     def numbers(self) -> Graph:
@@ -111,21 +118,21 @@ class Rates:
         return graph(self.parameters, terms, factor=False)
 
     @cached_property
-    def stop_graph(self) -> Graph | None:
-        """The stop over states, parameters and time."""
-        return None if self.stop is None else graph(self.names, [self.stop], factor=False)
+    def stop_graph(self) -> Graph | BranchedGraph | None:
+        """The stops over states, parameters and time."""
+        return term_graph(self.names, self.stops) if self.stops else None
 
     @cached_property
     def edges(self) -> Mapping[sp.Expr, str]:
-        """Quantities that are positive until a function in the rates or the stop ends; its name."""
-        stop = () if self.stop is None else (self.stop,)
-        return edges_of((*self.expressions.values(), *stop), {*self.states, self.time})
+        """Quantities that are positive until a function in the equations ends; its name."""
+        terms = (*self.expressions.values(), *self.stops, *self.guards)
+        return edges_of(terms, {*self.states, self.time})
 
     def needed_by(
         self, terms: Iterable[sp.Expr], groups: Iterable[Sequence[str]] = ()
     ) -> frozenset[str]:
         """The states on which some terms and the stop depend; states of a group are together."""
-        left = [*terms, *(() if self.stop is None else (self.stop,))]
+        left = [*terms, *self.stops]
         needed: set[str] = set()
         while left:
             names = names_in(left)
@@ -146,14 +153,13 @@ class Rates:
 
     @cached_property
     def guard_graph(self) -> Graph:
-        """The stop, if there is one, and the edges, over states, parameters and time."""
-        stop = [] if self.stop is None else [self.stop]
-        return graph(self.names, [*stop, *self.edges], factor=False)
+        """The stops, the guards and the edges, over states, parameters and time."""
+        return graph(self.names, [*self.stops, *self.guards, *self.edges], factor=False)
 
     @cached_property
-    def rate_graph(self) -> Graph:
+    def rate_graph(self) -> Graph | BranchedGraph:
         """The rates over states, parameters and time."""
-        return graph(self.names, list(self.expressions.values()), factor=False)
+        return term_graph(self.names, list(self.expressions.values()))
 
 
 def names_in(terms: Iterable[sp.Expr]) -> set[str]:
@@ -165,38 +171,38 @@ def names_in(terms: Iterable[sp.Expr]) -> set[str]:
 def _system(
     states: tuple[str, ...],
     rates: tuple[sp.Expr, ...],
-    stop: sp.Expr | None,
+    watched: tuple[sp.Expr, ...],
     edges: tuple[sp.Expr, ...],
     groups: tuple[tuple[int, ...], ...],
     clock: str,
+    stops: int,
 ) -> System:
     """The equations, with a clock as last state where one is named."""
     names = (*states, clock) if clock else states
     terms = (*rates, *((sp.Rational(1, CLOCK),) if clock else ()))
-    every = (*terms, *(() if stop is None else (stop,)))
+    every = (*terms, *watched)
     free = {symbol.name for term in (*every, *edges) for symbol in term.free_symbols}
     others = tuple(sorted(free - set(names)))
-    where = [*(f"rate of {name}" for name in names), *(["stop"] if stop is not None else [])]
+    where = [*(f"rate of {name}" for name in names), *(["stop"] * len(watched))]
     check_smooth(every, where)
     if clock:
         groups = (*groups, (len(states),))
     arguments = (*names, *others)
-    guards = [*(() if stop is None else (stop + TINY,)), *edges]
+    guards = [*(term + TINY for term in watched), *edges]
     guard = graph(arguments, guards, others) if guards else None
     rate_graph = graph(arguments, list(terms), others)
     ticks = (clock, CLOCK) if clock else None
-    stops = () if stop is None else (0,)
-    return System(names, others, rate_graph, groups, guard, None, ticks, stops)
+    return System(names, others, rate_graph, groups, guard, None, ticks, tuple(range(stops)))
 
 
 def check_smooth(terms: Sequence[sp.Expr], where: Sequence[str]) -> None:
     """Refuse functions with kinks or jumps."""
     for term, place in zip(terms, where, strict=True):
         for part in sp.preorder_traversal(term):
-            if type(part).__name__ in KINKED:
+            if type(part).__name__ in {**KINKED, **STEPS}:
                 raise ExpressionError(
                     f"{place}: {part} is not smooth. Write the expression of one side (and stop or "
-                    "switch where it ends), or a smooth one such as sqrt(x**2 + s**2) for Abs(x)."
+                    "switch where it ends), or pieces(x, a, 1, b) for a below x = 1 and b above."
                 )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -36,16 +37,19 @@ class Roundings:
 
 
 class Changes:
-    """Changes that one run makes."""
+    """Changes that one run makes.
+
+    left: steps to the next change. Who calls `made` when it is 0 counts it down after each step, by
+        `due` or, where calls are many, by hand.
+    """
 
     def __init__(self, part: float, every: int, passed: int, first: int, clock: int | None) -> None:
         self._part, self._every, self._first, self._clock = part, every, first, clock
         self._place = passed // every
         while self._step(self._place) < passed:
             self._place += 1
-        # Steps to the next change: calls are many.
-        self._left = self._step(self._place) - passed + 1
-        self._parts: list[np.ndarray] = []
+        self.left: int = self._step(self._place) - passed + 1
+        self._next: list[tuple[int, np.ndarray]] = []
         self._moved = False
 
     def _step(self, place: int) -> int:
@@ -54,27 +58,15 @@ class Changes:
 
     def due(self) -> bool:
         """Count a step; whether the state is changed after it."""
-        self._left -= 1
-        if self._left:
-            return False
-        self._left = self._step(self._place + 1) - self._step(self._place)
-        self._place += 1
-        return True
+        self.left -= 1
+        return not self.left
 
     def made(self, state: np.ndarray, start: np.ndarray) -> np.ndarray:
         """The changed state; a component that is as at the start has not been rounded: it stays."""
-        place = self._place % PLACES
-        if not self._parts or not place:
-            numbers = random_parts(self._first + self._place - place, len(state))
-            parts = self._part * numbers
-            if self._clock is not None:
-                parts[:, self._clock] = 0.0
-            if state.dtype != parts.dtype:
-                kind = state.dtype.type
-                rows = [[kind(x) for x in row] for row in parts.tolist()]
-                parts = np.array(rows, dtype=state.dtype)
-            self._parts = list(parts)
-        change = self._parts[place] * state
+        if not self._next:
+            self._next = self._block(state)
+        self.left, parts = self._next.pop()
+        change = parts * state
         if not self._moved:
             # Later each component has been rounded, even one that comes back.
             same = state == start
@@ -82,6 +74,22 @@ class Changes:
             change[same] = 0.0
         change += state
         return change
+
+    def _block(self, state: np.ndarray) -> list[tuple[int, np.ndarray]]:
+        """Steps to the next change and relative changes now, the last place of a block first."""
+        place = (self._place + 1) % PLACES
+        first = self._place + 1 - place
+        steps = [self._step(k) for k in range(self._place, first + PLACES)]
+        self._place = first + PLACES - 1
+        parts = self._part * random_parts(self._first + first, len(state))
+        if self._clock is not None:
+            parts[:, self._clock] = 0.0
+        if state.dtype != parts.dtype:
+            kind = state.dtype.type
+            rows = [[kind(x) for x in row] for row in parts.tolist()]
+            parts = np.array(rows, dtype=state.dtype)
+        waits = [after - before for before, after in pairwise(steps)]
+        return list(zip(waits, parts[place:], strict=True))[::-1]
 
 
 @lru_cache(maxsize=64)

@@ -22,6 +22,7 @@ import numpy as np
 from geomtorsion.codegen.arrays import BLOCK
 from geomtorsion.codegen.steps import ROUNDINGS
 from geomtorsion.errors import ArgumentError, ExpressionError, TimeError
+from geomtorsion.ode.changes import change_times
 from geomtorsion.ode.derivatives import EventDerivative
 from geomtorsion.ode.error_estimate import (
     CHANCE,
@@ -467,7 +468,8 @@ class Solution:
             return np.broadcast_to(read.values(self._at(times, read.names)), len(times))
 
         zeros = [np.zeros(0)]
-        for k, times in enumerate(_stretches(self)):
+        stretches = _stretches(self)
+        for k, times in enumerate(stretches):
             blocks = range(0, len(times), BLOCK)
             values = np.concatenate([function(times[j : j + BLOCK]) for j in blocks])
             if not np.isfinite(values).all():
@@ -475,11 +477,30 @@ class Solution:
                     f"{term!r} has no finite value at {self.problem.time_name} = "
                     f"{times[~np.isfinite(values)][0]:.6g}. Request other times."
                 )
-            if k == 0 and abs(values[0]) <= ROUNDINGS * EPS * np.abs(values).max():
+            largest = np.abs(values).max()
+            if k == 0 and abs(values[0]) <= ROUNDINGS * EPS * largest:
                 # A zero at the start may be read as a rounding of either sign.
                 values[0] = 0.0
+            jumps = [*([0] if k else []), *([-1] if k < len(stretches) - 1 else [])]
+            for end in jumps:
+                if abs(values[end]) <= self.error * largest:
+                    # So may a zero at a jump, as at the bounce of a ball.
+                    values[end] = 0.0
             zeros.append(crossings(function, times, values, direction))
         return np.concatenate(zeros)
+
+    @property
+    def change_times(self) -> np.ndarray:
+        """Times at which conditions changed the motion, or pieces met, in order, shape (m,).
+
+        Examples
+        --------
+        >>> from geomtorsion.ode import ODE, When, solve
+        >>> ball = ODE.of({"z": "v", "v": "-10"}, [5, 0], events=[When("z", {"v": "-v/2"})])
+        >>> solve(ball, 2.5).change_times.round(9).tolist()
+        [1.0, 2.0, 2.5]
+        """
+        return np.array(change_times(self.trajectory)) / self.problem.time_unit
 
     def event_derivatives(self, term: object, by: str, direction: int = 0) -> EventDerivative:
         """How the times at which a term crosses zero depend on a parameter or the start.
@@ -767,12 +788,14 @@ def _stretches(solution: Solution) -> list[np.ndarray]:
     """Times close enough to see each crossing, for each stretch in which nothing jumps."""
     unit, breaks = solution.problem.time_unit, solution.problem.breaks()
     stretches: list[list[np.ndarray]] = []
+    changes = 0
     for segment in solution.trajectory.segments:
         begin, end = float(segment.stage.begin), float(segment.run.reached)
         if begin == end:
             continue
         times = close_times(begin, end, segment.run) / unit
-        if stretches and begin / unit not in breaks:
+        jumped, changes = segment.stage.changes > changes, segment.stage.changes
+        if stretches and begin / unit not in breaks and not jumped:
             stretches[-1].append(times[1:])
         else:
             if stretches:

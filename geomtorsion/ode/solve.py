@@ -41,6 +41,7 @@ from geomtorsion.ode.solution import DOUBLE, Cost, Problem, Solution
 from geomtorsion.ode.system import WorkLimitError, checked_engine
 from geomtorsion.ode.trajectory import Trajectory, integrate
 from geomtorsion.support import checks
+from geomtorsion.support.arguments import Times
 from geomtorsion.support.budget import affordable
 from geomtorsion.support.hints import argument_hints
 from geomtorsion.support.precision import GOLDEN
@@ -68,7 +69,7 @@ STOP = "stop= of gt.geodesic or gt.autoparallel, or events=[gt.When(...)] of gt.
 )
 def solve(
     problem: Problem,
-    t: object,
+    t: Times,
     accuracy: float = ACCURACY,
     engine: Engine | None = None,
     checkpoint: str | Path | None = None,

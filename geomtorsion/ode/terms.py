@@ -13,13 +13,15 @@ from geomtorsion.errors import ExpressionError, StartError
 from geomtorsion.exact import parse_expression
 from geomtorsion.exact.element import Element
 from geomtorsion.ode.numbers import Real
+from geomtorsion.ode.pieces import FUNCTIONS, without_kinks, without_piecewise
 from geomtorsion.support import checks
 
 # An output is one expression, or several that make a vector.
 Terms: TypeAlias = sp.Expr | tuple[sp.Expr, ...]
-# Functions that outputs may contain, but rates may not.
-KINKED = {name: getattr(sp, name) for name in ("Abs", "sign", "Max", "Min", "floor", "ceiling")}
-KINKED["abs"] = sp.Abs
+# Functions with kinks or jumps: pieces in rates and conditions. Only outputs may have steps as well.
+KINKED = {name: getattr(sp, name) for name in ("Abs", "sign", "Max", "Min", "Heaviside")}
+KINKED |= {"abs": sp.Abs, "max": sp.Max, "min": sp.Min}
+STEPS = {name: getattr(sp, name) for name in ("floor", "ceiling")}
 
 
 def symbol_table(names: Iterable[str]) -> dict[str, sp.Symbol]:
@@ -46,11 +48,18 @@ def symbol_table(names: Iterable[str]) -> dict[str, sp.Symbol]:
 
 
 def expression(
-    entry: object, where: str, symbols: Mapping[str, sp.Symbol], *, smooth: bool = True
+    entry: object,
+    where: str,
+    symbols: Mapping[str, sp.Symbol],
+    *,
+    smooth: bool = True,
+    functions: Mapping[str, type[sp.Function]] | None = None,
 ) -> sp.Expr:
     """Text, a sympy expression, an exact element or a number, over the known symbols.
 
-    smooth: whether Abs, sign, Max, Min, floor and ceiling are refused in text.
+    smooth: whether Abs, sign, Max, Min and Heaviside become `pieces`, and floor and ceiling are
+        refused in text.
+    functions: further functions by name.
 
     Raises
     ------
@@ -58,12 +67,14 @@ def expression(
         it is none of these, not finite, or contains a name that is not known.
     """
     if isinstance(entry, str):
-        functions = {} if smooth else KINKED
-        return parse_expression(entry, symbols, functions, where=where, decimals=True)
+        functions = {**FUNCTIONS, **KINKED, **({} if smooth else STEPS), **(functions or {})}
+        parsed = parse_expression(entry, symbols, functions, where=where, decimals=True)
+        return without_kinks(parsed) if smooth else parsed
     if isinstance(entry, Element):
         entry = entry.sympy
     if isinstance(entry, sp.Expr):
-        return _renamed(entry, where, symbols)
+        whole = without_piecewise(_renamed(entry, where, symbols), where)
+        return without_kinks(whole) if smooth else whole
     fraction = checks.fraction(entry)
     if fraction is None:
         raise ExpressionError(
@@ -107,28 +118,36 @@ def number(value: Any, what: str) -> Real:
 
 @dataclass(frozen=True)
 class At:
-    """A change at a fixed time: a parameter gets a new value, or a state is set to a new value.
+    """A change at a time: a parameter gets a new value, or a state is set to a new value.
 
-    time: at which the change happens, 0 or later.
-    changes: name of a parameter or state -> its new number.
+    time: at which the change happens, 0 or later; a number, or an expression in the parameters,
+        so that derivatives by these include the shift of the change.
+    changes: name of a parameter or state -> its new number, or an expression (text or sympy) in the
+        states, the parameters and the time just before the change.
 
     Examples
     --------
     >>> from geomtorsion.ode import ODE, solve
-    >>> burn = ODE.of({"v": "a"}, [0], parameters={"a": 2}, events=[At(1.0, {"a": 0})])
-    >>> solve(burn, 3.0)["v"][-1].item()
-    2.0
+    >>> burn = ODE.of({"v": "a"}, [0], parameters={"a": 2, "T": 1}, events=[At("T", {"a": 0})])
+    >>> solution = solve(burn, 3.0, derivatives=["T"])
+    >>> solution["v"][-1].item(), solution["dv_dT"][-1].item()
+    (2.0, 2.0)
     """
 
-    time: float
-    changes: Mapping[str, Real] = field(default_factory=dict, hash=False)
+    time: Any
+    changes: Mapping[str, Any] = field(default_factory=dict, hash=False)
 
 
 @dataclass(frozen=True)
 class When:
-    """A condition that ends the motion: an expression changes from positive to negative.
+    """A condition: an expression changes from positive to negative.
 
     falls: the expression, text or sympy, in the states, the parameters and the time.
+    changes: what happens then: name of a parameter or state -> its new number, or an expression in
+        the states, the parameters and the time just before. Without changes the motion ends.
+
+    A change that carries the expression from positive to negative also counts as a fall. The
+    expression has to rise above zero again before it can fall again.
 
     Examples
     --------
@@ -138,6 +157,13 @@ class When:
     >>> solution = solve(fall, 5.0)
     >>> solution.outcome, round(float(solution.times[-1]), 9)
     ('stopped', 2.0)
+
+    A ball that keeps half of its speed:
+
+    >>> ball = ODE.of({"z": "v", "v": "-10"}, [20, 0], events=[When("z", {"v": "-v/2"})])
+    >>> solve(ball, 3.0)["z"].round(9).tolist()
+    [5.0]
     """
 
     falls: Any
+    changes: Mapping[str, Any] = field(default_factory=dict, hash=False)

@@ -67,8 +67,8 @@ class Stage:
     begin: the time at which it begins.
     events: at most one at a time, and at most one of the guard.
     groups: indices of states that are measured together.
-    kept: a state where the stage is cut -> the same with what rounding and steps took from it put
-        right, such as a length of one; None: nothing is.
+    kept: a state where the stage is cut -> the state with lengths of one restored, or None.
+    changes: how often conditions or pieces have changed the motion before it.
     """
 
     label: str
@@ -79,6 +79,7 @@ class Stage:
     events: tuple[Event, ...] = ()
     groups: tuple[tuple[int, ...], ...] = ()
     kept: Callable[[State], State] | None = None
+    changes: int = 0
 
     def __getstate__(self) -> dict[str, object]:
         return only_fields(self)

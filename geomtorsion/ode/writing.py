@@ -67,8 +67,10 @@ def terms_text(term: sp.Expr | tuple[sp.Expr, ...]) -> str | list[str]:
     return [term_text(part) for part in term] if isinstance(term, tuple) else term_text(term)
 
 
-def number_text(value: Real) -> str:
-    """A number with all its digits; the text of a float begins with f."""
+def number_text(value: Any) -> str:
+    """A number with all its digits; the text of a float begins with f, of an expression with =."""
+    if isinstance(value, sp.Expr) and value.free_symbols:
+        return f"= {term_text(value)}"
     return f"f{value.hex()}" if isinstance(value, float) else str(value)
 
 

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.shadow import draw_shadow
     from geomtorsion.pictures.solar_system import draw_post_newtonian
     from geomtorsion.pictures.solutions import draw_solution
+    from geomtorsion.pictures.stars import draw_stars
     from geomtorsion.pictures.stress import draw_stress
     from geomtorsion.pictures.style import can_draw, save
     from geomtorsion.pictures.tensors import draw_tensor
@@ -66,6 +67,7 @@ _HOMES = {
     "draw_ringing": "ringing",
     "draw_shadow": "shadow",
     "draw_solution": "solutions",
+    "draw_stars": "stars",
     "draw_stress": "stress",
     "draw_survey": "measured",
     "draw_tensor": "tensors",
@@ -98,6 +100,7 @@ __all__ = [
     "draw_ringing",
     "draw_shadow",
     "draw_solution",
+    "draw_stars",
     "draw_stress",
     "draw_survey",
     "draw_tensor",

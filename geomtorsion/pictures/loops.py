@@ -13,6 +13,7 @@ from geomtorsion.errors import LoopError, ShapeError
 from geomtorsion.loops import BurgersMap, BurgersVector, Hodograph, Loop, hodograph, outline
 from geomtorsion.pictures.style import FLAT, arrow, new_figure, quiet, sense
 from geomtorsion.support import checks
+from geomtorsion.support.outgoing import measured_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -159,9 +160,7 @@ def _draw_image(axes: Axes, drawn: Hodograph, b: BurgersVector) -> None:
         write(*(start + 0.55 * step), "  b", color=GAP, fontsize=13, va="bottom")
     axes.plot(*points[:, :1], "o", color=START, markersize=5)
     _label(axes, [f"$X^{k + 1}${_over(drawn.unit)}" for k in chosen])
-    size = f"|b| = {b.magnitude:.4g}" if b.magnitude else "|b| = 0"
-    if b.magnitude and not b.vanishes and b.magnitude > 1e-300:
-        size += f" ± {b.error:.0e}" if b.error else ""
+    size = f"|b| = {measured_text(b.magnitude, 0.0 if b.vanishes else b.error)}"
     grown = "" if drawn.magnified == 1 else f", gap enlarged {_power(drawn.magnified)} times"
     axes.set_title(f"its image in the frame{grown}\n{size}", fontsize=11, color=START)
 

@@ -21,6 +21,7 @@ from geomtorsion.pictures.style import (
     number,
 )
 from geomtorsion.support import checks
+from geomtorsion.support.outgoing import count_text, measured_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -68,7 +69,7 @@ def draw_survey(survey: Survey, layer: int | None = None) -> Figure:
     unit = f" in {survey.density_unit}" if survey.density_unit else ""
     figure.colorbar(mesh, ax=left, shrink=0.86).ax.tick_params(labelsize=8)
     left.set_title(f"|b| per area{unit}", fontsize=11)
-    _arrows(left, survey, chosen)
+    has_arrows = _arrows(left, survey, chosen)
     top = 2 * survey.level
     significance = survey.laid(survey.significance)[..., chosen]
     mesh = _shaded(right, corners, points, significance, cmap="RdBu_r", vmin=0, vmax=top)
@@ -78,7 +79,7 @@ def draw_survey(survey: Survey, layer: int | None = None) -> Figure:
     right.set_title("|b| in units of its errors", fontsize=11)
     for axes in (left, right):
         _place(axes, survey.axes, survey.unit, corners, down=survey.down)
-    captioned(figure, _said(survey, chosen))
+    captioned(figure, _said(survey, chosen, has_arrows=has_arrows))
     return figure
 
 
@@ -133,7 +134,9 @@ def draw_circuits(
         names = (source.names[one], source.names[two])
         _place(axes, names, source.unit, edges[k], down=backdrops[k].down)
     note = "Arrows show the part of b in the plane of the map, all at one scale"
-    lines = [f"{note}; grey arrows may be noise."] if vectors else []
+    arrows = [v for v in vectors if v.arrow is not None and np.any(v.arrow)]
+    doubt = "" if all(v.is_significant for v in arrows) else "; grey arrows may be noise"
+    lines = [f"{note}{doubt}."] if arrows else []
     if refused:
         lines.append("Dashed: circuits without a Burgers vector; the text gives the reason.")
     captioned(figure, lines)
@@ -177,8 +180,7 @@ def _draw_group(
                 minlength=0,
                 zorder=5,
             )
-        noise = f" ± {vector.noise:.2g}" if vector.noise else ""
-        text = f"|b| = {vector.magnitude:.3g}{noise} {vector.unit}".rstrip()
+        text = f"|b| = {measured_text(vector.magnitude, vector.error, vector.unit)}"
         if vector.whole.size:
             text = f"b = ({', '.join(map(str, vector.whole.tolist()))}) lattice vectors"
         axes.annotate(
@@ -257,20 +259,18 @@ def _shades(survey: Survey, density: np.ndarray) -> dict[str, Any]:
     return {"vmin": 0.0, "vmax": largest or 1.0}
 
 
-def _arrows(axes: Axes, survey: Survey, layer: int) -> None:
-    """The part of b in the plane, at some positions where it is significant."""
+def _arrows(axes: Axes, survey: Survey, layer: int) -> bool:
+    """The part of b in the plane, at some positions where it is significant; whether any is."""
     if survey.arrows is None or not survey.on_grid:
-        return
+        return False
     mask = survey.laid(survey.significant & survey.known)[..., layer]
     spacing = -(-max(mask.shape) // STYLE.arrows)
     first = spacing // 2
     part = (slice(first, None, spacing), slice(first, None, spacing))
     vectors, shown = survey.laid(survey.arrows)[:, *part, layer], mask[part]
-    if not shown.any():
-        return
     lengths = np.where(shown, np.hypot(*vectors), 0.0)
-    if lengths.max() == 0:
-        return
+    if lengths.max(initial=0.0) == 0:
+        return False
     places = np.meshgrid(*(line[first::spacing] for line in survey.lines), indexing="ij")
     steps = [abs(float(line[1] - line[0])) if len(line) > 1 else 1.0 for line in survey.lines]
     # All are as long, and hardly reach to the next: colours show the size.
@@ -289,6 +289,7 @@ def _arrows(axes: Axes, survey: Survey, layer: int) -> None:
         pivot="middle",
         zorder=5,
     )
+    return True
 
 
 def _corners(lines: Sequence[np.ndarray], scattered: bool) -> tuple[np.ndarray, ...]:
@@ -325,8 +326,8 @@ def _place(
     axes.set_facecolor("#8b8f96")
 
 
-def _said(survey: Survey, layer: int) -> list[str]:
-    """Caption of the figure, with numbers."""
+def _said(survey: Survey, layer: int, *, has_arrows: bool) -> list[str]:
+    """Caption of the figure, with numbers; has_arrows: whether the figure shows directions."""
     mask = survey.laid(survey.known)[..., layer]
     count = int(mask.sum())
     significant = int((survey.laid(survey.significant)[..., layer] & mask).sum())
@@ -334,16 +335,15 @@ def _said(survey: Survey, layer: int) -> list[str]:
     lines = [
         (
             f"Circuits of {survey.extent}{where}: {significant:,} of {count:,} are more than noise "
-            f"explains (white: above {number(round(survey.level, 2))}, "
-            "which noise exceeds in 0.1 %)."
+            f"explains (red: above {number(round(survey.level, 2))}, which is white; noise exceeds "
+            "it in 0.1 %)."
         )
     ]
     if count < mask.size:
-        lines.append(f"Grey: {mask.size - count:,} circuits {survey.missing}.")
+        lines.append(f"Grey: {count_text(mask.size - count, 'circuit')} {survey.missing}.")
     if count:
         floor = float(np.median(survey.laid(survey.floor)[..., layer][mask]))
         unit = f" {survey.density_unit}" if survey.density_unit else ""
-        lines.append(
-            f"Noise only: {floor:.2g}{unit}; arrows: the direction of b in the plane of the map."
-        )
+        arrows = "; arrows: the direction of b in the plane of the map" if has_arrows else ""
+        lines.append(f"Noise only: {floor:.2g}{unit}{arrows}.")
     return lines

@@ -26,6 +26,7 @@ from geomtorsion.pictures.style import (
     space_box,
 )
 from geomtorsion.support import checks
+from geomtorsion.support.outgoing import count_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -163,7 +164,7 @@ def draw_dislocations(
         else:
             axes.plot(x, y, "o", color=GOOD, ms=9, zorder=4)
     rule = "b is conserved at every inner node"
-    broken = f"b is not conserved at {len(violations)} node{'s' * (len(violations) > 1)}"
+    broken = f"b is not conserved at {count_text(len(violations), 'node')}"
     axes.set_title(broken if violations else rule, fontsize=11)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.15)
@@ -237,7 +238,10 @@ CIRCUIT = "#d01c8b"
 
 
 def draw_lines(
-    net: DislocationNetwork, loops: Sequence[Loop] = (), symmetry: str = "cubic"
+    net: DislocationNetwork,
+    loops: Sequence[Loop] = (),
+    symmetry: str = "cubic",
+    unit: str = "",
 ) -> Figure:
     """Lines in their box, coloured by family, with circuits; beside them length by family.
 
@@ -250,6 +254,8 @@ def draw_lines(
         Circuits, in the coordinates of the nodes.
     symmetry
         As for `DislocationNetwork.families`; lines of a crystal have their families already.
+    unit
+        Of the positions; without it the axes name the unit of the positions.
 
     Returns
     -------
@@ -273,22 +279,25 @@ def draw_lines(
         families, family = named_families(lines, names)
     grid = figure.add_gridspec(1, 2, width_ratios=(2.3, 1))
     space = figure.add_subplot(grid[0], projection="3d")
-    _draw_space(space, lines, family, loops)
+    _draw_space(space, lines, family, loops, unit or "unit of the positions")
     broken = {one.node for one in net.node_rule()}
     wrong = [k for k, label in enumerate(lines.labels) if label in broken]
     if wrong:
         space.scatter(*lines.positions[wrong].T, color=CIRCUIT, s=26, depthshade=False, zorder=6)
     _draw_shares(figure.add_subplot(grid[1]), families)
     rule = "b is conserved at every inner node"
-    count = f"b is not conserved at {len(broken)} node{'s' * (len(broken) > 1)}"
+    count = f"b is not conserved at {count_text(len(broken), 'node')}"
     figure.suptitle(
-        f"{len(net.graph):,} nodes, {len(net.lines):,} lines; {count if broken else rule}",
+        f"{count_text(len(net.graph), 'node')}, {count_text(len(net.lines), 'line')}; "
+        f"{count if broken else rule}",
         fontsize=11,
     )
     return figure
 
 
-def _draw_space(axes: Axes3D, lines: LineArrays, family: np.ndarray, loops: Sequence[Loop]) -> None:
+def _draw_space(
+    axes: Axes3D, lines: LineArrays, family: np.ndarray, loops: Sequence[Loop], unit: str
+) -> None:
     """Lines by family, the box, and circuits."""
     from mpl_toolkits.mplot3d.art3d import Line3DCollection  # only who draws needs the extra
 
@@ -319,7 +328,7 @@ def _draw_space(axes: Axes3D, lines: LineArrays, family: np.ndarray, loops: Sequ
         low, high = np.minimum(low, points.min(axis=1)), np.maximum(high, points.max(axis=1))
     # A flat network also has a box.
     least = 0.02 * float((high - low).max())
-    space_box(axes, ["x", "y", "z"], low - least, high + least)
+    space_box(axes, [f"{name} / {unit}" for name in "xyz"], low - least, high + least)
     axes.tick_params(axis="z", pad=4)
     axes.set_box_aspect(high - low + 2 * least, zoom=0.95)
 

@@ -38,7 +38,7 @@ from geomtorsion.spaces import Pair, refuse_unknown_functions, solve_pair
 from geomtorsion.spaces.first_motion import first_motion
 from geomtorsion.support import checks
 from geomtorsion.support.files import write_texts
-from geomtorsion.support.outgoing import html_text, size_text
+from geomtorsion.support.outgoing import html_text, measured_text, size_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -269,9 +269,8 @@ def loop_card(space: Space, progress: Callable[[str], object] = lambda _: None) 
     except GeomtorsionError as error:
         return f'<section class="card"><p>No loop: {html_text(str(error))}</p></section>'
     # A component no larger than its error is shown as zero.
-    components = ", ".join(f"{x if abs(x) > 3 * b.error else 0:.6g}" for x in b.vector)
-    error = size_text(b.error, 0)
-    text = f"A {b.loop.name} fails to close by b = ({components}), error below {error}."
+    components = [x if abs(x) > 3 * b.error else 0.0 for x in b.vector.tolist()]
+    text = f"A {b.loop.name} fails to close by b = {measured_text(components, b.error)}."
     if b.magnitude <= 3 * b.error:
         text = "Circles close: there is no torsion, or none that a small circle sees here."
     return f'<section class="card"><p>{html_text(text)}</p>{picture or NO_PICTURES}</section>'

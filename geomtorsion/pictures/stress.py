@@ -13,6 +13,7 @@ from geomtorsion.materials.lines import DislocationNetwork
 from geomtorsion.pictures.loops import START
 from geomtorsion.pictures.style import STYLE, captioned, new_figure, pictured
 from geomtorsion.support import checks
+from geomtorsion.support.outgoing import measured_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -137,10 +138,9 @@ def _draw_lines(axes: Axes, result: Stresses, plane: tuple[int, int, int], layer
 
 def _caption(result: Stresses, axis: str, places: np.ndarray) -> list[str]:
     """Position of the layer, error and corrections."""
-    unit = f" {result.unit}" if result.unit else ""
     length = f" {result.length_unit}" if result.length_unit else ""
     at = f"Layer {axis} = {float(places.mean()):.4g}{length}. "
     if result.cell.shape[NAMES.index(axis)] == 1:
         at = f"Nothing depends on {axis}. "
-    error = f"Largest stress {result.largest:.3g}{unit}, error {result.error:.1g}{unit}"
-    return [at + error + ".", *result.corrections]
+    size = measured_text(result.largest, result.error, result.unit)
+    return [f"{at}Largest stress {size}.", *result.corrections]

@@ -49,3 +49,8 @@ __all__ = [
     "tabulated",
     "truth_of",
 ]
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return [*__all__]

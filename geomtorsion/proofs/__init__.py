@@ -6,3 +6,8 @@ from geomtorsion.proofs.orbits import ClosedOrbit
 from geomtorsion.proofs.prove import Proof, prove
 
 __all__ = ["ClosedOrbit", "Crossing", "Proof", "closed_orbit", "poincare", "prove"]
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return [*__all__]

@@ -44,10 +44,12 @@ def as_ode(problem: object) -> ODE:
         It is neither an ODE nor a curve with a start, or its equations change or depend on time.
     """
     if isinstance(problem, ODE):
-        if problem.events or problem.normalized or problem.rates.stop is not None:
+        changes = problem.events or problem.is_switched or problem.rates.stops
+        if changes or problem.normalized:
             raise ArgumentError(
                 "problem: expected equations without events and without states of length one, got "
-                f"{problem}. Write it without them."
+                f"{problem}. Restrict it to other states, problem.restricted([...]), or write it "
+                "without them."
             )
         if problem.rates.has_clock:
             raise ArgumentError(
@@ -245,8 +247,16 @@ class Closing:
             return
         rates = self.problem.rates.expressions
         image = {real(x): 2 * value - real(x) for x, value in self.mirrored.items()}
+        loose = {name for name, x in self.shift.items() if x is None}
+        both = sorted(loose & self.mirrored.keys())
+        if both:
+            raise ArgumentError(
+                f"symmetry: expected states that return, got {both[0]}, which need not return. "
+                "Drop it from symmetry."
+            )
         for name, rate in rates.items():
-            sign = -1 if name in self.mirrored else 1
+            # A state that need not return grows by the same amount in both halves.
+            sign = -1 if name in self.mirrored or name in loose else 1
             if not vanishes(rate.xreplace(image) + sign * rate):
                 raise ArgumentError(
                     "symmetry: expected states whose change of sign reverses the motion, got "

@@ -12,10 +12,14 @@ from typing import Any, Protocol
 
 from flint import arb, fmpq
 
-from geomtorsion.codegen import Graph, rational
+from geomtorsion.codegen import Graph, graph, rational
 from geomtorsion.codegen.balls import BallCode, exact_ball
+from geomtorsion.errors import ProofError
 from geomtorsion.ode import ODE
+from geomtorsion.ode.pieces import has_pieces
+from geomtorsion.ode.problem import flat
 from geomtorsion.ode.rates import CLOCK
+from geomtorsion.proofs.centres import RegularStart
 from geomtorsion.proofs.events import Fall
 from geomtorsion.proofs.motions import Leg, RefusalError
 from geomtorsion.proofs.series import BallSystem
@@ -109,9 +113,12 @@ class OdeCourse:
         """Changes at the beginning of a stretch, lengths of one, and the clock."""
         rates, size = self.problem.rates, self.problem.size
         start_values = self.start or self.problem.start
-        boxes = (
-            [exact_ball(x) for x in start_values] if before is None else before.whole.hull[:size]
-        )
+        if before is None and self.regular is not None:
+            boxes = self._regular_boxes(self.regular, stretch.begin)
+        elif before is None:
+            boxes = [exact_ball(x) for x in start_values]
+        else:
+            boxes = before.whole.hull[:size]
         changed: set[str] = set()
         for event in self.problem.events:
             if exact_time(event.time) == stretch.begin:
@@ -132,6 +139,24 @@ class OdeCourse:
         if before is not None and not changed and not self._varied:
             return before, leg
         return Position(self._set(stretch, before, boxes, changed)), leg
+
+    @cached_property
+    def regular(self) -> RegularStart | None:
+        """The regular solution at a pole beside which the motion starts, or None."""
+        if self.start or self.problem.centre is None:
+            return None
+        return RegularStart.of(self.problem, self.parameters)
+
+    def _regular_boxes(self, regular: RegularStart, time: fmpq) -> list[arb]:
+        """States at the start, by a series from the pole."""
+        if self.by:
+            raise RefusalError(
+                "derivatives from a pole of the rates are not proved", time, "Omit derivatives."
+            )
+        try:
+            return regular.boxes()
+        except ProofError as error:
+            raise RefusalError(str(error), time) from None
 
     # -- derivatives -------------------------------------------------------------------------------
 
@@ -211,6 +236,8 @@ class OdeCourse:
             self.problem.system, numbers, backwards=self.backwards, varied=self._varied
         )
         term, fall = rates.stop_graph, None
+        if term is not None and not isinstance(term, Graph):
+            raise RefusalError("a stop given by pieces is not proved", stretch.begin)
         if term is not None:
             fall = Fall(system, term, rates.states, given, CLOCK if rates.has_clock else None)
         return Leg(system, stretch.begin, stretch.end, stretch.samples, fall)
@@ -230,7 +257,7 @@ class OdeCourse:
         room = fall.value(boxes)
         if not room > 0 and not (is_start and room >= 0):
             raise RefusalError(
-                f"the stop {self.problem.rates.stop} is {float(room.mid()):.6g}, or this is not "
+                f"the stop {self.problem.stop_texts[0]} is {float(room.mid()):.6g}, or this is not "
                 "proved",
                 time,
                 "Start where it is above zero.",
@@ -239,6 +266,32 @@ class OdeCourse:
     def names(self, label: str) -> tuple[str, ...]:
         """The states."""
         return self.problem.states
+
+    def outputs(self, time: arb, when: fmpq, box: Sequence[arb]) -> dict[str, Any]:
+        """Smooth outputs at a time, from the states there; tuples for vectors.
+
+        when: about this time, at which parameters have their values.
+        """
+        terms, code = self._outputs
+        if not terms:
+            return {}
+        values, table = self._values(when), {}
+        given = [exact_ball(values[name]) for name in self.problem.rates.parameters]
+        row = code.real([*box[: self.problem.size], *given, time])
+        for name, term in terms.items():
+            if isinstance(term, tuple):
+                table[name], row = tuple(row[: len(term)]), row[len(term) :]
+            else:
+                table[name], row = row[0], row[1:]
+        return table
+
+    @cached_property
+    def _outputs(self) -> tuple[dict[str, Any], BallCode]:
+        """Outputs without pieces, whose values in balls are known, and their code."""
+        every = {name: flat({name: term}) for name, term in self.problem.outputs.items()}
+        smooth = {name: row for name, row in every.items() if not has_pieces(row)}
+        terms = {name: self.problem.outputs[name] for name in smooth}
+        return terms, BallCode(graph(self.problem.rates.names, flat(terms), factor=False))
 
     def shown(self, label: str, box: Sequence[arb]) -> list[arb]:
         """The states without the clock."""

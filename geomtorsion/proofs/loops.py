@@ -210,9 +210,10 @@ def _integrals(
                 if not value.is_finite():
                     point = shown(float(x.mid()) for x in arc.places(arb(0.5)))
                     raise ProofError(
-                        f"b[{i}] has no enclosure on the arc through {point}: it is too close to a "
-                        f"pole or to the edge of a function for {MOST_EVALUATIONS:,} evaluations. "
-                        "Move the loop further away from that point."
+                        f"b[{i}] has no enclosure on the arc through {point}: after "
+                        f"{MOST_EVALUATIONS:,} evaluations on ever shorter pieces, a pole or the "
+                        "edge of a function is still too close, or the coframe changes too "
+                        "often. Move the loop further away from that point, or divide it."
                     )
                 total[i] += part.times * value.real
     return Integrals(tuple(total), bits, arcs)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeAlias
 
 import flint
@@ -59,6 +59,7 @@ class Proof(WithBalls):
     holds: True: the result is within its error; False: it is not; None: the balls do not decide.
     bits, steps, seconds: the precision, the steps (arcs of a loop), and the time that it took.
     assumes: assumptions of the proof.
+    outputs: outputs of a solution at each of its times; and where a condition stops it, the time.
     start, parameters, derivatives: as given to `prove`.
     """
 
@@ -73,6 +74,7 @@ class Proof(WithBalls):
     steps: int
     seconds: float
     assumes: tuple[str, ...]
+    outputs: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
     start: Any = None
     parameters: Mapping[str, Any] | None = None
     derivatives: tuple[str, ...] = ()
@@ -105,6 +107,8 @@ class Proof(WithBalls):
         UnknownNameError
             Nothing has this name, or not in the chart at one of the times.
         """
+        if name in self.outputs:
+            return self.outputs[name]
         if not isinstance(self.balls[0], tuple):
             checks.known_name(name, self.names, "name", UnknownNameError)
             return self.balls[self.names.index(name)]
@@ -160,9 +164,16 @@ class Proof(WithBalls):
         row, names = self.balls, self.names
         if isinstance(row[0], tuple):
             row, names = row[-1], names[-1]
+        last = {name: values[-1] for name, values in self.outputs.items()}
+        rows = [*zip(names, row, strict=True), *last.items()]
         with ball_precision(self.bits):
-            shown = [certain_digits(ball, self.digits) for ball in row]
-        return [f"{name} = {text}" for name, text in zip(names, shown, strict=True)]
+            return [f"{name} = {self._text(ball)}" for name, ball in rows]
+
+    def _text(self, ball: Any) -> str:
+        """The certain digits of a ball, or of each part of a vector."""
+        if isinstance(ball, tuple):
+            return f"({', '.join(map(self._text, ball))})"
+        return certain_digits(ball, self.digits)
 
     def to_json(self) -> dict[str, Any]:
         """The proof as a JSON-ready mapping: values with their certain digits, as text."""
@@ -449,11 +460,13 @@ def _solution(
             tuple(x for row in (box, *columns) for x in task.course.shown(sample.label, row))
             for sample, (box, columns) in shown
         )
+        outputs = task.outputs(motion, len(result.times))
     charts = tuple(sample.label for sample, _ in shown)
     names = tuple(_with_derivatives(task.course.names(label), by) for label in charts)
+    more = task.assumes
     return lambda seconds, assumes: Proof(
         result, balls, names, charts, digits, bound, holds, motion.bits, motion.steps, seconds,
-        assumes,
+        (*more, *assumes), outputs,
     )  # fmt: skip
 
 

@@ -266,6 +266,31 @@ class SolutionTask:
         if self.end is not None and motion.stop is not None:
             yield self.end, motion.stop[1]
 
+    @property
+    def assumes(self) -> tuple[str, ...]:
+        """An assumption of a motion from beside a pole whose values there are not exact."""
+        course = self.course
+        if not isinstance(course, OdeCourse) or course.start or course.problem.centre is None:
+            return ()
+        if course.regular is not None:
+            return ()
+        return ("the start beside the pole is the number of a power series without a bound",)
+
+    def outputs(self, motion: MotionBalls, count: int) -> dict[str, tuple[Any, ...]]:
+        """Outputs by name at the last samples, and the time where the motion is stopped."""
+        if not isinstance(self.course, OdeCourse):
+            return {}
+        sign, rows = -1 if self.course.backwards else 1, []
+        for sample, (box, _) in list(self.pairs(motion))[-count:]:
+            is_end = sample is self.end and motion.stop is not None
+            time = motion.stop[0] if is_end and motion.stop else arb(sample.time)
+            rows.append(self.course.outputs(sign * time, sample.time, box))
+        table = {name: tuple(row[name] for row in rows) for name in (rows[0] if rows else ())}
+        time_name = self.solution.problem.time_name
+        if motion.stop is not None and time_name not in {*table, *self.course.names("")}:
+            table[time_name] = (sign * motion.stop[0],)
+        return table
+
     def gap(self, motion: MotionBalls) -> arb:
         """|result - truth| at the worst sample, each group of states against its largest size.
 
@@ -338,6 +363,12 @@ def course_of(
 ) -> Course:
     """The course of a problem; by: names by which derivatives are taken."""
     if isinstance(problem, ODE):
+        if problem.is_switched or len(problem.rates.stops) > 1:
+            raise ArgumentError(
+                "expected equations that change at fixed times only and have at most one stop, got "
+                f"{problem}, which has pieces, tables, conditions with changes, or several stops. "
+                "Prove each part by itself, from where the part before it ends."
+            )
         start_balls = _start(problem.states, problem.start, start)
         return OdeCourse(problem, backwards, start_balls, dict(parameters or {}), by)
     if isinstance(problem, CurveProblem):

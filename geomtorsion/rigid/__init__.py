@@ -9,3 +9,8 @@ __all__ = [
     "free_top",
     "se3",
 ]
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return [*__all__]

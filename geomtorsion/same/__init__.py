@@ -30,3 +30,8 @@ __all__ = [
     "same_geometry",
     "symmetries",
 ]
+
+
+def __dir__() -> list[str]:
+    """All public names."""
+    return [*__all__]

@@ -379,7 +379,7 @@ def _solve_group(
 ) -> None:
     """Solve motions of equal equations, in the way that suits them, and measure them."""
     first = members[0].scene or scene
-    if first.ode.rates.stop is not None or np.ndim(first.t):
+    if first.ode.rates.stops or first.ode.is_switched or np.ndim(first.t):
         _one_by_one(scene, members, engine, found)
     elif engine is None and closed_form(first) is not None:
         _in_closed_form(scene, members, found)

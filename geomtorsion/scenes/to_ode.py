@@ -80,14 +80,11 @@ def ode_of(selection: StateSelection, start: State, correct: Assembly, name: str
     }
     parts = [part for key, part in assembly.parts.items() if key in selection.effects]
     stops = [part.stop for part in parts if part.stop is not None]
-    if len(stops) > 1:
-        raise SceneError("expected one effect that stops the motion, got two. Keep one of them.")
     events: list[At | When] = []
     for part in parts:
         # Times are numbers of any kind; `ODE.of` checks them.
         events += [At(time, changes) for time, changes in part.switches]  # type: ignore[arg-type]
-    if stops:
-        events.append(When(assembly.constrained(stops[0]).xreplace(chosen)))
+    events += [When(assembly.constrained(stop).xreplace(chosen)) for stop in stops]
     numbers, parameters = start_of(selection, start), parameters_of(selection, start)
     form = _Form(
         *_laws(selection, correct),
@@ -344,8 +341,10 @@ def is_constant(assembly: Assembly, quantity: sp.Expr) -> bool:
     # Digits show nothing new about a rate that vanishes for all values of the parameters.
     exactly = not _vanishes(quantity, rates)
     chance = Random(20)
-    # One place could be a zero of the rate by accident, three are none.
-    return all(_is_zero(quantity, rates, values, chance, exactly=exactly) for _ in range(3))
+    # One place could be a zero of the rate by accident, three are none. A rate that vanishes for
+    # all values needs one, at which it has a value.
+    places = range(3 if exactly else 1)
+    return all(_is_zero(quantity, rates, values, chance, exactly=exactly) for _ in places)
 
 
 # A state and its rate.

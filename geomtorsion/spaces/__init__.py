@@ -11,24 +11,34 @@ from geomtorsion.spaces.space import KnownAnswer, Space
 if TYPE_CHECKING:
     from geomtorsion.spaces import first_motion
     from geomtorsion.spaces.identification import Identification, Identified, identify
+    from geomtorsion.spaces.kerr_orbits import Frequencies, KerrOrbit, kerr_orbit, kerr_orbit_of
+    from geomtorsion.spaces.kerr_plunges import KerrPlunge, kerr_plunge
     from geomtorsion.spaces.pair import Pair, pair_problems, refuse_unknown_functions, solve_pair
 
 # Names imported on first use: loading a space needs no motions and no comparison.
 _LATER = {
     "Pair": "pair", "pair_problems": "pair", "refuse_unknown_functions": "pair",
     "solve_pair": "pair", "Identification": "identification", "Identified": "identification",
-    "identify": "identification",
+    "identify": "identification", "Frequencies": "kerr_orbits", "KerrOrbit": "kerr_orbits",
+    "kerr_orbit": "kerr_orbits", "kerr_orbit_of": "kerr_orbits", "KerrPlunge": "kerr_plunges",
+    "kerr_plunge": "kerr_plunges",
 }  # fmt: skip
 
 __all__ = [
+    "Frequencies",
     "Identification",
     "Identified",
+    "KerrOrbit",
+    "KerrPlunge",
     "KnownAnswer",
     "Pair",
     "Space",
     "disagreements",
     "first_motion",
     "identify",
+    "kerr_orbit",
+    "kerr_orbit_of",
+    "kerr_plunge",
     "load",
     "names",
     "pair_problems",

@@ -1,19 +1,20 @@
-"""kerr_orbits: bound orbits of a rotating black hole by (a, p, e, x), with their frequencies."""
+"""kerr_orbits: orbits of a rotating black hole by their shape or constants, with frequencies."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import TypeAlias
+from collections.abc import Callable
+from dataclasses import dataclass, field
 
 import mpmath
 import numpy as np
+from scipy.integrate import quad
 
 from geomtorsion.curves.constructors import geodesic
 from geomtorsion.curves.problem import CurveProblem
 from geomtorsion.errors import AccuracyError, StartError
 from geomtorsion.ode.problem import ODE
+from geomtorsion.spaces.kerr_constants import constants, inclination, radial_roots
 from geomtorsion.spaces.registry import load
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
@@ -23,9 +24,6 @@ from geomtorsion.support.precision import CALCULATED, CONSTANT_BITS, working_pre
 FIRST_PLACES = 64
 # So many places serve all orbits but those that hover beside the separatrix for hundreds of turns.
 MOST_PLACES = 2**20
-
-# Coefficients of r^0, r^1, ...
-Polynomial: TypeAlias = Sequence[int | mpmath.mpf]
 
 
 @dataclass(frozen=True)
@@ -45,13 +43,17 @@ class Frequencies:
 
 @dataclass(frozen=True)
 class KerrOrbit:
-    """A bound geodesic of Kerr's space in units of the mass M = 1; made by `kerr_orbit`.
+    """A geodesic of Kerr's space that does not fall in, for the mass M = 1; made by `kerr_orbit`.
+
+    It is bound for e < 1, and comes from infinity and returns there (scattering) for e >= 1.
 
     a: spin; p: semilatus rectum; e: eccentricity; x: cosine of the inclination.
     energy, angular_momentum, carter: E = -p_t, L = p_phi and Q of a particle of unit mass.
-    radii: roots r1 >= r2 > r3 >= r4 of the radial equation; the orbit is between r2 and r1.
+    radii: roots r1 >= r2 > r3 >= r4 of the radial equation; the orbit is between r2 and r1. For
+        scattering r1 is negative, or infinite if e = 1, and the orbit is beyond r2.
     reduced: L / x, which is finite for polar orbits also.
     `room`: r2 - r3, which vanishes at the separatrix.
+    remark: how a negative spin was read, or "".
 
     Examples
     --------
@@ -70,6 +72,82 @@ class KerrOrbit:
     radii: tuple[float, float, float, float]
     reduced: float
     room: float
+    remark: str = field(default="", compare=False)
+
+    def __repr__(self) -> str:
+        kind = "bound orbit" if self.e < 1 else "scattering orbit"
+        words = ", ".join(f"{name} = {getattr(self, name):.8g}" for name in "apex")
+        sense = " against the spin" if self.x < 0 < self.a else ""
+        return f"{kind} of Kerr{sense}: {words}{'; ' * bool(self.remark)}{self.remark}"
+
+    def _check_bound(self, what: str) -> None:
+        """Refuse a question that only a bound orbit answers."""
+        if self.e >= 1:
+            raise StartError(
+                f"{what}: expected a bound orbit, 0 <= e < 1, got e = {self.e:.6g}, which does not "
+                "return. Ask for its deflection."
+            )
+
+    @property
+    def _scale(self) -> float:
+        """(1 - E^2)/(1 - e^2), which has a limit at e = 1."""
+        if self.e == 1:
+            return 1 / self.p
+        return (1 - self.energy) * (1 + self.energy) / ((1 - self.e) * (1 + self.e))
+
+    @cached_property
+    def mino_reach(self) -> float:
+        """Mino time from the periapsis of a scattering orbit to infinity, which is finite.
+
+        Raises
+        ------
+        StartError
+            the orbit is bound.
+        """
+        return quad(lambda psi: 1 / float(self._radial_speed(psi)), 0, self._infinity)[0]
+
+    @cached_property
+    def deflection(self) -> float:
+        """Angle by which the hole turns the direction of a scattering orbit, in radians.
+
+        It is the change of phi on the whole way less half a turn, against the spin with the sign of
+        the orbit.
+
+        Raises
+        ------
+        StartError
+            the orbit is bound, or is not in the equator of a hole with spin.
+
+        Examples
+        --------
+        >>> round(kerr_orbit(0, 200, 2).deflection + math.pi - 2 * math.acos(-1 / 2), 3)
+        0.083
+        """
+        if self.a and abs(self.x) < 1:
+            raise StartError(
+                f"deflection: expected an orbit in the equator, x = 1 or -1, got x = {self.x:.6g}. "
+                "Follow the orbit with geodesic()."
+            )
+        a, energy = self.a, self.energy
+        sense = 1.0 if self.x >= 0 else -1.0
+        turn = sense * self.reduced
+
+        def rate(psi: float) -> float:
+            r = float(self.radius(np.asarray(psi)))
+            pull = a * (energy * (r**2 + a**2) - a * turn) / (r**2 - 2 * r + a**2) if a else 0.0
+            return (pull + turn - a * energy) / float(self._radial_speed(np.asarray(psi)))
+
+        swept = 2 * quad(rate, 0, self._infinity, epsabs=0, epsrel=CALCULATED, limit=500)[0]
+        return sense * (abs(swept) - math.pi)
+
+    @property
+    def _infinity(self) -> float:
+        """The angle psi at which r is infinite."""
+        if self.e < 1:
+            raise StartError(
+                f"expected a scattering orbit, e >= 1, got e = {self.e:.6g}. Ask for frequencies."
+            )
+        return math.acos(-1 / self.e)
 
     @property
     def _bound(self) -> float:
@@ -95,7 +173,7 @@ class KerrOrbit:
             low, high = (1 + e) * (1 + mpmath.sqrt(1 - a * a)), mpmath.mpf(self.p)
             while float(low) != float(high):
                 middle = (low + high) / 2
-                bound = _constants(a, middle, e, x) is not None
+                bound = constants(a, middle, e, x) is not None
                 low, high = (low, middle) if bound else (middle, high)
         return float(high)
 
@@ -105,8 +183,8 @@ class KerrOrbit:
 
     def _radial_speed(self, psi: np.ndarray) -> np.ndarray:
         """d psi / d lambda."""
-        scale = (1 - self.energy) * (1 + self.energy) / ((1 - self.e) * (1 + self.e))
-        r, r4 = self.radius(psi), self.radii[3]
+        scale, r4 = self._scale, self.radii[3]
+        r = self.radius(psi)
         # r - r3 as a sum of two parts that are positive, so that nothing cancels.
         above = self.room + r * self.e * 2 * np.sin(psi / 2) ** 2 / (1 + self.e)
         return self.p * np.sqrt(scale * above / r * (1 - r4 / r))
@@ -136,6 +214,7 @@ class KerrOrbit:
     @cached_property
     def frequencies(self) -> Frequencies:
         """Frequencies per unit of the time t of Boyer and Lindquist, as seen from afar."""
+        self._check_bound("frequencies")
         a, energy, turn = self.a, self.energy, self.angular_momentum
 
         def radial(psi: np.ndarray) -> np.ndarray:
@@ -149,12 +228,14 @@ class KerrOrbit:
     @cached_property
     def proper_frequencies(self) -> Frequencies:
         """Frequencies per unit of proper time."""
+        self._check_bound("frequencies")
         rate = self._mean_radial(lambda psi: self.radius(psi) ** 2)
         rate += self.a**2 * self._mean_polar(self._height)
         return self._frequencies("tau", rate)
 
     def _frequencies(self, time: str, rate: float) -> Frequencies:
         """The frequencies of Mino time, per unit of another time."""
+        self._check_bound("frequencies")
         a, energy, turn = self.a, self.energy, self.angular_momentum
 
         def dragged(psi: np.ndarray) -> np.ndarray:
@@ -224,7 +305,7 @@ class KerrOrbit:
         values = {
             "a": self.a, "p": self.p, "e": self.e, "E": self.energy, "L": self.angular_momentum,
             "r3": r3, "r4": r4, "l": self.reduced, "z2": z2,
-            "scale": (1 - self.energy) * (1 + self.energy) / ((1 - self.e) * (1 + self.e)),
+            "scale": self._scale,
             "b": self._bound,
         }  # fmt: skip
         radius, height = "(p/(1 + e*cos(psi)))", "(z2*cos(chi)**2)"
@@ -247,7 +328,7 @@ class KerrOrbit:
 
 
 def kerr_orbit(a: float, p: float, e: float = 0.0, x: float = 1.0) -> KerrOrbit:
-    """Bound geodesic of Kerr's space by its shape; M = 1.
+    """Bound or scattering geodesic of Kerr's space by its shape; M = 1.
 
     Equation
     --------
@@ -259,14 +340,15 @@ def kerr_orbit(a: float, p: float, e: float = 0.0, x: float = 1.0) -> KerrOrbit:
     a
         spin, -1 <= a <= 1; a < 0 is read as the spin -a with -x, the same orbit against the spin.
     p, e
-        semilatus rectum and eccentricity: r between p / (1 + e) and p / (1 - e); 0 <= e < 1.
+        semilatus rectum and eccentricity: r between p / (1 + e) and p / (1 - e). With e >= 1 the
+        orbit comes from infinity, is next to the hole at p / (1 + e), and returns to infinity.
     x
         cosine of the inclination: 1 in the equator, 0 over the poles, below 0 against the spin.
 
     Raises
     ------
     StartError
-        A number is out of its range, or no such orbit is bound and stable.
+        A number is out of its range, or such an orbit would fall into the hole.
 
     Examples
     --------
@@ -282,77 +364,103 @@ def kerr_orbit(a: float, p: float, e: float = 0.0, x: float = 1.0) -> KerrOrbit:
         if real is None or not math.isfinite(real):
             raise StartError(f"{name}: expected a finite number, got {checks.shown(value)}.")
         numbers[name] = real
+    remark = ""
     if -1 <= numbers["a"] < 0:
+        remark = f"a = {numbers['a']:.8g} was read as the spin {-numbers['a']:.8g} with x reversed"
         numbers |= {"a": -numbers["a"], "x": 0.0 - numbers["x"]}
-    low = {"a": 0 <= numbers["a"] <= 1, "e": 0 <= numbers["e"] < 1, "x": abs(numbers["x"]) <= 1}
+    low = {"a": 0 <= numbers["a"] <= 1, "e": numbers["e"] >= 0, "x": abs(numbers["x"]) <= 1}
     low["p"] = numbers["p"] > 0
-    ranges = {"a": "-1 <= a <= 1", "e": "0 <= e < 1", "x": "-1 <= x <= 1", "p": "p > 0"}
+    ranges = {"a": "-1 <= a <= 1", "e": "e >= 0", "x": "-1 <= x <= 1", "p": "p > 0"}
     for name, inside in low.items():
         if not inside:
             raise StartError(f"expected {ranges[name]}, got {name} = {numbers[name]:.6g}.")
     with working_precision(CONSTANT_BITS):
-        constants = _constants(*(mpmath.mpf(numbers[name]) for name in "apex"))
-    if constants is None:
+        a, p, e, x = (mpmath.mpf(numbers[name]) for name in "apex")
+        return _orbit(a, p, e, x, remark)
+
+
+def _orbit(a: mpmath.mpf, p: mpmath.mpf, e: mpmath.mpf, x: mpmath.mpf, remark: str) -> KerrOrbit:
+    """The orbit of a shape with many digits."""
+    values = constants(a, p, e, x)
+    shape = {name: float(value) for name, value in zip("apex", (a, p, e, x), strict=True)}
+    if values is None:
+        kind = "stable bound orbit" if shape["e"] < 1 else "scattering orbit"
         raise StartError(
-            f"expected a stable bound orbit, got p = {numbers['p']:.6g} inside the separatrix of "
-            f"a = {numbers['a']:.6g}, e = {numbers['e']:.6g}, x = {numbers['x']:.6g}. Give a "
-            "larger p."
+            f"expected a {kind}, got p = {shape['p']:.6g} inside the separatrix of "
+            f"a = {shape['a']:.6g}, e = {shape['e']:.6g}, x = {shape['x']:.6g}. Give a larger p, "
+            "or the constants of a fall to kerr_plunge."
         )
-    energy, turn, carter, reduced, *radii, room = (float(value) for value in constants)
-    r1, r2, r3, r4 = radii
-    return KerrOrbit(**numbers, energy=energy, angular_momentum=turn, carter=carter,
-                     radii=(r1, r2, r3, r4), reduced=reduced, room=room)  # fmt: skip
+    energy, turn, carter, reduced, r1, r2, r3, r4, room = (float(value) for value in values)
+    return KerrOrbit(**shape, energy=energy, angular_momentum=turn, carter=carter,
+                     radii=(r1, r2, r3, r4), reduced=reduced, room=room, remark=remark)  # fmt: skip
 
 
-def _constants(
-    a: mpmath.mpf, p: mpmath.mpf, e: mpmath.mpf, x: mpmath.mpf
-) -> tuple[mpmath.mpf, ...] | None:
-    """E, L, Q, L/x and the radii; None where no orbit is bound and stable."""
-    outer, inner, z2 = p / (1 - e), p / (1 + e), 1 - x * x
-    # Coefficients of r^0, r^1, ...: E^2 f - 2 E l x g - l^2 h = d with l = L/x.
-    f = [z2 * a**4, 2 * a * a * (1 - z2), a * a * (1 + z2), 0, 1]
-    g = [0, 2 * a]
-    h = [z2 * a * a, -2, 1]
-    d = [z2 * a**4, -2 * z2 * a * a, a * a * (1 + z2), -2, 1]
+def kerr_orbit_of(
+    a: float, energy: float, angular_momentum: float, carter: float = 0.0
+) -> KerrOrbit:
+    """Bound or scattering geodesic of Kerr's space by its constants; M = 1.
 
-    def value(row: Polynomial) -> mpmath.mpf:
-        return mpmath.fsum(c * outer**k for k, c in enumerate(row))
+    Parameters
+    ----------
+    a
+        spin, -1 <= a <= 1; a < 0 is read as the spin -a with -L.
+    energy, angular_momentum, carter
+        E = -p_t > 0, L = p_phi and Q >= 0 of a particle of unit mass; E >= 1 for scattering.
 
-    def slope(row: Polynomial) -> mpmath.mpf:
-        # The divided difference between the turning points, which has a limit where they meet.
-        return mpmath.fsum(
-            c * outer**i * inner ** (k - 1 - i) for k, c in enumerate(row) for i in range(k)
-        )
+    Raises
+    ------
+    StartError
+        A number is out of its range, or the particle falls into the hole; see `kerr_plunge`.
 
-    def cross(one: Polynomial, two: Polynomial) -> mpmath.mpf:
-        return value(one) * slope(two) - value(two) * slope(one)
+    Examples
+    --------
+    >>> orbit = kerr_orbit(0.9, 6, 0.3, 0.5)
+    >>> other = kerr_orbit_of(0.9, orbit.energy, orbit.angular_momentum, orbit.carter)
+    >>> round(other.p, 9), round(other.e, 9), round(other.x, 9)
+    (6.0, 0.3, 0.5)
+    """
+    with working_precision(CONSTANT_BITS):
+        *numbers, remark = exact_constants(a, energy, angular_momentum, carter)
+        roots, horizon = radial_roots(*numbers), 1 + mpmath.sqrt(1 - numbers[0] ** 2)
+        outside = [x for x in roots if x > horizon]
+        needed = 1 if numbers[1] >= 1 else 2
+        if len(outside) < needed:
+            raise StartError(
+                f"expected a particle that turns outside of the horizon r = {float(horizon):.6g}, "
+                f"got one that falls in, with E = {float(numbers[1]):.8g}, L = "
+                f"{float(numbers[2]):.8g}, Q = {float(numbers[3]):.8g}. Give other constants, or "
+                "ask kerr_plunge for the fall."
+            )
+        inner = outside[needed - 1]
+        if numbers[1] == 1:
+            e, p = mpmath.mpf(1), 2 * inner
+        else:
+            outer = roots[-1] if numbers[1] > 1 else outside[0]
+            e, p = (outer - inner) / (outer + inner), 2 * outer * inner / (outer + inner)
+        return _orbit(numbers[0], p, e, inclination(*numbers), remark)
 
-    kappa, epsilon, rho = cross(d, h), cross(d, g), cross(f, h)
-    eta, sigma = cross(f, g), cross(g, h)
-    inside = sigma * (sigma * (x * epsilon) ** 2 + rho * epsilon * kappa - eta * kappa**2)
-    below = rho**2 + 4 * x * x * eta * sigma
-    if inside < 0 or below == 0:
-        return None
-    square = (kappa * rho + 2 * x * x * epsilon * sigma - 2 * x * mpmath.sqrt(inside)) / below
-    if not 0 < square < 1:
-        return None
-    energy = mpmath.sqrt(square)
-    half, rest = x * value(g) * energy, value(f) * square - value(d)
-    root = half**2 + rest * value(h)
-    if root < 0:
-        return None
-    root = mpmath.sqrt(root)
-    # The form of the root in which nothing cancels.
-    reduced = rest / (half + root) if half >= 0 else (root - half) / value(h)
-    carter = z2 * (a * a * (1 - square) + reduced**2)
-    total = 2 / (1 - square) - outer - inner
-    product = a * a * carter / ((1 - square) * outer * inner)
-    gap = total**2 - 4 * product
-    third = (total + mpmath.sqrt(gap)) / 2 if gap >= 0 else mpmath.inf
-    if not (reduced > 0 and third < inner and inner > 1 + mpmath.sqrt(1 - a * a)):
-        return None
-    radii = outer, inner, third, product / third
-    return energy, x * reduced, carter, reduced, *radii, inner - third
+
+def exact_constants(
+    a: float, energy: float, angular_momentum: float, carter: float
+) -> tuple[mpmath.mpf, mpmath.mpf, mpmath.mpf, mpmath.mpf, str]:
+    """Constants with many digits, checked, for a spin that is not negative; and how it was read."""
+    names = ("a", "energy", "angular_momentum", "carter")
+    numbers = [
+        checks.number(value, name, StartError)
+        for name, value in zip(names, (a, energy, angular_momentum, carter), strict=True)
+    ]
+    spin, E, L, Q = numbers
+    for name, inside, wanted in (
+        ("a", abs(spin) <= 1, "-1 <= a <= 1"), ("energy", E > 0, "energy > 0"),
+        ("carter", Q >= 0, "carter >= 0, an orbit that crosses the equator"),
+    ):  # fmt: skip
+        if not inside:
+            raise StartError(f"expected {wanted}, got {name} = {numbers[names.index(name)]:.6g}.")
+    remark = ""
+    if spin < 0:
+        remark = f"a = {spin:.8g} was read as the spin {-spin:.8g} with L reversed"
+        spin, L = -spin, -L
+    return mpmath.mpf(spin), mpmath.mpf(E), mpmath.mpf(L), mpmath.mpf(Q), remark
 
 
 def mean(function: Callable[[np.ndarray], np.ndarray], width: float = 1.0) -> float:

@@ -5,6 +5,7 @@
 
 __all__ = [
     "allowance",
+    "arguments",
     "budget",
     "caching",
     "checks",

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import fields
-from importlib import import_module
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 import sympy as sp
 
 from geomtorsion.support.checks import cut
+from geomtorsion.support.higher import higher
 from geomtorsion.support.outgoing import latex_formula
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def drawn_by(module: str, function: str) -> Callable[[Any], str]:
     """
 
     def drawn(self: Any) -> str:
-        return getattr(import_module(f"geomtorsion.pictures.{module}"), function)(self)
+        return getattr(higher(f"pictures.{module}"), function)(self)
 
     drawn.__doc__ = "What a notebook shows."
     return drawn
@@ -58,7 +58,7 @@ def figure_by(module: str, function: str) -> Plot:
     """
 
     def plot(self: object, **options: object) -> Figure:
-        return getattr(import_module(f"geomtorsion.pictures.{module}"), function)(self, **options)
+        return getattr(higher(f"pictures.{module}"), function)(self, **options)
 
     plot.__doc__ = f"Draw it as a matplotlib figure: `geomtorsion.pictures.{module}.{function}`."
     return plot

@@ -17,7 +17,7 @@ import os
 import re
 import tomllib
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from os import PathLike
@@ -669,46 +669,58 @@ def conforming(value: Any, form: Any, where: str, error: ErrorClass = FileFormat
 
 def _differs(value: Any, form: Any, where: str) -> str:
     """The first error in a value, or nothing."""
-    place = f"{where}: " if where else ""
     if isinstance(form, tuple):
         reasons = [_differs(value, part, where) for part in form]
         return "" if "" in reasons else reasons[0]
-    if isinstance(form, list):
-        if not isinstance(value, list):
-            return f"{place}expected a list, got {shown(value)}."
-        found = (_differs(part, form[0], f"{where}[{k}]") for k, part in enumerate(value))
-        return next((reason for reason in found if reason), "")
-    if isinstance(form, dict):
-        if not isinstance(value, dict):
-            return f"{place}expected a table, got {shown(value)}."
-        dot = f"{where}." if where else ""
-        if str in form:
-            found = (_differs(x, form[str], f"{dot}{cut(k, 60)}") for k, x in value.items())
-            return next((reason for reason in found if reason), "")
-        for key, part in form.items():
-            name = key.removesuffix("?")
-            if name in value:
-                reason = _differs(value[name], part, f"{dot}{name}")
-                if reason:
-                    return reason
-            elif name == key:
-                return f"{place}{name} is missing."
-        return ""
+    if isinstance(form, list) and isinstance(value, list):
+        return _first(_differs(x, form[0], f"{where}[{k}]") for k, x in enumerate(value))
+    if isinstance(form, dict) and isinstance(value, dict):
+        return _table_differs(value, form, where)
+    wanted = _wanted(value, form)
+    return f"{_place(where)}expected {wanted}, got {shown(value)}." if wanted else ""
+
+
+def _table_differs(value: dict[str, Any], form: dict[Any, Any], where: str) -> str:
+    """The first error in a table: of any keys, or of the keys that the form names."""
+    dot = f"{where}." if where else ""
+    if str in form:
+        return _first(_differs(x, form[str], f"{dot}{cut(k, 60)}") for k, x in value.items())
+    needed = {key.removesuffix("?"): (part, key[-1:] == "?") for key, part in form.items()}
+    return _first(
+        _differs(value[name], part, f"{dot}{name}")
+        if name in value
+        else ("" if may_be_missing else f"{_place(where)}{name} is missing.")
+        for name, (part, may_be_missing) in needed.items()
+    )
+
+
+def _wanted(value: Any, form: Any) -> str:
+    """What a value without parts should be, in words; nothing if it is that."""
+    whole = isinstance(value, int) and not isinstance(value, bool)
     if isinstance(form, frozenset):
-        known = f"{place}expected one of {', '.join(sorted(form))}, got {shown(value)}."
-        return "" if isinstance(value, str) and value in form else known
+        fits = isinstance(value, str) and value in form
+        return "" if fits else f"one of {', '.join(sorted(form))}"
     if isinstance(form, range):
-        whole = isinstance(value, int) and not isinstance(value, bool) and value in form
-        needed = f"a whole number from {form.start:,} to {form.stop - 1:,}"
-        return "" if whole else f"{place}expected {needed}, got {shown(value)}."
-    if form is None:
-        return "" if value is None else f"{place}expected nothing, got {shown(value)}."
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    if form is float and is_number and (isinstance(value, int) or math.isfinite(value)):
-        return ""
-    if form is int and is_number and isinstance(value, int):
-        return ""
-    if form in (str, bool) and isinstance(value, form):
-        return ""
-    words = {float: "a finite number", int: "a whole number", str: "text", bool: "true or false"}
-    return f"{place}expected {words[form]}, got {shown(value)}."
+        words = f"a whole number from {form.start:,} to {form.stop - 1:,}"
+        return "" if whole and value in form else words
+    kinds: dict[Any, tuple[bool, str]] = {
+        list: (False, "a list"),
+        dict: (False, "a table"),
+        None: (value is None, "nothing"),
+        float: (whole or (isinstance(value, float) and math.isfinite(value)), "a finite number"),
+        int: (whole, "a whole number"),
+        str: (isinstance(value, str), "text"),
+        bool: (isinstance(value, bool), "true or false"),
+    }
+    fits, words = kinds[type(form) if isinstance(form, list | dict) else form]
+    return "" if fits else words
+
+
+def _first(reasons: Iterable[str]) -> str:
+    """The first reason that is not empty, or an empty one."""
+    return next((reason for reason in reasons if reason), "")
+
+
+def _place(where: str) -> str:
+    """The beginning of a message about a place."""
+    return f"{where}: " if where else ""

@@ -2,18 +2,58 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Mapping
+from importlib import import_module
 from math import prod
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Protocol, TypeGuard
 
 from geomtorsion.errors import FileFormatError, GeomtorsionError, LimitError
 from geomtorsion.support.checks import LARGEST_ARRAYS, cut
 from geomtorsion.support.files import BOUNDS
 
+if TYPE_CHECKING:
+    import numpy as np
+
 # zlib packs a byte into at least an eighth of a bit: a larger declared size is wrong.
 DENSEST = 1032
 # First bytes of a file.
 HDF5 = b"\x89HDF\r\n\x1a\n"
+
+
+class Item(Protocol):
+    """A group or a data set of h5py, which is optional."""
+
+    name: str
+    parent: Item
+    attrs: Mapping[str, object]
+    shape: tuple[int, ...]
+    ndim: int
+    size: int
+    dtype: np.dtype
+
+    def __getitem__(self, key: object) -> Any: ...
+
+    def __iter__(self) -> Iterator[str]: ...
+
+    def get(self, name: str) -> Item | None:
+        """The item of this name."""
+        ...
+
+    def items(self) -> Iterable[tuple[str, Item]]:
+        """Names and items."""
+        ...
+
+
+def is_group(item: object) -> TypeGuard[Item]:
+    """Whether an item of an HDF5 file is a group."""
+    return isinstance(item, import_module("h5py").Group)
+
+
+def is_data_set(item: object) -> TypeGuard[Item]:
+    """Whether an item of an HDF5 file is a data set with values."""
+    found: Any = item
+    return isinstance(found, import_module("h5py").Dataset) and found.shape is not None
 
 
 def check_hdf5(path: Path, h5py: Any) -> list[str]:

@@ -12,7 +12,7 @@ import re
 import sys
 import unicodedata
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from html import escape
 from typing import TextIO
@@ -26,6 +26,8 @@ _LATEX = {
     "\\": r"\backslash{}", "{": r"\{", "}": r"\}", "$": r"\$", "&": r"\&", "#": r"\#", "%": r"\%",
     "^": r"\hat{}", "_": r"\_", "~": r"\sim{}",
 }  # fmt: skip
+# An error below this share of the number is written as a power of ten beside its many digits.
+_MANY = 1e-6
 # Characters that start a formula in spreadsheets.
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 
@@ -89,6 +91,70 @@ def number_text(value: complex, error: float, most: int = 15) -> str:
     # One digit beyond the first that is uncertain.
     allowed = math.log10(abs(value) / error) + 1 if error else most
     return f"{value:.{max(1, min(most, round(allowed)))}g}"
+
+
+def measured_text(
+    values: float | Sequence[float], errors: float | Sequence[float], unit: str = ""
+) -> str:
+    """A measured number or vector with its error, both rounded by the error, and its unit.
+
+    The error has two digits, and the number ends at the same place. One error of all components
+    follows the vector. Without an error (0) six digits appear; an error of NaN is unknown.
+
+    Examples
+    --------
+    >>> measured_text(0.31416, 0.0123, "nm"), measured_text(2.5, 0.0, "nm")
+    ('0.314 +- 0.012 nm', '2.5 nm')
+    >>> measured_text([-2.19047, 14.6524], [22.0, 31.0], "um"), measured_text([1.0, 0.0], 2e-9)
+    ('(-2 +- 22, 15 +- 31) um', '(1, 0) +- 2.0e-09')
+    >>> measured_text(3.2e-9, 4.1e-10, "m"), measured_text(1.5, math.nan)
+    ('(3.20 +- 0.41)e-09 m', '1.5, error unknown')
+    """
+    is_vector = isinstance(values, Sequence)
+    numbers = list(values) if isinstance(values, Sequence) else [values]
+    given = list(errors) if isinstance(errors, Sequence) else [errors] * len(numbers)
+    scale = max((abs(x) for x in (*numbers, *given) if math.isfinite(x)), default=0.0)
+    power = math.floor(math.log10(scale)) if scale else 0
+    # Numbers of everyday sizes need no power of ten, and numbers of many digits choose their own.
+    rough = [e for e in given if _MANY * scale < e < math.inf]
+    if not rough or (-4 <= power < 6 and min(rough) >= _MANY):
+        power = 0
+    size = 10.0**power
+    rows = [_rounded(x / size, e / size) for x, e in zip(numbers, given, strict=True)]
+    if len(set(given)) == 1:
+        text = ", ".join(number for number, _ in rows)
+        text = (f"({text})" if is_vector else text) + rows[0][1]
+        text = f"({text})" if power and (not is_vector or rows[0][1]) else text
+    else:
+        text = f"({', '.join(number + error for number, error in rows)})"
+    text += f"e{power:+03d}" if power else ""
+    return f"{text} {unit}" if unit else text
+
+
+def _rounded(value: float, error: float) -> tuple[str, str]:
+    """A number with the digits that its error allows, and the error as it follows."""
+    if error == 0:
+        return f"{value:.6g}", ""
+    if not (math.isfinite(error) and math.isfinite(value)):
+        return f"{value:.6g}", ", error unknown"
+    # The rounded error decides: 0.0996 has the digits of 0.10.
+    places = max(0, 1 - math.floor(math.log10(float(f"{error:.1e}"))))
+    if error < _MANY * abs(value) or error < _MANY:
+        return number_text(value, error), f" +- {size_text(error)}"
+    number = f"{value:.{places}f}"
+    number = number if float(number) else number.lstrip("-")
+    return number, f" +- {error:.{places}f}"
+
+
+def count_text(number: int, noun: str) -> str:
+    """A number of things, in the singular for one.
+
+    Examples
+    --------
+    >>> count_text(1, "node"), count_text(12000, "line"), count_text(0, "circuit")
+    ('1 node', '12,000 lines', '0 circuits')
+    """
+    return f"{number:,} {noun}{'s' * (number != 1)}"
 
 
 def one_line(text: str) -> str:

@@ -48,7 +48,7 @@ def test_a_lattice_image_of_a_megapixel(benchmark: BenchmarkFixture) -> None:
     """Time of spots, phases, coframe and a circuit from the pixels."""
     values = np.kron(np.ones((2, 2)), crystal(512, "square").values)
 
-    def work() -> gt.LatticeBurgers:
+    def work() -> gt.materials.images.LatticeBurgers:
         phases = gt.LatticeImage(values).phases()
         assert np.isfinite(phases.coframe).any()
         return phases.burgers(gt.Loop.circle([256, 256], 100))

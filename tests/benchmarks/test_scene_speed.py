@@ -56,7 +56,7 @@ def test_free_top_against_three_equations(accuracy, last, capsys):
         gt.Body(moments=MOMENTS), (), gt.State(omega=OMEGA), ["omega"], times, accuracy
     )
     assert scene.selection.states == ("Omega1", "Omega2", "Omega3")
-    truth = gt.free_top(MOMENTS, OMEGA).omega(times)
+    truth = gt.rigid.free_top(MOMENTS, OMEGA).omega(times)
     engine = gt.Taylor()
     result = scene.run(engine=engine)
     assert np.abs(result["omega"] - truth).max() < accuracy
@@ -81,7 +81,7 @@ def test_a_free_top_in_closed_form(capsys):
     """A thousand attitudes and rates up to t = 1e6 have errors below 5e-15 against 50 digits."""
     rates, start = (0.3, 0.5, 0.7), (1.0, 0.0, 0.0, 0.0)
     times = np.linspace(1e3, 1e6, 1000)
-    found = gt.free_top(MOMENTS, rates, start).states(times)
+    found = gt.rigid.free_top(MOMENTS, rates, start).states(times)
     worst = 0.0
     for k in (0, 499, 999):
         exact, matrix = by_integrals(MOMENTS, rates, times[k])
@@ -89,7 +89,7 @@ def test_a_free_top_in_closed_form(capsys):
         worst = max(worst, *(abs(float(x - y)) for x, y in zip(exact, found[k], strict=False)))
         worst = max(worst, abs(np.array(matrix.tolist(), dtype=float) - np.transpose(turned)).max())
     assert worst < 5e-15
-    seconds = best(lambda: gt.free_top(MOMENTS, rates, start).states(times))
+    seconds = best(lambda: gt.rigid.free_top(MOMENTS, rates, start).states(times))
     with capsys.disabled():
         print(f"\na thousand attitudes: {1e3 * seconds:.2f} ms, errors below {worst:.0e}")
 

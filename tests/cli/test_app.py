@@ -60,7 +60,7 @@ def test_help_lists_the_commands_in_groups():
     [(["bogus"], "No such command 'bogus'"), (["--bogus"], "No such option"),
      (["curve"], "Missing argument"), (["curve", "so3", "--bogus"], "No such option"),
      (["curve", "so3", "--samples", "x"], "--samples: "),
-     (["curve", "so3", "--format", "gif"], "--format: 'gif' is not one of"),
+     (["curve", "so3", "--picture-format", "gif"], "--picture-format: 'gif' is not one of"),
      (["exercises", "bogus"], "No such command"), (["curve", "bogus"], "'bogus'"),
      (["exercises", "show", "9.9"], "9.9"), (["burgers", "so3", "--circle", "3"], "--circle 3")],
 )  # fmt: skip

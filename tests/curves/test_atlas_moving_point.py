@@ -1,5 +1,6 @@
 """Moving points: points and answers carried between charts keep all reported digits."""
 
+from dataclasses import replace
 from fractions import Fraction
 
 import mpmath
@@ -8,7 +9,7 @@ import pytest
 import sympy as sp
 
 from geomtorsion.curves import geodesic
-from geomtorsion.curves.atlas import MovingPoint, atlas_of
+from geomtorsion.curves.atlas import Chart, MovingPoint, atlas_of
 from geomtorsion.geometry import Frame
 from geomtorsion.ode import ODE, Taylor, solve
 from geomtorsion.spaces import load
@@ -156,6 +157,23 @@ def test_how_far_from_its_edge_a_chart_is_begun_in(theta, label):
     start = [theta, np.pi / 2]
     problem = geodesic(load("s2").frame, start, frame_velocity=[0.3, 0.4], parameters={"R": 1})
     assert problem.first_stage(53, 0.0).label == label
+
+
+def test_far_from_its_edge_the_first_chart_needs_no_other():
+    """The three other charts of Kerr are not made, but the motion begins as with all of them."""
+    problem = geodesic(
+        load("kerr").frame, [0, 8, 1.4, 0], frame_velocity=[1.2, 0.05, 0.2, 0.36],
+        parameters={"M": 1, "a": 0.6}, causal=None,
+    )  # fmt: skip
+
+    def refuse() -> Chart:
+        raise AssertionError
+
+    atlas = problem.atlas
+    makers = {name: make if name == "kerr" else refuse for name, make in atlas.makers.items()}
+    alone = replace(problem, atlas=replace(atlas, makers=makers, origin=None))
+    assert alone.charts == problem.charts
+    assert alone.first_stage(53, 0.0).label == problem.first_stage(53, 0.0).label == "kerr"
 
 
 @pytest.mark.parametrize(("distance", "found"), [(1.45, None), (1.55, "s2_x")])

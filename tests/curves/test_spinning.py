@@ -59,7 +59,7 @@ def test_circular_orbit_in_schwarzschild() -> None:
     assert plus < kepler < minus
 
 
-def conserved(connection: gt.Connection, solution: gt.Solution, xi: gt.Tensor) -> np.ndarray:
+def conserved(connection: gt.Connection, solution: gt.ode.Solution, xi: gt.Tensor) -> np.ndarray:
     """p_a xi^a + S^ab (D_a xi_b + xi^c T_cab) / 2 along a solution, from the tensors."""
     frame = connection.frame
     slope = connection.covariant_derivative(xi.lowered(0)).in_frame()

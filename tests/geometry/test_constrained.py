@@ -110,7 +110,7 @@ def test_holonomic_constraints_are_integrable():
 def test_integrability_that_cannot_be_decided_raises():
     """A verdict without an answer is neither true nor false."""
     with pytest.raises(UndecidedError, match="obstructions"):
-        bool(gt.Integrability(None, {}))
+        bool(gt.geometry.Integrability(None, {}))
 
 
 def test_unconstrained_connections_are_integrable():

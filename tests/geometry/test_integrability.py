@@ -137,7 +137,7 @@ OPEN = with_vector(BENT, [y, 0, 0]).transposed.volume
         (lambda: OPEN.density, UndecidedError, r"no parallel volume: d_x W_y - d_y W_x = 1"),
         (lambda: UNKNOWN.factor, UndecidedError, "no closed form of its integral"),
         (
-            lambda: bool(gt.ParallelVolume(OPEN.gradient, None, {})),
+            lambda: bool(gt.geometry.ParallelVolume(OPEN.gradient, None, {})),
             GeomtorsionError,
             "cannot be decided exactly",
         ),

@@ -1,5 +1,8 @@
 """Refusals of geometry: each call, the class of its error, and words of its message."""
 
+# Calls that a checker of types refuses as well.
+# pyright: reportArgumentType=false
+
 from collections.abc import Callable
 from typing import Any
 

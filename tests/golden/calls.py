@@ -18,7 +18,7 @@ from geomtorsion.cli.app import app
 
 # Exported names: if one is renamed, change it here.
 log_map = gt.log_map
-develop_period = gt.develop_period
+develop_period = gt.loops.develop_period
 ode = gt.ODE.of
 
 # Exactly computed values may differ by the rounding errors of their evaluation.
@@ -33,6 +33,8 @@ kerr = gt.spaces.load("kerr").frame
 screw = gt.spaces.load("screw_dislocation").frame
 START, SPEED = [0.3, 1.0, 0.2], [0.1, 0.5, -0.2]
 MOMENTS, SPIN = (1.1, 2.2, 3.3), (0.9, 0.4, 0.7)
+FREE_TOP = gt.rigid.free_top(MOMENTS, SPIN)
+RING = gt.Loop.circle([0.3, 0, 0], 1)
 ORBIT = {
     "start": [0, 8.0, 1.4, 0],
     "frame_velocity": [1.2, 0.05, 0.2, 0.36],
@@ -177,8 +179,8 @@ def network() -> Any:
     """b of two loops of a small graph around two screws."""
     nodes = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0], [3, 1, 0], [3, -1, 0]])
     edges = np.array([[0, 1], [1, 2], [2, 3], [3, 0], [2, 4], [4, 5], [5, 1]])
-    screws = gt.parallel_screws([(0, 0), (2, 0)], [1, "1/3"])
-    net = gt.Network(screws, gt.EdgeList(nodes, edges))
+    screws = gt.loops.parallel_screws([(0, 0), (2, 0)], [1, "1/3"])
+    net = gt.loops.Network(screws, gt.loops.EdgeList(nodes, edges))
     return net.burgers([0, 1, 2, 3]).vector, net.burgers([1, 5, 4, 2]).vector
 
 
@@ -258,7 +260,7 @@ LOOPS: dict[str, tuple[float, Call]] = {
         0,
         lambda: [
             [str(found.defect), found.turns]
-            for found in gt.enclosed_defects(screw, gt.Loop.circle([0.3, 0, 0], 1), {"b": 1})]),
+            for found in gt.loops.enclosed_defects(screw, RING, {"b": 1})]),
     "burgers vectors of a network": (1e-11, network),
     "burgers vector of a sampled frame": (1e-9, sampled),
     "loops: area and winding": (
@@ -305,7 +307,7 @@ MOTIONS: dict[str, tuple[float, Call]] = {
     "free top": (
         1e-14,
         lambda: [
-            gt.free_top(MOMENTS, SPIN).omega(1e3), gt.free_top(MOMENTS, SPIN).quaternion(1e3)]),
+            FREE_TOP.omega(1e3), FREE_TOP.quaternion(1e3)]),
     "many geodesics": (
         SOLVED,
         lambda: gt.solve_many(

@@ -22,6 +22,8 @@ HERE = Path(__file__).parent
 VALUES_FILE, MESSAGES_FILE, NAMES_FILE = (
     HERE / name for name in ("values.json", "messages.json", "public_names.json")
 )
+# Names that `geomtorsion` exported until 0.3.0, with the package that exports them now.
+MOVED_FILE = HERE / "moved_names.json"
 
 
 def plain(value: Any) -> Any:

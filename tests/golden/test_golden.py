@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,15 @@ import pytest
 
 import geomtorsion as gt
 from tests.golden.calls import VALUES
-from tests.golden.record import MESSAGES_FILE, NAMES_FILE, VALUES_FILE, plain, read, same_words
+from tests.golden.record import (
+    MESSAGES_FILE,
+    MOVED_FILE,
+    NAMES_FILE,
+    VALUES_FILE,
+    plain,
+    read,
+    same_words,
+)
 from tests.golden.refusals import REFUSALS, refused
 
 FROZEN, MESSAGES = read(VALUES_FILE), read(MESSAGES_FILE)
@@ -73,3 +82,16 @@ def test_differences_are_seen():
 def test_public_names():
     """`import geomtorsion` exports exactly the recorded names."""
     assert sorted(gt.__all__) == read(NAMES_FILE)
+
+
+def test_old_names_work_and_name_the_new_place():
+    """A name that moved is the same object, with a warning, and is not listed any more."""
+    moved = read(MOVED_FILE)
+    assert not set(moved) & set(gt.__all__)
+    for name, package in moved.items():
+        new = f"geomtorsion.{package}"
+        with pytest.warns(DeprecationWarning, match=rf"geomtorsion\.{name} is {new}\.{name} now"):
+            old = getattr(gt, name)
+        home = import_module(new)
+        assert name in home.__all__
+        assert old is getattr(home, name)

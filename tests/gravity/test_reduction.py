@@ -38,7 +38,7 @@ def universe(
     return g.equations(connection, lagrangian, matter).reduce("t", conditions)
 
 
-def check(solution: gt.Solution, name: str, exact: float) -> None:
+def check(solution: gt.ode.Solution, name: str, exact: float) -> None:
     """The last value of a state is the exact one, and constraints drift no more than it errs."""
     assert solution.error <= solution.accuracy
     assert float(solution[name][-1]) == pytest.approx(exact, rel=CLOSE)

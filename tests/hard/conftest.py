@@ -37,7 +37,7 @@ def _proved(make: Callable[..., Any], broken: list[str]) -> Callable[..., Any]:
     @wraps(make)
     def wrapper(*arguments: Any, **options: Any) -> Any:
         result = make(*arguments, **options)
-        if isinstance(result, gt.BurgersVector | gt.Development | gt.Solution):
+        if isinstance(result, gt.loops.BurgersVector | gt.loops.Development | gt.ode.Solution):
             try:
                 with gt.limits(seconds=LONGEST):
                     proof = gt.prove(result)

@@ -56,7 +56,7 @@ def test_tops_near_their_middle_axis():
         accuracy = float(10 ** random.uniform(-11, -5))
         problem = ODE.of(TOP, [tilt, 1, 0], norm_groups=[list(TOP)])
         solution = gt.solve(problem, end, accuracy)
-        exact = np.asarray(gt.free_top((1, 2, 3), (tilt, 1, 0)).omega(solution.times))
+        exact = np.asarray(gt.rigid.free_top((1, 2, 3), (tilt, 1, 0)).omega(solution.times))
         gap = np.abs(solution.states - exact).max() / np.abs(exact).max()
         ratios.append((gap - 1e-14) / solution.error)
         assert solution.error <= accuracy

@@ -66,7 +66,7 @@ def test_dzhanibekov(small):
     """
     moments = (1, 2, 3)
     flip = float(first_flip(moments, small, 1.0))
-    top = gt.free_top(moments, (small, 1.0, 0.0))
+    top = gt.rigid.free_top(moments, (small, 1.0, 0.0))
     assert top.first_flip == pytest.approx(flip, rel=1e-12)
     scene = free(moments, (small, 1.0, 0.0), 1.5 * flip, ["omega"])
     found = solve(scene.ode, 1.5 * flip, 1e-10)
@@ -170,6 +170,6 @@ def test_single_orders_may_serve_badly(accuracy):
     moments, omega = (1, 2, 3), (0.5, 0.4, 1)
     scene = free(moments, omega, 1000.0, ["omega"], accuracy)
     result = scene.run(engine=Taylor())
-    true = np.abs(result["omega"] - gt.free_top(moments, omega).omega(result.times)).max()
+    true = np.abs(result["omega"] - gt.rigid.free_top(moments, omega).omega(result.times)).max()
     assert true <= accuracy
     assert result.error >= 0.1 * true

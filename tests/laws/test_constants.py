@@ -83,6 +83,7 @@ def check_readings(problem: CurveProblem, times: np.ndarray, folder: Path) -> No
     same(distance_apart(solution, solve(problem, times, engine=RungeKutta())), 0.0)
     kept = solve(problem, times, checkpoint=folder / "run.npz", overwrite=True)
     same(kept.coordinates)
+    assert problem.start is not None
     starts = [problem.start] * 2
     many = solve_many(problem, starts, times, frame_velocities=[problem.frame_velocity] * 2)
     same(many.coordinates)

@@ -126,7 +126,7 @@ def of_tensor(look: Callable[[Shared, gt.Tensor], str], name: str) -> Question:
     return lambda shared: look(shared, shared.frame.quantity(name))
 
 
-def curve(shared: Shared, problem: gt.CurveProblem) -> str:
+def curve(shared: Shared, problem: gt.curves.CurveProblem) -> str:
     """Each bit of a motion."""
     solution = gt.solve(problem, 3.0, 1e-9)
     return repr((solution.error, solution.coordinates.tolist(), solution.velocity.tolist()))

@@ -23,7 +23,7 @@ def with_vector(one: object, two: object) -> gt.Connection:
     return gt.from_torsion(PLANE, torsion.tolist())
 
 
-def backwards(motion: gt.Diffusion, density: sp.Expr) -> sp.Expr:
+def backwards(motion: gt.loops.Diffusion, density: sp.Expr) -> sp.Expr:
     """The rate of a density, from L on coordinates and on their products (Fokker and Planck)."""
     q = motion.connection.frame.coordinates
     pushed = [motion.generator(x) for x in q]

@@ -113,12 +113,14 @@ def test_images(tmp_path):
 
 
 def test_hdf5_is_recognized_by_its_content(tmp_path):
-    """A file with the data set is a sampled frame; any other file goes to orix."""
+    """A file with the data set is a sampled frame; any other file is a map."""
     h5py = pytest.importorskip("h5py")
     assert isinstance(open_source(grid(tmp_path, "field.h5")), SampledFrame)
     with h5py.File(tmp_path / "other.h5", "w") as file:
         file["numbers"] = np.arange(5)
-    with pytest.raises(gt.GeomtorsionError, match=r"orix|coframe"):
+    with pytest.raises(
+        gt.GeomtorsionError, match="phi1, Phi, phi2 .* or coframe of a field, got numbers 5"
+    ):
         open_source(tmp_path / "other.h5")
 
 

@@ -147,7 +147,7 @@ def test_graphs_on_every_kind_of_number():
 BAD_RATES = {
     "kk is neither": {"x": "-kk*x"},
     "Did you mean k": {"x": -sp.Symbol("kk") * sp.Symbol("x")},
-    "Abs": {"x": "sqrt(x**2)"},
+    "floor is not smooth": {"x": "floor(x)"},
     "or a finite number, got": {"x": float("nan")},
     "expected text, a sympy expression": {"x": None},
     "expressions are not code": {"x": "__import__('os').system('true')"},

@@ -12,6 +12,7 @@ from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.maps import Circuit, OrientationMap
 from geomtorsion.pictures.measured import draw_circuits, draw_survey
 from geomtorsion.pictures.style import save
+from geomtorsion.support.outgoing import measured_text
 from tests.materials.fields.test_sampled_source import field
 from tests.materials.maps.synthetic import wall
 
@@ -57,7 +58,7 @@ def test_circuits_are_drawn_on_the_data(kind):
     axes = draw_circuits(measured, [found]).axes[0]
     assert np.asarray(axes.lines[0].get_xdata()) == pytest.approx(found.path[0], nan_ok=True)
     texts = [text.get_text() for text in axes.texts]
-    assert any(f"|b| = {found.magnitude:.3g} ±" in text for text in texts)
+    assert f"|b| = {measured_text(found.magnitude, found.error, found.unit)}" in texts
 
 
 def test_boundaries_of_grains_and_circuits_step_by_step(tmp_path):
@@ -114,3 +115,22 @@ def test_refused_circuits_are_drawn():
     both = draw_circuits(measured, [closure], [Loop.circle([2.5, 3], 1.0)])
     assert len(both.axes[0].lines) == 4
     assert "Dashed" in both.texts[0].get_text()
+
+
+def test_the_caption_names_only_visible_things():
+    """Arrows are named where there are arrows; white is the level itself."""
+    with_arrows = draw_survey((wall(2.0, (20, 30), 0.5, sigma=0.01)).burgers_map(4))
+    text = " ".join(with_arrows.texts[0].get_text().split())
+    assert "arrows: the direction of b" in text
+    assert "white: above" not in text
+    axes = [np.arange(12.0)] * 2
+    noise = 0.1 * np.random.default_rng(2).normal(size=(2, 2, 12, 12))
+    frame = SampledFrame(axes, noise, sigma=0.1)
+    without = draw_survey(frame.burgers_map(3))
+    assert "arrows" not in without.texts[0].get_text()
+    one_row = SampledFrame(axes, noise[:1], sigma=0.1)
+    circle = Loop.circle([5, 5], 3)
+    alone = draw_circuits(one_row, [one_row.burgers(circle)])
+    assert not any("rrows" in text.get_text() for text in alone.texts)
+    both = draw_circuits(frame, [frame.burgers(circle)])
+    assert "grey arrows may be noise" in both.texts[0].get_text()

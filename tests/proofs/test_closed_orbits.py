@@ -97,6 +97,121 @@ def test_the_shortest_orbit_of_lorenz():
         assert abs(large) > 4.7
 
 
+def test_lyapunovs_orbit_of_the_second_point():
+    """Wilczak, Zgliczynski 2003: at C = 3.03 it starts at x = 1.081929486841799903."""
+    problem, c = three_bodies()
+    problem = problem.with_start([1.082, 0, 0, -0.0985])
+    orbit = gt.closed_orbit(problem, 3.3, symmetry=["y", "u"], conserved={c: "3.03"}, digits=12)
+    assert within(orbit["x"], "1.0819294868418", 1)
+    assert orbit["x"].rad() < arb(10) ** -12
+    assert (orbit.stability, orbit.trivial) == ("saddle", 2)
+
+
+# Interval Newton of CAPD: y, z and the return time of its example RosslerPeriodicOrbit.
+ROESSLER = [
+    (1, ("-8.38094174282987582", "6.6e-14"), ("0.0295900606306671", "1.3e-15"),
+     ("5.8810884555538999", "1.8e-13")),
+    pytest.param(2, ("-5.42407382266520610", "1.8e-13"), ("0.0310812108078764", "7.4e-15"),
+                 ("11.758626071660096", "5.3e-13"), marks=pytest.mark.slow),
+    (3, ("-6.23315862853797675", "3.5e-13"), ("0.0306401116581606", "1.1e-14"),
+     ("17.515791070335764", "8.6e-13")),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("times", "y", "z", "period"), ROESSLER)
+def test_roesslers_orbits(times, y, z, period):
+    """CAPD proves orbits that return after one, two and three crossings of x = 0."""
+    rates = {"x": "-y-z", "y": "x+y/5", "z": "1/5+z*(x-57/10)"}
+    near = [0, float(y[0]) + 1e-4, float(z[0])]
+    orbit = gt.closed_orbit(gt.ODE.of(rates, near), 5.85 * times, section="x")
+    for ball, (middle, radius) in ((orbit["y"], y), (orbit["z"], z), (orbit.period, period)):
+        assert ball.overlaps(arb(middle, float(radius)))
+    assert orbit.stability == "saddle"
+
+
+def test_keplers_ellipse():
+    """In polar coordinates with E = -1/2 and L = 4/5: the period is 2 pi, the angle grows by it."""
+    rates = {"r": "v", "v": "L**2/r**3-1/r**2", "phi": "L/r**2"}
+    problem = gt.ODE.of(rates, [1.6, 0, 0], parameters={"L": "4/5"})
+    energy = {"v**2/2+L**2/r**2/2-1/r": "-1/2"}
+    orbit = gt.closed_orbit(problem, 6.2, section="v", conserved=energy, shift={"phi": None})
+    with ball_precision(100):
+        assert orbit["r"].contains(arb(8) / 5)
+        assert orbit.period.overlaps(2 * arb.pi())
+        assert orbit.growth["phi"].overlaps(2 * arb.pi())
+
+
+@pytest.mark.parametrize(("side", "near", "stability"), [
+    (3, [0.01, 0], "elliptic"), (1, [3.14, 0], "saddle"),
+])  # fmt: skip
+def test_equators_of_a_torus(side, near, stability):
+    """Radii 2 and 1: lengths 6 pi and 2 pi, curvature 1/3 and -1 along them."""
+    theta, phi = sp.symbols("theta phi", real=True)
+    frame = gt.Frame([theta, phi], [[1, 0], [0, 2 + sp.cos(theta)]])
+    problem = gt.geodesic(frame, near, frame_velocity=[0.001, 1])
+    orbit = gt.closed_orbit(problem, 6.2 * side, section="phi", conserved={"u1**2+u2**2": 1},
+                            shift={"phi": "2*pi"}, digits=12)  # fmt: skip
+    with ball_precision(100):
+        length = 2 * arb.pi() * side
+        assert orbit.period.overlaps(length)
+        trace = (orbit.multipliers[0] + orbit.multipliers[1]).real
+        turn = length / arb(3).sqrt()
+        assert trace.overlaps(2 * (turn.cos() if side == 3 else length.cosh()))
+    assert orbit.stability == stability
+
+
+def test_a_top_of_a_scene():
+    """Landau, Lifshitz, paragraph 37: moments 1, 2, 3 from (1, 0, 2) give 2 K(1/12)."""
+    equations = gt.scenes.load("dzhanibekov").ode
+    with pytest.raises(ArgumentError, match="restricted"):
+        gt.closed_orbit(equations, 3)
+    top = equations.restricted(["Omega1", "Omega2", "Omega3"]).with_start([1, 0, 2])
+    quantities = ["rotational_energy", "angular_momentum_squared"]
+    orbit = gt.closed_orbit(top, 3.2, section="Omega2", conserved=quantities)
+    with ball_precision(100):
+        assert orbit.period.overlaps(2 * acb(arb(1) / 12).elliptic_k().real)
+    assert orbit.trivial == 3
+
+
+def test_a_constrained_motion():
+    """A skate on a plane, speed 1, turning by 2: a circle in the time pi, whose centre is fixed."""
+    x, y, f = sp.symbols("x y phi", real=True)
+    c, s = sp.cos(f), sp.sin(f)
+    frame = gt.Frame([x, y, f], [[c, s, 0], [-s, c, 0], [0, 0, 1]])
+    skate = gt.autoparallel(gt.constrained(frame, [[-s, c, 0]]), [0, 0, 0], velocity=[1, 0, 2])
+    centre = {"x-(u1*sin(phi)+u3*cos(phi))/u2": 0, "y+(u1*cos(phi)-u3*sin(phi))/u2": "1/2"}
+    orbit = gt.closed_orbit(
+        skate, 3, section="phi", conserved=centre, shift={"phi": "2*pi"}, digits=20
+    )
+    with ball_precision(100):
+        assert orbit.period.overlaps(arb.pi())
+        assert orbit["x"].contains(0)
+        assert orbit["y"].contains(0)
+
+
+@pytest.mark.slow
+def test_light_on_a_sphere_around_kerrs_hole():
+    """Teo 2003: for a = M/2 light at r = 5M/2 has L/E = 3 and Q/E^2 = 125/12; it is unstable."""
+    light = gt.geodesic(
+        "kerr", [0, 2.5, 0.746, 0], frame_velocity=[1.6, 0, 0, 1.6], parameters={"M": 1, "a": 0.5}
+    )
+    size, horizon = "(r**2+a**2*cos(theta)**2)", "(r**2-2*M*r+a**2)"
+    energy = f"sqrt({horizon}/{size})*u1+a*sin(theta)/sqrt({size})*u4"
+    orbit = gt.closed_orbit(
+        light, 9.1, symmetry=["u2", "u3"], section="r-5/2", shift={"t": None, "phi": None},
+        conserved={"u1**2-u2**2-u3**2-u4**2": 0, energy: 1},
+    )  # fmt: skip
+    with ball_precision(100):
+        height = orbit["theta"].cos() ** 2
+        # It turns where 125/12 = cos^2 (9/sin^2 - 1/4).
+        assert (height * (9 / (1 - height) - arb(1) / 4)).overlaps(arb(125) / 12)
+        big, sine = arb(25) / 4 + height / 4, (1 - height).sqrt()
+        spin = (arb(3) / 2 / big.sqrt() * orbit["u1"] * sine**2 / 2
+                + arb(13) / 2 * sine / big.sqrt() * orbit["u4"])  # fmt: skip
+        assert spin.overlaps(arb(3))
+    assert orbit.stability == "saddle"
+
+
 def test_a_family_of_ellipses():
     """All orbits of Kepler's problem are closed: from one point none is the only one."""
     rates = {"x": "u", "y": "v", "u": "-x/(x**2+y**2)**(3/2)", "v": "-y/(x**2+y**2)**(3/2)"}
@@ -174,6 +289,9 @@ REFUSED = [
     (lambda: gt.closed_orbit(SWING, 6, shift={"x": 1}), ArgumentError, "period of all rates"),
     (lambda: gt.closed_orbit(SWING, 6, shift={"x": None}), ArgumentError, "nothing depends"),
     (lambda: gt.closed_orbit(SWING, 6, symmetry=["w"]), UnknownNameError, "w"),
+    (lambda: gt.closed_orbit(gt.ODE.of({"x": "v", "v": "-x", "z": "x"}, [1, 0, 0]), 6,
+                             symmetry=["v", "z"], shift={"z": None}, section="x-1"),
+     ArgumentError, "which need not return"),
     (lambda: gt.closed_orbit(3, 6), ArgumentError, "ODE"),
     (lambda: gt.closed_orbit(SWING.with_start([0, 0]), 6), ProofError, "nothing moves"),
     (lambda: gt.closed_orbit(SWING, 6, section="v"), ProofError, "equilibrium|family"),

@@ -161,6 +161,25 @@ def test_periods_of_angles():
         assert proved(frame, loop)[1].overlaps(2 * arb.pi() * arb(1).sin())
 
 
+@pytest.mark.parametrize("k", [1, 10, 100, 1000])
+def test_a_narrow_bump(k):
+    """A bump at (1, 0) is exp(2 k^2 (x - 1)) on the circle: b = 2 pi I_1(2 k^2)/exp(2 k^2)."""
+    bump = sp.exp(-((k * (X - 1)) ** 2) - (k * Y) ** 2)
+    found = proved(gt.Frame([X, Y], [[1, bump], [0, 1]]), gt.Loop.circle([0, 0], 1), 20)[0]
+    with ball_precision(400):
+        size = 2 * arb(k) ** 2
+        assert found.overlaps(2 * arb.pi() * size.bessel_i(1) * (-size).exp())
+        assert found.rel_accuracy_bits() > 60
+
+
+def test_bumps_across_a_loop():
+    """exp(-(100 x)^2) dy around the unit circle vanishes, as x does by its mirror image."""
+    bump = sp.exp(-((100 * X) ** 2))
+    for entry in (bump, 1 + bump, bump * Y**2, bump + sp.exp(-((100 * X - 30) ** 2)) * Y):
+        frame = gt.Frame([X, Y], [[1, entry], [0, 1]])
+        assert proved(frame, gt.Loop.circle([0, 0], 1))[0].contains(0)
+
+
 def test_a_pole_between_points_is_seen():
     """A narrow pole on the loop is found, independent of samples."""
     narrow = gt.Frame([X, Y], [[1, 0], [1 / (X - sp.Rational(123457, 10**6)), 1]])

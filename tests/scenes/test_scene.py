@@ -135,7 +135,7 @@ def test_save_and_load(tmp_path):
     scene = TOP.with_values(watch=["nutation", "matrix", "omega"], t=1)
     result = scene.run()
     result.save(tmp_path / "top.npz")
-    back = gt.SceneResult.load(tmp_path / "top.npz")
+    back = gt.scenes.SceneResult.load(tmp_path / "top.npz")
     for name in scene.watch:
         assert (back[name] == result[name]).all()
     assert (back.times == result.times).all()
@@ -152,10 +152,10 @@ def test_save_and_load(tmp_path):
         _ = back.solution
     (tmp_path / "no.npz").write_bytes(b"nothing")
     with pytest.raises(FileFormatError, match="not a saved result of a scene"):
-        gt.SceneResult.load(tmp_path / "no.npz")
+        gt.scenes.SceneResult.load(tmp_path / "no.npz")
     np.savez(tmp_path / "other.npz", a=1)
     with pytest.raises(FileFormatError, match="not a saved result of a scene"):
-        gt.SceneResult.load(tmp_path / "other.npz")
+        gt.scenes.SceneResult.load(tmp_path / "other.npz")
 
 
 def test_tables():
@@ -258,7 +258,7 @@ def test_a_stuck_motion_carries_its_partial_result():
     with pytest.raises(gt.errors.StuckError) as caught:
         scene.run()
     so_far = caught.value.solution
-    assert isinstance(so_far, gt.SceneResult)
+    assert isinstance(so_far, gt.scenes.SceneResult)
     assert not so_far.complete
     assert so_far.times[-1] < 1
     t = so_far.times

@@ -124,7 +124,7 @@ def test_versions_agree_with_the_checkout(built):
     assert len(blocks) == 1
     assert not [block for block in blocks if block not in plain]
     licences = (built / "licences.html").read_text("utf-8")
-    assert all(name in licences for name in ("sympy", "python-flint", "heyoka", "orix"))
+    assert all(name in licences for name in ("sympy", "python-flint", "heyoka"))
 
 
 def test_nothing_is_asked_of_other_hosts_and_links_lead_somewhere(built):

@@ -21,7 +21,7 @@ def place(u: tuple[sp.Symbol, ...]) -> list[sp.Expr]:
     return [sp.expand((z.H * sp.Matrix(sigma) * z)[0]) for sigma in pauli]
 
 
-def places(curve: gt.Solution) -> np.ndarray:
+def places(curve: gt.ode.Solution) -> np.ndarray:
     """Points in space along a curve."""
     assert SPACE.embedding is not None
     return SPACE.embedding(FRAME).places(curve.coordinates, {})

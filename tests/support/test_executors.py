@@ -50,12 +50,12 @@ def processes() -> Iterator[Executor]:
 
 
 @pytest.fixture(scope="module")
-def serial() -> gt.Ensemble:
+def serial() -> gt.ode.Ensemble:
     """The ensemble without an executor."""
     return gt.solve_many(SWING, STARTS, [0.25, 1.0], 1e-8)
 
 
-def same(one: gt.Ensemble, two: gt.Ensemble) -> bool:
+def same(one: gt.ode.Ensemble, two: gt.ode.Ensemble) -> bool:
     """Whether two ensembles have the same bits."""
     return all(
         np.array_equal(a, b, equal_nan=True)

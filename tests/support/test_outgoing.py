@@ -119,7 +119,9 @@ def test_no_name_of_a_tetrad_is_obeyed(command: str, tmp_path: Path):
             json.loads(file.read_text("utf-8"))
 
 
-@pytest.mark.parametrize("command", ["run FILE -o OUT --format svg", "run FILE", "plan FILE"])
+@pytest.mark.parametrize(
+    "command", ["run FILE -o OUT --picture-format svg", "run FILE", "plan FILE"]
+)
 def test_no_name_of_a_scene_is_obeyed(command: str, tmp_path: Path):
     """No text of a scene file acts as a command; pictures show it even as invalid mathematics."""
     for k, name in enumerate(TOGETHER if " -o " in command else NAMES):

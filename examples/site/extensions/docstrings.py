@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
+from functools import cache
+from inspect import ismodule
 from itertools import pairwise
 
 from equations import pieces, whole_line
@@ -39,7 +41,25 @@ def _code(text: str) -> str:
     name = text.removesuffix("()").removeprefix("gt.").removeprefix("geomtorsion.")
     if name in geomtorsion.__all__:
         return rf"\ :py:obj:`{text} <geomtorsion.{name}>`\ "
+    homes = [
+        home for home in _homes().get(name.rpartition(".")[2], ()) if home.endswith(f".{name}")
+    ]
+    if len(homes) == 1 and ("." in name or name[0].isupper()):
+        return rf"\ :py:obj:`{text} <{homes[0]}>`\ "
     return rf"\ ``{text}``\ "
+
+
+@cache
+def _homes() -> dict[str, list[str]]:
+    """Full names of the functions and classes that the packages export, by their last part."""
+    found: dict[str, list[str]] = {}
+    exported = [getattr(geomtorsion, name) for name in geomtorsion.__all__]
+    packages = [value for value in exported if ismodule(value)]
+    for package in packages:
+        for name in getattr(package, "__all__", ()):
+            if name not in geomtorsion.__all__ and not ismodule(getattr(package, name)):
+                found.setdefault(name, []).append(f"{package.__name__}.{name}")
+    return found
 
 
 def with_formulas(line: str) -> str:

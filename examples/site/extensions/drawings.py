@@ -75,7 +75,7 @@ def flip() -> Any:
     return chosen(gt.scenes.load("dzhanibekov").run())
 
 
-def chosen(result: gt.SceneResult) -> Any:
+def chosen(result: gt.scenes.SceneResult) -> Any:
     """The figure of a scene that shows its motion in space; lines over time as the last choice."""
     shown = drawings(result)
     name = next(name for name in (*IN_SPACE, "watched") if name in shown)
@@ -150,11 +150,11 @@ def orbit() -> Any:
 
 def bound() -> Any:
     """A bound orbit around a rotating black hole, from its shape."""
-    shape = gt.kerr_orbit(0.9, 6, 0.3, 0.5)
+    shape = gt.spaces.kerr_orbit(0.9, 6, 0.3, 0.5)
     return around(gt.solve(shape.geodesic(), FINELY * 350.0), 1 + np.sqrt(1 - 0.9**2))
 
 
-def around(orbit: gt.Solution, horizon: float) -> Any:
+def around(orbit: gt.ode.Solution, horizon: float) -> Any:
     """An orbit in coordinates t, r, theta, phi around a black hole, as a curve in space."""
     _, r, theta, phi = np.asarray(orbit.coordinates, float).T
     across = r * np.sin(theta)

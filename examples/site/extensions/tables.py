@@ -85,7 +85,7 @@ class Licences(_Lines):
         """One row for each dependency of the package and of its extras."""
         project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
         extras = project["optional-dependencies"]
-        users = ("fast", "plots", "lab", "images", "files", "cluster", "crystals", "ebsd")
+        users = ("fast", "plots", "lab", "images", "files", "cluster", "crystals")
         groups = {"always": project["dependencies"], **{name: extras[name] for name in users}}
         rows = [
             (_name(one), f"``{group}``", *(escaped(part) for part in _licence(_name(one))))

@@ -24,7 +24,7 @@ from geomtorsion.pictures.style import save
 from geomtorsion.proofs import prove
 from geomtorsion.support.checks import cut
 from geomtorsion.support.files import make_folder, write_text
-from geomtorsion.support.outgoing import number_text, size_text
+from geomtorsion.support.outgoing import measured_text, number_text, size_text
 
 MOST_PICTURES = 12
 Values = dict[str, "float | sp.Expr"]
@@ -229,9 +229,12 @@ def _explain(result: dict[str, Any]) -> None:
         typer.echo(f"  b = ({shown}) * {unit['size']:g}^{unit['power']}, smaller than any double")
     else:
         error = result["error"]
-        values = (x if isinstance(x, float) else complex(*x) for x in numbers)
-        shown = ", ".join(number_text(x, error) for x in values)
-        typer.echo(f"  b = ({shown}) +- {size_text(error)}")
+        if all(isinstance(x, float) for x in numbers):
+            typer.echo(f"  b = {measured_text(numbers, error)}")
+        else:
+            values = (x if isinstance(x, float) else complex(*x) for x in numbers)
+            shown = ", ".join(number_text(x, error) for x in values)
+            typer.echo(f"  b = ({shown}) +- {size_text(error)}")
     if not result["reached"] and any(numbers):
         typer.secho(
             f"  the accuracy {result['accuracy']:g} was not reached", fg=typer.colors.YELLOW

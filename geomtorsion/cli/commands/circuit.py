@@ -19,6 +19,7 @@ from geomtorsion.cli.options import (
     MeasuredPixel,
     MeasuredResolution,
     MeasuredSigma,
+    MeasuredSlice,
     MeasuredSlip,
     MeasuredSpots,
     MeasuredThreshold,
@@ -47,6 +48,7 @@ def circuit(
     order: MeasuredOrder = None,
     missing: MeasuredMissing = None,
     columns: MeasuredColumns = None,
+    slice: MeasuredSlice = None,
     laue: MeasuredLaue = None,
     slip: MeasuredSlip = None,
     pixel: MeasuredPixel = None,
@@ -92,6 +94,7 @@ def circuit(
         resolution,
         missing or (),
         columns,
+        slice,
     )
     with working(Path(source).name):
         field = opened(source, reading)

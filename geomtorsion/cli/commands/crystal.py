@@ -230,10 +230,44 @@ def _folder(output: Path | None, *, resume: bool, overwrite: bool) -> Path | Non
     return folder
 
 
+def _plane_text(document: Json) -> str:
+    """The frames of atoms in a plane in words and columns."""
+    rows = [typer.style(document["file"], bold=True)]
+    for frame in document["frames"]:
+        name = f"  frame {frame['frame']}: " if len(document["frames"]) > 1 else "  "
+        grains, points = frame["grains"], frame["points"]
+        rows.append(
+            f"{name}{frame['atoms']:,} atoms in a plane: {frame['lattice']}, a = "
+            f"{frame['constant']:.6g}, {len(grains)} grain{'s' * (len(grains) != 1)}, "
+            f"{len(points)} dislocation{'s' * (len(points) != 1)}"
+        )
+        table = [["grain", "lattice", "a", "angle", "atoms"]]
+        table += [
+            [
+                str(one["number"]), one["lattice"], f"{one['constant']:.6g}",
+                f"{one['angle']:.2f}", f"{one['atoms']:,}",
+            ]
+            for one in (grains[k] for k in some_rows(len(grains)))
+        ]  # fmt: skip
+        rows += _table(table) if len(grains) > 1 else []
+        table = [["grain", f"b ({frame['convention']})", "b", "position"]]
+        table += [
+            [
+                str(one["grain"]), f"[{' '.join(one['burgers_lattice'])}]",
+                f"({_row(one['burgers'])})", f"({_row(one['position'])})",
+            ]
+            for one in (points[k] for k in some_rows(len(points)))
+        ]  # fmt: skip
+        rows += _table(table) if points else []
+    return "\n".join(rows)
+
+
 def _text(document: Json, partials: bool) -> str:
     """The frames in words and columns."""
     frames = document["frames"]
     first = frames[0]
+    if "points" in first:
+        return _plane_text(document)
     axes = ", ".join(
         f"{name} along [{_row(column)}]"
         for name, column in zip("xyz", np.array(first["orient"]).T, strict=True)
@@ -376,6 +410,9 @@ def _save(document: Json, net: DislocationNetwork, folder: Path) -> None:
     frames, name = document["frames"], document["file"]
     paths = [folder / "crystal.json", folder / "crystal.html"]
     write_text(paths[0], json.dumps(document, indent=1) + "\n")
+    if "points" in frames[0]:
+        typer.echo(f"wrote {paths[0]}", err=True)
+        return
     title = name if len(frames) == 1 else f"{name}, frame {frames[-1]['frame']}"
     write_text(paths[1], _page(frames[-1], title))
     if len(frames) > 1:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Annotated
 
@@ -10,9 +11,9 @@ import typer
 
 from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.options import (
-    NO_PICTURES,
     EngineName,
     Force,
+    Form,
     FrameVelocity,
     LastTime,
     Moments,
@@ -21,16 +22,17 @@ from geomtorsion.cli.options import (
     Pictures,
     Potential,
     Proved,
+    Shown,
     SpaceOrFile,
     Start,
     Velocity,
     directory,
-    say_written,
+    say_files,
 )
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import right_aligned, some_rows, working
 from geomtorsion.cli.values import engine_of, start_lines, start_options
-from geomtorsion.pictures.curve_files import write_curves
+from geomtorsion.pictures.curve_files import metadata, write_curves
 from geomtorsion.pictures.style import can_draw
 from geomtorsion.proofs import prove
 from geomtorsion.spaces import Pair, solve_pair
@@ -61,7 +63,8 @@ def curve(
     output: Annotated[
         Path | None, directory("Write curve.csv, curve.json and pictures to this directory.")
     ] = None,
-    form: Pictures = PictureFormat.png,
+    pictures: Pictures = PictureFormat.png,
+    form: Shown = Form.text,
     proved: Proved = False,
 ) -> None:
     """Follow the straightest and the shortest path from one start.
@@ -94,16 +97,21 @@ def curve(
         )
     if output is not None:
         with working(space.name) as progress:
-            written = write_curves(pair, output, form.value, progress)
-    typer.echo("\n".join(_summary(pair)))
-    if proved:
-        for name, solution in pair.curves.items():
-            with working(f"{space.name}: proof of the {name}"):
-                proof = prove(solution)
+            written = write_curves(pair, output, pictures.value, progress)
+    is_text = form is Form.text
+    if is_text:
+        typer.echo("\n".join(_summary(pair)))
+    proofs = {}
+    for name, solution in pair.curves.items() if proved else ():
+        with working(f"{space.name}: proof of the {name}"):
+            proof = prove(solution)
+        proofs[name] = proof.to_json()
+        if is_text:
             typer.echo(f"{name}, {proof}")
-    say_written(written)
-    if output is not None and not can_draw():
-        typer.echo(f"No pictures: {NO_PICTURES}")
+    if not is_text:
+        document = metadata(pair) | ({"proofs": proofs} if proved else {})
+        typer.echo(json.dumps(document, indent=2, ensure_ascii=False))
+    say_files(written, form, drawn=output is None or can_draw())
     for name, reason in pair.stops.items():
         typer.echo(f"geomtorsion: {name}: {reason}", err=True)
     if pair.stops:

@@ -13,21 +13,22 @@ import numpy as np
 import typer
 
 from geomtorsion.cli.options import (
-    NO_PICTURES,
     EngineName,
     Force,
+    Form,
     FrameVelocity,
     Moments,
     Parameters,
     PictureFormat,
     Pictures,
     Potential,
+    Shown,
     SpaceOrFile,
     Start,
     Velocity,
     directory,
     option,
-    say_written,
+    say_files,
 )
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working
@@ -113,7 +114,8 @@ def fit(
     output: Annotated[
         Path | None, directory("Write fit.json, residuals.csv and a figure to this directory.")
     ] = None,
-    form: Pictures = PictureFormat.png,
+    pictures: Pictures = PictureFormat.png,
+    form: Shown = Form.text,
 ) -> None:
     """Fit parameters and the start of a motion to recorded data.
 
@@ -124,7 +126,7 @@ def fit(
     Examples:
       geomtorsion fit kerr orbit.csv --free M,a,r --sigma r=1e-3,phi=1e-4 --set M=1,a=0.5 \\
         --start 0,10,1.2,0 --velocity 1.2,0,0.012,0.034
-      geomtorsion fit s2 track.csv --free "R,theta,phi'" --start 1,0 --velocity 0,1 -o fit
+      geomtorsion fit s2 track.csv --free "theta,phi'" --start 1,0 --velocity 0,1 -o fit
     """
     space = open_space(source)
     times, values = read_table(data)
@@ -143,15 +145,16 @@ def fit(
             problem, times, values, noise, names, bounds=_bounds(bounds), loss=loss.value,
             accuracy=accuracy, engine=engine_of(engine),
         )  # fmt: skip
-    typer.echo("\n".join(["first guess", *start_lines(problem, chosen), "", str(result)]))
+    if form is Form.json:
+        typer.echo(json.dumps(result.to_json(), indent=2))
+    else:
+        typer.echo("\n".join(["first guess", *start_lines(problem, chosen), "", str(result)]))
     if output is not None:
-        say_written(_write(result, output))
+        written = _write(result, output)
         if can_draw():
-            picture = output / f"fit.{form.value}"
-            save(result.plot(), picture)
-            say_written([picture])
-        else:
-            typer.echo(f"No picture: {NO_PICTURES}")
+            written.append(output / f"fit.{pictures.value}")
+            save(result.plot(), written[-1])
+        say_files(written, form, drawn=can_draw())
 
 
 def _bounds(texts: list[str] | None) -> dict[str, tuple[float | None, float | None]] | None:

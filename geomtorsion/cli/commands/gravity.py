@@ -114,7 +114,7 @@ def gravity(
       geomtorsion gravity frw -c cartan -c levi-civita -L "f(T, Rbar)"
       geomtorsion gravity frw_flat -c levi-civita -L "R + c*Y" --invariant "Y = R_abcd R^abdc"
       geomtorsion gravity frw_flat -c invariant-torsion -L "R + c*T1"
-      geomtorsion gravity frw_flat -L "T - F2/4 - m**2*Y/2" --invariant "Y = A_a A^a" \
+      geomtorsion gravity frw_flat -L "T - F2/4 - m**2*Y/2" --invariant "Y = A_a A^a" \\
           --maxwell "A(t), 0, 0, 0"
       geomtorsion gravity my-cosmology.toml --solve t=10 -o universe
       geomtorsion gravity my-cosmology.toml --solve t=10 --called-for 1e-3

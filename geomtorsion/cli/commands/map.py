@@ -13,6 +13,7 @@ from geomtorsion.cli.exits import ExitCode, resumable
 from geomtorsion.cli.loops import typed_loop
 from geomtorsion.cli.measured_sources import Reading, dashed, identity_frame, opened, sigma_of
 from geomtorsion.cli.options import (
+    Form,
     MeasuredColumns,
     MeasuredFile,
     MeasuredLaue,
@@ -21,11 +22,13 @@ from geomtorsion.cli.options import (
     MeasuredPixel,
     MeasuredResolution,
     MeasuredSigma,
+    MeasuredSlice,
     MeasuredSlip,
     MeasuredSpots,
     MeasuredThreshold,
     PictureFormat,
     Pictures,
+    Shown,
     Workers,
     directory,
     option,
@@ -67,6 +70,7 @@ def map(
     order: MeasuredOrder = None,
     missing: MeasuredMissing = None,
     columns: MeasuredColumns = None,
+    slice: MeasuredSlice = None,
     laue: MeasuredLaue = None,
     slip: MeasuredSlip = None,
     pixel: MeasuredPixel = None,
@@ -95,11 +99,11 @@ def map(
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Discard a map that was stopped in DIR.")
     ] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
     output: Annotated[
         Path | None, directory("Write map.csv, map.npz, map.json and a picture there.")
     ] = None,
-    form: Pictures = PictureFormat.png,
+    pictures: Pictures = PictureFormat.png,
+    form: Shown = Form.text,
 ) -> None:
     """Map the Burgers vector per area of a measured field, and compare it with noise.
 
@@ -131,11 +135,12 @@ def map(
         resolution,
         missing or (),
         columns,
+        slice,
     )
     path = Path(source)
     if blocks is not None or resume or is_array(path):
         layout = Blocks(blocks, steps, unit, 1 if workers is None else workers, resume, overwrite)
-        _in_blocks(path, reading, layout, size, plane, output, form, as_json=as_json, circle=circle)
+        _in_blocks(path, reading, layout, size, plane, output, pictures, form, circle=circle)
         return
     refuse = {"--steps": steps, "--unit": unit or None, "--workers": workers}
     refuse |= {"--overwrite": overwrite or None}
@@ -157,16 +162,16 @@ def map(
     loops = [typed_loop(frame, "circle", text) for text in circle or []]
     results, vectors, _ = burgers_of(field, loops, raises=False)
     document = {"about": list(description), **survey.summary(), "circles": results}
-    if as_json:
+    if form is Form.json:
         typer.echo(json.dumps(document, indent=2))
     else:
         typer.echo("\n".join(wrapped(line) for line in (*description, *survey_lines(survey))))
         for result in results:
             explain(result)
     if output is not None:
-        written = write_survey(survey, document, output, form.value)
+        written = write_survey(survey, document, output, pictures.value)
         if loops and can_draw():
-            written.append(output / f"circuits.{form.value}")
+            written.append(output / f"circuits.{pictures.value}")
             drawn = draw_circuits(field, vectors, refused_of(loops, results))
             save(drawn, written[-1])
         say_on_error(written)
@@ -193,9 +198,9 @@ def _in_blocks(
     size: int,
     plane: str | None,
     output: Path | None,
-    form: PictureFormat,
+    pictures: PictureFormat,
+    form: Form,
     *,
-    as_json: bool,
     circle: list[str] | None,
 ) -> None:
     """A map that is saved block by block."""
@@ -230,10 +235,10 @@ def _in_blocks(
                 )  # fmt: skip
             with working("writing") as progress:
                 progress("summary and picture")
-                numbers, lines, written = _report(survey, form.value)
+                numbers, lines, written = _report(survey, pictures.value)
     except (GridError, OrientationError, ImageError) as error:
         raise dashed(error) from None
-    if as_json:
+    if form is Form.json:
         typer.echo(json.dumps(numbers, indent=2))
     else:
         typer.echo("\n".join(wrapped(line) for line in lines))

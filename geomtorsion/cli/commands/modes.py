@@ -98,7 +98,7 @@ def modes(
       geomtorsion modes -L "R/2 - X/2 + c*phi*GB" -g riemannian --scalars phi
       geomtorsion modes -L "R/2 - X/2 + c*X*Box(phi)" -g riemannian --scalars phi --kind scalar
       geomtorsion modes -L "f(T)" -g teleparallel --kind growth
-      geomtorsion modes -L "R/2 - X/2 + c*phi*GB" -g riemannian --scalars phi --times 1,10 \
+      geomtorsion modes -L "R/2 - X/2 + c*phi*GB" -g riemannian --scalars phi --times 1,10 \\
           --set a=t**(1/2) --set phi=t --set c=1/10 -o speeds
     """
     if lagrangian is None:

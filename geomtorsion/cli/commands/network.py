@@ -21,6 +21,7 @@ from geomtorsion.materials.lines import DislocationNetwork, LineFamily
 from geomtorsion.pictures.network import draw_lines
 from geomtorsion.pictures.style import save
 from geomtorsion.support.files import make_folder, write_text
+from geomtorsion.support.outgoing import count_text
 from geomtorsion.support.progress import bar
 
 
@@ -166,15 +167,16 @@ def _explain(document: dict[str, Any]) -> None:
     say = typer.echo
     typer.secho(document["file"], bold=True)
     say(
-        f"  {document['nodes']:,} nodes, {document['lines']:,} lines, "
-        f"{document['junctions']:,} junctions"
+        f"  {count_text(document['nodes'], 'node')}, {count_text(document['lines'], 'line')}, "
+        f"{count_text(document['junctions'], 'junction')}"
     )
     say(f"  length {document['length']:.6g}, density {_density(document)}")
     broken = document["violations"]
     if not broken:
         say(f"  b is conserved at every node: largest sum {document['largest_sum_at_a_node']:.2g}")
     else:
-        typer.secho(f"  b is not conserved at {len(broken)} nodes", fg=typer.colors.RED)
+        where = count_text(len(broken), "node")
+        typer.secho(f"  b is not conserved at {where}", fg=typer.colors.RED)
         for row in broken[:ROWS]:
             say(f"    {row['text']}; missing: {_vector(row['missing'])}")
         if len(broken) > ROWS:
@@ -191,7 +193,8 @@ def _explain(document: dict[str, Any]) -> None:
             typer.secho(f"  failed: {row['failed']}", fg=typer.colors.RED)
             continue
         whole = "" if row["lattice"] is None else f" = {row['lattice']} in lattice vectors"
-        say(f"  b = {_vector(row['vector'])}{whole}, from {row['crossings']} crossings")
+        crossings = count_text(row["crossings"], "crossing")
+        say(f"  b = {_vector(row['vector'])}{whole}, from {crossings}")
 
 
 def _density(one: dict[str, Any]) -> str:

@@ -13,8 +13,8 @@ from geomtorsion import prices
 from geomtorsion.cli.loops import named_loop
 from geomtorsion.cli.measured_sources import Reading, identity_frame, opened
 from geomtorsion.cli.options import (
-    NO_PICTURES,
     Force,
+    Form,
     FrameVelocity,
     LastTime,
     Moments,
@@ -23,11 +23,12 @@ from geomtorsion.cli.options import (
     Pictures,
     Potential,
     Priced,
+    Shown,
     Start,
     Velocity,
     directory,
     option,
-    say_written,
+    say_files,
 )
 from geomtorsion.cli.scene_sources import is_scene, open_scene, space_or_hint
 from geomtorsion.cli.terminal import working
@@ -91,7 +92,8 @@ def price(
     output: Annotated[
         Path | None, directory("Write price.json, price.csv and the figure to this directory.")
     ] = None,
-    form: Pictures = PictureFormat.png,
+    pictures: Pictures = PictureFormat.png,
+    form: Shown = Form.text,
 ) -> None:
     """Measure what digits and certainty cost, of a motion, a loop or a scene.
 
@@ -146,11 +148,15 @@ def price(
             problem = problems[(curve or Curve.geodesic).value]
             found = prices.price(problem, last, **wanted)
         lines = [*start_lines(problem, chosen), ""]
-    typer.echo("\n".join([*lines, str(found)]))
-    if budget is not None:
-        typer.echo(f"{duration_text(budget)} buys {found.accuracy(budget):.2g}")
+    if form is Form.json:
+        bought = {} if budget is None else {"budget": budget, "buys": found.accuracy(budget)}
+        typer.echo(json.dumps(found.to_json() | bought, indent=2, ensure_ascii=False))
+    else:
+        typer.echo("\n".join([*lines, str(found)]))
+        if budget is not None:
+            typer.echo(f"{duration_text(budget)} buys {found.accuracy(budget):.2g}")
     if output is not None:
-        _write(found, output, form.value)
+        say_files(_write(found, output, pictures.value), form, drawn=can_draw())
 
 
 def _digits(text: str) -> list[float]:
@@ -181,15 +187,13 @@ def _refuse(given: dict[str, str | None], got: str) -> None:
         raise StartError(f"{wrong[0]}: expected a motion, got {got}.")
 
 
-def _write(table: prices.PriceList, folder: Path, form: str) -> None:
+def _write(table: prices.PriceList, folder: Path, form: str) -> list[Path]:
     """Table as data, and the figure where matplotlib is installed."""
     make_folder(folder)
     data, rows, figure = (folder / f"price.{end}" for end in ("json", "csv", form))
     write_text(data, json.dumps(table.to_json(), indent=2, ensure_ascii=False) + "\n")
     table.to_csv(rows)
-    say_written([data, rows])
-    if can_draw():
-        save(table.plot(), figure)
-        say_written([figure])
-    else:
-        typer.echo(f"No picture: {NO_PICTURES}")
+    if not can_draw():
+        return [data, rows]
+    save(table.plot(), figure)
+    return [data, rows, figure]

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from geomtorsion.cli.budgets import write_budget
 from geomtorsion.cli.exits import ExitCode, resumable
 from geomtorsion.cli.options import (
-    NO_PICTURES,
     EngineName,
+    Form,
     PictureFormat,
     Pictures,
     Proved,
@@ -19,10 +20,11 @@ from geomtorsion.cli.options import (
     SceneOrFile,
     SceneTime,
     Settings,
+    Shown,
     Watch,
     directory,
     option,
-    say_written,
+    say_files,
 )
 from geomtorsion.cli.scene_sources import open_scene, start_angles
 from geomtorsion.cli.terminal import WIDTH, right_aligned, some_rows, working
@@ -34,7 +36,7 @@ from geomtorsion.prices import EffectBudget
 from geomtorsion.proofs import prove
 from geomtorsion.scenes import Scene, SceneResult
 from geomtorsion.scenes.checkpoint import partial_result
-from geomtorsion.scenes.saving import write_run, write_scene_film
+from geomtorsion.scenes.saving import metadata, write_run, write_scene_film
 from geomtorsion.support.csv_table import write_csv
 from geomtorsion.support.files import check_resumption, make_folder
 from geomtorsion.support.progress import bar
@@ -71,7 +73,8 @@ def run(
         Path | None,
         option(metavar="FILE", text="Write an animation, .gif or (with ffmpeg) .mp4."),
     ] = None,
-    form: Pictures = PictureFormat.png,
+    pictures: Pictures = PictureFormat.png,
+    form: Shown = Form.text,
     proved: Proved = False,
     only_needed: Annotated[
         bool,
@@ -111,24 +114,27 @@ def run(
         result = _solved(scene, solver, checkpoint)
         with working(scene.title or scene.name) as progress:
             if output is not None:
-                written = write_run(result, output, form.value, progress)
-                written += [] if budget is None else write_budget(budget, output, form.value)
+                written = write_run(result, output, pictures.value, progress)
+                written += [] if budget is None else write_budget(budget, output, pictures.value)
             if animate is not None:
                 progress("drawing the animation")
                 written.append(write_scene_film(result, animate))
         if checkpoint is not None:
             checkpoint.unlink(missing_ok=True)
             checkpoint.with_name(PARTIAL).unlink(missing_ok=True)
-    if budget is not None:
-        typer.echo(f"{budget}\n")
-    typer.echo("\n".join(_summary(result)))
+    document: dict[str, Any] = {} if budget is None else {"effects": budget.to_json()}
+    is_text = form is Form.text
+    if is_text:
+        typer.echo(f"{budget}\n" * (budget is not None) + "\n".join(_summary(result)))
     if proved:
         with working(f"{scene.title or scene.name}: proof"):
             proof = prove(result.solution)
-        typer.echo(str(proof))
-    say_written(written)
-    if output is not None and not can_draw():
-        typer.echo(f"No pictures: {NO_PICTURES}")
+        document["proof"] = proof.to_json()
+        if is_text:
+            typer.echo(str(proof))
+    if not is_text:
+        typer.echo(json.dumps(metadata(result) | document, indent=2, ensure_ascii=False))
+    say_files(written, form, drawn=output is None or can_draw())
     if not result.complete:
         raise typer.Exit(ExitCode.failed)
 

@@ -31,6 +31,7 @@ from geomtorsion.pictures.stress import COMPONENTS, draw_stress
 from geomtorsion.pictures.style import can_draw, save
 from geomtorsion.support.checks import choice, shown
 from geomtorsion.support.files import ending, finite_number, make_folder, write_text
+from geomtorsion.support.outgoing import measured_text
 from geomtorsion.support.progress import bar
 
 # Options in messages of the library -> as typed.
@@ -216,7 +217,7 @@ def _summary(result: Stresses) -> dict[str, Any]:
 def _explain(document: dict[str, Any]) -> None:
     """The summary in words."""
     unit = f" {document['unit']}" if document["unit"] else ""
-    energy = f" {document['energy_unit']}" if document["energy_unit"] else ""
+    energy = document["energy_unit"]
     nodes = " x ".join(map(str, document["nodes"]))
     (xx, xy, xz), (_, yy, yz), (_, _, zz) = document["root_mean_square"]
     gauge = f", gauge length {document['gauge']:.6g}" if document["gauge"] else ""
@@ -228,9 +229,9 @@ def _explain(document: dict[str, Any]) -> None:
     for line in (
         document["source"],
         f"{nodes} nodes, core {document['core']:.6g}{gauge}, b as in {document['convention']}",
-        f"largest stress {largest:.6g}{unit}, error {error:.1g}{unit}{causes}",
+        f"largest stress {measured_text(largest, error, document['unit'])}{causes}",
         f"root mean square: {means}",
-        f"energy {document['energy']:.6g}{energy}, error {document['energy_error']:.1g}",
+        f"energy {measured_text(document['energy'], document['energy_error'], energy)}",
         *document["corrections"],
     ):
         typer.echo(wrapped(f"  {line}"))

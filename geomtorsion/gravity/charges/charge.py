@@ -16,7 +16,7 @@ from geomtorsion.gravity.charges.spheres import divergence, integrated, number, 
 from geomtorsion.gravity.lagrangian import Lagrangian
 from geomtorsion.support import checks
 from geomtorsion.support.displays import Plot, drawn_by, figure_by
-from geomtorsion.support.outgoing import number_text
+from geomtorsion.support.outgoing import measured_text
 
 
 @dataclass(frozen=True, repr=False)
@@ -144,7 +144,7 @@ class Charge:
         shown = (
             f"{self.value}"
             if isinstance(self.value, sp.Expr)
-            else f"{number_text(self.value, self.error)} +- {self.error:.1g}"
+            else measured_text(self.value, self.error)
         )
         same = {
             True: "the same on every such surface",

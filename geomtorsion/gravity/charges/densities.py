@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, cast
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
@@ -18,7 +18,7 @@ from geomtorsion.gravity.equations import equations
 from geomtorsion.gravity.fields import FrameFields
 from geomtorsion.gravity.inertial import inertial
 from geomtorsion.gravity.lagrangian import Lagrangian, known_as
-from geomtorsion.support import checks
+from geomtorsion.support import arguments, checks
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ def _killing(request: Request) -> Tensor:
     if isinstance(given, str | sp.Symbol):
         name = checks.known_name(given, names, "killing", GravityError, expected="a coordinate")
         given = [int(q == name) for q in names]
-    xi = frame.vector(given)
+    xi = frame.vector(cast(arguments.Vector, given))
     if lie(xi, frame).is_zero is not True:
         raise GravityError(
             f"killing: expected a Killing vector, got {checks.shown(list(map(str, xi)))}: the "

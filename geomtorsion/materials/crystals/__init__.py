@@ -4,6 +4,8 @@ from geomtorsion.materials.crystals.circuits import AtomCircuit
 from geomtorsion.materials.crystals.crystal import Crystal
 from geomtorsion.materials.crystals.grains import Grain, Grains, Wall
 from geomtorsion.materials.crystals.lattices import LATTICES, Lattice
+from geomtorsion.materials.crystals.plane_crystal import PlaneCrystal, PlaneDislocation
+from geomtorsion.materials.crystals.plane_grains import PlaneGrain
 from geomtorsion.materials.crystals.reading import read, read_all
 
 __all__ = [
@@ -13,6 +15,9 @@ __all__ = [
     "Grain",
     "Grains",
     "Lattice",
+    "PlaneCrystal",
+    "PlaneDislocation",
+    "PlaneGrain",
     "Wall",
     "read",
     "read_all",

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from copy import copy
 from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,6 +32,7 @@ from geomtorsion.materials.crystals.lattices import Lattice
 from geomtorsion.materials.crystals.method import METHOD
 from geomtorsion.materials.crystals.near_torsion import Atoms, lines_of, torsion_near, torsion_on
 from geomtorsion.materials.crystals.networks import network_of_grains
+from geomtorsion.materials.crystals.plane_crystal import PlaneCrystal, plane_of
 from geomtorsion.materials.crystals.segmentation import segmented
 from geomtorsion.materials.crystals.shells import Shells, dilated, shells_of
 from geomtorsion.materials.crystals.specimen import (
@@ -57,7 +59,8 @@ class Crystal(InFrame):
     dT = 0 exactly, and dislocation lines are where T is not zero. b = closed integral of e
     (conventions.py), in the coordinates of the positions.
 
-    positions: shape (atoms, 3), in any unit of length.
+    positions: shape (atoms, 3), in any unit of length. For atoms in a plane, of shape (atoms, 2) or
+        with one coordinate in common, the result is a `PlaneCrystal`.
     cell: edges of the cell as rows, shape (3, 3), or (3,) for edges along the coordinates; None
         where nothing is periodic.
     periodic: along which edges the cell repeats, shape (3,).
@@ -88,6 +91,28 @@ class Crystal(InFrame):
     _own: Grain | None
     _before: KnownGrains | None
     _where: str
+
+    def __new__(
+        cls,
+        positions: ArrayLike = (),
+        cell: ArrayLike | None = None,
+        periodic: Sequence[bool] = (True, True, True),
+        lattice: str | None = None,
+        orient: ArrayLike | None = None,
+        constant: float | None = None,
+        species: Sequence[str] | None = None,
+    ) -> Self:
+        """A crystal in space, or for atoms in a plane a `PlaneCrystal`."""
+        flat = plane_of(positions, cell, periodic)
+        if flat is None:
+            return super().__new__(cls)
+        if orient is not None or constant is not None:
+            raise CrystalError(
+                "orient, constant: expected none of these for atoms in a plane, which have them "
+                "for each grain. Omit them."
+            )
+        made: Any = PlaneCrystal(*flat, lattice, species)
+        return made
 
     def __init__(
         self,

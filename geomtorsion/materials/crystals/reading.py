@@ -109,7 +109,9 @@ def read_all(
     grains, names = None, species_of(species)
     for data in atom_frames(path, form):
         crystal = crystal_of(data.chosen(names), lattice, orient, constant, grains)
-        grains = KnownGrains.of(crystal.grains)
+        # Atoms in a plane are compared with no frame before.
+        if isinstance(crystal, Crystal):
+            grains = KnownGrains.of(crystal.grains)
         yield crystal
 
 
@@ -129,6 +131,7 @@ def crystal_of(
             data.positions, data.cell, data.periodic, lattice, orient, constant, data.species
         )
         crystal = crystal.from_file(data.where)
-        return crystal if known is None else crystal.following(known)
+        in_space = isinstance(crystal, Crystal)
+        return crystal.following(known) if in_space and known is not None else crystal
     except CrystalError as error:
         raise CrystalError(f"{data.where}: {error}") from None

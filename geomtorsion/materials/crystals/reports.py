@@ -14,6 +14,7 @@ from geomtorsion.materials.crystals.frames import Frame
 from geomtorsion.materials.crystals.grains import Grain, Wall
 from geomtorsion.materials.crystals.known_grains import KnownGrains
 from geomtorsion.materials.crystals.lattices import lattice_named
+from geomtorsion.materials.crystals.plane_crystal import PlaneCrystal
 from geomtorsion.materials.lines import DislocationNetwork
 from geomtorsion.materials.lines.line_arrays import DislocationLine
 
@@ -68,6 +69,44 @@ def crystal_report(crystal: Crystal, net: DislocationNetwork, convention: str = 
         "nye": _signed(net.nye, convention).tolist(),
         "lines": [_line(crystal, line, convention) for line in net.lines],
     }
+
+
+def plane_report(crystal: PlaneCrystal, convention: str = "SF/RH") -> Json:
+    """A crystal in a plane and its dislocations as plain data.
+
+    Returns
+    -------
+    atoms, lattice, constant, cell, periodic. grains: for each its number, lattice, constant, angle
+    of the first lattice vector to x in degrees, and atoms (how many). points: for each dislocation
+    its position, burgers (coordinates), burgers_lattice (fractions as text) and grain.
+    """
+    cell = crystal.cell
+    return {
+        "atoms": crystal.count,
+        "lattice": crystal.lattice,
+        "constant": crystal.constant,
+        "cell": None if cell is None else cell.tolist(),
+        "periodic": list(crystal.periodic),
+        "convention": convention,
+        "grains": [
+            {
+                "number": one.number, "lattice": one.lattice, "constant": one.constant,
+                "angle": one.angle, "atoms": len(one.atoms),
+            }
+            for one in crystal.grains
+        ],
+        "points": [
+            {
+                "position": list(one.position),
+                "burgers": _signed(one.burgers, convention).tolist(),
+                "burgers_lattice": [
+                    str(x if burgers([1], convention)[0] > 0 else -x) for x in one.burgers_lattice
+                ],
+                "grain": one.grain,
+            }
+            for one in crystal.dislocations()
+        ],
+    }  # fmt: skip
 
 
 def _ratio(frame: Frame) -> Json:
@@ -237,6 +276,8 @@ def followed(frames: Sequence[Json]) -> list[Json]:
     A line that is found with the opposite sense, and so with -b, is reversed: b of a track is
     one vector.
     """
+    if any("points" in frame for frame in frames):
+        return list(frames)
     senses: dict[int, list[str]] = {}
     reports = []
     for frame, numbers in zip(frames, tracks(frames), strict=True):

@@ -19,8 +19,9 @@ from geomtorsion.materials.crystals.atom_files import (
 from geomtorsion.materials.crystals.atom_rows import AtomData
 from geomtorsion.materials.crystals.crystal import Crystal
 from geomtorsion.materials.crystals.known_grains import KnownGrains
+from geomtorsion.materials.crystals.plane_crystal import PlaneCrystal
 from geomtorsion.materials.crystals.reading import crystal_of
-from geomtorsion.materials.crystals.reports import Json, crystal_report, known_of
+from geomtorsion.materials.crystals.reports import Json, crystal_report, known_of, plane_report
 from geomtorsion.materials.lines import DislocationNetwork
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.checks import LARGEST_ARRAYS
@@ -82,18 +83,21 @@ def reports(
         file = None if folder is None else folder / f"{number:06}.json"
         if file is not None and file.exists():
             report = read_json_text(read_text(file, LARGEST_ARRAYS), file.name)
-            grains = known_of(report, _owner(file, report))
+            if "points" not in report:
+                grains = known_of(report, _owner(file, report))
         else:
             seen(number, total, "lattice")
-            _ = frame.crystal.frame
+            if isinstance(frame.crystal, Crystal):
+                _ = frame.crystal.frame
             seen(number + 0.5, total, "lines")
             report = {"frame": number, **frame.report()}
-            grains = KnownGrains.of(frame.crystal.grains)
+            if isinstance(frame.crystal, Crystal):
+                grains = KnownGrains.of(frame.crystal.grains)
             if file is not None:
                 # A run that fails in its first frame leaves no files, so that it can be corrected.
                 with written(file.parent, is_folder=True):
                     write_text(file.with_name(SETTINGS), settings)
-                if "grains" in report:
+                if "grains" in report and grains is not None:
                     with written(file.with_suffix(".npy")) as part, part.open("wb") as stream:
                         np.save(stream, grains.owner)
                 # The report is written last: where it exists, all files of its frame do.
@@ -115,14 +119,17 @@ class _Frame:
         self.data, self.wanted, self.known = data, wanted, known
 
     @cached_property
-    def crystal(self) -> Crystal:
+    def crystal(self) -> Crystal | PlaneCrystal:
         """The crystal in the axes of the frames before."""
-        options = self.wanted
-        return crystal_of(self.data, options.lattice, options.orient, options.constant, self.known)
+        options, orient = self.wanted, self.wanted.orient
+        axes = None if orient is None else np.array(orient)
+        return crystal_of(self.data, options.lattice, axes, options.constant, self.known)
 
     @cached_property
     def network(self) -> DislocationNetwork:
-        """The lines of the frame."""
+        """The lines of the frame; none of atoms in a plane."""
+        if isinstance(self.crystal, PlaneCrystal):
+            return DislocationNetwork.of_lines([])
         return self.crystal.dislocations(self.wanted.partials)
 
     def lines(self) -> DislocationNetwork:
@@ -131,6 +138,8 @@ class _Frame:
 
     def report(self) -> Json:
         """The report of the frame."""
+        if isinstance(self.crystal, PlaneCrystal):
+            return plane_report(self.crystal, self.wanted.convention)
         return crystal_report(self.crystal, self.network, self.wanted.convention)
 
 

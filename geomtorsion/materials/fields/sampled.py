@@ -91,7 +91,7 @@ class SampledFrame(Samples):
     >>> hole = np.hypot(x, y) < 0.3
     >>> grid = SampledFrame(axes, distortion, mask=hole, sigma=1e-3, unit="um")
     >>> grid
-    SampledFrame(9 x 11 nodes, 1 rows, order 4, 1 hole of 5 nodes, sigma 0.001, in um)
+    SampledFrame(9 x 11 nodes, 1 row, order 4, 1 hole of 5 nodes, sigma 0.001, in um)
     >>> b = grid.burgers(grid.loop_around(grid.holes[0]))
     >>> b.vector.round(9), round(b.noise, 6), b.unit
     (array([0.8]), 0.000868, 'um')

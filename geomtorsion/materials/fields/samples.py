@@ -39,6 +39,7 @@ from geomtorsion.materials.fields.quantities import QUANTITIES, quantity
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.files import written
+from geomtorsion.support.outgoing import count_text
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
@@ -416,14 +417,14 @@ class Samples:
         return holes_of(self._grid)
 
     def __repr__(self) -> str:
-        parts = [f"{' x '.join(map(str, self._grid.shape))} nodes", f"{self.rows} rows"]
+        parts = [f"{' x '.join(map(str, self._grid.shape))} nodes", count_text(self.rows, "row")]
         parts.append(f"order {self.order}")
         if any(self.periodic):
             wraps = [n for n, wraps in zip(self.names, self.periodic, strict=True) if wraps]
             parts.append(f"periodic in {', '.join(wraps)}")
         if self.holes:
             count, nodes = len(self.holes), int(np.count_nonzero(self.mask))
-            parts.append(f"{count} hole{'s' * (count > 1)} of {nodes} node{'s' * (nodes > 1)}")
+            parts.append(f"{count_text(count, 'hole')} of {count_text(nodes, 'node')}")
         if isinstance(self.sigma, np.ndarray):
             low, high = (f"{x:.2g}" for x in (self.sigma.min(), self.sigma.max()))
             parts.append(f"sigma {low}" + (f" to {high}" if high != low else ""))

@@ -70,7 +70,7 @@ class ScatteredFrame:
     >>> twist = np.array([[-y, x]]) / 2            # e = (x dy - y dx) / 2: torsion 1
     >>> frame = ScatteredFrame.from_coframe(points.T, twist, mask=np.hypot(x, y) < 0.3, sigma=1e-3)
     >>> frame
-    ScatteredFrame(500 points, 873 triangles, 1 rows, 1 hole)
+    ScatteredFrame(500 points, 873 triangles, 1 row, 1 hole)
     >>> b = frame.burgers(frame.loop_around())
     >>> 0.28 < b.vector[0] < 0.6, round(b.noise, 4)
     (np.True_, 0.0005)
@@ -491,7 +491,7 @@ class ScatteredFrame:
         count, mesh = len(self.points), self.mesh
         cells = int(mesh.kept.sum())
         kind = "triangles" if mesh.dimension == 2 else "tetrahedra"
-        parts = [f"{count} points", f"{cells} {kind}", f"{self.rows} rows"]
+        parts = [f"{count} points", f"{cells} {kind}", f"{self.rows} row{'s' * (self.rows != 1)}"]
         if mesh.dimension == 2 and mesh.rims:
             parts.append(f"{len(mesh.rims)} hole{'s' * (len(mesh.rims) > 1)}")
         if self.unit:

@@ -30,7 +30,7 @@ from geomtorsion.materials.lines.reactions import (
     total,
     vanishes,
 )
-from geomtorsion.support import checks
+from geomtorsion.support import checks, outgoing
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.files import written
 
@@ -70,8 +70,8 @@ class DislocationNetwork:
     _scale: float = field(init=False, default=1.0, repr=False)
 
     def __repr__(self) -> str:
-        graph = self.graph
-        return f"DislocationNetwork({len(graph)} nodes, {graph.number_of_edges()} lines)"
+        lines = outgoing.count_text(self.graph.number_of_edges(), "line")
+        return f"DislocationNetwork({outgoing.count_text(len(self.graph), 'node')}, {lines})"
 
     def __post_init__(self) -> None:
         """Read the Burgers vectors exactly, once."""

@@ -17,6 +17,7 @@ from geomtorsion.materials.lines.box import Box
 from geomtorsion.materials.lines.reactions import Vector
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
+from geomtorsion.support.outgoing import count_text
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -56,7 +57,10 @@ class LineArrays:
     known: Mapping[str, Any]
 
     def __repr__(self) -> str:
-        return f"LineArrays({len(self.positions)} nodes, {len(self.pairs)} lines)"
+        return (
+            f"LineArrays({count_text(len(self.positions), 'node')}, "
+            f"{count_text(len(self.pairs), 'line')})"
+        )
 
     def __init__(
         self,

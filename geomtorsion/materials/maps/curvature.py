@@ -20,11 +20,12 @@ class Curvature:
 
     Equation
     --------
-    kappa_ij = d theta_i / d x_j, theta the rotation of the crystal, j = x, y. The difference is
-    taken between the neighbours on both sides, or to one neighbour if only one belongs to the
-    same grain. alpha_ik = kappa_ki - delta_ik kappa_mm (i: component of b, k: of the line, specimen
-    axes), which equals eps_kab d_a e_ib of the coframe e = R. One plane of a map determines the
-    components 12, 13, 21, 23 and 33 [Pantleon, Scripta Mater. 58 (2008) 994]; strain is neglected.
+    kappa_ij = d theta_i / d x_j, theta the rotation of the crystal, j = x, y, by least squares over
+    the four neighbours of a square grid or the six of a hexagonal grid that belong to the same
+    grain; with all of them these are central differences. alpha_ik = kappa_ki - delta_ik kappa_mm
+    (i: component of b, k: of the line, specimen axes), which equals eps_kab d_a e_ib of the coframe
+    e = R. One plane of a map determines the components 12, 13, 21, 23 and 33 [Pantleon, Scripta
+    Mater. 58 (2008) 994]; strain is neglected.
 
     tensor: kappa, rad per `unit`, shape (rows, columns, 3, 2), NaN where no neighbour is known.
     variance: of a component, from noise of variance 1, shape (rows, columns, 2).
@@ -117,24 +118,35 @@ def curvature_of(
     odd = np.arange(len(grain)) % 2
     # In a hexagonal grid, two pixels of the next row are equally close.
     near = [0 * odd] if not shift else [odd - 1, odd] if shift > 0 else [-odd, 1 - odd]
-    sides = (
-        ([(0, 0 * odd + 1)], [(0, 0 * odd - 1)]),
-        ([(1, columns) for columns in near], [(-1, columns) for columns in near]),
-    )
-    tensor = np.full((*grain.shape, 3, 2), np.nan)
-    variance = np.full((*grain.shape, 2), np.nan)
-    for axis, (ahead, back) in enumerate(sides):
-        there, behind = (
-            np.mean([turns.to(*one) for one in side], axis=0) for side in (ahead, back)
-        )
-        both = np.isfinite(there) & np.isfinite(behind)
-        one = np.where(np.isfinite(there), there, -behind)
-        tensor[..., axis] = np.where(both, (there - behind) / 2, one) / steps[axis]
-        # The mean of two neighbours has half the variance of a single one.
-        part = 1 / len(ahead)
-        spread = np.where(both[..., 0], part / 2, 1 + part) / steps[axis] ** 2
-        variance[..., axis] = np.where(np.isfinite(one[..., 0]), spread, np.nan)
+    sides = [(0, 0 * odd + 1), (0, 0 * odd - 1), *((k, one) for k in (1, -1) for one in near)]
+    found = np.array([turns.to(*side) for side in sides])
+    known = np.isfinite(found[..., 0])
+    # Places of the neighbours in steps, shape (neighbours, rows, 1, 2).
+    away = np.array([
+        np.stack([columns + shift * (abs(odd - k % 2) - odd), 0.0 * odd + k], axis=-1)
+        for k, columns in sides
+    ])[:, :, None]  # fmt: skip
+    away = np.where(known[..., None], away, 0.0)
+    inverse = _inverse(np.einsum("nrcj,nrck->rcjk", away, away))
+    weights = np.einsum("nrcj,rcjk->nrck", away, inverse) / np.array(steps)
+    tensor = np.einsum("nrci,nrck->rcik", np.where(known[..., None], found, 0.0), weights)
+    # Each difference contains the noise of a neighbour, and all contain the noise of the pixel.
+    variance = (weights**2).sum(axis=0) + weights.sum(axis=0) ** 2
     return Curvature(tensor, variance, unit)
+
+
+def _inverse(squares: np.ndarray) -> np.ndarray:
+    """Inverses of symmetric matrices in whole and half steps; NaN for unknown directions."""
+    xx, xy, yy = squares[..., 0, 0], squares[..., 0, 1], squares[..., 1, 1]
+    determinant = xx * yy - xy**2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        full = np.stack([yy, -xy, -xy, xx], axis=-1) / determinant[..., None]
+        # Neighbours along one axis determine only this derivative.
+        along_x = np.where(xx * (yy == 0) > 0, 1 / xx, np.nan)
+        along_y = np.where(yy * (xx == 0) > 0, 1 / yy, np.nan)
+    zero = np.zeros_like(xx)
+    single = np.stack([along_x, zero, zero, along_y], axis=-1)
+    return np.where((determinant > 0)[..., None], full, single).reshape(squares.shape)
 
 
 @dataclass(frozen=True, eq=False)

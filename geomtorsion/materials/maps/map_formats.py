@@ -10,7 +10,7 @@ from geomtorsion.errors import FileFormatError, OrientationError
 from geomtorsion.materials.columns import checked_columns
 from geomtorsion.materials.maps.channel5 import read_channel5
 from geomtorsion.materials.maps.map_files import CTF, read_text_map
-from geomtorsion.materials.maps.map_hdf5 import read_h5oina, read_orix
+from geomtorsion.materials.maps.map_hdf5 import read_hdf5_map
 from geomtorsion.materials.maps.map_points import MapFile
 from geomtorsion.materials.maps.map_tables import (
     QUANTITIES,
@@ -48,13 +48,13 @@ def _seems_ang(content: bytes) -> bool:
     return bool(lines) and lines[0].startswith(b"#") and b"," not in row and len(row.split()) >= 8
 
 
+# File endings of HDF5.
+HDF5_MAPS = (".h5", ".hdf5", ".h5oina", ".oh5", ".h5ebsd", ".dream3d")
 # File ending -> format. To add a format, add a line here.
 FORMATS: dict[str, MapFormat] = {
     ".ctf": MapFormat(read_text_map, _seems_ctf, (CTF.encode(),)),
     ".ang": MapFormat(read_text_map, _seems_ang),
-    ".h5": MapFormat(read_orix, begins=(HDF5,)),
-    ".hdf5": MapFormat(read_orix, begins=(HDF5,)),
-    ".h5oina": MapFormat(read_h5oina, begins=(HDF5,)),
+    **dict.fromkeys(HDF5_MAPS, MapFormat(read_hdf5_map, begins=(HDF5,))),
     ".cpr": MapFormat(read_channel5),
     ".crc": MapFormat(read_channel5),
     ".txt": MapFormat(read_map_table, seems_table),
@@ -69,12 +69,14 @@ def read_map_file(
     path: str | Path,
     laue: Mapping[int, str] | None = None,
     columns: Mapping[str, int | str] | None = None,
+    part: int | str | None = None,
 ) -> MapFile:
     """Read an orientation map from a file in the format of its file ending.
 
     laue: number of a phase (0: all other phases) -> name of its Laue group, which overrides the
     group in the file.
-    columns: quantity (phi1, Phi, phi2, x, y, phase) -> column of a table.
+    columns: quantity (phi1, Phi, phi2, x, y, phase) -> column of a table, or data set of HDF5.
+    part: number or name of one of several maps in HDF5.
 
     Raises
     ------
@@ -92,11 +94,17 @@ def read_map_file(
             f"{suffix or 'no ending'!r}. Export the map as .ctf or .ang."
         )
     chosen = checked_columns(columns, map_quantity, OrientationError, QUANTITIES)
+    if suffix in HDF5_MAPS:
+        return read_hdf5_map(path, laue, chosen, part)
+    if part is not None:
+        raise OrientationError(
+            f"slice: expected an HDF5 file with several maps, got {path.name}. Omit slice."
+        )
     if not chosen:
         return FORMATS[suffix].read(path, laue)
     if suffix not in TABLES:
         raise OrientationError(
-            f"columns: expected a table ({', '.join(TABLES)}), got {path.name}, whose columns are "
-            "fixed. Omit columns."
+            f"columns: expected a table ({', '.join(TABLES)}) or HDF5, got {path.name}, whose "
+            "columns are fixed. Omit columns."
         )
     return read_map_table(path, laue, chosen)

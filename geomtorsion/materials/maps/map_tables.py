@@ -36,11 +36,12 @@ _NAMES = {
          "euler phi2", "eulerphi2", "ea3"), "phi2"),
     **dict.fromkeys(
         ("phase", "phaseid", "phase_id", "phase id", "phaseindex", "phase index"), "phase"),
+    **dict.fromkeys(("euler", "euler angles", "eulerangles"), "euler"),
     **dict.fromkeys(("x", "x position", "x_position", "xpos", "x_pos"), "x"),
     **dict.fromkeys(("y", "y position", "y_position", "ypos", "y_pos"), "y"),
 }  # fmt: skip
 _NEEDED = ("phi1", "Phi", "phi2", "x", "y")
-QUANTITIES = "phi1, Phi, phi2, x, y, phase"
+QUANTITIES = "phi1, Phi, phi2, x, y, phase; euler for all three angles in HDF5"
 
 
 def map_quantity(word: str) -> str | None:

@@ -16,6 +16,7 @@ from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.fields.circuits import unexplained
 from geomtorsion.materials.maps.circuits import Circuit, circuit_of
 from geomtorsion.materials.maps.curvature import Curvature, curvature_of
+from geomtorsion.materials.maps.grain_frames import frame_of_grain
 from geomtorsion.materials.maps.lattice_edges import (
     GrainMap,
     estimated_covariance,
@@ -160,6 +161,7 @@ class OrientationMap:
         *,
         laue: Mapping[int, str] | None = None,
         columns: Mapping[str, int | str] | None = None,
+        slice: int | str | None = None,
         axes: Sequence[Sequence[float]] | np.ndarray | None = None,
         threshold: float = 5.0,
         sigma: float | Sequence[float] | None = None,
@@ -169,24 +171,23 @@ class OrientationMap:
 
         A .cpr file needs its .crc file in the same folder. A table (.txt, .csv) has a row of names:
         phi1, Phi, phi2, x, y and optionally phase. Its angles are in degrees unless a name has the
-        unit (rad), and it needs `laue`. Positions decide if a header disagrees with them.
-
-        Euler angles are in degrees in .ctf files and in radians in .ang files, as instruments write
-        them. If a map shows one grain, or noise, instead of several grains, check the unit. Angles
-        of more than two turns are refused.
+        unit (rad), and it needs `laue`. HDF5 needs h5py. Positions decide if a header disagrees
+        with them. Angles are in degrees in .ctf files and in radians in .ang files, as instruments
+        write them. If a map shows one grain, or noise, instead of several, check the unit.
 
         Parameters
         ----------
         laue
             Number of a phase (0: all others) -> its Laue group, if not correct in the file.
         columns
-            Tables (.txt, .csv, .ang): quantity (phi1, Phi, phi2, x, y, phase) -> name or number
-            of its column, such as {"phi1 (rad)": 0}; other columns count by their names.
+            Tables: quantity (phi1, Phi, phi2, x, y, phase) -> name or number of its column, such as
+            {"phi1 (rad)": 0}. HDF5: -> path of its data set; euler for all angles.
+        slice
+            Number or name of one of several maps in an HDF5 file.
         axes
             Rotation from the axes of the map (x along rows, y along columns) to the axes of the
-            Euler angles, shape (3, 3); by default these are the same. Instruments use different
-            axes. The rotation changes b in specimen axes and the directions of the steps in the
-            crystal.
+            Euler angles, shape (3, 3); by default these are the same, but not for all instruments.
+            It changes b in specimen axes and the directions of the steps in the crystal.
         threshold, sigma, slip
             As for the class.
 
@@ -197,7 +198,7 @@ class OrientationMap:
             message names file, line and remedy.
         """
         path = checks.file_name(path)
-        file = read_map_file(path, laue, columns)
+        file = read_map_file(path, laue, columns, slice)
         if not (file.phase > 0).any():
             raise FileFormatError(
                 f"{path.name}: expected pixels with an orientation, got phase 0 (not indexed) for "
@@ -315,7 +316,8 @@ class OrientationMap:
 
         A node is [column, row]; pixels of other grains are holes. The rows of the coframe are
         crystal axes. Its sigma is the noise of the phase, averaged over the axes and assumed
-        independent in each component.
+        independent in each component. The coframe of a hexagonal grid is interpolated along its
+        rows, to columns halfway between even and odd rows.
 
         Parameters
         ----------
@@ -327,7 +329,7 @@ class OrientationMap:
         Raises
         ------
         OrientationError
-            There is no such grain, or the grid is hexagonal.
+            There is no such grain.
 
         Examples
         --------
@@ -338,24 +340,10 @@ class OrientationMap:
         (np.float64(0.001745), np.float64(0.001745))
         """
         number = checks.count(grain, "grain", OrientationError, 0, self.grains.count - 1)
-        if self.shift:
-            raise OrientationError(
-                "expected a map on a square grid for a sampled frame, got a hexagonal grid. Use "
-                ".burgers, or export the map on a square grid."
-            )
         mine = self.grain == number
-        steps = self.steps
-        axes = [step * np.arange(n) for step, n in zip(steps, self.shape[::-1], strict=True)]
         covariance = self.noise[int(self.phase[mine][0])]
-        return SampledFrame(
-            axes,
-            self.coframe.transpose(2, 3, 1, 0),
-            order,
-            ("x", "y"),
-            mask=~mine.T,
-            sigma=float(np.sqrt(np.trace(covariance) / 3)),
-            unit=self.unit,
-        )
+        sigma = float(np.sqrt(np.trace(covariance) / 3))
+        return frame_of_grain(self.coframe, mine, self.steps, self.shift, order, sigma, self.unit)
 
     # -- circuits ---------------------------------------------------------------------------------
 

@@ -77,17 +77,25 @@ class MapBurgers(Burgers):
         """b in specimen axes (the axes of the map), shape (3,), in `unit`."""
         return self.rotation @ self.vector
 
+    def _errors_in(self, matrix: np.ndarray) -> np.ndarray:
+        """Errors of matrix @ b, shape (3,)."""
+        noise = np.einsum("ij,jk,ik->i", matrix, self.covariance, matrix)
+        return np.sqrt(noise + self.systematic_error**2 * (matrix**2).sum(axis=1))
+
     @property
     def facts(self) -> Json:
         """b in specimen axes, grain, phase, steps; lattice coordinates and slip where known."""
         facts: Json = {
             "specimen": self.specimen.tolist(),
+            "specimen_errors": self._errors_in(self.rotation).tolist(),
             "grain": self.grain,
             "phase": self.phase.name,
             "steps": len(self.circuit.starts),
         }
         if self.phase.has_lattice:
             facts["lattice"] = self.indices.tolist()
+            turned = np.linalg.inv(self.phase.lattice) * angstrom_in(self.unit)
+            facts["lattice_errors"] = self._errors_in(turned).tolist()
         if self.structure:
             facts["slip"] = [
                 {
@@ -211,11 +219,7 @@ class MapBurgers(Burgers):
         return densities(self.per_area, normal, families, angstrom_in(self.unit))
 
     def __repr__(self) -> str:
-        shown = ", ".join(f"{x:.4g}" for x in self.vector.tolist())
-        return (
-            f"MapBurgers([{shown}] {self.unit} in crystal axes, noise {self.noise:.1e}, "
-            f"grain {self.grain}, {self.phase.name})"
-        )
+        return f"MapBurgers({self.text} in crystal axes, grain {self.grain}, {self.phase.name})"
 
 
 def angstrom_in(unit: str) -> float:

@@ -12,12 +12,12 @@ from geomtorsion.support.checks import cut
 
 # All engines of this package; the first of each class is what the command line calls by its class.
 SHIPPED: tuple[Engine, ...] = (Taylor(), RungeKutta(), *map(Stiff, METHODS))
-_BITS = re.compile(r"Taylor\((\d{1,4})\)")
+_TAYLOR = re.compile(r"Taylor(?:\((?:(\d{1,4})|(?:(\d{1,4}), )?(optimised))\))?")
 
 
 def is_own(name: str) -> bool:
     """Whether an engine of this package has a name."""
-    return _BITS.fullmatch(name) is not None or any(engine.name == name for engine in SHIPPED)
+    return _TAYLOR.fullmatch(name) is not None or any(engine.name == name for engine in SHIPPED)
 
 
 def engine_named(name: str) -> Engine:
@@ -33,9 +33,10 @@ def engine_named(name: str) -> Engine:
     >>> engine_named("Taylor(113)").precision, engine_named("Stiff(LSODA)").name
     (113, 'Stiff(LSODA)')
     """
-    bits = _BITS.fullmatch(name)
-    if bits is not None:
-        return Taylor(precision=int(bits[1]))
+    taylor = _TAYLOR.fullmatch(name)
+    if taylor is not None:
+        alone, before, optimised = taylor.groups()
+        return Taylor(precision=int(alone or before or 53), optimised=optimised is not None)
     for engine in SHIPPED:
         if engine.name == name:
             return engine

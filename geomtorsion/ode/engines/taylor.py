@@ -9,10 +9,10 @@ import math
 import time
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from functools import lru_cache, partial
+from functools import lru_cache
 from importlib import import_module
 from importlib.util import find_spec
 from threading import Lock, RLock
@@ -24,7 +24,7 @@ import numpy as np
 
 from geomtorsion.errors import ArgumentError, MissingExtraError
 from geomtorsion.ode.engines.registers import FEW, run_in_registers
-from geomtorsion.ode.numbers import Real, floats, mpf
+from geomtorsion.ode.numbers import Real, mpf
 from geomtorsion.ode.rates import KEPT
 from geomtorsion.ode.roundings import Changes
 from geomtorsion.ode.system import (
@@ -51,6 +51,9 @@ FAINT = Fraction(1, 2**30)
 # Bytes of optimised code that heyoka may leave on the disk. Its own default is 21 gigabytes; to
 # open a cache takes 0.4 seconds for each gigabyte in it.
 DISK = 2**28
+# After so many portions of steps the rest of a run has optimised code: to compile it takes as long
+# as it saves in 65,000 to 600,000 steps (tops, autoparallels, Kerr orbits).
+LONG = 75
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,22 +154,24 @@ def _compiled(
     width: int,
     number: Callable[[Any], Any],
     backward: bool = False,
+    optimised: bool = False,
 ) -> tuple[_Shared, float]:
     """A compiled integrator, kept or made now, and the seconds that it took.
 
     width: motions side by side in one batch; 0: one motion.
     number: makes numbers of the precision.
     backward: whether times run down, which changes what falls.
+    optimised: whether the code of one motion is optimised; the code of a batch always is.
     """
     began = time.perf_counter()
     backward = backward and system.guard is not None
-    key = (system.key, order, precision, width, backward)
+    key = (system.key, order, precision, width, backward, optimised and not width)
     with _kept_lock:
         cached = _kept.get(key)
         if cached is not None:
             _kept.move_to_end(key)
             return cached, 0.0
-    integrator = _integrator(system, order, precision, width, number, backward)
+    integrator = _integrator(system, order, precision, width, number, backward, optimised)
     fresh = _Shared(integrator)
     with _kept_lock:
         _kept[key] = fresh
@@ -206,6 +211,7 @@ def _integrator(
     width: int,
     number: Callable[[Any], Any],
     backward: bool,
+    optimised: bool,
 ) -> Any:
     """heyoka's integrator of a system."""
     hy = heyoka()
@@ -226,10 +232,8 @@ def _integrator(
     options: dict[str, Any] = {
         "tol": number(tolerance_of(order)),
         "compact_mode": precision > 64 or len(system.rates.steps) > LONGEST_UNROLLED,
-        # Optimised code of one motion would run in 0.5 to 0.7 of the time; compiling it takes as
-        # long as some hundred thousand steps. Its results also have other last bits, so that it
-        # cannot take over on the way.
-        "opt_level": 3 if width else 0,
+        # Levels above 1 give the same bits and are not faster for one motion. Level 0 has others.
+        "opt_level": 3 if width else int(optimised),
     }
     guards = []
     if system.guard is not None:
@@ -275,6 +279,10 @@ class Taylor:
 
     precision: bits of the mantissa: 53 (double), 64 (long double), 113 (quadruple) to 400.
     max_steps: a run that needs more steps raises an error.
+    optimised: whether all steps have optimised code, with other last bits. To compile it takes a
+        few tenths of a second, which it saves again after some hundred thousand steps of one or of
+        many motions. Without it, a run has optimised code after 150,000 steps (37,500 above 64
+        bits).
 
     Raises
     ------
@@ -283,12 +291,13 @@ class Taylor:
 
     Examples
     --------
-    >>> Taylor(precision=113).name
-    'Taylor(113)'
+    >>> Taylor(precision=113).name, Taylor(optimised=True).name
+    ('Taylor(113)', 'Taylor(optimised)')
     """
 
     precision: int = 53
     max_steps: int = 5_000_000
+    optimised: bool = False
 
     def __post_init__(self) -> None:
         """Refuse numbers without sense, which would fail far from here."""
@@ -296,6 +305,10 @@ class Taylor:
             bits = f"53, 64 or a whole number from 113 to {EXACT_BITS:,}"
             checks.count(self.precision, "precision", ArgumentError, 113, EXACT_BITS, expected=bits)
         checks.count(self.max_steps, "max_steps", ArgumentError, 1)
+        if not isinstance(self.optimised, bool):
+            raise ArgumentError(
+                f"optimised: expected True or False, got {checks.shown(self.optimised)}."
+            )
 
     finds_every_root = True
     changes_on_the_way = True
@@ -303,7 +316,9 @@ class Taylor:
     @property
     def name(self) -> str:
         """Its name in tables."""
-        return "Taylor" if self.precision == 53 else f"Taylor({self.precision})"
+        parts = [] if self.precision == 53 else [f"{self.precision}"]
+        parts += ["optimised"] if self.optimised else []
+        return f"Taylor({', '.join(parts)})" if parts else "Taylor"
 
     @property
     def finest(self) -> float:
@@ -361,7 +376,9 @@ class Taylor:
         """The compiled integrator of a system, kept or made now; the seconds that it took."""
         order, bits = order_of(tolerance), self.precision
         hoisted = system.hoisted
-        shared, seconds = _compiled(hoisted.system, order, bits, width, self.number, backward)
+        shared, seconds = _compiled(
+            hoisted.system, order, bits, width, self.number, backward, self.optimised
+        )
         return Compiled(self, hoisted, shared), seconds
 
     def run(
@@ -380,8 +397,20 @@ class Taylor:
         """See `Engine.run`."""
         backward = bool(times[-1] < times[0])
         compiled, compiling = self.compiled(system, tolerance, backward=backward)
-        run = self._run(compiled, system, start, parameters, times, dense, watch, longest, changes)
-        run.compile_seconds = compiling
+        later: list[float] = []
+
+        def optimised() -> Compiled:
+            engine = replace(self, optimised=True)
+            code, seconds = engine.compiled(system, tolerance, backward=backward)
+            later.append(seconds)
+            return code
+
+        run = self._run(
+            compiled, None if self.optimised else optimised, system, start, parameters, times,
+            dense, watch, longest, changes,
+        )  # fmt: skip
+        run.compile_seconds = compiling + sum(later)
+        run.run_seconds -= sum(later)
         return run
 
     def batch(self, batch: Batch, tolerance: float) -> float:
@@ -396,6 +425,7 @@ class Taylor:
     def _run(
         self,
         kept: Compiled,
+        optimised: Callable[[], Compiled] | None,
         system: System,
         start: Sequence[Real] | np.ndarray,
         parameters: Sequence[Real] | np.ndarray,
@@ -405,54 +435,74 @@ class Taylor:
         longest: float,
         changes: Changes | None,
     ) -> Run:
-        """The run by one integrator."""
+        """The run by one integrator, and by its optimised code after many steps."""
         began = time.perf_counter()
-        with kept.ready(parameters) as ready:
+        with ExitStack() as stack:
+            ready = stack.enter_context(kept.ready(parameters))
+            used = [ready.integrator]
             integrator, record = ready.integrator, None
             grid, start = self.array(times), self.array(start)
             _place(integrator, grid[0], start)
-            at = partial(_room, system, [float(x) for x in parameters], integrator)
-            room = None if system.guard_is_entire else at
+            numbers = [float(x) for x in parameters]
+
+            def room() -> float:
+                return _room(system, numbers, used[-1])
 
             def refuse(pace: float, reached: float) -> None:
                 # States of a motion that blows up may be beyond doubles.
                 with np.errstate(over="ignore"):
-                    state = integrator.state.astype(float).tolist()
+                    state = used[-1].state.astype(float).tolist()
                 left = float(grid[-1]) - reached
-                refuse_stiff(
-                    system, state, floats(parameters), pace, reached, abs(left), self.max_steps
-                )
+                refuse_stiff(system, state, numbers, pace, reached, abs(left), self.max_steps)
 
             step: dict[str, Any] = {}
             if longest != math.inf:
                 step["max_delta_t"] = self.number(longest)
             if changes is not None:
-                step["callback"] = _changing(changes, start)
+                step["callback"] = _changing(changes, integrator.state, start)
+
+            def faster() -> Any:
+                assert optimised is not None
+                if len(used) == 1:
+                    used.append(stack.enter_context(optimised().ready(parameters)).integrator)
+                _place(used[-1], integrator.time, integrator.state)
+                if changes is not None and "callback" in step:
+                    step["callback"] = _changing(changes, used[-1].state, start)
+                return used[-1]
+
             states, outcome, steps, longest, reason = self._propagated(
-                integrator, grid, watch, room, refuse, step
-            )
+                integrator, grid, watch, None if system.guard_is_entire else room, refuse, step,
+                None if optimised is None else faster,
+            )  # fmt: skip
+            reached, last = used[-1].time, used[-1].state.copy()
             if outcome == "stuck":
+                del used[1:]
                 place = _last_regular(integrator, grid[0], start, grid[-1], steps)
                 # An unstable step of stiff equations cannot be taken back either.
                 _place(integrator, *place)
                 integrator.propagate_until(grid[-1], max_steps=1)
                 if np.isfinite(integrator.state.astype(float)).all():
                     refuse(abs(float(integrator.last_h)), float(place[0]))
-                if room is not None:
+                if not system.guard_is_entire:
                     _place(integrator, grid[0], start)
                     edge = _edge_ahead(integrator, place, grid[-1], room, room())
                     if edge is not None:
                         outcome, reason, place = "edge", "", edge
-                integrator.time, integrator.state[:] = place
-                lasted = abs(float(place[0] - grid[0]))
+                _place(integrator, *place)
+                reached, last = integrator.time, integrator.state.copy()
+                lasted = abs(float(reached - grid[0]))
                 states = states[np.abs((grid[: len(states)] - grid[0]).astype(float)) <= lasted]
-            reached, last = integrator.time, integrator.state.copy()
             if dense and reached != grid[0]:
                 step.pop("callback", None)
                 # The steps are the same with and without the grid.
                 _place(integrator, grid[0], start)
                 record = _Record(integrator, grid[0])
-                integrator.propagate_until(reached, callback=record, write_tc=True, **step)
+                step |= {"callback": record, "write_tc": True}
+                most = 0 if optimised is None else LONG * self._at_once
+                integrator.propagate_until(reached, max_steps=most, **step)
+                if optimised is not None and integrator.time != reached:
+                    step.pop("callback")
+                    faster().propagate_until(reached, callback=record, **step)
             return Run(
                 grid[: len(states)],
                 states,
@@ -468,6 +518,11 @@ class Taylor:
                 longest,
             )
 
+    @property
+    def _at_once(self) -> int:
+        """Steps in one portion."""
+        return STEPS_AT_ONCE if self.precision <= 64 else STEPS_AT_ONCE // 4
+
     def _propagated(
         self,
         integrator: Any,
@@ -476,6 +531,7 @@ class Taylor:
         room: Callable[[], float] | None,
         refuse: Callable[[float, float], None] = lambda _pace, _reached: None,
         step: Mapping[str, object] = MappingProxyType({}),
+        faster: Callable[[], Any] | None = None,
     ) -> tuple[np.ndarray, str, int, float, str]:
         """States on the grid, outcome, steps, the longest of them, and reason.
 
@@ -483,10 +539,11 @@ class Taylor:
         `room`: the guard, if it may have no series within a step, so that its zero is not detected.
         refuse: (mean step, time reached) -> an error where too many steps would follow.
         step: heyoka's options for the longest step and for a function called after each.
+        faster: gives an integrator for the rest of a long run.
         """
         if grid[0] == grid[-1]:
             return integrator.state.copy()[None, :], "done", 0, 0.0, ""
-        at_once = STEPS_AT_ONCE if self.precision <= 64 else STEPS_AT_ONCE // 4
+        at_once = self._at_once
         rows: list[np.ndarray] = []
         done, steps, longest, before = 0, 0, 0.0, grid[0]
         rest = grid
@@ -525,6 +582,8 @@ class Taylor:
                 raise WorkLimitError(f"{self.max_steps} steps", reached, advice, "t")
             if watch is not None:
                 watch(float(integrator.time))
+            if faster is not None and steps == LONG * at_once:
+                integrator = faster()
             before = integrator.time
             rest = np.concatenate(([before], grid[done:]))
 
@@ -542,13 +601,17 @@ def _place(integrator: Any, at: Any, state: np.ndarray) -> None:
         integrator.reset_cooldowns()
 
 
-def _changing(changes: Changes, start: np.ndarray) -> Callable[[Any], bool]:
-    """A callback that changes the state after some steps; called after each, so it is short."""
-    due, made = changes.due, changes.made
+def _changing(changes: Changes, state: np.ndarray, start: np.ndarray) -> Callable[[Any], bool]:
+    """A callback that changes the state after some steps; called after each, so it is short.
 
-    def change(integrator: Any) -> bool:
-        if due():
-            integrator.state[:] = made(integrator.state, start)
+    state: of the integrator; to ask it for a view takes as long as to change one.
+    """
+    made = changes.made
+
+    def change(_integrator: Any) -> bool:
+        changes.left -= 1
+        if not changes.left:
+            state[:] = made(state, start)
         return True
 
     return change

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import combinations, combinations_with_replacement, product
 from math import comb
 
@@ -19,6 +19,9 @@ from geomtorsion.support import checks
 from geomtorsion.support.exclusive import exclusive
 
 Index = tuple[int, ...]
+# Derivatives [m][a] of functions, and a connection by its indices.
+Slopes = list[list[Element]]
+Coupling = Callable[[Index], Element]
 
 
 @exclusive
@@ -74,53 +77,78 @@ def _search(frame: Frame, functions: Sequence[sp.Expr], slot: str, p: int) -> li
     """All forms whose components are sums of functions with rational coefficients."""
     if not functions:
         return []
-    n, field, q = frame.dimension, frame.field, frame.coordinates
     elements = independent(frame, functions)
-    slopes = [[x.diff(one) for one in q] for x in elements]
+    slopes, coupling = _derivatives(frame, elements, slot)
+    components = list(combinations(range(frame.dimension), p))
+    place = {index: k * len(elements) for k, index in enumerate(components)}
+    width = len(components) * len(elements)
+    equations = [
+        _equation(frame, elements, slopes, coupling, place, pair, rest)
+        for pair, rest in product(
+            combinations_with_replacement(range(frame.dimension), 2),
+            combinations(range(frame.dimension), p - 1),
+        )
+    ]
+    return [
+        _antisymmetric(frame, slot, p, _components(frame, elements, place, weights))
+        for weights in vanishing_sums(equations, width)
+    ]
+
+
+def _derivatives(frame: Frame, elements: Sequence[Element], slot: str) -> tuple[Slopes, Coupling]:
+    """Derivatives of the functions, [m][a], and the connection [a, b, c] of D_a in a slot."""
+    n, field = frame.dimension, frame.field
     bar = levi_civita(frame)
-    gamma = bar.coefficients.components.get
-    coupling: Callable[[Index], Element] = gamma
-    if slot == "D":
-        legs, omega = frame.legs.components.get, bar.spin_connection.components.get
-        slopes = [
-            [field.sum([(1, legs((a, i)), x) for a, x in enumerate(slope)]) for i in range(n)]
-            for slope in slopes
-        ]
-        table: dict[Index, Element] = {
-            (i, j, k): field.sum([(1, legs((a, i)), omega((a, j, k))) for a in range(n)])
-            for i, j, k in product(range(n), repeat=3)
-        }
-        coupling = table.__getitem__
-    components = list(combinations(range(n), p))
-    place = {index: k for k, index in enumerate(components)}
-    size = len(elements)
-    equations = []
-    for (i, j), rest in product(
-        combinations_with_replacement(range(n), 2), combinations(range(n), p - 1)
-    ):
-        terms: list[list[tuple]] = [[] for _ in range(len(components) * size)]
-        for a, b in ((i, j), (j, i)):
-            own = (b, *rest)
-            sign, index = _sorted(own)
-            for m in range(size if sign else 0):
-                terms[place[index] * size + m].append((sign, slopes[m][a]))
-            for k, old in enumerate(own):
-                for new in range(n):
-                    sign, index = _sorted((*own[:k], new, *own[k + 1 :]))
-                    turn = coupling((a, old, new))
-                    if sign and turn is not field.zero:
-                        for m, x in enumerate(elements):
-                            terms[place[index] * size + m].append((-sign, x, turn))
-        equations.append([field.sum(one) if one else field.zero for one in terms])
-    tensors = []
-    for weights in vanishing_sums(equations, len(components) * size):
-        values: dict[Index, Element] = {}
-        for k, index in enumerate(components):
-            parts = [(c, x) for c, x in zip(weights[k * size :], elements, strict=False) if c]
-            if parts:
-                values[index] = field.sum(parts)
-        tensors.append(_antisymmetric(frame, slot, p, values))
-    return tensors
+    slopes = [[x.diff(one) for one in frame.coordinates] for x in elements]
+    if slot == "d":
+        return slopes, bar.coefficients.components.get
+    legs, omega = frame.legs.components.get, bar.spin_connection.components.get
+    slopes = [
+        [field.sum([(1, legs((a, i)), x) for a, x in enumerate(slope)]) for i in range(n)]
+        for slope in slopes
+    ]
+    table: dict[Index, Element] = {
+        (i, j, k): field.sum([(1, legs((a, i)), omega((a, j, k))) for a in range(n)])
+        for i, j, k in product(range(n), repeat=3)
+    }
+    return slopes, table.__getitem__
+
+
+def _equation(
+    frame: Frame,
+    elements: Sequence[Element],
+    slopes: Slopes,
+    coupling: Coupling,
+    place: Mapping[Index, int],
+    pair: tuple[int, int],
+    rest: Index,
+) -> list[Element]:
+    """D_a f_b... + D_b f_a... for the pair (a, b), as coefficients of the weights."""
+    terms: list[list[tuple]] = [[] for _ in range(len(place) * len(elements))]
+    for a, b in (pair, pair[::-1]):
+        own = (b, *rest)
+        sign, index = _sorted(own)
+        if sign:
+            for m, slope in enumerate(slopes):
+                terms[place[index] + m].append((sign, slope[a]))
+        for k, new in product(range(len(own)), range(frame.dimension)):
+            sign, index = _sorted((*own[:k], new, *own[k + 1 :]))
+            turn = coupling((a, own[k], new))
+            if sign and turn is not frame.field.zero:
+                for m, x in enumerate(elements):
+                    terms[place[index] + m].append((-sign, x, turn))
+    return [frame.field.sum(one) if one else frame.field.zero for one in terms]
+
+
+def _components(
+    frame: Frame, elements: Sequence[Element], place: Mapping[Index, int], weights: Sequence
+) -> dict[Index, Element]:
+    """The components at increasing indices that the weights of the functions give."""
+    sums = {
+        index: [(c, x) for c, x in zip(weights[first:], elements, strict=False) if c]
+        for index, first in place.items()
+    }
+    return {index: frame.field.sum(parts) for index, parts in sums.items() if parts}
 
 
 def _antisymmetric(frame: Frame, slot: str, p: int, values: dict[Index, Element]) -> Tensor:

@@ -41,7 +41,7 @@ def test_a_grid(tmp_path) -> None:
     assert (out / "circuits.png").read_bytes().startswith(b"\x89PNG")
     said = run(path, "--loop", "circle 2,3:1.5", "--sigma", "estimate").stdout
     assert "the median of sixth differences" in said
-    assert "b = (7.06858) nm" in said
+    assert "b = (7.068583470577" in said
 
 
 def test_a_proved_circuit(tmp_path) -> None:

@@ -65,7 +65,7 @@ def test_files_hold_what_the_library_computes(name, tmp_path, no_pictures):
 def test_pictures_are_written(name, tmp_path):
     """The figures are written and listed in the metadata; each has more than 5 kB."""
     pytest.importorskip("matplotlib")
-    run("curve", name, *CHEAP, "-o", str(tmp_path), "--format", "svg")
+    run("curve", name, *CHEAP, "-o", str(tmp_path), "--picture-format", "svg")
     listed = json.loads((tmp_path / "curve.json").read_text("utf-8"))["pictures"]
     assert {"coordinates.svg", "distance.svg", "quality.svg"} <= set(listed)
     for file in listed:

@@ -50,7 +50,7 @@ def test_a_grid_as_table_arrays_and_picture(tmp_path):
 
 def test_an_orientation_map(wall, tmp_path):
     """The wall is above the noise: b per area is 2 sin(1 degree) / side."""
-    said = run(str(wall), "--size", "8", "-o", str(tmp_path / "o"), "--format", "svg")
+    said = run(str(wall), "--size", "8", "-o", str(tmp_path / "o"), "--picture-format", "svg")
     assert "1 grain at 5 degrees" in said.stdout
     found = json.loads((tmp_path / "o/map.json").read_text())
     assert found["largest"] == pytest.approx(2 * np.sin(np.radians(1)) / 4, rel=0.2)

@@ -66,7 +66,16 @@ def test_figures_and_animation(tmp_path, monkeypatch):
     monkeypatch.setattr(scene_film, "STYLE", quick)
     film = tmp_path / "animation" / "top.gif"
     out = str(tmp_path / "run")
-    arguments = ("--watch", "axis,energy", "-o", out, "--format", "svg", "--animate", str(film))
+    arguments = (
+        "--watch",
+        "axis,energy",
+        "-o",
+        out,
+        "--picture-format",
+        "svg",
+        "--animate",
+        str(film),
+    )
     text = run("run", "lagrange_loop", *arguments, "--t", "0.3").stdout
     listed = json.loads((tmp_path / "run" / "run.json").read_text())["pictures"]
     assert listed == ["watched.svg", "axis.svg", "trust.svg", "plan.svg"]

@@ -19,7 +19,7 @@ SIZES, KINDS = (256, 512), ("square", "hexagonal")
 CASES = list(product(SIZES, KINDS))
 
 
-def truth(image, phases: gt.LatticePhases) -> list[int]:
+def truth(image, phases: gt.materials.images.LatticePhases) -> list[int]:
     """Minus b_0 in lattice vectors."""
     return (-np.rint(phases.spots @ image.b)).astype(int).tolist()
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from geomtorsion.errors import OrientationError
+from geomtorsion.loops import Loop
 from geomtorsion.materials.maps import OrientationMap, Phase
 from geomtorsion.materials.maps.curvature import curvature_of
 from geomtorsion.rigid.attitude import product, quaternion_from_rotation_vector
@@ -47,8 +48,7 @@ def test_a_bent_crystal(component: int, shift: float):
     density, floor = made.gnd_density(0.25e-3)
     assert density[4, 5] == pytest.approx(RATE / 0.25e-3, rel=1e-6)
     assert (floor[1:-1, 1:-1] == 0).all()
-    # On hexagonal grids a corner has only one neighbour in the next row.
-    assert np.isfinite(density).all() or shift
+    assert np.isfinite(density).all()
 
 
 def test_quaternions_of_either_sign_are_one_orientation():
@@ -118,3 +118,59 @@ def test_real_maps():
     assert "grains in 1,680 of 1,680 pixels" in repr(made.grains)
     steel = OrientationMap.read(real("ebsd/sdss_ferrite_austenite.ang"))
     assert len(repr(steel.grains)) < 100
+
+
+def sheared(shift: float, shape: tuple[int, int], noise: float = 0.0) -> OrientationMap:
+    """A crystal with a curved bend: the same field on square and hexagonal grids."""
+    rows, columns = np.indices(shape)
+    x, y = STEP * (columns + shift * (rows % 2)), STEP * rows
+    wave = 2e-3 * np.sin(x / 4) * np.cos(y / 5)
+    theta = np.stack([wave, 1e-3 * x * y / 20, 2e-3 * np.cos(x / 5 + y / 4)], axis=-1)
+    theta = theta + noise * np.random.default_rng(3).normal(size=theta.shape)
+    q = product(quaternion_from_rotation_vector(theta), np.broadcast_to(BASE, (*shape, 4)))
+    return OrientationMap(
+        q, np.ones(shape, dtype=int), {1: STEEL}, (STEP, STEP), shift,
+        sigma=float(np.degrees(noise)),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("shift", [0.5, -0.5])
+def test_a_hexagonal_map_agrees_with_a_square_map(shift: float):
+    """Nye tensor and density of one field, at the pixels of even rows that both grids have."""
+    square, hexagonal = (sheared(one, (25, 30)) for one in (0.0, shift))
+    inner = (slice(2, -2, 2), slice(2, -2))
+    one, two = (made.curvature.nye[inner] for made in (square, hexagonal))
+    known = np.isfinite(one)
+    assert (np.isfinite(two) == known).all()
+    size = np.abs(one[known]).max()
+    assert two[known] == pytest.approx(one[known], abs=0.02 * size)
+    densities = [made.gnd_density(0.25e-3)[0][inner] for made in (square, hexagonal)]
+    assert densities[1] == pytest.approx(densities[0], abs=0.02 * densities[0].max())
+
+
+@pytest.mark.parametrize("shift", [0.5, -0.5])
+def test_the_frame_of_a_hexagonal_grain(shift: float):
+    """Nye tensor and circuits of the interpolated frame agree with a square map of one field."""
+    square, hexagonal = (sheared(one, (25, 32)) for one in (0.0, shift))
+    frames = square.frame(0, 4), hexagonal.frame(0, 4)
+    assert frames[1].axes[0][0] == STEP * (1 + shift / 2)
+    loop = Loop.circle([7.5, 6], 3.3)
+    one, two = (frame.burgers(loop) for frame in frames)
+    assert np.abs(one.vector).max() > 100 * (one.error + two.error)
+    assert np.abs(one.vector - two.vector).max() < 3 * (one.error + two.error)
+    one, two = (frame.nye[:, 0, 3:-3, 12] for frame in frames)
+    places = [frame.axes[0][3:-3] for frame in frames]
+    for row, expected in zip(two, one, strict=True):
+        between = np.interp(places[1], places[0], expected)
+        assert row[:-3] == pytest.approx(between[:-3], abs=0.02 * np.abs(one).max())
+
+
+def test_noise_of_hexagonal_maps_is_the_reported_floor():
+    """The root mean square of the density of a straight crystal, as on square grids."""
+    made = bent(np.zeros((3, 2)), 0.5, shape=(40, 50), noise=1e-3)
+    density, floor = made.gnd_density(0.25e-3)
+    inner = (slice(1, -1), slice(1, -1))
+    rms = np.sqrt((density[inner] ** 2).mean())
+    assert rms == pytest.approx(floor[inner].mean(), rel=0.05)
+    b = made.frame(0).burgers(Loop.circle([12, 10], 6))
+    assert np.abs(b.vector).max() < 4 * b.noise

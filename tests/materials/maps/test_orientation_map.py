@@ -316,13 +316,6 @@ def test_a_grain_as_a_sampled_frame():
     assert np.isnan(theirs.vectors[:, 5:8]).all()
     with pytest.raises(OrientationError, match="grain: expected a whole number from 0 to 1"):
         crystal.frame(2)
-    hexagonal = OrientationMap(
-        crystal.quaternions, crystal.phase, crystal.phases, (1, 1), 0.5, sigma=0
-    )
-    with pytest.raises(
-        OrientationError, match="expected a map on a square grid for a sampled frame, got a hex"
-    ):
-        hexagonal.frame(0)
 
 
 @pytest.mark.parametrize("shift", [0.5, -0.5])

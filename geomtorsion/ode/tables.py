@@ -1,0 +1,183 @@
+"""Tables: functions given by rows of numbers, joined by polynomials from row to row."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+import sympy as sp
+from scipy.interpolate import Akima1DInterpolator, CubicSpline, PchipInterpolator, PPoly
+
+from geomtorsion.errors import ExpressionError, FileFormatError
+from geomtorsion.ode.pieces import ends, joined
+from geomtorsion.ode.terms import expression
+from geomtorsion.support import checks
+from geomtorsion.support.caching import cached_property
+from geomtorsion.support.copies import content_hash, equal_content
+from geomtorsion.support.files import read_text
+
+INTERPOLATIONS = ("cubic", "monotone", "linear", "steps", "akima")
+OUTSIDE = ("refuse", "hold")
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Function of one number, from rows (place, value); it has no free parameters.
+
+    places: shape (m,), increasing. values: shape (m,).
+    interpolation: "cubic" (spline with two continuous derivatives), "monotone" (cubic without
+        overshoot: PCHIP), "akima", "linear", or "steps" (each value holds up to the next place).
+    outside: the values before the first and behind the last row: "refuse" (a motion that gets
+        there raises an error) or "hold" (the first and the last value).
+
+    A solver restarts at each row, where a derivative of the function jumps.
+
+    Raises
+    ------
+    ExpressionError
+        fewer than two rows, places that do not increase, numbers that are not finite, or an
+        unknown interpolation.
+    FileFormatError
+        a file has not two numbers in each row.
+
+    Examples
+    --------
+    >>> from geomtorsion.ode import ODE, solve
+    >>> thrust = Table.of([(0, 0), (1, 2), (3, 2)], "linear")
+    >>> rocket = ODE.of({"v": "F(t)"}, [0], tables={"F": thrust})
+    >>> solve(rocket, [1, 3])["v"].round(9).tolist()
+    [1.0, 5.0]
+    """
+
+    places: np.ndarray
+    values: np.ndarray
+    interpolation: str = "cubic"
+    outside: str = "refuse"
+
+    @classmethod
+    def of(
+        cls,
+        rows: object,
+        interpolation: str = "cubic",
+        outside: str = "refuse",
+    ) -> Table:
+        """Table from rows (place, value), or from a text file with two columns.
+
+        rows: shape (m, 2), or the path of a file: two numbers in each line, with a comma, a
+        semicolon or blanks between them; lines that begin with # and a line of names are skipped.
+
+        Examples
+        --------
+        >>> Table.of([(0, 1), (1, 3)], "linear")(sp.Rational(1, 2))
+        2
+        """
+        checks.choice(interpolation, INTERPOLATIONS, "interpolation", ExpressionError)
+        checks.choice(outside, OUTSIDE, "outside", ExpressionError)
+        if isinstance(rows, str | PathLike):
+            rows = _rows_of(Path(rows))
+        array = checks.array(rows, "table", ExpressionError)
+        if array.ndim != 2 or array.shape[1] != 2 or len(array) < 2:
+            raise ExpressionError(
+                f"table: expected at least two rows (place, value), got shape {array.shape}. Give "
+                "two numbers in each row."
+            )
+        bad = np.flatnonzero(np.diff(array[:, 0]) <= 0)
+        if len(bad):
+            k = int(bad[0])
+            raise ExpressionError(
+                f"table: expected increasing places, got {array[k, 0]:.9g} before "
+                f"{array[k + 1, 0]:.9g} in row {k + 2}. Sort the rows, and keep one of each place."
+            )
+        places, values = (np.array(column) for column in array.T)
+        for column in (places, values):
+            column.flags.writeable = False
+        return cls(places, values, interpolation, outside)
+
+    def __eq__(self, other: object) -> bool:
+        return equal_content(self, other)
+
+    def __hash__(self) -> int:
+        return content_hash(self)
+
+    def __repr__(self) -> str:
+        low, high = self.places[[0, -1]].tolist()
+        rows = f"{len(self.places)} rows from {low:.6g} to {high:.6g}"
+        return f"Table of {rows}, {self.interpolation}"
+
+    @cached_property
+    def _coefficients(self) -> np.ndarray:
+        """Polynomials in x - place for each interval, highest power first, shape (order, m - 1)."""
+        x, y = self.places, self.values
+        if self.interpolation == "steps":
+            return y[None, :-1]
+        if self.interpolation == "linear" or len(x) == 2:
+            return np.array([np.diff(y) / np.diff(x), y[:-1]])
+        made: PPoly = {"cubic": CubicSpline, "monotone": PchipInterpolator,
+                "akima": Akima1DInterpolator}[self.interpolation](x, y)  # fmt: skip
+        return made.c
+
+    @cached_property
+    def function(self) -> type[sp.Function]:
+        """The table as a function of sympy, for text."""
+
+        class Rows(sp.Function):
+            """The table of rows."""
+
+            nargs = 1
+
+            @classmethod
+            def eval(cls, place: sp.Expr) -> sp.Expr:
+                return self(place)
+
+        return Rows
+
+    def __call__(self, place: object) -> sp.Expr:
+        """The function of a number or an expression; its derivative is exact between the rows."""
+        term = place if isinstance(place, sp.Expr) else expression(place, "place", {})
+        levels = [_exact(x) for x in self.places]
+        rows = zip(levels, self._coefficients.T, strict=False)
+        branches = [_polynomial(term - level, column) for level, column in rows]
+        first, last = _exact(self.values[0]), _exact(self.values[-1])
+        # The last row itself belongs to the table.
+        levels[-1] = _exact(np.nextafter(self.places[-1], np.inf))
+        if self.outside == "refuse":
+            first = last = ends(term)
+        return joined(term, levels, [first, *branches, last])
+
+
+def _exact(value: float) -> sp.Rational:
+    return sp.Rational(*float(value).as_integer_ratio())
+
+
+def _polynomial(x: sp.Expr, column: Sequence[float]) -> sp.Expr:
+    """Polynomial in Horner's form."""
+    total: sp.Expr = sp.S.Zero
+    for number in column:
+        total = total * x + _exact(number)
+    return total
+
+
+def _rows_of(path: Path) -> list[list[float]]:
+    """Two numbers from each line of a file."""
+    rows: list[list[float]] = []
+    for number, line in enumerate(read_text(path).splitlines(), 1):
+        words = line.replace(";", " ").replace(",", " ").split()
+        if not words or words[0].startswith("#"):
+            continue
+        try:
+            row = [float(word) for word in words]
+        except ValueError:
+            row = []
+        if len(row) != 2:
+            if not rows and not row and len(words) == 2:
+                # Names of the columns.
+                continue
+            raise FileFormatError(
+                f"{path.name}, line {number}: expected two numbers, got {checks.shown(line)}. "
+                "Write a place and a value in each line."
+            )
+        rows.append(row)
+    return rows
